@@ -1,0 +1,1 @@
+"""State, commands and rules: what happened, who did it, and what may happen next."""

@@ -1,0 +1,58 @@
+"""The one state of the workbench: an immutable value, made by `decide` and nothing else."""
+
+import enum
+from dataclasses import dataclass
+
+from workbench.model.candidate import Candidate, Verdict
+from workbench.model.cell import Cell
+from workbench.model.plan import Plan, Proof
+from workbench.model.release import Approval, Receipt
+from workbench.model.scan import Detection, Scan
+
+
+class Phase(enum.StrEnum):
+    """Where the cycle stands."""
+
+    IDLE = "idle"
+    SCANNED = "scanned"
+    LOCALIZED = "localized"
+    PLANNED = "planned"
+    APPROVED = "approved"
+    SENDING = "sending"
+    DONE = "done"
+    FAULT = "fault"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Job:
+    """Long work under way in the worker process; `number` is that of the entry that began it."""
+
+    number: int
+    name: str
+    inputs_digest: str
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class State:
+    """All that an auditor would ask for.
+
+    What a stage made stays until a newer value of an earlier stage makes it stale: then it is
+    dropped, so that what is here always belongs together.
+    """
+
+    cell: Cell
+    phase: Phase = Phase.IDLE
+    number: int = 0
+    scan: Scan | None = None
+    detections: tuple[Detection, ...] | None = None
+    candidates: tuple[Candidate, ...] | None = None
+    plan: Plan | None = None
+    proof: Proof | None = None
+    verdict: Verdict | None = None
+    seconds: tuple[tuple[str, float], ...] = ()
+    approval: Approval | None = None
+    receipts: tuple[Receipt, ...] = ()
+    parts_placed: int = 0
+    job: Job | None = None
+    fault: str = ""
+    message: str = ""

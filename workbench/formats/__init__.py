@@ -1,0 +1,1 @@
+"""Files to values and back; millimetres and degrees of files stop here."""

@@ -1,0 +1,129 @@
+"""Candidates for a pick, the closed vocabulary of verdicts, and picks."""
+
+import enum
+from dataclasses import dataclass, field
+
+import numpy as np
+import pinocchio as pin
+
+from workbench.model.geometry import Floats, copied, frozen, put
+from workbench.model.part import Grasp
+
+
+class Reason(enum.StrEnum):
+    """Why a candidate, a pick or a plan was admitted or refused."""
+
+    OK = "ok"
+    DISABLED = "disabled"
+    ARM_NOT_ALLOWED = "arm not allowed"
+    TOOL_COLLISION = "tool collision"
+    OUT_OF_REACH = "out of reach"
+    IN_COLLISION = "in collision"
+    APPROACH_BLOCKED = "approach blocked"
+    EXTRACT_BLOCKED = "extract blocked"
+    NO_PATH = "no path"
+    NO_RETURN = "no return"
+    NO_PLACE = "no place"
+    OUT_OF_TIME = "out of time"
+
+
+class Stage(enum.StrEnum):
+    """Where in the line a verdict was given, in the order of the line."""
+
+    PROPOSE = "propose"
+    GRASP = "grasp"
+    APPROACH = "approach"
+    EXTRACT = "extract"
+    PLACE = "place"
+    ROUTE = "route"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Verdict:
+    """A reason with its evidence.
+
+    `pair` names the two bodies that come too close, `distance` [m] how close (negative:
+    penetration depth) or, when out of reach, how far the TCP stays away; `q` is the
+    configuration (of the candidate's arm) where it happened, so that the page can draw it.
+    """
+
+    reason: Reason
+    stage: Stage
+    pair: tuple[str, str] | None = None
+    distance: float | None = None
+    q: Floats | None = None
+    note: str = ""
+
+    def __post_init__(self) -> None:
+        put(self, q=None if self.q is None else frozen(self.q))
+
+    @property
+    def is_ok(self) -> bool:
+        """Whether it admits."""
+        return self.reason is Reason.OK
+
+    def __str__(self) -> str:
+        text = str(self.reason)
+        if self.pair is not None:
+            text += f": {self.pair[0]} and {self.pair[1]}"
+        if self.distance is not None:
+            text += f", {self.distance * 1000:.1f} mm"
+        return f"{text} ({self.note})" if self.note else text
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Candidate:
+    """One detection taken by one grasp with one arm, with the verdict so far.
+
+    `detection` is the index among the detections of the scan.  `rank` orders the choice:
+    lower is better (the SE(3) distance between the arm's home TCP pose and the grasp).
+    """
+
+    detection: int
+    grasp: Grasp
+    arm: str
+    T_world_tcp: pin.SE3
+    rank: float
+    verdict: Verdict
+
+    def __post_init__(self) -> None:
+        put(self, T_world_tcp=copied(self.T_world_tcp))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Pick:
+    """A candidate that works: the straight legs and the place, as configurations.
+
+    `approach` (m, n) [rad] runs from pre-grasp to grasp, `extract` (m, n) from grasp to the
+    end of the extraction; `place` (n,) releases the part.  `T_tcp_part` is the part in the
+    hand.  `clearance` [m] is the smallest found over them, `travel` [rad] the joint travel.
+    """
+
+    candidate: Candidate
+    T_tcp_part: pin.SE3
+    approach: Floats
+    extract: Floats
+    place: Floats
+    clearance: float
+    travel: float
+    solutions: tuple[Floats, ...] = field(default_factory=tuple)
+
+    def __post_init__(self) -> None:
+        put(
+            self,
+            T_tcp_part=copied(self.T_tcp_part),
+            approach=frozen(self.approach),
+            extract=frozen(self.extract),
+            place=frozen(self.place),
+            solutions=tuple(frozen(q) for q in self.solutions),
+        )
+
+    @property
+    def q_pregrasp(self) -> Floats:
+        """Where the approach starts, shape (n,)."""
+        return np.asarray(self.approach[0])
+
+    @property
+    def q_grasp(self) -> Floats:
+        """Where the fingers close, shape (n,)."""
+        return np.asarray(self.approach[-1])

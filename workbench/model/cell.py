@@ -1,0 +1,212 @@
+"""The cell: robot, arms with their tools, bin, fixtures, scanner, controller, and its policies."""
+
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+import pinocchio as pin
+
+from workbench.model.digest import digest_of
+from workbench.model.errors import InputError
+from workbench.model.geometry import Box, Floats, Solid, copied, frozen, pose_from_rpy, put
+from workbench.model.part import Part
+from workbench.model.robot import Robot
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Finger:
+    """A finger: its solid when closed, in the flange frame, moving along `direction` (3,).
+
+    Two fingers share the opening: each moves half of it.
+    """
+
+    solid: Solid
+    direction: Floats
+
+    def __post_init__(self) -> None:
+        put(self, direction=frozen(self.direction))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Tool:
+    """A gripper on the flange; solids in the flange frame; `stroke` (min, max) opening [m]."""
+
+    name: str
+    T_flange_tcp: pin.SE3
+    body: tuple[Solid, ...]
+    fingers: tuple[Finger, ...] = ()
+    stroke: tuple[float, float] = (0.0, 0.0)
+
+    def __post_init__(self) -> None:
+        put(self, T_flange_tcp=copied(self.T_flange_tcp))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Arm:
+    """One kinematic chain with a tool.
+
+    `joints` are the movable joints from base to flange, chain order; `wire_order[k]` is the
+    place in the chain of the k-th axis on the wire and `wire_signs` its sense.  `home` (n,)
+    [rad], chain order.  `places` are TCP poses where a part may be released, tried in order.
+    `letter` names the arm on the wire.
+    """
+
+    name: str
+    letter: str
+    flange: str
+    joints: tuple[str, ...]
+    wire_order: tuple[int, ...]
+    wire_signs: tuple[int, ...]
+    home: Floats
+    acceleration: Floats
+    tool: Tool
+    Ts_world_place: tuple[pin.SE3, ...] = ()
+
+    def __post_init__(self) -> None:
+        put(
+            self,
+            home=frozen(self.home),
+            acceleration=frozen(self.acceleration),
+            Ts_world_place=tuple(copied(T) for T in self.Ts_world_place),
+        )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Fixture:
+    """Something that stands still: table, tray, fence."""
+
+    name: str
+    T_world_fixture: pin.SE3
+    solids: tuple[Solid, ...]
+
+    def __post_init__(self) -> None:
+        put(self, T_world_fixture=copied(self.T_world_fixture))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Bin:
+    """An open box; its frame lies in the middle of the floor's upper side, z up.
+
+    `size` (3,) [m]: inner length, width and height.
+    """
+
+    T_world_bin: pin.SE3
+    size: Floats
+    wall: float = 0.003
+
+    def __post_init__(self) -> None:
+        put(self, T_world_bin=copied(self.T_world_bin), size=frozen(self.size))
+
+    @property
+    def solids(self) -> tuple[Solid, ...]:
+        """Floor and walls as boxes in the bin's frame: floor, x+, x-, y+, y-."""
+        length, width, height = self.size
+        wall = self.wall
+        outer = (length + 2 * wall, width + 2 * wall)
+        colour = (0.45, 0.52, 0.6)
+
+        def slab(name: str, size: tuple[float, ...], centre: tuple[float, ...]) -> Solid:
+            return Solid(f"bin_{name}", Box(np.array(size)), pose_from_rpy(centre), colour)
+
+        return (
+            slab("floor", (*outer, wall), (0, 0, -wall / 2)),
+            slab("wall_front", (wall, outer[1], height), ((length + wall) / 2, 0, height / 2)),
+            slab("wall_back", (wall, outer[1], height), (-(length + wall) / 2, 0, height / 2)),
+            slab("wall_left", (length, wall, height), (0, (width + wall) / 2, height / 2)),
+            slab("wall_right", (length, wall, height), (0, -(width + wall) / 2, height / 2)),
+        )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ScannerMount:
+    """Where the scanner hangs and what it sees: camera frame z forward, x right, y down.
+
+    `resolution` (columns, rows), `field_of_view` [rad] along the columns, `depth_noise` [m]
+    standard deviation at 1 m, `near` and `far` [m] the range it measures in.
+    """
+
+    T_world_scanner: pin.SE3
+    resolution: tuple[int, int] = (640, 480)
+    field_of_view: float = 0.8
+    depth_noise: float = 0.0003
+    near: float = 0.3
+    far: float = 1.5
+
+    def __post_init__(self) -> None:
+        put(self, T_world_scanner=copied(self.T_world_scanner))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Controller:
+    """Address and protocol of the robot controller."""
+
+    host: str = "127.0.0.1"
+    port: int = 1025
+    protocol: Literal["abb-socket"] = "abb-socket"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Policy:
+    """The numbers by which this cell plans; lengths [m], angles [rad].
+
+    `margin` is kept to everything on free legs, `near_margin` by the tool on straight legs.
+    `lift_length` and `lift_lean` shape the extraction: straight up, leaning to the bin centre.
+    `speed` scales joint velocities.  `zone` is the largest corner rounding, as a fraction of
+    the shorter neighbouring segment.  `iterations` bounds each planner call.
+    """
+
+    margin: float = 0.005
+    near_margin: float = 0.001
+    lift_length: float = 0.1
+    lift_lean: float = np.deg2rad(25.0)
+    free_points: int = 10
+    straight_points: int = 5
+    speed: float = 0.5
+    zone: float = 0.2
+    threshold: float = 0.2
+    iterations: int = 4000
+    approval_minutes: float = 5.0
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Cell:
+    """Everything that a plan depends on besides the scan: one digest covers it all."""
+
+    name: str
+    robot: Robot
+    T_world_robot: pin.SE3
+    arms: tuple[Arm, ...]
+    bin: Bin
+    scanner: ScannerMount
+    controller: Controller
+    parts: tuple[Part, ...]
+    fixtures: tuple[Fixture, ...] = ()
+    policy: Policy = field(default_factory=Policy)
+    digest: str = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        put(self, T_world_robot=copied(self.T_world_robot), digest=digest_of(self))
+
+    def arm(self, name: str) -> Arm:
+        """The arm of that name.
+
+        Raises:
+            InputError: there is none; the message lists those there are.
+        """
+        for arm in self.arms:
+            if arm.name == name:
+                return arm
+        known = ", ".join(arm.name for arm in self.arms)
+        raise InputError(f"cell {self.name} has no arm {name!r}; it has {known}")
+
+    def part(self, name: str) -> Part:
+        """The part of that name.
+
+        Raises:
+            InputError: there is none; the message lists those there are.
+        """
+        for part in self.parts:
+            if part.name == name:
+                return part
+        known = ", ".join(part.name for part in self.parts)
+        raise InputError(f"cell {self.name} has no part {name!r}; it has {known}")

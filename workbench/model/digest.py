@@ -1,0 +1,82 @@
+"""One canonical form for every value, and the digest made from it.
+
+The canonical form is what JSON can hold: a dataclass becomes an object of its fields, a pose
+its 4 x 4 matrix, an array nested lists (a large one its own digest and shape).  The plan file
+is this form, so anybody can recompute its digest with a JSON library and SHA-256.
+"""
+
+import dataclasses
+import enum
+import hashlib
+import json
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+
+LARGE = 4096
+"""Arrays with more elements than this enter by the digest of their bytes."""
+
+
+def canonical(value: Any, *, without: frozenset[str] = frozenset()) -> Any:
+    """The JSON-able form of a value.
+
+    Args:
+        value: dataclass, mapping, sequence, array, pose, enum, number, text or None.
+        without: field names of the outermost dataclass to leave out.  A field named `digest`
+            is always left out.
+
+    Raises:
+        TypeError: for a type that has no canonical form.
+    """
+    match value:
+        case None | str() | bool() | int():
+            return value
+        case enum.Enum():
+            return value.value
+        case float() | np.floating():
+            return float(value) + 0.0  # -0.0 and 0.0 are the same number
+        case np.integer():
+            return int(value)
+        case pin.SE3():
+            return (value.homogeneous + 0.0).tolist()
+        case np.ndarray():
+            return _canonical_array(value)
+        case Mapping():
+            return {str(key): canonical(item) for key, item in value.items()}
+        case list() | tuple():
+            return [canonical(item) for item in value]
+        case frozenset() | set():
+            return sorted(canonical(item) for item in value)
+        case _ if dataclasses.is_dataclass(value):
+            left_out = without | {"digest"}
+            return {
+                field.name: canonical(getattr(value, field.name))
+                for field in dataclasses.fields(value)
+                if field.name not in left_out
+            }
+    raise TypeError(f"no canonical form for {type(value).__name__}")
+
+
+def digest_of(value: Any, *, without: frozenset[str] = frozenset()) -> str:
+    """SHA-256 over the canonical form, as 64 hexadecimal digits."""
+    text = json.dumps(
+        canonical(value, without=without),
+        sort_keys=True,
+        separators=(",", ":"),
+        ensure_ascii=False,
+        allow_nan=True,
+    )
+    return hashlib.sha256(text.encode()).hexdigest()
+
+
+def _canonical_array(array: np.ndarray) -> Any:
+    if array.size <= LARGE:
+        return (array + 0.0 if array.dtype.kind == "f" else array).tolist()
+    block = np.ascontiguousarray(array)
+    return {
+        "shape": list(block.shape),
+        "type": block.dtype.str,
+        "sha256": hashlib.sha256(block.data).hexdigest(),
+    }

@@ -1,0 +1,58 @@
+"""Everything that can go wrong and is somebody's to mend, as one tree.
+
+    WorkbenchError
+    |-- InputError        a file, an argument or a message that cannot be used as it is
+    |   |-- FileError     ... with the file named
+    |   `-- CommandRefused  a command that the rules do not admit now
+    |-- LinkError         the robot controller or a scanner cannot be reached, or broke off
+    |   `-- ProtocolError it answered something that the protocol does not know
+    |-- JobCancelled      a person ended a long task
+    `-- JournalError      the journal cannot be written, or was changed from outside
+
+An expected failure of planning is not an error but a value: see `Verdict`.
+Messages name the file, the key, the value, what was expected and what is available.
+"""
+
+from pathlib import Path
+
+
+class WorkbenchError(Exception):
+    """Root of all errors that the workbench raises on purpose."""
+
+
+class InputError(WorkbenchError):
+    """Something given from outside cannot be used as it is."""
+
+
+class FileError(InputError):
+    """A file cannot be used; the message starts with its path."""
+
+    def __init__(self, path: Path | str, problem: str):
+        super().__init__(f"{path}: {problem}")
+        self.path = str(path)
+        self.problem = problem
+
+    def __reduce__(self) -> tuple[type["FileError"], tuple[str, str]]:
+        # Exceptions cross the border to the worker process and back; default pickling
+        # would call the constructor with the finished message alone.
+        return (FileError, (self.path, self.problem))
+
+
+class CommandRefused(InputError):
+    """The rules do not admit this command in this state, or not from this actor."""
+
+
+class LinkError(WorkbenchError):
+    """A device cannot be reached, did not answer in time, or broke off."""
+
+
+class ProtocolError(LinkError):
+    """A device sent something that the protocol does not know."""
+
+
+class JobCancelled(WorkbenchError):
+    """A person cancelled the task."""
+
+
+class JournalError(WorkbenchError):
+    """The journal cannot be written or does not agree with itself."""

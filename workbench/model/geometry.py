@@ -1,0 +1,135 @@
+"""Poses, arrays that cannot change, and the shapes that things are made of.
+
+A pose is a `pinocchio.SE3` named `T_a_b`: the pose of frame b in frame a, so that
+`p_a = T_a_b.act(p_b)` and `T_a_c = T_a_b * T_b_c`.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import ArrayLike, NDArray
+
+from workbench.model.errors import InputError
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int32]
+
+
+def frozen(values: ArrayLike, dtype: Any = np.float64) -> NDArray[Any]:
+    """A contiguous copy of `values` that refuses to be written to."""
+    array = np.array(values, dtype=dtype, order="C")
+    array.setflags(write=False)
+    return array
+
+
+def put(value: Any, **fields: Any) -> None:
+    """Set fields of a frozen dataclass while it is being made (in `__post_init__` only)."""
+    for name, item in fields.items():
+        object.__setattr__(value, name, item)
+
+
+def copied(T: pin.SE3) -> pin.SE3:
+    """A pose of one's own: SE3 is mutable, and a frozen dataclass does not protect it."""
+    if not np.all(np.isfinite(T.homogeneous)):
+        raise InputError("a pose holds a value that is not a finite number")
+    return pin.SE3(T)
+
+
+def pose_from_matrix(matrix: ArrayLike) -> pin.SE3:
+    """A pose from a 3 x 4 or 4 x 4 matrix [R | t], lengths in m.
+
+    Raises:
+        InputError: wrong shape, not finite, or R is not a rotation (tolerance 1e-3; what
+            is within it is replaced by the nearest rotation, as files carry few digits).
+    """
+    T = np.asarray(matrix, dtype=np.float64)
+    if T.shape not in ((3, 4), (4, 4)):
+        raise InputError(f"a pose needs a 3 x 4 or 4 x 4 matrix, not one of shape {T.shape}")
+    if not np.all(np.isfinite(T)):
+        raise InputError("a pose holds a value that is not a finite number")
+    if T.shape == (4, 4) and not np.allclose(T[3], (0, 0, 0, 1), atol=1e-9):
+        raise InputError(f"the last row of a pose must be 0 0 0 1, not {T[3].tolist()}")
+    R = T[:3, :3]
+    if not np.allclose(R @ R.T, np.eye(3), atol=1e-3) or np.linalg.det(R) < 0.5:
+        raise InputError("the rotation part of a pose is not a rotation matrix")
+    if np.abs(R @ R.T - np.eye(3)).max() > 1e-12:
+        u, _, vt = np.linalg.svd(R)
+        R = u @ vt
+    return pin.SE3(R, T[:3, 3].copy())
+
+
+def pose_from_rpy(xyz: ArrayLike, rpy: ArrayLike = (0.0, 0.0, 0.0)) -> pin.SE3:
+    """A pose from a position [m] and fixed-axis roll, pitch, yaw [rad] (the URDF convention)."""
+    roll, pitch, yaw = np.asarray(rpy, dtype=np.float64)
+    return pin.SE3(pin.rpy.rpyToMatrix(roll, pitch, yaw), np.asarray(xyz, dtype=np.float64))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Box:
+    """A cuboid centred on its frame; `size` (3,) [m]: full lengths along x, y, z."""
+
+    size: Floats
+
+    def __post_init__(self) -> None:
+        put(self, size=frozen(self.size))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Cylinder:
+    """A cylinder centred on its frame, axis z."""
+
+    radius: float
+    length: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Capsule:
+    """A cylinder with half spheres on both ends; `length` [m] is that of the cylinder alone."""
+
+    radius: float
+    length: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Sphere:
+    """A ball centred on its frame."""
+
+    radius: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Mesh:
+    """Triangles; `points` (n, 3) [m], `triangles` (m, 3) indices, counter-clockwise outside.
+
+    `is_convex` says that the triangles bound a convex body, which the collision checker may
+    then treat as solid.
+    """
+
+    points: Floats
+    triangles: Ints
+    is_convex: bool = False
+
+    def __post_init__(self) -> None:
+        put(
+            self,
+            points=frozen(self.points).reshape(-1, 3),
+            triangles=frozen(self.triangles, np.int32).reshape(-1, 3),
+        )
+
+
+Shape = Box | Cylinder | Capsule | Sphere | Mesh
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Solid:
+    """A named shape fixed in the frame of what owns it (a link, a fixture, a part, a tool)."""
+
+    name: str
+    shape: Shape
+    T_owner_shape: pin.SE3
+    colour: tuple[float, float, float] = (0.7, 0.7, 0.72)
+
+    def __post_init__(self) -> None:
+        put(self, T_owner_shape=copied(self.T_owner_shape))

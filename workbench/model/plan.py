@@ -1,0 +1,198 @@
+"""A plan: what each arm does, leg by leg, exactly as it will be sent; and its proof."""
+
+import enum
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Literal
+
+import pinocchio as pin
+
+from workbench.model.digest import digest_of
+from workbench.model.geometry import Floats, copied, frozen, put
+from workbench.model.scan import Detection
+
+PLAN_FORMAT = "workbench-plan/1"
+
+UNSIGNED = frozenset({"seconds", "digest"})
+"""Fields outside a plan's digest: how long the computer took does not change what moves."""
+
+LegName = Literal["reach", "approach", "extract", "return", "place", "home"]
+LEG_NAMES: tuple[LegName, ...] = ("reach", "approach", "extract", "return", "place", "home")
+
+
+class Strategy(enum.StrEnum):
+    """Which arms work, and whether at once."""
+
+    ALTERNATED = "alternated"
+    COORDINATED = "coordinated"
+    RIGHT_ONLY = "right"
+    LEFT_ONLY = "left"
+
+
+class Guarantee(enum.StrEnum):
+    """Under which condition the arms stay apart."""
+
+    ONE_AT_A_TIME = "one-at-a-time"
+    TIME_INDEPENDENT = "time-independent"
+    SYNCHRONISED = "synchronised"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Leg:
+    """One motion of one arm through waypoints.
+
+    `q` (n, dof) [rad], chain order, first row where the arm stands before; `t` (n,) [s] when
+    each waypoint is passed, counted from the leg's start.  `opening` [m] is that of the
+    fingers during the leg, `holding` whether the part travels in the hand.
+    """
+
+    name: LegName
+    motion: Literal["joint", "linear"]
+    holding: bool
+    opening: float
+    q: Floats
+    t: Floats
+
+    def __post_init__(self) -> None:
+        put(self, q=frozen(self.q), t=frozen(self.t))
+
+    @property
+    def seconds(self) -> float:
+        """How long the leg takes."""
+        return float(self.t[-1])
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ArmPlan:
+    """All that one arm does with one part.  `detection` is an index into the plan's list."""
+
+    arm: str
+    detection: int
+    grasp: str
+    T_tcp_part: pin.SE3
+    joints: tuple[str, ...]
+    legs: tuple[Leg, ...]
+
+    def __post_init__(self) -> None:
+        put(self, T_tcp_part=copied(self.T_tcp_part))
+
+    def leg(self, name: str) -> Leg:
+        """The leg of that name; KeyError when the arm has none."""
+        for leg in self.legs:
+            if leg.name == name:
+                return leg
+        raise KeyError(name)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Step:
+    """Legs that run at the same time: pairs of (arm, leg name)."""
+
+    runs: tuple[tuple[str, LegName], ...]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Plan:
+    """What will be sent, and all that it was made from.
+
+    `detections` are all parts known in the bin: those taken and those that are obstacles.
+    `scan_digest` is that of the scan, or of the detections when they came from a file.
+    `seconds` (stage -> computing time) is not part of the digest.
+    """
+
+    cell: str
+    cell_digest: str
+    scan_digest: str
+    seed: int
+    strategy: Strategy
+    guarantee: Guarantee
+    detections: tuple[Detection, ...]
+    arms: tuple[ArmPlan, ...]
+    sequence: tuple[Step, ...]
+    note: str = ""
+    seconds: Mapping[str, float] = field(default_factory=dict)
+    digest: str = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        put(self, seconds=dict(self.seconds), digest=digest_of(self, without=UNSIGNED))
+
+    def arm(self, name: str) -> ArmPlan:
+        """That arm's part of the plan; KeyError when the arm does not take part."""
+        for arm in self.arms:
+            if arm.arm == name:
+                return arm
+        raise KeyError(name)
+
+    @property
+    def cycle_seconds(self) -> float:
+        """Predicted time of the whole motion, the steps one after the other."""
+        return sum(
+            max(self.arm(arm).leg(leg).seconds for arm, leg in step.runs) for step in self.sequence
+        )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Finding:
+    """Something that a proof objects to: where, which pair, and how close [m]."""
+
+    problem: str
+    arm: str = ""
+    leg: str = ""
+    waypoint: int | None = None
+    pair: tuple[str, str] | None = None
+    distance: float | None = None
+    q: Floats | None = None
+
+    def __post_init__(self) -> None:
+        put(self, q=None if self.q is None else frozen(self.q))
+
+    def __str__(self) -> str:
+        where = " ".join(
+            word
+            for word in (
+                f"arm {self.arm}" if self.arm else "",
+                f"leg {self.leg}" if self.leg else "",
+                f"after waypoint {self.waypoint}" if self.waypoint is not None else "",
+            )
+            if word
+        )
+        text = f"{where}: {self.problem}" if where else self.problem
+        if self.pair is not None:
+            text += f": {self.pair[0]} and {self.pair[1]}"
+        if self.distance is not None:
+            text += f", clearance {self.distance * 1000:.1f} mm"
+        return text
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Proof:
+    """What was checked again, independently of the planner, on what will be sent.
+
+    `checks` states were looked at; between two of them no point of the robot moves further
+    than its distance to the nearest obstacle allows, down to `resolution` [m].  `clearance`
+    [m] is the smallest found over free legs, `nearest` where; `clearances` (steps) holds per
+    arm and leg the smallest distance after each waypoint, for the plot.
+    """
+
+    plan_digest: str
+    cell_digest: str
+    scan_digest: str
+    checks: int
+    resolution: float
+    clearance: float
+    nearest: Finding | None
+    findings: tuple[Finding, ...]
+    clearances: tuple[tuple[str, str, Floats], ...] = ()
+    digest: str = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        put(
+            self,
+            clearances=tuple((arm, leg, frozen(d)) for arm, leg, d in self.clearances),
+            digest=digest_of(self),
+        )
+
+    @property
+    def holds(self) -> bool:
+        """Whether nothing was found against the plan."""
+        return not self.findings

@@ -1,0 +1,102 @@
+"""A robot as a tree of links and joints, whatever file it came from."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+import pinocchio as pin
+
+from workbench.model.errors import InputError
+from workbench.model.geometry import Floats, Solid, copied, frozen, put
+
+JointKind = Literal["revolute", "prismatic", "fixed"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Joint:
+    """One joint.  A URDF `continuous` joint is a revolute one with limits of +/- 2 pi.
+
+    `lower`, `upper` [rad or m], `velocity` [rad/s or m/s]; `axis` (3,) a unit vector in the
+    joint's frame; `T_parent_joint` where that frame sits in the parent link at zero.
+    """
+
+    name: str
+    kind: JointKind
+    parent: str
+    child: str
+    T_parent_joint: pin.SE3
+    axis: Floats
+    lower: float = 0.0
+    upper: float = 0.0
+    velocity: float = 0.0
+
+    def __post_init__(self) -> None:
+        put(self, T_parent_joint=copied(self.T_parent_joint), axis=frozen(self.axis))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Link:
+    """One rigid body: `collision` is what the planner checks, `visual` what the page draws."""
+
+    name: str
+    collision: tuple[Solid, ...] = ()
+    visual: tuple[Solid, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Robot:
+    """Links and joints, parents before children, and the link pairs that need no check."""
+
+    name: str
+    links: tuple[Link, ...]
+    joints: tuple[Joint, ...]
+    disabled_pairs: frozenset[tuple[str, str]] = frozenset()
+
+    @property
+    def root(self) -> str:
+        """The link that no joint has as its child."""
+        children = {joint.child for joint in self.joints}
+        return next(link.name for link in self.links if link.name not in children)
+
+    def link(self, name: str) -> Link:
+        """The link of that name.
+
+        Raises:
+            InputError: there is none; the message lists those there are.
+        """
+        for link in self.links:
+            if link.name == name:
+                return link
+        known = ", ".join(link.name for link in self.links)
+        raise InputError(f"robot {self.name} has no link {name!r}; it has {known}")
+
+    def joint(self, name: str) -> Joint:
+        """The joint of that name.
+
+        Raises:
+            InputError: there is none; the message lists the movable ones.
+        """
+        for joint in self.joints:
+            if joint.name == name:
+                return joint
+        known = ", ".join(joint.name for joint in self.joints if joint.kind != "fixed")
+        raise InputError(f"robot {self.name} has no joint {name!r}; it has {known}")
+
+    def chain(self, tip: str) -> tuple[Joint, ...]:
+        """All joints from the root to link `tip`, root first, fixed ones included."""
+        by_child = {joint.child: joint for joint in self.joints}
+        joints: list[Joint] = []
+        link = self.link(tip).name
+        while link in by_child:
+            joints.append(by_child[link])
+            link = by_child[link].parent
+        return tuple(reversed(joints))
+
+    def limits(self, joints: tuple[str, ...]) -> tuple[Floats, Floats, Floats]:
+        """Lower and upper limits and velocities of the named joints, each shape (n,)."""
+        found = [self.joint(name) for name in joints]
+        return (
+            np.array([joint.lower for joint in found]),
+            np.array([joint.upper for joint in found]),
+            np.array([joint.velocity for joint in found]),
+        )

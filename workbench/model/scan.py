@@ -1,0 +1,73 @@
+"""What the scanner saw, and the parts found in it."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+import pinocchio as pin
+
+from workbench.model.digest import digest_of
+from workbench.model.errors import InputError
+from workbench.model.geometry import Floats, copied, frozen, put
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Scan:
+    """A point cloud in the scanner's frame.
+
+    `points` (n, 3) [m], all finite; when the scanner delivers an organised cloud, `pixels`
+    (n,) holds each point's place row * columns + column in an image of `resolution`
+    (columns, rows), otherwise both are None.  `at` is seconds since the epoch, for people:
+    it is not part of the digest, so the same points are the same scan.
+    """
+
+    points: Floats
+    T_world_scanner: pin.SE3
+    source: str
+    pixels: np.ndarray | None = None
+    resolution: tuple[int, int] | None = None
+    at: float = 0.0
+    digest: str = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        points = frozen(self.points)
+        if points.ndim != 2 or points.shape[1] != 3 or len(points) == 0:
+            raise InputError(f"a scan needs points of shape (n, 3), n > 0, not {points.shape}")
+        if not np.all(np.isfinite(points)):
+            raise InputError("a scan may hold finite points only; drop the empty ones first")
+        if self.pixels is not None and len(self.pixels) != len(points):
+            raise InputError(f"{len(points)} points but {len(self.pixels)} pixels")
+        put(
+            self,
+            points=points,
+            T_world_scanner=copied(self.T_world_scanner),
+            pixels=None if self.pixels is None else frozen(self.pixels, np.int32),
+        )
+        put(self, digest=digest_of(self, without=frozenset({"at", "source"})))
+
+    @property
+    def points_world(self) -> Floats:
+        """The points (n, 3) [m] in the world frame."""
+        T = self.T_world_scanner
+        return self.points @ T.rotation.T + T.translation
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Detection:
+    """One part found: its pose, and how much speaks for and against it.
+
+    `score` 0..1; `visible` 0..1, the fraction of the surface facing the scanner that was
+    seen; `gap` the score by which it beats the second-best different pose of the same object
+    (None when there was no other, or for poses from outside).  `roll_known` False: the scan
+    does not show the angle about the part's near-symmetry axis.
+    """
+
+    part: str
+    T_world_part: pin.SE3
+    score: float = 1.0
+    visible: float = 1.0
+    gap: float | None = None
+    residual: float | None = None
+    roll_known: bool = True
+
+    def __post_init__(self) -> None:
+        put(self, T_world_part=copied(self.T_world_part))

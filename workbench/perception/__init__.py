@@ -1,0 +1,1 @@
+"""Clouds in, poses out: pure functions."""
