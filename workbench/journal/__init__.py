@@ -1,1 +1,1 @@
-"""An append-only record that knows no command: SQLite rows and content-addressed files."""
+"""An append-only record of what happened: bytes in, bytes out; it knows no command."""

@@ -1,0 +1,246 @@
+"""The journal of one session: numbered entries in SQLite, chained by hashes, and their files.
+
+Each entry's hash covers its content and the hash before it, so a change anywhere shows
+everywhere after it.  Whoever can write the folder can also compute a whole new chain; to
+exclude that, keep `head` somewhere else.
+"""
+
+import hashlib
+import sqlite3
+import threading
+from collections.abc import Iterator, Mapping
+from contextlib import closing
+from dataclasses import dataclass
+from pathlib import Path
+from types import MappingProxyType
+
+from workbench.journal.files import read_file, write_file
+from workbench.journal.schema import migrate
+from workbench.model.errors import JournalError
+
+FIRST = "0" * 64
+"""What stands before the first entry."""
+
+NO_FILES: Mapping[str, bytes] = MappingProxyType({})
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """One entry as it was written; `files` are the digests of what belongs to it, sorted."""
+
+    number: int
+    kind: str
+    body: bytes
+    files: tuple[str, ...]
+    previous: str
+    hash: str
+
+
+class Journal:
+    """An append-only journal in a folder: `journal.sqlite` and `files/`.
+
+    Lifetime: open from construction until `close`; a folder may be opened again later, then
+    numbers go on where they ended.  When the process dies at any moment, an entry is there
+    wholly, with its files, or not at all.
+
+    Concurrency: any thread may call anything.  Appends are one after the other; readers have
+    their own connection and never wait for a writer.  One process writes to a folder: a
+    second one is refused at its first append after the other's.
+    """
+
+    def __init__(self, folder: Path, *, patience: float = 1.0):
+        """Open the journal in `folder`, making it when there is none.
+
+        Args:
+            folder: where it lies; made when missing.
+            patience: how long [s] an append may wait for another program's lock.
+
+        Raises:
+            JournalError: the folder cannot be used, or a newer workbench wrote it.
+        """
+        self.folder = folder
+        self._lock = threading.Lock()
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+            self._connection = sqlite3.connect(
+                self._path, timeout=patience, isolation_level=None, check_same_thread=False
+            )
+        except (OSError, sqlite3.Error) as error:
+            raise JournalError(f"{folder}: cannot hold a journal: {error}") from error
+        try:
+            self._connection.execute("PRAGMA journal_mode = WAL")
+            self._connection.execute("PRAGMA synchronous = FULL")
+            self._connection.execute("PRAGMA foreign_keys = ON")
+            migrate(self._connection)
+            self._count, self._head = _last(self._connection)
+        except (JournalError, sqlite3.Error) as error:
+            self._connection.close()
+            raise JournalError(f"{self._path}: {error}") from error
+
+    @property
+    def count(self) -> int:
+        """How many entries there are, which is the number of the last one."""
+        return self._count
+
+    @property
+    def head(self) -> str:
+        """The hash of the last entry: it stands for the whole journal up to here."""
+        return self._head
+
+    def append(self, kind: str, body: bytes, files: Mapping[str, bytes] = NO_FILES) -> int:
+        """Write one entry; when this returns it is on the disk.
+
+        Args:
+            kind: what sort of entry it is.
+            body: its content.
+            files: SHA-256 -> content, for what is too big for a row.
+
+        Returns:
+            The entry's number, counted from 1.
+
+        Raises:
+            JournalError: nothing was appended.
+        """
+        with self._lock:
+            for digest, content in files.items():
+                write_file(self.folder / "files", digest, content)
+            number = self._count + 1
+            digests = tuple(sorted(files))
+            entry_hash = hash_of(self._head, number, kind, body, digests)
+            row = Row(number, kind, body, digests, self._head, entry_hash)
+            try:
+                self._insert(row, files)
+            except sqlite3.IntegrityError as error:
+                raise JournalError(
+                    f"{self._path}: another process writes to this session"
+                ) from error
+            except sqlite3.Error as error:
+                raise JournalError(f"{self._path}: cannot be written: {error}") from error
+            self._count, self._head = row.number, row.hash
+            return row.number
+
+    def entries(self, after: int = 0) -> Iterator[Row]:
+        """All entries with a higher number than `after`, in order.
+
+        Raises:
+            JournalError: the journal cannot be read.
+        """
+        try:
+            # closing: sqlite3's own `with` ends a transaction but leaves the connection open.
+            with closing(self._reader()) as reader:
+                rows = reader.execute(
+                    "SELECT number, kind, body, previous, hash FROM entries"
+                    " WHERE number > ? ORDER BY number",
+                    (after,),
+                )
+                for number, kind, body, previous, entry_hash in rows:
+                    yield Row(number, kind, body, _files_of(reader, number), previous, entry_hash)
+        except sqlite3.Error as error:
+            raise JournalError(f"{self._path}: cannot be read: {error}") from error
+
+    def read(self, digest: str) -> bytes:
+        """The content of a file of this journal, checked against its digest.
+
+        Raises:
+            JournalError: it is missing or was changed.
+        """
+        return read_file(self.folder / "files", digest)
+
+    def verify(self) -> tuple[str, ...]:
+        """Everything that shows a change from outside, as sentences; empty when all agrees.
+
+        Raises:
+            JournalError: the journal cannot be read at all.
+        """
+        problems: list[str] = []
+        expected_number, previous = 1, FIRST
+        checked: set[str] = set()
+        for row in self.entries():
+            if row.number != expected_number:
+                problems.append(f"entry {expected_number} is missing before entry {row.number}")
+            if row.previous != previous:
+                problems.append(f"entry {row.number} does not follow from the one before it")
+            if hash_of(row.previous, row.number, row.kind, row.body, row.files) != row.hash:
+                problems.append(f"entry {row.number} was changed after it was written")
+            for digest in row.files:
+                if digest not in checked:
+                    checked.add(digest)
+                    problems.extend(self._file_problem(row.number, digest))
+            expected_number, previous = row.number + 1, row.hash
+        highest = self._highest_number()
+        if highest >= expected_number:
+            problems.append(f"the entries {expected_number} to {highest} are missing at the end")
+        return tuple(problems)
+
+    def close(self) -> None:
+        """End writing; closing twice does no harm."""
+        with self._lock:
+            self._connection.close()
+
+    @property
+    def _path(self) -> Path:
+        return self.folder / "journal.sqlite"
+
+    def _reader(self) -> sqlite3.Connection:
+        return sqlite3.connect(f"{self._path.absolute().as_uri()}?mode=ro", uri=True)
+
+    def _insert(self, row: Row, files: Mapping[str, bytes]) -> None:
+        execute = self._connection.execute
+        execute("BEGIN IMMEDIATE")
+        try:
+            execute(
+                "INSERT INTO entries (number, kind, body, previous, hash) VALUES (?, ?, ?, ?, ?)",
+                (row.number, row.kind, row.body, row.previous, row.hash),
+            )
+            for digest in row.files:
+                execute(
+                    "INSERT OR IGNORE INTO files (digest, size) VALUES (?, ?)",
+                    (digest, len(files[digest])),
+                )
+                execute(
+                    "INSERT INTO entry_files (entry, digest) VALUES (?, ?)", (row.number, digest)
+                )
+            execute("COMMIT")
+        except BaseException:
+            if self._connection.in_transaction:
+                execute("ROLLBACK")
+            raise
+
+    def _file_problem(self, number: int, digest: str) -> tuple[str, ...]:
+        try:
+            self.read(digest)
+        except JournalError as error:
+            return (f"entry {number}: {error}",)
+        return ()
+
+    def _highest_number(self) -> int:
+        try:
+            with closing(self._reader()) as reader:
+                found = reader.execute("SELECT seq FROM sqlite_sequence WHERE name = 'entries'")
+                return next((seq for (seq,) in found), 0)
+        except sqlite3.Error as error:
+            raise JournalError(f"{self._path}: cannot be read: {error}") from error
+
+
+def hash_of(previous: str, number: int, kind: str, body: bytes, files: tuple[str, ...]) -> str:
+    """The chained hash of an entry; each field enters with its length, so none can shift."""
+    chain = hashlib.sha256()
+    texts = (previous, str(number), kind, *files)
+    for field in (body, *map(str.encode, texts)):
+        chain.update(len(field).to_bytes(8, "big"))
+        chain.update(field)
+    return chain.hexdigest()
+
+
+def _last(connection: sqlite3.Connection) -> tuple[int, str]:
+    row = connection.execute(
+        "SELECT number, hash FROM entries ORDER BY number DESC LIMIT 1"
+    ).fetchone()
+    return row if row is not None else (0, FIRST)
+
+
+def _files_of(connection: sqlite3.Connection, number: int) -> tuple[str, ...]:
+    rows = connection.execute(
+        "SELECT digest FROM entry_files WHERE entry = ? ORDER BY digest", (number,)
+    )
+    return tuple(digest for (digest,) in rows)
