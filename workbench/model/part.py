@@ -80,7 +80,9 @@ class GraspPattern:
             replace(
                 self.grasp,
                 name=f"{self.grasp.name}-{row}-{column}",
-                T_part_tcp=pin.SE3(pin.AngleAxis(angle, np.array(self.axis)).matrix(), offset * self.axis)
+                T_part_tcp=pin.SE3(
+                    pin.AngleAxis(angle, np.array(self.axis)).matrix(), offset * self.axis
+                )
                 * self.grasp.T_part_tcp,
             )
             for row, offset in enumerate(self.offsets, start=1)

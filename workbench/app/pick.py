@@ -1,0 +1,191 @@
+"""The line from detections to a proven plan: one function for page, command line and studies."""
+
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from itertools import permutations
+
+import numpy as np
+
+from workbench.app.commands import PlanResult
+from workbench.model.candidate import Candidate, Pick, Reason, Stage, Verdict
+from workbench.model.cell import Cell
+from workbench.model.errors import InputError, JobCancelled
+from workbench.model.plan import Plan, Strategy
+from workbench.model.scan import Detection
+from workbench.planning.propose import propose
+from workbench.planning.prove import prove
+from workbench.planning.resolve import resolve
+from workbench.planning.route import route
+from workbench.planning.world import World
+
+Report = Callable[[float, str], None]
+"""Called with the share done, 0..1, and what is being done."""
+
+STRATEGIES = ("auto", *(str(strategy) for strategy in Strategy))
+
+ATTEMPTS = 6
+"""Assignments of parts to arms that are planned before giving up."""
+
+
+def plan_pick(
+    cell: Cell,
+    detections: tuple[Detection, ...],
+    scan_digest: str,
+    *,
+    strategy: str = "auto",
+    threshold: float | None = None,
+    seed: int = 0,
+    report: Report = lambda done, note: None,
+    cancelled: Callable[[], bool] = lambda: False,
+) -> PlanResult:
+    """Judge every candidate, choose, plan, and prove.
+
+    Args:
+        cell: with its parts and policy.
+        detections: the parts found, at least one.
+        scan_digest: what they were found in.
+        strategy: `auto` or a `Strategy` value.
+        threshold: [m] distance between the parts; None takes the cell's policy.
+        seed: of everything random.
+        report: progress.
+        cancelled: asked between candidates; True ends the work.
+
+    Raises:
+        InputError: no detections, or a strategy that is not known or not to be had.
+        JobCancelled: `cancelled` said so.
+    """
+    if not detections:
+        raise InputError("no parts were given, so there is nothing to plan")
+    if strategy not in STRATEGIES:
+        raise InputError(f"strategy {strategy!r} is not one of {', '.join(STRATEGIES)}")
+    if strategy == Strategy.COORDINATED:
+        raise InputError(
+            "coordinated plans are not available yet; choose auto, alternated, right or left"
+        )
+    began = time.perf_counter()
+    seconds: dict[str, float] = {}
+
+    def lap(stage: str) -> None:
+        nonlocal began
+        now = time.perf_counter()
+        seconds[stage], began = now - began, now
+
+    proposed = propose(cell, detections)
+    lap("propose")
+    world = World(cell, detections)
+    judged, picks = _judged(world, proposed, seed, report, cancelled)
+    lap("resolve")
+    plan, verdict = None, _summary(judged)
+    if picks:
+        threshold = cell.policy.threshold if threshold is None else threshold
+        plan, verdict = _planned(world, picks, strategy, threshold, scan_digest, seed, cancelled)
+        lap("route")
+    proof = None
+    if plan is not None:
+        report(0.9, "proving the plan")
+        proof = prove(cell, plan)
+        lap("prove")
+        plan = replace(plan, seconds=seconds)
+    return PlanResult(judged, plan, proof, verdict, seconds)
+
+
+def _judged(
+    world: World,
+    candidates: tuple[Candidate, ...],
+    seed: int,
+    report: Report,
+    cancelled: Callable[[], bool],
+) -> tuple[tuple[Candidate, ...], list[Pick]]:
+    """Every candidate with its final verdict, and the picks of those that work."""
+    judged: list[Candidate] = []
+    picks: list[Pick] = []
+    for number, candidate in enumerate(candidates):
+        if cancelled():
+            raise JobCancelled("planning was cancelled")
+        report(
+            0.05 + 0.6 * number / len(candidates), f"candidate {number + 1} of {len(candidates)}"
+        )
+        result = resolve(world, candidate, seed=seed)
+        if isinstance(result, Pick):
+            picks.append(result)
+            judged.append(replace(candidate, verdict=Verdict(Reason.OK, Stage.PLACE)))
+        else:
+            judged.append(replace(candidate, verdict=result))
+    return tuple(judged), picks
+
+
+def _summary(candidates: tuple[Candidate, ...]) -> Verdict:
+    """Why nothing works: the refusal of the candidate that got furthest."""
+    stages = list(Stage)
+    return max((c.verdict for c in candidates), key=lambda v: stages.index(v.stage))
+
+
+def _assignments(picks: list[Pick], strategy: str) -> Iterator[tuple[Strategy, tuple[Pick, ...]]]:
+    """Ways to give parts to arms, best first: two arms where possible, then one.
+
+    For each arm and part the pick with the least joint travel stands; pairs are ordered by
+    the sum of travels, and the arm with the less travel goes first.
+    """
+    best: dict[tuple[str, int], Pick] = {}
+    for pick in picks:
+        key = (pick.candidate.arm, pick.candidate.detection)
+        priority = pick.candidate.grasp.priority
+        if key not in best or (-priority, pick.travel) < (
+            -best[key].candidate.grasp.priority,
+            best[key].travel,
+        ):
+            best[key] = pick
+    ordered = sorted(best.values(), key=lambda pick: pick.travel)
+    if strategy in ("auto", Strategy.ALTERNATED):
+        pairs = [
+            (a, b)
+            for a, b in permutations(ordered, 2)
+            if a.candidate.arm != b.candidate.arm
+            and a.candidate.detection != b.candidate.detection
+            and a.travel <= b.travel
+        ]
+        for pair in sorted(pairs, key=lambda pair: pair[0].travel + pair[1].travel):
+            yield Strategy.ALTERNATED, pair
+    for pick in ordered:
+        alone = Strategy(pick.candidate.arm)
+        if strategy in ("auto", alone):
+            yield alone, (pick,)
+
+
+def _planned(
+    world: World,
+    picks: list[Pick],
+    strategy: str,
+    threshold: float,
+    scan_digest: str,
+    seed: int,
+    cancelled: Callable[[], bool],
+) -> tuple[Plan | None, Verdict]:
+    verdict = Verdict(Reason.NO_PATH, Stage.ROUTE, note=f"no two picks fit strategy {strategy}")
+    for number, (chosen, assigned) in enumerate(_assignments(picks, strategy)):
+        if number >= ATTEMPTS:
+            break
+        if cancelled():
+            raise JobCancelled("planning was cancelled")
+        note = _note(world, assigned, threshold) if strategy == "auto" else ""
+        result = route(world, assigned, chosen, scan_digest=scan_digest, seed=seed, note=note)
+        if isinstance(result, Plan):
+            return result, Verdict(Reason.OK, Stage.ROUTE)
+        verdict = result
+    return None, verdict
+
+
+def _note(world: World, picks: tuple[Pick, ...], threshold: float) -> str:
+    """Why this strategy was taken, for people."""
+    if len(picks) < 2:
+        return "one arm: no second part can be taken by the other arm"
+    first, second = (
+        world.detections[pick.candidate.detection].T_world_part.translation for pick in picks
+    )
+    distance = float(np.linalg.norm(first - second))
+    relation = "nearer than" if distance < threshold else "at least"
+    return (
+        f"the parts lie {distance * 1000:.0f} mm apart, {relation} the threshold of "
+        f"{threshold * 1000:.0f} mm"
+    )

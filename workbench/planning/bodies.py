@@ -1,0 +1,175 @@
+"""The solids of a cell as Pinocchio and Coal know them, and the pairs that can meet."""
+
+from dataclasses import dataclass
+from itertools import combinations
+from typing import Literal
+
+import coal
+import numpy as np
+import pinocchio as pin
+
+from workbench.model.cell import Cell
+from workbench.model.geometry import Box, Capsule, Cylinder, Floats, Mesh, Shape, Solid, Sphere
+from workbench.model.scan import Detection
+from workbench.planning.bounds import box_of
+from workbench.planning.kinematics import Kinematics
+
+BodyKind = Literal["link", "tool", "fixture", "bin", "part"]
+
+
+@dataclass(slots=True)
+class Body:
+    """One solid in the world.
+
+    `owner` is the link, the arm (tools), the fixture, or the number of the part; `arm` the
+    index of the arm that carries it, -1 when none does; `finger` the travel direction in the
+    flange frame of a finger, shape (3,).
+    """
+
+    label: str
+    kind: BodyKind
+    owner: str
+    arm: int
+    joint: int
+    T_joint_body: pin.SE3
+    shape: Shape
+    finger: Floats | None = None
+
+
+def bodies_of(cell: Cell, kinematics: Kinematics, detections: tuple[Detection, ...]) -> list[Body]:
+    """All bodies: links, tools with fingers closed, fixtures, bin, and the parts found."""
+    bodies = [*_link_bodies(cell, kinematics), *_tool_bodies(cell, kinematics)]
+    for fixture in cell.fixtures:
+        for solid in fixture.solids:
+            bodies.append(
+                _still(solid, fixture.T_world_fixture, "fixture", fixture.name, solid.name)
+            )
+    for solid in cell.bin.solids:
+        bodies.append(_still(solid, cell.bin.T_world_bin, "bin", "bin", solid.name))
+    for number, detection in enumerate(detections):
+        for piece in cell.part(detection.part).pieces:
+            bodies.append(
+                _still(piece, detection.T_world_part, "part", str(number), part_label(number))
+            )
+    return bodies
+
+
+def part_label(number: int) -> str:
+    """How people see the part of detection `number` (counted from 0) named."""
+    return f"part-{number + 1}"
+
+
+def _still(solid: Solid, T_world_owner: pin.SE3, kind: BodyKind, owner: str, label: str) -> Body:
+    return Body(label, kind, owner, -1, 0, T_world_owner * solid.T_owner_shape, solid.shape)
+
+
+def _link_bodies(cell: Cell, kinematics: Kinematics) -> list[Body]:
+    carriers = arm_of_joint(cell, kinematics)
+    bodies: list[Body] = []
+    for link in cell.robot.links:
+        joint, T_joint_link = kinematics.frames[link.name]
+        for solid in link.collision:
+            T = T_joint_link * solid.T_owner_shape
+            bodies.append(
+                Body(link.name, "link", link.name, carriers[joint], joint, T, solid.shape)
+            )
+    return bodies
+
+
+def _tool_bodies(cell: Cell, kinematics: Kinematics) -> list[Body]:
+    bodies: list[Body] = []
+    for index, arm in enumerate(cell.arms):
+        joint, T_joint_flange = kinematics.frames[arm.flange]
+        for solid in arm.tool.body:
+            T = T_joint_flange * solid.T_owner_shape
+            bodies.append(
+                Body(f"{arm.name} {solid.name}", "tool", arm.name, index, joint, T, solid.shape)
+            )
+        for finger in arm.tool.fingers:
+            solid, label = finger.solid, f"{arm.name} {finger.solid.name}"
+            T = T_joint_flange * solid.T_owner_shape
+            direction = T_joint_flange.rotation @ finger.direction
+            bodies.append(Body(label, "tool", arm.name, index, joint, T, solid.shape, direction))
+    return bodies
+
+
+def arm_of_joint(cell: Cell, kinematics: Kinematics) -> list[int]:
+    """For every joint of the model the arm that it belongs to, -1 for the world."""
+    carriers = [-1] * kinematics.model.njoints
+    for index, arm in enumerate(cell.arms):
+        for name in arm.joints:
+            carriers[kinematics.model.getJointId(name)] = index
+    return carriers
+
+
+def pairs_of(cell: Cell, kinematics: Kinematics, bodies: list[Body]) -> list[tuple[int, int]]:
+    """Every pair of bodies that can meet in some phase; the rest is never looked at.
+
+    Left out: bodies on the same joint, pairs that the SRDF disables (a tool counts as its
+    flange), and still things among themselves, except parts, which may be carried.
+    """
+    disabled = cell.robot.disabled_pairs | {(b, a) for a, b in cell.robot.disabled_pairs}
+    flange = {arm.name: arm.flange for arm in cell.arms}
+
+    def link_name(body: Body) -> str:
+        return flange[body.owner] if body.kind == "tool" else body.owner
+
+    pairs: list[tuple[int, int]] = []
+    for a, b in combinations(range(len(bodies)), 2):
+        A, B = bodies[a], bodies[b]
+        kinds = {A.kind, B.kind}
+        if "part" in kinds:
+            if A.kind == B.kind and A.owner == B.owner:
+                continue
+        elif A.joint == B.joint or (link_name(A), link_name(B)) in disabled:
+            continue
+        pairs.append((a, b))
+    return pairs
+
+
+def coal_shape(shape: Shape) -> coal.CollisionGeometry:
+    """The Coal geometry of a shape; convex meshes become solid, others triangle trees."""
+    match shape:
+        case Box():
+            return coal.Box(np.array(shape.size))
+        case Cylinder():
+            return coal.Cylinder(shape.radius, shape.length)
+        case Capsule():
+            return coal.Capsule(shape.radius, shape.length)
+        case Sphere():
+            return coal.Sphere(shape.radius)
+        case Mesh():
+            points = coal.StdVec_Vec3s()
+            for point in shape.points:
+                points.append(np.array(point))
+            triangles = coal.StdVec_Triangle()
+            for i, j, k in shape.triangles.tolist():
+                triangles.append(coal.Triangle(i, j, k))
+            if shape.is_convex:
+                return coal.Convex(points, triangles)
+            tree = coal.BVHModelOBBRSS()
+            tree.beginModel(len(triangles), len(points))
+            tree.addSubModel(points, triangles)
+            tree.endModel()
+            return tree
+
+
+def extent(shape: Shape) -> tuple[Floats, Floats, float]:
+    """Centre (3,) and half sizes (3,) of the shape's box in its frame, and the ball around it."""
+    zero = np.zeros(3)
+    match shape:
+        case Box():
+            half = np.asarray(shape.size) / 2
+            return zero, half, float(np.linalg.norm(half))
+        case Sphere():
+            return zero, np.full(3, shape.radius), shape.radius
+        case Cylinder():
+            half = np.array([shape.radius, shape.radius, shape.length / 2])
+            return zero, half, float(np.hypot(shape.radius, shape.length / 2))
+        case Capsule():
+            length = shape.length / 2 + shape.radius
+            return zero, np.array([shape.radius, shape.radius, length]), length
+        case Mesh():
+            centre, half = box_of(shape.points)
+            ball = np.linalg.norm(shape.points - centre, axis=1).max()
+            return centre, half, float(ball)

@@ -1,0 +1,96 @@
+"""The cell's robot as one Pinocchio model: where every link is for given joint values."""
+
+from collections.abc import Mapping
+
+import numpy as np
+import pinocchio as pin
+
+from workbench.model.cell import Arm, Cell
+from workbench.model.geometry import Floats
+from workbench.model.robot import Joint
+
+AXES = {(1.0, 0.0, 0.0): "X", (0.0, 1.0, 0.0): "Y", (0.0, 0.0, 1.0): "Z"}
+
+
+class Kinematics:
+    """Forward kinematics of all arms of a cell.
+
+    Lifetime: as long as the cell; holds no scene.
+    Concurrency: one thread at a time, since Pinocchio's data is a scratch pad.
+    """
+
+    def __init__(self, cell: Cell):
+        self.cell = cell
+        self.model, self.frames = _build_model(cell)
+        self.data = self.model.createData()
+        self.columns = {
+            arm.name: np.array([self.column(joint) for joint in arm.joints]) for arm in cell.arms
+        }
+        self.q_home = pin.neutral(self.model)
+        for arm in cell.arms:
+            self.q_home[self.columns[arm.name]] = arm.home
+
+    def column(self, joint: str) -> int:
+        """The place of a joint's value in the model's configuration vector."""
+        return int(self.model.joints[self.model.getJointId(joint)].idx_q)
+
+    def configuration(self, q: Mapping[str, Floats]) -> Floats:
+        """The whole configuration (nq,) with the named arms at `q` (n,), the others at home."""
+        whole = self.q_home.copy()
+        for arm, values in q.items():
+            whole[self.columns[arm]] = values
+        return whole
+
+    def link_poses(self, q: Mapping[str, float]) -> dict[str, pin.SE3]:
+        """`T_world_link` of every link for values of named joints; others stand at home."""
+        whole = self.q_home.copy()
+        for joint, value in q.items():
+            whole[self.column(joint)] = value
+        pin.forwardKinematics(self.model, self.data, whole)
+        return {
+            link: self.data.oMi[joint] * T_joint_link
+            for link, (joint, T_joint_link) in self.frames.items()
+        }
+
+    def tcp_pose(self, arm: Arm, q: Floats) -> pin.SE3:
+        """`T_world_tcp` of one arm at `q` (n,) [rad]."""
+        pin.forwardKinematics(self.model, self.data, self.configuration({arm.name: q}))
+        joint, T_joint_flange = self.frames[arm.flange]
+        return self.data.oMi[joint] * T_joint_flange * arm.tool.T_flange_tcp
+
+
+def _build_model(cell: Cell) -> tuple[pin.Model, dict[str, tuple[int, pin.SE3]]]:
+    """The model, and for each link the joint that carries it with `T_joint_link`."""
+    model = pin.Model()
+    model.name = cell.robot.name
+    frames: dict[str, tuple[int, pin.SE3]] = {cell.robot.root: (0, cell.T_world_robot)}
+    for joint in cell.robot.joints:
+        parent, T_parent_link = frames[joint.parent]
+        T = T_parent_link * joint.T_parent_joint
+        if joint.kind == "fixed":
+            frames[joint.child] = (parent, T)
+            continue
+        one = np.ones(1)
+        number = model.addJoint(
+            parent,
+            _joint_model(joint),
+            T,
+            joint.name,
+            one * 1e3,
+            one * joint.velocity,
+            one * joint.lower,
+            one * joint.upper,
+        )
+        frames[joint.child] = (number, pin.SE3.Identity())
+    return model, frames
+
+
+def _joint_model(joint: Joint) -> pin.JointModel:
+    axis = AXES.get(tuple(joint.axis.tolist()))
+    if joint.kind == "revolute":
+        if axis is None:
+            return pin.JointModelRevoluteUnaligned(np.array(joint.axis))
+        return getattr(pin, f"JointModelR{axis}")()
+    if axis is None:
+        return pin.JointModelPrismaticUnaligned(np.array(joint.axis))
+    return getattr(pin, f"JointModelP{axis}")()

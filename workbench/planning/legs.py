@@ -1,0 +1,34 @@
+"""What is true in the world during each leg of an arm: said once, for planner and proof."""
+
+from workbench.model.plan import ArmPlan, LegName
+from workbench.planning.world import Phase
+
+STRAIGHT: frozenset[LegName] = frozenset({"approach", "extract"})
+"""Legs on which tool and held part may come as near as the policy's `near_margin`."""
+
+HOLDING: frozenset[LegName] = frozenset({"extract", "return", "place"})
+"""Legs with the part in the hand; after `place` it is released."""
+
+TARGETED: frozenset[LegName] = frozenset({"approach"})
+"""Legs on which the tool goes around the part that it takes."""
+
+
+def phase_of(arm_plan: ArmPlan, name: LegName, opening: float, gone: frozenset[int]) -> Phase:
+    """The phase of one leg when it runs alone.
+
+    Args:
+        arm_plan: whose arm moves; detection and in-hand pose are read from it.
+        name: which leg.
+        opening: of the fingers during the leg [m].
+        gone: detections that other arms have taken away before.
+    """
+    holding = name in HOLDING
+    taken = frozenset({arm_plan.detection}) if name == "home" else frozenset()
+    return Phase(
+        moving=frozenset({arm_plan.arm}),
+        openings={arm_plan.arm: opening},
+        held={arm_plan.arm: (arm_plan.detection, arm_plan.T_tcp_part)} if holding else {},
+        absent=gone | taken,
+        target=arm_plan.detection if name in TARGETED else None,
+        straight=name in STRAIGHT,
+    )

@@ -1,0 +1,159 @@
+"""Paths between two configurations of one arm: RRT-Connect, and shortening what it finds.
+
+RRT-Connect (Kuffner and LaValle 2000) is written here rather than taken from OMPL: the Python
+module of OMPL 2.0.1 offers no way to give a sampler or to seed it more than once in a process,
+so the same request would not give the same plan.
+"""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from workbench.model.geometry import Floats
+
+EdgeCheck = Callable[[Floats, Floats], bool]
+"""Whether the straight joint motion between two configurations (n,) is clear."""
+
+STEP = 0.6
+"""[rad] Longest new edge of a tree, in the weighted metric."""
+
+
+class Tree:
+    """Configurations with their parents; grows by doubling its array.
+
+    Concurrency: one thread.
+    """
+
+    def __init__(self, root: Floats):
+        self.q = np.empty((64, len(root)))
+        self.q[0] = root
+        self.parents = [-1]
+
+    def add(self, q: Floats, parent: int) -> int:
+        """Append a configuration and return its number."""
+        number = len(self.parents)
+        if number == len(self.q):
+            self.q = np.concatenate([self.q, np.empty_like(self.q)])
+        self.q[number] = q
+        self.parents.append(parent)
+        return number
+
+    def nearest(self, q: Floats, weights: Floats) -> int:
+        """The configuration closest to `q` (n,) in the weighted Euclidean metric."""
+        difference = (self.q[: len(self.parents)] - q) * weights
+        return int(np.argmin(np.einsum("ij,ij->i", difference, difference)))
+
+    def branch(self, number: int) -> list[Floats]:
+        """From a configuration back to the root."""
+        path: list[Floats] = []
+        while number >= 0:
+            path.append(self.q[number].copy())
+            number = self.parents[number]
+        return path
+
+
+def rrt_connect(
+    start: Floats,
+    goal: Floats,
+    lower: Floats,
+    upper: Floats,
+    weights: Floats,
+    is_clear: EdgeCheck,
+    *,
+    iterations: int,
+    rng: np.random.Generator,
+) -> Floats | None:
+    """A path (m, n) [rad] from start to goal (n,), or None when the iterations are used up.
+
+    The direct way is tried first.  `weights` (n,) make joints count more in the metric: the
+    first ones move more of the arm.
+    """
+    if is_clear(start, goal):
+        return np.array([start, goal])
+    trees = (Tree(start), Tree(goal))
+    for iteration in range(iterations):
+        grown, other = trees if iteration % 2 == 0 else trees[::-1]
+        sample = rng.uniform(lower, upper)
+        new = _extend(grown, sample, weights, is_clear)
+        if new is None:
+            continue
+        reached = _connect(other, grown.q[new], weights, is_clear)
+        if reached is not None:
+            from_start, from_goal = (new, reached) if grown is trees[0] else (reached, new)
+            forward = trees[0].branch(from_start)[::-1]
+            return np.array(forward + trees[1].branch(from_goal)[1:])
+    return None
+
+
+def _extend(tree: Tree, target: Floats, weights: Floats, is_clear: EdgeCheck) -> int | None:
+    """One edge from the nearest configuration towards the target."""
+    near = tree.nearest(target, weights)
+    step = target - tree.q[near]
+    length = float(np.linalg.norm(step * weights))
+    if length == 0.0:
+        return None
+    q = tree.q[near] + step * min(1.0, STEP / length)
+    return tree.add(q, near) if is_clear(tree.q[near].copy(), q) else None
+
+
+def _connect(tree: Tree, target: Floats, weights: Floats, is_clear: EdgeCheck) -> int | None:
+    """Edges towards the target until it is reached or something is in the way."""
+    while True:
+        new = _extend(tree, target, weights, is_clear)
+        if new is None:
+            return None
+        if np.array_equal(tree.q[new], target):
+            return new
+
+
+def shortened(
+    path: Floats, is_clear: EdgeCheck, *, attempts: int, rng: np.random.Generator
+) -> Floats:
+    """The same path with detours cut: straight lines between random points of it, where clear.
+
+    First every waypoint that can be skipped is skipped; then `attempts` pairs of points
+    anywhere on the path are tried (Geraerts and Overmars 2007, "path shortcuts").
+    """
+    path = _skipped(path, is_clear)
+    for _ in range(attempts):
+        if len(path) < 3:
+            break
+        lengths = np.abs(np.diff(path, axis=0)).max(axis=1)
+        ends = np.cumsum(lengths)
+        a, b = np.sort(rng.uniform(0.0, ends[-1], 2))
+        i, j = np.searchsorted(ends, [a, b])
+        if i == j:
+            continue
+        qa = path[i + 1] - (path[i + 1] - path[i]) * ((ends[i] - a) / lengths[i])
+        qb = path[j + 1] - (path[j + 1] - path[j]) * ((ends[j] - b) / lengths[j])
+        if is_clear(qa, qb):
+            path = np.concatenate([path[: i + 1], [qa, qb], path[j + 1 :]])
+    return _skipped(path, is_clear)
+
+
+def _skipped(path: Floats, is_clear: EdgeCheck) -> Floats:
+    """From each kept waypoint on to the furthest one that can be reached straight."""
+    kept, at = [0], 0
+    while at < len(path) - 1:
+        onward = len(path) - 1
+        while onward > at + 1 and not is_clear(path[at], path[onward]):
+            onward -= 1
+        kept.append(onward)
+        at = onward
+    return path[kept]
+
+
+def resampled(path: Floats, count: int) -> Floats:
+    """The same polyline with `count` waypoints, all its corners among them.
+
+    Extra waypoints go where the steps are longest.  A path with more corners than `count`
+    keeps them all: a corner left out would be another path.
+    """
+    pieces = np.ones(len(path) - 1, int)
+    lengths = np.abs(np.diff(path, axis=0)).max(axis=1)
+    while 1 + pieces.sum() < count:
+        pieces[np.argmax(lengths / pieces)] += 1
+    points = [path[0]]
+    for start, end, share in zip(path[:-1], path[1:], pieces, strict=True):
+        points.extend(start + (end - start) * k / share for k in range(1, share + 1))
+    return np.array(points)

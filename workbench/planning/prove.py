@@ -1,0 +1,201 @@
+"""The proof: a second look at a finished plan, on exactly what will be sent.
+
+It builds its own world from the cell and the plan, takes nothing from the planner, and walks
+the curves that the controller will follow (`motion`).  What it finds against the plan is
+listed; a plan is approved only when there is nothing.
+"""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from workbench.model.cell import Arm, Cell
+from workbench.model.geometry import Floats
+from workbench.model.plan import LEG_NAMES, ArmPlan, Finding, Guarantee, Leg, LegName, Plan, Proof
+from workbench.planning.legs import HOLDING, STRAIGHT, phase_of
+from workbench.planning.motion import RESOLUTION, WIRE_STEP, curves_of, first_contact
+from workbench.planning.world import World
+
+IN_HAND_TOLERANCE = 0.001
+"""[m] How far the part in the hand may be from where the detection and the grasp put it."""
+
+SIGHT = 0.1
+"""[m] Clearances are measured up to here."""
+
+
+def prove(cell: Cell, plan: Plan, *, resolution: float = RESOLUTION) -> Proof:
+    """Check everything that can be checked about a plan without asking who made it.
+
+    Args:
+        cell: the cell as it is now.
+        plan: as planned, or as read from a file.
+        resolution: [m] see `motion`; smaller is slower and never admits more.
+
+    Returns:
+        A proof; `holds` is True when there is no finding.
+    """
+    findings = list(_form(cell, plan))
+    clearances: list[tuple[str, str, Floats]] = []
+    nearest: Finding | None = None
+    clearance, checks = SIGHT, 0
+    if not findings:
+        world = World(cell, plan.detections)
+        gone: frozenset[int] = frozenset()
+        for step in plan.sequence:
+            arm_name, leg_name = step.runs[0]
+            arm_plan = plan.arm(arm_name)
+            leg = arm_plan.leg(leg_name)
+            finding, distances, closest = _walk(world, arm_plan, leg, gone, resolution)
+            if finding is not None:
+                findings.append(finding)
+            clearances.append((arm_name, leg_name, distances))
+            if leg_name not in STRAIGHT and closest is not None and distances.min() < clearance:
+                clearance, nearest = float(distances.min()), closest
+            if leg_name == "home":
+                gone = gone | {arm_plan.detection}
+        checks = world.checks
+    return Proof(
+        plan_digest=plan.digest,
+        cell_digest=cell.digest,
+        scan_digest=plan.scan_digest,
+        checks=checks,
+        resolution=resolution,
+        clearance=clearance,
+        nearest=nearest,
+        findings=tuple(findings),
+        clearances=tuple(clearances),
+    )
+
+
+def _walk(
+    world: World, arm_plan: ArmPlan, leg: Leg, gone: frozenset[int], resolution: float
+) -> tuple[Finding | None, Floats, Finding | None]:
+    """One leg as executed: the first finding, clearance at each waypoint, and the closest."""
+    name = arm_plan.arm
+    columns, base = world.kinematics.columns[name], world.configuration({})
+    world.enter(phase_of(arm_plan, leg.name, leg.opening, gone))
+    if leg.name == "extract":
+        world.allow_start_contacts(world.configuration({name: leg.q[0]}))
+    finding: Finding | None = None
+    for curve in curves_of(np.asarray(leg.q), world.cell.policy.zone):
+        found = first_contact(world, columns, base, curve, resolution)
+        if found is not None:
+            contact, q = found
+            finding = Finding(
+                f"closer than {contact.margin * 1000:.1f} mm",
+                name,
+                leg.name,
+                curve.waypoint,
+                contact.pair,
+                contact.distance,
+                q,
+            )
+            break
+    distances, closest = [], None
+    for number, q in enumerate(leg.q):
+        distance, pair = world.clearance(world.configuration({name: q}), SIGHT)
+        if pair is not None and (not distances or distance < min(distances)):
+            closest = Finding("smallest clearance", name, leg.name, number, pair, distance, q)
+        distances.append(distance)
+    return finding, np.array(distances), closest
+
+
+def _form(cell: Cell, plan: Plan) -> Iterator[Finding]:
+    """Everything about a plan that can be wrong before geometry comes into it."""
+    if plan.cell_digest != cell.digest:
+        yield Finding("the plan was made for another cell, or the cell has changed since")
+        return
+    if plan.guarantee is not Guarantee.ONE_AT_A_TIME:
+        yield Finding(f"no proof is known for the guarantee {plan.guarantee}")
+        return
+    taken = [arm.detection for arm in plan.arms]
+    names = [arm.arm for arm in plan.arms]
+    known = {arm.name for arm in cell.arms}
+    parts = {part.name for part in cell.parts}
+    if not plan.arms:
+        yield Finding("the plan moves no arm")
+    if len(set(taken)) != len(taken) or len(set(names)) != len(names):
+        yield Finding("an arm or a part is used twice")
+    for detection in plan.detections:
+        if detection.part not in parts:
+            yield Finding(f"the cell knows no part {detection.part!r}")
+            return
+    for arm_plan in plan.arms:
+        if arm_plan.arm not in known:
+            yield Finding(f"the cell has no arm {arm_plan.arm!r}")
+        elif not 0 <= arm_plan.detection < len(plan.detections):
+            yield Finding(f"there is no detection {arm_plan.detection}", arm_plan.arm)
+        else:
+            yield from _arm_form(cell, plan, arm_plan)
+    expected = [(arm.arm, leg.name) for arm in plan.arms for leg in arm.legs]
+    if [run for step in plan.sequence for run in step.runs] != expected or any(
+        len(step.runs) != 1 for step in plan.sequence
+    ):
+        yield Finding("the sequence is not every leg once, in order, one arm at a time")
+
+
+def _arm_form(cell: Cell, plan: Plan, arm_plan: ArmPlan) -> Iterator[Finding]:
+    arm, name = cell.arm(arm_plan.arm), arm_plan.arm
+    if arm_plan.joints != arm.joints:
+        yield Finding(f"joints are {arm_plan.joints}, those of the arm {arm.joints}", name)
+        return
+    if tuple(leg.name for leg in arm_plan.legs) != LEG_NAMES:
+        yield Finding(f"the legs are not {', '.join(LEG_NAMES)}", name)
+        return
+    for leg in arm_plan.legs:
+        yield from _leg_form(cell, arm, leg)
+    ends = [arm.home, *(leg.q[-1] for leg in arm_plan.legs)]
+    starts = [*(leg.q[0] for leg in arm_plan.legs), arm.home]
+    for leg_name, end, start in zip((*LEG_NAMES, "home"), ends, starts, strict=True):
+        if np.shape(end) != np.shape(start) or np.abs(end - start).max() > WIRE_STEP:
+            yield Finding("does not start where the arm stands", name, leg_name)
+            return
+    grasps = {g.name: g for g in cell.part(plan.detections[arm_plan.detection].part).library.grasps}
+    if arm_plan.grasp not in grasps:
+        yield Finding(f"the part has no grasp {arm_plan.grasp!r}", name)
+        return
+    world = World(cell, ())
+    T_world_tcp = world.chains[name].pose(np.asarray(arm_plan.leg("approach").q[-1]))
+    T_world_part = plan.detections[arm_plan.detection].T_world_part
+    off = np.linalg.norm((T_world_tcp * arm_plan.T_tcp_part).translation - T_world_part.translation)
+    if off > IN_HAND_TOLERANCE:
+        yield Finding(
+            "the part is not where the hand closes", name, "approach", distance=float(off)
+        )
+
+
+def _leg_form(cell: Cell, arm: Arm, leg: Leg) -> Iterator[Finding]:
+    name: LegName = leg.name
+    lower, upper, velocity = cell.robot.limits(arm.joints)
+    q, t = np.asarray(leg.q), np.asarray(leg.t)
+    if q.ndim != 2 or q.shape[1] != len(arm.joints) or t.shape != (len(q),) or len(q) < 2:
+        yield Finding(
+            f"has waypoints of shape {q.shape} and times of shape {t.shape}", arm.name, name
+        )
+        return
+    if not (np.all(np.isfinite(q)) and np.all(np.isfinite(t))):
+        yield Finding("holds a value that is not a finite number", arm.name, name)
+        return
+    outside = np.argwhere((q < lower - 1e-9) | (q > upper + 1e-9))
+    if len(outside):
+        row, joint = outside[0]
+        yield Finding(
+            f"joint {arm.joints[joint]} at {np.rad2deg(q[row, joint]):.2f} deg is outside "
+            f"{np.rad2deg(lower[joint]):.2f} to {np.rad2deg(upper[joint]):.2f} deg",
+            arm.name,
+            name,
+            int(row),
+        )
+    if np.abs(np.rad2deg(q) * 100 - np.round(np.rad2deg(q) * 100)).max() > 1e-6:
+        yield Finding("holds a configuration finer than what can be sent", arm.name, name)
+    low, high = arm.tool.stroke
+    if arm.tool.fingers and not low <= leg.opening <= high:
+        yield Finding(
+            f"finger opening {leg.opening * 1e3:.1f} mm is outside the stroke", arm.name, name
+        )
+    if leg.holding != (name in HOLDING):
+        yield Finding("says wrongly whether the part is in the hand", arm.name, name)
+    if np.any(np.diff(t) <= 0):
+        yield Finding("has times that do not increase", arm.name, name)
+    elif np.any(np.abs(np.diff(q, axis=0)) / np.diff(t)[:, None] > velocity * 1.001):
+        yield Finding("is faster than the joints may turn", arm.name, name)

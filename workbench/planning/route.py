@@ -1,0 +1,173 @@
+"""From picks to a plan: the free legs between the straight ones, as they will be sent."""
+
+import math
+import time
+from collections.abc import Sequence
+
+import numpy as np
+
+from workbench.model.candidate import Pick, Reason, Stage, Verdict
+from workbench.model.cell import Arm
+from workbench.model.geometry import Floats
+from workbench.model.plan import ArmPlan, Guarantee, Leg, LegName, Plan, Step, Strategy
+from workbench.planning.execution import timed
+from workbench.planning.legs import HOLDING, phase_of
+from workbench.planning.motion import first_contact, on_wire, path_contact, segment
+from workbench.planning.planners import resampled, rrt_connect, shortened
+from workbench.planning.world import World
+
+SHORTCUTS = 40
+"""Attempts to shorten a free path."""
+
+TRIES = 3
+"""Free paths searched before giving up: rounding to the wire and the corners may spoil one."""
+
+METRIC_DECAY = 0.6
+"""Each joint counts this much of the one before: the first ones move more of the arm."""
+
+
+def route(
+    world: World,
+    picks: Sequence[Pick],
+    strategy: Strategy,
+    *,
+    scan_digest: str,
+    seed: int,
+    note: str = "",
+) -> Plan | Verdict:
+    """A plan in which the arms work one after the other, in the order of `picks`.
+
+    Each arm reaches, approaches, closes, extracts, returns, places, opens and goes home while
+    the other stands at home as an obstacle.
+
+    Args:
+        world: of the cell and the detections that the picks were made from.
+        picks: at most one an arm, each of another detection.
+        strategy: what to call the plan; it says which arms work.
+        scan_digest: what the detections were found in.
+        seed: of the request.
+        note: for people, why this strategy.
+
+    Returns:
+        The plan, or the verdict of the leg for which no path was found.
+    """
+    began = time.perf_counter()
+    arms: list[ArmPlan] = []
+    steps: list[Step] = []
+    gone: frozenset[int] = frozenset()
+    for pick in picks:
+        planned = _arm_plan(world, pick, gone, seed)
+        if isinstance(planned, Verdict):
+            return planned
+        arms.append(planned)
+        steps.extend(Step(((planned.arm, leg.name),)) for leg in planned.legs)
+        gone = gone | {planned.detection}
+    return Plan(
+        cell=world.cell.name,
+        cell_digest=world.cell.digest,
+        scan_digest=scan_digest,
+        seed=seed,
+        strategy=strategy,
+        guarantee=Guarantee.ONE_AT_A_TIME,
+        detections=world.detections,
+        arms=tuple(arms),
+        sequence=tuple(steps),
+        note=note,
+        seconds={"route": time.perf_counter() - began},
+    )
+
+
+def _arm_plan(world: World, pick: Pick, gone: frozenset[int], seed: int) -> ArmPlan | Verdict:
+    candidate = pick.candidate
+    arm = world.arm(candidate.arm)
+    plan = ArmPlan(
+        arm.name, candidate.detection, candidate.grasp.name, pick.T_tcp_part, arm.joints, ()
+    )
+    home = on_wire(np.asarray(arm.home))
+    seeds = np.random.SeedSequence([seed, candidate.detection, ord(arm.letter)])
+    rng = np.random.default_rng(seeds)
+    free: dict[LegName, Floats] = {}
+    ways: tuple[tuple[LegName, Floats, Floats], ...] = (
+        ("reach", home, pick.approach[0]),
+        ("return", pick.extract[-1], pick.place[0]),
+        ("home", pick.place[-1], home),
+    )
+    for name, start, end in ways:
+        opening = candidate.grasp.grip if name in HOLDING else candidate.grasp.opening
+        world.enter(phase_of(plan, name, opening, gone))
+        path = free_path(world, arm, start, end, rng)
+        if isinstance(path, Verdict):
+            return path if name == "reach" else _as_no_return(path, name)
+        free[name] = path
+    legs = (
+        _leg(world, arm, "reach", free["reach"], candidate.grasp.opening),
+        _leg(world, arm, "approach", pick.approach, candidate.grasp.opening),
+        _leg(world, arm, "extract", pick.extract, candidate.grasp.grip),
+        _leg(world, arm, "return", free["return"], candidate.grasp.grip),
+        _leg(world, arm, "place", pick.place, candidate.grasp.grip),
+        _leg(world, arm, "home", free["home"], candidate.grasp.opening),
+    )
+    return ArmPlan(
+        arm.name, candidate.detection, candidate.grasp.name, pick.T_tcp_part, arm.joints, legs
+    )
+
+
+def _as_no_return(verdict: Verdict, name: LegName) -> Verdict:
+    return Verdict(
+        Reason.NO_RETURN, verdict.stage, verdict.pair, verdict.distance, verdict.q, f"leg {name}"
+    )
+
+
+def _leg(world: World, arm: Arm, name: LegName, path: Floats, opening: float) -> Leg:
+    policy = world.cell.policy
+    _, _, velocity = world.cell.robot.limits(arm.joints)
+    times = timed(path, velocity * policy.speed, np.asarray(arm.acceleration), policy.zone)
+    motion = "linear" if name in ("approach", "extract", "place") else "joint"
+    return Leg(name, motion, name in HOLDING, opening, path, times)
+
+
+def free_path(
+    world: World, arm: Arm, start: Floats, goal: Floats, rng: np.random.Generator
+) -> Floats | Verdict:
+    """A path of one arm in the world's present phase, rounded and checked as it will be run.
+
+    Returns:
+        Waypoints (m, n) [rad]; or why there are none, with the pair in the way when an end
+        of the path is itself too close to something.
+    """
+    columns, base = world.kinematics.columns[arm.name], world.configuration({})
+    for q in (start, goal):
+        contact = world.contact(world.configuration({arm.name: q}))
+        if contact is not None:
+            return Verdict(
+                Reason.NO_PATH, Stage.ROUTE, contact.pair, contact.distance, q, "at its end"
+            )
+    policy, chain = world.cell.policy, world.chains[arm.name]
+    weights = METRIC_DECAY ** np.arange(len(start))
+    weights *= math.sqrt(len(start) / float(weights @ weights))
+
+    def is_clear(a: Floats, b: Floats) -> bool:
+        return first_contact(world, columns, base, segment(a, b)) is None
+
+    contact_at: tuple[tuple[str, str] | None, float | None, Floats | None] = (None, None, None)
+    for _ in range(TRIES):
+        path = rrt_connect(
+            start,
+            goal,
+            chain.lower,
+            chain.upper,
+            weights,
+            is_clear,
+            iterations=policy.iterations,
+            rng=rng,
+        )
+        if path is None:
+            break
+        path = shortened(path, is_clear, attempts=SHORTCUTS, rng=rng) if len(path) > 2 else path
+        path = on_wire(resampled(path, policy.free_points))
+        path = path[np.concatenate([[True], np.any(np.diff(path, axis=0) != 0, axis=1)])]
+        found = path_contact(world, columns, base, path, policy.zone)
+        if found is None:
+            return path
+        contact_at = (found[0].pair, found[0].distance, found[1])
+    return Verdict(Reason.NO_PATH, Stage.ROUTE, *contact_at)
