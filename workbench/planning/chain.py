@@ -36,7 +36,9 @@ class Chain:
 
     def pose(self, q: Floats) -> pin.SE3:
         """`T_world_tcp` at `q` (n,) [rad]."""
-        R, p, _, _ = _forward(self.R, self.p, self.axes, self.slides, np.asarray(q))
+        n = len(self.axes)
+        R, p, z, o = np.empty((3, 3)), np.empty(3), np.empty((n, 3)), np.empty((n, 3))
+        _forward(self.R, self.p, self.axes, self.slides, np.asarray(q), R, p, z, o)
         return pin.SE3(R, p)
 
     def solve(
@@ -93,76 +95,72 @@ def chain_of(cell: Cell, arm: Arm) -> Chain:
     return Chain(np.array(R), np.array(p), np.array(axes), np.array(slides), lower, upper)
 
 
-@njit(cache=True)
-def _rotation(axis: Floats, angle: float) -> Floats:
-    x, y, z = axis
-    s, c = np.sin(angle), np.cos(angle)
-    d = 1.0 - c
-    R = np.empty((3, 3))
-    R[0, 0], R[0, 1], R[0, 2] = c + x * x * d, x * y * d - z * s, x * z * d + y * s
-    R[1, 0], R[1, 1], R[1, 2] = y * x * d + z * s, c + y * y * d, y * z * d - x * s
-    R[2, 0], R[2, 1], R[2, 2] = z * x * d - y * s, z * y * d + x * s, c + z * z * d
-    return R
+# The loops below index into whole arrays instead of passing rows: a slice costs an allocation,
+# and they run for every starting point of every candidate.
 
 
 @njit(cache=True)
-def _product(A: Floats, B: Floats) -> Floats:
-    C = np.empty((3, 3))
+def _forward(Rs, ps, axes, slides, q, R, p, z, o):  # type: ignore[no-untyped-def]
+    """Write TCP rotation R (3, 3) and position p (3,), and each joint's axis z and origin o."""
+    M, T = np.empty((3, 3)), np.empty((3, 3))
     for i in range(3):
-        for j in range(3):
-            C[i, j] = A[i, 0] * B[0, j] + A[i, 1] * B[1, j] + A[i, 2] * B[2, j]
-    return C
-
-
-@njit(cache=True)
-def _turned(A: Floats, v: Floats) -> Floats:
-    w = np.empty(3)
-    for i in range(3):
-        w[i] = A[i, 0] * v[0] + A[i, 1] * v[1] + A[i, 2] * v[2]
-    return w
-
-
-@njit(cache=True)
-def _forward(Rs, ps, axes, slides, q):  # type: ignore[no-untyped-def]
-    """TCP rotation and position, and each joint's axis and origin in the world."""
-    n = len(q)
-    R, p = Rs[0].copy(), ps[0].copy()
-    z, o = np.empty((n, 3)), np.empty((n, 3))
-    for i in range(n):
-        z[i] = _turned(R, axes[i])
-        o[i] = p
-        if slides[i] > 0.5:
-            p = p + z[i] * q[i]
+        p[i] = ps[0, i]
+        for k in range(3):
+            R[i, k] = Rs[0, i, k]
+    for j in range(len(q)):
+        x, y, w = axes[j, 0], axes[j, 1], axes[j, 2]
+        for i in range(3):
+            z[j, i] = R[i, 0] * x + R[i, 1] * y + R[i, 2] * w
+            o[j, i] = p[i]
+        if slides[j] > 0.5:
+            for i in range(3):
+                p[i] += z[j, i] * q[j]
+                for k in range(3):
+                    M[i, k] = R[i, k]
         else:
-            R = _product(R, _rotation(axes[i], q[i]))
-        p = p + _turned(R, ps[i + 1])
-        R = _product(R, Rs[i + 1])
-    return R, p, z, o
+            sin, cos = np.sin(q[j]), np.cos(q[j])
+            d = 1.0 - cos
+            T[0, 0], T[0, 1], T[0, 2] = cos + x * x * d, x * y * d - w * sin, x * w * d + y * sin
+            T[1, 0], T[1, 1], T[1, 2] = y * x * d + w * sin, cos + y * y * d, y * w * d - x * sin
+            T[2, 0], T[2, 1], T[2, 2] = w * x * d - y * sin, w * y * d + x * sin, cos + w * w * d
+            for i in range(3):
+                for k in range(3):
+                    M[i, k] = R[i, 0] * T[0, k] + R[i, 1] * T[1, k] + R[i, 2] * T[2, k]
+        n = j + 1
+        for i in range(3):
+            p[i] += M[i, 0] * ps[n, 0] + M[i, 1] * ps[n, 1] + M[i, 2] * ps[n, 2]
+            for k in range(3):
+                R[i, k] = M[i, 0] * Rs[n, 0, k] + M[i, 1] * Rs[n, 1, k] + M[i, 2] * Rs[n, 2, k]
 
 
 @njit(cache=True)
-def _rotation_error(target: Floats, R: Floats) -> Floats:
-    """The rotation vector that takes R to the target, in the world frame."""
-    E = _product(target, R.T)
-    v = np.array([E[2, 1] - E[1, 2], E[0, 2] - E[2, 0], E[1, 0] - E[0, 1]])
-    s = np.sqrt(v[0] ** 2 + v[1] ** 2 + v[2] ** 2)
+def _rotation_error(target, R, e):  # type: ignore[no-untyped-def]
+    """Write into e[3:6] the rotation vector, in the world frame, that takes R to the target."""
+    E = np.empty((3, 3))
+    for i in range(3):
+        for k in range(3):
+            E[i, k] = target[i, 0] * R[k, 0] + target[i, 1] * R[k, 1] + target[i, 2] * R[k, 2]
+    x, y, w = E[2, 1] - E[1, 2], E[0, 2] - E[2, 0], E[1, 0] - E[0, 1]
+    s = np.sqrt(x * x + y * y + w * w)
     c = E[0, 0] + E[1, 1] + E[2, 2] - 1.0
-    if s < 1e-9:
-        if c > 0:
-            return v * 0.5
+    if s < 1e-9 and c < 0:
         # Half a turn: the axis is the column of E + 1 with the largest diagonal entry.
-        k = int(np.argmax(np.array([E[0, 0], E[1, 1], E[2, 2]])))
-        axis = E[:, k].copy()
-        axis[k] += 1.0
-        return axis / np.sqrt(np.sum(axis * axis)) * np.pi
-    return v * (np.arctan2(s, c) / s)
+        k = 0
+        for i in range(1, 3):
+            if E[i, i] > E[k, k]:
+                k = i
+        x, y, w = E[0, k], E[1, k], E[2, k]
+        x, y, w = x + (k == 0), y + (k == 1), w + (k == 2)
+        scale = np.pi / np.sqrt(x * x + y * y + w * w)
+    else:
+        scale = np.arctan2(s, c) / s if s >= 1e-9 else 0.5
+    e[3], e[4], e[5] = x * scale, y * scale, w * scale
 
 
 @njit(cache=True)
-def _damped_step(J: Floats, e: Floats, damping: float) -> Floats:
-    """J^T (J J^T + damping)^-1 e by Cholesky."""
+def _damped_step(J, e, scale, damping, L, y, step):  # type: ignore[no-untyped-def]
+    """Write step = J^T (J J^T + damping)^-1 (e * scale), by Cholesky."""
     n = J.shape[1]
-    L = np.zeros((6, 6))
     for i in range(6):
         for j in range(i + 1):
             s = damping if i == j else 0.0
@@ -171,9 +169,8 @@ def _damped_step(J: Floats, e: Floats, damping: float) -> Floats:
             for k in range(j):
                 s -= L[i, k] * L[j, k]
             L[i, j] = np.sqrt(max(s, 1e-18)) if i == j else s / L[j, j]
-    y = np.empty(6)
     for i in range(6):
-        s = e[i]
+        s = e[i] * scale
         for k in range(i):
             s -= L[i, k] * y[k]
         y[i] = s / L[i, i]
@@ -182,58 +179,68 @@ def _damped_step(J: Floats, e: Floats, damping: float) -> Floats:
         for k in range(i + 1, 6):
             s -= L[k, i] * y[k]
         y[i] = s / L[i, i]
-    step = np.zeros(n)
     for k in range(n):
+        step[k] = 0.0
         for i in range(6):
             step[k] += J[i, k] * y[i]
-    return step
+
+
+@njit(cache=True)
+def _jacobian(p, z, o, slides, J):  # type: ignore[no-untyped-def]
+    """Write the geometric Jacobian (6, n) of the TCP in the world frame."""
+    for i in range(len(slides)):
+        x, y, w = p[0] - o[i, 0], p[1] - o[i, 1], p[2] - o[i, 2]
+        turns = slides[i] < 0.5
+        J[0, i] = z[i, 1] * w - z[i, 2] * y if turns else z[i, 0]
+        J[1, i] = z[i, 2] * x - z[i, 0] * w if turns else z[i, 1]
+        J[2, i] = z[i, 0] * y - z[i, 1] * x if turns else z[i, 2]
+        for k in range(3):
+            J[3 + k, i] = z[i, k] if turns else 0.0
 
 
 @njit(cache=True)
 def _solve(Rs, ps, axes, slides, lower, upper, R_t, p_t, starts, iterations):  # type: ignore[no-untyped-def]
     count, n = starts.shape
     found, residuals = np.empty((count, n)), np.empty((count, 2))
-    J, e = np.empty((6, n)), np.empty(6)
+    R, p, z, o = np.empty((3, 3)), np.empty(3), np.empty((n, 3)), np.empty((n, 3))
+    J, e, q, step = np.empty((6, n)), np.empty(6), np.empty(n), np.empty(n)
+    L, y = np.zeros((6, 6)), np.empty(6)
     for s in range(count):
-        q = np.minimum(np.maximum(starts[s], lower), upper)
+        for i in range(n):
+            q[i] = min(max(starts[s, i], lower[i]), upper[i])
         best = np.inf
         stalled = 0
         for _ in range(iterations + 1):
-            R, p, z, o = _forward(Rs, ps, axes, slides, q)
-            e[:3] = p_t - p
-            e[3:] = _rotation_error(R_t, R)
+            _forward(Rs, ps, axes, slides, q, R, p, z, o)
+            for i in range(3):
+                e[i] = p_t[i] - p[i]
+            _rotation_error(R_t, R, e)
             off = np.sqrt(e[0] ** 2 + e[1] ** 2 + e[2] ** 2)
             turned = np.sqrt(e[3] ** 2 + e[4] ** 2 + e[5] ** 2)
             total = off + 0.2 * turned
+            stalled = 0 if total < 0.98 * best else stalled + 1
             if total < best:
-                stalled = stalled + 1 if total > 0.98 * best else 0
                 best = total
-                found[s] = q
-                residuals[s, 0] = off
-                residuals[s, 1] = turned
-            else:
-                stalled += 1
-            if (
-                off < POSITION_TOLERANCE * 0.1 and turned < ROTATION_TOLERANCE * 0.1
-            ) or stalled > 8:
+                residuals[s, 0], residuals[s, 1] = off, turned
+                for i in range(n):
+                    found[s, i] = q[i]
+            done = off < POSITION_TOLERANCE * 0.1 and turned < ROTATION_TOLERANCE * 0.1
+            if done or stalled > 8:
                 break
             # Far from the goal, a shortened goal keeps the linear model honest.
-            shrink = min(1.0, 0.2 / max(off, 1e-12), 0.8 / max(turned, 1e-12))
-            for i in range(n):
-                if slides[i] > 0.5:
-                    J[:3, i] = z[i]
-                    J[3:, i] = 0.0
-                else:
-                    J[:3, i] = np.cross(z[i], p - o[i])
-                    J[3:, i] = z[i]
-                # A joint at its limit that would leave it cannot help: take its column out.
-            step = _damped_step(J, e * shrink, 1e-3 * min(total * total, 1.0) + 1e-9)
+            scale = min(1.0, 0.2 / max(off, 1e-12), 0.8 / max(turned, 1e-12))
+            damping = 1e-3 * min(total * total, 1.0) + 1e-9
+            _jacobian(p, z, o, slides, J)
+            _damped_step(J, e, scale, damping, L, y, step)
             blocked = False
             for i in range(n):
+                # A joint at its limit that would leave it cannot help: take its column out.
                 if (q[i] <= lower[i] and step[i] < 0) or (q[i] >= upper[i] and step[i] > 0):
-                    J[:, i] = 0.0
                     blocked = True
+                    for k in range(6):
+                        J[k, i] = 0.0
             if blocked:
-                step = _damped_step(J, e * shrink, 1e-3 * min(total * total, 1.0) + 1e-9)
-            q = np.minimum(np.maximum(q + step, lower), upper)
+                _damped_step(J, e, scale, damping, L, y, step)
+            for i in range(n):
+                q[i] = min(max(q[i] + step[i], lower[i]), upper[i])
     return found, residuals

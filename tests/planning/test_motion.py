@@ -1,0 +1,79 @@
+"""Curves as the controller follows them, and the continuous check along them."""
+
+import numpy as np
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from workbench.planning.execution import RoundedPolyline, timed
+from workbench.planning.motion import curves_of, first_contact, on_wire, segment
+from workbench.planning.world import Phase
+
+
+@given(st.lists(st.floats(-6.0, 6.0), min_size=7, max_size=7))
+def test_the_wire_carries_two_decimals_of_a_degree(values):
+    q = on_wire(np.array(values))
+    assert np.abs(q - values).max() <= np.deg2rad(0.005) + 1e-12
+    assert [f"{value:.2f}" for value in np.rad2deg(q)] == [
+        f"{value:.2f}" for value in np.rad2deg(on_wire(q))
+    ]
+
+
+@settings(max_examples=50, deadline=None)
+@given(seed=st.integers(0, 9999), zone=st.floats(0.0, 0.45), count=st.integers(2, 8))
+def test_curves_join_and_are_those_that_are_timed(seed, zone, count):
+    path = np.random.default_rng(seed).uniform(-2.0, 2.0, (count, 3))
+    curves = curves_of(path, zone)
+    assert np.array_equal(curves[0].points[0], path[0])
+    assert np.array_equal(curves[-1].points[-1], path[-1])
+    for a, b in zip(curves[:-1], curves[1:], strict=True):
+        np.testing.assert_allclose(a.points[-1], b.points[0], atol=1e-12)
+    rounded = RoundedPolyline(path, zone)
+    for curve in curves:
+        a, b, c = curve.points
+        middle = (a + 2 * b + c) / 4
+        dense = rounded(np.linspace(0.0, count - 1.0, 400 * (count - 1) + 1))
+        assert np.linalg.norm(dense - middle, axis=1).min() < 0.02
+
+
+@settings(max_examples=30, deadline=None)
+@given(seed=st.integers(0, 9999), zone=st.floats(0.05, 0.45))
+def test_timing_respects_speed_and_acceleration(seed, zone):
+    path = np.random.default_rng(seed).uniform(-1.0, 1.0, (6, 4))
+    velocity, acceleration = np.array([1.0, 2.0, 1.5, 3.0]), np.full(4, 8.0)
+    times = timed(path, velocity, acceleration, zone)
+    assert times[0] == 0.0 and np.all(np.diff(times) > 0)
+    mean_speed = np.abs(np.diff(path, axis=0)) / np.diff(times)[:, None]
+    # A rounded corner is shorter than the waypoints make it look, never by more than its zone.
+    assert np.all(mean_speed <= velocity / (1 - zone))
+
+
+def test_a_motion_through_an_obstacle_is_found_between_clear_ends(world, cell):
+    """From one side of the bin's wall to the other: both ends clear, the way not."""
+    arm = cell.arm("right")
+    chain, columns = world.chains["right"], world.kinematics.columns["right"]
+    world.enter(Phase(frozenset({"right"})))
+    base = world.configuration({})
+    rng = np.random.default_rng(0)
+    blocked = 0
+    for _ in range(200):
+        a, b = rng.uniform(chain.lower, chain.upper, (2, 7))
+        ends = [world.contact(world.configuration({"right": q})) for q in (a, b)]
+        if any(ends):
+            continue
+        found = first_contact(world, columns, base, segment(a, b))
+        states = [
+            world.contact(world.configuration({"right": a + s * (b - a)}))
+            for s in np.linspace(0.0, 1.0, 400)
+        ]
+        if any(states):
+            assert found is not None, "dense sampling sees a contact that the bound missed"
+        if found is not None:
+            blocked += 1
+            contact, q = found
+            assert contact.distance < contact.margin
+            assert world.contact(world.configuration({"right": q})) is not None
+    assert blocked > 10
+    assert (
+        first_contact(world, columns, base, segment(np.asarray(arm.home), np.asarray(arm.home)))
+        is None
+    )

@@ -1,0 +1,63 @@
+"""RRT-Connect and what shortens and divides its paths, in a plane with a wall."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from workbench.planning.planners import resampled, rrt_connect, shortened
+
+LOWER, UPPER, WEIGHTS = np.zeros(2), np.full(2, 4.0), np.ones(2)
+START, GOAL = np.array([0.5, 2.0]), np.array([3.5, 2.0])
+
+
+def free_of_wall(a: np.ndarray, b: np.ndarray) -> bool:
+    """A wall at 1.8 < x < 2.2 with a gap above y = 3.5."""
+    points = a + np.linspace(0.0, 1.0, 60)[:, None] * (b - a)
+    return not np.any((np.abs(points[:, 0] - 2.0) < 0.2) & (points[:, 1] < 3.5))
+
+
+def found(seed: int, is_clear=free_of_wall, iterations: int = 2000) -> np.ndarray | None:
+    rng = np.random.default_rng(seed)
+    return rrt_connect(START, GOAL, LOWER, UPPER, WEIGHTS, is_clear, iterations=iterations, rng=rng)
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_the_path_joins_start_and_goal_clear_of_the_wall(seed):
+    path = found(seed)
+    assert np.array_equal(path[0], START) and np.array_equal(path[-1], GOAL)
+    assert all(free_of_wall(a, b) for a, b in zip(path[:-1], path[1:], strict=True))
+
+
+def test_the_same_seed_gives_the_same_path():
+    assert np.array_equal(found(3), found(3))
+
+
+def test_no_path_through_a_closed_wall():
+    def closed(a, b):
+        return (a[0] - 2.0) * (b[0] - 2.0) > 0
+
+    assert found(0, closed, iterations=200) is None
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_shortening_keeps_the_ends_and_never_lengthens(seed):
+    path = found(seed)
+    short = shortened(path, free_of_wall, attempts=40, rng=np.random.default_rng(seed))
+    assert np.array_equal(short[0], START) and np.array_equal(short[-1], GOAL)
+    assert all(free_of_wall(a, b) for a, b in zip(short[:-1], short[1:], strict=True))
+
+    def length(p):
+        return np.linalg.norm(np.diff(p, axis=0), axis=1).sum()
+
+    assert length(short) <= length(path) + 1e-9
+
+
+@settings(max_examples=50, deadline=None)
+@given(corners=st.integers(2, 14), count=st.integers(2, 14), seed=st.integers(0, 999))
+def test_resampling_keeps_every_corner(corners, count, seed):
+    path = np.cumsum(np.random.default_rng(seed).uniform(0.1, 1.0, (corners, 3)), axis=0)
+    points = resampled(path, count)
+    assert len(points) == max(count, corners)
+    for corner in path:
+        assert np.isclose(points, corner).all(axis=1).any()

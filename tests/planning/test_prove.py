@@ -1,0 +1,147 @@
+"""The proof: good plans pass, also looked at more finely; bent ones fail with the reason."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from workbench.model.plan import Plan, Step
+from workbench.planning.prove import prove
+
+
+def with_leg(plan: Plan, arm: str, name: str, **changes) -> Plan:
+    """The plan with one leg changed."""
+    arms = tuple(
+        replace(
+            one,
+            legs=tuple(
+                replace(leg, **changes) if (one.arm, leg.name) == (arm, name) else leg
+                for leg in one.legs
+            ),
+        )
+        for one in plan.arms
+    )
+    return replace(plan, arms=arms)
+
+
+def text(proof) -> str:
+    return "; ".join(str(finding) for finding in proof.findings)
+
+
+def test_a_planned_plan_holds(cell, result):
+    proof = prove(cell, result.plan)
+    assert proof.holds, text(proof)
+    assert proof.plan_digest == result.plan.digest
+    assert cell.policy.margin - proof.resolution <= proof.clearance
+
+
+def test_it_holds_at_four_times_finer_resolution(cell, result):
+    fine = prove(cell, result.plan, resolution=result.proof.resolution / 4)
+    assert fine.holds, text(fine)
+    assert fine.checks >= result.proof.checks
+
+
+def test_the_same_plan_has_the_same_proof(cell, result):
+    assert prove(cell, result.plan).digest == result.proof.digest
+
+
+def test_a_waypoint_in_the_wall_names_leg_pair_and_clearance(cell, result):
+    """The last waypoint of an extraction, turned at the base joint until it meets something."""
+    plan = result.plan
+    arm = plan.arms[0].arm
+    q = plan.arm(arm).leg("approach").q.copy()
+    middle = len(q) // 2
+    for turn in np.deg2rad(np.round(np.linspace(1.0, 30.0, 30), 2)):
+        bent = q.copy()
+        bent[middle, 0] += turn
+        proof = prove(cell, with_leg(plan, arm, "approach", q=bent))
+        if not proof.holds and proof.findings[0].pair is not None:
+            break
+    finding = proof.findings[0]
+    assert (finding.arm, finding.leg) == (arm, "approach")
+    assert finding.pair is not None and finding.distance is not None
+    assert abs(finding.waypoint - middle) <= 1
+
+
+@pytest.mark.parametrize(
+    ("bend", "says"),
+    [
+        (lambda p: replace(p, cell_digest="0" * 64), "another cell"),
+        (lambda p: replace(p, arms=()), "moves no arm"),
+        (lambda p: replace(p, sequence=p.sequence[::-1]), "sequence"),
+        (
+            lambda p: replace(p, sequence=(Step(tuple(r for s in p.sequence for r in s.runs)),)),
+            "sequence",
+        ),
+        (lambda p: replace(p, arms=(p.arms[0], p.arms[0])), "used twice"),
+        (lambda p: replace(p, arms=(replace(p.arms[0], detection=9),)), "no detection 9"),
+        (lambda p: replace(p, arms=(replace(p.arms[0], arm="third"),)), "no arm 'third'"),
+        (lambda p: replace(p, arms=(replace(p.arms[0], grasp="none"),)), "no grasp 'none'"),
+        (lambda p: replace(p, arms=(replace(p.arms[0], legs=p.arms[0].legs[1:]),)), "legs are not"),
+    ],
+)
+def test_a_plan_of_wrong_form_fails(cell, result, bend, says):
+    proof = prove(cell, bend(result.plan))
+    assert not proof.holds
+    assert says in text(proof)
+
+
+def bent_leg(result, change, name="return"):
+    arm = result.plan.arms[0].arm
+    leg = result.plan.arm(arm).leg(name)
+    return with_leg(result.plan, arm, name, **change(leg))
+
+
+def joint_beyond_limit(leg):
+    q = leg.q.copy()
+    q[3, 1] = np.deg2rad(60.0)
+    return {"q": q}
+
+
+def finer_than_wire(leg):
+    q = leg.q.copy()
+    q[3, 1] += np.deg2rad(0.003)
+    return {"q": q}
+
+
+def jump(leg):
+    q = leg.q.copy()
+    q[0, 0] += np.deg2rad(2.0)
+    return {"q": q}
+
+
+def nan(leg):
+    q = leg.q.copy()
+    q[2, 2] = np.nan
+    return {"q": q}
+
+
+@pytest.mark.parametrize(
+    ("change", "says"),
+    [
+        (joint_beyond_limit, "is outside"),
+        (finer_than_wire, "finer than what can be sent"),
+        (jump, "does not start where the arm stands"),
+        (nan, "not a finite number"),
+        (lambda leg: {"holding": False}, "in the hand"),
+        (lambda leg: {"opening": 0.2}, "outside the stroke"),
+        (lambda leg: {"t": leg.t[::-1].copy()}, "do not increase"),
+        (lambda leg: {"t": leg.t * 1e-3}, "faster than the joints"),
+        (lambda leg: {"q": leg.q[:, :5]}, "shape"),
+    ],
+)
+def test_a_bent_leg_fails_with_its_reason(cell, result, change, says):
+    proof = prove(cell, bent_leg(result, change))
+    assert not proof.holds
+    assert says in text(proof)
+
+
+def test_a_part_that_is_elsewhere_fails(cell, result):
+    """The detection moved by 5 mm after planning: the hand would close beside it."""
+    detections = list(result.plan.detections)
+    number = result.plan.arms[0].detection
+    T = detections[number].T_world_part.copy()
+    T.translation = T.translation + [0.005, 0.0, 0.0]
+    detections[number] = replace(detections[number], T_world_part=T)
+    proof = prove(cell, replace(result.plan, detections=tuple(detections)))
+    assert not proof.holds
