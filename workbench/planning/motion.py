@@ -9,9 +9,11 @@ the most that the rest of the curve can bring it nearer (`bounds`).  Where that 
 each half is looked at.  Below `RESOLUTION` of motion a state counts as itself.
 """
 
+from collections import deque
 from dataclasses import dataclass
 
 import numpy as np
+from numba import njit
 
 from workbench.model.geometry import Floats
 from workbench.planning.world import Contact, World
@@ -65,27 +67,41 @@ def first_contact(
         The contact and the arm's configuration (n,) there; None when the whole curve is clear.
     """
     q, d = base.copy(), np.zeros(len(base))
-    pending = [curve.points]
+    # Breadth first: what is in the way is mostly met by the coarse looks already.
+    pending = deque([curve.points])
     while pending:
-        a, b, c = pending.pop()
-        middle = (a + 2 * b + c) / 4
-        span = np.maximum(np.maximum(np.abs(a - middle), np.abs(c - middle)), np.abs(b - middle))
+        points = pending.popleft()
+        middle, span, left, right = _halved(points)
         q[columns], d[columns] = middle, span
         contact = world.contact(q, d)
         if contact is None:
             continue
         if contact.distance < contact.margin:
             return contact, middle
-        if contact.move <= resolution:
-            # The bound is finer than the resolution; what counts is the state itself.
-            contact = world.contact(q)
-            if contact is not None:
-                return contact, middle
+        if contact.move > resolution:
+            pending.append(left)
+            pending.append(right)
             continue
-        left, right = (a + b) / 2, (b + c) / 2
-        pending.append(np.array([middle, right, c]))
-        pending.append(np.array([a, left, middle]))
+        # The bound is finer than the resolution; what counts is the state itself.
+        contact = world.contact(q)
+        if contact is not None:
+            return contact, middle
     return None
+
+
+@njit(cache=True)
+def _halved(points):  # type: ignore[no-untyped-def]
+    """Middle of a quadratic Bezier curve (3, n), the most any joint leaves it, and both halves."""
+    n = points.shape[1]
+    middle, span = np.empty(n), np.empty(n)
+    left, right = np.empty((3, n)), np.empty((3, n))
+    for i in range(n):
+        a, b, c = points[0, i], points[1, i], points[2, i]
+        m = (a + 2.0 * b + c) / 4.0
+        middle[i], span[i] = m, max(abs(a - m), abs(b - m), abs(c - m))
+        left[0, i], left[1, i], left[2, i] = a, (a + b) / 2.0, m
+        right[0, i], right[1, i], right[2, i] = m, (b + c) / 2.0, c
+    return middle, span, left, right
 
 
 def path_contact(

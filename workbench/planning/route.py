@@ -16,7 +16,7 @@ from workbench.planning.motion import first_contact, on_wire, path_contact, segm
 from workbench.planning.planners import resampled, rrt_connect, shortened
 from workbench.planning.world import World
 
-SHORTCUTS = 40
+SHORTCUTS = 20
 """Attempts to shorten a free path."""
 
 TRIES = 3
