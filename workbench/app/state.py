@@ -25,7 +25,10 @@ class Phase(enum.StrEnum):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Job:
-    """Long work under way in the worker process; `number` is that of the entry that began it."""
+    """Long work under way in the worker process.
+
+    `number` is that of the entry that began it, `inputs_digest` covers what it works on.
+    """
 
     number: int
     name: str
@@ -37,7 +40,9 @@ class State:
     """All that an auditor would ask for.
 
     What a stage made stays until a newer value of an earlier stage makes it stale: then it is
-    dropped, so that what is here always belongs together.
+    dropped, so that what is here always belongs together.  `scene_digest` is what a plan must
+    have been made from: that of the scan, or of the detections when they came from outside.
+    `fault` is set exactly in phase fault; `message` tells a person what happened last.
     """
 
     cell: Cell
@@ -45,6 +50,7 @@ class State:
     number: int = 0
     scan: Scan | None = None
     detections: tuple[Detection, ...] | None = None
+    scene_digest: str = ""
     candidates: tuple[Candidate, ...] | None = None
     plan: Plan | None = None
     proof: Proof | None = None

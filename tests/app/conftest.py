@@ -1,0 +1,133 @@
+"""A cell small enough to be made in a moment, and values of every stage that belong to it."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import pinocchio as pin
+import pytest
+
+from workbench.app.commands import PlanResult
+from workbench.model.candidate import Candidate, Reason, Stage, Verdict
+from workbench.model.cell import Arm, Bin, Cell, Controller, Policy, ScannerMount, Tool
+from workbench.model.geometry import Box, Mesh, Solid
+from workbench.model.part import Grasp, GraspLibrary, Part, Symmetry
+from workbench.model.plan import ArmPlan, Finding, Guarantee, Leg, Plan, Proof, Step, Strategy
+from workbench.model.robot import Joint, Link, Robot
+from workbench.model.scan import Detection, Scan
+
+HERE = pin.SE3.Identity()
+
+
+@dataclass(frozen=True)
+class Samples:
+    """Makes values that belong together; equal arguments give equal digests."""
+
+    cell: Cell
+
+    def scan(self, seed: int = 0, points: int = 50) -> Scan:
+        drawn = np.random.default_rng(seed).normal(size=(points, 3))
+        return Scan(drawn, HERE, "sample", pixels=np.arange(points), resolution=(64, 48))
+
+    def detections(self, seed: int = 0) -> tuple[Detection, ...]:
+        place = np.random.default_rng(seed).uniform(size=3)
+        return (Detection("peg", pin.SE3(np.eye(3), place), score=0.9, gap=0.1),)
+
+    def plan(self, scan_digest: str, seed: int = 0, cell: Cell | None = None) -> Plan:
+        cell = cell or self.cell
+        leg = Leg("reach", "joint", False, 0.03, np.array([[0.0], [0.1]]), np.array([0.0, 1.0]))
+        arm = ArmPlan("right", 0, "top", HERE, ("joint_1",), (leg,))
+        return Plan(
+            cell.name,
+            cell.digest,
+            scan_digest,
+            seed,
+            Strategy.RIGHT_ONLY,
+            Guarantee.ONE_AT_A_TIME,
+            self.detections(),
+            (arm,),
+            (Step((("right", "reach"),)),),
+            seconds={"route": 0.1},
+        )
+
+    def proof(self, plan: Plan, *, holds: bool = True) -> Proof:
+        finding = Finding("too close", "right", "reach", 1, ("link", "bin_floor"), -0.002)
+        return Proof(
+            plan.digest,
+            plan.cell_digest,
+            plan.scan_digest,
+            100,
+            0.001,
+            0.006,
+            None,
+            () if holds else (finding,),
+            (("right", "reach", np.array([0.02, 0.006])),),
+        )
+
+    def planned(self, scan_digest: str, seed: int = 0, *, holds: bool = True) -> PlanResult:
+        plan = self.plan(scan_digest, seed)
+        verdict = Verdict(Reason.OK, Stage.ROUTE)
+        return PlanResult(
+            (self.candidate(verdict),),
+            plan,
+            self.proof(plan, holds=holds),
+            verdict,
+            dict(plan.seconds),
+        )
+
+    def refused(self) -> PlanResult:
+        verdict = Verdict(
+            Reason.IN_COLLISION, Stage.GRASP, ("link", "bin_floor"), -0.002, np.array([0.1])
+        )
+        return PlanResult((self.candidate(verdict),), None, None, verdict, {"resolve": 0.05})
+
+    def candidate(self, verdict: Verdict) -> Candidate:
+        return Candidate(0, Grasp("top", HERE, 0.04, 0.03), "right", HERE, 0.5, verdict)
+
+
+def made_cell(name: str = "sample", port: int = 1025) -> Cell:
+    body = Solid("body", Box(np.array([0.1, 0.1, 0.1])), HERE)
+    joint = Joint("joint_1", "revolute", "base", "hand", HERE, np.array([0, 0, 1.0]), -3, 3, 2)
+    robot = Robot("sample", (Link("base", (body,)), Link("hand", (body,))), (joint,))
+    arm = Arm(
+        "right",
+        "R",
+        "hand",
+        ("joint_1",),
+        (0,),
+        (1,),
+        np.array([0.0]),
+        np.array([4.0]),
+        Tool("gripper", HERE, (), stroke=(0.0, 0.05)),
+        (HERE,),
+    )
+    mesh = Mesh(np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0.0]]), np.array([[0, 1, 2]]))
+    part = Part(
+        "peg", mesh, (body,), 0.1, Symmetry(), GraspLibrary((Grasp("top", HERE, 0.04, 0.03),))
+    )
+    return Cell(
+        name,
+        robot,
+        HERE,
+        (arm,),
+        Bin(HERE, np.array([0.4, 0.3, 0.2])),
+        ScannerMount(HERE),
+        Controller(port=port),
+        (part,),
+        policy=Policy(approval_minutes=5.0),
+    )
+
+
+@pytest.fixture(scope="session")
+def cell() -> Cell:
+    return made_cell()
+
+
+@pytest.fixture(scope="session")
+def samples(cell: Cell) -> Samples:
+    return Samples(cell)
+
+
+@pytest.fixture(scope="session")
+def make_cell() -> Callable[..., Cell]:
+    return made_cell

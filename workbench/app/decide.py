@@ -1,0 +1,248 @@
+"""What a command does to the state: one pure function, the only one that makes states.
+
+    idle -> scanned -> localized -> planned -> approved -> sending -> done | fault
+
+`rules.allowed` has let the command pass before; given the same state and entry, the outcome is
+the same on every machine at any time, so a journal of entries is the history of states.
+"""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any, assert_never
+
+from workbench.app.commands import (
+    AcknowledgeFault,
+    Approve,
+    CancelJob,
+    Entry,
+    FindParts,
+    JobEnded,
+    LinkEnded,
+    MakePlan,
+    PlanResult,
+    SendPlan,
+    Sent,
+    Stop,
+    TakeScan,
+    UseDetections,
+    UseScan,
+)
+from workbench.app.effects import Effect, Send, StartJob, StopJob, StopSending
+from workbench.app.rules import approve
+from workbench.app.state import Job, Phase, State
+from workbench.model.digest import digest_of
+from workbench.model.errors import CommandRefused, JobCancelled, WorkbenchError
+from workbench.model.release import Receipt
+from workbench.model.scan import Detection, Scan
+
+Outcome = tuple[State, tuple[Effect, ...]]
+
+
+def decide(state: State, entry: Entry) -> Outcome:
+    """The state after an entry, and what has to be set in motion.
+
+    Args:
+        state: before.
+        entry: a command that `rules.allowed` admits in this state.
+
+    Raises:
+        CommandRefused: an approval that `rules.approve` does not give.
+    """
+    state = replace(state, number=entry.number)
+    match entry.command:
+        case TakeScan(seed=seed, parts=parts):
+            arguments = {"seed": seed, "parts": parts}
+            return _begin(state, "scan", arguments, digest_of(arguments), "scanning")
+        case UseScan(scan=scan):
+            return _with_scan(state, scan), ()
+        case FindParts(seed=seed):
+            return _find_parts(state, seed)
+        case UseDetections(detections=detections):
+            return _with_outside_detections(state, detections), ()
+        case MakePlan() as command:
+            return _make_plan(state, command)
+        case Approve():
+            return _approved(state, entry), ()
+        case SendPlan():
+            return _send(state, entry)
+        case Stop():
+            return replace(state, message=f"{entry.actor} stops the sending"), (StopSending(),)
+        case CancelJob():
+            return _cancel(state, entry)
+        case AcknowledgeFault():
+            # Nobody knows how the bin looks after a fault: only a new scan can tell.
+            message = f"fault acknowledged by {entry.actor}; take a new scan"
+            return State(state.cell, number=state.number, message=message), ()
+        case JobEnded(number=number, result=result):
+            return _job_ended(state, number, result), ()
+        case Sent(receipt=receipt):
+            return _sent(state, receipt), ()
+        case LinkEnded(fault=fault, parts_placed=parts_placed):
+            return _link_ended(state, fault, parts_placed), ()
+        case _:
+            assert_never(entry.command)
+
+
+def _begin(
+    state: State, name: str, arguments: Mapping[str, Any], inputs_digest: str, message: str
+) -> Outcome:
+    job = Job(state.number, name, inputs_digest)
+    # Whoever asks for something newer has taken back the word for what is there.
+    phase = Phase.PLANNED if state.phase is Phase.APPROVED else state.phase
+    after = replace(state, phase=phase, approval=None, job=job, message=message)
+    return after, (StartJob(job.number, name, arguments),)
+
+
+def _find_parts(state: State, seed: int) -> Outcome:
+    if state.scan is None:
+        raise CommandRefused("there is no scan to find parts in")
+    arguments = {"scan": state.scan, "seed": seed}
+    return _begin(state, "localize", arguments, state.scan.digest, "finding parts")
+
+
+def _make_plan(state: State, command: MakePlan) -> Outcome:
+    if not state.detections:
+        raise CommandRefused("there are no parts to plan for")
+    arguments = {
+        "detections": state.detections,
+        "scan_digest": state.scene_digest,
+        "strategy": command.strategy,
+        "threshold": command.threshold,
+        "seed": command.seed,
+    }
+    inputs_digest = digest_of((state.scene_digest, state.detections))
+    return _begin(state, "plan", arguments, inputs_digest, "planning")
+
+
+def _approved(state: State, entry: Entry) -> State:
+    if state.plan is None or state.proof is None:
+        raise CommandRefused("there is no proven plan to approve")
+    approval = approve(state.cell, state.plan, state.proof, entry.actor, entry.at)
+    message = f"plan {state.plan.digest[:12]} approved by {entry.actor}"
+    return replace(state, phase=Phase.APPROVED, approval=approval, message=message)
+
+
+def _send(state: State, entry: Entry) -> Outcome:
+    if state.plan is None or state.approval is None:
+        raise CommandRefused("there is no approved plan to send")
+    message = f"{entry.actor} sends plan {state.plan.digest[:12]}"
+    after = replace(state, phase=Phase.SENDING, receipts=(), parts_placed=0, message=message)
+    return after, (Send(state.plan, state.approval),)
+
+
+def _cancel(state: State, entry: Entry) -> Outcome:
+    if state.job is None:
+        return state, ()
+    # The job leaves the state at once; whatever it still brings is recorded and not used.
+    message = f"task {state.job.name!r} cancelled by {entry.actor}"
+    return replace(state, job=None, message=message), (StopJob(state.job.number),)
+
+
+def _job_ended(
+    state: State, number: int, result: Scan | tuple[Detection, ...] | PlanResult | WorkbenchError
+) -> State:
+    job = state.job
+    if job is None or job.number != number:
+        return state
+    state = replace(state, job=None)
+    match (job.name, result):
+        case (_, JobCancelled()):
+            return replace(state, message=f"task {job.name!r} was cancelled")
+        case (_, WorkbenchError()):
+            return replace(state, message=f"task {job.name!r} failed: {result}")
+        case ("scan", Scan()):
+            return _with_scan(state, result)
+        case ("localize", tuple()):
+            return _with_detections(state, result)
+        case ("plan", PlanResult()):
+            return _with_plan(state, result)
+        case _:
+            wrong = type(result).__name__
+            return replace(state, message=f"task {job.name!r} failed: it brought a {wrong}")
+
+
+def _with_scan(state: State, scan: Scan) -> State:
+    return State(
+        state.cell,
+        Phase.SCANNED,
+        state.number,
+        scan=scan,
+        scene_digest=scan.digest,
+        message=f"scan with {len(scan.points):,} points",
+    )
+
+
+def _with_detections(state: State, detections: tuple[Detection, ...]) -> State:
+    return State(
+        state.cell,
+        Phase.LOCALIZED if detections else Phase.SCANNED,
+        state.number,
+        scan=state.scan,
+        detections=detections,
+        scene_digest=state.scan.digest if state.scan is not None else "",
+        message=f"{_counted(len(detections), 'part')} found",
+    )
+
+
+def _with_outside_detections(state: State, detections: tuple[Detection, ...]) -> State:
+    return State(
+        state.cell,
+        Phase.LOCALIZED,
+        state.number,
+        # Poses from another matcher usually belong to this scan, but never to a picked bin.
+        scan=None if state.phase is Phase.DONE else state.scan,
+        detections=detections,
+        scene_digest=digest_of(detections),
+        message=f"{_counted(len(detections), 'pose')} taken from outside",
+    )
+
+
+def _with_plan(state: State, result: PlanResult) -> State:
+    if result.plan is None:
+        phase, message = Phase.LOCALIZED, f"no plan: {result.verdict}"
+    elif result.proof is None or not result.proof.holds:
+        phase = Phase.PLANNED
+        finding = result.proof.findings[0] if result.proof is not None else "there is none"
+        message = f"a plan was found, but its proof does not hold: {finding}"
+    else:
+        phase = Phase.PLANNED
+        message = (
+            f"plan ready: {result.plan.strategy}, {result.plan.cycle_seconds:.1f} s, "
+            f"smallest clearance {result.proof.clearance * 1000:.1f} mm"
+        )
+    return replace(
+        state,
+        phase=phase,
+        candidates=result.candidates,
+        plan=result.plan,
+        proof=result.proof,
+        verdict=result.verdict,
+        seconds=tuple(result.seconds.items()),
+        approval=None,
+        receipts=(),
+        parts_placed=0,
+        message=message,
+    )
+
+
+def _sent(state: State, receipt: Receipt) -> State:
+    message = f"{receipt.done} of {receipt.total} messages sent"
+    return replace(state, receipts=(*state.receipts, receipt), message=message)
+
+
+def _link_ended(state: State, fault: str, parts_placed: int) -> State:
+    if fault:
+        return replace(
+            state,
+            phase=Phase.FAULT,
+            fault=fault,
+            parts_placed=parts_placed,
+            message=f"fault while sending: {fault}",
+        )
+    expected = len(state.plan.arms) if state.plan is not None else 0
+    message = f"cycle finished, {parts_placed} of {_counted(expected, 'part')} reported placed"
+    return replace(state, phase=Phase.DONE, parts_placed=parts_placed, message=message)
+
+
+def _counted(number: int, noun: str) -> str:
+    return f"{number} {noun}" if number == 1 else f"{number} {noun}s"

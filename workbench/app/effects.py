@@ -1,0 +1,43 @@
+"""What a decision sets in motion outside the state: small frozen values, carried out by `Bench`."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from workbench.model.plan import Plan
+from workbench.model.release import Approval
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class StartJob:
+    """Begin long work in the worker process; it answers with `JobEnded(number, ...)`.
+
+    `number` is that of the entry that began it; `arguments` go to the job function `name`.
+    """
+
+    number: int
+    name: str
+    arguments: Mapping[str, Any]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class StopJob:
+    """End the work with this number, if it still goes on."""
+
+    number: int
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Send:
+    """Send a plan to the robot; answered by `Sent` for each message and one `LinkEnded`."""
+
+    plan: Plan
+    approval: Approval
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class StopSending:
+    """Send nothing more and close the link; answered by the `LinkEnded` of the sending."""
+
+
+Effect = StartJob | StopJob | Send | StopSending

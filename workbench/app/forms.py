@@ -1,0 +1,99 @@
+"""The way back from canonical form (`model.digest`) to values, and the arrays beside it.
+
+In canonical form a large array stands as shape, type and the SHA-256 of its bytes.  Those
+bytes are the content of a file with that digest, so form and files together are the value.
+"""
+
+import dataclasses
+import enum
+import functools
+import hashlib
+import types
+import typing
+from collections.abc import Callable, Mapping
+from typing import Any, cast
+
+import numpy as np
+import pinocchio as pin
+
+from workbench.model.digest import LARGE
+
+ReadFile = Callable[[str], bytes]
+"""SHA-256 -> content."""
+
+
+def large_arrays(value: Any) -> dict[str, bytes]:
+    """The bytes of all arrays in a value that its canonical form names by digest only."""
+    found: dict[str, bytes] = {}
+    _collect(value, found)
+    return found
+
+
+def restored(kind: Any, form: Any, read: ReadFile) -> Any:
+    """The value of type `kind` whose canonical form this is.
+
+    Args:
+        kind: a type or annotation as it stands in the model's dataclasses.
+        form: canonical form, as JSON gives it back.
+        read: gives the files for large arrays.
+
+    Raises:
+        KeyError, TypeError, ValueError: the form is not that of such a value.
+        WorkbenchError: the value itself refuses its content, or a file is not to be had.
+    """
+    origin, arguments = typing.get_origin(kind), typing.get_args(kind)
+    if kind is pin.SE3:
+        return pin.SE3(np.array(form, dtype=np.float64))
+    if np.ndarray in (kind, origin):
+        return _restored_array(form, read)
+    if isinstance(kind, type) and dataclasses.is_dataclass(kind):
+        names = {field.name for field in dataclasses.fields(kind) if field.init}
+        if set(form) != names:
+            raise ValueError(f"fields {sorted(form)} where {sorted(names)} were expected")
+        hints = _hints(kind)
+        return kind(**{name: restored(hints[name], form[name], read) for name in names})
+    if isinstance(kind, type) and issubclass(kind, enum.Enum):
+        return kind(form)
+    if origin is types.UnionType or origin is typing.Union:
+        (present,) = (one for one in arguments if one is not type(None))
+        return None if form is None else restored(present, form, read)
+    if origin is tuple:
+        kinds = [arguments[0]] * len(form) if arguments[1:] == (...,) else arguments
+        return tuple(restored(one, item, read) for one, item in zip(kinds, form, strict=True))
+    if isinstance(origin, type) and issubclass(origin, Mapping):
+        return {key: restored(arguments[1], item, read) for key, item in form.items()}
+    if kind in (str, int, float, bool) or origin is typing.Literal:
+        # A whole number in a float's place stays one: otherwise the digest would differ.
+        return form
+    raise TypeError(f"no way back from canonical form to {kind}")
+
+
+@functools.cache
+def _hints(kind: type) -> Mapping[str, Any]:
+    return typing.get_type_hints(kind)
+
+
+def _restored_array(form: Any, read: ReadFile) -> np.ndarray[Any, Any]:
+    if not isinstance(form, Mapping):
+        return np.array(form)
+    shape = cast(Mapping[str, Any], form)
+    return np.frombuffer(read(shape["sha256"]), dtype=shape["type"]).reshape(shape["shape"])
+
+
+def _collect(value: Any, found: dict[str, bytes]) -> None:
+    match value:
+        case np.ndarray():
+            if value.size > LARGE:
+                content = cast(np.ndarray[Any, Any], value).tobytes()
+                found[hashlib.sha256(content).hexdigest()] = content
+        case Mapping():
+            for item in cast(Mapping[Any, Any], value).values():
+                _collect(item, found)
+        case list() | tuple() | frozenset():
+            for item in cast(tuple[Any, ...], value):
+                _collect(item, found)
+        case _ if dataclasses.is_dataclass(value):
+            for field in dataclasses.fields(value):
+                _collect(getattr(value, field.name), found)
+        case _:
+            pass

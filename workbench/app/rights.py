@@ -1,0 +1,89 @@
+"""When each command is in order: one table, phase by command."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from workbench.app.commands import (
+    AcknowledgeFault,
+    Approve,
+    CancelJob,
+    FindParts,
+    JobEnded,
+    LinkEnded,
+    MakePlan,
+    SendPlan,
+    Sent,
+    Stop,
+    TakeScan,
+    UseDetections,
+    UseScan,
+)
+from workbench.app.state import Phase, State
+
+WORKER = "worker"
+ROBOT_LINK = "robot link"
+MACHINES = frozenset({WORKER, ROBOT_LINK})
+"""Actors that are no persons; only they report what happened, and they may do nothing else."""
+
+EVERY = frozenset(Phase)
+SAFE = EVERY - {Phase.SENDING, Phase.FAULT}
+
+
+@dataclass(frozen=True, slots=True)
+class Right:
+    """When a command is in order; `says` names it in refusals, `otherwise` what is missing."""
+
+    says: str
+    phases: frozenset[Phase]
+    otherwise: str = ""
+    beside_job: bool = False
+    by_machine: bool = False
+
+
+RIGHTS: Mapping[type, Right] = {
+    TakeScan: Right("a scan", SAFE),
+    UseScan: Right("using a scan from a file", SAFE),
+    FindParts: Right("finding parts", SAFE - {Phase.IDLE, Phase.DONE}),
+    UseDetections: Right("using poses from outside", SAFE),
+    MakePlan: Right("planning", frozenset({Phase.LOCALIZED, Phase.PLANNED, Phase.APPROVED})),
+    Approve: Right("an approval", frozenset({Phase.PLANNED, Phase.APPROVED})),
+    SendPlan: Right("sending", frozenset({Phase.APPROVED})),
+    Stop: Right("a stop", frozenset({Phase.SENDING}), "nothing is being sent"),
+    CancelJob: Right("cancelling", EVERY, beside_job=True),
+    AcknowledgeFault: Right("acknowledging", frozenset({Phase.FAULT}), "there is no fault"),
+    JobEnded: Right("the end of a task", EVERY, beside_job=True, by_machine=True),
+    Sent: Right("a message sent", frozenset({Phase.SENDING}), "nothing is being sent", False, True),
+    LinkEnded: Right(
+        "the end of sending", frozenset({Phase.SENDING}), "nothing is being sent", False, True
+    ),
+}
+"""Phase by command: whatever is not here does not happen."""
+
+NEXT: Mapping[Phase, str] = {
+    Phase.IDLE: "take a scan first",
+    Phase.SCANNED: "find the parts first",
+    Phase.LOCALIZED: "make a plan first",
+    Phase.PLANNED: "have the plan approved first",
+    Phase.APPROVED: "send the plan, or make a new one",
+    Phase.SENDING: "the plan is on its way to the robot; stop it or wait for the end",
+    Phase.DONE: "the cycle is done and the bin has changed; take a new scan first",
+    Phase.FAULT: "acknowledge the fault first",
+}
+
+
+def obstacle(state: State, command: type) -> str:
+    """Why a command of this type is not in order now; empty when it is.
+
+    It looks at phase and running task only, so the page can ask it for every button.
+    """
+    right = RIGHTS[command]
+    if state.job is not None and not right.beside_job:
+        return f"{right.says} has to wait until the task {state.job.name!r} ends or is cancelled"
+    if command is CancelJob and state.job is None:
+        return "no task is running"
+    if state.phase in right.phases:
+        return ""
+    advice = right.otherwise or NEXT[state.phase]
+    if state.phase is Phase.FAULT and state.fault:
+        advice += f" ({state.fault})"
+    return f"{right.says} is not possible now: {advice}"

@@ -1,0 +1,208 @@
+"""What may happen now: pure checks; every refusal says what to do instead."""
+
+import math
+from typing import Any, assert_never
+
+from workbench.app.commands import (
+    AcknowledgeFault,
+    Approve,
+    CancelJob,
+    Command,
+    FindParts,
+    JobEnded,
+    LinkEnded,
+    MakePlan,
+    SendPlan,
+    Sent,
+    Stop,
+    TakeScan,
+    UseDetections,
+    UseScan,
+)
+from workbench.app.rights import MACHINES, RIGHTS, obstacle
+from workbench.app.state import State
+from workbench.model.cell import Cell
+from workbench.model.digest import digest_of
+from workbench.model.errors import CommandRefused, InputError
+from workbench.model.plan import UNSIGNED, Plan, Proof, Strategy
+from workbench.model.release import Approval
+from workbench.model.scan import Detection
+
+MOST_PARTS = 30
+SEED_LIMIT = 2**31
+LONGEST_NAME = 80
+STRATEGIES = ("auto", *(str(strategy) for strategy in Strategy))
+
+
+def allowed(state: State, command: Command, actor: str, now: float) -> None:
+    """Let a command pass, or say why not.
+
+    Args:
+        state: as it is.
+        command: what is asked for.
+        actor: who asks: a person's name, or one of `MACHINES`.
+        now: seconds since the epoch.
+
+    Raises:
+        CommandRefused: with a sentence for the one who asked.
+    """
+    _check_actor(command, actor)
+    if problem := obstacle(state, type(command)):
+        raise CommandRefused(problem)
+    match command:
+        case TakeScan(seed=seed, parts=parts):
+            _check_integer("seed", seed, 0, SEED_LIMIT - 1)
+            _check_integer("parts", parts, 1, MOST_PARTS)
+        case FindParts(seed=seed):
+            _check_integer("seed", seed, 0, SEED_LIMIT - 1)
+            if state.scan is None:
+                raise CommandRefused("finding parts is not possible now: take a scan first")
+        case UseDetections(detections=detections):
+            _check_detections(state.cell, detections)
+        case MakePlan(strategy=strategy, threshold=threshold, seed=seed):
+            _check_integer("seed", seed, 0, SEED_LIMIT - 1)
+            _check_number("threshold", threshold, 0.0, 1.0, "m")
+            if strategy not in STRATEGIES:
+                known = ", ".join(STRATEGIES)
+                raise CommandRefused(f"strategy {strategy!r} is not known; there are {known}")
+        case Approve(plan_digest=digest):
+            plan = _named_plan(state, digest)
+            _check_scene(state, plan)
+            if state.proof is None:
+                raise CommandRefused("the plan has no proof, so it cannot be approved")
+            approve(state.cell, plan, state.proof, actor, now)
+        case SendPlan(plan_digest=digest):
+            plan = _named_plan(state, digest)
+            if problem := staleness(state.approval, plan, state.cell, state.scene_digest, now):
+                raise CommandRefused(problem)
+        case LinkEnded(parts_placed=parts_placed):
+            _check_integer("parts_placed", parts_placed, 0, SEED_LIMIT - 1)
+        case UseScan() | Stop() | CancelJob() | AcknowledgeFault() | JobEnded() | Sent():
+            pass
+        case _:
+            assert_never(command)
+
+
+def approve(cell: Cell, plan: Plan, proof: Proof, actor: str, now: float) -> Approval:
+    """A person's word for exactly this plan, valid as long as the cell's policy says.
+
+    Args:
+        cell: the cell as it is now.
+        plan: what will be sent.
+        proof: of this plan, in this cell.
+        actor: the name of the person.
+        now: seconds since the epoch.
+
+    Raises:
+        CommandRefused: nobody is named, the proof does not hold, or plan, proof and cell do
+            not belong together.
+    """
+    _check_person(actor)
+    if digest_of(plan, without=UNSIGNED) != plan.digest:
+        raise CommandRefused("the plan was changed after it was made; make a new one")
+    if plan.cell_digest != cell.digest:
+        raise CommandRefused("the cell has changed since the plan was made; make a new plan")
+    if proof.plan_digest != plan.digest:
+        raise CommandRefused("the proof is that of another plan; make a new plan")
+    if proof.cell_digest != cell.digest or proof.scan_digest != plan.scan_digest:
+        raise CommandRefused("the proof was made for another cell or scan; make a new plan")
+    if not proof.holds:
+        raise CommandRefused(f"the proof does not hold: {proof.findings[0]}")
+    return Approval(
+        plan_digest=plan.digest,
+        proof_digest=proof.digest,
+        cell_digest=cell.digest,
+        scan_digest=plan.scan_digest,
+        actor=actor,
+        at=now,
+        until=now + cell.policy.approval_minutes * 60.0,
+    )
+
+
+def staleness(
+    approval: Approval | None, plan: Plan, cell: Cell, scan_digest: str, now: float
+) -> str:
+    """Why an approval does not cover this plan, in this cell, for this scan, now.
+
+    Empty when it does.  A clock that was set back to before the approval ends it too.
+    """
+    if approval is None:
+        return "nobody has approved the plan"
+    if digest_of(plan, without=UNSIGNED) != plan.digest:
+        return "the plan was changed after it was made; make a new one"
+    if approval.plan_digest != plan.digest:
+        return "the approval is for another plan; have this one approved"
+    if approval.cell_digest != cell.digest or plan.cell_digest != cell.digest:
+        return "the cell has changed since the approval; make a new plan"
+    if approval.scan_digest != scan_digest or plan.scan_digest != scan_digest:
+        return "there is a newer scan than that of the approval; make a new plan"
+    if not approval.at <= now < approval.until:
+        return (
+            f"the approval by {approval.actor} was valid for "
+            f"{(approval.until - approval.at) / 60:.0f} minutes and has run out; approve again"
+        )
+    return ""
+
+
+def is_fresh(approval: Approval, plan: Plan, cell: Cell, scan_digest: str, now: float) -> bool:
+    """Whether the approval covers this plan, in this cell, for this scan, now."""
+    return not staleness(approval, plan, cell, scan_digest, now)
+
+
+def _check_actor(command: Command, actor: str) -> None:
+    right = RIGHTS[type(command)]
+    if right.by_machine and actor not in MACHINES:
+        raise CommandRefused(f"{right.says} is reported by a machine, not by {actor!r}")
+    if not right.by_machine:
+        _check_person(actor)
+
+
+def _check_person(actor: str) -> None:
+    if not actor.strip() or len(actor) > LONGEST_NAME or not actor.isprintable():
+        raise CommandRefused(
+            f"a person's name is needed, 1 to {LONGEST_NAME} printable characters, not {actor!r}"
+        )
+    if actor in MACHINES:
+        raise CommandRefused(f"{actor!r} is the name of a machine; a person has to ask for this")
+
+
+def _check_integer(name: str, value: Any, lowest: int, highest: int) -> None:
+    if not isinstance(value, int) or isinstance(value, bool) or not lowest <= value <= highest:
+        raise CommandRefused(
+            f"{name} must be a whole number from {lowest} to {highest}, not {value!r}"
+        )
+
+
+def _check_number(name: str, value: Any, lowest: float, highest: float, unit: str) -> None:
+    is_number = isinstance(value, int | float) and not isinstance(value, bool)
+    if not is_number or not math.isfinite(value) or not lowest <= value <= highest:
+        raise CommandRefused(
+            f"{name} must lie between {lowest} and {highest} {unit}, not {value!r}"
+        )
+
+
+def _check_detections(cell: Cell, detections: tuple[Detection, ...]) -> None:
+    if not 1 <= len(detections) <= MOST_PARTS:
+        raise CommandRefused(f"1 to {MOST_PARTS} poses are needed, not {len(detections)}")
+    for detection in detections:
+        try:
+            cell.part(detection.part)
+        except InputError as error:
+            raise CommandRefused(str(error)) from error
+
+
+def _named_plan(state: State, digest: str) -> Plan:
+    """The current plan, provided that it is the one meant."""
+    if state.plan is None:
+        raise CommandRefused("there is no plan; make a plan first")
+    if state.plan.digest != digest:
+        raise CommandRefused(
+            f"the current plan is {state.plan.digest[:12]}, not {digest[:12]}: "
+            "look at the current one and decide again"
+        )
+    return state.plan
+
+
+def _check_scene(state: State, plan: Plan) -> None:
+    if plan.scan_digest != state.scene_digest:
+        raise CommandRefused("there is a newer scan than that of the plan; make a new plan")
