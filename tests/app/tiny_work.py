@@ -1,0 +1,71 @@
+"""Jobs for the tests of the job runner: they run in a real worker process."""
+
+import os
+import time
+from pathlib import Path
+
+from workbench.model.errors import FileError, JobCancelled
+
+
+def echo(cell, arguments, report, cancelled):
+    return {"cell": cell.name, "process": os.getpid(), **arguments}
+
+
+def count(cell, arguments, report, cancelled):
+    for step in range(5):
+        report(step / 4, f"step {step}")
+    return 5
+
+
+def flood(cell, arguments, report, cancelled):
+    for step in range(20_000):
+        report(step / 20_000, "the same note")
+    return "done"
+
+
+def wait_politely(cell, arguments, report, cancelled):
+    report(0.0, "waiting")
+    while not cancelled():
+        time.sleep(0.005)
+    raise JobCancelled("noticed")
+
+
+def wait_stubbornly(cell, arguments, report, cancelled):
+    report(0.0, "waiting")
+    while True:
+        time.sleep(60)
+
+
+def refuse(cell, arguments, report, cancelled):
+    raise FileError("scan.ply", "is truncated")
+
+
+def stumble(cell, arguments, report, cancelled):
+    return {}["missing"]
+
+
+def bring_nonsense(cell, arguments, report, cancelled):
+    return lambda: "functions made here cannot leave the process"
+
+
+def die(cell, arguments, report, cancelled):
+    os._exit(7)
+
+
+def scan(cell, arguments, report, cancelled):
+    return arguments.get("scan", "no scan was given")
+
+
+def localize(cell, arguments, report, cancelled):
+    return wait_politely(cell, arguments, report, cancelled)
+
+
+def plan(cell, arguments, report, cancelled):
+    Path(arguments["mark"]).write_text(str(os.getpid()))
+
+
+JOBS = {
+    name: function
+    for name, function in list(globals().items())
+    if callable(function) and getattr(function, "__module__", "") == __name__
+}

@@ -1,0 +1,69 @@
+"""The jobs: what the worker process does.  Importing this imports all the heavy rooms."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from workbench.app.commands import PlanResult
+from workbench.app.pick import plan_pick
+from workbench.app.worker import Cancelled, JobFunction, Report
+from workbench.model.cell import Cell
+from workbench.model.errors import InputError, JobCancelled
+from workbench.model.scan import Detection, Scan
+from workbench.perception.localize import localize
+from workbench.perception.piles import drop_parts
+from workbench.perception.synthesize import synthesize
+
+
+def scan(cell: Cell, arguments: Mapping[str, Any], report: Report, cancelled: Cancelled) -> Scan:
+    """A scan by the simulated scanner: `parts` copies of the first part, dropped by `seed`."""
+    if not cell.parts:
+        raise InputError(f"cell {cell.name} has no part, so there is nothing to drop into its bin")
+    part, seed = cell.parts[0], arguments["seed"]
+    report(0.1, "parts fall into the bin")
+    Ts_world_part = drop_parts(part, cell.bin, arguments["parts"], seed=seed)
+    if cancelled():
+        raise JobCancelled("the scan was cancelled")
+    report(0.6, "the scanner looks")
+    return synthesize(cell, part, Ts_world_part, seed=seed)
+
+
+def find_parts(
+    cell: Cell, arguments: Mapping[str, Any], report: Report, cancelled: Cancelled
+) -> tuple[Detection, ...]:
+    """All parts of the cell, each kind found in `scan` with `seed`, the surest first."""
+    found: list[Detection] = []
+    for number, part in enumerate(cell.parts):
+        before = number / len(cell.parts)
+
+        def report_share(done: float, note: str, before: float = before) -> None:
+            report(before + done / len(cell.parts), note)
+
+        found += localize(
+            arguments["scan"],
+            part,
+            cell,
+            seed=arguments["seed"],
+            report=report_share,
+            cancelled=cancelled,
+        )
+    return tuple(sorted(found, key=lambda detection: -detection.score))
+
+
+def plan(
+    cell: Cell, arguments: Mapping[str, Any], report: Report, cancelled: Cancelled
+) -> PlanResult:
+    """Candidates, plan and proof for `detections`; see `plan_pick`."""
+    return plan_pick(
+        cell,
+        arguments["detections"],
+        arguments["scan_digest"],
+        strategy=arguments["strategy"],
+        threshold=arguments["threshold"],
+        seed=arguments["seed"],
+        report=report,
+        cancelled=cancelled,
+    )
+
+
+JOBS: Mapping[str, JobFunction] = {"scan": scan, "localize": find_parts, "plan": plan}
+"""By the names that `decide` gives them."""

@@ -1,0 +1,176 @@
+"""The worker's side of a job: what runs in the process of its own, and what it says.
+
+A job function takes the cell, its arguments, `report` and `cancelled`.  `report(done, note)`
+tells the share done (0..1) and what is being done; it may be called as often as one likes.
+`cancelled()` is True once somebody has ended the job; the function then raises `JobCancelled`.
+"""
+
+import importlib
+import os
+import pickle
+import signal
+import threading
+import time
+import traceback
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from multiprocessing import parent_process
+from multiprocessing.connection import Connection, wait
+from typing import Any, Protocol
+
+from workbench.model.cell import Cell
+from workbench.model.errors import WorkbenchError
+
+Report = Callable[[float, str], None]
+Cancelled = Callable[[], bool]
+JobFunction = Callable[[Cell, Mapping[str, Any], Report, Cancelled], Any]
+
+REPORT_EVERY = 0.05
+"""Progress within the same note is told this often [s] and not more."""
+
+
+class Flag(Protocol):
+    """A number in shared memory without a lock, which a killed process could leave locked."""
+
+    value: int
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Request:
+    """Run this job."""
+
+    number: int
+    name: str
+    arguments: Mapping[str, Any]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Ready:
+    """Everything is imported; requests are welcome."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Unable:
+    """The worker cannot be made ready and ends."""
+
+    error: WorkbenchError
+    trace: str
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Progress:
+    """How far a job is."""
+
+    number: int
+    done: float
+    note: str
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Success:
+    """A job's result."""
+
+    number: int
+    result: Any
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Failure:
+    """What ended a job; `trace` is for the log, and empty for errors made on purpose."""
+
+    number: int
+    error: WorkbenchError
+    trace: str = ""
+
+
+Message = Ready | Unable | Progress | Success | Failure
+
+
+def packed(message: Message | Request | Cell) -> bytes:
+    """Bytes for the other process.
+
+    Protocol 5 brings read-only arrays back as read-only ones; the older default does not.
+    """
+    return pickle.dumps(message, protocol=5)
+
+
+def run_worker(connection: Connection, cell: bytes, module: str, to_cancel: Flag) -> None:
+    """The worker process: import everything, then answer requests until the other side ends.
+
+    Args:
+        connection: to the process that started this one.
+        cell: packed; all jobs work on it.
+        module: its `JOBS` maps names to job functions; importing it imports what they need.
+        to_cancel: number of the job that somebody has ended.
+    """
+    # Ctrl-C in a terminal reaches the whole group; the other process decides what it means.
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    threading.Thread(target=_end_with_parent, name="end with parent", daemon=True).start()
+    try:
+        _serve(connection, pickle.loads(cell), module, to_cancel)
+    except (EOFError, OSError):
+        pass  # The other side has closed the connection: that is how a worker's life ends.
+    finally:
+        # Straight out: libraries with C++ destructors have nothing to say here any more.
+        os._exit(0)
+
+
+def _serve(connection: Connection, cell: Cell, module: str, to_cancel: Flag) -> None:
+    try:
+        jobs: Mapping[str, JobFunction] = importlib.import_module(module).JOBS
+    except Exception as error:
+        problem = WorkbenchError(f"the worker process cannot start: {_described(error)}")
+        connection.send_bytes(packed(Unable(problem, traceback.format_exc())))
+        return
+    connection.send_bytes(packed(Ready()))
+    while True:
+        request: Request = pickle.loads(connection.recv_bytes())
+        connection.send_bytes(_answer(request, cell, jobs, connection, to_cancel))
+
+
+def _answer(
+    request: Request,
+    cell: Cell,
+    jobs: Mapping[str, JobFunction],
+    connection: Connection,
+    to_cancel: Flag,
+) -> bytes:
+    number = request.number
+    try:
+        if request.name not in jobs:
+            known = ", ".join(sorted(jobs))
+            raise WorkbenchError(f"there is no task {request.name!r}; there are {known}")
+        report = _reporter(number, connection)
+        result = jobs[request.name](
+            cell, request.arguments, report, lambda: to_cancel.value == number
+        )
+        return packed(Success(number, result))
+    except WorkbenchError as error:
+        return packed(Failure(number, error))
+    except Exception as error:
+        problem = WorkbenchError(f"internal error, see the log: {_described(error)}")
+        return packed(Failure(number, problem, traceback.format_exc()))
+
+
+def _reporter(number: int, connection: Connection) -> Report:
+    last_note, next_at = "", 0.0
+
+    def report(done: float, note: str) -> None:
+        nonlocal last_note, next_at
+        now = time.monotonic()
+        if note != last_note or now >= next_at:
+            last_note, next_at = note, now + REPORT_EVERY
+            connection.send_bytes(packed(Progress(number, min(max(float(done), 0.0), 1.0), note)))
+
+    return report
+
+
+def _described(error: Exception) -> str:
+    return f"{type(error).__name__}: {error}"
+
+
+def _end_with_parent() -> None:
+    parent = parent_process()
+    if parent is not None:
+        wait([parent.sentinel])
+        os._exit(1)
