@@ -138,10 +138,14 @@ class ScannerMount:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Controller:
-    """Address and protocol of the robot controller."""
+    """Address and protocol of the robot controller.
+
+    Motion goes through `port`; a controller that reports its state does so on `state_port`.
+    """
 
     host: str = "127.0.0.1"
     port: int = 1025
+    state_port: int = 1026
     protocol: Literal["abb-socket"] = "abb-socket"
 
 
@@ -149,7 +153,8 @@ class Controller:
 class Policy:
     """The numbers by which this cell plans; lengths [m], angles [rad].
 
-    `margin` is kept to everything on free legs, `near_margin` by the tool on straight legs.
+    `margin` is kept to everything on free legs, `near_margin` by the tool on straight legs,
+    `self_margin` between links of the same arm, whose wrist is built closer than any margin.
     `lift_length` and `lift_lean` shape the extraction: straight up, leaning to the bin centre.
     `speed` scales joint velocities.  `zone` is the largest corner rounding, as a fraction of
     the shorter neighbouring segment.  `iterations` bounds each planner call.
@@ -157,6 +162,7 @@ class Policy:
 
     margin: float = 0.005
     near_margin: float = 0.001
+    self_margin: float = 0.0
     lift_length: float = 0.1
     lift_lean: float = np.deg2rad(25.0)
     free_points: int = 10
@@ -170,7 +176,10 @@ class Policy:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Cell:
-    """Everything that a plan depends on besides the scan: one digest covers it all."""
+    """Everything that a plan depends on besides the scan: one digest covers it all.
+
+    The controller's address is not in the digest: where a plan is sent changes nothing in it.
+    """
 
     name: str
     robot: Robot
@@ -185,7 +194,8 @@ class Cell:
     digest: str = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
-        put(self, T_world_robot=copied(self.T_world_robot), digest=digest_of(self))
+        put(self, T_world_robot=copied(self.T_world_robot))
+        put(self, digest=digest_of(self, without=frozenset({"controller"})))
 
     def arm(self, name: str) -> Arm:
         """The arm of that name.

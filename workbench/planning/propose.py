@@ -16,6 +16,10 @@ TURN_WEIGHT = 0.1
 """[m/rad] What a turn of the hand counts against its way in the SE(3) index."""
 
 
+PRESS = 0.0015
+"""[m] How deep the closed fingers may stand in the part's collision solids: they press on it."""
+
+
 class ToolCheck:
     """The tool alone, floating in the bin: no arm, so no inverse kinematics is needed.
 
@@ -50,11 +54,11 @@ class ToolCheck:
         self._tools = {arm.name: _tool_shapes(arm) for arm in cell.arms}
 
     def contact(
-        self, arm: Arm, T_world_tcp: pin.SE3, opening: float, target: int
+        self, arm: Arm, T_world_tcp: pin.SE3, opening: float, target: int, press: float
     ) -> tuple[tuple[str, str], float] | None:
         """The first obstacle closer to the tool than its margin, and its distance [m].
 
-        The part to be taken may be as near as it likes, but not cut by the tool.
+        The part to be taken has no margin; the tool may cut into it by `press` [m].
         """
         T_world_flange = T_world_tcp * arm.tool.T_flange_tcp.inverse()
         result = coal.DistanceResult()
@@ -66,7 +70,7 @@ class ToolCheck:
             offset = np.einsum("gji,gj->gi", self._R, T.act(centre) - self._centres)
             gap = np.linalg.norm(np.maximum(np.abs(offset) - self._halves, 0.0), axis=1) - radius
             for g in np.flatnonzero(gap < self._margin):
-                margin = 0.0 if self._numbers[g] == target else self._margin
+                margin = -press if self._numbers[g] == target else self._margin
                 result.clear()
                 distance = coal.distance(
                     shape, transform, self._shapes[g], self._transforms[g], self._request, result
@@ -144,10 +148,12 @@ def _first_verdict(
             note=f"opening {grasp.opening * 1e3:.0f} mm is outside the stroke "
             f"{low * 1e3:.0f}-{high * 1e3:.0f} mm",
         )
-    for opening in (grasp.opening, grasp.grip) if arm.tool.fingers else (0.0,):
-        # Closed fingers press on the part itself, so then only the others are obstacles;
-        # the finger surfaces touch it and a rounding error must not count.
-        found = check.contact(arm, T_world_tcp, opening, number)
-        if found is not None and (opening == grasp.opening or part_label(number) not in found[0]):
-            return Verdict(Reason.TOOL_COLLISION, Stage.PROPOSE, pair=found[0], distance=found[1])
+    ways = ((grasp.opening, 0.0), (grasp.grip, PRESS)) if arm.tool.fingers else ((0.0, 0.0),)
+    for opening, press in ways:
+        found = check.contact(arm, T_world_tcp, opening, number, press)
+        if found is not None:
+            note = f"fingers {opening * 1e3:.0f} mm apart" if arm.tool.fingers else ""
+            return Verdict(
+                Reason.TOOL_COLLISION, Stage.PROPOSE, pair=found[0], distance=found[1], note=note
+            )
     return Verdict(Reason.OK, Stage.PROPOSE)

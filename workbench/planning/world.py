@@ -127,6 +127,7 @@ class World:
         one_piece = (held[a] >= 0) & (held[a] == held[b])
         self._active = moves & ~in_hand & ~one_piece & ~gone[a] & ~gone[b]
         self._margins = np.full(len(a), self.cell.policy.margin)
+        self._margins[(arm_a == arm_b) & (arm_a >= 0)] = self.cell.policy.self_margin
         if phase.straight:
             tool = self._is_tool
             hand = (tool | (held >= 0)) & np.isin(carrier, list(moving))

@@ -1,0 +1,254 @@
+"""`cell.toml` to a cell: millimetres and degrees in the file, metres and radians inside."""
+
+from pathlib import Path
+
+import numpy as np
+
+from workbench.formats.parts import read_part
+from workbench.formats.shipped import find
+from workbench.formats.solids import read_pose, read_solid
+from workbench.formats.toml_keys import Table, read_toml
+from workbench.formats.urdf import read_srdf, read_urdf
+from workbench.model.cell import (
+    Arm,
+    Bin,
+    Cell,
+    Controller,
+    Finger,
+    Fixture,
+    Policy,
+    ScannerMount,
+    Tool,
+)
+from workbench.model.errors import FileError, InputError
+from workbench.model.geometry import Floats
+from workbench.model.part import Part
+from workbench.model.robot import Robot
+
+ARM_NAMES = ("right", "left")
+
+
+def read_cell(name: str | Path) -> Cell:
+    """A cell by name under `robots/`, or by the path of its folder or `cell.toml`.
+
+    Raises:
+        FileError: names the file, the key, its value and what was expected.
+    """
+    place = find("robots", str(name))
+    path = place / "cell.toml" if place.is_dir() else place
+    table = read_toml(path)
+    robot_table = table.table("robot")
+    robot = _robot(robot_table)
+    T_world_robot = read_pose(robot_table)
+    robot_table.finish()
+    tools = {tool.name: tool for tool in map(_tool, table.tables("tool"))}
+    arms = tuple(_arm(arm, robot, tools) for arm in table.tables("arm"))
+    names = [arm.name for arm in arms]
+    if not arms or len(set(names)) != len(names):
+        raise table.error("arm", "one or two [[arm]] tables with different names are needed")
+    cell = Cell(
+        name=table.text("name"),
+        robot=robot,
+        T_world_robot=T_world_robot,
+        arms=arms,
+        bin=_bin(table.table("bin")),
+        scanner=_scanner(table.table("scanner")),
+        controller=_controller(table.table("controller"))
+        if table.has("controller")
+        else Controller(),
+        parts=tuple(_part(path, part) for part in table.texts("parts")),
+        fixtures=tuple(_fixture(fixture) for fixture in table.tables("fixture")),
+        policy=_policy(table.table("policy")) if table.has("policy") else Policy(),
+    )
+    if not cell.parts:
+        raise table.error("parts", "names no part; at least one is needed")
+    table.finish()
+    return cell
+
+
+def _part(cell_file: Path, name: str) -> Part:
+    """A part named in a cell file: a path beside it, or a name under `parts/`."""
+    beside = cell_file.parent / name
+    return read_part(beside if beside.exists() else name)
+
+
+def _robot(table: Table) -> Robot:
+    folder = table.path.parent
+    robot = read_urdf(
+        folder / table.text("urdf"),
+        collision=table.text("collision", "as_is", among=("as_is", "hull")),  # type: ignore[arg-type]
+        hull_except=table.texts("hull_except", ()),
+    )
+    if not table.has("srdf"):
+        return robot
+    srdf = folder / table.text("srdf")
+    pairs = read_srdf(srdf)
+    known = {link.name for link in robot.links}
+    for pair in sorted(pairs):
+        for link in pair:
+            if link not in known:
+                raise FileError(srdf, f"names link {link!r}, which the URDF does not have")
+    return Robot(robot.name, robot.links, robot.joints, pairs)
+
+
+def _tool(table: Table) -> Tool:
+    tcp = table.table("tcp")
+    T_flange_tcp = read_pose(tcp)
+    tcp.finish()
+    fingers: list[Finger] = []
+    for finger in table.tables("finger"):
+        direction = finger.numbers("opens_along", 3)
+        if abs(float(np.linalg.norm(direction)) - 1.0) > 1e-6:
+            raise finger.error("opens_along", "must be a unit vector")
+        fingers.append(Finger(read_solid(finger), direction))
+    low, high = table.numbers("stroke_mm", 2, [0, 0], low=0, high=1000) / 1000
+    if fingers and not low < high:
+        raise table.error("stroke_mm", "must be [smallest, largest] opening")
+    tool = Tool(
+        name=table.text("name"),
+        T_flange_tcp=T_flange_tcp,
+        body=tuple(read_solid(solid) for solid in table.tables("body")),
+        fingers=tuple(fingers),
+        stroke=(float(low), float(high)),
+    )
+    table.finish()
+    return tool
+
+
+def _arm(table: Table, robot: Robot, tools: dict[str, Tool]) -> Arm:
+    name = table.text("name", among=ARM_NAMES)
+    flange, tool = table.text("flange"), table.text("tool")
+    if tool not in tools:
+        raise table.error("tool", f"{tool!r} is not one of {', '.join(tools) or 'no tools'}")
+    try:
+        joints = tuple(j.name for j in robot.chain(flange) if j.kind != "fixed")
+    except InputError as error:
+        raise table.error("flange", str(error)) from None
+    count = len(joints)
+    if count == 0:
+        raise table.error("flange", f"no movable joint leads to {flange!r}")
+    axes = table.numbers("axes", count, list(range(1, count + 1))).astype(int)
+    if sorted(axes.tolist()) != list(range(1, count + 1)):
+        raise table.error("axes", f"must hold each of 1 to {count} once: the axis of each joint")
+    wire_order = np.argsort(axes)
+    signs = table.numbers("signs", count, [1] * count)
+    if not np.all(np.abs(signs) == 1):
+        raise table.error("signs", "may hold 1 and -1 only")
+    home = np.empty(count)
+    home[wire_order] = np.deg2rad(table.numbers("home_deg", count, low=-720, high=720)) * signs
+    _check_home(table, robot, joints, home)
+    arm = Arm(
+        name=name,
+        letter=table.text("letter", name[0].upper()),
+        flange=flange,
+        joints=joints,
+        wire_order=tuple(int(k) for k in wire_order),
+        wire_signs=tuple(int(sign) for sign in signs),
+        home=home,
+        acceleration=_acceleration(table, count),
+        tool=tools[tool],
+        Ts_world_place=tuple(_finished_pose(place) for place in table.tables("place")),
+    )
+    table.finish()
+    if len(arm.letter) != 1 or not arm.letter.isascii() or not arm.letter.isalpha():
+        raise table.error("letter", f"{arm.letter!r} is not one letter")
+    return arm
+
+
+def _finished_pose(table: Table):  # type: ignore[no-untyped-def]
+    T = read_pose(table)
+    table.finish()
+    return T
+
+
+def _acceleration(table: Table, count: int) -> Floats:
+    each = table.number("acceleration_deg", 600, low=1, high=100_000)
+    return np.full(count, np.deg2rad(each))
+
+
+def _check_home(table: Table, robot: Robot, joints: tuple[str, ...], home: Floats) -> None:
+    lower, upper, _ = robot.limits(joints)
+    for joint, value, low, high in zip(joints, home, lower, upper, strict=True):
+        if not low <= value <= high:
+            raise table.error(
+                "home_deg",
+                f"{np.rad2deg(value):.1f} for {joint} is outside {np.rad2deg(low):.1f} to "
+                f"{np.rad2deg(high):.1f}",
+            )
+
+
+def _bin(table: Table) -> Bin:
+    found = Bin(
+        read_pose(table),
+        table.numbers("size_mm", 3, low=10, high=5000) / 1000,
+        table.number("wall_mm", 3, low=0.5, high=100) / 1000,
+    )
+    table.finish()
+    return found
+
+
+def _scanner(table: Table) -> ScannerMount:
+    columns, rows = table.numbers("resolution", 2, [640, 480], low=16, high=4096).astype(int)
+    mount = ScannerMount(
+        T_world_scanner=read_pose(table),
+        resolution=(int(columns), int(rows)),
+        field_of_view=float(np.deg2rad(table.number("field_of_view_deg", low=1, high=150))),
+        depth_noise=table.number("depth_noise_mm", 0.3, low=0, high=20) / 1000,
+        near=table.number("near_mm", 300, low=1, high=20_000) / 1000,
+        far=table.number("far_mm", 1500, low=1, high=20_000) / 1000,
+    )
+    table.finish()
+    if not mount.near < mount.far:
+        raise table.error("near_mm", "must be less than far_mm")
+    return mount
+
+
+def _controller(table: Table) -> Controller:
+    table.text("protocol", "abb-socket", among=("abb-socket",))
+    port = table.whole("port", 1025, low=1, high=65535)
+    controller = Controller(
+        table.text("host", "127.0.0.1"),
+        port,
+        table.whole("state_port", min(port + 1, 65535), low=1, high=65535),
+    )
+    table.finish()
+    return controller
+
+
+def _fixture(table: Table) -> Fixture:
+    name = table.text("name")
+    fixture = Fixture(
+        name,
+        read_pose(table),
+        tuple(read_solid(solid, prefix=f"{name}_") for solid in table.tables("solid")),
+    )
+    table.finish()
+    return fixture
+
+
+def _policy(table: Table) -> Policy:
+    usual = Policy()
+
+    def length(key: str, default: float, high: float) -> float:
+        return table.number(key, default * 1000, low=0, high=high) / 1000
+
+    policy = Policy(
+        margin=length("margin_mm", usual.margin, 1000),
+        near_margin=length("near_margin_mm", usual.near_margin, 1000),
+        self_margin=length("self_margin_mm", usual.self_margin, 1000),
+        lift_length=length("lift_length_mm", usual.lift_length, 2000),
+        lift_lean=float(
+            np.deg2rad(table.number("lift_lean_deg", np.rad2deg(usual.lift_lean), low=0, high=80))
+        ),
+        free_points=table.whole("free_points", usual.free_points, low=2, high=200),
+        straight_points=table.whole("straight_points", usual.straight_points, low=2, high=200),
+        speed=table.number("speed", usual.speed, low=0.01, high=1),
+        zone=table.number("zone", usual.zone, low=0, high=0.45),
+        threshold=length("threshold_mm", usual.threshold, 10_000),
+        iterations=table.whole("iterations", usual.iterations, low=1, high=1_000_000),
+        approval_minutes=table.number(
+            "approval_minutes", usual.approval_minutes, low=0.1, high=24 * 60
+        ),
+    )
+    table.finish()
+    return policy

@@ -1,0 +1,115 @@
+"""Parts and their grasps: `part.toml` and `grasps.toml`, in millimetres and degrees."""
+
+from pathlib import Path
+
+import numpy as np
+import pinocchio as pin
+
+from workbench.formats.shipped import find
+from workbench.formats.solids import read_mesh_entry, read_solid
+from workbench.formats.toml_keys import Table, read_toml
+from workbench.model.errors import FileError
+from workbench.model.geometry import Floats
+from workbench.model.part import Grasp, GraspLibrary, GraspPattern, Part, Symmetry
+
+MOST_COPIES = 10_000
+
+
+def read_part(name: str | Path) -> Part:
+    """A part by name under `parts/`, or by the path of its folder or `part.toml`.
+
+    Raises:
+        FileError: names the file and the key that is wrong.
+    """
+    place = find("parts", str(name))
+    path = place / "part.toml" if place.is_dir() else place
+    table = read_toml(path)
+    part_name = table.text("name")
+    mass = table.number("mass_g", low=0.001, high=1e6) / 1000
+    mesh_table = table.table("mesh")
+    mesh = read_mesh_entry(mesh_table, convex=False)
+    mesh_table.finish()
+    pieces = tuple(read_solid(piece) for piece in table.tables("piece"))
+    if not pieces:
+        raise table.error("piece", "at least one [[piece]] is needed, for collision and physics")
+    symmetry = _symmetry(table.table("symmetry")) if table.has("symmetry") else Symmetry()
+    table.finish()
+    grasps = path.parent / "grasps.toml"
+    library = read_grasps(grasps) if grasps.is_file() else GraspLibrary()
+    return Part(part_name, mesh, pieces, mass, symmetry, library)
+
+
+def _symmetry(table: Table) -> Symmetry:
+    symmetry = Symmetry(_direction(table, "axis", [0, 0, 1]), table.whole("fold", low=0, high=360))
+    table.finish()
+    return symmetry
+
+
+def read_grasps(path: Path) -> GraspLibrary:
+    """All `[[grasp]]` tables of a file, in its order; one with a `pattern` stands for many.
+
+    Raises:
+        FileError: names the file and the key that is wrong.
+    """
+    table = read_toml(path)
+    entries = tuple(_entry(entry) for entry in table.tables("grasp"))
+    table.finish()
+    library = GraspLibrary(entries)
+    names = [grasp.name for grasp in library.grasps]
+    for name in names:
+        if names.count(name) > 1:
+            raise FileError(path, f"the grasp name {name!r} is used twice")
+    return library
+
+
+def _entry(table: Table) -> Grasp | GraspPattern:
+    grasp = Grasp(
+        name=table.text("name"),
+        T_part_tcp=_tcp_pose(table),
+        opening=table.number("opening_mm", low=0, high=1000) / 1000,
+        grip=table.number("grip_mm", low=0, high=1000) / 1000,
+        approach=_direction(table, "approach", [0, 0, 1]),
+        approach_length=table.number("approach_length_mm", 60, low=1, high=1000) / 1000,
+        retreat=_direction(table, "retreat", [0, 0, 1]) if table.has("retreat") else None,
+        retreat_length=table.number("retreat_length_mm", 100, low=1, high=1000) / 1000,
+        priority=table.whole("priority", 0, low=-1000, high=1000),
+        is_enabled=table.flag("enabled", True),
+        arms=table.texts("arms", ()),
+        free_rotation=float(np.deg2rad(table.number("free_rotation_deg", 0, low=0, high=180))),
+    )
+    if grasp.grip > grasp.opening:
+        raise table.error("grip_mm", "is wider than opening_mm: the fingers could not close")
+    pattern = _pattern(table.table("pattern"), grasp) if table.has("pattern") else None
+    table.finish()
+    return pattern or grasp
+
+
+def _tcp_pose(table: Table) -> pin.SE3:
+    """TCP in the part frame from where it is, where z points, and where the fingers close (y)."""
+    position = table.numbers("position_mm", 3, low=-10_000, high=10_000) / 1000
+    z = _direction(table, "points_along")
+    y = _direction(table, "closes_along")
+    if abs(float(y @ z)) > 1e-6:
+        raise table.error("closes_along", "must be perpendicular to points_along")
+    return pin.SE3(np.column_stack([np.cross(y, z), y, z]), position)
+
+
+def _direction(table: Table, key: str, default: list[float] | None = None) -> Floats:
+    given = table.numbers(key, 3) if default is None else table.numbers(key, 3, default)
+    length = float(np.linalg.norm(given))
+    if length < 1e-9:
+        raise table.error(key, "has no direction")
+    return given / length
+
+
+def _pattern(table: Table, grasp: Grasp) -> GraspPattern:
+    pattern = GraspPattern(
+        grasp=grasp,
+        axis=_direction(table, "axis", [0, 0, 1]),
+        angles=tuple(np.deg2rad(table.numbers("angles_deg", None, [0.0])).tolist()),
+        offsets=tuple((table.numbers("offsets_mm", None, [0.0]) / 1000).tolist()),
+    )
+    if not 0 < len(pattern.angles) * len(pattern.offsets) <= MOST_COPIES:
+        raise table.error("angles_deg", f"a pattern makes 1 to {MOST_COPIES} grasps")
+    table.finish()
+    return pattern
