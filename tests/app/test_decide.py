@@ -38,6 +38,7 @@ from workbench.app.rules import allowed, staleness
 from workbench.app.state import Phase, State
 from workbench.model.digest import digest_of
 from workbench.model.errors import CommandRefused, InputError, JobCancelled
+from workbench.model.plan import UNSIGNED
 from workbench.model.release import Receipt
 
 NOW = 1_000_000.0
@@ -247,7 +248,7 @@ class AnySequence(RuleBasedStateMachine):
 
     samples: ClassVar[Any]
 
-    @initialize(steps=st.integers(0, 7))
+    @initialize(steps=st.integers(0, 8))
     def begin(self, steps):
         self.line = Line(self.samples.cell)
         self.sent: set[str] = set()
@@ -262,6 +263,7 @@ class AnySequence(RuleBasedStateMachine):
             JobEnded(4, result),
             Approve(result.plan.digest),
             SendPlan(result.plan.digest),
+            LinkEnded("", 1),
         )
         for command in cycle[:steps]:
             self.attempt(command)
@@ -275,27 +277,66 @@ class AnySequence(RuleBasedStateMachine):
         except CommandRefused:
             assert self.line.state is before
             return
+        self.check_results(before, after, command)
+        if after.approval is not None and after.approval is not before.approval:
+            self.check_approval(before, after, command, actor)
         sends = [one for one in self.line.effects[effects:] if isinstance(one, Send)]
         assert (after.phase is Phase.SENDING and before.phase is not Phase.SENDING) == bool(sends)
         for send in sends:
-            # What must never be otherwise, said without the code under test.
-            assert isinstance(command, SendPlan)
-            assert before.phase is Phase.APPROVED
-            approval = before.approval
-            assert approval is not None
-            assert approval.actor == "ada"
-            assert approval.at <= self.line.now < approval.until
-            assert approval.plan_digest == command.plan_digest == send.plan.digest
-            assert approval.plan_digest == digest_of(
-                send.plan, without=frozenset({"seconds", "digest"})
-            )
-            assert approval.cell_digest == before.cell.digest == send.plan.cell_digest
-            assert approval.scan_digest == before.scene_digest == send.plan.scan_digest
-            assert before.proof is not None
-            assert before.proof.holds
-            assert before.proof.plan_digest == send.plan.digest
-            assert approval.digest not in self.sent, "one approval, one sending"
-            self.sent.add(approval.digest)
+            self.check_sending(before, command, send)
+
+    # What must never be otherwise, said without the code under test.
+
+    def check_results(self, before: State, after: State, command: Command) -> None:
+        if isinstance(command, JobEnded) and (
+            before.job is None or before.job.number != command.number
+        ):
+            assert dataclasses.replace(after, number=before.number).message == before.message
+            for field in ("scan", "detections", "plan", "proof", "approval", "phase", "job"):
+                assert getattr(after, field) is getattr(before, field)
+
+    def check_approval(self, before: State, after: State, command: Command, actor: str) -> None:
+        assert isinstance(command, Approve)
+        assert (actor or "ada") == after.approval.actor == "ada"
+        assert before.proof.holds
+        assert before.proof.plan_digest == before.plan.digest == command.plan_digest
+        assert before.plan.scan_digest == before.scene_digest
+        assert before.plan.cell_digest == before.cell.digest
+
+    def check_sending(self, before: State, command: Command, send: Send) -> None:
+        assert isinstance(command, SendPlan)
+        assert before.phase is Phase.APPROVED
+        approval = before.approval
+        assert send.approval is approval
+        assert approval.at <= self.line.now < approval.until
+        assert approval.plan_digest == command.plan_digest == send.plan.digest
+        assert approval.plan_digest == digest_of(send.plan, without=UNSIGNED)
+        assert approval.scan_digest == before.scene_digest == send.plan.scan_digest
+        assert before.proof.holds
+        assert approval.digest not in self.sent, "one approval, one sending"
+        self.sent.add(approval.digest)
+
+    @rule(steps=st.integers(1, 3), holds=st.sampled_from([True, True, False]), seed=SEEDS)
+    def go_on(self, steps, holds, seed):
+        """Do what a sensible person would do next, or let the running task end well."""
+        for _ in range(steps):
+            state = self.line.state
+            if state.job is not None:
+                self.job_ends("right", seed, holds, False)
+                continue
+            digest = state.plan.digest if state.plan is not None else ""
+            sensible = {
+                Phase.IDLE: TakeScan(seed),
+                Phase.SCANNED: FindParts(seed),
+                Phase.LOCALIZED: MakePlan(seed=seed),
+                Phase.PLANNED: Approve(digest),
+                Phase.APPROVED: SendPlan(digest),
+                Phase.SENDING: LinkEnded("" if holds else "lost", 1),
+                Phase.DONE: TakeScan(seed),
+                Phase.FAULT: AcknowledgeFault(),
+            }
+            command = sensible[state.phase]
+            self.attempt(command, ROBOT_LINK if isinstance(command, LinkEnded) else "ada")
 
     @rule(seed=SEEDS, parts=st.integers(0, 3))
     def scan(self, seed, parts):
@@ -362,6 +403,15 @@ class AnySequence(RuleBasedStateMachine):
         self.attempt(SendPlan(plan.digest if plan is not None else "0" * 64), actor)
 
     @rule()
+    def insist(self):
+        """Approve and send what is there, whatever the phase."""
+        plan = self.line.state.plan
+        if plan is not None:
+            self.attempt(SendPlan(plan.digest), "ada")
+            self.attempt(Approve(plan.digest), "ada")
+            self.attempt(SendPlan(plan.digest), "ada")
+
+    @rule()
     def message_goes_out(self):
         self.attempt(Sent(RECEIPT))
 
@@ -403,5 +453,5 @@ class AnySequence(RuleBasedStateMachine):
 def test_no_sequence_of_commands_sends_without_a_fresh_matching_approval(samples):
     AnySequence.samples = samples
     run_state_machine_as_test(
-        AnySequence, settings=settings(max_examples=300, stateful_step_count=40, deadline=None)
+        AnySequence, settings=settings(max_examples=300, stateful_step_count=30, deadline=None)
     )

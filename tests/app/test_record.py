@@ -199,8 +199,8 @@ def test_people_can_read_scan_plan_proof_and_approval_from_the_folder(journal, c
 
 def test_a_session_of_another_cell_is_not_computed_with_this_one(journal, samples, make_cell):
     run(journal, samples.cell, cycle(samples))
-    with pytest.raises(JournalError, match="not with sample as it is now"):
-        list(replay(journal, make_cell(port=1)))
+    with pytest.raises(JournalError, match="not with other as it is now"):
+        list(replay(journal, make_cell("other")))
 
 
 def test_an_entry_that_the_rules_refuse_ends_the_replay(journal, cell, samples):

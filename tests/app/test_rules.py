@@ -206,7 +206,7 @@ def test_the_proof_of_another_plan_does_not_count(planned, samples):
 
 
 def test_a_plan_for_another_cell_or_scan_cannot_be_approved(planned, samples, make_cell):
-    other = samples.plan(planned.scan.digest, cell=make_cell(port=1))
+    other = samples.plan(planned.scan.digest, cell=make_cell("other"))
     state = dataclasses.replace(planned, plan=other, proof=samples.proof(other))
     assert "cell has changed" in refusal(state, Approve(other.digest))
     newer = dataclasses.replace(planned, scene_digest=samples.scan(seed=9).digest)
@@ -224,7 +224,7 @@ def test_an_approval_does_not_cover_another_plan_cell_or_scan(approved, samples,
     approval, plan, cell = approved.approval, approved.plan, approved.cell
     scan = approved.scene_digest
     assert "another plan" in staleness(approval, samples.plan(scan, seed=5), cell, scan, NOW)
-    assert "cell has changed" in staleness(approval, plan, make_cell(port=1), scan, NOW)
+    assert "cell has changed" in staleness(approval, plan, make_cell("other"), scan, NOW)
     assert "newer scan" in staleness(approval, plan, cell, samples.scan(seed=9).digest, NOW)
     assert "nobody" in staleness(None, plan, cell, scan, NOW)
 

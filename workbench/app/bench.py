@@ -1,0 +1,233 @@
+"""The bench: the one place where commands become states, and the only object with a say in it."""
+
+import logging
+import threading
+import time
+from collections.abc import Callable
+from typing import Protocol
+
+from workbench.app.commands import Command, Entry, JobEnded, LinkEnded, Stop
+from workbench.app.decide import decide
+from workbench.app.effects import Effect
+from workbench.app.machines import Clock, Do, Live, Machines
+from workbench.app.record import command_form, entry_record
+from workbench.app.replay import replay
+from workbench.app.rights import MACHINES, ROBOT_LINK, WORKER
+from workbench.app.rules import allowed
+from workbench.app.sessions import begin
+from workbench.app.state import Phase, State
+from workbench.journal.journal import Journal
+from workbench.model.cell import Cell
+from workbench.model.errors import CommandRefused, JournalError, WorkbenchError
+
+log = logging.getLogger(__name__)
+
+Observer = Callable[[State, State], None]
+"""Told the state that it was told last, and the newest one."""
+
+
+class Effects(Protocol):
+    """What carries out effects.  `run` returns at once; results come back as commands."""
+
+    @property
+    def live(self) -> Live:
+        """What goes on at this moment."""
+        ...
+
+    def run(self, effect: Effect) -> None:
+        """Begin an effect; called one at a time, never again into `do` from within."""
+        ...
+
+    def close(self) -> None:
+        """End everything; the robot first."""
+        ...
+
+
+class Bench:
+    """Takes commands from anybody, one at a time, and tells everybody the newest state.
+
+    Lifetime: from construction until `close`.  It takes over the journal: an empty one begins
+    a session; one with entries is continued where it ended, and what was under way then is
+    entered as ended (a sending as a fault, since nobody knows how far the robot came).
+
+    Concurrency: every method may be called from any thread, except that an observer may not
+    call `close`.  Commands are serialised by a lock that is held for rules, decision and one
+    append to the journal, never for work.  Each observer has a thread of its own: a slow one
+    misses intermediate states and delays nobody.
+    """
+
+    def __init__(
+        self,
+        cell: Cell,
+        journal: Journal,
+        *,
+        now: Clock = time.time,
+        effects: Callable[[Cell, Do, Clock], Effects] = Machines,
+    ) -> None:
+        """Begin or continue a session.
+
+        Args:
+            cell: that the session runs with.
+            journal: of the session; `close` closes it.
+            now: seconds since the epoch; with the actor, the only input besides commands.
+            effects: makes what carries out effects.
+
+        Raises:
+            JournalError: the journal cannot be written, or its entries do not fit.
+        """
+        self.cell = cell
+        self._journal = journal
+        self._now = now
+        self._changed = threading.Condition()
+        self._observers: list[_Observer] = []
+        self._closing = False
+        if journal.count == 0:
+            begin(journal, cell, now())
+        self._state = State(cell, number=journal.count)
+        for _, state in replay(journal, cell):
+            self._state = state
+        self._end_what_was_interrupted()
+        self._effects = effects(cell, self.do, now)
+
+    @property
+    def state(self) -> State:
+        """The newest state."""
+        return self._state
+
+    @property
+    def live(self) -> Live:
+        """What goes on at this moment: it is not recorded and decides nothing."""
+        return self._effects.live
+
+    def do(self, command: Command, actor: str) -> State:
+        """Carry out a command, or refuse it and change nothing.
+
+        Args:
+            command: what is asked for, or what a machine reports.
+            actor: the person's name, or one of `rights.MACHINES`.
+
+        Returns:
+            The state right after it.
+
+        Raises:
+            CommandRefused: the rules do not admit it, or it could not be recorded.
+        """
+        # Looked at before anything is made of its content, which may be anything.
+        allowed(self._state, command, actor, self._now())
+        # A scan takes a while to become bytes: nobody else should wait for that.
+        form = command_form(command)
+        with self._changed:
+            if self._closing and actor not in MACHINES:
+                raise CommandRefused("the workbench is closing")
+            before, now = self._state, self._now()
+            allowed(before, command, actor, now)
+            entry = Entry(before.number + 1, now, actor, command)
+            after, effects = decide(before, entry)
+            record = entry_record(entry, form, after)
+            try:
+                if self._journal.count != before.number:
+                    raise JournalError("somebody else has written to it")
+                self._journal.append(record.kind, record.body, record.files)
+            except JournalError as error:
+                if isinstance(command, Stop):
+                    self._run(effects)
+                    raise CommandRefused(
+                        f"the stop is carried out, but it cannot be recorded: {error}"
+                    ) from error
+                raise CommandRefused(
+                    f"the journal cannot be written, so nothing was done: {error}"
+                ) from error
+            self._publish(after)
+            self._run(effects)
+        return after
+
+    def wait(self, until: Callable[[State], bool], seconds: float) -> State:
+        """The state as soon as `until` holds for it, or as it is after `seconds`."""
+        with self._changed:
+            self._changed.wait_for(lambda: until(self._state), seconds)
+            return self._state
+
+    def subscribe(self, callback: Observer) -> Callable[[], None]:
+        """Have `callback(old, new)` called in its own thread whenever the state has changed.
+
+        `old` is the state of the call before, at first the one that holds now.
+
+        Returns:
+            A function that ends it; a call under way is not waited for.
+        """
+        with self._changed:
+            observer = _Observer(callback, self._state)
+            self._observers.append(observer)
+
+        def unsubscribe() -> None:
+            with self._changed:
+                if observer in self._observers:
+                    self._observers.remove(observer)
+            observer.close()
+
+        return unsubscribe
+
+    def close(self) -> None:
+        """Stop the robot and the worker, record that, and end; twice does no harm."""
+        with self._changed:
+            if self._closing:
+                return
+            self._closing = True
+        self._effects.close()
+        with self._changed:
+            observers, self._observers = self._observers, []
+        for observer in observers:
+            observer.close()
+        self._journal.close()
+
+    def _publish(self, state: State) -> None:
+        self._state = state
+        for observer in self._observers:
+            observer.put(state)
+        self._changed.notify_all()
+
+    def _run(self, effects: tuple[Effect, ...]) -> None:
+        for effect in effects:
+            self._effects.run(effect)
+
+    def _end_what_was_interrupted(self) -> None:
+        if self._state.job is not None:
+            ended = WorkbenchError("the workbench was ended before it was done")
+            self.do(JobEnded(self._state.job.number, ended), WORKER)
+        if self._state.phase is Phase.SENDING:
+            fault = "the workbench was ended while sending; look how far the robot has come"
+            self.do(LinkEnded(fault, self._state.parts_placed), ROBOT_LINK)
+
+
+class _Observer:
+    """Calls one callback with the newest state, in a thread of its own."""
+
+    def __init__(self, callback: Observer, state: State) -> None:
+        self._callback = callback
+        self._seen = self._newest = state
+        self._changed = threading.Condition()
+        self._closed = False
+        threading.Thread(target=self._run, name="observer", daemon=True).start()
+
+    def put(self, state: State) -> None:
+        with self._changed:
+            self._newest = state
+            self._changed.notify()
+
+    def close(self) -> None:
+        with self._changed:
+            self._closed = True
+            self._changed.notify()
+
+    def _run(self) -> None:
+        while True:
+            with self._changed:
+                self._changed.wait_for(lambda: self._closed or self._newest is not self._seen)
+                if self._closed:
+                    return
+                newest = self._newest
+            try:
+                self._callback(self._seen, newest)
+            except Exception:
+                log.exception("an observer of the state failed")
+            self._seen = newest
