@@ -1,5 +1,6 @@
 """Parts and their grasps: `part.toml` and `grasps.toml`, in millimetres and degrees."""
 
+from collections import Counter
 from pathlib import Path
 
 import numpy as np
@@ -7,12 +8,13 @@ import pinocchio as pin
 
 from workbench.formats.shipped import find
 from workbench.formats.solids import read_mesh_entry, read_solid
-from workbench.formats.toml_keys import Table, read_toml
+from workbench.formats.toml_keys import MISSING, Table, read_toml
 from workbench.model.errors import FileError
 from workbench.model.geometry import Floats
 from workbench.model.part import Grasp, GraspLibrary, GraspPattern, Part, Symmetry
 
-MOST_COPIES = 10_000
+MOST_GRASPS = 10_000
+"""In one library, patterns written out."""
 
 
 def read_part(name: str | Path) -> Part:
@@ -54,12 +56,17 @@ def read_grasps(path: Path) -> GraspLibrary:
     table = read_toml(path)
     entries = tuple(_entry(entry) for entry in table.tables("grasp"))
     table.finish()
+    if sum(map(_copies, entries)) > MOST_GRASPS:
+        raise FileError(path, f"stands for more than {MOST_GRASPS} grasps")
     library = GraspLibrary(entries)
-    names = [grasp.name for grasp in library.grasps]
-    for name in names:
-        if names.count(name) > 1:
-            raise FileError(path, f"the grasp name {name!r} is used twice")
+    for name, times in Counter(grasp.name for grasp in library.grasps).items():
+        if times > 1:
+            raise FileError(path, f"the grasp name {name!r} is used {times} times")
     return library
+
+
+def _copies(entry: Grasp | GraspPattern) -> int:
+    return len(entry.angles) * len(entry.offsets) if isinstance(entry, GraspPattern) else 1
 
 
 def _entry(table: Table) -> Grasp | GraspPattern:
@@ -95,7 +102,8 @@ def _tcp_pose(table: Table) -> pin.SE3:
 
 
 def _direction(table: Table, key: str, default: list[float] | None = None) -> Floats:
-    given = table.numbers(key, 3) if default is None else table.numbers(key, 3, default)
+    usual = MISSING if default is None else default
+    given = table.numbers(key, 3, usual, low=-1e6, high=1e6)
     length = float(np.linalg.norm(given))
     if length < 1e-9:
         raise table.error(key, "has no direction")
@@ -106,10 +114,15 @@ def _pattern(table: Table, grasp: Grasp) -> GraspPattern:
     pattern = GraspPattern(
         grasp=grasp,
         axis=_direction(table, "axis", [0, 0, 1]),
-        angles=tuple(np.deg2rad(table.numbers("angles_deg", None, [0.0])).tolist()),
-        offsets=tuple((table.numbers("offsets_mm", None, [0.0]) / 1000).tolist()),
+        angles=tuple(
+            np.deg2rad(table.numbers("angles_deg", None, [0.0], low=-360, high=360)).tolist()
+        ),
+        offsets=tuple(
+            (table.numbers("offsets_mm", None, [0.0], low=-10_000, high=10_000) / 1000).tolist()
+        ),
     )
-    if not 0 < len(pattern.angles) * len(pattern.offsets) <= MOST_COPIES:
-        raise table.error("angles_deg", f"a pattern makes 1 to {MOST_COPIES} grasps")
+    for key, values in (("angles_deg", pattern.angles), ("offsets_mm", pattern.offsets)):
+        if not values:
+            raise table.error(key, "is an empty list, so the pattern would hold no grasp")
     table.finish()
     return pattern

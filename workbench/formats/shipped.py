@@ -26,14 +26,22 @@ def find(kind: Kind, name: str) -> Path:
         FileError: nothing of that name; the message lists what is there.
     """
     given = Path(name)
-    if given.exists() and (len(given.parts) > 1 or given.is_file()):
+    if _exists(given) and (len(given.parts) > 1 or given.is_file()):
         return given
-    plain = len(given.parts) == 1 and name not in ("", ".", "..")
-    for folder in folders(kind):
-        if plain and (folder / name).exists():
-            return folder / name
+    if len(given.parts) == 1 and name != "..":
+        for folder in folders(kind):
+            if _exists(folder / name):
+                return folder / name
     known = sorted(
         {item.name for folder in folders(kind) for item in folder.iterdir() if item.is_dir()}
     )
     listed = ", ".join(known) if known else "nothing"
-    raise FileError(name, f"no such path, and no such name under {kind}/ (there is {listed})")
+    shown = name if name.isprintable() and 0 < len(name) <= 200 else repr(name[:200])
+    raise FileError(shown, f"no such path, and no such name under {kind}/ (there is {listed})")
+
+
+def _exists(path: Path) -> bool:
+    try:
+        return path.exists()
+    except (OSError, ValueError):  # a name too long, or one that no file can have
+        return False

@@ -5,17 +5,29 @@ import math
 import tomllib
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
+from workbench.formats.whole_files import MB, read_whole
 from workbench.model.errors import FileError
 from workbench.model.geometry import Floats
 
-LARGEST_FILE = 4 * 1024 * 1024
+LARGEST_FILE = 4 * MB
 """[bytes] Nobody writes a longer cell or grasp file by hand."""
 
 MISSING: Any = object()
+
+
+def shown(value: object) -> str:
+    """A value from a file as it stands in a message: escaped, and never a page long."""
+    try:
+        text = repr(value)
+    except ValueError:  # Python refuses to write out a whole number of thousands of digits
+        return "a number of thousands of digits"
+    except RecursionError:
+        return "a deeply nested list"
+    return text if len(text) <= 60 else f"{text[:57]}..."
 
 
 class Table:
@@ -27,24 +39,40 @@ class Table:
     def __init__(self, path: Path, values: dict[str, Any], place: str = ""):
         self.path = path
         self._values = values
-        self._place = place
+        self.place = place
         self._asked: set[str] = set()
+
+    def names(self) -> tuple[str, ...]:
+        """The keys that are given, for tables in which any printable name may stand."""
+        return tuple(self._printable(key, key, False) for key in self._values)
 
     def error(self, key: str, problem: str) -> FileError:
         """An error that names the file and the key."""
-        return FileError(self.path, f"key {self._place}{key}: {problem}")
+        name = key if key.isprintable() and 0 < len(key) <= 60 else shown(key)
+        return FileError(self.path, f"key {self.place}{name}: {problem}")
 
     def has(self, key: str) -> bool:
         """Whether the key is given."""
         self._asked.add(key)
         return key in self._values
 
-    def text(self, key: str, default: Any = MISSING, *, among: tuple[str, ...] = ()) -> str:
-        """A text, when `among` is given one of those."""
+    def is_null(self, key: str) -> bool:
+        """Whether the key is given as null, which only JSON has."""
+        return self.has(key) and self._values[key] is None
+
+    def text(
+        self,
+        key: str,
+        default: Any = MISSING,
+        *,
+        among: tuple[str, ...] = (),
+        empty: bool = False,
+    ) -> str:
+        """A text, when `among` is given one of those, otherwise a printable one."""
         value = self._value(key, str, "a text", default)
         if among and value not in among:
-            raise self.error(key, f"{value!r} is not one of {', '.join(among)}")
-        return value
+            raise self.error(key, f"{shown(value)} is not one of {', '.join(among)}")
+        return self._printable(key, value, empty)
 
     def flag(self, key: str, default: Any = MISSING) -> bool:
         """True or false."""
@@ -53,8 +81,8 @@ class Table:
     def whole(self, key: str, default: Any = MISSING, *, low: int, high: int) -> int:
         """A whole number, low <= value <= high."""
         value = self._value(key, int, "a whole number", default)
-        if isinstance(value, bool) or not low <= value <= high:
-            raise self.error(key, f"{value!r} is not a whole number from {low} to {high}")
+        if not low <= value <= high:
+            raise self.error(key, f"{shown(value)} is not a whole number from {low} to {high}")
         return value
 
     def number(
@@ -79,26 +107,40 @@ class Table:
             raise self.error(key, f"{count} numbers are expected, {len(value)} are given")
         return np.array([self._checked(key, item, low, high) for item in value])
 
+    def rows(self, key: str, columns: int) -> Floats:
+        """A list of lists of `columns` finite numbers each, shape (n, columns)."""
+        rows = self._rows(key, columns, "numbers")
+        block = np.empty((len(rows), columns))
+        for number, (at, row) in enumerate(rows):
+            block[number] = [self._checked(at, item, -math.inf, math.inf) for item in row]
+        return block
+
+    def text_rows(self, key: str, columns: int) -> list[tuple[str, ...]]:
+        """A list of lists of `columns` printable texts each."""
+        return [
+            tuple(self._text_in_list(at, item) for item in row)
+            for at, row in self._rows(key, columns, "texts")
+        ]
+
     def texts(self, key: str, default: Any = MISSING) -> tuple[str, ...]:
-        """A list of texts."""
+        """A list of printable texts."""
         value = self._value(key, (list, tuple), "a list of texts", default)
-        for item in value:
-            if not isinstance(item, str):
-                raise self.error(key, f"a list of texts is expected, {item!r} is in it")
-        return tuple(value)
+        return tuple(self._text_in_list(key, item) for item in value)
 
     def table(self, key: str) -> "Table":
         """A table within this one."""
         value = self._value(key, dict, "a table", MISSING)
-        return Table(self.path, value, f"{self._place}{key}.")
+        return Table(self.path, value, f"{self.place}{key}.")
 
-    def tables(self, key: str) -> Iterator["Table"]:
+    def tables(self, key: str, default: Any = ()) -> Iterator["Table"]:
         """The tables of an array `[[key]]`; none when it is not given."""
-        value = self._value(key, list, "an array of tables", [])
+        value = self._value(key, list, "an array of tables", default)
         for number, item in enumerate(value, start=1):
             if not isinstance(item, dict):
-                raise self.error(key, f"an array of tables is expected, entry {number} is {item!r}")
-            yield Table(self.path, item, f"{self._place}{key}[{number}].")
+                raise self.error(
+                    key, f"an array of tables is expected, entry {number} is {shown(item)}"
+                )
+            yield Table(self.path, cast(dict[str, Any], item), f"{self.place}{key}[{number}].")
 
     def finish(self) -> None:
         """Refuse keys that nobody asked for.
@@ -108,7 +150,7 @@ class Table:
         """
         for key in self._values:
             if key not in self._asked:
-                near = difflib.get_close_matches(key, self._asked, 1)
+                near = difflib.get_close_matches(key[:60], self._asked, 1)
                 hint = f"; did you mean {near[0]!r}?" if near else ""
                 known = ", ".join(sorted(self._asked))
                 raise self.error(key, f"is not known here{hint} (known: {known})")
@@ -121,17 +163,49 @@ class Table:
             return default
         value = self._values[key]
         if not isinstance(value, kinds) or (isinstance(value, bool) and kinds is not bool):
-            raise self.error(key, f"{expected} is expected, {value!r} is given")
+            raise self.error(key, f"{expected} is expected, {shown(value)} is given")
+        return value
+
+    def _rows(self, key: str, columns: int, of: str) -> list[tuple[str, list[Any]]]:
+        """The rows of a list of lists, each with its place."""
+        rows: list[tuple[str, list[Any]]] = []
+        for number, row in enumerate(self._value(key, list, f"a list of lists of {of}", MISSING)):
+            at = f"{key}[{number + 1}]"
+            if not isinstance(row, list):
+                raise self.error(
+                    at, f"a list of {of} is expected, {shown(cast(object, row))} is given"
+                )
+            row = cast(list[Any], row)
+            if len(row) != columns:
+                raise self.error(at, f"{columns} {of} are expected, {len(row)} are given")
+            rows.append((at, row))
+        return rows
+
+    def _text_in_list(self, key: str, value: Any) -> str:
+        if not isinstance(value, str):
+            raise self.error(key, f"a list of texts is expected, {shown(value)} is in it")
+        return self._printable(key, value, False)
+
+    def _printable(self, key: str, value: str, empty: bool) -> str:
+        # Names travel into file names, tables and digests; a lone surrogate has no encoding.
+        if not value and not empty:
+            raise self.error(key, "is an empty text")
+        if not value.isprintable():
+            raise self.error(key, f"{shown(value)} holds a character that cannot be printed")
         return value
 
     def _checked(self, key: str, value: Any, low: float, high: float) -> float:
-        if isinstance(value, bool) or not isinstance(value, int | float | np.floating):
-            raise self.error(key, f"a number is expected, {value!r} is given")
-        if not math.isfinite(value):
-            raise self.error(key, f"a finite number is expected, {value} is given")
-        if not low <= value <= high:
-            raise self.error(key, f"{value:g} is not between {low:g} and {high:g}")
-        return float(value)
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            raise self.error(key, f"a number is expected, {shown(value)} is given")
+        try:
+            number = float(value)
+        except OverflowError:
+            number = math.inf
+        if not math.isfinite(number):
+            raise self.error(key, f"a finite number is expected, {shown(value)} is given")
+        if not low <= number <= high:
+            raise self.error(key, f"{number:g} is not between {low:g} and {high:g}")
+        return number
 
 
 def read_toml(path: Path) -> Table:
@@ -140,15 +214,12 @@ def read_toml(path: Path) -> Table:
     Raises:
         FileError: the file is not there, too long, not text, or not TOML (with the line).
     """
+    content = read_whole(path, LARGEST_FILE)
     try:
-        if path.stat().st_size > LARGEST_FILE:
-            raise FileError(path, f"is longer than {LARGEST_FILE // 1024 // 1024} MB")
-        return Table(path, tomllib.loads(path.read_text(encoding="utf-8")))
-    except OSError as error:
-        raise FileError(path, error.strerror or "cannot be read") from None
+        return Table(path, tomllib.loads(content.decode("utf-8-sig")))
     except UnicodeDecodeError:
         raise FileError(path, "is not a text file in UTF-8") from None
-    except tomllib.TOMLDecodeError as error:
+    except ValueError as error:  # also of a number with more digits than Python will read
         raise FileError(path, f"is not valid TOML: {error}") from None
     except RecursionError:
         raise FileError(path, "is nested too deeply") from None

@@ -54,7 +54,7 @@ class Leg:
     t: Floats
 
     def __post_init__(self) -> None:
-        put(self, q=frozen(self.q), t=frozen(self.t))
+        put(self, opening=float(self.opening), q=frozen(self.q), t=frozen(self.t))
 
     @property
     def seconds(self) -> float:

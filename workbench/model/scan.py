@@ -70,4 +70,11 @@ class Detection:
     roll_known: bool = True
 
     def __post_init__(self) -> None:
-        put(self, T_world_part=copied(self.T_world_part))
+        put(
+            self,
+            T_world_part=copied(self.T_world_part),
+            score=float(self.score),
+            visible=float(self.visible),
+            gap=None if self.gap is None else float(self.gap),
+            residual=None if self.residual is None else float(self.residual),
+        )
