@@ -4,7 +4,7 @@ Besides the fields of `Plan` a file holds `format`, `proof` (a summary for peopl
 `seconds` (computing time per stage) and `digest`; the digest covers everything but these
 four.  With nothing but Python's standard library:
 
-    content = json.load(open("plan.json", encoding="utf-8"))
+    content = json.loads(Path("plan.json").read_text(encoding="utf-8"))
     stated = content["digest"]
     for key in ("format", "proof", "seconds", "digest"):
         del content[key]

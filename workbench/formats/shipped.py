@@ -11,11 +11,10 @@ PACKAGE = Path(__file__).resolve().parent.parent
 
 
 def folders(kind: Kind) -> list[Path]:
-    """Folders that are searched, first one wins: working directory, checkout, wheel."""
-    places = [Path.cwd() / kind, PACKAGE.parent / kind, PACKAGE / "shipped" / kind]
-    # Beside an installed package lies site-packages, where `robots` may be anybody's.
-    if not (PACKAGE.parent / "pyproject.toml").is_file():
-        del places[1]
+    """Folders that are searched, first one wins: the working directory, then what is shipped."""
+    # A wheel carries its own copies; only in a checkout do they lie beside the package.
+    shipped = PACKAGE / "shipped"
+    places = (Path.cwd() / kind, (shipped if shipped.is_dir() else PACKAGE.parent) / kind)
     return [place for place in places if place.is_dir()]
 
 

@@ -36,10 +36,10 @@ def write_whole(path: Path, content: bytes) -> None:
         FileError: the folder is not there, or cannot be written to.
     """
     try:
-        target = path.resolve()
-        if target.exists() and not target.is_file():  # a device or a pipe cannot be replaced
-            target.write_bytes(content)
+        if path.exists() and not path.is_file():  # a device or a pipe cannot be replaced
+            path.write_bytes(content)
             return
+        target = path.resolve()
         partial = target.with_name(f".{target.name}.{os.getpid()}.partial")
         try:
             partial.write_bytes(content)

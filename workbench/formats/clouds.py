@@ -1,0 +1,173 @@
+"""Point clouds in PLY files to scans and back: ascii or binary of either byte order.
+
+An organised cloud carries the line `obj_info resolution <columns> <rows>` in its header and
+the vertex property `pixel`, row * columns + column.
+"""
+
+import io
+import re
+from itertools import chain, islice
+from pathlib import Path
+
+import numpy as np
+import pinocchio as pin
+
+from workbench.formats.ply_header import Header, read_header
+from workbench.formats.solids import UNITS
+from workbench.formats.toml_keys import shown
+from workbench.formats.whole_files import MB, read_whole, write_whole
+from workbench.model.errors import FileError
+from workbench.model.geometry import Floats
+from workbench.model.scan import Scan
+
+LARGEST_FILE = 512 * MB
+MOST_POINTS = 10_000_000
+"""More than the largest structured-light scanners deliver."""
+
+MOST_PIXELS = 2**31 - 1
+"""`Scan` counts pixels in 32 bits."""
+
+NEAREST, FARTHEST = 0.005, 100.0
+"""[m] A cloud of which every point is nearer, or one is further, was read in a wrong unit."""
+
+_RESOLUTION = re.compile(r"resolution +([0-9]{1,6}) +([0-9]{1,6})")
+
+
+def read_cloud(path: str | Path, T_world_scanner: pin.SE3, *, unit: str = "m") -> Scan:
+    """A scan from a PLY file; properties besides x, y, z and pixel are passed over.
+
+    Points that are not finite, and those at exactly (0, 0, 0), where many scanners put pixels
+    without a measurement, are dropped.
+
+    Args:
+        path: the file, points in the scanner's frame.
+        T_world_scanner: where the scanner was.
+        unit: of the file: mm, m or inch.
+
+    Raises:
+        FileError: not a PLY file, cut off, without points, or of another unit.
+    """
+    path = Path(path)
+    if unit not in UNITS:
+        raise FileError(path, f"unit {unit!r} is not one of {', '.join(UNITS)}")
+    content = read_whole(path, LARGEST_FILE)
+    header = read_header(path, content)
+    if header.count > MOST_POINTS:
+        raise FileError(path, f"declares {header.count} points, at most {MOST_POINTS} are read")
+    if header.count == 0:
+        raise FileError(path, "is an empty cloud: it declares 0 points")
+    names = ("x", "y", "z", "pixel") if "pixel" in header.names else ("x", "y", "z")
+    columns = _ascii if header.encoding == "ascii" else _binary
+    values = columns(path, content, header, names)
+    with np.errstate(over="ignore", invalid="ignore"):
+        points = values[:, :3] * UNITS[unit]
+    measured = np.isfinite(points).all(axis=1) & points.any(axis=1)
+    if not measured.any():
+        raise FileError(path, f"is an empty cloud: none of its {header.count} points was measured")
+    points = points[measured]
+    _check_distance(path, points, unit)
+    resolution = _resolution(path, header.notes)
+    pixels = None
+    if resolution is not None:
+        pixels = _pixels(path, values, resolution)[measured]
+        if len(np.unique(pixels)) != len(pixels):
+            raise FileError(path, "property pixel: two points claim the same pixel")
+    return Scan(points, T_world_scanner, path.name, pixels, resolution)
+
+
+def write_cloud(path: str | Path, scan: Scan) -> None:
+    """Write the points of a scan in its own frame, binary, every digit kept.
+
+    Raises:
+        FileError: the file cannot be written.
+    """
+    fields = [("x", "<f8"), ("y", "<f8"), ("z", "<f8")]
+    header = ["ply", "format binary_little_endian 1.0", "comment metres, scanner frame"]
+    if scan.resolution is not None and scan.pixels is not None:
+        fields.append(("pixel", "<i4"))
+        header.append("obj_info resolution {} {}".format(*scan.resolution))
+    header.append(f"element vertex {len(scan.points)}")
+    header += [f"property {'int' if name == 'pixel' else 'double'} {name}" for name, _ in fields]
+    header.append("end_header\n")
+    rows = np.empty(len(scan.points), dtype=fields)
+    for column, name in enumerate("xyz"):
+        rows[name] = scan.points[:, column]
+    if "pixel" in (rows.dtype.names or ()):
+        rows["pixel"] = scan.pixels
+    write_whole(Path(path), "\n".join(header).encode("ascii") + rows.tobytes())
+
+
+def _binary(path: Path, content: bytes, header: Header, names: tuple[str, ...]) -> Floats:
+    order = "<" if header.encoding == "binary_little_endian" else ">"
+    layout = np.dtype([(name, order + kind) for name, kind in header.properties])
+    start = header.end + header.skip_bytes
+    room = max(len(content) - start, 0) // layout.itemsize
+    if room < header.count:
+        raise FileError(path, f"is cut off: it declares {header.count} points and holds {room}")
+    rows = np.frombuffer(content, layout, header.count, start)
+    with np.errstate(invalid="ignore"):  # a NaN of the signalling kind, which is dropped later
+        return np.column_stack([rows[name].astype(np.float64) for name in names])
+
+
+def _ascii(path: Path, content: bytes, header: Header, names: tuple[str, ...]) -> Floats:
+    file = io.BytesIO(content)
+    file.seek(header.end)
+    filled = (line for line in file if not line.isspace())
+    lines = islice(filled, header.skip_lines, header.skip_lines + header.count)
+    first = next(lines, None)
+    held, values = 0, np.empty((0, len(names)))
+    if first is not None:
+        columns = [header.names.index(name) for name in names]
+        try:
+            values = np.loadtxt(chain([first], lines), comments=None, usecols=columns, ndmin=2)
+        except ValueError as error:
+            # NumPy counts from 0 and speaks of rows, which are the points of the file.
+            raise FileError(path, f"a point is not a row of numbers: {str(error)[:200]}") from None
+        held = len(values)
+    if held < header.count:
+        raise FileError(path, f"is cut off: it declares {header.count} points and holds {held}")
+    return values
+
+
+def _check_distance(path: Path, points: Floats, unit: str) -> None:
+    reach = float(np.abs(points).max())
+    if not NEAREST <= reach <= FARTHEST:
+        raise FileError(
+            path,
+            f"the furthest point is {reach:.4g} m from the scanner when read in {unit}; expected "
+            f"{NEAREST:g} to {FARTHEST:g} m. Is the file in another unit ({', '.join(UNITS)})?",
+        )
+
+
+def _resolution(path: Path, notes: tuple[str, ...]) -> tuple[int, int] | None:
+    for note in notes:
+        if note.startswith("resolution"):
+            found = _RESOLUTION.fullmatch(note)
+            if found is None:
+                raise FileError(path, f"obj_info {shown(note)}: expected `resolution columns rows`")
+            columns, rows = int(found[1]), int(found[2])
+            if not 0 < columns * rows <= MOST_PIXELS:
+                raise FileError(path, f"obj_info {note}: this is no size of an image")
+            return columns, rows
+    return None
+
+
+def _pixels(path: Path, values: Floats, resolution: tuple[int, int]) -> Floats:
+    """Each point's pixel, shape (n,), whole numbers within the image."""
+    size = resolution[0] * resolution[1]
+    if values.shape[1] == 4:
+        pixels = values[:, 3]
+    elif len(values) == size:
+        pixels = np.arange(size, dtype=np.float64)
+    else:
+        raise FileError(
+            path,
+            f"has a resolution of {resolution[0]} x {resolution[1]}, no property pixel, and "
+            f"{len(values)} points; one point for each pixel is expected then",
+        )
+    wrong = ~((pixels >= 0) & (pixels < size) & (np.floor(pixels) == pixels))
+    if wrong.any():
+        raise FileError(
+            path, f"property pixel: {pixels[wrong][0]:g} is not a whole number below {size}"
+        )
+    return pixels
