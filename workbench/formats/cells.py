@@ -83,7 +83,7 @@ def _robot(table: Table) -> Robot:
         return robot
     srdf = folder / table.text("srdf")
     pairs = read_srdf(srdf)
-    known = {link.name for link in robot.links}
+    known = {link.name for link in robot.links} | {f"{arm}_tool" for arm in ARM_NAMES}
     for pair in sorted(pairs):
         for link in pair:
             if link not in known:
@@ -235,7 +235,8 @@ def _policy(table: Table) -> Policy:
     policy = Policy(
         margin=length("margin_mm", usual.margin, 1000),
         near_margin=length("near_margin_mm", usual.near_margin, 1000),
-        self_margin=length("self_margin_mm", usual.self_margin, 1000),
+        self_margin=table.number("self_margin_mm", usual.self_margin * 1000, low=-20, high=1000)
+        / 1000,
         lift_length=length("lift_length_mm", usual.lift_length, 2000),
         lift_lean=float(
             np.deg2rad(table.number("lift_lean_deg", np.rad2deg(usual.lift_lean), low=0, high=80))

@@ -170,7 +170,7 @@ class Policy:
     speed: float = 0.5
     zone: float = 0.2
     threshold: float = 0.2
-    iterations: int = 4000
+    iterations: int = 500
     approval_minutes: float = 5.0
 
 

@@ -1,12 +1,13 @@
 """The solids of a cell as Pinocchio and Coal know them, and the pairs that can meet."""
 
 from dataclasses import dataclass
-from itertools import combinations
+from functools import lru_cache
 from typing import Literal
 
 import coal
 import numpy as np
 import pinocchio as pin
+from numpy.typing import NDArray
 
 from workbench.model.cell import Cell
 from workbench.model.geometry import Box, Capsule, Cylinder, Floats, Mesh, Shape, Solid, Sphere
@@ -69,11 +70,32 @@ def _link_bodies(cell: Cell, kinematics: Kinematics) -> list[Body]:
     for link in cell.robot.links:
         joint, T_joint_link = kinematics.frames[link.name]
         for solid in link.collision:
-            T = T_joint_link * solid.T_owner_shape
+            carrier, T = _unturned(kinematics, joint, T_joint_link * solid.T_owner_shape, solid)
             bodies.append(
-                Body(link.name, "link", link.name, carriers[joint], joint, T, solid.shape)
+                Body(link.name, "link", link.name, carriers[joint], carrier, T, solid.shape)
             )
     return bodies
+
+
+def _unturned(
+    kinematics: Kinematics, joint: int, T_joint_body: pin.SE3, solid: Solid
+) -> tuple[int, pin.SE3]:
+    """The joint that really moves a body, and the body's pose in it.
+
+    A round solid on the axis of its own revolute joint fills the same space at every angle of
+    it: it hangs on the joint before.  Wrist flanges are such solids, and turning a wrist then
+    needs no finer checks because of them.
+    """
+    model = kinematics.model
+    if joint == 0 or not isinstance(solid.shape, Cylinder | Capsule):
+        return joint, T_joint_body
+    axis = kinematics.axes[joint]
+    z, p = T_joint_body.rotation[:, 2], T_joint_body.translation
+    if axis is None or np.linalg.norm(np.cross(axis, z)) > 1e-9:
+        return joint, T_joint_body
+    if np.linalg.norm(np.cross(axis, p)) > 1e-9:
+        return joint, T_joint_body
+    return int(model.parents[joint]), model.jointPlacements[joint] * T_joint_body
 
 
 def _tool_bodies(cell: Cell, kinematics: Kinematics) -> list[Body]:
@@ -81,9 +103,9 @@ def _tool_bodies(cell: Cell, kinematics: Kinematics) -> list[Body]:
     for index, arm in enumerate(cell.arms):
         joint, T_joint_flange = kinematics.frames[arm.flange]
         for solid in arm.tool.body:
-            T = T_joint_flange * solid.T_owner_shape
+            carrier, T = _unturned(kinematics, joint, T_joint_flange * solid.T_owner_shape, solid)
             bodies.append(
-                Body(f"{arm.name} {solid.name}", "tool", arm.name, index, joint, T, solid.shape)
+                Body(f"{arm.name} {solid.name}", "tool", arm.name, index, carrier, T, solid.shape)
             )
         for finger in arm.tool.fingers:
             solid, label = finger.solid, f"{arm.name} {finger.solid.name}"
@@ -102,33 +124,35 @@ def arm_of_joint(cell: Cell, kinematics: Kinematics) -> list[int]:
     return carriers
 
 
-def pairs_of(cell: Cell, kinematics: Kinematics, bodies: list[Body]) -> list[tuple[int, int]]:
-    """Every pair of bodies that can meet in some phase; the rest is never looked at.
+def pairs_of(cell: Cell, kinematics: Kinematics, bodies: list[Body]) -> NDArray[np.bool_]:
+    """Which bodies can meet in some phase, upper triangle (b, b); the rest is never looked at.
 
-    Left out: bodies on the same joint, pairs that the SRDF disables (a tool counts as its
-    flange), and still things among themselves, except parts, which may be carried.
+    Left out: bodies on the same joint, pairs that the SRDF disables (the tool of an arm is
+    called `<arm>_tool` there), and still things among themselves, except parts, which may be
+    carried.
     """
-    disabled = cell.robot.disabled_pairs | {(b, a) for a, b in cell.robot.disabled_pairs}
-    flange = {arm.name: arm.flange for arm in cell.arms}
-
-    def link_name(body: Body) -> str:
-        return flange[body.owner] if body.kind == "tool" else body.owner
-
-    pairs: list[tuple[int, int]] = []
-    for a, b in combinations(range(len(bodies)), 2):
-        A, B = bodies[a], bodies[b]
-        kinds = {A.kind, B.kind}
-        if "part" in kinds:
-            if A.kind == B.kind and A.owner == B.owner:
-                continue
-        elif A.joint == B.joint or (link_name(A), link_name(B)) in disabled:
-            continue
-        pairs.append((a, b))
-    return pairs
+    owners = [f"{body.owner}_tool" if body.kind == "tool" else body.owner for body in bodies]
+    number = {name: k for k, name in enumerate(dict.fromkeys(owners))}
+    owner = np.array([number[name] for name in owners])
+    disabled = np.zeros((len(number), len(number)), bool)
+    for a, b in cell.robot.disabled_pairs:
+        if a in number and b in number:
+            disabled[number[a], number[b]] = disabled[number[b], number[a]] = True
+    joint = np.array([body.joint for body in bodies])
+    part = np.array([int(body.owner) if body.kind == "part" else -1 for body in bodies])
+    meets = (joint[:, None] != joint) & ~disabled[owner[:, None], owner]
+    is_part = part >= 0
+    meets |= is_part[:, None] | is_part
+    meets &= ~((part[:, None] == part) & is_part)
+    return np.triu(meets, 1)
 
 
+@lru_cache(maxsize=4096)
 def coal_shape(shape: Shape) -> coal.CollisionGeometry:
-    """The Coal geometry of a shape; convex meshes become solid, others triangle trees."""
+    """The Coal geometry of a shape; convex meshes become solid, others triangle trees.
+
+    Shapes never change and nor does what is made of them here: one serves all worlds.
+    """
     match shape:
         case Box():
             return coal.Box(np.array(shape.size))

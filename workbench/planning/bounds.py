@@ -134,12 +134,12 @@ def close_pairs(  # type: ignore[no-untyped-def]
     radius,
     first,
     second,
-    active,
+    among,
     margins,
     commons,
     extra,
 ):
-    """Active pairs that may come closer than their margin within the motion.
+    """Pairs, among those asked about, that may come closer than their margin within the motion.
 
     Args:
         parents, R0, p0, axes, slides: per joint its parent, fixed transform, axis, and whether
@@ -147,8 +147,9 @@ def close_pairs(  # type: ignore[no-untyped-def]
         q: configuration (nq,).
         d: largest change of each joint (nq,), zero for one state.
         joint, R_g, c_g, half, radius: per body its joint, oriented box in it, and ball.
-        first, second, active, margins, commons: per pair its bodies, whether it counts, the
-            distance to keep [m], and the deepest joint that carries both.
+        first, second, margins, commons: per pair its bodies, the distance to keep [m], and the
+            deepest joint that carries both.
+        among: numbers of the pairs to look at.
         extra: report pairs up to this much further away [m].
 
     Returns:
@@ -170,12 +171,10 @@ def close_pairs(  # type: ignore[no-untyped-def]
                     + R_j[j, i, 2] * R_g[g, 2, k]
                 )
         travel[g] = _travel(g, 0, joint, parents, slides, p_j, z_j, c, radius, d)
-    pairs = np.empty(len(first), np.int64)
-    moves, lower = np.empty(len(first)), np.empty(len(first))
+    pairs = np.empty(len(among), np.int64)
+    moves, lower = np.empty(len(among)), np.empty(len(among))
     found = 0
-    for k in range(len(first)):
-        if not active[k]:
-            continue
+    for k in among:
         a, b = first[k], second[k]
         move = travel[a] + travel[b]
         limit = margins[k] + move + extra

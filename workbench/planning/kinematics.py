@@ -23,6 +23,10 @@ class Kinematics:
         self.cell = cell
         self.model, self.frames = _build_model(cell)
         self.data = self.model.createData()
+        self.axes: list[Floats | None] = [None] * self.model.njoints
+        for joint in cell.robot.joints:
+            if joint.kind == "revolute":
+                self.axes[self.model.getJointId(joint.name)] = joint.axis
         self.columns = {
             arm.name: np.array([self.column(joint) for joint in arm.joints]) for arm in cell.arms
         }

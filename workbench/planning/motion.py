@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit
 
-from workbench.model.geometry import Floats
+from workbench.model.geometry import Floats, Ints
 from workbench.planning.world import Contact, World
 
 RESOLUTION = 0.0005
@@ -67,25 +67,20 @@ def first_contact(
         The contact and the arm's configuration (n,) there; None when the whole curve is clear.
     """
     q, d = base.copy(), np.zeros(len(base))
-    # Breadth first: what is in the way is mostly met by the coarse looks already.
-    pending = deque([curve.points])
+    # Breadth first: what is in the way is mostly met by the coarse looks already.  A pair that
+    # a look has cleared for the whole curve is not looked at again in its halves.
+    pending: deque[tuple[Floats, Ints | None]] = deque([(curve.points, None)])
     while pending:
-        points = pending.popleft()
+        points, among = pending.popleft()
         middle, span, left, right = _halved(points)
         q[columns], d[columns] = middle, span
-        contact = world.contact(q, d)
-        if contact is None:
-            continue
-        if contact.distance < contact.margin:
-            return contact, middle
-        if contact.move > resolution:
-            pending.append(left)
-            pending.append(right)
-            continue
-        # The bound is finer than the resolution; what counts is the state itself.
-        contact = world.contact(q)
+        contact, unclear, move = world.look(q, d, among)
         if contact is not None:
             return contact, middle
+        # Where the bound is finer than the resolution, what counts is the state itself.
+        if len(unclear) and move > resolution:
+            pending.append((left, unclear))
+            pending.append((right, unclear))
     return None
 
 

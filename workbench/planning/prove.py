@@ -12,6 +12,7 @@ import numpy as np
 from workbench.model.cell import Arm, Cell
 from workbench.model.geometry import Floats
 from workbench.model.plan import LEG_NAMES, ArmPlan, Finding, Guarantee, Leg, LegName, Plan, Proof
+from workbench.planning.chain import chain_of
 from workbench.planning.legs import HOLDING, STRAIGHT, phase_of
 from workbench.planning.motion import RESOLUTION, WIRE_STEP, curves_of, first_contact
 from workbench.planning.world import World
@@ -154,8 +155,7 @@ def _arm_form(cell: Cell, plan: Plan, arm_plan: ArmPlan) -> Iterator[Finding]:
     if arm_plan.grasp not in grasps:
         yield Finding(f"the part has no grasp {arm_plan.grasp!r}", name)
         return
-    world = World(cell, ())
-    T_world_tcp = world.chains[name].pose(np.asarray(arm_plan.leg("approach").q[-1]))
+    T_world_tcp = chain_of(cell, arm).pose(np.asarray(arm_plan.leg("approach").q[-1]))
     T_world_part = plan.detections[arm_plan.detection].T_world_part
     off = np.linalg.norm((T_world_tcp * arm_plan.T_tcp_part).translation - T_world_part.translation)
     if off > IN_HAND_TOLERANCE:

@@ -7,12 +7,16 @@ import numpy as np
 import pinocchio as pin
 
 from workbench.model.cell import Arm, Cell
-from workbench.model.geometry import Floats
+from workbench.model.geometry import Floats, Ints
 from workbench.model.scan import Detection
 from workbench.planning.bodies import Body, bodies_of, coal_shape, extent, pairs_of
 from workbench.planning.bounds import close_pairs
 from workbench.planning.chain import Chain, chain_of
 from workbench.planning.kinematics import Kinematics
+
+
+LOOSENESS = 0.03
+"""[m] By about this much the lower bound of a distance falls short; only a matter of speed."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,16 +39,11 @@ class Phase:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Contact:
-    """A pair that is too close, or may come so within the motion asked about.
-
-    `distance` [m] now (negative: penetration), `margin` [m] what it must keep, `move` [m] how
-    much nearer the motion could bring it.
-    """
+    """A pair that is too close: `distance` [m] (negative: penetration) is below `margin` [m]."""
 
     pair: tuple[str, str]
     distance: float
     margin: float
-    move: float
 
 
 class World:
@@ -125,9 +124,10 @@ class World:
             (held[b] >= 0) & (held[b] == self._grip[a])
         )
         one_piece = (held[a] >= 0) & (held[a] == held[b])
-        self._active = moves & ~in_hand & ~one_piece & ~gone[a] & ~gone[b]
+        self._among = np.flatnonzero(moves & ~in_hand & ~one_piece & ~gone[a] & ~gone[b])
         self._margins = np.full(len(a), self.cell.policy.margin)
-        self._margins[(arm_a == arm_b) & (arm_a >= 0)] = self.cell.policy.self_margin
+        self._own = (arm_a == arm_b) & (arm_a >= 0)
+        self._margins[self._own] = self.cell.policy.self_margin
         if phase.straight:
             tool = self._is_tool
             hand = (tool | (held >= 0)) & np.isin(carrier, list(moving))
@@ -144,49 +144,64 @@ class World:
         """The whole configuration (nq,): named arms at `q` (n,), others at home."""
         return self.kinematics.configuration(q)
 
-    def contact(self, q: Floats, d: Floats | None = None) -> Contact | None:
-        """The first pair found that is, or may come, closer than its margin; None if all is clear.
+    def contact(self, q: Floats) -> Contact | None:
+        """The first pair found closer than its margin at this whole configuration (nq,)."""
+        return self.look(q, self._still, None)[0]
+
+    def look(self, q: Floats, d: Floats, among: Ints | None) -> tuple[Contact | None, Ints, float]:
+        """What can be said about a motion from a look at its middle.
 
         Args:
-            q: whole configuration (nq,).
-            d: how far each joint may move from it (nq,), or None for this state alone.
+            q: whole configuration (nq,) in the middle.
+            d: how far each joint may move from it (nq,).
+            among: pairs to look at, as a former look left them open; None for all.
+
+        Returns:
+            A contact at `q`, if there is one; otherwise the pairs that the motion might bring
+            closer than their margins, and the largest motion bound of those [m].
         """
-        pairs, moves, lower = self._close(q, d, 0.0)
-        for k, move, bound in zip(pairs, moves, lower, strict=True):
+        pairs, moves, lower = self._close(q, d, 0.0, among)
+        unclear: list[int] = []
+        furthest = 0.0
+        for k, move, bound in zip(pairs.tolist(), moves.tolist(), lower.tolist(), strict=True):
             needed = self._margins[k]
-            if bound >= needed + move:
-                continue
-            distance = self._distance(k)
-            if distance < needed + move:
-                return self._contact_of(k, distance, move)
-        return None
+            # Certainly no contact now, and so long a way that measuring would hardly clear it.
+            hopeless = bound >= needed and bound < needed + move - LOOSENESS
+            if not hopeless:
+                distance = self._distance(k)
+                if distance < needed:
+                    return self._contact_of(k, distance), pairs, move
+                if distance >= needed + move:
+                    continue
+            unclear.append(k)
+            furthest = max(furthest, move)
+        return None, np.array(unclear, dtype=np.int64), furthest
 
-    def worst(
-        self, q: Floats, d: Floats | None = None, reach: float = 0.05
-    ) -> tuple[Contact | None, float]:
-        """The pair with the least room, and how much it keeps beyond its need [m].
+    def worst(self, q: Floats, reach: float) -> tuple[Contact | None, float]:
+        """The pair with the least room at `q` (nq,), and how much it has beyond its margin [m].
 
-        Room is distance less margin less the motion bound; pairs further than `reach` beyond
-        are not looked at, so None means at least that much room everywhere.
+        Pairs with more room than `reach` [m] are not looked at: None means at least that much.
         """
-        pairs, moves, lower = self._close(q, d, reach)
+        pairs, _, lower = self._close(q, self._still, reach, None)
         best: Contact | None = None
         room = reach
-        for k, move, bound in zip(pairs, moves, lower, strict=True):
-            needed = self._margins[k] + move
-            if bound - needed >= room:
-                continue
-            distance = self._distance(k)
-            if distance - needed < room:
-                room, best = distance - needed, self._contact_of(k, distance, move)
+        for k, bound in zip(pairs.tolist(), lower.tolist(), strict=True):
+            needed = self._margins[k]
+            if bound - needed < room:
+                distance = self._distance(k)
+                if distance - needed < room:
+                    room, best = distance - needed, self._contact_of(k, distance)
         return best, room
 
     def clearance(self, q: Floats, reach: float = 0.3) -> tuple[float, tuple[str, str] | None]:
-        """The smallest distance of any active pair [m] up to `reach`, and which pair it is."""
-        pairs, _, lower = self._close(q, None, reach)
+        """The smallest distance of any active pair [m] up to `reach`, and which pair it is.
+
+        Links of one arm among themselves do not count: a wrist is always close to itself.
+        """
+        pairs, _, lower = self._close(q, self._still, reach, None)
         best, at = reach, None
-        for k, bound in zip(pairs, lower, strict=True):
-            if bound < best:
+        for k, bound in zip(pairs.tolist(), lower.tolist(), strict=True):
+            if bound < best and not self._own[k]:
                 distance = self._distance(k)
                 if distance < best:
                     best, at = distance, self._labels(k)
@@ -199,14 +214,16 @@ class World:
         held parts that are closer than their margin at `q`, the margin becomes the distance
         there, less `slack` [m] for the lean of the lift.
         """
-        pairs, _, _ = self._close(q, None, 0.0)
-        for k in pairs:
+        pairs, _, _ = self._close(q, self._still, 0.0, None)
+        for k in pairs.tolist():
             if self._held_pair[k]:
                 self._margins[k] = min(self._margins[k], self._distance(k) - slack)
 
     # -- machinery -------------------------------------------------------------------------
 
-    def _close(self, q: Floats, d: Floats | None, extra: float) -> tuple[Floats, Floats, Floats]:
+    def _close(
+        self, q: Floats, d: Floats, extra: float, among: Ints | None
+    ) -> tuple[Ints, Floats, Floats]:
         self.checks += 1
         pin.updateGeometryPlacements(
             self.kinematics.model, self.kinematics.data, self._geometry, self._data, q
@@ -218,7 +235,7 @@ class World:
             self._axes,
             self._slides,
             q,
-            self._still if d is None else d,
+            d,
             self._joint,
             self._R,
             self._c,
@@ -226,20 +243,20 @@ class World:
             self._radius,
             self._first,
             self._second,
-            self._active,
+            self._among if among is None else among,
             self._margins,
             self._commons,
             extra,
         )
 
     def _distance(self, k: int) -> float:
-        return float(pin.computeDistance(self._geometry, self._data, int(k)).min_distance)
+        return float(pin.computeDistance(self._geometry, self._data, k).min_distance)
 
     def _labels(self, k: int) -> tuple[str, str]:
         return (self._bodies[self._first[k]].label, self._bodies[self._second[k]].label)
 
-    def _contact_of(self, k: int, distance: float, move: float) -> Contact:
-        return Contact(self._labels(k), distance, float(self._margins[k]), float(move))
+    def _contact_of(self, k: int, distance: float) -> Contact:
+        return Contact(self._labels(k), distance, float(self._margins[k]))
 
     def _make_geometry(self) -> None:
         self._geometry = pin.GeometryModel()
@@ -291,11 +308,9 @@ class World:
             self._ancestors[j, j] = True
 
     def _make_pairs(self) -> None:
-        pairs = pairs_of(self.cell, self.kinematics, self._bodies)
-        self._first = np.array([a for a, _ in pairs])
-        self._second = np.array([b for _, b in pairs])
-        for a, b in pairs:
-            self._geometry.addCollisionPair(pin.CollisionPair(a, b))
+        meets = pairs_of(self.cell, self.kinematics, self._bodies)
+        self._first, self._second = np.nonzero(meets)
+        self._geometry.setCollisionPairs(meets, True)
         self._data = pin.GeometryData(self._geometry)
         for request in self._data.distanceRequests:
             request.enable_nearest_points = False
