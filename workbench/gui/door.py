@@ -1,0 +1,129 @@
+"""The door to the page: viser's server with what it leaves open shut.
+
+viser 1.1.1 listens on all interfaces unless told otherwise, takes the next port when the
+wanted one is busy, opens a public tunnel for any browser that asks, and talks to pages of
+other sites.  Its internals are used here and nowhere else; the version is pinned and
+`tests/gui/test_door.py` tells when they change.
+"""
+
+# pyright: reportPrivateUsage=false
+
+import contextlib
+import ipaddress
+import socket
+from collections.abc import Generator
+from typing import Any
+from urllib.parse import urlsplit
+
+import rich
+import viser
+from viser import _messages as messages
+
+from workbench.model.errors import InputError
+
+POLICY_VIOLATION = 1008
+"""Close code of RFC 6455, section 7.4.1."""
+
+
+def open_door(host: str, port: int) -> viser.ViserServer:
+    """Listen for browsers.
+
+    Args:
+        host: address or name to listen on.
+        port: 0 takes a free one.
+
+    Raises:
+        InputError: the address cannot be had; nothing listens then.
+    """
+    _check_address(host, port)
+    with _quiet():
+        server = viser.ViserServer(host=host, port=port, verbose=False)
+    if port not in (0, server.get_port()):
+        close_door(server)
+        raise InputError(f"port {port} on {host} was taken by another program just now")
+    inner = server._websock_server
+    inner.unregister_handler(messages.ShareUrlRequest)
+    inner.unregister_handler(messages.ShareUrlDisconnect)
+
+    async def turn_away(connection: Any) -> None:
+        raw = inner._live_connections.get(connection.client_id)
+        if raw is None or raw.request is None:
+            return
+        headers = raw.request.headers
+        if not is_own_page(headers.get("Origin"), headers.get("Host", ""), host):
+            await raw.close(POLICY_VIOLATION, "this page belongs to another site")
+
+    # First in the row: viser waits for these before it reads anything from the browser.
+    inner._client_connect_cb.insert(0, turn_away)
+    # A browser may have come in since the server started to listen.
+    inner.disconnect_all_clients()
+    return server
+
+
+def element_id(button: viser.GuiButtonHandle) -> str:
+    """The id of a button in the browser's document."""
+    return button._impl.uuid
+
+
+def close_door(server: viser.ViserServer) -> None:
+    """Stop listening and cut off all browsers."""
+    with _quiet():
+        server.stop()
+
+
+def is_own_page(origin: str | None, asked_for: str, host: str) -> bool:
+    """Whether a websocket was opened by our own page.
+
+    Browsers send the origin of the page that opens a websocket and let any page open one to
+    anywhere, this machine included; without this check any site that is visited could press
+    the buttons (RFC 6455, section 10.2).  A name that leads here is no proof either (DNS
+    rebinding), hence only addresses, `localhost` and the name that was asked for.
+
+    Args:
+        origin: the header of that name; programs other than browsers send none.
+        asked_for: the `Host` header.
+        host: that the page is served on.
+    """
+    if origin is None:
+        return True
+    page = urlsplit(origin)
+    name = page.hostname or ""
+    known = name in ("localhost", host) or _is_address(name)
+    return known and page.scheme in ("http", "https") and page.netloc == asked_for
+
+
+def _is_address(name: str) -> bool:
+    try:
+        ipaddress.ip_address(name)
+    except ValueError:
+        return False
+    return True
+
+
+def _check_address(host: str, port: int) -> None:
+    """Try the address, since viser would go on to the next port, or wait for ever."""
+    if not 0 <= port <= 65535:
+        raise InputError(f"port must be a whole number from 0 to 65535, not {port}")
+    try:
+        family, kind, protocol, _, address = socket.getaddrinfo(
+            host, port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE
+        )[0]
+        with socket.socket(family, kind, protocol) as probe:
+            probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+            probe.bind(address)
+    except OSError as error:
+        raise InputError(
+            f"the page cannot be served on {host} port {port}: {error.strerror or error}; "
+            "choose another with --host or --port"
+        ) from error
+
+
+@contextlib.contextmanager
+def _quiet() -> Generator[None]:
+    """Without viser's own announcements: what is printed is for `cli` to say."""
+    console = rich.get_console()
+    before, console.quiet = console.quiet, True
+    try:
+        yield
+    finally:
+        console.quiet = before

@@ -1,0 +1,52 @@
+"""What stands above the tabs: the steps, what goes on, and what ends it."""
+
+import viser
+
+from workbench.app.commands import AcknowledgeFault, CancelJob
+from workbench.app.state import Phase
+from workbench.gui.look import View
+from workbench.gui.views import status_html, strip_html
+from workbench.gui.visitor import Visitor
+
+
+class Header:
+    """Steps, status, progress; Cancel while a task runs, Acknowledge while there is a fault."""
+
+    def __init__(self, visitor: Visitor, style: str):
+        """Add the controls.
+
+        Args:
+            visitor: whose browser.
+            style: style sheet of the whole page.
+        """
+        gui = visitor.gui
+        gui.add_html(f'<style class="wb-style">{style}</style>')
+        gui.add_html('<div class="wb-head"></div>')
+        self._strip = gui.add_html("")
+        self._status = gui.add_html("")
+        self._cancel = gui.add_button("Cancel task", icon=viser.Icon.X, color="gray")
+        self._acknowledge = gui.add_button(
+            "Acknowledge", icon=viser.Icon.CHECK, color="red", visible=False
+        )
+        self._progress = gui.add_progress_bar(0.0)
+        visitor.on_press(self._cancel, CancelJob)
+        visitor.on_press(self._acknowledge, AcknowledgeFault)
+
+    def show(self, old: View | None, new: View) -> None:
+        """Bring what is shown from `old` to `new`."""
+        state, live = new.state, new.live
+        if old is None or old.state is not state:
+            self._strip.content = strip_html(state)
+            self._progress.animated = state.job is not None or state.phase is Phase.SENDING
+            # One place for both, so that nothing below moves.
+            self._cancel.visible = state.phase is not Phase.FAULT
+            self._cancel.disabled = state.job is None
+            self._acknowledge.visible = state.phase is Phase.FAULT
+        self._status.content = status_html(new)
+        if state.job is not None:
+            share = live.done if live.job == state.job.number else 0.0
+            self._progress.value = round(100 * share, 1)
+        elif state.receipts:
+            self._progress.value = round(100 * state.receipts[-1].done / state.receipts[-1].total)
+        else:
+            self._progress.value = 0.0

@@ -1,0 +1,142 @@
+"""The tab that shows every grasp that was judged, and why it can or cannot be taken."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import viser
+
+from workbench.gui.door import element_id
+from workbench.gui.look import View
+from workbench.gui.tables import (
+    COLUMNS,
+    PAGE,
+    Column,
+    Order,
+    candidates_html,
+    funnel_html,
+    on_page,
+    ordered,
+    pages,
+)
+from workbench.gui.views import line
+from workbench.gui.visitor import Visitor
+from workbench.model.candidate import Candidate, Reason
+
+
+class CandidatesPanel:
+    """Counts by verdict as filters, the table, and the candidate shown in the scene.
+
+    Concurrency: clicks come from viser's threads and only replace `_order`, or change the
+    shared look; the renderer's thread draws.
+    """
+
+    def __init__(self, visitor: Visitor, redraw: Callable[[], None]):
+        """Add the controls.
+
+        Args:
+            visitor: whose browser.
+            redraw: has `show` called soon.
+        """
+        self._visitor = visitor
+        self._redraw = redraw
+        self._order = self._drawn = Order()
+        self._shown: tuple[int, ...] = ()
+        gui = visitor.gui
+        self._funnel = gui.add_html("")
+        self._table = gui.add_html("")
+        gui.add_html('<div class="wb-buttons wb-three"></div>')
+        self._foot = gui.add_html("")
+        self._back = gui.add_button("Previous", color="gray")
+        self._forth = gui.add_button("Next", color="gray")
+        self._clear = gui.add_button("Hide in scene", icon=viser.Icon.EYE_OFF, color="gray")
+        self._filters = {
+            reason: self._unseen(lambda reason=reason: self._filter(reason))
+            for reason in (None, *Reason)
+        }
+        self._headings: dict[Column, str] = {
+            column: self._unseen(lambda column=column: self._sort(column)) for column in COLUMNS
+        }
+        self._rows = [
+            self._unseen(lambda place=place: self._choose(place)) for place in range(PAGE)
+        ]
+        hidden = [*self._filters.values(), *self._headings.values(), *self._rows]
+        rules = ",".join(f'div:has(> [id="{button}"])' for button in hidden)
+        gui.add_html(f'<style class="wb-style">{rules}{{display:none}}</style>')
+        self._back.on_click(lambda _: self._turn(-1))
+        self._forth.on_click(lambda _: self._turn(1))
+        self._clear.on_click(lambda _: visitor.look.change(candidate=None))
+
+    def show(self, old: View | None, new: View) -> None:
+        """Bring what is shown from `old` to `new`."""
+        candidates = new.state.candidates or ()
+        is_same = (
+            old is not None
+            and old.state.candidates is new.state.candidates
+            and old.look.candidate == new.look.candidate
+            and self._order is self._drawn
+        )
+        if is_same:
+            return
+        if old is not None and old.state.candidates is not new.state.candidates:
+            self._order = replace(self._order, only=None, page=0)
+        order = self._order
+        self._drawn = order
+        indices = ordered(candidates, order)
+        count = pages(len(indices))
+        page = min(order.page, count - 1)
+        self._shown = on_page(indices, page)
+        self._draw(candidates, order, new.look.candidate)
+        self._back.disabled = page == 0
+        self._forth.disabled = page >= count - 1
+        self._clear.disabled = new.look.candidate is None
+        self._foot.content = line(
+            f"page {page + 1} of {count}, {len(indices)} of {len(candidates)} candidates"
+            if candidates
+            else "",
+            kind="hint",
+        )
+
+    def _draw(self, candidates: tuple[Candidate, ...], order: Order, chosen: int | None) -> None:
+        if not candidates:
+            self._funnel.content = ""
+            self._table.content = line(
+                "Every grasp of every part with every arm appears here once a plan was made.",
+                kind="hint",
+            )
+            return
+        self._funnel.content = funnel_html(candidates, order.only, self._filters)
+        self._table.content = candidates_html(
+            candidates,
+            self._shown,
+            order,
+            chosen,
+            headings=self._headings,
+            rows=self._rows,
+        )
+
+    def _unseen(self, pressed: Callable[[], None]) -> str:
+        """The id of a button that HTML presses."""
+        button = self._visitor.gui.add_button("·")
+        button.on_click(lambda _: pressed())
+        return element_id(button)
+
+    def _filter(self, reason: Reason | None) -> None:
+        self._reorder(replace(self._order, only=reason, page=0))
+
+    def _sort(self, column: Column) -> None:
+        order = self._order
+        turned = not order.is_descending if order.column == column else column == "verdict"
+        self._reorder(replace(order, column=column, is_descending=turned, page=0))
+
+    def _turn(self, step: int) -> None:
+        self._reorder(replace(self._order, page=max(0, self._order.page + step)))
+
+    def _reorder(self, order: Order) -> None:
+        self._order = order
+        self._redraw()
+
+    def _choose(self, place: int) -> None:
+        shown = self._shown
+        if place < len(shown):
+            look = self._visitor.look
+            look.change(candidate=None if look.now.candidate == shown[place] else shown[place])

@@ -1,0 +1,124 @@
+"""The tab that runs a cycle: scan, find, plan, approve, send."""
+
+import viser
+
+from workbench.app.commands import Approve, Command, FindParts, MakePlan, SendPlan, Stop, TakeScan
+from workbench.app.rules import MOST_PARTS, SEED_LIMIT, STRATEGIES
+from workbench.app.state import State
+from workbench.gui.approval import ApprovalDialog
+from workbench.gui.look import View
+from workbench.gui.views import (
+    approval_line,
+    parts_line,
+    plan_line,
+    scan_line,
+    send_line,
+)
+from workbench.gui.visitor import Visitor, refusal, whole
+
+ROW = '<div class="wb-row"></div>'
+"""A mark that has its folder laid out in three columns, see the style sheet."""
+
+
+class CyclePanel:
+    """The five steps, each with its inputs, its result and its button."""
+
+    def __init__(self, visitor: Visitor):
+        """Add the controls."""
+        self._visitor = visitor
+        policy = visitor.bench.cell.policy
+        gui = visitor.gui
+        with gui.add_folder("1 · Scan"):
+            gui.add_html(ROW)
+            self._parts = gui.add_number(
+                "Parts", 2, min=1, max=MOST_PARTS, step=1, hint="How many parts fall into the bin."
+            )
+            self._seed = gui.add_number(
+                "Seed",
+                0,
+                min=0,
+                max=SEED_LIMIT - 1,
+                step=1,
+                hint="The same seed gives the same pile, the same poses and the same plan.",
+            )
+            self._scan = gui.add_button("Scan", icon=viser.Icon.SCAN)
+            self._scan_line = gui.add_html("")
+        with gui.add_folder("2 · Find parts"):
+            gui.add_html(ROW)
+            self._parts_line = gui.add_html("")
+            self._find = gui.add_button("Find parts", icon=viser.Icon.SEARCH)
+        with gui.add_folder("3 · Plan"):
+            gui.add_html(ROW)
+            self._strategy = gui.add_dropdown(
+                "Strategy",
+                STRATEGIES,
+                hint="Which arms work: auto chooses, alternated takes one part with each arm in "
+                "turn, right and left use one arm.",
+            )
+            self._threshold = gui.add_number(
+                "Threshold [mm]",
+                round(policy.threshold * 1000),
+                min=0,
+                max=1000,
+                step=1,
+                hint="Parts that lie nearer to each other than this are taken one after the other.",
+            )
+            self._plan = gui.add_button("Plan", icon=viser.Icon.ROUTE)
+            self._plan_line = gui.add_html("")
+        with gui.add_folder("4 · Approve"):
+            gui.add_html(ROW)
+            self._approval_line = gui.add_html("")
+            self._approve = gui.add_button("Approve", icon=viser.Icon.USER_CHECK)
+        with gui.add_folder("5 · Send to the robot"):
+            gui.add_html(ROW)
+            self._send_line = gui.add_html("")
+            self._stop = gui.add_button("Stop", icon=viser.Icon.HAND_STOP, color="red")
+            self._send = gui.add_button("Send", icon=viser.Icon.SEND)
+        self._dialog = ApprovalDialog(visitor)
+        self._react()
+
+    def show(self, old: View | None, new: View) -> None:
+        """Bring what is shown from `old` to `new`."""
+        state = new.state
+        expired = _has_run_out(new)
+        if old is not None and old.state is state and _has_run_out(old) == expired:
+            return
+        self._scan_line.content = scan_line(state)
+        self._parts_line.content = parts_line(state)
+        self._plan_line.content = plan_line(state)
+        self._approval_line.content = approval_line(state, new.at)
+        self._send_line.content = send_line(state)
+        buttons = (
+            (self._scan, TakeScan()),
+            (self._find, FindParts()),
+            (self._plan, MakePlan()),
+            (self._approve, Approve(_digest(state))),
+            (self._send, SendPlan(_digest(state))),
+            (self._stop, Stop()),
+        )
+        for button, command in buttons:
+            button.disabled = bool(refusal(state, command, new.at))
+        self._dialog.show(new)
+
+    def _react(self) -> None:
+        visitor = self._visitor
+        visitor.on_press(
+            self._scan, lambda: TakeScan(whole(self._seed.value), whole(self._parts.value))
+        )
+        visitor.on_press(self._find, lambda: FindParts(whole(self._seed.value)))
+        visitor.on_press(self._plan, self._wanted_plan)
+        visitor.on_press(self._send, lambda: SendPlan(_digest(visitor.bench.state)))
+        visitor.on_press(self._stop, Stop)
+        self._approve.on_click(lambda _: self._dialog.open())
+
+    def _wanted_plan(self) -> Command:
+        return MakePlan(self._strategy.value, self._threshold.value / 1000, whole(self._seed.value))
+
+
+def _digest(state: State) -> str:
+    return state.plan.digest if state.plan is not None else ""
+
+
+def _has_run_out(view: View) -> bool:
+    approval = view.state.approval
+    return approval is not None and view.at >= approval.until

@@ -1,0 +1,127 @@
+"""The tab that plays a plan: scrubber, lanes, and curves over time."""
+
+from typing import Any
+
+import numpy as np
+import viser
+
+from workbench.gui.charts import (
+    JOINTS,
+    axis,
+    clearance_curve,
+    cursor_html,
+    curve,
+    doing,
+    joint_curves,
+    lanes_html,
+)
+from workbench.gui.look import View
+from workbench.gui.views import line, plan_html
+from workbench.gui.visitor import Visitor
+
+NOTHING = np.array([0.0, 1.0])
+
+
+class PlanPanel:
+    """Moves both arms in the scene along the plan.
+
+    Concurrency: clicks and drags only change the shared look; the renderer's thread draws.
+    """
+
+    def __init__(self, visitor: Visitor):
+        """Add the controls."""
+        self._visitor = visitor
+        self._cell = visitor.bench.cell
+        gui = visitor.gui
+        self._summary = gui.add_html("")
+        self._lanes = gui.add_html("")
+        self._cursor = gui.add_html("")
+        self._time = gui.add_slider(
+            "Time [s]",
+            min=0.0,
+            max=1.0,
+            step=0.01,
+            initial_value=0.0,
+            hint="Drag to move both arms along the plan; it only shows, nothing is sent.",
+        )
+        gui.add_html('<div class="wb-buttons wb-two"></div>')
+        self._play = gui.add_button("Play", icon=viser.Icon.PLAYER_PLAY)
+        self._start = gui.add_button("To the start", icon=viser.Icon.PLAYER_SKIP_BACK, color="gray")
+        self._clearance = gui.add_uplot(
+            (NOTHING, NOTHING),
+            (curve("time [s]"), curve("clearance [mm]")),
+            scales={"x": {"time": False}},
+            axes=(axis("time [s]"), axis("clearance [mm]")),
+            legend={"show": False},
+            height=150,
+            visible=False,
+        )
+        self._joints = {
+            arm.name: gui.add_uplot(
+                (NOTHING, *(NOTHING for _ in arm.joints)),
+                (
+                    curve("time [s]"),
+                    *(curve(f"{k + 1}", JOINTS[k % len(JOINTS)]) for k in range(len(arm.joints))),
+                ),
+                scales={"x": {"time": False}},
+                axes=(axis("time [s]"), axis(f"{arm.name} axes [deg]")),
+                height=170,
+                visible=False,
+            )
+            for arm in self._cell.arms
+        }
+        self._react()
+
+    def show(self, old: View | None, new: View) -> None:
+        """Bring what is shown from `old` to `new`."""
+        if old is None or old.state.plan is not new.state.plan:
+            self._draw_plan(new)
+        is_moved = old is None or old.runs is not new.runs or old.look.time != new.look.time
+        if is_moved and new.runs:
+            now = doing(self._cell, new.runs, new.look.time)
+            self._cursor.content = cursor_html(new.look.time, new.plan_seconds, now)
+            # The browser that drags knows best where its own slider stands.
+            if new.look.by != self._visitor.number:
+                self._time.value = round(new.look.time, 2)
+        if old is None or old.look.is_playing != new.look.is_playing:
+            self._play.label = "Pause" if new.look.is_playing else "Play"
+            self._play.icon = (
+                viser.Icon.PLAYER_PAUSE if new.look.is_playing else viser.Icon.PLAYER_PLAY
+            )
+
+    def _draw_plan(self, view: View) -> None:
+        state, runs, seconds = view.state, view.runs, view.plan_seconds
+        has_plan = state.plan is not None
+        for control in (self._time, self._play, self._start):
+            control.disabled = not has_plan
+        for plot in (self._clearance, *self._joints.values()):
+            plot.visible = has_plan
+        if state.plan is None:
+            self._summary.content = line("A plan can be played here once it was made.", kind="hint")
+            self._lanes.content = self._cursor.content = ""
+            self._time.value = 0.0
+            return
+        self._summary.content = plan_html(self._cell, state.plan, state.seconds)
+        self._lanes.content = lanes_html(self._cell, runs, seconds)
+        self._time.max = max(round(seconds, 2), 0.01)
+        if state.proof is not None:
+            times, clearance = clearance_curve(runs, state.proof)
+            self._clearance.data = (times, clearance)
+            self._clearance.scales = {
+                "x": {"time": False},
+                "y": {"range": (0.0, 1.1 * float(clearance.max()) + 1.0)},
+            }
+        for arm in self._cell.arms:
+            self._joints[arm.name].data = joint_curves(self._cell, arm, runs, seconds)
+
+    def _react(self) -> None:
+        look, number = self._visitor.look, self._visitor.number
+
+        @self._time.on_update
+        async def _(event: Any) -> None:
+            # The renderer sets the slider too; only a person's hand comes with a browser.
+            if event.client is not None:
+                look.change(time=float(event.target.value), is_playing=False, by=number)
+
+        self._play.on_click(lambda _: look.change(is_playing=not look.now.is_playing, by=None))
+        self._start.on_click(lambda _: look.change(time=0.0, is_playing=False, by=None))

@@ -1,0 +1,192 @@
+"""The one thread that draws: the newest view, at most thirty times a second."""
+
+import logging
+import queue
+import threading
+import time
+from collections.abc import Callable
+
+import viser
+
+from workbench.app.bench import Bench
+from workbench.app.state import State
+from workbench.gui.header import Header
+from workbench.gui.look import SharedLook, View
+from workbench.gui.panels.candidates import CandidatesPanel
+from workbench.gui.panels.cycle import CyclePanel
+from workbench.gui.panels.plan import PlanPanel
+from workbench.gui.panels.robot import RobotPanel
+from workbench.gui.playback import Run, timeline
+from workbench.gui.scene import Scene
+from workbench.gui.visitor import Panel, Visitor
+
+log = logging.getLogger(__name__)
+
+FRAME = 1 / 30
+"""Shortest time between two drawings [s]."""
+
+BUSY = 0.1
+"""Longest time between two drawings while something goes on that nobody reports [s]."""
+
+QUIET = 0.5
+"""Longest time between two drawings otherwise [s]."""
+
+
+class Renderer:
+    """Draws the scene and the controls of every browser.
+
+    Whoever changes something sets `_woken`; this thread looks what is newest and draws what
+    differs from what it has drawn.  Browsers come and go through a queue, so that widgets are
+    made and changed by this thread alone.
+
+    Lifetime: from construction until `close`.
+    """
+
+    def __init__(self, server: viser.ViserServer, bench: Bench, *, style: str, most_points: int):
+        """Draw the cell and start.
+
+        Args:
+            server: to draw on.
+            bench: whose state is drawn.
+            style: style sheet of the page.
+            most_points: of a scan.
+        """
+        self._server = server
+        self._bench = bench
+        self._style = style
+        self._woken = threading.Event()
+        self._closed = threading.Event()
+        self._look = SharedLook(self._woken.set)
+        self._arrivals: queue.SimpleQueue[tuple[viser.ClientHandle, bool]] = queue.SimpleQueue()
+        self._panels: dict[int, tuple[Panel, ...]] = {}
+        self._runs: tuple[Run, ...] = ()
+        self._drawn: View | None = None
+        with server.atomic():
+            self._scene = Scene(server, bench.cell, most_points=most_points)
+        self._unsubscribe = bench.subscribe(lambda old, new: self._woken.set())
+        server.on_client_connect(self._arrived)
+        server.on_client_disconnect(self._left)
+        self._thread = threading.Thread(target=self._run, name="renderer", daemon=True)
+        self._thread.start()
+
+    def close(self) -> bool:
+        """End the thread; whether it was not ended before."""
+        if self._closed.is_set():
+            return False
+        self._closed.set()
+        self._woken.set()
+        self._unsubscribe()
+        self._thread.join()
+        return True
+
+    async def _arrived(self, client: viser.ClientHandle) -> None:
+        self._arrivals.put((client, True))
+        self._woken.set()
+
+    async def _left(self, client: viser.ClientHandle) -> None:
+        self._arrivals.put((client, False))
+        self._woken.set()
+
+    def _run(self) -> None:
+        last = time.monotonic()
+        while not self._closed.is_set():
+            self._woken.wait(self._patience())
+            self._woken.clear()
+            elapsed = time.monotonic() - last
+            if elapsed < FRAME:
+                self._closed.wait(FRAME - elapsed)
+            now = time.monotonic()
+            try:
+                self._play(now - last)
+                self._draw()
+            except Exception:
+                # A rim: what cannot be drawn now must not end the page.
+                log.exception("drawing failed")
+            last = now
+
+    def _patience(self) -> float:
+        if self._look.now.is_playing:
+            return FRAME
+        view = self._drawn
+        is_busy = view is not None and (view.state.job is not None or view.live.joints)
+        return BUSY if is_busy else QUIET
+
+    def _play(self, elapsed: float) -> None:
+        """Move a plan that plays on by the time [s] since the last drawing."""
+        look = self._look.now
+        view = self._drawn
+        if not look.is_playing or view is None:
+            return
+        end = view.plan_seconds
+        # From the end, Play begins at the start again.
+        begin = 0.0 if look.time >= end else look.time
+        moved = min(begin + elapsed, end)
+        self._look.change(time=moved, is_playing=moved < end, by=None)
+
+    def _draw(self) -> None:
+        old, new = self._drawn, self._view()
+        for client, is_here in self._waiting():
+            if is_here:
+                self._welcome(client, new)
+            else:
+                self._panels.pop(client.client_id, None)
+        with self._server.atomic():
+            self._scene.draw(old, new)
+        for panels in self._panels.values():
+            for panel in panels:
+                _shielded(lambda panel=panel: panel.show(old, new))
+        self._drawn = new
+
+    def _view(self) -> View:
+        state = self._bench.state
+        before = self._drawn.state if self._drawn is not None else None
+        if before is None or before.plan is not state.plan:
+            self._runs = timeline(state.plan) if state.plan is not None else ()
+        look = self._look.now
+        if before is not None and _is_other_scene(before, state):
+            self._look.change(time=0.0, is_playing=False, candidate=None, by=None)
+            look = self._look.now
+        return View(state, self._bench.live, look, self._runs, time.time())
+
+    def _waiting(self) -> list[tuple[viser.ClientHandle, bool]]:
+        found: list[tuple[viser.ClientHandle, bool]] = []
+        while not self._arrivals.empty():
+            found.append(self._arrivals.get())
+        return found
+
+    def _welcome(self, client: viser.ClientHandle, view: View) -> None:
+        def build() -> None:
+            visitor = Visitor(client, self._bench, self._look)
+            panels = self._built(visitor)
+            for panel in panels:
+                panel.show(None, view)
+            self._panels[client.client_id] = panels
+
+        _shielded(build)
+
+    def _built(self, visitor: Visitor) -> tuple[Panel, ...]:
+        """All controls of one browser, from top to bottom and left to right."""
+        header = Header(visitor, self._style)
+        tabs = visitor.gui.add_tab_group()
+        with tabs.add_tab("Cycle", viser.Icon.ROTATE_CLOCKWISE):
+            cycle = CyclePanel(visitor)
+        with tabs.add_tab("Candidates", viser.Icon.LIST_CHECK):
+            candidates = CandidatesPanel(visitor, self._woken.set)
+        with tabs.add_tab("Plan", viser.Icon.TIMELINE):
+            plan = PlanPanel(visitor)
+        with tabs.add_tab("Robot", viser.Icon.ROBOT):
+            robot = RobotPanel(visitor)
+        return header, cycle, candidates, plan, robot
+
+
+def _is_other_scene(before: State, state: State) -> bool:
+    """Whether a time or a candidate that was looked at no longer means anything."""
+    return before.plan is not state.plan or before.candidates is not state.candidates
+
+
+def _shielded(action: Callable[[], None]) -> None:
+    """Run what concerns one browser; if it fails (it may have gone), the others still see."""
+    try:
+        action()
+    except Exception:
+        log.exception("the controls of a browser could not be drawn")

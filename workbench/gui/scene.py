@@ -1,0 +1,182 @@
+"""The one picture that all browsers share: what stands in the cell, and what moves in it."""
+
+import numpy as np
+import viser
+
+from workbench.gui.candidate import DrawnCandidates
+from workbench.gui.colours import (
+    BESIDE_BIN,
+    HEIGHTS,
+    LIVE_ROBOT,
+    arm_colour,
+    part_colour,
+    rgb_of,
+)
+from workbench.gui.look import View
+from workbench.gui.playback import Run, joint_values, moments, part_poses, tcp_path
+from workbench.gui.robot import DrawnRobot, place
+from workbench.gui.solids import triangles_of, with_hard_edges
+from workbench.gui.surroundings import add_surroundings, aim_camera, paint_background
+from workbench.model.cell import Cell
+from workbench.model.geometry import Floats
+from workbench.model.scan import Detection, Scan
+from workbench.planning.kinematics import Kinematics
+
+PATH_POINTS = 24
+"""Of the drawn way of the tool centre point, per leg."""
+
+
+class Scene:
+    """Draws a view by changing only what differs from the view drawn before.
+
+    Concurrency: one thread.
+    """
+
+    def __init__(self, server: viser.ViserServer, cell: Cell, *, most_points: int):
+        """Add what never changes.
+
+        Args:
+            server: its scene is drawn in.
+            cell: that stands there.
+            most_points: of a scan; the others are left out at random.
+        """
+        self._scene = server.scene
+        self._cell = cell
+        self._most_points = most_points
+        self._kinematics = Kinematics(cell)
+        self._parts: list[viser.FrameHandle] = []
+        add_surroundings(server.scene, cell)
+        paint_background(server.scene)
+        aim_camera(server, cell)
+        self._robot = DrawnRobot(server.scene, "/robot", cell)
+        self._live_robot = DrawnRobot(
+            server.scene,
+            "/robot_now",
+            cell,
+            arms=cell.arms,
+            colour=LIVE_ROBOT,
+            opacity=0.35,
+            is_visible=False,
+        )
+        self._candidates = DrawnCandidates(server.scene, cell, self._kinematics)
+
+    def draw(self, old: View | None, new: View) -> None:
+        """Bring the scene from `old` (None: nothing drawn yet) to `new`."""
+        before, state = old and old.state, new.state
+        if before is None or before.scan is not state.scan:
+            self._draw_scan(state.scan)
+        is_other_plan = before is None or before.plan is not state.plan
+        are_other_parts = before is None or before.detections is not state.detections
+        if are_other_parts:
+            self._add_parts(state.detections or ())
+        if is_other_plan:
+            self._draw_paths(new.runs)
+        if is_other_plan or are_other_parts or old is None or old.look.time != new.look.time:
+            self._pose(new)
+        if old is None or old.live.joints is not new.live.joints:
+            self._pose_live_robot(new)
+        self._candidates.draw(old, new)
+
+    def _draw_scan(self, scan: Scan | None) -> None:
+        if scan is None:
+            self._scene.remove_by_name("/scan")
+            return
+        points = scan.points_world
+        if len(points) > self._most_points:
+            chosen = np.random.default_rng(0).choice(
+                len(points), self._most_points, replace=False, shuffle=False
+            )
+            points = points[chosen]
+        self._scene.add_point_cloud(
+            "/scan",
+            points.astype(np.float32),
+            height_colours(self._cell, points),
+            point_size=0.0016,
+            point_shape="circle",
+            point_shading="flat",
+            precision="float32",
+        )
+
+    def _add_parts(self, detections: tuple[Detection, ...]) -> None:
+        for node in self._parts:
+            node.remove()
+        self._parts = [
+            self._added_part(number, detection) for number, detection in enumerate(detections)
+        ]
+
+    def _added_part(self, number: int, detection: Detection) -> viser.FrameHandle:
+        name = f"/parts/part-{number + 1}"
+        node = self._scene.add_frame(name, show_axes=False)
+        mesh = self._cell.part(detection.part).mesh
+        points, triangles = with_hard_edges(triangles_of(mesh))
+        self._scene.add_mesh_simple(
+            f"{name}/mesh", points, triangles, color=rgb_of(part_colour(number)), opacity=0.9
+        )
+        self._scene.add_label(
+            f"{name}/label",
+            f"part-{number + 1}",
+            font_screen_scale=0.8,
+            anchor="bottom-center",
+            position=(0.0, 0.0, float(np.abs(points).max()) * 0.4),
+        )
+        return node
+
+    def _draw_paths(self, runs: tuple[Run, ...]) -> None:
+        for number, arm in enumerate(self._cell.arms):
+            ways = [
+                tcp_path(self._kinematics, self._cell, run, points=PATH_POINTS)
+                for run in runs
+                if run.arm == arm.name
+            ]
+            name = f"/path/{arm.name}"
+            if not ways:
+                self._scene.remove_by_name(name)
+                continue
+            segments = np.concatenate([np.stack([way[:-1], way[1:]], axis=1) for way in ways])
+            self._scene.add_line_segments(
+                name,
+                segments.astype(np.float32),
+                rgb_of(arm_colour(number)),
+                thickness=2.5,
+                thickness_units="screen",
+            )
+
+    def _pose(self, view: View) -> None:
+        now = moments(self._cell, view.runs, view.look.time)
+        links = self._kinematics.link_poses(joint_values(self._cell, now))
+        self._robot.pose(links, {arm: moment.opening for arm, moment in now.items()})
+        plan, detections = view.state.plan, view.state.detections or ()
+        if plan is not None and len(plan.detections) == len(self._parts):
+            poses = part_poses(self._cell, self._kinematics, plan, view.runs, view.look.time)
+        else:
+            poses = tuple(detection.T_world_part for detection in detections)
+        for node, T in zip(self._parts, poses, strict=True):
+            place(node, T)
+
+    def _pose_live_robot(self, view: View) -> None:
+        joints = view.live.joints
+        known = {arm.name for arm in self._cell.arms if set(arm.joints) <= set(joints)}
+        if known:
+            model = {
+                joint: joints[joint]
+                for arm in self._cell.arms
+                for joint in arm.joints
+                if joint in joints
+            }
+            self._live_robot.pose(self._kinematics.link_poses(model), {})
+        self._live_robot.show(bool(known))
+
+
+def height_colours(cell: Cell, points: Floats) -> np.ndarray:
+    """A colour (n, 3) 0..255 for each world point (n, 3): by height in the bin, grey beside it."""
+    T_bin_world = cell.bin.T_world_bin.inverse()
+    inside = points @ T_bin_world.rotation.T + T_bin_world.translation
+    length, width, height = cell.bin.size
+    share = np.clip(inside[:, 2] / height, 0.0, 1.0) * (len(HEIGHTS) - 1)
+    steps = np.arange(len(HEIGHTS))
+    colours = np.stack(
+        [np.interp(share, steps, channel) for channel in np.array(HEIGHTS).T], axis=1
+    )
+    beside = (np.abs(inside[:, 0]) > length / 2) | (np.abs(inside[:, 1]) > width / 2)
+    colours[beside] = BESIDE_BIN
+    return colours.astype(np.uint8)

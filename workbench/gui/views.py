@@ -1,0 +1,301 @@
+"""What the page says about a state, as text and HTML; no widgets, no side effects.
+
+Everything that comes from outside (names of parts and people, messages of machines) passes
+`escape` here, since HTML of the page may run scripts.
+"""
+
+import math
+import time
+from collections.abc import Mapping
+from html import escape
+
+from workbench.app.commands import FindParts, MakePlan, TakeScan
+from workbench.app.rights import obstacle
+from workbench.app.state import Phase, State
+from workbench.gui.colours import arm_colour
+from workbench.gui.look import View
+from workbench.model.candidate import Candidate, Verdict
+from workbench.model.cell import Cell
+from workbench.model.plan import Finding, Plan, Proof
+
+STEPS = ("Scan", "Find parts", "Plan", "Approve", "Send")
+
+REACHED = {
+    Phase.IDLE: 0,
+    Phase.SCANNED: 1,
+    Phase.LOCALIZED: 2,
+    Phase.PLANNED: 3,
+    Phase.APPROVED: 4,
+    Phase.SENDING: 4,
+    Phase.FAULT: 4,
+    Phase.DONE: 5,
+}
+"""How many of the steps are done."""
+
+JOB_STEPS = {"scan": 0, "localize": 1, "plan": 2}
+
+
+def mm(metres: float, digits: int = 1) -> str:
+    """A length for people."""
+    return f"{metres * 1000:.{digits}f} mm"
+
+
+def clock(at: float) -> str:
+    """A time of day, local."""
+    return time.strftime("%H:%M:%S", time.localtime(at))
+
+
+def short(digest: str) -> str:
+    """The beginning of a digest, enough to compare by eye."""
+    return digest[:12]
+
+
+def strip_html(state: State) -> str:
+    """The steps of a cycle as a strip: done, current, to come."""
+    done = REACHED[state.phase]
+    current = JOB_STEPS.get(state.job.name, done) if state.job is not None else done
+    items: list[str] = []
+    for number, name in enumerate(STEPS):
+        look = "done" if number < done else "ahead"
+        if number == current:
+            look = "busy" if state.job is not None or state.phase is Phase.SENDING else "next"
+            if state.phase is Phase.FAULT:
+                look = "fault"
+        mark = {"done": "✓", "fault": "!"}.get(look, str(number + 1))
+        items.append(
+            f'<li class="wb-{look}"><span class="wb-mark">{mark}</span>'
+            f"<span>{escape(name)}</span></li>"
+        )
+    return f'<ol class="wb-strip" data-phase="{escape(state.phase)}">{"".join(items)}</ol>'
+
+
+def status_html(view: View) -> str:
+    """What happened last, or what goes on now with its elapsed time."""
+    state, live = view.state, view.live
+    if state.job is not None:
+        mine = live.job == state.job.number
+        note = live.note if mine and live.note else state.message
+        seconds = max(0.0, view.at - live.started) if mine else 0.0
+        return _box("busy", f"<b>{escape(note)}</b>", f"{seconds:.1f} s")
+    match state.phase:
+        case Phase.FAULT:
+            return _box("fault", f"<b>Fault:</b> {escape(state.fault)}")
+        case Phase.SENDING:
+            return _box("busy", escape(state.message), parts_placed(state))
+        case Phase.DONE:
+            return _box("good", escape(state.message))
+        case _:
+            return _box("plain", escape(state.message or "Ready. Take a scan to begin."))
+
+
+def _box(kind: str, left: str, right: str = "") -> str:
+    return (
+        f'<div class="wb-status wb-status-{kind}"><span>{left}</span>'
+        f'<span class="wb-right">{escape(right)}</span></div>'
+    )
+
+
+def parts_placed(state: State) -> str:
+    """How many parts the controller says are placed, of how many."""
+    expected = len(state.plan.arms) if state.plan is not None else 0
+    return f"{state.parts_placed} of {expected} placed"
+
+
+def line(text: str, *, kind: str = "result", span: int = 3, tip: str = "") -> str:
+    """One line of a step: its result, or in grey what it is for."""
+    return (
+        f'<div class="wb-line wb-{kind} wb-span{span}" title="{escape(tip or text)}">'
+        f"{escape(text)}</div>"
+    )
+
+
+def hint(state: State, command: type, purpose: str, span: int) -> str:
+    """What a step is for, or why it has to wait."""
+    waits = obstacle(state, command)
+    return line(waits or purpose, kind="hint", span=span, tip=f"{purpose} {waits}".strip())
+
+
+def scan_line(state: State) -> str:
+    """What the scan step has brought."""
+    purpose = "Drops the parts into the simulated bin and scans it from above."
+    if state.scan is None:
+        return hint(state, TakeScan, purpose, 3)
+    at = f", {clock(state.scan.at)}" if state.scan.at else ""
+    return line(f"{len(state.scan.points):,} points from {state.scan.source}{at}", tip=purpose)
+
+
+def parts_line(state: State) -> str:
+    """What the localizer has brought."""
+    purpose = "Fits the CAD model of the part to the scan."
+    if state.detections is None:
+        return hint(state, FindParts, purpose, 2)
+    count = len(state.detections)
+    if count == 0:
+        return line("No part found in this scan.", kind="bad", span=2, tip=purpose)
+    scores = ", ".join(f"{detection.score:.2f}" for detection in state.detections[:4])
+    more = " …" if count > 4 else ""
+    noun = "part" if count == 1 else "parts"
+    return line(f"{count} {noun}, score {scores}{more}", span=2, tip=purpose)
+
+
+def plan_line(state: State) -> str:
+    """What planning has brought."""
+    purpose = "Judges every grasp with both arms, plans the motion and proves it again."
+    if state.plan is None:
+        if state.verdict is not None:
+            return line(f"No plan: {state.verdict}", kind="bad", tip=purpose)
+        return hint(state, MakePlan, purpose, 3)
+    plan, proof = state.plan, state.proof
+    if proof is None or not proof.holds:
+        why = str(proof.findings[0]) if proof is not None else "there is none"
+        return line(f"The proof does not hold: {why}", kind="bad", tip=purpose)
+    text = f"{plan.strategy}, {plan.cycle_seconds:.1f} s, smallest clearance {mm(proof.clearance)}"
+    return line(text, tip=plan.note or purpose)
+
+
+def approval_line(state: State, now: float) -> str:
+    """Who has approved, and until when that holds."""
+    purpose = "A person looks at the facts of this plan and gives a name for it."
+    if state.approval is None:
+        kind = "result" if state.phase is Phase.PLANNED else "hint"
+        text = "Waiting for a person." if state.phase is Phase.PLANNED else purpose
+        return line(text, kind=kind, span=2, tip=purpose)
+    approval = state.approval
+    text = f"by {approval.actor} until {clock(approval.until)}"
+    if now >= approval.until and state.phase is Phase.APPROVED:
+        return line(f"{text}, run out", kind="bad", span=2, tip=purpose)
+    return line(text, span=2, tip=purpose)
+
+
+def send_line(state: State) -> str:
+    """How far the plan has gone out."""
+    purpose = "Sends the approved plan to the robot controller."
+    if not state.receipts:
+        return line("Not sent.", kind="hint", span=1, tip=purpose)
+    last = state.receipts[-1]
+    return line(f"{last.done} of {last.total} sent", span=1, tip=purpose)
+
+
+def facts_html(cell: Cell, plan: Plan, proof: Proof) -> str:
+    """What a person approves: values that the server holds, nothing typed in a browser."""
+    rows = [
+        ("Strategy", f"{plan.strategy}" + (f" ({plan.note})" if plan.note else "")),
+        ("Guarantee", str(plan.guarantee)),
+    ]
+    for arm in plan.arms:
+        part = plan.detections[arm.detection].part
+        rows.append(
+            (f"{arm.arm.capitalize()} arm", f"part-{arm.detection + 1} ({part}), grasp {arm.grasp}")
+        )
+    rows += [
+        ("Smallest clearance", mm(proof.clearance) + _where(proof.nearest)),
+        ("Proof", f"holds, {proof.checks:,} states checked, down to {mm(proof.resolution, 2)}"),
+        ("Cycle time", f"{plan.cycle_seconds:.1f} s"),
+        ("Controller", f"{cell.controller.host} port {cell.controller.port}"),
+        ("Valid for", f"{cell.policy.approval_minutes:g} min after the approval"),
+        ("Plan", short(plan.digest)),
+    ]
+    return table_html(rows, title=plan.digest)
+
+
+def _where(finding: Finding | None) -> str:
+    if finding is None:
+        return ""
+    where = f", {finding.arm} arm, leg {finding.leg}"
+    return where + (f": {' · '.join(finding.pair)}" if finding.pair is not None else "")
+
+
+def table_html(rows: list[tuple[str, str]], *, title: str = "") -> str:
+    """Names and values in two columns."""
+    body = "".join(
+        f"<tr><th>{escape(name)}</th><td>{escape(value)}</td></tr>" for name, value in rows
+    )
+    return f'<table class="wb-facts" title="{escape(title)}">{body}</table>'
+
+
+def verdict_text(verdict: Verdict) -> str:
+    """The evidence of a verdict, without its reason."""
+    pieces: list[str] = []
+    if verdict.pair is not None:
+        pieces.append(f"{verdict.pair[0]} · {verdict.pair[1]}")
+    if verdict.distance is not None:
+        pieces.append(mm(verdict.distance))
+    if verdict.note:
+        pieces.append(verdict.note)
+    return ", ".join(pieces)
+
+
+def candidate_label(candidate: Candidate) -> str:
+    """A candidate for the scene: which, its verdict, and the evidence, a line each."""
+    lines = [
+        f"part-{candidate.detection + 1}, {candidate.grasp.name}, {candidate.arm} arm",
+        str(candidate.verdict.reason),
+        verdict_text(candidate.verdict),
+    ]
+    return "\n".join(text for text in lines if text)
+
+
+def plan_html(cell: Cell, plan: Plan, seconds: tuple[tuple[str, float], ...]) -> str:
+    """The plan in a few chips: what, how long, and what computing it took."""
+    arms = [arm.name for arm in cell.arms]
+    chips = [
+        f'<span class="wb-chip" style="background:{arm_colour(arms.index(arm.arm))}">'
+        f"{escape(arm.arm)}: part-{arm.detection + 1}, {escape(arm.grasp)}</span>"
+        for arm in plan.arms
+    ]
+    times = " · ".join(f"{stage} {value * 1000:.0f} ms" for stage, value in seconds)
+    return (
+        f'<div class="wb-pad">{"".join(chips)}'
+        f'<div class="wb-small" title="{escape(plan.digest)}">{escape(plan.strategy)}, '
+        f"{escape(plan.guarantee)}, plan {short(plan.digest)}</div>"
+        f'<div class="wb-small">computed in {escape(times)}</div></div>'
+    )
+
+
+def link_html(view: View) -> str:
+    """The robot link: address, what went out last, what came of it."""
+    state, cell = view.state, view.state.cell
+    says = {
+        Phase.SENDING: "sending",
+        Phase.DONE: "the controller has reported the end",
+        Phase.FAULT: "fault",
+    }
+    rows = [
+        ("Controller", f"{cell.controller.host} port {cell.controller.port}"),
+        ("Link", says.get(state.phase, "closed")),
+        ("Robot says", view.live.robot or "nothing (no state report)"),
+    ]
+    if state.receipts:
+        last = state.receipts[-1]
+        rows += [
+            ("Messages", f"{last.done} of {last.total}"),
+            ("Last message", last.sent),
+            ("Sent at", f"{clock(last.at)}, {last.arm} arm"),
+        ]
+    if state.plan is not None:
+        rows.append(("Parts", parts_placed(state)))
+    rows.append(("Fault", state.fault or "none"))
+    bar = ""
+    if state.receipts:
+        share = 100 * state.receipts[-1].done / state.receipts[-1].total
+        bar = f'<div class="wb-bar"><i style="width:{share:.1f}%"></i></div>'
+    return table_html(rows) + bar
+
+
+def joints_html(cell: Cell, joints: Mapping[str, float]) -> str:
+    """What the controller reports of its joints [deg], in its own order."""
+    if not joints:
+        return line("The controller reports no joint values.", kind="hint")
+    most = max(len(arm.joints) for arm in cell.arms)
+    head = "".join(f"<th>{escape(arm.name)} [deg]</th>" for arm in cell.arms)
+    rows = ""
+    for axis in range(most):
+        cells = ""
+        for arm in cell.arms:
+            known = axis < len(arm.joints)
+            joint = arm.joints[arm.wire_order[axis]] if known else ""
+            value = joints.get(joint)
+            text = "-" if value is None else f"{math.degrees(value) * arm.wire_signs[axis]:.2f}"
+            cells += f'<td class="wb-number">{text}</td>'
+        rows += f"<tr><th>Axis {axis + 1}</th>{cells}</tr>"
+    return f'<table class="wb-facts wb-joints"><tr><th></th>{head}</tr>{rows}</table>'

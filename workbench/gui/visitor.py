@@ -1,0 +1,93 @@
+"""One browser: whose it is, what it may ask, and how it hears that something is refused."""
+
+import logging
+from collections.abc import Callable
+from typing import Any, Protocol
+
+import viser
+
+from workbench.app.bench import Bench
+from workbench.app.commands import Command
+from workbench.app.rules import allowed
+from workbench.app.state import State
+from workbench.gui.look import SharedLook, View
+from workbench.model.errors import CommandRefused, WorkbenchError
+
+log = logging.getLogger(__name__)
+
+NOBODY = "operator"
+"""Who acts in a browser without a login; an approval always has a name of its own."""
+
+SECONDS_TO_READ = 8.0
+
+
+class Visitor:
+    """One browser that is connected.
+
+    Lifetime: from connect to disconnect; a reconnect makes a new one.
+
+    Concurrency: any thread.
+    """
+
+    def __init__(self, client: viser.ClientHandle, bench: Bench, look: SharedLook):
+        """A browser without controls yet."""
+        self.client = client
+        self.gui = client.gui
+        self.bench = bench
+        self.look = look
+
+    @property
+    def number(self) -> int:
+        """Tells this browser from the others."""
+        return self.client.client_id
+
+    def on_press(self, button: viser.GuiButtonHandle, command: Callable[[], Command]) -> None:
+        """Have a button give the command that is made when it is pressed."""
+
+        @button.on_click
+        def _(_: Any) -> None:
+            self.ask(command)
+
+    def ask(self, command: Callable[[], Command], actor: str = NOBODY) -> bool:
+        """Make a command and give it; a refusal is told in this browser only.
+
+        Returns:
+            Whether it was carried out.
+        """
+        try:
+            self.bench.do(command(), actor)
+        except WorkbenchError as error:
+            self.tell("Refused", str(error))
+        except Exception as error:
+            # A rim: nothing that goes wrong for one browser may end the page for all.
+            log.exception("a command from the page failed")
+            self.tell("Internal error", f"{type(error).__name__}: {error}")
+        else:
+            return True
+        return False
+
+    def tell(self, title: str, text: str) -> None:
+        """Show a note in this browser."""
+        self.client.add_notification(title, text, color="red", auto_close_seconds=SECONDS_TO_READ)
+
+
+class Panel(Protocol):
+    """The controls of one tab in one browser; holds handles and no values of the domain."""
+
+    def show(self, old: View | None, new: View) -> None:
+        """Bring what is shown from `old` (None: nothing yet) to `new`."""
+        ...
+
+
+def refusal(state: State, command: Command, now: float, actor: str = NOBODY) -> str:
+    """Why the rules would refuse a command now; empty when they would not."""
+    try:
+        allowed(state, command, actor, now)
+    except CommandRefused as error:
+        return str(error)
+    return ""
+
+
+def whole(value: Any) -> Any:
+    """A number as an integer if it is one; anything else as it came, for the rules to refuse."""
+    return int(value) if isinstance(value, float) and value.is_integer() else value
