@@ -1,29 +1,43 @@
 """Makes keyed_cylinder.stl: the union of the pieces in part.toml, in millimetres.
 
-Run from the repository's root: `python parts/keyed_cylinder/make_mesh.py`.
+Run after a change of part.toml, with the workbench and `manifold3d` installed:
+`python parts/keyed_cylinder/make_mesh.py`.
 """
 
 from pathlib import Path
 
 import trimesh
 from trimesh.creation import box, cylinder
-from trimesh.transformations import translation_matrix
+
+from workbench.formats.solids import read_solid
+from workbench.formats.toml_keys import read_toml
+from workbench.model.geometry import Box, Cylinder, Solid
+
+FOLDER = Path(__file__).resolve().parent
 
 SECTIONS = 48
-"""Facets around the cylinders."""
+"""Facets around the cylinders: the largest is 0.04 mm away from the circle."""
 
 
 def mesh() -> trimesh.Trimesh:
     """The part's surface [mm]."""
-    body = cylinder(radius=15, height=80, sections=SECTIONS)
-    collar = cylinder(
-        radius=19, height=8, sections=SECTIONS, transform=translation_matrix((0, 0, 36))
-    )
-    key = box(extents=(10, 8, 24), transform=translation_matrix((14, 0, 18)))
-    return trimesh.boolean.union([body, collar, key], engine="manifold")
+    pieces = read_toml(FOLDER / "part.toml").tables("piece")
+    return trimesh.boolean.union([_surface(read_solid(piece)) for piece in pieces])
+
+
+def _surface(piece: Solid) -> trimesh.Trimesh:
+    T = piece.T_owner_shape.homogeneous
+    match piece.shape:
+        case Box(size):
+            made = box(extents=size, transform=T)
+        case Cylinder(radius, length):
+            made = cylinder(radius=radius, height=length, sections=SECTIONS, transform=T)
+        case other:
+            raise TypeError(f"piece {piece.name}: no surface is known for {type(other).__name__}")
+    return made.apply_scale(1000)
 
 
 if __name__ == "__main__":
     surface = mesh()
-    surface.export(Path(__file__).with_name("keyed_cylinder.stl"))
+    surface.export(FOLDER / "keyed_cylinder.stl")
     print(f"{len(surface.faces)} triangles, watertight: {surface.is_watertight}")
