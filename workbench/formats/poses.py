@@ -82,15 +82,15 @@ def read_detection(table: Table, *, complete: bool) -> Detection:
             return None
         return table.number(key)
 
-    usual = {} if complete else {"default": 1.0}
+    full, known = (MISSING, MISSING) if complete else (1.0, True)
     detection = Detection(
         part=table.text("part"),
         T_world_part=read_pose_rows(table, "T_world_part"),
-        score=table.number("score", **usual),
-        visible=table.number("visible", **usual),
+        score=table.number("score", full),
+        visible=table.number("visible", full),
         gap=optional("gap"),
         residual=optional("residual"),
-        roll_known=table.flag("roll_known") if complete else table.flag("roll_known", True),
+        roll_known=table.flag("roll_known", known),
     )
     table.finish()
     return detection
