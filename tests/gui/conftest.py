@@ -1,0 +1,132 @@
+"""The YuMi cell with two parts found and planned for, and states of every phase."""
+
+import time
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pytest
+
+from workbench.app.commands import PlanResult
+from workbench.app.live import Live
+from workbench.app.pick import plan_pick
+from workbench.app.rules import approve
+from workbench.app.state import Job, Phase, State
+from workbench.formats.cells import read_cell
+from workbench.gui.look import Look, View
+from workbench.gui.playback import timeline
+from workbench.model.cell import Cell
+from workbench.model.geometry import pose_from_rpy
+from workbench.model.release import Receipt
+from workbench.model.scan import Detection, Scan
+
+NOW = 1_760_000_000.0
+
+
+@dataclass(frozen=True)
+class States:
+    """A state of each phase, all of the same cycle."""
+
+    idle: State
+    scanned: State
+    localized: State
+    planned: State
+    approved: State
+    sending: State
+    done: State
+    fault: State
+    planning: State
+
+    @property
+    def all(self) -> tuple[State, ...]:
+        return tuple(getattr(self, name) for name in self.__dataclass_fields__)
+
+
+@pytest.fixture(scope="session")
+def cell() -> Cell:
+    return read_cell("yumi")
+
+
+@pytest.fixture(scope="session")
+def scan(cell: Cell) -> Scan:
+    """A grid of points on the bin's floor."""
+    T_world_bin = cell.bin.T_world_bin
+    length, width, _ = cell.bin.size
+    x, y = np.meshgrid(np.linspace(-length, length, 60), np.linspace(-width, width, 60))
+    p_bin = np.stack([x.ravel(), y.ravel(), np.zeros(x.size)], axis=1)
+    p_world = p_bin @ T_world_bin.rotation.T + T_world_bin.translation
+    T_scanner_world = cell.scanner.T_world_scanner.inverse()
+    points = p_world @ T_scanner_world.rotation.T + T_scanner_world.translation
+    return Scan(points, cell.scanner.T_world_scanner, "a drawn floor", at=NOW)
+
+
+@pytest.fixture(scope="session")
+def detections(cell: Cell) -> tuple[Detection, ...]:
+    """Two cylinders lying on the bin's floor, apart from each other and from the walls."""
+    floor, height = cell.bin.T_world_bin.translation, 0.0165
+    places = ((-0.01, -0.07, 0.4), (0.01, 0.07, -0.6))
+    return tuple(
+        Detection(
+            "keyed_cylinder",
+            pose_from_rpy(floor + np.array([x, y, height]), (np.pi / 2, 0.0, yaw)),
+            0.9,
+        )
+        for x, y, yaw in places
+    )
+
+
+@pytest.fixture(scope="session")
+def result(cell: Cell, scan: Scan, detections: tuple[Detection, ...]) -> PlanResult:
+    result = plan_pick(cell, detections, scan.digest, seed=0)
+    assert result.plan is not None and result.proof is not None and result.proof.holds
+    return result
+
+
+@pytest.fixture(scope="session")
+def states(cell: Cell, scan: Scan, detections, result: PlanResult) -> States:
+    idle = State(cell)
+    scanned = replace(idle, phase=Phase.SCANNED, scan=scan, scene_digest=scan.digest)
+    localized = replace(scanned, phase=Phase.LOCALIZED, detections=detections)
+    planned = replace(
+        localized,
+        phase=Phase.PLANNED,
+        candidates=result.candidates,
+        plan=result.plan,
+        proof=result.proof,
+        verdict=result.verdict,
+        seconds=tuple(result.seconds.items()),
+    )
+    approval = approve(cell, result.plan, result.proof, "Anna", NOW)
+    approved = replace(planned, phase=Phase.APPROVED, approval=approval)
+    receipt = Receipt(NOW + 1, "right", "in", "inR#*1.00*2.00*", 3, 40)
+    sending = replace(approved, phase=Phase.SENDING, receipts=(receipt,))
+    return States(
+        idle=idle,
+        scanned=scanned,
+        localized=localized,
+        planned=planned,
+        approved=approved,
+        sending=sending,
+        done=replace(sending, phase=Phase.DONE, parts_placed=2),
+        fault=replace(sending, phase=Phase.FAULT, fault="the controller closed the link"),
+        planning=replace(localized, job=Job(7, "plan", "0"), message="planning"),
+    )
+
+
+@pytest.fixture(scope="session")
+def view_of():
+    """Makes the view of a state, looked at from the start of its plan."""
+
+    def make(state: State, look: Look | None = None, live: Live | None = None) -> View:
+        runs = timeline(state.plan) if state.plan is not None else ()
+        return View(state, live or Live(), look or Look(), runs, NOW)
+
+    return make
+
+
+@pytest.fixture(autouse=True)
+def in_utc(monkeypatch):
+    monkeypatch.setenv("TZ", "UTC")
+    time.tzset()
+    yield
+    monkeypatch.undo()
+    time.tzset()

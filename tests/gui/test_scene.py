@@ -1,0 +1,156 @@
+"""What is drawn, and that drawing moves things instead of making them anew."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from workbench.app.live import Live
+from workbench.gui.door import close_door, open_door
+from workbench.gui.look import Look
+from workbench.gui.playback import part_poses
+from workbench.gui.scene import Scene, height_colours
+from workbench.planning.kinematics import Kinematics
+
+
+@pytest.fixture
+def server():
+    server = open_door("127.0.0.1", 0)
+    yield server
+    close_door(server)
+
+
+@pytest.fixture
+def scene(server, cell):
+    return Scene(server, cell, most_points=500)
+
+
+def node(server, name):
+    return server.scene.get_handle_by_name(name)
+
+
+def pose_of(handle) -> np.ndarray:
+    return np.concatenate([handle.position, handle.wxyz])
+
+
+def test_the_cell_stands_there_before_anything_has_happened(server, scene, cell, states, view_of):
+    scene.draw(None, view_of(states.idle))
+    for name in (
+        "/robot/body",
+        *(f"/robot/{arm.flange}/{arm.tool.name}" for arm in cell.arms),
+        *(f"/fixtures/{fixture.name}" for fixture in cell.fixtures),
+        "/bin",
+        "/scanner",
+    ):
+        assert node(server, name) is not None, name
+    assert node(server, "/scan") is None
+    assert not node(server, "/robot_now").visible
+
+
+def test_links_stand_where_forward_kinematics_puts_them(server, scene, cell, states, view_of):
+    scene.draw(None, view_of(states.idle))
+    for name, T in Kinematics(cell).link_poses({}).items():
+        np.testing.assert_allclose(node(server, f"/robot/{name}").position, T.translation)
+
+
+def test_a_scan_is_thinned_and_dropped_with_its_state(server, scene, states, view_of):
+    empty, scanned = view_of(states.idle), view_of(states.scanned)
+    scene.draw(None, empty)
+    scene.draw(empty, scanned)
+    assert len(node(server, "/scan").points) == 500
+    scene.draw(scanned, empty)
+    assert node(server, "/scan") is None
+
+
+def test_scrubbing_moves_arms_and_parts_without_making_them_anew(
+    server, scene, cell, states, view_of, result
+):
+    start = view_of(states.planned)
+    scene.draw(None, start)
+    part, arm = node(server, "/parts/part-1"), node(server, "/robot/right_link_3")
+    before = pose_of(part), pose_of(arm)
+    end = view_of(states.planned, Look(time=result.plan.cycle_seconds))
+    scene.draw(start, end)
+    assert node(server, "/parts/part-1") is part
+    T = part_poses(cell, Kinematics(cell), result.plan, end.runs, end.look.time)[0]
+    np.testing.assert_allclose(part.position, T.translation)
+    assert not np.allclose(pose_of(part), before[0])
+    scene.draw(end, start)
+    np.testing.assert_allclose(pose_of(part), before[0])
+    np.testing.assert_allclose(pose_of(arm), before[1])
+
+
+def test_fingers_open_for_the_reach_and_close_on_the_part(
+    server, scene, cell, states, view_of, result
+):
+    start = view_of(states.planned)
+    arm_plan = result.plan.arms[0]
+    arm = cell.arm(arm_plan.arm)
+    holding = next(r for r in start.runs if r.arm == arm_plan.arm and r.leg.holding)
+
+    def gap(look: Look) -> float:
+        scene.draw(None, view_of(states.planned, look))
+        tool = f"/robot/{arm.flange}/{arm.tool.name}"
+        a, b = (node(server, f"{tool}/{finger.solid.name}") for finger in arm.tool.fingers)
+        return float(np.linalg.norm(np.array(a.position) - b.position))
+
+    assert gap(Look(time=0.1)) == pytest.approx(arm_plan.legs[0].opening)
+    assert gap(Look(time=holding.start + 0.01)) == pytest.approx(holding.leg.opening)
+
+
+def test_the_robot_that_the_controller_reports_is_a_second_one(
+    server, scene, cell, states, view_of
+):
+    right = cell.arm("right")
+    joints = {joint: 0.1 for joint in right.joints}
+    quiet = view_of(states.sending)
+    heard = replace(quiet, live=Live(joints=joints))
+    scene.draw(None, quiet)
+    scene.draw(quiet, heard)
+    assert node(server, "/robot_now").visible
+    expected = Kinematics(cell).link_poses(joints)["right_link_6"]
+    np.testing.assert_allclose(
+        node(server, "/robot_now/right_link_6").position, expected.translation
+    )
+    scene.draw(heard, quiet)
+    assert not node(server, "/robot_now").visible
+
+
+def test_a_chosen_candidate_shows_its_tool_and_goes_with_the_choice(server, scene, states, view_of):
+    none = view_of(states.planned)
+    chosen = replace(none, look=Look(candidate=0))
+    scene.draw(None, none)
+    assert node(server, "/candidate") is None
+    scene.draw(none, chosen)
+    np.testing.assert_allclose(
+        node(server, "/candidate").position, states.planned.candidates[0].T_world_tcp.translation
+    )
+    assert node(server, "/grasps") is not None
+    scene.draw(chosen, none)
+    assert node(server, "/candidate") is None
+    assert node(server, "/grasps") is None
+
+
+def test_a_candidate_refused_at_a_configuration_shows_the_arm_there(
+    server, scene, cell, states, view_of
+):
+    arm = cell.arm("left")
+    q = np.asarray(arm.home) + 0.1
+    refused = next(c for c in states.planned.candidates if c.arm == "left")
+    refused = replace(refused, verdict=replace(refused.verdict, q=q))
+    state = replace(states.localized, candidates=(refused,))
+    scene.draw(None, view_of(state, Look(candidate=0)))
+    expected = Kinematics(cell).link_poses(dict(zip(arm.joints, q, strict=True)))
+    shown = node(server, "/candidate_left/left_link_5")
+    np.testing.assert_allclose(shown.position, expected["left_link_5"].translation)
+
+
+def test_points_beside_the_bin_are_grey_and_high_ones_differ_from_low_ones(cell):
+    T = cell.bin.T_world_bin
+    low, high, beside = (
+        T.act(np.array(p)) for p in ((0, 0, 0), (0, 0, cell.bin.size[2]), (1, 0, 0))
+    )
+    colours = height_colours(cell, np.array([low, high, beside]))
+    assert colours.shape == (3, 3)
+    assert not np.array_equal(colours[0], colours[1])
+    assert len(set(colours[2].tolist())) <= 3 and np.ptp(colours[2].astype(int)) < 20

@@ -1,0 +1,56 @@
+"""Solids as triangles."""
+
+import numpy as np
+import pytest
+
+from workbench.gui.solids import by_colour, rgb, triangles_of, with_hard_edges
+from workbench.model.geometry import Box, Capsule, Cylinder, Mesh, Solid, Sphere, pose_from_rpy
+
+HERE = pose_from_rpy((0, 0, 0))
+SIZE = np.array([0.2, 0.4, 0.6])
+
+
+@pytest.mark.parametrize(
+    ("shape", "extents"),
+    [
+        (Box(SIZE), SIZE),
+        (Cylinder(0.1, 0.3), (0.2, 0.2, 0.3)),
+        (Capsule(0.1, 0.3), (0.2, 0.2, 0.5)),
+        (Sphere(0.1), (0.2, 0.2, 0.2)),
+        (Mesh(np.eye(3), np.array([[0, 1, 2]])), (1, 1, 1)),
+    ],
+)
+def test_a_shape_keeps_its_size_and_centre(shape, extents):
+    surface = triangles_of(shape)
+    np.testing.assert_allclose(surface.extents, extents, rtol=0.01)
+    if not isinstance(shape, Mesh):
+        np.testing.assert_allclose(surface.bounds.mean(axis=0), 0, atol=1e-3)
+
+
+def test_a_box_gets_a_point_for_each_side_of_each_corner():
+    points, triangles = with_hard_edges(triangles_of(Box(SIZE)))
+    assert len(points) == 24
+    assert len(triangles) == 12
+
+
+def test_a_ball_stays_smooth():
+    surface = triangles_of(Sphere(0.1))
+    assert len(with_hard_edges(surface)[0]) == len(surface.vertices)
+
+
+def test_solids_of_one_colour_become_one_mesh_where_they_stand():
+    red, blue = (1.0, 0.0, 0.0), (0.0, 0.0, 1.0)
+    solids = (
+        Solid("a", Box(SIZE), pose_from_rpy((1, 0, 0)), red),
+        Solid("b", Box(SIZE), pose_from_rpy((-1, 0, 0)), red),
+        Solid("c", Box(SIZE), HERE, blue),
+    )
+    (first, points, triangles), (second, *_) = by_colour(solids, pose_from_rpy((0, 0, 2)))
+    assert (first, second) == ((255, 0, 0), (0, 0, 255))
+    assert len(triangles) == 24
+    np.testing.assert_allclose(points.min(axis=0), [-1.1, -0.2, 1.7])
+    np.testing.assert_allclose(points.max(axis=0), [1.1, 0.2, 2.3])
+
+
+def test_colours_out_of_range_are_clipped():
+    assert rgb((2.0, -1.0, 0.5)) == (255, 0, 128)

@@ -1,0 +1,225 @@
+"""What the page says, and that nothing from outside becomes HTML."""
+
+import re
+from dataclasses import replace
+from html.parser import HTMLParser
+
+import numpy as np
+import pytest
+
+from workbench.app.live import Live
+from workbench.app.state import Phase
+from workbench.gui import views
+from workbench.gui.charts import cursor_html, lanes_html
+from workbench.gui.look import View
+from workbench.gui.tables import COLUMNS, PAGE, Order, candidates_html, funnel_html
+from workbench.model.candidate import Candidate, Reason, Stage, Verdict
+from workbench.model.geometry import pose_from_rpy
+from workbench.model.part import Grasp
+
+EVIL = "\"'><img src=x onerror=alert(1)><script>alert(2)</script>&amp;"
+TAGS = {"ol", "li", "span", "div", "b", "i", "table", "thead", "tbody", "tr", "th", "td"}
+
+
+class Reader(HTMLParser):
+    """Notes tags, attributes and text."""
+
+    def __init__(self, html: str):
+        super().__init__()
+        self.tags: list[str] = []
+        self.attributes: list[tuple[str, str]] = []
+        self.text = ""
+        self.feed(html)
+
+    def handle_starttag(self, tag, attrs):
+        self.tags.append(tag)
+        self.attributes += [(name, value or "") for name, value in attrs]
+
+    def handle_data(self, data):
+        self.text += data
+
+
+def classes_of_steps(html: str) -> list[str]:
+    return re.findall(r'<li class="wb-(\w+)"', html)
+
+
+@pytest.mark.parametrize(
+    ("name", "expected"),
+    [
+        ("idle", ["next", "ahead", "ahead", "ahead", "ahead"]),
+        ("scanned", ["done", "next", "ahead", "ahead", "ahead"]),
+        ("localized", ["done", "done", "next", "ahead", "ahead"]),
+        ("planning", ["done", "done", "busy", "ahead", "ahead"]),
+        ("planned", ["done", "done", "done", "next", "ahead"]),
+        ("approved", ["done", "done", "done", "done", "next"]),
+        ("sending", ["done", "done", "done", "done", "busy"]),
+        ("done", ["done", "done", "done", "done", "done"]),
+        ("fault", ["done", "done", "done", "done", "fault"]),
+    ],
+)
+def test_the_strip_shows_what_is_done_and_what_comes_next(states, name, expected):
+    assert classes_of_steps(views.strip_html(getattr(states, name))) == expected
+
+
+def test_every_phase_has_its_place_in_the_strip():
+    assert set(views.REACHED) == set(Phase)
+
+
+def test_the_status_of_a_task_tells_its_step_and_its_time(states, view_of):
+    live = Live(job=7, done=0.5, note="candidate 3 of 60", started=view_of(states.idle).at - 2.5)
+    text = Reader(views.status_html(view_of(states.planning, live=live))).text
+    assert "candidate 3 of 60" in text
+    assert "2.5 s" in text
+
+
+def test_progress_of_another_task_is_not_shown(states, view_of):
+    live = Live(job=6, done=0.5, note="old news", started=1.0)
+    assert "old news" not in views.status_html(view_of(states.planning, live=live))
+
+
+def test_a_fault_is_shown_in_full(states, view_of):
+    assert "the controller closed the link" in views.status_html(view_of(states.fault))
+
+
+def test_steps_that_have_to_wait_say_for_what(states):
+    assert "take a scan first" in views.parts_line(states.idle)
+    assert "find the parts first" in views.plan_line(states.scanned)
+
+
+def test_results_of_the_steps_carry_units(states):
+    assert "3,600 points from a drawn floor, 08:53:20" in views.scan_line(states.planned)
+    assert "2 parts, score 0.90, 0.90" in views.parts_line(states.planned)
+    assert re.search(
+        r"alternated, \d+\.\d s, smallest clearance \d+\.\d mm", views.plan_line(states.planned)
+    )
+    assert "3 of 40 sent" in views.send_line(states.sending)
+
+
+def test_a_plan_whose_proof_does_not_hold_says_what_was_found(states):
+    nearest = states.planned.proof.nearest
+    proof = replace(states.planned.proof, findings=(replace(nearest, problem="too close"),))
+    line = views.plan_line(replace(states.planned, proof=proof))
+    assert "wb-bad" in line
+    assert "too close" in line
+
+
+def test_without_a_plan_the_verdict_stands_in_its_place(states):
+    verdict = Verdict(Reason.NO_PATH, Stage.ROUTE, ("left_link_5", "bin_wall_left"), 0.0011)
+    line = Reader(views.plan_line(replace(states.localized, verdict=verdict)))
+    assert "No plan: no path: left_link_5 and bin_wall_left, 1.1 mm" in line.text
+
+
+def test_an_approval_names_the_person_and_its_end(states, view_of):
+    approval = states.approved.approval
+    assert "by Anna until 08:58:20" in views.approval_line(states.approved, approval.at)
+    assert "run out" in views.approval_line(states.approved, approval.until)
+
+
+def test_what_is_approved_is_told_in_full(cell, states):
+    plan, proof = states.planned.plan, states.planned.proof
+    text = Reader(views.facts_html(cell, plan, proof)).text
+    for expected in (
+        plan.digest[:12],
+        str(plan.strategy),
+        str(plan.guarantee),
+        f"{proof.clearance * 1000:.1f} mm",
+        *proof.nearest.pair,
+        f"{plan.cycle_seconds:.1f} s",
+        *(arm.grasp for arm in plan.arms),
+        *(f"part-{arm.detection + 1}" for arm in plan.arms),
+    ):
+        assert expected in text
+
+
+def test_joints_are_told_in_degrees_in_the_order_of_the_controller(cell):
+    arm = cell.arms[0]
+    joints = dict(zip(arm.joints, arm.home, strict=True))
+    rows = re.findall(
+        r"<tr><th>Axis (\d)</th><td[^>]*>([-\d.]+)</td>", views.joints_html(cell, joints)
+    )
+    expected = [0, -130, 30, 0, 40, 0, -135]
+    assert [int(axis) for axis, _ in rows] == [1, 2, 3, 4, 5, 6, 7]
+    np.testing.assert_allclose([float(value) for _, value in rows], expected, atol=0.005)
+
+
+def test_a_candidate_in_the_scene_names_the_pair_and_the_distance():
+    verdict = Verdict(Reason.TOOL_COLLISION, Stage.PROPOSE, ("palm", "bin_wall_back"), -0.0342)
+    candidate = made_candidate(verdict=verdict)
+    assert views.candidate_label(candidate) == (
+        "part-1, side-1-1, right arm\ntool collision\npalm · bin_wall_back, -34.2 mm"
+    )
+
+
+def made_candidate(*, name: str = "side-1-1", arm: str = "right", verdict: Verdict) -> Candidate:
+    T = pose_from_rpy((0, 0, 0))
+    return Candidate(0, Grasp(name, T, 0.04, 0.03), arm, T, 0.5, verdict)
+
+
+def hostile(states, view_of) -> View:
+    """A view in which every text that comes from outside is an attack."""
+    state = states.fault
+    verdict = Verdict(Reason.IN_COLLISION, Stage.GRASP, (EVIL, EVIL), -0.001, note=EVIL)
+    plan = replace(
+        state.plan,
+        note=EVIL,
+        detections=tuple(replace(d, part=EVIL) for d in state.plan.detections),
+        arms=tuple(replace(arm, grasp=EVIL) for arm in state.plan.arms),
+    )
+    nearest = replace(state.proof.nearest, problem=EVIL, leg=EVIL, pair=(EVIL, EVIL))
+    bad = replace(
+        state,
+        scan=replace(state.scan, source=EVIL),
+        plan=plan,
+        proof=replace(state.proof, nearest=nearest, findings=(nearest,)),
+        candidates=(made_candidate(name=EVIL, arm=EVIL, verdict=verdict),),
+        verdict=verdict,
+        seconds=((EVIL, 0.1),),
+        approval=replace(state.approval, actor=EVIL),
+        receipts=(replace(state.receipts[0], arm=EVIL, sent=EVIL),),
+        fault=EVIL,
+        message=EVIL,
+    )
+    return view_of(bad, live=Live(job=0, note=EVIL, robot=EVIL, joints={EVIL: 1.0}))
+
+
+def test_nothing_from_outside_becomes_html(cell, states, view_of):
+    view = hostile(states, view_of)
+    state, buttons = view.state, dict.fromkeys([None, *Reason], "id")
+    pages = [
+        views.strip_html(state),
+        views.status_html(view),
+        views.status_html(replace(view, state=replace(state, phase=Phase.SENDING))),
+        views.status_html(replace(view, state=replace(states.planning, message=EVIL))),
+        views.scan_line(state),
+        views.parts_line(state),
+        views.plan_line(state),
+        views.plan_line(replace(state, plan=None)),
+        views.approval_line(state, view.at),
+        views.send_line(state),
+        views.facts_html(cell, state.plan, state.proof),
+        views.plan_html(cell, state.plan, state.seconds),
+        views.link_html(view),
+        views.joints_html(cell, view.live.joints),
+        lanes_html(cell, view.runs, view.plan_seconds),
+        cursor_html(1.0, 2.0, EVIL),
+        funnel_html(state.candidates, None, buttons),
+        candidates_html(
+            state.candidates,
+            (0,),
+            Order(),
+            None,
+            headings=dict.fromkeys(COLUMNS, "id"),
+            rows=["id"] * PAGE,
+        ),
+    ]
+    seen = ""
+    for page in pages:
+        reader = Reader(page)
+        assert set(reader.tags) <= TAGS
+        for name, value in reader.attributes:
+            assert not name.startswith("on") or value.startswith(
+                ("document.getElementById('id').click()", "if(event.key===")
+            )
+            assert name != "src"
+        seen += reader.text
+    assert EVIL in seen
