@@ -13,8 +13,14 @@ START, GOAL = np.array([0.5, 2.0]), np.array([3.5, 2.0])
 
 def free_of_wall(a: np.ndarray, b: np.ndarray) -> bool:
     """A wall at 1.8 < x < 2.2 with a gap above y = 3.5."""
-    points = a + np.linspace(0.0, 1.0, 60)[:, None] * (b - a)
-    return not np.any((np.abs(points[:, 0] - 2.0) < 0.2) & (points[:, 1] < 3.5))
+    # Where the segment crosses the wall's slab it must be above the gap's lower edge: exact.
+    low, high = (1.8 - a[0], 2.2 - a[0])
+    along = b[0] - a[0]
+    if along == 0.0:
+        return not (low < 0.0 < high and min(a[1], b[1]) < 3.5)
+    first, last = sorted((low / along, high / along))
+    first, last = max(first, 0.0), min(last, 1.0)
+    return first > last or min(a[1] + s * (b[1] - a[1]) for s in (first, last)) >= 3.5
 
 
 def found(seed: int, is_clear=free_of_wall, iterations: int = 2000) -> np.ndarray | None:

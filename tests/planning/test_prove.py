@@ -5,8 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from workbench.model.geometry import pose_from_rpy
 from workbench.model.plan import Plan, Step
+from workbench.planning.chain import is_solution
+from workbench.planning.motion import on_wire
 from workbench.planning.prove import prove
+from workbench.planning.world import World
 
 
 def with_leg(plan: Plan, arm: str, name: str, **changes) -> Plan:
@@ -46,21 +50,23 @@ def test_the_same_plan_has_the_same_proof(cell, result):
 
 
 def test_a_waypoint_in_the_wall_names_leg_pair_and_clearance(cell, result):
-    """The last waypoint of an extraction, turned at the base joint until it meets something."""
-    plan = result.plan
-    arm = plan.arms[0].arm
-    q = plan.arm(arm).leg("approach").q.copy()
-    middle = len(q) // 2
-    for turn in np.deg2rad(np.round(np.linspace(1.0, 30.0, 30), 2)):
-        bent = q.copy()
-        bent[middle, 0] += turn
-        proof = prove(cell, with_leg(plan, arm, "approach", q=bent))
-        if not proof.holds and proof.findings[0].pair is not None:
-            break
-    finding = proof.findings[0]
-    assert (finding.arm, finding.leg) == (arm, "approach")
-    assert finding.pair is not None and finding.distance is not None
-    assert abs(finding.waypoint - middle) <= 1
+    """A waypoint of the way back is replaced by one with the hand inside the bin's wall."""
+    arm = cell.arm(result.plan.arms[0].arm)
+    chain = World(cell, result.plan.detections).chains[arm.name]
+    q = result.plan.arm(arm.name).leg("return").q.copy()
+    side = -1.0 if arm.name == "right" else 1.0
+    wall = cell.bin.T_world_bin * pose_from_rpy(
+        (0.0, side * cell.bin.size[1] / 2, 0.05), (np.pi, 0, 0)
+    )
+    starts = np.vstack([q, np.random.default_rng(0).uniform(chain.lower, chain.upper, (30, 7))])
+    answers, residuals = chain.solve(wall, starts)
+    q[3] = on_wire(answers[is_solution(residuals)][0])
+    proof = prove(cell, with_leg(result.plan, arm.name, "return", q=q))
+    finding = next(finding for finding in proof.findings if finding.pair is not None)
+    assert (finding.arm, finding.leg) == (arm.name, "return")
+    assert finding.waypoint in (2, 3)
+    assert "bin_wall" in finding.pair[0] + finding.pair[1]
+    assert finding.distance < cell.policy.margin
 
 
 @pytest.mark.parametrize(

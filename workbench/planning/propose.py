@@ -50,7 +50,7 @@ class ToolCheck:
         self._R = np.array([T.rotation for T in poses])
         self._centres = np.array([T.act(e[0]) for T, e in zip(poses, extents, strict=True)])
         self._halves = np.array([half for _, half, _ in extents])
-        self._request = coal.DistanceRequest(False)
+        self._request = coal.DistanceRequest()
         self._tools = {arm.name: _tool_shapes(arm) for arm in cell.arms}
 
     def contact(

@@ -36,10 +36,18 @@ def prove(cell: Cell, plan: Plan, *, resolution: float = RESOLUTION) -> Proof:
         A proof; `holds` is True when there is no finding.
     """
     findings = list(_form(cell, plan))
+    can_walk = not findings
+    if can_walk:
+        findings = [
+            finding
+            for arm_plan in plan.arms
+            for leg in arm_plan.legs
+            for finding in _leg_values(cell, cell.arm(arm_plan.arm), leg)
+        ]
     clearances: list[tuple[str, str, Floats]] = []
     nearest: Finding | None = None
     clearance, checks = SIGHT, 0
-    if not findings:
+    if can_walk:
         world = World(cell, plan.detections)
         gone: frozenset[int] = frozenset()
         for step in plan.sequence:
@@ -102,7 +110,7 @@ def _walk(
 
 
 def _form(cell: Cell, plan: Plan) -> Iterator[Finding]:
-    """Everything about a plan that can be wrong before geometry comes into it."""
+    """What must be right before the plan can be walked through at all."""
     if plan.cell_digest != cell.digest:
         yield Finding("the plan was made for another cell, or the cell has changed since")
         return
@@ -143,8 +151,10 @@ def _arm_form(cell: Cell, plan: Plan, arm_plan: ArmPlan) -> Iterator[Finding]:
     if tuple(leg.name for leg in arm_plan.legs) != LEG_NAMES:
         yield Finding(f"the legs are not {', '.join(LEG_NAMES)}", name)
         return
-    for leg in arm_plan.legs:
-        yield from _leg_form(cell, arm, leg)
+    shapes = [finding for leg in arm_plan.legs for finding in _leg_shape(arm, leg)]
+    if shapes:
+        yield from shapes
+        return
     ends = [arm.home, *(leg.q[-1] for leg in arm_plan.legs)]
     starts = [*(leg.q[0] for leg in arm_plan.legs), arm.home]
     for leg_name, end, start in zip((*LEG_NAMES, "home"), ends, starts, strict=True):
@@ -164,18 +174,20 @@ def _arm_form(cell: Cell, plan: Plan, arm_plan: ArmPlan) -> Iterator[Finding]:
         )
 
 
-def _leg_form(cell: Cell, arm: Arm, leg: Leg) -> Iterator[Finding]:
+def _leg_shape(arm: Arm, leg: Leg) -> Iterator[Finding]:
+    q, t = np.asarray(leg.q), np.asarray(leg.t)
+    if q.ndim != 2 or q.shape[1] != len(arm.joints) or t.shape != (len(q),) or len(q) < 2:
+        problem = f"has waypoints of shape {q.shape} and times of shape {t.shape}"
+        yield Finding(problem, arm.name, leg.name)
+    elif not (np.all(np.isfinite(q)) and np.all(np.isfinite(t))):
+        yield Finding("holds a value that is not a finite number", arm.name, leg.name)
+
+
+def _leg_values(cell: Cell, arm: Arm, leg: Leg) -> Iterator[Finding]:
+    """What is wrong with a leg's values, whatever stands around the robot."""
     name: LegName = leg.name
     lower, upper, velocity = cell.robot.limits(arm.joints)
     q, t = np.asarray(leg.q), np.asarray(leg.t)
-    if q.ndim != 2 or q.shape[1] != len(arm.joints) or t.shape != (len(q),) or len(q) < 2:
-        yield Finding(
-            f"has waypoints of shape {q.shape} and times of shape {t.shape}", arm.name, name
-        )
-        return
-    if not (np.all(np.isfinite(q)) and np.all(np.isfinite(t))):
-        yield Finding("holds a value that is not a finite number", arm.name, name)
-        return
     outside = np.argwhere((q < lower - 1e-9) | (q > upper + 1e-9))
     if len(outside):
         row, joint = outside[0]

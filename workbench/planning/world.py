@@ -312,8 +312,6 @@ class World:
         self._first, self._second = np.nonzero(meets)
         self._geometry.setCollisionPairs(meets, True)
         self._data = pin.GeometryData(self._geometry)
-        for request in self._data.distanceRequests:
-            request.enable_nearest_points = False
         is_part = np.array([body.kind == "part" for body in self._bodies])
         self._held_pair = is_part[self._first] | is_part[self._second]
 

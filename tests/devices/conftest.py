@@ -1,0 +1,73 @@
+"""A plan, its approval, and simulated controllers on free ports."""
+
+import threading
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from workbench.app.pick import plan_pick
+from workbench.devices.abb_simulated import SimulatedController
+from workbench.formats.cells import read_cell
+from workbench.model.cell import Cell
+from workbench.model.geometry import pose_from_rpy
+from workbench.model.plan import Plan
+from workbench.model.release import Approval
+from workbench.model.scan import Detection
+
+
+@pytest.fixture(scope="session")
+def cell() -> Cell:
+    return read_cell("yumi")
+
+
+@pytest.fixture(scope="session")
+def plan(cell: Cell) -> Plan:
+    floor = cell.bin.T_world_bin.translation
+    detections = tuple(
+        Detection("keyed_cylinder", pose_from_rpy(floor + [0.0, y, 0.019], (np.pi / 2, 0.0, yaw)))
+        for y, yaw in ((-0.07, 0.4), (0.07, -0.6))
+    )
+    made = plan_pick(cell, detections, "scan", seed=0).plan
+    assert made is not None
+    return made
+
+
+@pytest.fixture
+def approval(cell: Cell, plan: Plan) -> Approval:
+    now = time.time()
+    return Approval(plan.digest, "proof", cell.digest, plan.scan_digest, "tester", now, now + 60)
+
+
+@pytest.fixture
+def controller(cell: Cell, tmp_path: Path) -> Iterator[Callable[..., SimulatedController]]:
+    """Starts controllers that end with the test; they record to `arrived.jsonl`."""
+    running: list[tuple[SimulatedController, threading.Thread]] = []
+
+    def start(**options) -> SimulatedController:
+        one = SimulatedController(
+            cell, record=tmp_path / "arrived.jsonl", **({"speed": 1000.0} | options)
+        )
+        thread = threading.Thread(target=one.run)
+        thread.start()
+        running.append((one, thread))
+        return one
+
+    yield start
+    for one, thread in running:
+        one.stop()
+        thread.join(5)
+        assert not thread.is_alive()
+
+
+@pytest.fixture
+def at(cell: Cell) -> Callable[..., Cell]:
+    """The cell with its controller at another address."""
+
+    def moved(port: int, state_port: int = 1) -> Cell:
+        return replace(cell, controller=replace(cell.controller, port=port, state_port=state_port))
+
+    return moved
