@@ -35,8 +35,10 @@ class Samples:
 
     def plan(self, scan_digest: str, seed: int = 0, cell: Cell | None = None) -> Plan:
         cell = cell or self.cell
-        leg = Leg("reach", "joint", False, 0.03, np.array([[0.0], [0.1]]), np.array([0.0, 1.0]))
-        arm = ArmPlan("right", 0, "top", HERE, ("joint_1",), (leg,))
+        times = np.array([0.0, 1.0])
+        reach = Leg("reach", "joint", False, 0.03, np.deg2rad([[0.0], [30.0]]), times)
+        place = Leg("place", "joint", True, 0.03, np.deg2rad([[30.0], [60.0]]), times)
+        arm = ArmPlan("right", 0, "top", HERE, ("joint_1",), (reach, place))
         return Plan(
             cell.name,
             cell.digest,
@@ -46,7 +48,7 @@ class Samples:
             Guarantee.ONE_AT_A_TIME,
             self.detections(),
             (arm,),
-            (Step((("right", "reach"),)),),
+            (Step((("right", "reach"),)), Step((("right", "place"),))),
             seconds={"route": 0.1},
         )
 

@@ -77,7 +77,7 @@ def test_jobs_bring_their_results_in_order_from_one_warm_process(jobs, listener)
 
 def test_a_scan_goes_there_and_back_with_its_digest_and_stays_read_only(jobs, listener, samples):
     scan = samples.scan(points=5000)
-    jobs.start(1, "scan", {"scan": scan})
+    jobs.start(1, "give_back", {"scan": scan})
     _, back = listener.result()
     assert back.digest == scan.digest
     assert not back.points.flags.writeable

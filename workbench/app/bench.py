@@ -9,10 +9,12 @@ from typing import Protocol
 from workbench.app.commands import Command, Entry, JobEnded, LinkEnded, Stop
 from workbench.app.decide import decide
 from workbench.app.effects import Effect
-from workbench.app.machines import Clock, Do, Live, Machines
+from workbench.app.live import Live
+from workbench.app.machines import Machines
 from workbench.app.record import command_form, entry_record
 from workbench.app.replay import replay
 from workbench.app.rights import MACHINES, ROBOT_LINK, WORKER
+from workbench.app.robot_link import Clock, Do
 from workbench.app.rules import allowed
 from workbench.app.sessions import begin
 from workbench.app.state import Phase, State

@@ -1,0 +1,88 @@
+"""What carries out effects: the worker process, and the threads that speak with the robot."""
+
+import logging
+import threading
+from dataclasses import replace
+from typing import Any, assert_never
+
+from workbench.app.commands import JobEnded
+from workbench.app.effects import Effect, Send, StartJob, StopJob, StopSending
+from workbench.app.jobs import WORK, Jobs
+from workbench.app.live import Live
+from workbench.app.rights import WORKER
+from workbench.app.robot_link import Clock, Do, RobotLink
+from workbench.model.cell import Cell
+from workbench.model.errors import CommandRefused, WorkbenchError
+
+log = logging.getLogger(__name__)
+
+
+class Machines:
+    """The worker process and the robot of one bench.
+
+    Lifetime: from construction until `close`, which first ends a sending and waits until its
+    end is reported.
+
+    Concurrency: `run` and `live` return at once.  Jobs report from one thread, a sending from
+    another, so that a stop never waits for a job.
+    """
+
+    def __init__(self, cell: Cell, do: Do, now: Clock, *, module: str = WORK) -> None:
+        """Start the worker, and the watch over the robot's state.
+
+        Args:
+            cell: that the jobs work on, and whose controller is spoken to.
+            do: takes what they report.
+            now: seconds since the epoch.
+            module: the module of the worker's jobs.
+        """
+        self._do = do
+        self._now = now
+        self._lock = threading.Lock()
+        self._live = Live()
+        self._robot = RobotLink(cell, do, now, self._show)
+        self._jobs = Jobs(cell, self._job_ended, self._job_progressed, module=module)
+
+    @property
+    def live(self) -> Live:
+        """What goes on at this moment."""
+        return self._live
+
+    def run(self, effect: Effect) -> None:
+        """Begin an effect; its results are given to `do`."""
+        match effect:
+            case StartJob(number=number, name=name, arguments=arguments):
+                self._show(job=number, done=0.0, note="", started=self._now())
+                self._jobs.start(number, name, arguments)
+            case StopJob(number=number):
+                self._jobs.cancel(number)
+            case Send(plan=plan, approval=approval):
+                self._robot.send(plan, approval)
+            case StopSending():
+                self._robot.stop()
+            case _:
+                assert_never(effect)
+
+    def close(self) -> None:
+        """End the sending first, then the worker; waits until both are gone."""
+        self._robot.close()
+        self._jobs.close()
+
+    def _show(self, **changes: Any) -> None:
+        with self._lock:
+            self._live = replace(self._live, **changes)
+
+    def _job_progressed(self, number: int, done: float, note: str) -> None:
+        if number == self._live.job:
+            self._show(done=done, note=note)
+
+    def _job_ended(self, number: int, result: Any) -> None:
+        try:
+            self._do(JobEnded(number, result), WORKER)
+        except CommandRefused as error:
+            log.error("the end of task %d is not recorded: %s", number, error)
+        except Exception as error:
+            # A result that has no canonical form, say: the task must not seem to run for ever.
+            log.exception("the result of task %d cannot be taken", number)
+            problem = f"internal error, see the log: {type(error).__name__}: {error}"
+            self._do(JobEnded(number, WorkbenchError(problem)), WORKER)
