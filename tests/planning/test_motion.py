@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 
 from workbench.planning.execution import RoundedPolyline, timed
 from workbench.planning.motion import RESOLUTION, curves_of, first_contact, on_wire, segment
-from workbench.planning.world import Phase
+from workbench.planning.pairing import Phase
 
 
 @given(st.lists(st.floats(-6.0, 6.0), min_size=7, max_size=7))

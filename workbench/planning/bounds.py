@@ -17,7 +17,6 @@ from numba import njit
 
 from workbench.model.geometry import Floats
 
-
 # The loops below index into whole arrays instead of passing rows: a slice costs an allocation,
 # and these run some hundred thousand times for one plan.
 

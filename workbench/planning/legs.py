@@ -1,7 +1,7 @@
 """What is true in the world during each leg of an arm: said once, for planner and proof."""
 
 from workbench.model.plan import ArmPlan, LegName
-from workbench.planning.world import Phase
+from workbench.planning.pairing import Phase
 
 STRAIGHT: frozenset[LegName] = frozenset({"approach", "extract"})
 """Legs on which tool and held part may come as near as the policy's `near_margin`."""

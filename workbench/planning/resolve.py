@@ -11,8 +11,9 @@ from workbench.model.cell import Arm
 from workbench.model.geometry import Floats
 from workbench.planning.chain import Chain, is_solution
 from workbench.planning.motion import on_wire, path_contact
+from workbench.planning.pairing import Phase
 from workbench.planning.straight import follow
-from workbench.planning.world import Contact, Phase, World
+from workbench.planning.world import Contact, World
 
 STARTS = 12
 """Starting points of the inverse kinematics, home among them."""

@@ -1,7 +1,7 @@
 """The world of one scan: one collision model whose attachments and margins change by phase."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 import pinocchio as pin
@@ -9,32 +9,14 @@ import pinocchio as pin
 from workbench.model.cell import Arm, Cell
 from workbench.model.geometry import Floats, Ints
 from workbench.model.scan import Detection
-from workbench.planning.bodies import Body, bodies_of, coal_shape, extent, pairs_of
+from workbench.planning.bodies import bodies_of, coal_shape, extent, pairs_of
 from workbench.planning.bounds import close_pairs
 from workbench.planning.chain import Chain, chain_of
 from workbench.planning.kinematics import Kinematics
-
+from workbench.planning.pairing import Pairing, Phase
 
 LOOSENESS = 0.03
 """[m] By about this much the lower bound of a distance falls short; only a matter of speed."""
-
-
-@dataclass(frozen=True, slots=True)
-class Phase:
-    """What is true during one leg.
-
-    `moving`: the arms that move.  `held`: arm -> (detection, `T_tcp_part`).  `openings`: arm ->
-    finger opening [m]; arms not named keep their fingers closed.  `absent`: detections that have left.
-    `target`: the part that the tool is about to take.  `straight`: the tool may come as near as
-    the policy's `near_margin`.
-    """
-
-    moving: frozenset[str]
-    openings: Mapping[str, float] = field(default_factory=dict)
-    held: Mapping[str, tuple[int, pin.SE3]] = field(default_factory=dict)
-    absent: frozenset[int] = frozenset()
-    target: int | None = None
-    straight: bool = False
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -64,7 +46,6 @@ class World:
         self._make_geometry()
         self._make_tree()
         self._make_pairs()
-        self.phase = Phase(frozenset())
         self.enter(Phase(frozenset(arm.name for arm in cell.arms)))
 
     # -- what is where ---------------------------------------------------------------------
@@ -75,27 +56,22 @@ class World:
 
     def enter(self, phase: Phase) -> None:
         """Attach, release and set margins for a leg."""
-        self.phase = phase
         holders = {number: arm for arm, (number, _) in phase.held.items()}
-        for g, body in enumerate(self._bodies):
+        for g in self._loose:
+            body = self._bodies[g]
             if body.finger is not None:
-                opening = phase.openings.get(body.owner, 0.0)
-                T = body.T_joint_body
-                self._place(
-                    g, body.joint, pin.SE3(T.rotation, T.translation + opening / 2 * body.finger)
-                )
-            elif body.kind == "part":
-                number = int(body.owner)
-                if number in holders:
-                    arm = self.arm(holders[number])
-                    joint, T_joint_flange = self.kinematics.frames[arm.flange]
-                    T_tcp_part = phase.held[arm.name][1]
-                    T_part_piece = self._T_part_piece[g]
-                    T = T_joint_flange * arm.tool.T_flange_tcp * T_tcp_part * T_part_piece
-                    self._place(g, joint, T)
-                else:
-                    self._place(g, 0, body.T_joint_body)
-        self._activate(phase, holders)
+                T = body.T_joint_body.copy()
+                T.translation += phase.openings.get(body.owner, 0.0) / 2 * body.finger
+                self._place(g, body.joint, T)
+            elif int(body.owner) in holders:
+                arm = self.arm(holders[int(body.owner)])
+                joint, T_joint_flange = self.kinematics.frames[arm.flange]
+                T_tcp_body = phase.held[arm.name][1] * self._T_part_piece[g]
+                self._place(g, joint, T_joint_flange * arm.tool.T_flange_tcp * T_tcp_body)
+            else:
+                self._place(g, 0, body.T_joint_body)
+        self._checks = self._pairing.checks(phase, self._joint)
+        self._margins = self._checks.margins
 
     def _place(self, g: int, joint: int, T: pin.SE3) -> None:
         shape = self._geometry.geometryObjects[g]
@@ -104,39 +80,6 @@ class World:
         self._joint[g] = joint
         self._R[g] = T.rotation
         self._c[g] = T.translation + T.rotation @ self._centre[g]
-
-    def _activate(self, phase: Phase, holders: dict[int, str]) -> None:
-        moving = {self._arm_index[name] for name in phase.moving}
-        carrier = self._carrier.copy()
-        gone = np.zeros(len(self._bodies), bool)
-        held = np.full(len(self._bodies), -1)
-        target = np.zeros(len(self._bodies), bool)
-        for g, number in self._part_bodies:
-            if number in holders:
-                carrier[g] = held[g] = self._arm_index[holders[number]]
-            gone[g] = number in phase.absent
-            target[g] = number == phase.target
-        a, b = self._first, self._second
-        arm_a, arm_b = carrier[a], carrier[b]
-        moves = np.isin(arm_a, list(moving)) | np.isin(arm_b, list(moving))
-        # A part in the hand touches the tool and the flange, and stays with them.
-        in_hand = ((held[a] >= 0) & (held[a] == self._grip[b])) | (
-            (held[b] >= 0) & (held[b] == self._grip[a])
-        )
-        one_piece = (held[a] >= 0) & (held[a] == held[b])
-        self._among = np.flatnonzero(moves & ~in_hand & ~one_piece & ~gone[a] & ~gone[b])
-        self._margins = np.full(len(a), self.cell.policy.margin)
-        self._own = (arm_a == arm_b) & (arm_a >= 0)
-        self._margins[self._own] = self.cell.policy.self_margin
-        if phase.straight:
-            tool = self._is_tool
-            hand = (tool | (held >= 0)) & np.isin(carrier, list(moving))
-            still = carrier < 0
-            near = (hand[a] & still[b]) | (hand[b] & still[a])
-            self._margins[near] = self.cell.policy.near_margin
-            takes = (tool[a] & target[b]) | (tool[b] & target[a])
-            self._margins[takes] = 0.0
-        self._commons = self._common_joint(a, b)
 
     # -- questions -------------------------------------------------------------------------
 
@@ -201,7 +144,7 @@ class World:
         pairs, _, lower = self._close(q, self._still, reach, None)
         best, at = reach, None
         for k, bound in zip(pairs.tolist(), lower.tolist(), strict=True):
-            if bound < best and not self._own[k]:
+            if bound < best and not self._checks.own[k]:
                 distance = self._distance(k)
                 if distance < best:
                     best, at = distance, self._labels(k)
@@ -215,8 +158,10 @@ class World:
         there, less `slack` [m] for the lean of the lift.
         """
         pairs, _, _ = self._close(q, self._still, 0.0, None)
+        # The margins of the phase serve others too; these are for this leg alone.
+        self._margins = self._margins.copy()
         for k in pairs.tolist():
-            if self._held_pair[k]:
+            if self._with_part[k]:
                 self._margins[k] = min(self._margins[k], self._distance(k) - slack)
 
     # -- machinery -------------------------------------------------------------------------
@@ -241,11 +186,11 @@ class World:
             self._c,
             self._half,
             self._radius,
-            self._first,
-            self._second,
-            self._among if among is None else among,
+            self._pairing.first,
+            self._pairing.second,
+            self._checks.among if among is None else among,
             self._margins,
-            self._commons,
+            self._checks.commons,
             extra,
         )
 
@@ -253,7 +198,10 @@ class World:
         return float(pin.computeDistance(self._geometry, self._data, k).min_distance)
 
     def _labels(self, k: int) -> tuple[str, str]:
-        return (self._bodies[self._first[k]].label, self._bodies[self._second[k]].label)
+        return (
+            self._bodies[self._pairing.first[k]].label,
+            self._bodies[self._pairing.second[k]].label,
+        )
 
     def _contact_of(self, k: int, distance: float) -> Contact:
         return Contact(self._labels(k), distance, float(self._margins[k]))
@@ -281,12 +229,10 @@ class World:
                 for body, centre in zip(self._bodies, self._centre, strict=True)
             ]
         )
-        self._carrier = np.array([body.arm for body in self._bodies])
-        self._is_tool = np.array([body.kind == "tool" for body in self._bodies])
-        flanges = {arm.flange: index for index, arm in enumerate(self.cell.arms)}
-        self._grip = np.array([_grip(body, flanges) for body in self._bodies])
-        self._part_bodies = [
-            (g, int(body.owner)) for g, body in enumerate(self._bodies) if body.kind == "part"
+        self._loose = [
+            g
+            for g, body in enumerate(self._bodies)
+            if body.kind == "part" or body.finger is not None
         ]
 
     def _make_tree(self) -> None:
@@ -302,28 +248,10 @@ class World:
                 self._axes[number] = joint.axis
                 self._slides[number] = 1.0 if joint.kind == "prismatic" else 0.0
         self._still = np.zeros(model.nq)
-        self._ancestors = np.zeros((model.njoints, model.njoints), bool)
-        for j in range(1, model.njoints):
-            self._ancestors[j] = self._ancestors[self._parents[j]]
-            self._ancestors[j, j] = True
 
     def _make_pairs(self) -> None:
         meets = pairs_of(self.cell, self.kinematics, self._bodies)
-        self._first, self._second = np.nonzero(meets)
         self._geometry.setCollisionPairs(meets, True)
         self._data = pin.GeometryData(self._geometry)
-        is_part = np.array([body.kind == "part" for body in self._bodies])
-        self._held_pair = is_part[self._first] | is_part[self._second]
-
-    def _common_joint(self, a: Floats, b: Floats) -> Floats:
-        """The deepest joint that carries both bodies of each pair; 0 for none."""
-        both = self._ancestors[self._joint[a]] & self._ancestors[self._joint[b]]
-        numbers = np.arange(both.shape[1])
-        return np.where(both, numbers, 0).max(axis=1)
-
-
-def _grip(body: Body, flanges: Mapping[str, int]) -> int:
-    """The arm whose hand this body is (tool or flange link), -1 when it is none."""
-    if body.kind == "tool":
-        return body.arm
-    return flanges.get(body.owner, -1) if body.kind == "link" else -1
+        self._pairing = Pairing(self.cell, self._bodies, meets, self._parents)
+        self._with_part = self._pairing.with_part

@@ -1,0 +1,120 @@
+"""Which pairs of bodies count in a phase, and what distance each must keep."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from workbench.model.cell import Cell
+from workbench.model.geometry import Floats, Ints
+from workbench.planning.bodies import Body
+
+
+@dataclass(frozen=True, slots=True)
+class Phase:
+    """What is true during one leg.
+
+    `moving`: the arms that move.  `openings`: arm -> finger opening [m]; arms not named keep
+    their fingers closed.  `held`: arm -> (detection, `T_tcp_part`).  `absent`: detections that
+    have left.  `target`: the part that the tool is about to take.  `straight`: the tool may
+    come as near as the policy's `near_margin`.
+    """
+
+    moving: frozenset[str]
+    openings: Mapping[str, float] = field(default_factory=dict)
+    held: Mapping[str, tuple[int, pin.SE3]] = field(default_factory=dict)
+    absent: frozenset[int] = frozenset()
+    target: int | None = None
+    straight: bool = False
+
+    @property
+    def key(self) -> tuple[object, ...]:
+        """What the pairs depend on: all but the numbers of the poses."""
+        holders = tuple(sorted((arm, number) for arm, (number, _) in self.held.items()))
+        return (self.moving, holders, self.absent, self.target, self.straight)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Checks:
+    """The pairs of a phase: `among` the numbers of those that count; for every pair `margins`
+    [m], `own` (both bodies on one arm), and `commons`, the deepest joint that carries both.
+    """
+
+    among: Ints
+    margins: Floats
+    own: NDArray[np.bool_]
+    commons: Ints
+
+
+class Pairing:
+    """The rules by which pairs count, worked out once for each kind of phase.
+
+    Lifetime: that of its world.
+    """
+
+    def __init__(
+        self, cell: Cell, bodies: list[Body], meets: NDArray[np.bool_], parents: Ints
+    ) -> None:
+        """Args: bodies, which of them can meet (b, b), and the parent of every joint."""
+        self.first, self.second = np.nonzero(meets)
+        self._policy = cell.policy
+        self._arm = {arm.name: index for index, arm in enumerate(cell.arms)}
+        flanges = {arm.flange: index for index, arm in enumerate(cell.arms)}
+        self._carrier = np.array([body.arm for body in bodies])
+        self._tool = np.array([body.kind == "tool" for body in bodies])
+        self._part = np.array([int(b.owner) if b.kind == "part" else -1 for b in bodies])
+        self._hand = np.array(
+            [body.arm if body.kind == "tool" else flanges.get(body.owner, -1) for body in bodies]
+        )
+        self._ancestors = np.zeros((len(parents), len(parents)), bool)
+        for j in range(1, len(parents)):
+            self._ancestors[j] = self._ancestors[parents[j]]
+            self._ancestors[j, j] = True
+        self._known: dict[tuple[object, ...], Checks] = {}
+
+    @property
+    def with_part(self) -> NDArray[np.bool_]:
+        """Pairs of which at least one body belongs to a part."""
+        return (self._part[self.first] >= 0) | (self._part[self.second] >= 0)
+
+    def checks(self, phase: Phase, joint: Ints) -> Checks:
+        """The pairs of a phase.
+
+        Args:
+            phase: what is true.
+            joint: which joint carries each body in it (b,).
+        """
+        if phase.key not in self._known:
+            self._known[phase.key] = self._checks(phase, joint)
+        return self._known[phase.key]
+
+    def _checks(self, phase: Phase, joint: Ints) -> Checks:
+        a, b = self.first, self.second
+        moving = [self._arm[name] for name in phase.moving]
+        held = np.full(len(self._carrier), -1)
+        for name, (number, _) in phase.held.items():
+            held[self._part == number] = self._arm[name]
+        carrier = np.where(held >= 0, held, self._carrier)
+        gone = np.isin(self._part, list(phase.absent))
+        moves = np.isin(carrier, moving)
+        # A part in the hand touches the tool and the flange, and stays with them.
+        in_hand = ((held[a] >= 0) & (held[a] == self._hand[b])) | (
+            (held[b] >= 0) & (held[b] == self._hand[a])
+        )
+        one_piece = (held[a] >= 0) & (held[a] == held[b])
+        counts = (moves[a] | moves[b]) & ~in_hand & ~one_piece & ~gone[a] & ~gone[b]
+        own = (carrier[a] == carrier[b]) & (carrier[a] >= 0)
+        margins = np.full(len(a), self._policy.margin)
+        margins[own] = self._policy.self_margin
+        if phase.straight:
+            works = (self._tool | (held >= 0)) & moves
+            still = carrier < 0
+            margins[(works[a] & still[b]) | (works[b] & still[a])] = self._policy.near_margin
+            if phase.target is not None:
+                target = self._part == phase.target
+                margins[(self._tool[a] & target[b]) | (self._tool[b] & target[a])] = 0.0
+        both = self._ancestors[joint[a]] & self._ancestors[joint[b]]
+        commons = np.where(both, np.arange(both.shape[1]), 0).max(axis=1)
+        return Checks(np.flatnonzero(counts), margins, own, commons)
