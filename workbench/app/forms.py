@@ -43,7 +43,7 @@ def restored(kind: Any, form: Any, read: ReadFile) -> Any:
     """
     origin, arguments = typing.get_origin(kind), typing.get_args(kind)
     if kind is pin.SE3:
-        return cast(Any, pin.SE3(np.array(form, dtype=np.float64)))
+        return pin.SE3(np.array(form, dtype=np.float64))
     if np.ndarray in (kind, origin):
         return _restored_array(form, read)
     if isinstance(kind, type) and dataclasses.is_dataclass(kind):

@@ -52,9 +52,11 @@ RIGHTS: Mapping[type, Right] = {
     CancelJob: Right("cancelling", EVERY, beside_job=True),
     AcknowledgeFault: Right("acknowledging", frozenset({Phase.FAULT}), "there is no fault"),
     JobEnded: Right("the end of a task", EVERY, beside_job=True, by_machine=True),
-    Sent: Right("a message sent", frozenset({Phase.SENDING}), "nothing is being sent", False, True),
+    Sent: Right(
+        "a message sent", frozenset({Phase.SENDING}), "nothing is being sent", by_machine=True
+    ),
     LinkEnded: Right(
-        "the end of sending", frozenset({Phase.SENDING}), "nothing is being sent", False, True
+        "the end of sending", frozenset({Phase.SENDING}), "nothing is being sent", by_machine=True
     ),
 }
 """Phase by command: whatever is not here does not happen."""
