@@ -106,9 +106,8 @@ def test_an_approval_that_runs_out_while_waiting_sends_nothing(at, plan, approva
         client.sendall(b"send")
         got.append(client.recv(256))
 
-    with controller_that(late) as (port, got):
-        with pytest.raises(CommandRefused, match="ran out"):
-            next(send(plan, approval, at(port), now=lambda: next(times)))
+    with controller_that(late) as (port, got), pytest.raises(CommandRefused, match="ran out"):
+        next(send(plan, approval, at(port), now=lambda: next(times)))
     assert got == [b""]
 
 
@@ -134,18 +133,22 @@ def test_a_controller_that_closes_in_the_middle(cell, at, plan, approval):
             got.append(client.recv(256))
 
     receipts = []
-    with controller_that(close_after_three) as (port, got):
-        with pytest.raises(LinkError, match="message 4 of"):
-            for receipt in send(plan, approval, at(port)):
-                receipts.append(receipt)
+    with (
+        controller_that(close_after_three) as (port, got),
+        pytest.raises(LinkError, match="message 4 of"),
+    ):
+        for receipt in send(plan, approval, at(port)):
+            receipts.append(receipt)
     assert [data.decode() for data in got] == [m.text for m in messages(cell, plan)[:3]]
     assert [receipt.sent for receipt in receipts] == [data.decode() for data in got]
 
 
 def test_garbage_instead_of_a_request(at, plan, approval):
-    with controller_that(lambda client, got: client.sendall(b"hello")) as (port, _):
-        with pytest.raises(ProtocolError, match="hello"):
-            next(send(plan, approval, at(port)))
+    with (
+        controller_that(lambda client, got: client.sendall(b"hello")) as (port, _),
+        pytest.raises(ProtocolError, match="hello"),
+    ):
+        next(send(plan, approval, at(port)))
 
 
 def test_a_request_said_twice_sends_nothing_more(at, plan, approval):
@@ -155,16 +158,17 @@ def test_a_request_said_twice_sends_nothing_more(at, plan, approval):
         client.sendall(b"sendsend")
         got.append(client.recv(256))
 
-    with controller_that(twice) as (port, got):
-        with pytest.raises(ProtocolError):
-            list(send(plan, approval, at(port)))
+    with controller_that(twice) as (port, got), pytest.raises(ProtocolError):
+        list(send(plan, approval, at(port)))
     assert got == [got[0], b""]
 
 
 def test_a_silent_controller(at, plan, approval):
-    with controller_that(lambda client, got: got.append(client.recv(256))) as (port, got):
-        with pytest.raises(LinkError, match="silent"):
-            next(send(plan, approval, at(port), answer_seconds=0.2))
+    with (
+        controller_that(lambda client, got: got.append(client.recv(256))) as (port, got),
+        pytest.raises(LinkError, match="silent"),
+    ):
+        next(send(plan, approval, at(port), answer_seconds=0.2))
     assert got == [b""]
 
 

@@ -1,5 +1,7 @@
 """The protocol as conversations, without sockets."""
 
+import itertools
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -18,7 +20,7 @@ def hear_all(commands: Commands, text: str, cut: list[int] | None = None):
     """Feed a text in pieces; whatever comes out."""
     data = text.encode()
     ends = sorted({0, len(data), *(c % (len(data) + 1) for c in cut or [])})
-    heard = [commands.hear(data[a:b]) for a, b in zip(ends[:-1], ends[1:], strict=True)]
+    heard = [commands.hear(data[a:b]) for a, b in itertools.pairwise(ends)]
     assert heard[:-1] == [None] * (len(heard) - 1)
     return heard[-1]
 

@@ -1,5 +1,7 @@
 """Curves as the controller follows them, and the continuous check along them."""
 
+import itertools
+
 import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -25,7 +27,7 @@ def test_curves_join_and_are_those_that_are_timed(seed, zone, count):
     curves = curves_of(path, zone)
     assert np.array_equal(curves[0].points[0], path[0])
     assert np.array_equal(curves[-1].points[-1], path[-1])
-    for a, b in zip(curves[:-1], curves[1:], strict=True):
+    for a, b in itertools.pairwise(curves):
         np.testing.assert_allclose(a.points[-1], b.points[0], atol=1e-12)
     rounded = RoundedPolyline(path, zone)
     for curve in curves:

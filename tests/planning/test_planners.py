@@ -1,5 +1,7 @@
 """RRT-Connect and what shortens and divides its paths, in a plane with a wall."""
 
+import itertools
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -32,7 +34,7 @@ def found(seed: int, is_clear=free_of_wall, iterations: int = 2000) -> np.ndarra
 def test_the_path_joins_start_and_goal_clear_of_the_wall(seed):
     path = found(seed)
     assert np.array_equal(path[0], START) and np.array_equal(path[-1], GOAL)
-    assert all(free_of_wall(a, b) for a, b in zip(path[:-1], path[1:], strict=True))
+    assert all(free_of_wall(a, b) for a, b in itertools.pairwise(path))
 
 
 def test_the_same_seed_gives_the_same_path():
@@ -51,7 +53,7 @@ def test_shortening_keeps_the_ends_and_never_lengthens(seed):
     path = found(seed)
     short = shortened(path, free_of_wall, attempts=40, rng=np.random.default_rng(seed))
     assert np.array_equal(short[0], START) and np.array_equal(short[-1], GOAL)
-    assert all(free_of_wall(a, b) for a, b in zip(short[:-1], short[1:], strict=True))
+    assert all(free_of_wall(a, b) for a, b in itertools.pairwise(short))
 
     def length(p):
         return np.linalg.norm(np.diff(p, axis=0), axis=1).sum()

@@ -56,7 +56,8 @@ def canonical(value: Any, *, without: frozenset[str] = frozenset()) -> Any:
                 for field in dataclasses.fields(value)
                 if field.name not in left_out
             }
-    raise TypeError(f"no canonical form for {type(value).__name__}")
+        case _:
+            raise TypeError(f"no canonical form for {type(value).__name__}")
 
 
 def digest_of(value: Any, *, without: frozenset[str] = frozenset()) -> str:

@@ -14,7 +14,8 @@ from numpy.typing import ArrayLike, NDArray
 from workbench.model.errors import InputError
 
 Floats = NDArray[np.float64]
-Ints = NDArray[np.int32]
+Ints = NDArray[np.integer[Any]]
+Bools = NDArray[np.bool_]
 
 
 def frozen(values: ArrayLike, dtype: Any = np.float64) -> NDArray[Any]:

@@ -7,10 +7,19 @@ from typing import Literal
 import coal
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
 from workbench.model.cell import Cell
-from workbench.model.geometry import Box, Capsule, Cylinder, Floats, Mesh, Shape, Solid, Sphere
+from workbench.model.geometry import (
+    Bools,
+    Box,
+    Capsule,
+    Cylinder,
+    Floats,
+    Mesh,
+    Shape,
+    Solid,
+    Sphere,
+)
 from workbench.model.scan import Detection
 from workbench.planning.bounds import box_of
 from workbench.planning.kinematics import Kinematics
@@ -124,7 +133,7 @@ def arm_of_joint(cell: Cell, kinematics: Kinematics) -> list[int]:
     return carriers
 
 
-def pairs_of(cell: Cell, kinematics: Kinematics, bodies: list[Body]) -> NDArray[np.bool_]:
+def pairs_of(cell: Cell, kinematics: Kinematics, bodies: list[Body]) -> Bools:
     """Which bodies can meet in some phase, upper triangle (b, b); the rest is never looked at.
 
     Left out: bodies on the same joint, pairs that the SRDF disables (the tool of an arm is
@@ -172,7 +181,7 @@ def coal_shape(shape: Shape) -> coal.CollisionGeometry:
             if shape.is_convex:
                 return coal.Convex(points, triangles)
             tree = coal.BVHModelOBBRSS()
-            tree.beginModel(len(triangles), len(points))
+            tree.beginModel(len(shape.triangles), len(shape.points))
             tree.addSubModel(points, triangles)
             tree.endModel()
             return tree

@@ -15,15 +15,25 @@ paths", 2002, tightened by taking r at q.)
 import numpy as np
 from numba import njit
 
-from workbench.model.geometry import Floats
+from workbench.model.geometry import Floats, Ints
 
 # The loops below index into whole arrays instead of passing rows: a slice costs an allocation,
 # and these run some hundred thousand times for one plan.
 
 
 @njit(cache=True)
-def _joint_poses(parents, R0, p0, axes, slides, q, R, p, z):  # type: ignore[no-untyped-def]
-    """Write world rotation R (j, 3, 3), position p and axis z (j, 3) of all joints; 0 is the world."""
+def _joint_poses(
+    parents: Ints,
+    R0: Floats,
+    p0: Floats,
+    axes: Floats,
+    slides: Floats,
+    q: Floats,
+    R: Floats,
+    p: Floats,
+    z: Floats,
+) -> None:
+    """Write rotation R (j, 3, 3), position p and axis z (j, 3) of all joints in the world."""
     for i in range(3):
         for k in range(3):
             R[0, i, k] = 1.0 if i == k else 0.0
@@ -59,7 +69,7 @@ def _joint_poses(parents, R0, p0, axes, slides, q, R, p, z):  # type: ignore[no-
 
 
 @njit(cache=True)
-def _gap(a, b, R, c, half, radius) -> float:  # type: ignore[no-untyped-def]
+def _gap(a: int, b: int, R: Floats, c: Floats, half: Floats, radius: Floats) -> float:
     """Distance from the ball of body a to the box of body b; negative inside."""
     total, inside = 0.0, -1e9
     x, y, w = c[a, 0] - c[b, 0], c[a, 1] - c[b, 1], c[a, 2] - c[b, 2]
@@ -68,11 +78,11 @@ def _gap(a, b, R, c, half, radius) -> float:  # type: ignore[no-untyped-def]
         inside = max(inside, over)
         if over > 0:
             total += over * over
-    return (np.sqrt(total) if total > 0 else inside) - radius[a]
+    return float((np.sqrt(total) if total > 0 else inside) - radius[a])
 
 
 @njit(cache=True)
-def _box_gap(a, b, R, c, half) -> float:  # type: ignore[no-untyped-def]
+def _box_gap(a: int, b: int, R: Floats, c: Floats, half: Floats) -> float:
     """Largest gap of the boxes of two bodies over 6 face and 9 edge axes: never too large."""
     tx, ty, tz = c[b, 0] - c[a, 0], c[b, 1] - c[a, 1], c[b, 2] - c[a, 2]
     best = -1e9
@@ -99,7 +109,18 @@ def _box_gap(a, b, R, c, half) -> float:  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True)
-def _travel(g, common, joint, parents, slides, p, z, c, radius, d) -> float:  # type: ignore[no-untyped-def]
+def _travel(
+    g: int,
+    common: int,
+    joint: Ints,
+    parents: Ints,
+    slides: Floats,
+    p: Floats,
+    z: Floats,
+    c: Floats,
+    radius: Floats,
+    d: Floats,
+) -> float:
     """How far body g can move relative to joint `common` when the joints change by up to d."""
     moved = 0.0
     j = joint[g]
@@ -114,41 +135,50 @@ def _travel(g, common, joint, parents, slides, p, z, c, radius, d) -> float:  # 
                 r = np.sqrt(max(x * x + y * y + w * w - along * along, 0.0)) + radius[g]
                 moved += step * (r + moved)
         j = parents[j]
-    return moved
+    return float(moved)
 
 
 @njit(cache=True)
-def close_pairs(  # type: ignore[no-untyped-def]
-    parents,
-    R0,
-    p0,
-    axes,
-    slides,
-    q,
-    d,
-    joint,
-    R_g,
-    c_g,
-    half,
-    radius,
-    first,
-    second,
-    among,
-    margins,
-    commons,
-    extra,
-):
+def close_pairs(
+    parents: Ints,
+    R0: Floats,
+    p0: Floats,
+    axes: Floats,
+    slides: Floats,
+    q: Floats,
+    d: Floats,
+    joint: Ints,
+    R_g: Floats,
+    c_g: Floats,
+    half: Floats,
+    radius: Floats,
+    first: Ints,
+    second: Ints,
+    among: Ints,
+    margins: Floats,
+    commons: Ints,
+    extra: float,
+) -> tuple[Ints, Floats, Floats]:
     """Pairs, among those asked about, that may come closer than their margin within the motion.
 
     Args:
-        parents, R0, p0, axes, slides: per joint its parent, fixed transform, axis, and whether
-            it is prismatic; joint 0 is the world.
+        parents: per joint the joint before it; joint 0 is the world.
+        R0: per joint the rotation (3, 3) of its fixed transform.
+        p0: per joint the position (3,) of its fixed transform [m].
+        axes: per joint its axis (3,).
+        slides: per joint 1.0 when it is prismatic.
         q: configuration (nq,).
         d: largest change of each joint (nq,), zero for one state.
-        joint, R_g, c_g, half, radius: per body its joint, oriented box in it, and ball.
-        first, second, margins, commons: per pair its bodies, the distance to keep [m], and the
-            deepest joint that carries both.
+        joint: per body the joint that carries it.
+        R_g: per body the rotation of its box in that joint's frame.
+        c_g: per body the centre of its box and ball in that joint's frame [m].
+        half: per body the half sizes (3,) of its box [m].
+        radius: per body the radius of its ball [m].
+        first: per pair its one body.
+        second: per pair its other body.
         among: numbers of the pairs to look at.
+        margins: per pair the distance to keep [m].
+        commons: per pair the deepest joint that carries both bodies.
         extra: report pairs up to this much further away [m].
 
     Returns:
@@ -174,7 +204,7 @@ def close_pairs(  # type: ignore[no-untyped-def]
     moves, lower = np.empty(len(among)), np.empty(len(among))
     found = 0
     for k in among:
-        a, b = first[k], second[k]
+        a, b = int(first[k]), int(second[k])
         move = travel[a] + travel[b]
         limit = margins[k] + move + extra
         reach = radius[a] + radius[b] + limit
@@ -182,8 +212,8 @@ def close_pairs(  # type: ignore[no-untyped-def]
         if reach > 0 and x * x + y * y + w * w > reach * reach:
             continue
         if commons[k] != 0:
-            move = _travel(a, commons[k], joint, parents, slides, p_j, z_j, c, radius, d)
-            move += _travel(b, commons[k], joint, parents, slides, p_j, z_j, c, radius, d)
+            move = _travel(a, int(commons[k]), joint, parents, slides, p_j, z_j, c, radius, d)
+            move += _travel(b, int(commons[k]), joint, parents, slides, p_j, z_j, c, radius, d)
             limit = margins[k] + move + extra
         apart = max(_gap(a, b, R, c, half, radius), _gap(b, a, R, c, half, radius))
         if apart < limit:

@@ -13,7 +13,7 @@ import pinocchio as pin
 from numba import njit
 
 from workbench.model.cell import Arm, Cell
-from workbench.model.geometry import Floats
+from workbench.model.geometry import Bools, Floats
 
 POSITION_TOLERANCE = 1e-6
 ROTATION_TOLERANCE = 1e-6
@@ -69,7 +69,7 @@ class Chain:
         )
 
 
-def is_solution(residuals: Floats) -> Floats:
+def is_solution(residuals: Floats) -> Bools:
     """Which rows of residuals (s, 2) [m, rad] are solutions, as booleans (s,)."""
     return (residuals[:, 0] < POSITION_TOLERANCE) & (residuals[:, 1] < ROTATION_TOLERANCE)
 
@@ -100,7 +100,17 @@ def chain_of(cell: Cell, arm: Arm) -> Chain:
 
 
 @njit(cache=True)
-def _forward(Rs, ps, axes, slides, q, R, p, z, o):  # type: ignore[no-untyped-def]
+def _forward(
+    Rs: Floats,
+    ps: Floats,
+    axes: Floats,
+    slides: Floats,
+    q: Floats,
+    R: Floats,
+    p: Floats,
+    z: Floats,
+    o: Floats,
+) -> None:
     """Write TCP rotation R (3, 3) and position p (3,), and each joint's axis z and origin o."""
     M, T = np.empty((3, 3)), np.empty((3, 3))
     for i in range(3):
@@ -134,7 +144,7 @@ def _forward(Rs, ps, axes, slides, q, R, p, z, o):  # type: ignore[no-untyped-de
 
 
 @njit(cache=True)
-def _rotation_error(target, R, e):  # type: ignore[no-untyped-def]
+def _rotation_error(target: Floats, R: Floats, e: Floats) -> None:
     """Write into e[3:6] the rotation vector, in the world frame, that takes R to the target."""
     E = np.empty((3, 3))
     for i in range(3):
@@ -158,7 +168,9 @@ def _rotation_error(target, R, e):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True)
-def _damped_step(J, e, scale, damping, L, y, step):  # type: ignore[no-untyped-def]
+def _damped_step(
+    J: Floats, e: Floats, scale: float, damping: float, L: Floats, y: Floats, step: Floats
+) -> None:
     """Write step = J^T (J J^T + damping)^-1 (e * scale), by Cholesky."""
     n = J.shape[1]
     for i in range(6):
@@ -186,7 +198,7 @@ def _damped_step(J, e, scale, damping, L, y, step):  # type: ignore[no-untyped-d
 
 
 @njit(cache=True)
-def _jacobian(p, z, o, slides, J):  # type: ignore[no-untyped-def]
+def _jacobian(p: Floats, z: Floats, o: Floats, slides: Floats, J: Floats) -> None:
     """Write the geometric Jacobian (6, n) of the TCP in the world frame."""
     for i in range(len(slides)):
         x, y, w = p[0] - o[i, 0], p[1] - o[i, 1], p[2] - o[i, 2]
@@ -199,7 +211,19 @@ def _jacobian(p, z, o, slides, J):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True)
-def _solve(Rs, ps, axes, slides, lower, upper, R_t, p_t, starts, iterations):  # type: ignore[no-untyped-def]
+def _solve(
+    Rs: Floats,
+    ps: Floats,
+    axes: Floats,
+    slides: Floats,
+    lower: Floats,
+    upper: Floats,
+    R_t: Floats,
+    p_t: Floats,
+    starts: Floats,
+    iterations: int,
+) -> tuple[Floats, Floats]:
+    """See `Chain.solve`; R_t and p_t are the target."""
     count, n = starts.shape
     found, residuals = np.empty((count, n)), np.empty((count, 2))
     R, p, z, o = np.empty((3, 3)), np.empty(3), np.empty((n, 3)), np.empty((n, 3))

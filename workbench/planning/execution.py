@@ -31,9 +31,9 @@ class RoundedPolyline(toppra.interpolator.AbstractGeometricPath):
         self._steps = np.diff(self._path, axis=0)
         self._zone = zone
 
-    def __call__(self, parameters: Floats, order: int = 0) -> Floats:
+    def __call__(self, path_positions: float | Floats, order: int = 0) -> Floats:
         """Position (order 0) or derivatives (1, 2) at the parameters (k,), shape (k, n)."""
-        s = np.atleast_1d(np.asarray(parameters, dtype=np.float64))
+        s = np.atleast_1d(np.asarray(path_positions, dtype=np.float64))
         last = len(self._steps) - 1
         piece = np.clip(np.floor(s).astype(int), 0, last)
         corner = np.clip(np.round(s).astype(int), 0, last + 1)
@@ -56,7 +56,7 @@ class RoundedPolyline(toppra.interpolator.AbstractGeometricPath):
             values = np.where(rounded, (1 - share) * before + share * after, self._steps[piece])
         else:
             values = np.where(rounded, (after - before) / (2 * z), 0.0)
-        return values if np.ndim(parameters) else values[0]
+        return values if np.ndim(path_positions) else values[0]
 
     @property
     def dof(self) -> int:
@@ -67,11 +67,6 @@ class RoundedPolyline(toppra.interpolator.AbstractGeometricPath):
     def path_interval(self) -> Floats:
         """The range of the parameter."""
         return np.array([0.0, len(self._steps)])
-
-    @property
-    def waypoints(self) -> tuple[Floats, Floats]:
-        """Parameters and positions of the waypoints."""
-        return np.arange(len(self._path), dtype=float), self._path
 
 
 def timed(path: Floats, velocity: Floats, acceleration: Floats, zone: float) -> Floats:
@@ -93,7 +88,7 @@ def timed(path: Floats, velocity: Floats, acceleration: Floats, zone: float) -> 
     ]
     grid = np.linspace(0.0, len(path) - 1, GRID * (len(path) - 1) + 1)
     solver = algorithm.TOPPRA(limits, curve, gridpoints=grid, solver_wrapper="seidel")
-    _, speeds, _ = solver.compute_parameterization(0.0, 0.0)
+    speeds = solver.compute_parameterization(0.0, 0.0)[1]
     if speeds is None or not np.all(np.isfinite(speeds)):
         raise WorkbenchError("a leg has no timing within the arm's speed and acceleration limits")
     steps = 2 * np.diff(grid) / np.maximum(speeds[1:] + speeds[:-1], 1e-9)

@@ -44,7 +44,7 @@ def segment(start: Floats, end: Floats, waypoint: int = 0) -> Curve:
 
 
 def curves_of(path: Floats, zone: float) -> list[Curve]:
-    """The curves that the controller makes of waypoints (m, n) with corner zones 0 <= zone < 0.5."""
+    """The curves that the controller makes of waypoints (m, n) with zones 0 <= zone < 0.5."""
     steps = np.diff(path, axis=0)
     last = len(steps) - 1
     curves: list[Curve] = []
@@ -59,7 +59,7 @@ def curves_of(path: Floats, zone: float) -> list[Curve]:
 
 
 def first_contact(
-    world: World, columns: Floats, base: Floats, curve: Curve, resolution: float = RESOLUTION
+    world: World, columns: Ints, base: Floats, curve: Curve, resolution: float = RESOLUTION
 ) -> tuple[Contact, Floats] | None:
     """The first contact found along a curve of the joints `columns`, others standing at `base`.
 
@@ -85,7 +85,7 @@ def first_contact(
 
 
 @njit(cache=True)
-def _halved(points):  # type: ignore[no-untyped-def]
+def _halved(points: Floats) -> tuple[Floats, Floats, Floats, Floats]:
     """Middle of a quadratic Bezier curve (3, n), the most any joint leaves it, and both halves."""
     n = points.shape[1]
     middle, span = np.empty(n), np.empty(n)
@@ -100,7 +100,7 @@ def _halved(points):  # type: ignore[no-untyped-def]
 
 
 def path_contact(
-    world: World, columns: Floats, base: Floats, path: Floats, zone: float
+    world: World, columns: Ints, base: Floats, path: Floats, zone: float
 ) -> tuple[Contact, Floats, int] | None:
     """The first contact along waypoints (m, n) as executed, with the waypoint before it."""
     for curve in curves_of(path, zone):

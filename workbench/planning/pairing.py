@@ -5,10 +5,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
 from workbench.model.cell import Cell
-from workbench.model.geometry import Floats, Ints
+from workbench.model.geometry import Bools, Floats, Ints
 from workbench.planning.bodies import Body
 
 
@@ -38,13 +37,15 @@ class Phase:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Checks:
-    """The pairs of a phase: `among` the numbers of those that count; for every pair `margins`
-    [m], `own` (both bodies on one arm), and `commons`, the deepest joint that carries both.
+    """The pairs of a phase.
+
+    `among` are the numbers of those that count; for every pair there is its margin [m], whether
+    both bodies are its `own`, on one arm, and in `commons` the deepest joint that carries both.
     """
 
     among: Ints
     margins: Floats
-    own: NDArray[np.bool_]
+    own: Bools
     commons: Ints
 
 
@@ -54,9 +55,7 @@ class Pairing:
     Lifetime: that of its world.
     """
 
-    def __init__(
-        self, cell: Cell, bodies: list[Body], meets: NDArray[np.bool_], parents: Ints
-    ) -> None:
+    def __init__(self, cell: Cell, bodies: list[Body], meets: Bools, parents: Ints) -> None:
         """Args: bodies, which of them can meet (b, b), and the parent of every joint."""
         self.first, self.second = np.nonzero(meets)
         self._policy = cell.policy
@@ -75,7 +74,7 @@ class Pairing:
         self._known: dict[tuple[object, ...], Checks] = {}
 
     @property
-    def with_part(self) -> NDArray[np.bool_]:
+    def with_part(self) -> Bools:
         """Pairs of which at least one body belongs to a part."""
         return (self._part[self.first] >= 0) | (self._part[self.second] >= 0)
 

@@ -24,6 +24,8 @@ TRIES = 3
 PLACE_LIFT = 0.05
 """[m] The last straight way down to the place."""
 
+UP = np.array([0.0, 0.0, 1.0])
+
 SAME = np.deg2rad(5.0)
 """Two solutions closer than this in every joint are one."""
 
@@ -243,9 +245,7 @@ def _place(
         for T_world_tcp in _hand_poses(arm, T_world_place):
             answers, residuals = chain.solve(T_world_tcp, np.vstack([q_from, arm.home]))
             for q in answers[is_solution(residuals)]:
-                above = pin.SE3(
-                    T_world_tcp.rotation, T_world_tcp.translation + [0.0, 0.0, PLACE_LIFT]
-                )
+                above = pin.SE3(T_world_tcp.rotation, T_world_tcp.translation + PLACE_LIFT * UP)
                 path, share = follow(chain, on_wire(q), above, policy.straight_points)
                 if share < 1.0:
                     refusal = Verdict(Reason.NO_PLACE, Stage.PLACE, q=path[-1])

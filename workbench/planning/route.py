@@ -143,8 +143,8 @@ def free_path(
                 Reason.NO_PATH, Stage.ROUTE, contact.pair, contact.distance, q, "at its end"
             )
     policy, chain = world.cell.policy, world.chains[arm.name]
-    weights = METRIC_DECAY ** np.arange(len(start))
-    weights *= math.sqrt(len(start) / float(weights @ weights))
+    weights: Floats = np.power(METRIC_DECAY, np.arange(len(start), dtype=np.float64))
+    weights = weights * math.sqrt(len(start) / float(weights @ weights))
 
     def is_clear(a: Floats, b: Floats) -> bool:
         return first_contact(world, columns, base, segment(a, b)) is None

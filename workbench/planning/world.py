@@ -129,7 +129,7 @@ class World:
         best: Contact | None = None
         room = reach
         for k, bound in zip(pairs.tolist(), lower.tolist(), strict=True):
-            needed = self._margins[k]
+            needed = float(self._margins[k])
             if bound - needed < room:
                 distance = self._distance(k)
                 if distance - needed < room:
