@@ -1,0 +1,38 @@
+"""The pinhole camera that stands for a scanner: z forward, x right, y down."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from workbench.model.cell import ScannerMount
+from workbench.model.geometry import Floats, frozen, put
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Pinhole:
+    """A camera without distortion; pixel (row, column) has its centre at whole numbers.
+
+    `focal` is the focal length in pixels, `centre` (2,) the column and row, not necessarily
+    inside the image, where the optical axis passes; `shape` is (rows, columns).
+    """
+
+    focal: float
+    centre: Floats
+    shape: tuple[int, int]
+
+    def __post_init__(self) -> None:
+        put(self, centre=frozen(self.centre))
+
+    @classmethod
+    def of_scanner(cls, mount: ScannerMount) -> "Pinhole":
+        """The camera with the mount's resolution and field of view, centred."""
+        columns, rows = mount.resolution
+        focal = columns / 2 / np.tan(mount.field_of_view / 2)
+        return cls(focal, np.array([columns - 1, rows - 1]) / 2, (rows, columns))
+
+    def rays(self) -> Floats:
+        """Directions (rows, columns, 3) through the pixel centres, scaled to z = 1."""
+        rows, columns = self.shape
+        x = (np.arange(columns) - self.centre[0]) / self.focal
+        y = (np.arange(rows) - self.centre[1]) / self.focal
+        return np.stack([*np.meshgrid(x, y), np.ones(self.shape)], axis=-1)

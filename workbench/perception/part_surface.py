@@ -1,0 +1,117 @@
+"""What the localizer knows of a part: prepared once from its mesh and kept by its digest."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import open3d as o3d
+import trimesh
+
+from workbench.model.errors import InputError
+from workbench.model.geometry import Floats, frozen, put
+from workbench.model.part import Part
+from workbench.perception.near_symmetry import NearSymmetry, find_near_symmetry, stated_symmetry
+from workbench.perception.oriented import OrientedPoints
+from workbench.perception.point_pairs import PairTable, make_table
+from workbench.perception.surfaces import add_surface, surface_of
+
+DENSE = 12_000
+"""Points sampled on the surface before thinning."""
+
+DIRECTIONS = 80
+"""From which the part is looked at to find which of its surface can be seen at all."""
+
+VOTING, COARSE, FINE = 0.08, 0.055, 0.03
+"""Distance of the points for voting and for the first and the last fit, over the diameter."""
+
+MOST_KEPT = 8
+"""Prepared parts remembered at a time."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PartSurface:
+    """A part's outer surface, in the part's frame.
+
+    `diameter` [m] and `middle` (3,) are those of a ball around it.  `coarse` and `fine` are
+    points on it, `table` holds the pair features of still fewer; `scene` answers rays and
+    distances; `is_closed` says that it knows inside from outside.  `symmetry` is what the
+    localizer may mix up, `stated` (k, 4, 4) the motions after which the part counts as the
+    same by its author's word.
+    """
+
+    diameter: float
+    middle: Floats
+    coarse: OrientedPoints
+    fine: OrientedPoints
+    table: PairTable
+    scene: o3d.t.geometry.RaycastingScene
+    is_closed: bool
+    symmetry: NearSymmetry
+    stated: Floats
+
+    def __post_init__(self) -> None:
+        put(self, middle=frozen(self.middle), stated=frozen(self.stated))
+
+
+_kept: dict[str, PartSurface] = {}
+
+
+def prepare(part: Part) -> PartSurface:
+    """The part's surface; the last few parts are remembered.
+
+    Raises:
+        InputError: the mesh has no area.
+    """
+    surface = _kept.pop(part.digest, None) or _prepare(part)
+    while len(_kept) >= MOST_KEPT:
+        del _kept[next(iter(_kept))]
+    _kept[part.digest] = surface
+    return surface
+
+
+def _prepare(part: Part) -> PartSurface:
+    mesh = surface_of(part.mesh)
+    mesh.merge_vertices()
+    if not mesh.area > 0:
+        raise InputError(f"the mesh of part {part.name} has no area, so nothing can be found by it")
+    scene = o3d.t.geometry.RaycastingScene()
+    add_surface(scene, mesh)
+    middle = mesh.bounds.mean(axis=0)
+    diameter = 2 * float(np.linalg.norm(mesh.vertices - middle, axis=1).max())
+    points, triangles = trimesh.sample.sample_surface(mesh, DENSE, seed=0)
+    dense = OrientedPoints(np.asarray(points), np.asarray(mesh.face_normals[triangles]))
+    outer = dense[_can_be_seen(scene, dense, diameter)]
+    return PartSurface(
+        diameter=diameter,
+        middle=middle,
+        coarse=outer.thinned(COARSE * diameter),
+        fine=outer.thinned(FINE * diameter),
+        table=make_table(outer.thinned(VOTING * diameter), diameter),
+        scene=scene,
+        is_closed=bool(mesh.is_watertight),
+        symmetry=find_near_symmetry(scene, outer.points, diameter),
+        stated=stated_symmetry(part.symmetry),
+    )
+
+
+def directions(count: int) -> Floats:
+    """Unit vectors (count, 3) spread evenly: a Fibonacci spiral on the sphere."""
+    k = np.arange(count) + 0.5
+    z = 1 - 2 * k / count
+    angle = np.pi * (1 + np.sqrt(5)) * k
+    radius = np.sqrt(1 - z * z)
+    return np.stack([radius * np.cos(angle), radius * np.sin(angle), z], axis=1)
+
+
+def _can_be_seen(
+    scene: o3d.t.geometry.RaycastingScene, surface: OrientedPoints, diameter: float
+) -> np.ndarray:
+    """Which points have a free line of sight, not too flat, to somewhere outside."""
+    seen = np.zeros(len(surface), dtype=bool)
+    start = surface.points + 1e-4 * diameter * surface.normals
+    for direction in directions(DIRECTIONS):
+        facing = np.flatnonzero(~seen & (surface.normals @ direction > 0.3))
+        towards = np.broadcast_to(direction, (len(facing), 3))
+        rays = np.concatenate([start[facing], towards], axis=1).astype(np.float32)
+        blocked = scene.test_occlusions(o3d.core.Tensor(rays)).numpy()
+        seen[facing[~blocked]] = True
+    return seen
