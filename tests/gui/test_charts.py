@@ -22,7 +22,7 @@ def test_each_leg_has_a_block_and_each_arm_a_lane(cell, result, runs):
 
 def test_the_joint_curves_begin_at_home_in_degrees_and_wire_order(cell, result, runs):
     right = cell.arm("right")
-    times, *axes = joint_curves(cell, right, runs, result.plan.cycle_seconds)
+    times, *axes = joint_curves(right, runs, result.plan.cycle_seconds)
     assert times[-1] == pytest.approx(result.plan.cycle_seconds)
     np.testing.assert_allclose(
         [curve[0] for curve in axes], [0, -130, 30, 0, 40, 0, -135], atol=0.01

@@ -9,6 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from workbench.gui.playback import (
+    arm_path,
+    followed,
     interpolated,
     joint_values,
     moments,
@@ -89,6 +91,31 @@ def test_no_time_leaves_the_waypoints_of_the_plan(cell, runs, time):
         passed = [cell.arm(name).home, *(q for run in runs if run.arm == name for q in run.leg.q)]
         assert np.all(now.q >= np.min(passed, axis=0) - 1e-9)
         assert np.all(now.q <= np.max(passed, axis=0) + 1e-9)
+
+
+def test_a_path_of_one_arm_is_made_of_its_moments(cell, plan, runs):
+    times = np.linspace(0.0, plan.cycle_seconds, 50)
+    for arm in cell.arms:
+        expected = [moments(cell, runs, time)[arm.name].q for time in times]
+        np.testing.assert_allclose(arm_path(arm, runs, times), expected)
+
+
+@pytest.mark.parametrize("pace", [0.3, 1.0, 3.0])
+def test_a_robot_on_the_path_is_followed_whatever_its_pace(cell, plan, runs, pace):
+    found = 0.0
+    for time in np.arange(0.0, plan.cycle_seconds, 0.05 * pace):
+        joints = joint_values(cell, moments(cell, runs, time))
+        found = followed(cell, runs, joints, found)
+        shown = joint_values(cell, moments(cell, runs, found))
+        assert max(abs(shown[joint] - joints[joint]) for joint in joints) < 0.06
+    assert found == pytest.approx(plan.cycle_seconds, abs=0.2)
+
+
+def test_a_robot_that_stands_elsewhere_is_not_followed(cell, runs):
+    joints = {joint: 1.5 for arm in cell.arms for joint in arm.joints}
+    assert followed(cell, runs, joints, 1.25) == 1.25
+    assert followed(cell, runs, {}, 1.25) == 1.25
+    assert followed(cell, (), joints, 1.25) == 1.25
 
 
 def test_joint_values_name_every_joint_of_every_arm(cell, runs):

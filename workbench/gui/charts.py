@@ -7,7 +7,7 @@ import numpy as np
 from viser import uplot
 
 from workbench.gui.colours import BRAND, MUTED
-from workbench.gui.playback import Run, moments
+from workbench.gui.playback import Run, arm_path
 from workbench.model.cell import Arm, Cell
 from workbench.model.geometry import Floats
 from workbench.model.plan import LegName, Proof
@@ -75,11 +75,10 @@ def doing(cell: Cell, runs: tuple[Run, ...], time: float) -> str:
     return ", ".join(active) or ("at the end" if runs and time > 0 else "at home")
 
 
-def joint_curves(cell: Cell, arm: Arm, runs: tuple[Run, ...], seconds: float) -> tuple[Floats, ...]:
+def joint_curves(arm: Arm, runs: tuple[Run, ...], seconds: float) -> tuple[Floats, ...]:
     """Times [s] and the angle of each joint of an arm [deg], in the controller's order."""
     times = np.linspace(0.0, max(seconds, 1e-3), SAMPLES)
-    q = np.array([moments(cell, runs, time)[arm.name].q for time in times])
-    wire = q[:, list(arm.wire_order)] * np.array(arm.wire_signs)
+    wire = arm_path(arm, runs, times)[:, list(arm.wire_order)] * np.array(arm.wire_signs)
     return (times, *np.rad2deg(wire).T)
 
 

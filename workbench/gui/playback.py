@@ -6,10 +6,22 @@ from dataclasses import dataclass
 import numpy as np
 import pinocchio as pin
 
-from workbench.model.cell import Cell
+from workbench.model.cell import Arm, Cell
 from workbench.model.geometry import Floats
 from workbench.model.plan import Leg, Plan
 from workbench.planning.kinematics import Kinematics
+
+AHEAD = 2.0
+"""How far ahead on the plan's clock the robot is looked for [s]."""
+
+AHEAD_STEP = 0.02
+"""In which steps [s]."""
+
+NEAR = 0.05
+"""The robot is surely there [rad]."""
+
+NOWHERE = 0.3
+"""The robot is elsewhere [rad]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -83,6 +95,51 @@ def interpolated(q: Floats, t: Floats, time: float) -> Floats:
     return np.array([np.interp(time, t, column) for column in q.T])
 
 
+def arm_path(arm: Arm, runs: tuple[Run, ...], times: Floats) -> Floats:
+    """The configurations (k, n) of one arm at `times` (k,) [s]; see `moments`."""
+    path = np.tile(arm.home, (len(times), 1))
+    for run in runs:
+        if run.arm != arm.name:
+            continue
+        begun = times >= run.start
+        for column, values in enumerate(run.leg.q.T):
+            path[begun, column] = np.interp(times[begun] - run.start, run.leg.t, values)
+    return path
+
+
+def followed(cell: Cell, runs: tuple[Run, ...], joints: Mapping[str, float], since: float) -> float:
+    """How far the robot has come: when on the plan's clock all arms stand as `joints` say.
+
+    The robot may be slower or faster than planned but keeps to the path, so the answer is the
+    first time after `since` from which on the path leads away from where the robot is; where
+    that is not close, the best within reach.
+
+    Args:
+        cell: whose arms.
+        runs: from `timeline`.
+        joints: values that the controller reports [rad or m]; arms not in it are not compared.
+        since: the answer before, 0 at first.
+
+    Returns:
+        Seconds on the plan's clock, `since` when the robot is nowhere near the plan.
+    """
+    arms = [arm for arm in cell.arms if all(joint in joints for joint in arm.joints)]
+    if not arms or not runs:
+        return since
+    times = since + np.arange(0.0, AHEAD, AHEAD_STEP)
+    away = np.zeros(len(times))
+    for arm in arms:
+        reported = np.array([joints[joint] for joint in arm.joints])
+        away = np.maximum(away, np.abs(arm_path(arm, runs, times) - reported).max(axis=1))
+    leads_away = np.flatnonzero(np.diff(away) >= 0)
+    best = int(leads_away[0]) if len(leads_away) else len(times) - 1
+    if away[best] > NEAR:
+        best = int(np.argmin(away))
+    if away[best] > NOWHERE:
+        return since
+    return float(min(times[best], max(run.end for run in runs)))
+
+
 def joint_values(cell: Cell, now: Mapping[str, Moment]) -> dict[str, float]:
     """The value of every joint of the moving arms, by name [rad or m]."""
     return {
@@ -115,10 +172,6 @@ def part_poses(
 def tcp_path(kinematics: Kinematics, cell: Cell, run: Run, *, points: int) -> Floats:
     """The way of the tool centre point along one leg, shape (points, 3) [m], world frame."""
     arm = cell.arm(run.arm)
-    times = np.linspace(0.0, run.leg.seconds, points)
-    return np.array(
-        [
-            kinematics.tcp_pose(arm, interpolated(run.leg.q, run.leg.t, time)).translation
-            for time in times
-        ]
-    )
+    times = np.linspace(run.start, run.end, points)
+    path = arm_path(arm, (run,), times)
+    return np.array([kinematics.tcp_pose(arm, q).translation for q in path])

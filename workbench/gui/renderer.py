@@ -9,14 +9,14 @@ from collections.abc import Callable
 import viser
 
 from workbench.app.bench import Bench
-from workbench.app.state import State
+from workbench.app.state import Phase, State
 from workbench.gui.header import Header
 from workbench.gui.look import SharedLook, View
 from workbench.gui.panels.candidates import CandidatesPanel
 from workbench.gui.panels.cycle import CyclePanel
 from workbench.gui.panels.plan import PlanPanel
 from workbench.gui.panels.robot import RobotPanel
-from workbench.gui.playback import Run, timeline
+from workbench.gui.playback import Run, followed, timeline
 from workbench.gui.scene import Scene
 from workbench.gui.visitor import Panel, Visitor
 
@@ -93,21 +93,18 @@ class Renderer:
             self._woken.wait(self._patience())
             self._woken.clear()
             elapsed = time.monotonic() - last
-            if elapsed < FRAME:
-                self._closed.wait(FRAME - elapsed)
+            self._closed.wait(max(0.0, FRAME - elapsed))
             now = time.monotonic()
-            try:
-                self._play(now - last)
-                self._draw()
-            except Exception:
-                # A rim: what cannot be drawn now must not end the page.
-                log.exception("drawing failed")
+            self._play(now - last)
+            self._draw()
             last = now
 
     def _patience(self) -> float:
         if self._look.now.is_playing:
             return FRAME
         view = self._drawn
+        if view is not None and view.state.phase is Phase.SENDING:
+            return FRAME
         is_busy = view is not None and (view.state.job is not None or view.live.joints)
         return BUSY if is_busy else QUIET
 
@@ -115,7 +112,8 @@ class Renderer:
         """Move a plan that plays on by the time [s] since the last drawing."""
         look = self._look.now
         view = self._drawn
-        if not look.is_playing or view is None:
+        # The first drawing after Play was pressed only begins.
+        if not look.is_playing or view is None or not view.look.is_playing:
             return
         end = view.plan_seconds
         # From the end, Play begins at the start again.
@@ -131,7 +129,7 @@ class Renderer:
             else:
                 self._panels.pop(client.client_id, None)
         with self._server.atomic():
-            self._scene.draw(old, new)
+            _shielded(lambda: self._scene.draw(old, new))
         for panels in self._panels.values():
             for panel in panels:
                 _shielded(lambda panel=panel: panel.show(old, new))
@@ -142,11 +140,14 @@ class Renderer:
         before = self._drawn.state if self._drawn is not None else None
         if before is None or before.plan is not state.plan:
             self._runs = timeline(state.plan) if state.plan is not None else ()
-        look = self._look.now
         if before is not None and _is_other_scene(before, state):
             self._look.change(time=0.0, is_playing=False, candidate=None, by=None)
-            look = self._look.now
-        return View(state, self._bench.live, look, self._runs, time.time())
+        live = self._bench.live
+        if state.phase is Phase.SENDING and live.joints:
+            reached = followed(self._bench.cell, self._runs, live.joints, self._look.now.time)
+            if reached != self._look.now.time:
+                self._look.change(time=reached, is_playing=False, by=None)
+        return View(state, live, self._look.now, self._runs, time.time())
 
     def _waiting(self) -> list[tuple[viser.ClientHandle, bool]]:
         found: list[tuple[viser.ClientHandle, bool]] = []
@@ -180,13 +181,18 @@ class Renderer:
 
 
 def _is_other_scene(before: State, state: State) -> bool:
-    """Whether a time or a candidate that was looked at no longer means anything."""
-    return before.plan is not state.plan or before.candidates is not state.candidates
+    """Whether the time and the candidate that were looked at do not matter any more."""
+    is_sent_now = state.phase is Phase.SENDING and before.phase is not Phase.SENDING
+    is_new = before.plan is not state.plan or before.candidates is not state.candidates
+    return is_new or is_sent_now
 
 
 def _shielded(action: Callable[[], None]) -> None:
-    """Run what concerns one browser; if it fails (it may have gone), the others still see."""
+    """Draw the scene or the controls of one browser; the others do not suffer if that fails.
+
+    A rim: a browser may have gone, and nothing that cannot be drawn may end the page.
+    """
     try:
         action()
     except Exception:
-        log.exception("the controls of a browser could not be drawn")
+        log.exception("something could not be drawn")

@@ -26,6 +26,10 @@ PATH_POINTS = 24
 """Of the drawn way of the tool centre point, per leg."""
 
 
+SAME = np.deg2rad(2.0)
+"""Up to here the reported robot would only hide the drawn one [rad]."""
+
+
 class Scene:
     """Draws a view by changing only what differs from the view drawn before.
 
@@ -71,9 +75,10 @@ class Scene:
             self._add_parts(state.detections or ())
         if is_other_plan:
             self._draw_paths(new.runs)
-        if is_other_plan or are_other_parts or old is None or old.look.time != new.look.time:
+        is_other_time = old is None or old.look.time != new.look.time
+        if is_other_plan or are_other_parts or is_other_time:
             self._pose(new)
-        if old is None or old.live.joints is not new.live.joints:
+        if is_other_plan or old is None or is_other_time or old.live.joints is not new.live.joints:
             self._pose_live_robot(new)
         self._candidates.draw(old, new)
 
@@ -154,17 +159,14 @@ class Scene:
             place(node, T)
 
     def _pose_live_robot(self, view: View) -> None:
-        joints = view.live.joints
-        known = {arm.name for arm in self._cell.arms if set(arm.joints) <= set(joints)}
-        if known:
-            model = {
-                joint: joints[joint]
-                for arm in self._cell.arms
-                for joint in arm.joints
-                if joint in joints
-            }
-            self._live_robot.pose(self._kinematics.link_poses(model), {})
-        self._live_robot.show(bool(known))
+        """The robot as reported, where it is not as drawn already."""
+        shown = joint_values(self._cell, moments(self._cell, view.runs, view.look.time))
+        reported = view.live.joints
+        known = {joint: reported[joint] for joint in shown if joint in reported}
+        differs = any(abs(value - shown[joint]) > SAME for joint, value in known.items())
+        if differs:
+            self._live_robot.pose(self._kinematics.link_poses(known), {})
+        self._live_robot.show(differs)
 
 
 def height_colours(cell: Cell, points: Floats) -> np.ndarray:

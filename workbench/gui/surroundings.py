@@ -70,16 +70,17 @@ def paint_background(scene: viser.SceneApi) -> None:
 
 def aim_camera(server: viser.ViserServer, cell: Cell) -> None:
     """Look at robot, bin and places from in front and from the side, from above."""
+    scanner = cell.scanner.T_world_scanner.translation
     robot, goal = cell.T_world_robot.translation, cell.bin.T_world_bin.translation
     interesting = np.array(
-        [robot, robot + np.array([0.0, 0.0, 0.6]), goal]
+        [robot, robot + np.array([0.0, 0.0, 0.6]), goal, scanner]
         + [T.translation for arm in cell.arms for T in arm.Ts_world_place]
     )
     centre = (interesting.min(axis=0) + interesting.max(axis=0)) / 2
     reach = float(np.linalg.norm(interesting - centre, axis=1).max())
     towards = math.atan2(goal[1] - robot[1], goal[0] - robot[0]) - math.radians(38)
     direction = np.array([math.cos(towards), math.sin(towards), 0.6])
-    server.initial_camera.position = centre + 3.3 * reach * direction
+    server.initial_camera.position = centre + 2.75 * reach * direction
     server.initial_camera.look_at = centre
     server.initial_camera.up = (0.0, 0.0, 1.0)
     server.initial_camera.fov = math.radians(40)

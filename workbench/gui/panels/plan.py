@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 import viser
 
+from workbench.app.state import Phase
 from workbench.gui.charts import (
     JOINTS,
     axis,
@@ -76,6 +77,11 @@ class PlanPanel:
         """Bring what is shown from `old` to `new`."""
         if old is None or old.state.plan is not new.state.plan:
             self._draw_plan(new)
+        if old is None or old.state is not new.state:
+            # While a plan is sent, its picture follows the robot.
+            is_free = new.state.plan is not None and new.state.phase is not Phase.SENDING
+            for control in (self._time, self._play, self._start):
+                control.disabled = not is_free
         is_moved = old is None or old.runs is not new.runs or old.look.time != new.look.time
         if is_moved and new.runs:
             now = doing(self._cell, new.runs, new.look.time)
@@ -92,8 +98,6 @@ class PlanPanel:
     def _draw_plan(self, view: View) -> None:
         state, runs, seconds = view.state, view.runs, view.plan_seconds
         has_plan = state.plan is not None
-        for control in (self._time, self._play, self._start):
-            control.disabled = not has_plan
         for plot in (self._clearance, *self._joints.values()):
             plot.visible = has_plan
         if state.plan is None:
@@ -112,7 +116,7 @@ class PlanPanel:
                 "y": {"range": (0.0, 1.1 * float(clearance.max()) + 1.0)},
             }
         for arm in self._cell.arms:
-            self._joints[arm.name].data = joint_curves(self._cell, arm, runs, seconds)
+            self._joints[arm.name].data = joint_curves(arm, runs, seconds)
 
     def _react(self) -> None:
         look, number = self._visitor.look, self._visitor.number

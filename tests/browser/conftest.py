@@ -1,0 +1,193 @@
+"""A real browser, a bench with its worker, and a controller in a process of its own."""
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+import pytest
+from playwright.sync_api import Browser, Locator, Page, sync_playwright
+
+from workbench.app.bench import Bench
+from workbench.app.state import State
+from workbench.formats.cells import read_cell
+from workbench.gui.server import serve
+from workbench.journal.journal import Journal
+
+ROOT = Path(__file__).resolve().parents[2]
+PATIENCE = 120.0
+"""How long [s] to wait for what must happen; far more than it takes."""
+
+FLAGS = [
+    "--no-sandbox",
+    "--use-gl=angle",
+    "--use-angle=swiftshader",
+    "--enable-unsafe-swiftshader",
+    "--ignore-gpu-blocklist",
+    "--disable-dev-shm-usage",
+]
+"""WebGL drawn by the processor."""
+
+
+@dataclass
+class Robot:
+    """A simulated controller in its own process."""
+
+    process: subprocess.Popen[str]
+    port: int
+    state_port: int
+    record: Path
+
+    @property
+    def configurations(self) -> list[dict]:
+        """What has arrived so far."""
+        if not self.record.exists():
+            return []
+        return [json.loads(line) for line in self.record.read_text().splitlines()]
+
+
+@dataclass
+class Screen:
+    """One open browser window and the hands on it."""
+
+    page: Page
+    shots: Path
+    errors: list[str] = field(default_factory=list)
+
+    def button(self, name: str) -> Locator:
+        return self.page.get_by_role("button", name=name, exact=True)
+
+    def press(self, name: str) -> None:
+        """Press a button, as soon as it can be pressed."""
+        # viser passes on one message each 50 ms: people are slower than that, programs are not.
+        self.page.wait_for_timeout(80)
+        self.button(name).click(timeout=PATIENCE * 1000)
+
+    def tab(self, name: str) -> None:
+        self.page.get_by_role("tab", name=name).click()
+
+    def text(self, selector: str) -> str:
+        return self.page.locator(selector).first.inner_text()
+
+    def wait_for(self, text: str) -> None:
+        self.page.get_by_text(text).first.wait_for(timeout=PATIENCE * 1000)
+
+    def shoot(self, name: str) -> None:
+        """Keep a picture for people to look at."""
+        self.page.screenshot(path=self.shots / f"{name}.png")
+
+
+@pytest.fixture(scope="session")
+def shots(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Where pictures go: a temporary folder, or the one named in the environment."""
+    given = os.environ.get("WORKBENCH_SCREENSHOTS")
+    folder = Path(given) if given else tmp_path_factory.mktemp("screenshots")
+    folder.mkdir(parents=True, exist_ok=True)
+    return folder
+
+
+@pytest.fixture(scope="session")
+def browser() -> Iterator[Browser]:
+    chromium = shutil.which("chromium") or shutil.which("chromium-browser")
+    if chromium is None:
+        pytest.skip("no chromium here; on Debian: apt-get install chromium")
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=chromium, args=FLAGS)
+        yield browser
+        browser.close()
+
+
+@pytest.fixture
+def robot(tmp_path: Path) -> Iterator[Robot]:
+    record = tmp_path / "arrived.jsonl"
+    arguments = ["--port", "0", "--state-port", "0", "--speed", "20", "--until-eof", "--json"]
+    process = subprocess.Popen(
+        [sys.executable, "-m", "workbench", "controller", *arguments, "--record", str(record)],
+        cwd=ROOT,
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        text=True,
+    )
+    ports = json.loads(process.stdout.readline())
+    yield Robot(process, ports["port"], ports["state_port"], record)
+    process.stdin.close()
+    process.wait(timeout=PATIENCE)
+    process.stdout.close()
+
+
+@pytest.fixture
+def bench(robot: Robot, tmp_path: Path) -> Iterator[Bench]:
+    cell = read_cell("yumi")
+    controller = replace(cell.controller, port=robot.port, state_port=robot.state_port)
+    bench = Bench(replace(cell, controller=controller), Journal(tmp_path / "session"))
+    yield bench
+    bench.close()
+
+
+@pytest.fixture
+def url(bench: Bench) -> Iterator[str]:
+    page = serve(bench, port=0, most_points=4000)
+    yield page.url
+    page.close()
+
+
+@pytest.fixture
+def open_screen(browser: Browser, url: str, shots: Path) -> Iterator[Callable[[], Screen]]:
+    """Opens the page in a new window, ready to be used."""
+    contexts = []
+
+    def open_one() -> Screen:
+        context = browser.new_context(viewport={"width": 1280, "height": 720})
+        contexts.append(context)
+        screen = Screen(context.new_page(), shots)
+        screen.page.on(
+            "console",
+            lambda message: message.type == "error" and screen.errors.append(message.text),
+        )
+        screen.page.on("pageerror", lambda error: screen.errors.append(str(error)))
+        screen.page.goto(url)
+        screen.button("Scan").wait_for(timeout=PATIENCE * 1000)
+        # viser warns about slow drawing; the warning covers what is to be pressed.
+        warning = screen.page.locator(".mantine-Notification-closeButton")
+        if warning.count():
+            warning.first.click()
+        return screen
+
+    yield open_one
+    for context in contexts:
+        context.close()
+
+
+@pytest.fixture
+def screen(open_screen: Callable[[], Screen]) -> Screen:
+    return open_screen()
+
+
+def wait_until(condition: Callable[[], bool], what: str) -> None:
+    """Wait for what must happen; a test fails when it does not."""
+    until = time.monotonic() + PATIENCE
+    while not condition():
+        assert time.monotonic() < until, f"waited {PATIENCE:.0f} s in vain for {what}"
+        time.sleep(0.02)
+
+
+@pytest.fixture
+def wait() -> Callable[[Callable[[], bool], str], None]:
+    return wait_until
+
+
+@pytest.fixture
+def reaches(bench: Bench) -> Callable[..., State]:
+    """Waits for a phase of the cycle with no task under way."""
+
+    def reach(phase: str) -> State:
+        state = bench.wait(lambda state: state.phase == phase and state.job is None, PATIENCE)
+        assert state.phase == phase, f"stuck in {state.phase}: {state.message}"
+        return state
+
+    return reach

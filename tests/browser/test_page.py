@@ -1,0 +1,210 @@
+"""The whole line by clicking, in a real browser, with a robot controller spoken to over TCP."""
+
+import re
+
+import numpy as np
+import pytest
+
+from workbench.app.state import Phase
+from workbench.devices.abb_messages import messages
+from workbench.gui.tables import Order, ordered
+
+
+def run_to_plan(screen, reaches):
+    """Scan, find parts and plan, by clicking."""
+    screen.press("Scan")
+    reaches("scanned")
+    screen.press("Find parts")
+    reaches("localized")
+    screen.press("Plan")
+    return reaches("planned")
+
+
+def approve(screen, name: str) -> None:
+    """Approve in the dialog, as a person of that name."""
+    screen.press("Approve")
+    dialog = screen.page.get_by_role("dialog")
+    field = dialog.locator("input")
+    field.wait_for()
+    field.press_sequentially(name, delay=100)
+    screen.press(f"Approve as {name}")
+
+
+def test_a_cycle_by_clicking_sends_exactly_the_approved_plan(screen, bench, robot, reaches, wait):
+    screen.shoot("1-idle")
+    state = run_to_plan(screen, reaches)
+    assert len(state.detections) == 2
+    assert state.proof.holds
+    screen.wait_for("plan ready")
+    screen.shoot("2-planned")
+
+    screen.tab("Candidates")
+    screen.page.locator(".wb-table tbody tr").first.wait_for()
+    screen.page.locator(".wb-table tbody tr").nth(2).click()
+    screen.page.locator(".wb-chosen").wait_for()
+    screen.shoot("3-candidates")
+
+    screen.tab("Plan")
+    screen.press("Play")
+    screen.button("Pause").wait_for()
+    screen.shoot("4-playing")
+    screen.press("Pause")
+
+    screen.tab("Cycle")
+    screen.press("Approve")
+    facts = screen.page.get_by_role("dialog").locator(".wb-facts")
+    facts.wait_for()
+    shown = facts.inner_text()
+    assert state.plan.digest[:12] in shown
+    assert f"{state.proof.clearance * 1000:.1f} mm" in shown
+    assert all(arm.grasp in shown for arm in state.plan.arms)
+    screen.page.get_by_role("dialog").locator("input").press_sequentially("Anna", delay=100)
+    screen.button("Approve as Anna").wait_for()
+    screen.shoot("5-approval")
+    screen.press("Approve as Anna")
+    assert reaches("approved").approval.actor == "Anna"
+    assert robot.configurations == [], "nothing may arrive before it is sent"
+
+    screen.press("Send")
+    wait(lambda: len(bench.state.receipts) > 20, "messages on the wire")
+    screen.shoot("6-sending")
+    done = reaches("done")
+    assert done.parts_placed == 2
+    screen.wait_for("2 of 2 parts reported placed")
+    screen.tab("Robot")
+    screen.shoot("7-done")
+
+    expected = [message for message in messages(bench.cell, state.plan) if message.q is not None]
+    arrived = robot.configurations
+    assert [(line["arm"], line["kind"]) for line in arrived] == [(m.arm, m.kind) for m in expected]
+    np.testing.assert_allclose(
+        [line["q"] for line in arrived], [m.q for m in expected], atol=np.deg2rad(0.0051)
+    )
+    assert screen.errors == []
+
+
+def test_a_browser_that_comes_back_sees_the_same_state(screen, open_screen, bench, reaches):
+    screen.press("Scan")
+    reaches("scanned")
+    screen.page.locator('.wb-strip[data-phase="scanned"]').wait_for()
+    points = f"{len(bench.state.scan.points):,} points"
+    screen.wait_for(points)
+
+    screen.page.reload()
+    screen.page.locator('.wb-strip[data-phase="scanned"]').wait_for()
+    screen.wait_for(points)
+    assert screen.button("Find parts").is_enabled()
+    assert screen.button("Plan").is_disabled()
+
+    other = open_screen()
+    other.wait_for(points)
+    assert other.text(".wb-status") == screen.text(".wb-status")
+
+
+def test_what_the_rules_would_refuse_cannot_be_pressed(screen, reaches):
+    for name in ("Find parts", "Plan", "Approve", "Send", "Stop", "Cancel task"):
+        assert screen.button(name).is_disabled(), name
+    screen.press("Scan")
+    reaches("scanned")
+    screen.page.locator('.wb-strip[data-phase="scanned"]').wait_for()
+    assert screen.button("Find parts").is_enabled()
+    assert screen.button("Send").is_disabled()
+
+
+def test_a_refusal_is_told_in_the_browser_that_asked_and_nowhere_else(
+    screen, open_screen, bench, reaches
+):
+    other = open_screen()
+    run_to_plan(screen, reaches)
+    screen.press("Approve")
+    dialog = screen.page.get_by_role("dialog")
+    dialog.locator("input").press_sequentially("worker", delay=100)
+    screen.press("Approve as worker")
+    refusal = screen.page.get_by_text("'worker' is the name of a machine")
+    refusal.wait_for()
+    screen.shoot("8-refused")
+    assert bench.state.approval is None
+    assert other.page.get_by_text("is the name of a machine").count() == 0
+
+
+def test_a_new_plan_closes_an_open_approval(screen, open_screen, bench, reaches):
+    other = open_screen()
+    run_to_plan(screen, reaches)
+    screen.press("Approve")
+    screen.page.get_by_role("dialog").wait_for()
+    other.press("Scan")
+    reaches("scanned")
+    screen.wait_for("Approval closed")
+    screen.page.get_by_role("dialog").wait_for(state="detached")
+
+
+def test_a_stop_ends_the_sending_and_waits_for_a_person(screen, bench, robot, reaches, wait):
+    run_to_plan(screen, reaches)
+    approve(screen, "Bo")
+    reaches("approved")
+    screen.press("Send")
+    wait(lambda: len(bench.state.receipts) > 5, "messages on the wire")
+    screen.press("Stop")
+    fault = reaches("fault")
+    assert len(robot.configurations) < len(messages(bench.cell, fault.plan))
+    screen.wait_for("Fault:")
+    assert screen.button("Scan").is_disabled()
+    screen.shoot("9-fault")
+    screen.press("Acknowledge")
+    reaches("idle")
+    screen.page.locator('.wb-strip[data-phase="idle"]').wait_for()
+
+
+def test_a_task_can_be_cancelled(screen, bench, wait):
+    screen.page.get_by_label("Parts").fill("30")
+    screen.press("Scan")
+    wait(lambda: bench.state.job is not None or bench.state.phase is Phase.SCANNED, "the task")
+    if bench.state.job is None:
+        pytest.skip("the scan was done before it could be cancelled")
+    screen.press("Cancel task")
+    wait(lambda: bench.state.job is None, "the end of the task")
+    assert bench.state.phase is Phase.IDLE
+    screen.wait_for("cancelled by")
+
+
+def test_the_table_is_sorted_and_filtered_by_clicking(screen, bench, reaches):
+    state = run_to_plan(screen, reaches)
+    screen.tab("Candidates")
+    rows = screen.page.locator(".wb-table tbody tr")
+    rows.first.wait_for()
+    counts = {
+        text.rsplit(" ", 1)[0]: int(text.rsplit(" ", 1)[1])
+        for text in screen.page.locator(".wb-filter").all_inner_texts()
+    }
+    assert counts["all"] == len(state.candidates)
+    assert counts["ok"] == sum(c.verdict.is_ok for c in state.candidates)
+
+    screen.page.locator(".wb-col-grasp").click()
+    screen.page.get_by_text(re.compile("Grasp ▴")).wait_for()
+    expected = ordered(state.candidates, Order(column="grasp", is_descending=False))
+    shown = [row.locator("td").nth(1).inner_text() for row in rows.all()]
+    assert shown == [state.candidates[number].grasp.name for number in expected[: len(shown)]]
+
+    screen.page.wait_for_timeout(80)
+    screen.page.locator(".wb-filter", has_text=re.compile("^ok ")).click()
+    screen.page.locator('.wb-filter[aria-pressed="true"]', has_text=re.compile("^ok ")).wait_for()
+    verdicts = screen.page.locator(".wb-verdict").all_inner_texts()
+    assert set(verdicts) == {"ok"}
+
+
+def test_scrubbing_moves_the_shared_picture_and_the_sliders_of_others(screen, open_screen, reaches):
+    other = open_screen()
+    state = run_to_plan(screen, reaches)
+    for each in (screen, other):
+        each.tab("Plan")
+        each.page.locator(".wb-now").wait_for()
+    slider = screen.page.get_by_role("slider").first
+    slider.focus()
+    for _ in range(5):
+        slider.press("ArrowRight")
+        screen.page.wait_for_timeout(80)
+    other.wait_for("0.05 s")
+    screen.wait_for("0.05 s")
+    slider.press("End")
+    other.wait_for(f"{round(state.plan.cycle_seconds, 2):.2f} s")
+    assert "home" in other.text(".wb-now") or "end" in other.text(".wb-now")
