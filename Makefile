@@ -1,0 +1,73 @@
+# One command each; what is needed is installed on the way, and only when it is missing.
+
+VENV := .venv
+BIN := $(VENV)/bin
+PIP := $(BIN)/python -m pip --disable-pip-version-check install --quiet --constraint constraints.txt
+INSTALL := $(PIP) --no-build-isolation --editable
+
+# Shared libraries that Open3D and Pinocchio expect from the system.
+LIBRARIES := libusb-1.0-0 libgl1 libegl1 libx11-6 libgomp1
+BROWSER := chromium fonts-dejavu-core
+
+# More for the command behind a target: make run ARGS="--port 9000", make test ARGS="-k plan"
+ARGS :=
+
+export PYTHON
+
+.PHONY: help run test lint bench constraints clean
+
+help:
+	@echo "make run      start the workbench on the simulated YuMi cell and print its link"
+	@echo "make test     run all tests"
+	@echo "make lint     check style, types and imports"
+	@echo "make bench    measure what the README promises"
+	@echo "make clean    remove everything that make made"
+	@echo "ARGS=... is handed on: make run ARGS='--port 9000', make test ARGS='-k proof'"
+
+run: $(VENV)/.run
+	@bash setup/debian.sh $(LIBRARIES)
+	@exec $(BIN)/workbench serve $(ARGS)
+
+test: $(VENV)/.test
+	@bash setup/debian.sh $(LIBRARIES) $(BROWSER)
+	$(BIN)/python -m pytest -n 2 --dist loadfile $(ARGS)
+
+lint: $(VENV)/.lint $(VENV)/.test
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/pyright
+	$(BIN)/lint-imports
+
+bench: $(VENV)/.test
+	@bash setup/debian.sh $(LIBRARIES)
+	$(BIN)/python -m tests.benches $(ARGS)
+
+# After a dependency was changed and the tests pass with the newest versions.
+constraints: $(VENV)/.lint $(VENV)/.test
+	{ grep '^#' constraints.txt; $(BIN)/python -m pip freeze --exclude-editable; } > constraints.new
+	mv constraints.new constraints.txt
+
+clean:
+	rm -rf $(VENV) build dist .pytest_cache .ruff_cache .hypothesis .import_linter_cache
+	find . -name __pycache__ -type d -prune -exec rm -rf {} +
+
+# Stamps: what is installed is installed again only when one of these files has changed.
+$(VENV)/.venv: setup/venv.sh
+	@bash setup/venv.sh $(VENV)
+	@touch $@
+
+$(VENV)/.run: $(VENV)/.venv pyproject.toml constraints.txt
+	@echo "Installing what the workbench needs; the first time this takes some minutes"
+	@$(PIP) hatchling
+	@$(INSTALL) .
+	@touch $@
+
+$(VENV)/.test: $(VENV)/.run
+	@echo "Installing what the tests need"
+	@$(INSTALL) ".[test]"
+	@touch $@
+
+$(VENV)/.lint: $(VENV)/.run
+	@echo "Installing what the checks need"
+	@$(INSTALL) ".[lint]"
+	@touch $@

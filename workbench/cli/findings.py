@@ -1,0 +1,118 @@
+"""Candidates, plans and proofs as JSON and in words; millimetres for people."""
+
+from collections import Counter
+from collections.abc import Sequence
+from typing import Any
+
+from workbench.cli.terminal import milliseconds, print_table
+from workbench.model.candidate import Candidate, Verdict
+from workbench.model.plan import Finding, Plan, Proof
+
+
+def verdict_form(verdict: Verdict) -> dict[str, Any]:
+    """A verdict with its evidence, without the configuration."""
+    return {
+        "reason": verdict.reason.name,
+        "stage": str(verdict.stage),
+        "pair": None if verdict.pair is None else list(verdict.pair),
+        "distance_mm": _mm(verdict.distance),
+        "note": verdict.note,
+    }
+
+
+def candidate_form(candidate: Candidate) -> dict[str, Any]:
+    """A candidate with its verdict; parts are counted from 0, as in the plan."""
+    return {
+        "detection": candidate.detection,
+        "grasp": candidate.grasp.name,
+        "arm": candidate.arm,
+        **verdict_form(candidate.verdict),
+    }
+
+
+def plan_form(plan: Plan) -> dict[str, Any]:
+    """What a plan does, without its configurations."""
+    return {
+        "digest": plan.digest,
+        "strategy": str(plan.strategy),
+        "guarantee": str(plan.guarantee),
+        "arms": [
+            {"arm": arm.arm, "detection": arm.detection, "grasp": arm.grasp} for arm in plan.arms
+        ],
+        "cycle_s": round(plan.cycle_seconds, 3),
+        "note": plan.note,
+    }
+
+
+def proof_form(proof: Proof) -> dict[str, Any]:
+    """What a proof says, without the clearance of every waypoint."""
+    return {
+        "holds": proof.holds,
+        "checks": proof.checks,
+        "resolution_mm": _mm(proof.resolution),
+        "clearance_mm": _mm(proof.clearance),
+        "nearest": None if proof.nearest is None else _finding_form(proof.nearest),
+        "findings": [_finding_form(finding) for finding in proof.findings],
+    }
+
+
+def plan_words(plan: Plan) -> str:
+    """A plan in a sentence."""
+    taken = ", ".join(f"{arm.arm} part-{arm.detection + 1} by {arm.grasp}" for arm in plan.arms)
+    words = f"{plan.strategy}, {plan.guarantee}: {taken}; {plan.cycle_seconds:.1f} s of motion"
+    return f"{words} ({plan.note})" if plan.note else words
+
+
+def proof_words(proof: Proof) -> str:
+    """A proof in a sentence, or a line for each finding."""
+    nearest = proof.nearest
+    if proof.holds and nearest is not None and nearest.pair is not None:
+        return (
+            f"the proof holds, {proof.checks} states checked; smallest clearance on free legs "
+            f"{proof.clearance * 1000:.1f} mm: {nearest.pair[0]} and {nearest.pair[1]} (arm "
+            f"{nearest.arm}, leg {nearest.leg}, waypoint {nearest.waypoint})"
+        )
+    if proof.holds:
+        return f"the proof holds, {proof.checks} states checked"
+    return "\n  ".join(["the proof does not hold:", *map(str, proof.findings)])
+
+
+def print_candidates(title: str, candidates: Sequence[Candidate]) -> None:
+    """Every candidate with its verdict."""
+    rows = (
+        (
+            f"part-{candidate.detection + 1}",
+            candidate.grasp.name,
+            candidate.arm,
+            str(candidate.verdict.stage),
+            str(candidate.verdict),
+        )
+        for candidate in candidates
+    )
+    print_table(title, ("part", "grasp", "arm", "stage", "verdict"), rows)
+
+
+def reasons_words(candidates: Sequence[Candidate]) -> str:
+    """How many candidates got which verdict, the most frequent first."""
+    counts = Counter(str(candidate.verdict.reason) for candidate in candidates)
+    return ", ".join(f"{count} {reason}" for reason, count in counts.most_common())
+
+
+def stages_words(seconds: dict[str, float]) -> str:
+    """Computing time of each stage."""
+    return ", ".join(f"{stage} {milliseconds(s)} ms" for stage, s in seconds.items())
+
+
+def _finding_form(finding: Finding) -> dict[str, Any]:
+    return {
+        "problem": finding.problem,
+        "arm": finding.arm,
+        "leg": finding.leg,
+        "waypoint": finding.waypoint,
+        "pair": None if finding.pair is None else list(finding.pair),
+        "distance_mm": _mm(finding.distance),
+    }
+
+
+def _mm(metres: float | None) -> float | None:
+    return None if metres is None else round(metres * 1000, 3)

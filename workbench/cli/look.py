@@ -1,0 +1,55 @@
+"""`workbench scan` and `workbench localize`: from a bin to a cloud, from a cloud to poses."""
+
+from workbench.app.rules import MOST_PARTS, SEED_LIMIT
+from workbench.app.work import find_parts
+from workbench.cli import arguments
+from workbench.cli.terminal import check_whole, print_table, progress
+from workbench.formats.cells import read_cell
+from workbench.formats.clouds import read_cloud, write_cloud
+from workbench.formats.poses import write_poses
+from workbench.model.scan import Detection
+from workbench.perception.piles import drop_parts
+from workbench.perception.synthesize import synthesize
+
+
+def scan(typed: arguments.Scan) -> int:
+    """Write a simulated scan and, when asked for, where the parts truly are."""
+    check_whole("--seed", typed.seed, 0, SEED_LIMIT - 1)
+    check_whole("--parts", typed.parts, 1, MOST_PARTS)
+    cell = read_cell(typed.cell)
+    part = cell.parts[0]
+    with progress("scan") as report:
+        report(0.1, "parts fall into the bin")
+        Ts_world_part = drop_parts(part, cell.bin, typed.parts, seed=typed.seed)
+        report(0.6, "the scanner looks")
+        found = synthesize(cell, part, Ts_world_part, seed=typed.seed)
+        write_cloud(typed.out, found)
+    if typed.truth is not None:
+        write_poses(typed.truth, [Detection(part.name, T) for T in Ts_world_part])
+    print(f"{typed.out}: {len(found.points):,} points")
+    return 0
+
+
+def localize(typed: arguments.Localize) -> int:
+    """Find all parts that the cell knows in a scan, and write their poses."""
+    check_whole("--seed", typed.seed, 0, SEED_LIMIT - 1)
+    cell = read_cell(typed.cell)
+    cloud = read_cloud(typed.scan, cell.scanner.T_world_scanner)
+    with progress("localize") as report:
+        found = find_parts(
+            cell, {"scan": cloud, "seed": typed.seed}, report, cancelled=lambda: False
+        )
+    write_poses(typed.out, found)
+    rows = (
+        (
+            str(number),
+            detection.part,
+            *(f"{p * 1000:.1f}" for p in detection.T_world_part.translation),
+            f"{detection.score:.2f}",
+            f"{detection.visible:.2f}",
+        )
+        for number, detection in enumerate(found, start=1)
+    )
+    columns = ("#", "part", "x mm", "y mm", "z mm", "score", "visible")
+    print_table(f"{typed.out}: {len(found)} found", columns, rows)
+    return 0

@@ -1,0 +1,104 @@
+"""From what was typed to a command, and from what it raised to an exit code."""
+
+import sys
+from collections.abc import Sequence
+from typing import assert_never
+
+import tyro
+
+from workbench.cli import arguments
+from workbench.cli.exits import BAD_INPUT, FAILURE, INTERRUPTED, NO_LINK
+from workbench.model.errors import InputError, LinkError, WorkbenchError
+
+DESCRIPTION = """\
+Plan, prove, approve and run robotic bin picks.
+
+Exit codes: 0 success, 2 bad input, 3 no plan or no proof, 4 the controller cannot be reached or
+broke off, 1 anything else, 130 interrupted.  Errors are one line on standard error.
+"""
+
+
+def main(args: Sequence[str] | None = None) -> int:
+    """Run one command.
+
+    Args:
+        args: what was typed after `workbench`; None takes it from the process.
+
+    Returns:
+        The exit code; see `exits`.
+    """
+    typed = parse(args)
+    try:
+        return run(typed)
+    except KeyboardInterrupt:
+        return INTERRUPTED
+    except InputError as error:
+        return _complain(error, BAD_INPUT)
+    except LinkError as error:
+        return _complain(error, NO_LINK)
+    except WorkbenchError as error:
+        return _complain(error, FAILURE)
+
+
+def parse(args: Sequence[str] | None = None) -> arguments.Arguments:
+    """The command that was typed; ends the process after `--help`, and with 2 when it is none."""
+    return tyro.cli(  # type: ignore[return-value]
+        arguments.Arguments,  # type: ignore[arg-type]
+        prog="workbench",
+        description=DESCRIPTION,
+        args=args,
+        config=(
+            tyro.conf.DisallowNone,
+            tyro.conf.FlagCreatePairsOff,
+            tyro.conf.OmitArgPrefixes,
+            tyro.conf.PositionalMetavarFromFieldName,
+        ),
+    )
+
+
+def run(typed: arguments.Arguments) -> int:
+    """Carry a command out and give its exit code."""
+    match typed:
+        case arguments.Serve():
+            from workbench.cli.serve import serve
+
+            return serve(typed)
+        case arguments.Demo():
+            from workbench.cli.demo import demo
+
+            return demo(typed)
+        case arguments.Scan():
+            from workbench.cli.look import scan
+
+            return scan(typed)
+        case arguments.Localize():
+            from workbench.cli.look import localize
+
+            return localize(typed)
+        case arguments.Plan():
+            from workbench.cli.planning import plan
+
+            return plan(typed)
+        case arguments.Verify():
+            from workbench.cli.planning import verify
+
+            return verify(typed)
+        case arguments.Send():
+            from workbench.cli.robot import send
+
+            return send(typed)
+        case arguments.Controller():
+            from workbench.cli.robot import controller
+
+            return controller(typed)
+        case arguments.ExportWorld():
+            from workbench.cli.world import export_world
+
+            return export_world(typed)
+        case _:
+            assert_never(typed)
+
+
+def _complain(error: WorkbenchError, code: int) -> int:
+    print("workbench: " + " ".join(str(error).split()), file=sys.stderr)
+    return code

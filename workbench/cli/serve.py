@@ -1,0 +1,81 @@
+"""`workbench serve`: the page of a cell, its session, and a robot to talk to."""
+
+import ipaddress
+import logging
+import signal
+import socket
+import threading
+import time
+from contextlib import ExitStack
+from dataclasses import replace
+from pathlib import Path
+from types import FrameType
+
+from workbench.app.bench import Bench
+from workbench.app.sessions import new_session
+from workbench.cli import arguments
+from workbench.cli.simulation import simulated_controller
+from workbench.cli.terminal import check_whole
+from workbench.formats.cells import read_cell
+from workbench.model.cell import Controller
+
+SESSIONS = Path("sessions")
+
+CONNECT_SECONDS = 0.5
+
+
+def serve(typed: arguments.Serve) -> int:
+    """Serve the page until SIGINT or SIGTERM."""
+    check_whole("--port", typed.port, 0, 65535)
+    logging.basicConfig(level=logging.WARNING, format="%(asctime)s %(name)s: %(message)s")
+    cell = read_cell(typed.cell)
+    with ExitStack() as stack:
+        robot = f"robot controller: {_address(cell.controller)}"
+        if _is_local(cell.controller) and not _answers(cell.controller):
+            cell = replace(cell, controller=stack.enter_context(simulated_controller(typed.cell)))
+            robot = f"robot controller: simulated, {_address(cell.controller)}"
+        journal = new_session(SESSIONS, cell, time.time())
+        bench = Bench(cell, journal)
+        stack.callback(bench.close)
+
+        # The page takes its time to import; by now the worker imports in parallel.
+        from workbench.gui.server import serve as serve_page
+
+        page = serve_page(bench, host=typed.host, port=typed.port)
+        stack.callback(page.close)
+        print(f"Workbench, cell {cell.name}: {page.url}")
+        print(robot)
+        print(f"session: {journal.folder}", flush=True)
+        _wait_for_the_end()
+    return 0
+
+
+def _wait_for_the_end() -> None:
+    ended = threading.Event()
+
+    def end(signum: int, frame: FrameType | None) -> None:
+        ended.set()
+
+    signal.signal(signal.SIGINT, end)
+    signal.signal(signal.SIGTERM, end)
+    ended.wait()
+
+
+def _is_local(controller: Controller) -> bool:
+    try:
+        return ipaddress.ip_address(controller.host).is_loopback
+    except ValueError:
+        return controller.host == "localhost"
+
+
+def _answers(controller: Controller) -> bool:
+    """Whether a controller reports its state there; its motion port is left alone."""
+    try:
+        with socket.create_connection((controller.host, controller.state_port), CONNECT_SECONDS):
+            return True
+    except OSError:
+        return False
+
+
+def _address(controller: Controller) -> str:
+    return f"{controller.host}:{controller.port}"

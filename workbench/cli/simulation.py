@@ -1,0 +1,57 @@
+"""A simulated controller for as long as it is needed, in a process of its own."""
+
+import json
+import subprocess
+import sys
+from collections.abc import Generator
+from contextlib import contextmanager
+
+from workbench.model.cell import Controller
+from workbench.model.errors import LinkError
+
+PATIENCE = 5.0
+"""How long [s] a controller may take to end."""
+
+
+@contextmanager
+def simulated_controller(cell: str, *, speed: float = 1.0) -> Generator[Controller]:
+    """Run `workbench controller` on free ports of this machine for as long as the block runs.
+
+    It also ends when this process does, however that comes: its standard input is a pipe that
+    only this process holds.
+
+    Args:
+        cell: name or path, as typed.
+        speed: 1 is real time.
+
+    Raises:
+        LinkError: it did not start.
+    """
+    command = [sys.executable, "-m", "workbench", "controller", "--cell", cell, "--port", "0"]
+    command += ["--speed", str(speed), "--until-eof", "--json"]
+    with subprocess.Popen(
+        command,
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.DEVNULL,
+        # Ctrl-C in a terminal is for the process that owns the controller.
+        start_new_session=True,
+    ) as process:
+        if process.stdin is None or process.stdout is None:
+            raise LinkError("the simulated controller has no pipes")
+        try:
+            yield _address(process.stdout.readline())
+        finally:
+            process.stdin.close()
+            try:
+                process.wait(PATIENCE)
+            except subprocess.TimeoutExpired:
+                process.kill()
+
+
+def _address(line: bytes) -> Controller:
+    try:
+        ports = json.loads(line)
+        return Controller(ports["host"], ports["port"], ports["state_port"])
+    except (ValueError, KeyError) as error:
+        raise LinkError("the simulated controller did not start") from error

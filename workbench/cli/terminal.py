@@ -1,0 +1,83 @@
+"""How commands speak: tables and JSON on standard output, progress on standard error."""
+
+import json
+import math
+import os
+import time
+from collections.abc import Callable, Generator, Iterable
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+from rich.table import Table
+
+from workbench.model.errors import InputError
+
+Report = Callable[[float, str], None]
+"""Called with the share done, 0..1, and what is being done."""
+
+
+@contextmanager
+def progress(title: str) -> Generator[Report]:
+    """A bar for as long as the block runs; nothing where standard error is no terminal."""
+    console = Console(stderr=True)
+    columns = (TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn())
+    with Progress(
+        *columns, console=console, transient=True, disable=not console.is_terminal
+    ) as bars:
+        task = bars.add_task(title, total=1.0)
+
+        def report(done: float, note: str) -> None:
+            bars.update(task, completed=done, description=f"{title}: {note}" if note else title)
+
+        yield report
+
+
+def print_table(title: str, columns: Iterable[str], rows: Iterable[Iterable[str]]) -> None:
+    """A table; columns whose name ends in `ms` or `mm` hold numbers and align right."""
+    table = Table(title=title, title_justify="left")
+    for column in columns:
+        table.add_column(column, justify="right" if column.endswith(("ms", "mm")) else "left")
+    for row in rows:
+        table.add_row(*row)
+    Console(markup=False, highlight=False).print(table)
+
+
+def print_json(content: dict[str, Any]) -> None:
+    """One JSON object on one line."""
+    print(json.dumps(content, allow_nan=False), flush=True)
+
+
+def check_whole(option: str, value: int, low: int, high: int) -> None:
+    """Refuse a number that a command cannot work with.
+
+    Raises:
+        InputError: names the option and its range.
+    """
+    if not low <= value <= high:
+        raise InputError(f"{option} must be a whole number from {low} to {high}, not {value}")
+
+
+def check_number(option: str, value: float, low: float, high: float) -> None:
+    """Refuse a number that is not finite or out of range.
+
+    Raises:
+        InputError: names the option and its range.
+    """
+    if not (math.isfinite(value) and low <= value <= high):
+        raise InputError(f"{option} must lie between {low:g} and {high:g}, not {value}")
+
+
+def milliseconds(seconds: float) -> float:
+    """For people: to a tenth."""
+    return round(seconds * 1000, 1)
+
+
+def seconds_since_start() -> float:
+    """How long this process has existed, the start of the interpreter included (Linux)."""
+    # Field 22 of proc_pid_stat(5), counted after the name in parentheses, which may hold spaces.
+    fields = Path("/proc/self/stat").read_text().rpartition(")")[2].split()
+    started = int(fields[19]) / os.sysconf("SC_CLK_TCK")
+    return time.clock_gettime(time.CLOCK_BOOTTIME) - started
