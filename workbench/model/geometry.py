@@ -4,8 +4,8 @@ A pose is a `pinocchio.SE3` named `T_a_b`: the pose of frame b in frame a, so th
 `p_a = T_a_b.act(p_b)` and `T_a_c = T_a_b * T_b_c`.
 """
 
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, field
+from typing import Any, Literal
 
 import numpy as np
 import pinocchio as pin
@@ -67,11 +67,15 @@ def pose_from_rpy(xyz: ArrayLike, rpy: ArrayLike = (0.0, 0.0, 0.0)) -> pin.SE3:
     return pin.SE3(pin.rpy.rpyToMatrix(roll, pitch, yaw), np.asarray(xyz, dtype=np.float64))
 
 
+# Every shape carries its kind, so that two kinds with the same measures differ in their digest.
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Box:
     """A cuboid centred on its frame; `size` (3,) [m]: full lengths along x, y, z."""
 
     size: Floats
+    kind: Literal["box"] = field(default="box", init=False)
 
     def __post_init__(self) -> None:
         put(self, size=frozen(self.size))
@@ -83,6 +87,7 @@ class Cylinder:
 
     radius: float
     length: float
+    kind: Literal["cylinder"] = field(default="cylinder", init=False)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -91,6 +96,7 @@ class Capsule:
 
     radius: float
     length: float
+    kind: Literal["capsule"] = field(default="capsule", init=False)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -98,6 +104,7 @@ class Sphere:
     """A ball centred on its frame."""
 
     radius: float
+    kind: Literal["sphere"] = field(default="sphere", init=False)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -111,6 +118,7 @@ class Mesh:
     points: Floats
     triangles: Ints
     is_convex: bool = False
+    kind: Literal["mesh"] = field(default="mesh", init=False)
 
     def __post_init__(self) -> None:
         put(
