@@ -4,14 +4,21 @@ from pathlib import Path
 
 import numpy as np
 import trimesh
+from scipy.spatial import QhullError
 
+from workbench.formats.toml_keys import shown
+from workbench.formats.whole_files import MB
 from workbench.model.errors import FileError
 from workbench.model.geometry import Floats, Mesh
 
-LARGEST_MESH = 100 * 1024 * 1024
+LARGEST_MESH = 100 * MB
 MOST_TRIANGLES = 1_000_000
+MOST_FACES = 4_000
+"""Of a convex piece: one with more is no simple piece, and slow to check."""
 LARGEST_EXTENT = 20.0
 """[m] Anything larger is taken for millimetres read as metres."""
+FLATNESS = 1e-4
+"""[m] How far a corner of a convex piece may stand beyond the plane of one of its faces."""
 
 
 def read_mesh(path: Path, scale: Floats | float = 1.0) -> Mesh:
@@ -21,30 +28,69 @@ def read_mesh(path: Path, scale: Floats | float = 1.0) -> Mesh:
         FileError: not there, too large, not a mesh, empty, not finite, or of a size that
             speaks for another unit.
     """
-    if not path.is_file():
+    if not is_file(path):
         raise FileError(path, "there is no such mesh file")
     if path.stat().st_size > LARGEST_MESH:
-        raise FileError(path, f"is larger than {LARGEST_MESH // 1024 // 1024} MB")
+        raise FileError(path, f"is larger than {LARGEST_MESH / MB:g} MB")
     try:
         loaded = trimesh.load_mesh(path, process=False)
     except Exception as error:  # the loaders behind trimesh raise whatever they like
-        raise FileError(path, f"cannot be read as a mesh: {error}") from None
-    if not isinstance(loaded, trimesh.Trimesh) or len(loaded.faces) == 0:
+        raise FileError(path, f"cannot be read as a mesh: {shown(str(error))}") from None
+    triangles = np.asarray(loaded.faces)
+    if len(triangles) == 0:
         raise FileError(path, "holds no triangles")
-    if len(loaded.faces) > MOST_TRIANGLES:
-        raise FileError(path, f"has {len(loaded.faces)} triangles, {MOST_TRIANGLES} are allowed")
+    if len(triangles) > MOST_TRIANGLES:
+        raise FileError(path, f"has {len(triangles)} triangles, {MOST_TRIANGLES} are allowed")
     points = np.asarray(loaded.vertices, dtype=np.float64) * scale
     if not np.all(np.isfinite(points)):
         raise FileError(path, "holds a point that is not finite")
+    if triangles.min() < 0 or triangles.max() >= len(points):
+        raise FileError(path, "has a triangle with a corner that does not exist")
     size = float(np.ptp(points, axis=0).max())
     if size > LARGEST_EXTENT:
         raise FileError(
             path, f"would be {size:.0f} m large; if it is in millimetres, scale it by 0.001"
         )
-    return Mesh(points, np.asarray(loaded.faces))
+    return Mesh(points, triangles)
 
 
-def convex_hull(mesh: Mesh) -> Mesh:
-    """The convex hull as a solid convex mesh."""
-    hull = trimesh.Trimesh(mesh.points, mesh.triangles, process=False).convex_hull
+def is_file(path: Path) -> bool:
+    """Whether there is a file; also for names that no file can have."""
+    try:
+        return path.is_file()
+    except (OSError, ValueError):
+        return False
+
+
+def convex_hull(mesh: Mesh) -> Mesh | None:
+    """The convex hull as a solid convex mesh; None when all points lie in one plane."""
+    try:
+        hull = trimesh.Trimesh(mesh.points, mesh.triangles, process=False).convex_hull
+    except QhullError:
+        return None
     return Mesh(hull.vertices, hull.faces, is_convex=True)
+
+
+def as_convex(path: Path, mesh: Mesh) -> Mesh:
+    """A mesh that its file calls convex, as a solid convex one.
+
+    Raises:
+        FileError: it is not: a corner lies outside of a face, or a face looks inwards.  The
+            collision checker would believe it, and overlook what sticks out.  Or it has
+            too many faces.
+    """
+    if len(mesh.triangles) > MOST_FACES:
+        raise FileError(
+            path, f"has {len(mesh.triangles)} faces, a convex piece may have {MOST_FACES}"
+        )
+    a, b, c = mesh.points[mesh.triangles.T]
+    outward = np.cross(b - a, c - a)
+    length = np.linalg.norm(outward, axis=1, keepdims=True)
+    planes = outward / np.maximum(length, 1e-12)
+    beyond = mesh.points @ planes.T - np.einsum("nk,nk->n", planes, a)
+    if beyond.max() > FLATNESS:
+        raise FileError(
+            path,
+            f"is called convex, but a corner lies {beyond.max() * 1000:.2f} mm outside of a face",
+        )
+    return Mesh(mesh.points, mesh.triangles, is_convex=True)

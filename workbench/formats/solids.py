@@ -65,4 +65,9 @@ def read_mesh_entry(table: Table, *, convex: bool) -> Mesh:
     """The mesh that `file` and `unit` of a table name."""
     unit = UNITS[table.text("unit", "mm", among=tuple(UNITS))]
     mesh = read_mesh(table.path.parent / table.text("file"), unit)
-    return convex_hull(mesh) if convex else mesh
+    if not convex:
+        return mesh
+    hull = convex_hull(mesh)
+    if hull is None:
+        raise table.error("file", "its mesh is flat and has no convex hull")
+    return hull

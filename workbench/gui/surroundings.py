@@ -1,5 +1,6 @@
 """What stands around the robot and never moves, and from where it is looked at."""
 
+import itertools
 import math
 
 import numpy as np
@@ -9,6 +10,20 @@ from workbench.gui.colours import SKY, rgb_of
 from workbench.gui.robot import quaternion
 from workbench.gui.solids import by_colour
 from workbench.model.cell import Cell
+from workbench.model.geometry import Floats
+from workbench.planning.kinematics import Kinematics
+
+FIELD_OF_VIEW = math.radians(40)
+"""Vertical, of the first look."""
+
+ASPECT = 1.2
+"""Width by height of the scene in a window of 1280 x 720."""
+
+FILLED = 0.88
+"""This much of the picture is used; the rest is margin."""
+
+BESIDE = np.array([[0.08, 0.0, -0.1], [-0.08, 0.0, -0.1], [0.0, 0.08, -0.1], [0.0, -0.08, -0.1]])
+"""Around and below a place [m], since parts are put down on something."""
 
 
 def add_surroundings(scene: viser.SceneApi, cell: Cell) -> None:
@@ -69,18 +84,54 @@ def paint_background(scene: viser.SceneApi) -> None:
 
 
 def aim_camera(server: viser.ViserServer, cell: Cell) -> None:
-    """Look at robot, bin and places from in front and from the side, from above."""
-    scanner = cell.scanner.T_world_scanner.translation
+    """Look at robot, bin, places and scanner from in front, from the side and from above."""
+    points = interesting_points(cell)
     robot, goal = cell.T_world_robot.translation, cell.bin.T_world_bin.translation
-    interesting = np.array(
-        [robot, robot + np.array([0.0, 0.0, 0.6]), goal, scanner]
-        + [T.translation for arm in cell.arms for T in arm.Ts_world_place]
-    )
-    centre = (interesting.min(axis=0) + interesting.max(axis=0)) / 2
-    reach = float(np.linalg.norm(interesting - centre, axis=1).max())
-    towards = math.atan2(goal[1] - robot[1], goal[0] - robot[0]) - math.radians(38)
-    direction = np.array([math.cos(towards), math.sin(towards), 0.6])
-    server.initial_camera.position = centre + 2.75 * reach * direction
-    server.initial_camera.look_at = centre
-    server.initial_camera.up = (0.0, 0.0, 1.0)
-    server.initial_camera.fov = math.radians(40)
+    azimuth = math.atan2(goal[1] - robot[1], goal[0] - robot[0]) - math.radians(38)
+    direction = np.array([math.cos(azimuth), math.sin(azimuth), 0.6])
+    position, centre = framed(points, direction / np.linalg.norm(direction), FIELD_OF_VIEW, ASPECT)
+    camera = server.initial_camera
+    camera.position, camera.look_at = position, centre
+    camera.up, camera.fov = (0.0, 0.0, 1.0), FIELD_OF_VIEW
+
+
+def interesting_points(cell: Cell) -> Floats:
+    """Points (n, 3) [m] in the world frame that a first look should hold."""
+    length, width, height = cell.bin.size
+    corners = [
+        cell.bin.T_world_bin.act(np.array([x * length / 2, y * width / 2, z * height]))
+        for x, y, z in itertools.product((-1, 1), (-1, 1), (0, 1))
+    ]
+    places = [
+        T.translation + beside for arm in cell.arms for T in arm.Ts_world_place for beside in BESIDE
+    ]
+    links = [T.translation for T in Kinematics(cell).link_poses({}).values()]
+    return np.array([*corners, *places, *links, cell.scanner.T_world_scanner.translation])
+
+
+def framed(
+    points: Floats, direction: Floats, field_of_view: float, aspect: float
+) -> tuple[Floats, Floats]:
+    """From where a camera holds all points, as near as that goes.
+
+    Args:
+        points: shape (n, 3) [m].
+        direction: unit vector (3,) from what is looked at to the camera, not vertical.
+        field_of_view: vertical [rad].
+        aspect: width by height of the picture.
+
+    Returns:
+        Position of the camera and the point it looks at, each (3,) [m].
+    """
+    right = np.cross([0.0, 0.0, 1.0], direction)
+    right /= np.linalg.norm(right)
+    up = np.cross(direction, right)
+    axes = np.stack([right, up, direction])
+    inside = points @ axes.T
+    centre = (inside.min(axis=0) + inside.max(axis=0)) / 2
+    across, upwards = np.abs(inside - centre)[:, :2].T
+    nearer = (inside - centre)[:, 2]
+    tangent = math.tan(field_of_view / 2) * FILLED
+    distance = float(np.max(nearer + np.maximum(upwards / tangent, across / (tangent * aspect))))
+    target = centre @ axes
+    return target + distance * direction, target

@@ -37,8 +37,8 @@ class Assessment:
     """A pose (4, 4) in the scanner's frame with what is to be said about it.
 
     `gap` is by how much of the shown surface more it is explained than the best different pose
-    of the same object, None when the part has no near-symmetry; `roll_known` False: turning the part about its axis
-    changes nothing that the scan shows.
+    of the same object, None when the part has no near-symmetry.  `roll_known` is False when
+    turning the part about its axis changes nothing that the scan shows.
     """
 
     pose: Floats
@@ -50,9 +50,7 @@ class Assessment:
         put(self, pose=frozen(self.pose))
 
 
-def assess(
-    maps: DepthMap, surface: PartSurface, pose: Floats, tolerance: float
-) -> Assessment:
+def assess(maps: DepthMap, surface: PartSurface, pose: Floats, tolerance: float) -> Assessment:
     """Look at all near-symmetric poses of one that was found, and take the best.
 
     Args:
@@ -66,15 +64,18 @@ def assess(
     sightings = look(maps, surface, others, tolerance)
     gains = np.array([other.gain for other in sightings])
     order = np.argsort(-gains, kind="stable")
-    kept = distinct(
-        np.concatenate([pose[None], others]),
-        np.concatenate([[0], order + 1]),
-        surface.stated,
-        surface.middle,
-        distance=np.inf,
-        angle=SAME_ANGLE,
-        most=len(others),
-    )[1:] - 1
+    kept = (
+        distinct(
+            np.concatenate([pose[None], others]),
+            np.concatenate([[0], order + 1]),
+            surface.stated,
+            surface.middle,
+            distance=np.inf,
+            angle=SAME_ANGLE,
+            most=len(others),
+        )[1:]
+        - 1
+    )
     margin = max(FEWEST_TELLING, TELLING * len(sighting.explained))
     turned = kept[kept < len(surface.symmetry.turns)]
     return Assessment(
@@ -109,17 +110,18 @@ def _best_of(
     return polished[best], sightings[best]
 
 
-def _polished(
-    maps: DepthMap, surface: PartSurface, pose: Floats, tolerance: float
-) -> Floats:
+def _polished(maps: DepthMap, surface: PartSurface, pose: Floats, tolerance: float) -> Floats:
     """The pose after a search along the directions that the fit of surfaces leaves loose.
 
     A cylinder slides along its axis without leaving its surface; where it ends is seen by
     which pixels show it, which no distance between points and planes expresses.
     """
-    for move in _weak_directions(maps, surface, look(maps, surface, pose[None], tolerance)[0], pose):
+    seen = look(maps, surface, pose[None], tolerance)[0]
+    for move in _weak_directions(maps, surface, seen, pose):
         for step in STEPS_OVER_TOLERANCE:
-            tried = np.array([_moved(surface, pose, k * step * tolerance * move) for k in range(-2, 3)])
+            tried = np.array(
+                [_moved(surface, pose, k * step * tolerance * move) for k in range(-2, 3)]
+            )
             values = [s.closeness(tolerance) for s in look(maps, surface, tried, tolerance)]
             pose = tried[int(np.argmax(values))]
     return pose

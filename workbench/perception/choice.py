@@ -1,5 +1,6 @@
 """Which hypotheses are parts: one after the other, the best first, no pixel explained twice."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -8,6 +9,7 @@ import pinocchio as pin
 
 from workbench.model.cell import Bin
 from workbench.model.geometry import Floats, frozen, put
+from workbench.perception.assessment import Assessment
 from workbench.perception.maps import DepthMap
 from workbench.perception.part_surface import PartSurface
 from workbench.perception.sightings import Sighting
@@ -15,8 +17,9 @@ from workbench.perception.sightings import Sighting
 LEAST_VISIBLE = 0.3
 """Less of the facing surface than this cannot tell a part from a chance likeness."""
 
-LEAST_CONSISTENT = 0.93
-"""Of what is seen in the part's place, the part must explain this share."""
+PLAUSIBLE, CONVINCING = 0.75, 0.95
+"""Of what is seen in the part's place, the part must explain these shares: before a close look
+at it, and after."""
 
 LEAST_PIXELS = 40
 
@@ -47,25 +50,37 @@ def is_in_bin(surface: PartSurface, pose: Floats, T_scanner_bin: pin.SE3, bin: B
 
 
 def choose(
-    maps: DepthMap, surface: PartSurface, hypotheses: list[Hypothesis]
-) -> list[Hypothesis]:
-    """The hypotheses that hold together, in the order in which they were chosen.
+    maps: DepthMap,
+    surface: PartSurface,
+    hypotheses: list[Hypothesis],
+    assess: Callable[[Floats], Assessment],
+) -> list[Assessment]:
+    """The hypotheses that hold together after a close look, in the order of choice.
 
     Each next one is that which gains most from the pixels that no chosen one explains; it must
     explain enough of what it shows, and not reach into a chosen one.
+
+    Args:
+        maps: the scan.
+        surface: the part.
+        hypotheses: possible poses, fitted roughly.
+        assess: looks closely at a pose (4, 4) and returns a better one.
     """
     claimed = np.zeros(maps.depth.size, dtype=bool)
-    chosen: list[Hypothesis] = []
+    chosen: list[Assessment] = []
     left = list(hypotheses)
     while left:
         gains = [_gain(hypothesis.sighting, claimed) for hypothesis in left]
         hypothesis = left.pop(int(np.argmax(gains)))
-        if not _is_convincing(hypothesis.sighting, claimed):
+        if not _explains(hypothesis.sighting, claimed, PLAUSIBLE):
             continue
-        if any(_overlap(surface, hypothesis.pose, other.pose) for other in chosen):
+        assessed = assess(hypothesis.pose)
+        if not _explains(assessed.sighting, claimed, CONVINCING) or any(
+            _overlap(surface, assessed.pose, other.pose) for other in chosen
+        ):
             continue
-        claimed[hypothesis.sighting.explained] = True
-        chosen.append(hypothesis)
+        claimed[assessed.sighting.explained] = True
+        chosen.append(assessed)
     return chosen
 
 
@@ -73,13 +88,13 @@ def _gain(sighting: Sighting, claimed: np.ndarray) -> float:
     return sighting.gain - float(np.count_nonzero(claimed[sighting.explained]))
 
 
-def _is_convincing(sighting: Sighting, claimed: np.ndarray) -> bool:
+def _explains(sighting: Sighting, claimed: np.ndarray, consistent: float) -> bool:
+    """Whether enough is explained that is not claimed; `consistent` see `CONVINCING`."""
     explained = int(np.count_nonzero(~claimed[sighting.explained]))
-    against = len(sighting.violated)
     return (
         explained >= LEAST_PIXELS
         and explained >= LEAST_VISIBLE * sighting.shown
-        and explained >= LEAST_CONSISTENT * (explained + against)
+        and explained >= consistent * (explained + len(sighting.violated))
     )
 
 
@@ -87,9 +102,11 @@ def _overlap(surface: PartSurface, pose: Floats, other: Floats) -> bool:
     """Whether the part at one pose reaches into itself at another."""
     between = np.linalg.inv(other) @ pose
     points = surface.coarse.points @ between[:3, :3].T + between[:3, 3]
-    if not surface.is_closed or np.linalg.norm(
-        between[:3, :3] @ surface.middle + between[:3, 3] - surface.middle
-    ) > surface.diameter:
+    if (
+        not surface.is_closed
+        or np.linalg.norm(between[:3, :3] @ surface.middle + between[:3, 3] - surface.middle)
+        > surface.diameter
+    ):
         return False
     inside = surface.scene.compute_signed_distance(o3d.core.Tensor(points.astype(np.float32)))
     return float(np.mean(inside.numpy() < -DEEP * surface.diameter)) > MOST_DEEP

@@ -59,9 +59,7 @@ def voted_poses(maps: DepthMap, surface: PartSurface, tolerance: float, *, seed:
     return poses[kept]
 
 
-def fitted_poses(
-    maps: DepthMap, surface: PartSurface, poses: Floats, tolerance: float
-) -> Floats:
+def fitted_poses(maps: DepthMap, surface: PartSurface, poses: Floats, tolerance: float) -> Floats:
     """The poses (k, 4, 4) after a first fit, best first, those that became one only once."""
     poses, errors = refine(maps, poses, surface.coarse, WIDE_GATES * tolerance)
     poses = poses[np.isfinite(errors)]
@@ -94,9 +92,7 @@ def variants(maps: DepthMap, surface: PartSurface, pose: Floats, tolerance: floa
     return refine(maps, poses[kept], surface.fine, NARROW_GATES * tolerance)[0]
 
 
-def _values(
-    maps: DepthMap, poses: Floats, model: OrientedPoints, tolerance: float
-) -> Floats:
+def _values(maps: DepthMap, poses: Floats, model: OrientedPoints, tolerance: float) -> Floats:
     """How good the poses (k, 4, 4) look at a quick glance, (k,), at most 1."""
     support, violation, occlusion = quick_scores(maps, poses, model, tolerance).T
     return support - violation - 0.2 * occlusion

@@ -1,12 +1,14 @@
 """Finding the parts in a scan: hypotheses by voting, fits, and verification by ray-casting."""
 
 from collections.abc import Callable
+from itertools import count
 
 import numpy as np
 import pinocchio as pin
 
 from workbench.model.cell import Cell
 from workbench.model.errors import JobCancelled
+from workbench.model.geometry import Floats
 from workbench.model.part import Part
 from workbench.model.scan import Detection, Scan
 from workbench.perception.assessment import Assessment, assess
@@ -71,9 +73,7 @@ def localize(
     step(0.0, f"prepare {part.name}")
     surface = prepare(part)
     step(0.2, "map the scan")
-    maps = make_map(
-        scan, cell.bin, size=surface.diameter, pitch=surface.diameter / PIXELS_ACROSS
-    )
+    maps = make_map(scan, cell.bin, size=surface.diameter, pitch=surface.diameter / PIXELS_ACROSS)
     if maps is None:
         return ()
     tolerance = _tolerance(surface, cell, scan)
@@ -84,13 +84,17 @@ def localize(
     T_scanner_bin = scan.T_world_scanner.inverse() * cell.bin.T_world_bin
     poses = np.array([p for p in poses if is_in_bin(surface, p, T_scanner_bin, cell.bin)])
     step(0.6, "verify")
-    chosen = choose(maps, surface, _hypotheses(maps, surface, poses, tolerance))
-    found: list[Detection] = []
-    for number, hypothesis in enumerate(chosen):
-        step(0.7 + 0.3 * number / len(chosen), f"look closely at part {number + 1}")
-        assessed = assess(maps, surface, hypothesis.pose, tolerance)
-        found.append(_detection(part, scan, assessed))
-    return tuple(sorted(found, key=lambda detection: -detection.score))
+    hypotheses = _hypotheses(maps, surface, poses, tolerance)
+    looks = count(1)
+
+    def assess_next(pose: Floats) -> Assessment:
+        number = next(looks)
+        step(1.0 - 0.3 * 0.8**number, f"look closely at place {number}")
+        return assess(maps, surface, pose, tolerance)
+
+    found = choose(maps, surface, hypotheses, assess_next)
+    detections = (_detection(part, scan, assessed) for assessed in found)
+    return tuple(sorted(detections, key=lambda detection: -detection.score))
 
 
 def _tolerance(surface: PartSurface, cell: Cell, scan: Scan) -> float:

@@ -14,6 +14,9 @@ from workbench.perception.camera import Pinhole
 FLOOR_GATE = 0.0015
 """[m] Points lower than this above the bin's floor, or nearer to a wall, are the bin."""
 
+BELOW = 0.02
+"""[m] Points deeper than this under the bin's floor are no part of the scene."""
+
 POINTS_A_PIXEL = 2.0
 """The pixels are made so large that they hold this many points on average, or more."""
 
@@ -70,7 +73,8 @@ def make_map(scan: Scan, bin: Bin, *, size: float, pitch: float) -> DepthMap | N
         The map, or None when no point of the scan lies in the bin.
     """
     T_bin_scanner = bin.T_world_bin.inverse() * scan.T_world_scanner
-    points = scan.points[_near_bin(scan.points, T_bin_scanner, bin, size)]
+    reach = np.array([*(bin.size[:2] / 2 + bin.wall), bin.size[2] + size])
+    points = scan.points[_near_bin(scan.points, T_bin_scanner.homogeneous, reach)]
     corners = _corners(bin, T_bin_scanner.inverse())
     if len(points) == 0 or corners[:, 2].min() <= 0:
         return None
@@ -96,19 +100,24 @@ def _corners(bin: Bin, T_scanner_bin: pin.SE3) -> Floats:
     return (signs * bin.size) @ T_scanner_bin.rotation.T + T_scanner_bin.translation
 
 
-def _near_bin(points: Floats, T_bin_scanner: pin.SE3, bin: Bin, size: float) -> np.ndarray:
-    """Points of the bin and of what is in it, so that stray ones hide nothing."""
-    p_bin = points @ T_bin_scanner.rotation.T + T_bin_scanner.translation
-    across = np.abs(p_bin[:, :2]) <= bin.size[:2] / 2 + bin.wall
-    height = p_bin[:, 2]
-    return across.all(axis=1) & (height >= -0.02) & (height <= bin.size[2] + size)
-
-
 def _inside(points: Floats, T_bin_scanner: pin.SE3, bin: Bin, size: float) -> np.ndarray:
     p_bin = points @ T_bin_scanner.rotation.T + T_bin_scanner.translation
     across = np.abs(p_bin[..., :2]) <= bin.size[:2] / 2 - FLOOR_GATE
     height = p_bin[..., 2]
     return across.all(axis=-1) & (height >= FLOOR_GATE) & (height <= bin.size[2] + size)
+
+
+@njit(cache=True)
+def _near_bin(points, T, reach):  # pragma: no cover (compiled)
+    """Points of the bin and of what is in it, so that stray ones hide nothing."""
+    near = np.zeros(len(points), np.bool_)
+    for k in range(len(points)):
+        p = points[k]
+        x = T[0, 0] * p[0] + T[0, 1] * p[1] + T[0, 2] * p[2] + T[0, 3]
+        y = T[1, 0] * p[0] + T[1, 1] * p[1] + T[1, 2] * p[2] + T[1, 3]
+        z = T[2, 0] * p[0] + T[2, 1] * p[1] + T[2, 2] * p[2] + T[2, 3]
+        near[k] = abs(x) <= reach[0] and abs(y) <= reach[1] and -BELOW <= z <= reach[2]
+    return near
 
 
 @njit(cache=True)

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import open3d as o3d
+from numba import njit
 
 from workbench.model.geometry import Floats, frozen, put
 from workbench.perception.maps import DepthMap
@@ -12,8 +13,11 @@ from workbench.perception.part_surface import PartSurface
 AGREEING = 0.5
 """Cosine between predicted and measured normal above which a pixel is explained."""
 
-VIOLATED = 2.0
-"""What a pixel where the scan looks through the part counts against one it explains."""
+AGAINST = 2.0
+"""What a pixel where the scan looks through the part counts against one that it explains."""
+
+MISSED, EXPLAINED, VIOLATED, HIDDEN = 0, 1, 2, 3
+"""What a ray says of a pose; see `Sighting`."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -52,7 +56,7 @@ class Sighting:
     @property
     def gain(self) -> float:
         """Pixels that speak for the pose less those that speak against it."""
-        return len(self.explained) - VIOLATED * len(self.violated)
+        return len(self.explained) - AGAINST * len(self.violated)
 
     @property
     def score(self) -> float:
@@ -76,63 +80,113 @@ def look(
         tolerance: [m] how far from the predicted surface a measured point may lie.
         stride: 2 for every second pixel of every second row, and so on.
     """
-    windows = [_window(maps, surface, pose, stride) for pose in poses]
-    if not windows:
+    if len(poses) == 0:
         return []
-    rays = [
-        _rays_in_part(maps.rays.reshape(-1, 3)[window], pose)
-        for window, pose in zip(windows, poses, strict=True)
-    ]
-    hits = surface.scene.cast_rays(o3d.core.Tensor(np.concatenate(rays)))
-    ends = np.cumsum([len(window) for window in windows])[:-1]
-    depths = np.split(hits["t_hit"].numpy(), ends)
-    normals = np.split(hits["primitive_normals"].numpy(), ends)
-    return [
-        _sorted_out(maps, window, depth, normal @ pose[:3, :3].T, tolerance)
-        for window, depth, normal, pose in zip(windows, depths, normals, poses, strict=True)
-    ]
+    poses = np.ascontiguousarray(poses)
+    windows = _windows(maps.camera.shape, *maps.view, poses, surface.coarse.points)
+    pixels, ends, rays = _rays_in_part(maps.rays, poses, windows, stride)
+    hits = surface.scene.cast_rays(o3d.core.Tensor(rays))
+    states, off = _states(
+        maps.rays, maps.depth, maps.normals, maps.foreground, poses, pixels, ends,
+        hits["t_hit"].numpy(), hits["primitive_normals"].numpy(), tolerance,
+    )  # fmt: skip
+    sightings: list[Sighting] = []
+    for start, end in zip([0, *ends[:-1]], ends, strict=True):
+        state, pixel = states[start:end], pixels[start:end]
+        explained = state == EXPLAINED
+        sightings.append(
+            Sighting(
+                pixel[explained],
+                off[start:end][explained],
+                pixel[state == VIOLATED],
+                pixel[state == HIDDEN],
+            )
+        )
+    return sightings
 
 
-def _window(maps: DepthMap, surface: PartSurface, pose: Floats, stride: int) -> np.ndarray:
-    """Flat indices of the pixels in the rectangle around the part."""
-    rows, columns = maps.camera.shape
-    points = surface.coarse.points @ pose[:3, :3].T + pose[:3, 3]
-    z = np.maximum(points[:, 2], 1e-6)
-    image = points[:, :2] / z[:, None] * maps.camera.focal + maps.camera.centre
-    low = np.floor(image.min(axis=0)).astype(int) - 2
-    high = np.ceil(image.max(axis=0)).astype(int) + 3
-    u = np.arange(max(low[0], 0), min(high[0], columns), stride)
-    v = np.arange(max(low[1], 0), min(high[1], rows), stride)
-    return (v[:, None] * columns + u).ravel()
+@njit(cache=True)
+def _windows(shape, focal, column, row, poses, points):  # pragma: no cover (compiled)
+    """First and last (exclusive) row and column (k, 4) around the part at each pose."""
+    windows = np.empty((len(poses), 4), np.int64)
+    for k in range(len(poses)):
+        T = poses[k]
+        low_u, high_u, low_v, high_v = np.inf, -np.inf, np.inf, -np.inf
+        for p in points:
+            z = T[2, 0] * p[0] + T[2, 1] * p[1] + T[2, 2] * p[2] + T[2, 3]
+            if z <= 0.0:
+                continue
+            x = (T[0, 0] * p[0] + T[0, 1] * p[1] + T[0, 2] * p[2] + T[0, 3]) / z
+            y = (T[1, 0] * p[0] + T[1, 1] * p[1] + T[1, 2] * p[2] + T[1, 3]) / z
+            low_u, high_u = min(low_u, x), max(high_u, x)
+            low_v, high_v = min(low_v, y), max(high_v, y)
+        if low_u > high_u:  # wholly behind the scanner
+            windows[k] = 0
+            continue
+        windows[k, 0] = min(max(int(low_v * focal + row) - 2, 0), shape[0])
+        windows[k, 1] = min(max(int(high_v * focal + row) + 4, 0), shape[0])
+        windows[k, 2] = min(max(int(low_u * focal + column) - 2, 0), shape[1])
+        windows[k, 3] = min(max(int(high_u * focal + column) + 4, 0), shape[1])
+    return windows
 
 
-def _rays_in_part(rays: Floats, pose: Floats) -> np.ndarray:
-    """Origin and direction (n, 6) in the part's frame; their parameter is the depth."""
-    directions = rays @ pose[:3, :3]
-    origin = -pose[:3, :3].T @ pose[:3, 3]
-    return np.concatenate(
-        [np.broadcast_to(origin, directions.shape), directions], axis=1
-    ).astype(np.float32)
+@njit(cache=True)
+def _rays_in_part(rays, poses, windows, stride):  # pragma: no cover (compiled)
+    """For all windows one after the other: pixels (n,), ends of windows (k,), rays (n, 6).
+
+    Rays have origin and direction in the part's frame; their parameter is the depth.
+    """
+    ends = np.empty(len(poses), np.int64)
+    total = 0
+    for k in range(len(poses)):
+        high = max(0, (windows[k, 1] - windows[k, 0] + stride - 1) // stride)
+        wide = max(0, (windows[k, 3] - windows[k, 2] + stride - 1) // stride)
+        total += high * wide
+        ends[k] = total
+    pixels = np.empty(total, np.int64)
+    out = np.empty((total, 6), np.float32)
+    n = 0
+    for k in range(len(poses)):
+        T = poses[k]
+        for v in range(windows[k, 0], windows[k, 1], stride):
+            for u in range(windows[k, 2], windows[k, 3], stride):
+                pixels[n] = v * rays.shape[1] + u
+                for i in range(3):
+                    out[n, i] = -(T[0, i] * T[0, 3] + T[1, i] * T[1, 3] + T[2, i] * T[2, 3])
+                    out[n, 3 + i] = T[0, i] * rays[v, u, 0] + T[1, i] * rays[v, u, 1] + T[2, i]
+                n += 1
+    return pixels, ends, out
 
 
-def _sorted_out(
-    maps: DepthMap, window: np.ndarray, predicted: Floats, normals: Floats, tolerance: float
-) -> Sighting:
-    hit = np.isfinite(predicted)
-    pixels, predicted, normals = window[hit], predicted[hit], normals[hit]
-    rays = maps.rays.reshape(-1, 3)[pixels]
-    measured = maps.depth.ravel()[pixels]
-    normals = normals * -np.sign(np.sum(normals * rays, axis=1))[:, None]
-    # Along the predicted normal; positive is nearer to the scanner than the surface.
-    off = np.sum(normals * rays, axis=1) * (measured - predicted)
-    agreeing = np.sum(normals * maps.normals.reshape(-1, 3)[pixels], axis=1) > AGREEING
-    known = measured > 0
-    on_surface = known & (np.abs(off) <= tolerance)
-    explained = on_surface & agreeing & maps.foreground.ravel()[pixels]
-    violated = known & (off < -tolerance)
-    return Sighting(
-        explained=pixels[explained],
-        off=off[explained],
-        violated=pixels[violated],
-        hidden=pixels[~explained & ~violated],
-    )
+@njit(cache=True)
+def _states(
+    rays, depth, scan_normals, foreground, poses, pixels, ends, predicted, normals, tolerance
+):  # pragma: no cover (compiled)
+    """What each ray says (n,), and how far off the surface its measurement is (n,) [m]."""
+    states = np.full(len(pixels), MISSED, np.int8)
+    off = np.zeros(len(pixels))
+    k = 0
+    for n in range(len(pixels)):
+        while n >= ends[k]:
+            k += 1
+        if not np.isfinite(predicted[n]):
+            continue
+        v, u = pixels[n] // depth.shape[1], pixels[n] % depth.shape[1]
+        states[n] = HIDDEN
+        if depth[v, u] == 0.0:
+            continue
+        along, agreement = 0.0, 0.0
+        for i in range(3):
+            turned = 0.0
+            for j in range(3):
+                turned += poses[k, i, j] * normals[n, j]
+            along += turned * rays[v, u, i]
+            agreement += turned * scan_normals[v, u, i]
+        facing = 1.0 if along < 0.0 else -1.0
+        # Along the normal that faces the scanner; negative is behind the surface.
+        off[n] = -abs(along) * (depth[v, u] - predicted[n])
+        if off[n] < -tolerance:
+            states[n] = VIOLATED
+        elif off[n] <= tolerance and foreground[v, u] and facing * agreement > AGREEING:
+            states[n] = EXPLAINED
+    return states, off
