@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from workbench.gui.solids import by_colour, rgb, triangles_of, with_hard_edges
+from workbench.formats.triangles import triangles_of
+from workbench.gui.solids import by_colour, rgb, with_hard_edges
 from workbench.model.geometry import Box, Capsule, Cylinder, Mesh, Solid, Sphere, pose_from_rpy
 
 HERE = pose_from_rpy((0, 0, 0))

@@ -3,6 +3,7 @@
 import numpy as np
 import viser
 
+from workbench.formats.triangles import triangles_of
 from workbench.gui.candidate import DrawnCandidates
 from workbench.gui.colours import (
     BESIDE_BIN,
@@ -15,7 +16,7 @@ from workbench.gui.colours import (
 from workbench.gui.look import View
 from workbench.gui.playback import Run, joint_values, moments, part_poses, tcp_path
 from workbench.gui.robot import DrawnRobot, place
-from workbench.gui.solids import triangles_of, with_hard_edges
+from workbench.gui.solids import with_hard_edges
 from workbench.gui.surroundings import add_surroundings, aim_camera, paint_background
 from workbench.model.cell import Cell
 from workbench.model.geometry import Floats

@@ -2,48 +2,19 @@
 
 from collections import defaultdict
 from collections.abc import Iterable
-from typing import assert_never
 
 import numpy as np
 import pinocchio as pin
 import trimesh
 
-from workbench.model.geometry import (
-    Box,
-    Capsule,
-    Cylinder,
-    Floats,
-    Ints,
-    Mesh,
-    Shape,
-    Solid,
-    Sphere,
-)
+from workbench.formats.triangles import joined, triangles_of
+from workbench.model.geometry import Floats, Ints, Solid
 
 Colour = tuple[int, int, int]
 """Red, green, blue, 0..255."""
 
 SHARP = np.deg2rad(35.0)
 """Edges that turn more than this are drawn as edges, others as smooth surface."""
-
-
-def triangles_of(shape: Shape) -> trimesh.Trimesh:
-    """The surface of a shape in its own frame [m]."""
-    match shape:
-        case Box(size=size):
-            return trimesh.creation.box(extents=np.array(size))
-        case Cylinder(radius=radius, length=length):
-            return trimesh.creation.cylinder(radius, length, sections=48)
-        case Capsule(radius=radius, length=length):
-            capsule = trimesh.creation.capsule(length, radius, count=(24, 24))
-            capsule.apply_translation([0.0, 0.0, -capsule.bounds.mean(axis=0)[2]])
-            return capsule
-        case Sphere(radius=radius):
-            return trimesh.creation.icosphere(3, radius)
-        case Mesh(points=points, triangles=triangles):
-            return trimesh.Trimesh(np.array(points), np.array(triangles), process=False)
-        case _:
-            assert_never(shape)
 
 
 def with_hard_edges(surface: trimesh.Trimesh) -> tuple[Floats, Ints]:
@@ -67,18 +38,6 @@ def by_colour(
         surface.apply_transform(pose.homogeneous)
         groups[rgb(solid.colour)].append(surface)
     return [(colour, *with_hard_edges(joined(surfaces))) for colour, surfaces in groups.items()]
-
-
-def joined(surfaces: list[trimesh.Trimesh]) -> trimesh.Trimesh:
-    """Several surfaces as one."""
-    offsets = np.cumsum([0, *(len(surface.vertices) for surface in surfaces)])
-    return trimesh.Trimesh(
-        np.concatenate([surface.vertices for surface in surfaces]),
-        np.concatenate(
-            [surface.faces + shift for surface, shift in zip(surfaces, offsets, strict=False)]
-        ),
-        process=False,
-    )
 
 
 def rgb(colour: tuple[float, float, float]) -> Colour:
