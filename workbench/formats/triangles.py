@@ -1,0 +1,50 @@
+"""Solids as triangles: for drawing, and for programs that know nothing but meshes."""
+
+from collections.abc import Iterable
+from typing import assert_never
+
+import numpy as np
+import trimesh
+
+from workbench.model.geometry import Box, Capsule, Cylinder, Mesh, Shape, Solid, Sphere
+
+
+def triangles_of(shape: Shape) -> trimesh.Trimesh:
+    """The surface of a shape in its own frame [m]."""
+    match shape:
+        case Box(size=size):
+            return trimesh.creation.box(extents=np.array(size))
+        case Cylinder(radius=radius, length=length):
+            return trimesh.creation.cylinder(radius, length, sections=48)
+        case Capsule(radius=radius, length=length):
+            capsule = trimesh.creation.capsule(length, radius, count=(24, 24))
+            capsule.apply_translation([0.0, 0.0, -capsule.bounds.mean(axis=0)[2]])
+            return capsule
+        case Sphere(radius=radius):
+            return trimesh.creation.icosphere(3, radius)
+        case Mesh(points=points, triangles=triangles):
+            return trimesh.Trimesh(np.array(points), np.array(triangles), process=False)
+        case _:
+            assert_never(shape)
+
+
+def joined(surfaces: list[trimesh.Trimesh]) -> trimesh.Trimesh:
+    """Several surfaces as one."""
+    offsets = np.cumsum([0, *(len(surface.vertices) for surface in surfaces)])
+    return trimesh.Trimesh(
+        np.concatenate([surface.vertices for surface in surfaces]),
+        np.concatenate(
+            [surface.faces + shift for surface, shift in zip(surfaces, offsets, strict=False)]
+        ),
+        process=False,
+    )
+
+
+def surface_of(solids: Iterable[Solid]) -> trimesh.Trimesh:
+    """All solids of one body as one surface in the body's frame [m]."""
+    surfaces: list[trimesh.Trimesh] = []
+    for solid in solids:
+        surface = triangles_of(solid.shape)
+        surface.apply_transform(solid.T_owner_shape.homogeneous)
+        surfaces.append(surface)
+    return joined(surfaces)
