@@ -5,6 +5,7 @@ from typing import assert_never
 
 import numpy as np
 import trimesh
+from trimesh.exchange.stl import export_stl
 
 from workbench.model.geometry import Box, Capsule, Cylinder, Mesh, Shape, Solid, Sphere
 
@@ -48,3 +49,8 @@ def surface_of(solids: Iterable[Solid]) -> trimesh.Trimesh:
         surface.apply_transform(solid.T_owner_shape.homogeneous)
         surfaces.append(surface)
     return joined(surfaces)
+
+
+def stl_of(surface: trimesh.Trimesh) -> bytes:
+    """A surface as the content of a binary STL file [m]."""
+    return export_stl(surface)

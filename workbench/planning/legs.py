@@ -1,6 +1,8 @@
 """What is true in the world during each leg of an arm: said once, for planner and proof."""
 
-from workbench.model.plan import ArmPlan, LegName
+from collections.abc import Iterator
+
+from workbench.model.plan import ArmPlan, Leg, LegName, Plan
 from workbench.planning.pairing import Phase
 
 STRAIGHT: frozenset[LegName] = frozenset({"approach", "extract"})
@@ -32,3 +34,15 @@ def phase_of(arm_plan: ArmPlan, name: LegName, opening: float, gone: frozenset[i
         target=arm_plan.detection if name in TARGETED else None,
         straight=name in STRAIGHT,
     )
+
+
+def phases_of(plan: Plan) -> Iterator[tuple[ArmPlan, Leg, Phase]]:
+    """The legs of a plan that moves one arm at a time, in its order, each with its phase."""
+    gone: frozenset[int] = frozenset()
+    for step in plan.sequence:
+        for arm, name in step.runs:
+            arm_plan = plan.arm(arm)
+            leg = arm_plan.leg(name)
+            yield arm_plan, leg, phase_of(arm_plan, leg.name, leg.opening, gone)
+            if leg.name == "home":
+                gone = gone | {arm_plan.detection}

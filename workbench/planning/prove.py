@@ -13,8 +13,9 @@ from workbench.model.cell import Arm, Cell
 from workbench.model.geometry import Floats
 from workbench.model.plan import LEG_NAMES, ArmPlan, Finding, Guarantee, Leg, LegName, Plan, Proof
 from workbench.planning.chain import chain_of
-from workbench.planning.legs import HOLDING, STRAIGHT, phase_of
+from workbench.planning.legs import HOLDING, STRAIGHT, phases_of
 from workbench.planning.motion import RESOLUTION, WIRE_STEP, curves_of, first_contact
+from workbench.planning.pairing import Phase
 from workbench.planning.world import World
 
 IN_HAND_TOLERANCE = 0.001
@@ -35,7 +36,7 @@ def prove(cell: Cell, plan: Plan, *, resolution: float = RESOLUTION) -> Proof:
     Returns:
         A proof; `holds` is True when there is no finding.
     """
-    findings = list(_form(cell, plan))
+    findings = list(form_findings(cell, plan))
     can_walk = not findings
     if can_walk:
         findings = [
@@ -49,19 +50,13 @@ def prove(cell: Cell, plan: Plan, *, resolution: float = RESOLUTION) -> Proof:
     clearance, checks = SIGHT, 0
     if can_walk:
         world = World(cell, plan.detections)
-        gone: frozenset[int] = frozenset()
-        for step in plan.sequence:
-            arm_name, leg_name = step.runs[0]
-            arm_plan = plan.arm(arm_name)
-            leg = arm_plan.leg(leg_name)
-            finding, distances, closest = _walk(world, arm_plan, leg, gone, resolution)
+        for arm_plan, leg, phase in phases_of(plan):
+            finding, distances, closest = _walk(world, arm_plan.arm, leg, phase, resolution)
             if finding is not None:
                 findings.append(finding)
-            clearances.append((arm_name, leg_name, distances))
-            if leg_name not in STRAIGHT and closest is not None and distances.min() < clearance:
+            clearances.append((arm_plan.arm, leg.name, distances))
+            if leg.name not in STRAIGHT and closest is not None and distances.min() < clearance:
                 clearance, nearest = float(distances.min()), closest
-            if leg_name == "home":
-                gone = gone | {arm_plan.detection}
         checks = world.checks
     return Proof(
         plan_digest=plan.digest,
@@ -77,12 +72,11 @@ def prove(cell: Cell, plan: Plan, *, resolution: float = RESOLUTION) -> Proof:
 
 
 def _walk(
-    world: World, arm_plan: ArmPlan, leg: Leg, gone: frozenset[int], resolution: float
+    world: World, name: str, leg: Leg, phase: Phase, resolution: float
 ) -> tuple[Finding | None, Floats, Finding | None]:
     """One leg as executed: the first finding, clearance at each waypoint, and the closest."""
-    name = arm_plan.arm
     columns, base = world.kinematics.columns[name], world.configuration({})
-    world.enter(phase_of(arm_plan, leg.name, leg.opening, gone))
+    world.enter(phase)
     if leg.name == "extract":
         world.allow_start_contacts(world.configuration({name: leg.q[0]}))
     finding: Finding | None = None
@@ -109,7 +103,7 @@ def _walk(
     return finding, np.array(distances), closest
 
 
-def _form(cell: Cell, plan: Plan) -> Iterator[Finding]:
+def form_findings(cell: Cell, plan: Plan) -> Iterator[Finding]:
     """What must be right before the plan can be walked through at all."""
     if plan.cell_digest != cell.digest:
         yield Finding("the plan was made for another cell, or the cell has changed since")
