@@ -1,31 +1,13 @@
 """Solids as triangles."""
 
 import numpy as np
-import pytest
 
 from workbench.formats.triangles import triangles_of
 from workbench.gui.solids import by_colour, rgb, with_hard_edges
-from workbench.model.geometry import Box, Capsule, Cylinder, Mesh, Solid, Sphere, pose_from_rpy
+from workbench.model.geometry import Box, Solid, Sphere, pose_from_rpy
 
 HERE = pose_from_rpy((0, 0, 0))
 SIZE = np.array([0.2, 0.4, 0.6])
-
-
-@pytest.mark.parametrize(
-    ("shape", "extents"),
-    [
-        (Box(SIZE), SIZE),
-        (Cylinder(0.1, 0.3), (0.2, 0.2, 0.3)),
-        (Capsule(0.1, 0.3), (0.2, 0.2, 0.5)),
-        (Sphere(0.1), (0.2, 0.2, 0.2)),
-        (Mesh(np.eye(3), np.array([[0, 1, 2]])), (1, 1, 1)),
-    ],
-)
-def test_a_shape_keeps_its_size_and_centre(shape, extents):
-    surface = triangles_of(shape)
-    np.testing.assert_allclose(surface.extents, extents, rtol=0.01)
-    if not isinstance(shape, Mesh):
-        np.testing.assert_allclose(surface.bounds.mean(axis=0), 0, atol=1e-3)
 
 
 def test_a_box_gets_a_point_for_each_side_of_each_corner():

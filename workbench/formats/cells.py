@@ -1,5 +1,6 @@
 """`cell.toml` to a cell: millimetres and degrees in the file, metres and radians inside."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -23,7 +24,7 @@ from workbench.model.cell import (
 from workbench.model.errors import FileError, InputError
 from workbench.model.geometry import Floats
 from workbench.model.part import Part
-from workbench.model.robot import Robot
+from workbench.model.robot import Link, Robot
 
 ARM_NAMES = ("right", "left")
 
@@ -56,7 +57,7 @@ def read_cell(name: str | Path) -> Cell:
         controller=_controller(table.table("controller"))
         if table.has("controller")
         else Controller(),
-        parts=tuple(_part(path, part) for part in table.texts("parts")),
+        parts=tuple(_part(table, name) for name in table.texts("parts")),
         fixtures=tuple(_fixture(fixture) for fixture in table.tables("fixture")),
         policy=_policy(table.table("policy")) if table.has("policy") else Policy(),
     )
@@ -66,10 +67,14 @@ def read_cell(name: str | Path) -> Cell:
     return cell
 
 
-def _part(cell_file: Path, name: str) -> Part:
+def _part(table: Table, name: str) -> Part:
     """A part named in a cell file: a path beside it, or a name under `parts/`."""
-    beside = cell_file.parent / name
-    return read_part(beside if beside.exists() else name)
+    beside = table.path.parent / name
+    try:
+        place = beside if beside.exists() else find("parts", name)
+    except FileError as error:
+        raise table.error("parts", str(error)) from None
+    return read_part(place)
 
 
 def _robot(table: Table) -> Robot:
@@ -79,6 +84,13 @@ def _robot(table: Table) -> Robot:
         collision=table.text("collision", "as_is", among=("as_is", "hull")),  # type: ignore[arg-type]
         hull_except=table.texts("hull_except", ()),
     )
+    for name in table.texts("without_geometry", ()):
+        if name not in {link.name for link in robot.links}:
+            raise table.error("without_geometry", f"{name!r} is no link of the URDF")
+        robot = replace(
+            robot,
+            links=tuple(Link(name) if link.name == name else link for link in robot.links),
+        )
     if not table.has("srdf"):
         return robot
     srdf = folder / table.text("srdf")
@@ -88,7 +100,7 @@ def _robot(table: Table) -> Robot:
         for link in pair:
             if link not in known:
                 raise FileError(srdf, f"names link {link!r}, which the URDF does not have")
-    return Robot(robot.name, robot.links, robot.joints, pairs)
+    return replace(robot, disabled_pairs=pairs)
 
 
 def _tool(table: Table) -> Tool:

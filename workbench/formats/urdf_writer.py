@@ -1,6 +1,5 @@
 """A robot as a URDF file with one STL mesh a link, as other tools read it."""
 
-import math
 import xml.etree.ElementTree as ElementTree
 from pathlib import Path
 
@@ -74,9 +73,7 @@ def numbers(values: Floats) -> str:
 
 
 def _joint_element(joint: Joint) -> ElementTree.Element:
-    turns_freely = joint.kind == "revolute" and joint.upper - joint.lower >= 4 * math.pi
-    kind = "continuous" if turns_freely else joint.kind
-    element = ElementTree.Element("joint", name=joint.name, type=kind)
+    element = ElementTree.Element("joint", name=joint.name, type=joint.kind)
     ElementTree.SubElement(element, "parent", link=joint.parent)
     ElementTree.SubElement(element, "child", link=joint.child)
     T = joint.T_parent_joint

@@ -1,0 +1,59 @@
+"""The public description of the YuMi, real meshes and all, and poses as HALCON writes them."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from workbench.app.commands import PlanResult
+from workbench.app.pick import plan_pick
+from workbench.formats.cells import read_cell
+from workbench.formats.poses import read_poses
+from workbench.model.candidate import Reason
+from workbench.model.cell import Cell
+from workbench.planning.kinematics import Kinematics
+from workbench.planning.prove import prove
+
+FOLDER = Path(__file__).resolve().parents[1] / "cells" / "public_yumi"
+DESCRIPTION = (FOLDER / "../../../../shared/data/yumi/yumi.urdf").resolve()
+
+pytestmark = pytest.mark.skipif(
+    not DESCRIPTION.exists(), reason=f"the public YuMi description is not at {DESCRIPTION}"
+)
+
+
+@pytest.fixture(scope="module")
+def cell() -> Cell:
+    return read_cell(FOLDER)
+
+
+@pytest.fixture(scope="module")
+def result(cell: Cell) -> PlanResult:
+    return plan_pick(cell, read_poses(FOLDER / "Poses.txt", "keyed_cylinder"), "poses", seed=0)
+
+
+def test_both_parts_are_taken_and_the_plan_is_proven(cell: Cell, result: PlanResult) -> None:
+    assert result.plan is not None, result.verdict
+    assert {arm.arm for arm in result.plan.arms} == {"right", "left"}
+    proof = prove(cell, result.plan)
+    assert proof.holds, proof.findings
+    assert proof.digest == result.proof.digest
+
+
+def test_every_candidate_has_a_verdict(result: PlanResult) -> None:
+    assert len(result.candidates) == 2 * 2 * 15
+    assert all(isinstance(candidate.verdict.reason, Reason) for candidate in result.candidates)
+
+
+def test_ours_is_the_same_machine(cell: Cell) -> None:
+    ours = read_cell("yumi")
+    theirs, mine = Kinematics(cell), Kinematics(ours)
+    draw = np.random.default_rng(1)
+    for arm, same in zip(cell.arms, ours.arms, strict=True):
+        lower, upper, velocity = cell.robot.limits(arm.joints)
+        np.testing.assert_allclose(
+            np.stack(ours.robot.limits(same.joints)), [lower, upper, velocity], atol=1e-3
+        )
+        for q in draw.uniform(lower, upper, (20, 7)):
+            off = theirs.tcp_pose(arm, q).translation - mine.tcp_pose(same, q).translation
+            assert np.linalg.norm(off) < 2e-4  # their fingers are 0.1 mm shorter
