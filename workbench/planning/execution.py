@@ -6,6 +6,7 @@ time-optimal path parameterization based on reachability analysis", IEEE T-RO 20
 """
 
 import logging
+from functools import lru_cache
 
 import numpy as np
 import toppra
@@ -82,10 +83,7 @@ def timed(path: Floats, velocity: Floats, acceleration: Floats, zone: float) -> 
         WorkbenchError: no timing exists, which means that the limits are not positive.
     """
     curve = RoundedPolyline(path, zone)
-    limits = [
-        constraint.JointVelocityConstraint(np.column_stack([-velocity, velocity])),
-        constraint.JointAccelerationConstraint(np.column_stack([-acceleration, acceleration])),
-    ]
+    limits = _limits(tuple(velocity.tolist()), tuple(acceleration.tolist()))
     grid = np.linspace(0.0, len(path) - 1, GRID * (len(path) - 1) + 1)
     solver = algorithm.TOPPRA(limits, curve, gridpoints=grid, solver_wrapper="seidel")
     speeds = solver.compute_parameterization(0.0, 0.0)[1]
@@ -93,3 +91,15 @@ def timed(path: Floats, velocity: Floats, acceleration: Floats, zone: float) -> 
         raise WorkbenchError("a leg has no timing within the arm's speed and acceleration limits")
     steps = 2 * np.diff(grid) / np.maximum(speeds[1:] + speeds[:-1], 1e-9)
     return np.concatenate([[0.0], np.cumsum(steps)])[::GRID]
+
+
+@lru_cache(maxsize=32)
+def _limits(
+    velocity: tuple[float, ...], acceleration: tuple[float, ...]
+) -> list[constraint.Constraint]:
+    """The constraints of an arm; making them takes longer than using them."""
+    most, push = np.array(velocity), np.array(acceleration)
+    return [
+        constraint.JointVelocityConstraint(np.column_stack([-most, most])),
+        constraint.JointAccelerationConstraint(np.column_stack([-push, push])),
+    ]

@@ -8,7 +8,11 @@ import pinocchio as pin
 
 from workbench.model.cell import Cell
 from workbench.model.geometry import Bools, Floats, Ints
-from workbench.planning.bodies import Body
+from workbench.planning.bodies import Body, pairs_of
+from workbench.planning.kinematics import Kinematics
+
+MOST_PAIRINGS = 16
+"""Kept for cells and numbers of parts that come again."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,12 +56,12 @@ class Checks:
 class Pairing:
     """The rules by which pairs count, worked out once for each kind of phase.
 
-    Lifetime: that of its world.
+    Where the parts lie changes nothing in them, so worlds share it: see `pairing_of`.
     """
 
-    def __init__(self, cell: Cell, bodies: list[Body], meets: Bools, parents: Ints) -> None:
-        """Args: bodies, which of them can meet (b, b), and the parent of every joint."""
-        self.first, self.second = np.nonzero(meets)
+    def __init__(self, cell: Cell, kinematics: Kinematics, bodies: list[Body]) -> None:
+        self.meets = pairs_of(cell, kinematics, bodies)
+        self.first, self.second = np.nonzero(self.meets)
         self._policy = cell.policy
         self._arm = {arm.name: index for index, arm in enumerate(cell.arms)}
         flanges = {arm.flange: index for index, arm in enumerate(cell.arms)}
@@ -67,6 +71,7 @@ class Pairing:
         self._hand = np.array(
             [body.arm if body.kind == "tool" else flanges.get(body.owner, -1) for body in bodies]
         )
+        parents = list(kinematics.model.parents)
         self._ancestors = np.zeros((len(parents), len(parents)), bool)
         for j in range(1, len(parents)):
             self._ancestors[j] = self._ancestors[parents[j]]
@@ -117,3 +122,18 @@ class Pairing:
         both = self._ancestors[joint[a]] & self._ancestors[joint[b]]
         commons = np.where(both, np.arange(both.shape[1]), 0).max(axis=1)
         return Checks(np.flatnonzero(counts), margins, own, commons)
+
+
+_PAIRINGS: dict[tuple[str, tuple[str, ...]], Pairing] = {}
+
+
+def pairing_of(
+    cell: Cell, parts: tuple[str, ...], kinematics: Kinematics, bodies: list[Body]
+) -> Pairing:
+    """The pairing of all worlds of this cell with found parts of these names, in this order."""
+    key = (cell.digest, parts)
+    if key not in _PAIRINGS:
+        while len(_PAIRINGS) >= MOST_PAIRINGS:
+            del _PAIRINGS[next(iter(_PAIRINGS))]
+        _PAIRINGS[key] = Pairing(cell, kinematics, bodies)
+    return _PAIRINGS[key]

@@ -9,11 +9,11 @@ import pinocchio as pin
 from workbench.model.cell import Arm, Cell
 from workbench.model.geometry import Floats, Ints
 from workbench.model.scan import Detection
-from workbench.planning.bodies import bodies_of, coal_shape, extent, pairs_of
+from workbench.planning.bodies import bodies_of, coal_shape, extent
 from workbench.planning.bounds import close_pairs
 from workbench.planning.chain import Chain, chain_of
 from workbench.planning.kinematics import Kinematics
-from workbench.planning.pairing import Pairing, Phase
+from workbench.planning.pairing import Phase, pairing_of
 
 LOOSENESS = 0.03
 """[m] By about this much the lower bound of a distance falls short; only a matter of speed."""
@@ -169,11 +169,12 @@ class World:
     def _close(
         self, q: Floats, d: Floats, extra: float, among: Ints | None
     ) -> tuple[Ints, Floats, Floats]:
+        """Pairs that may be closer than their margin and `extra`; see `close_pairs`.
+
+        What `_distance` measures is at `q` after it.
+        """
         self.checks += 1
-        pin.updateGeometryPlacements(
-            self.kinematics.model, self.kinematics.data, self._geometry, self._data, q
-        )
-        return close_pairs(
+        close = close_pairs(
             self._parents,
             self._R0,
             self._p0,
@@ -193,6 +194,11 @@ class World:
             self._checks.commons,
             extra,
         )
+        if len(close[0]):
+            pin.updateGeometryPlacements(
+                self.kinematics.model, self.kinematics.data, self._geometry, self._data, q
+            )
+        return close
 
     def _distance(self, k: int) -> float:
         return float(pin.computeDistance(self._geometry, self._data, k).min_distance)
@@ -250,8 +256,8 @@ class World:
         self._still = np.zeros(model.nq)
 
     def _make_pairs(self) -> None:
-        meets = pairs_of(self.cell, self.kinematics, self._bodies)
-        self._geometry.setCollisionPairs(meets, True)
+        parts = tuple(detection.part for detection in self.detections)
+        self._pairing = pairing_of(self.cell, parts, self.kinematics, self._bodies)
+        self._geometry.setCollisionPairs(self._pairing.meets, True)
         self._data = pin.GeometryData(self._geometry)
-        self._pairing = Pairing(self.cell, self._bodies, meets, self._parents)
         self._with_part = self._pairing.with_part
