@@ -69,6 +69,10 @@ def test_a_waypoint_in_the_wall_names_leg_pair_and_clearance(cell, result):
     assert finding.distance < cell.policy.margin
 
 
+def turned_in_hand(arm):
+    return replace(arm, T_tcp_part=pose_from_rpy((0, 0, 0), (0, 0, 0.1)) * arm.T_tcp_part)
+
+
 @pytest.mark.parametrize(
     ("bend", "says"),
     [
@@ -84,6 +88,7 @@ def test_a_waypoint_in_the_wall_names_leg_pair_and_clearance(cell, result):
         (lambda p: replace(p, arms=(replace(p.arms[0], arm="third"),)), "no arm 'third'"),
         (lambda p: replace(p, arms=(replace(p.arms[0], grasp="none"),)), "no grasp 'none'"),
         (lambda p: replace(p, arms=(replace(p.arms[0], legs=p.arms[0].legs[1:]),)), "legs are not"),
+        (lambda p: replace(p, arms=(turned_in_hand(p.arms[0]),)), "not in the hand as grasp"),
     ],
 )
 def test_a_plan_of_wrong_form_fails(cell, result, bend, says):
@@ -130,7 +135,7 @@ def nan(leg):
         (jump, "does not start where the arm stands"),
         (nan, "not a finite number"),
         (lambda leg: {"holding": False}, "in the hand"),
-        (lambda leg: {"opening": 0.2}, "outside the stroke"),
+        (lambda leg: {"opening": 0.2}, "fingers at 200.0 mm"),
         (lambda leg: {"t": leg.t[::-1].copy()}, "do not increase"),
         (lambda leg: {"t": leg.t * 1e-3}, "faster than the joints"),
         (lambda leg: {"q": leg.q[:, :5]}, "shape"),
@@ -142,12 +147,17 @@ def test_a_bent_leg_fails_with_its_reason(cell, result, change, says):
     assert says in text(proof)
 
 
-def test_a_part_that_is_elsewhere_fails(cell, result):
-    """The detection moved by 5 mm after planning: the hand would close beside it."""
+@pytest.mark.parametrize(
+    "moved",
+    [pose_from_rpy((0.005, 0, 0)), pose_from_rpy((0, 0, 0), (0, 0, 0.05))],
+    ids=["by 5 mm", "turned by 3 degrees"],
+)
+def test_a_part_that_is_elsewhere_fails(cell, result, moved):
+    """The hand would close beside it."""
     detections = list(result.plan.detections)
     number = result.plan.arms[0].detection
-    T = detections[number].T_world_part.copy()
-    T.translation = T.translation + [0.005, 0.0, 0.0]
-    detections[number] = replace(detections[number], T_world_part=T)
+    T_world_part = detections[number].T_world_part * moved
+    detections[number] = replace(detections[number], T_world_part=T_world_part)
     proof = prove(cell, replace(result.plan, detections=tuple(detections)))
     assert not proof.holds
+    assert "not where the hand closes" in text(proof)

@@ -1,7 +1,9 @@
-"""What is true in the world during each leg of an arm: said once, for planner and proof."""
+"""What holds for each leg and grip of an arm: said once, for planner and proof."""
 
+import math
 from collections.abc import Iterator
 
+from workbench.model.cell import Arm
 from workbench.model.plan import ArmPlan, Leg, LegName, Plan
 from workbench.planning.pairing import Phase
 
@@ -11,8 +13,24 @@ STRAIGHT: frozenset[LegName] = frozenset({"approach", "extract"})
 HOLDING: frozenset[LegName] = frozenset({"extract", "return", "place"})
 """Legs with the part in the hand; after `place` it is released."""
 
+FREE_STEP = math.radians(30.0)
+"""[rad] Grasps that may turn about the hand's axis are tried this far apart, or closer."""
+
 TARGETED: frozenset[LegName] = frozenset({"approach"})
 """Legs on which the tool goes around the part that it takes."""
+
+
+def grip_turns(arm: Arm, free_rotation: float = 0.0) -> list[float]:
+    """Turns of the hand about its own z [rad] that are the same grip, the authored one first.
+
+    Two fingers can change places; `free_rotation` [rad] either way is covered in steps.
+    """
+    count = math.ceil(free_rotation / FREE_STEP - 1e-9)
+    free = [0.0]
+    for k in range(1, count + 1):
+        free += [free_rotation * k / count, -free_rotation * k / count]
+    halves = (0.0, math.pi) if len(arm.tool.fingers) == 2 else (0.0,)
+    return [turn + half for turn in free for half in halves]
 
 
 def phase_of(arm_plan: ArmPlan, name: LegName, opening: float, gone: frozenset[int]) -> Phase:

@@ -6,11 +6,12 @@ import pinocchio as pin
 
 from workbench.model.candidate import Candidate, Reason, Stage, Verdict
 from workbench.model.cell import Arm, Cell
-from workbench.model.geometry import Floats
+from workbench.model.geometry import Floats, pose_from_rpy
 from workbench.model.part import Grasp
 from workbench.model.scan import Detection
 from workbench.planning.bodies import coal_shape, extent, part_label
 from workbench.planning.chain import chain_of
+from workbench.planning.legs import grip_turns
 
 TURN_WEIGHT = 0.1
 """[m/rad] What a turn of the hand counts against its way in the SE(3) index."""
@@ -148,6 +149,20 @@ def _first_verdict(
             note=f"opening {grasp.opening * 1e3:.0f} mm is outside the stroke "
             f"{low * 1e3:.0f}-{high * 1e3:.0f} mm",
         )
+    refusal: Verdict | None = None
+    for turn in grip_turns(arm, grasp.free_rotation):
+        turned = T_world_tcp * pose_from_rpy((0.0, 0.0, 0.0), (0.0, 0.0, turn))
+        verdict = _tool_verdict(check, number, grasp, arm, turned)
+        if verdict.is_ok:
+            return verdict
+        refusal = refusal or verdict
+    return refusal or Verdict(Reason.OK, Stage.PROPOSE)
+
+
+def _tool_verdict(
+    check: ToolCheck, number: int, grasp: Grasp, arm: Arm, T_world_tcp: pin.SE3
+) -> Verdict:
+    """Whether the tool fits there, with the fingers as on arrival and as closed."""
     ways = ((grasp.opening, 0.0), (grasp.grip, PRESS)) if arm.tool.fingers else ((0.0, 0.0),)
     for opening, press in ways:
         found = check.contact(arm, T_world_tcp, opening, number, press)

@@ -8,18 +8,19 @@ listed; a plan is approved only when there is nothing.
 from collections.abc import Iterator
 
 import numpy as np
+import pinocchio as pin
 
 from workbench.model.cell import Arm, Cell
-from workbench.model.geometry import Floats
+from workbench.model.geometry import Floats, pose_from_rpy
 from workbench.model.plan import LEG_NAMES, ArmPlan, Finding, Guarantee, Leg, LegName, Plan, Proof
 from workbench.planning.chain import chain_of
-from workbench.planning.legs import HOLDING, STRAIGHT, phases_of
+from workbench.planning.legs import HOLDING, STRAIGHT, grip_turns, phases_of
 from workbench.planning.motion import RESOLUTION, WIRE_STEP, curves_of, first_contact
 from workbench.planning.pairing import Phase
 from workbench.planning.world import World
 
-IN_HAND_TOLERANCE = 0.001
-"""[m] How far the part in the hand may be from where the detection and the grasp put it."""
+IN_HAND_DISTANCE, IN_HAND_ANGLE = 0.001, np.deg2rad(1.0)
+"""[m, rad] How far the part in the hand may be from where the detection and the grasp put it."""
 
 SIGHT = 0.1
 """[m] Clearances are measured up to here."""
@@ -155,17 +156,32 @@ def _arm_form(cell: Cell, plan: Plan, arm_plan: ArmPlan) -> Iterator[Finding]:
         if np.shape(end) != np.shape(start) or np.abs(end - start).max() > WIRE_STEP:
             yield Finding("does not start where the arm stands", name, leg_name)
             return
+    T_world_part = plan.detections[arm_plan.detection].T_world_part
     grasps = {g.name: g for g in cell.part(plan.detections[arm_plan.detection].part).library.grasps}
-    if arm_plan.grasp not in grasps:
+    grasp = grasps.get(arm_plan.grasp)
+    if grasp is None:
         yield Finding(f"the part has no grasp {arm_plan.grasp!r}", name)
         return
+    T_tcp_grasp = arm_plan.T_tcp_part * grasp.T_part_tcp
+    turns = grip_turns(arm, grasp.free_rotation)
+    if not any(_same(T_tcp_grasp, pose_from_rpy((0, 0, 0), (0, 0, -turn))) for turn in turns):
+        yield Finding(f"the part is not in the hand as grasp {grasp.name} takes it", name)
+    for leg in arm_plan.legs:
+        wanted = grasp.grip if leg.name in HOLDING else grasp.opening
+        if abs(leg.opening - wanted) > 1e-6:
+            problem = f"fingers at {leg.opening * 1e3:.1f} mm, the grasp says {wanted * 1e3:.1f} mm"
+            yield Finding(problem, name, leg.name)
     T_world_tcp = chain_of(cell, arm).pose(np.asarray(arm_plan.leg("approach").q[-1]))
-    T_world_part = plan.detections[arm_plan.detection].T_world_part
-    off = np.linalg.norm((T_world_tcp * arm_plan.T_tcp_part).translation - T_world_part.translation)
-    if off > IN_HAND_TOLERANCE:
-        yield Finding(
-            "the part is not where the hand closes", name, "approach", distance=float(off)
-        )
+    if not _same(T_world_tcp * arm_plan.T_tcp_part, T_world_part):
+        yield Finding("the part is not where the hand closes", name, "approach")
+
+
+def _same(T: pin.SE3, other: pin.SE3) -> bool:
+    """Whether two poses agree as far as a hand has to."""
+    difference = T.actInv(other)
+    off = float(np.linalg.norm(difference.translation))
+    turn = float(np.linalg.norm(pin.log3(difference.rotation)))
+    return off <= IN_HAND_DISTANCE and turn <= IN_HAND_ANGLE
 
 
 def _leg_shape(arm: Arm, leg: Leg) -> Iterator[Finding]:

@@ -8,8 +8,9 @@ import pinocchio as pin
 
 from workbench.model.candidate import Candidate, Pick, Reason, Stage, Verdict
 from workbench.model.cell import Arm
-from workbench.model.geometry import Floats
+from workbench.model.geometry import Floats, pose_from_rpy
 from workbench.planning.chain import Chain, is_solution
+from workbench.planning.legs import grip_turns
 from workbench.planning.motion import on_wire, path_contact
 from workbench.planning.pairing import Phase
 from workbench.planning.straight import follow
@@ -67,11 +68,10 @@ def _starts(chain: Chain, arm: Arm, seed: int) -> Floats:
     return np.vstack([arm.home, (chain.lower + chain.upper) / 2, random])
 
 
-def _hand_poses(arm: Arm, T_world_tcp: pin.SE3) -> Iterator[pin.SE3]:
-    """The TCP pose, and for two fingers also turned by half a turn: the same grip."""
-    yield T_world_tcp
-    if len(arm.tool.fingers) == 2:
-        yield T_world_tcp * pin.SE3(np.diag([-1.0, -1.0, 1.0]), np.zeros(3))
+def _hand_poses(arm: Arm, T_world_tcp: pin.SE3, free_rotation: float = 0.0) -> Iterator[pin.SE3]:
+    """The TCP pose, and what is the same grip."""
+    for turn in grip_turns(arm, free_rotation):
+        yield T_world_tcp * pose_from_rpy((0.0, 0.0, 0.0), (0.0, 0.0, turn))
 
 
 def _grasp_solutions(
@@ -82,7 +82,8 @@ def _grasp_solutions(
     starts = _starts(chain, arm, seed)
     found: list[tuple[Floats, pin.SE3]] = []
     nearest, q_nearest = np.inf, starts[0]
-    for T_world_tcp in _hand_poses(arm, candidate.T_world_tcp):
+    free_rotation = candidate.grasp.free_rotation
+    for T_world_tcp in _hand_poses(arm, candidate.T_world_tcp, free_rotation):
         answers, residuals = chain.solve(T_world_tcp, starts)
         for q, residual, solved in zip(answers, residuals, is_solution(residuals), strict=True):
             if solved and not any(np.abs(q - known).max() < SAME for known, _ in found):
@@ -157,7 +158,9 @@ def _approach(
 ) -> Floats | Verdict:
     grasp, policy = candidate.grasp, world.cell.policy
     chain, columns = world.chains[arm.name], world.kinematics.columns[arm.name]
-    T_pregrasp = T_world_tcp * pin.SE3(np.eye(3), -grasp.approach_length * grasp.approach)
+    # Authored in the TCP frame of the grasp, which the hand may be turned against.
+    way = grasp.approach_length * (candidate.T_world_tcp.rotation @ grasp.approach)
+    T_pregrasp = pin.SE3(T_world_tcp.rotation, T_world_tcp.translation - way)
     backwards, share = follow(chain, q_grasp, T_pregrasp, policy.straight_points)
     if share < 1.0:
         return Verdict(
@@ -207,7 +210,7 @@ def _extract(
     if grasp.retreat is None:
         way = policy.lift_length * lift_direction(world, T_grasp)
     else:
-        way = T_grasp.rotation @ (grasp.retreat_length * grasp.retreat)
+        way = grasp.retreat_length * (candidate.T_world_tcp.rotation @ grasp.retreat)
     T_end = pin.SE3(T_grasp.rotation, T_grasp.translation + way)
     path, share = follow(chain, q_grasp, T_end, policy.straight_points)
     if share < 1.0:

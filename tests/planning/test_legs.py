@@ -1,0 +1,109 @@
+"""What holds for each leg and grip of an arm."""
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from workbench.app.pick import plan_pick
+from workbench.model.candidate import Pick
+from workbench.model.cell import Cell
+from workbench.model.geometry import pose_from_rpy
+from workbench.model.part import Grasp, GraspLibrary
+from workbench.planning.legs import FREE_STEP, grip_turns, phases_of
+from workbench.planning.propose import propose
+from workbench.planning.prove import prove
+from workbench.planning.resolve import resolve
+from workbench.planning.world import World
+
+
+def test_two_fingers_can_change_places_and_a_sucker_cannot(cell):
+    arm = cell.arms[0]
+    assert grip_turns(arm) == [0.0, math.pi]
+    sucker = replace(arm, tool=replace(arm.tool, fingers=()))
+    assert grip_turns(sucker) == [0.0]
+
+
+@pytest.mark.parametrize("free", [0.1, math.radians(30), math.radians(100), math.pi])
+def test_free_rotation_is_covered_in_steps_both_ways(cell, free):
+    turns = sorted(turn for turn in grip_turns(cell.arms[0], free) if turn <= free)
+    inside = [turn for turn in turns if turn >= -free]
+    assert min(inside) == pytest.approx(-free)
+    assert max(inside) == pytest.approx(free)
+    assert np.diff(sorted(set(inside))).max() <= FREE_STEP + 1e-9
+    assert grip_turns(cell.arms[0], free)[0] == 0.0
+
+
+def test_the_phases_of_a_plan_tell_where_each_part_is(result):
+    first, second = result.plan.arms
+    seen = {(arm.arm, leg.name): phase for arm, leg, phase in phases_of(result.plan)}
+    assert len(seen) == 12
+    assert seen[first.arm, "approach"].target == first.detection
+    assert not seen[first.arm, "approach"].held
+    assert seen[first.arm, "return"].held[first.arm][0] == first.detection
+    assert seen[first.arm, "home"].absent == {first.detection}
+    assert seen[second.arm, "reach"].absent == {first.detection}
+    assert seen[second.arm, "home"].absent == {first.detection, second.detection}
+
+
+def with_grasps(cell: Cell, change: Callable[[Grasp], Grasp]) -> Cell:
+    """The cell with all grasps of its part changed."""
+    part = cell.parts[0]
+    library = GraspLibrary(tuple(map(change, part.library.grasps)))
+    return replace(cell, parts=(replace(part, library=library),))
+
+
+def test_a_turned_hand_still_comes_and_leaves_as_authored(cell, detections):
+    """Fingers may change places; a slanting approach then must not slant the other way."""
+    slant = np.array([0.3, 0.0, math.sqrt(1 - 0.09)])
+    slanting = with_grasps(
+        cell, lambda g: replace(g, approach=slant, retreat=-slant, approach_length=0.04)
+    )
+    world = World(slanting, detections)
+    turned = 0
+    for candidate in propose(slanting, detections):
+        if not candidate.verdict.is_ok:
+            continue
+        pick = resolve(world, candidate, seed=0)
+        if not isinstance(pick, Pick):
+            continue
+        chain = world.chains[candidate.arm]
+        start, grasp, end = (
+            chain.pose(q) for q in (pick.approach[0], pick.approach[-1], pick.extract[-1])
+        )
+        way = candidate.T_world_tcp.rotation @ slant
+        np.testing.assert_allclose(grasp.translation - start.translation, 0.04 * way, atol=5e-4)
+        np.testing.assert_allclose(end.translation - grasp.translation, -0.1 * way, atol=5e-4)
+        turned += (candidate.T_world_tcp.rotation[:, 0] @ grasp.rotation[:, 0]) < 0
+    assert turned > 0, "no candidate was taken with the fingers changed"
+
+
+def test_a_grasp_that_may_turn_is_tried_turned(cell, detections):
+    """Authored with the fingers along the cylinder, where nothing is narrow enough."""
+    quarter = pose_from_rpy((0, 0, 0), (0, 0, math.pi / 2))
+
+    def admitted(free: float) -> list:
+        along = with_grasps(
+            cell,
+            lambda g: replace(g, T_part_tcp=g.T_part_tcp * quarter, free_rotation=free),
+        )
+        return [c for c in propose(along, detections) if c.verdict.is_ok]
+
+    assert not admitted(0.0)
+    plain = [c for c in propose(cell, detections) if c.verdict.is_ok]
+    assert len(admitted(math.pi / 2)) == len(plain)
+
+
+def test_a_plan_with_a_turned_hand_is_proven(cell, detections):
+    quarter = pose_from_rpy((0, 0, 0), (0, 0, math.pi / 2))
+    along = with_grasps(
+        cell, lambda g: replace(g, T_part_tcp=g.T_part_tcp * quarter, free_rotation=math.pi / 2)
+    )
+    result = plan_pick(along, detections, "scan", seed=0)
+    assert result.proof is not None
+    assert result.proof.holds, result.proof.findings
+    narrower = with_grasps(along, lambda g: replace(g, free_rotation=0.1))
+    bent = prove(narrower, replace(result.plan, cell_digest=narrower.digest))
+    assert any("not in the hand" in finding.problem for finding in bent.findings)
