@@ -13,8 +13,9 @@ from workbench.model.errors import InputError, LinkError, WorkbenchError
 DESCRIPTION = """\
 Plan, prove, approve and run robotic bin picks.
 
-Exit codes: 0 success, 2 bad input, 3 no plan or no proof, 4 the controller cannot be reached or
-broke off, 1 anything else, 130 interrupted.  Errors are one line on standard error.
+Exit codes: 0 success, 2 bad input, 3 no plan or proof, 4 no robot controller, 1 anything else.
+
+Errors are one line on standard error.
 """
 
 
