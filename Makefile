@@ -40,7 +40,7 @@ lint: $(VENV)/.lint $(VENV)/.test
 
 bench: $(VENV)/.test
 	@bash setup/debian.sh $(LIBRARIES)
-	$(BIN)/python -m tests.benches $(ARGS)
+	$(BIN)/python -m workbench.studies.picks $(ARGS)
 
 # After a dependency was changed and the tests pass with the newest versions.
 constraints: $(VENV)/.lint $(VENV)/.test
