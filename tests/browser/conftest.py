@@ -103,9 +103,15 @@ def browser() -> Iterator[Browser]:
 
 
 @pytest.fixture
-def robot(tmp_path: Path) -> Iterator[Robot]:
+def speed() -> float:
+    """Of the simulated robot; 1 is real time."""
+    return 20.0
+
+
+@pytest.fixture
+def robot(tmp_path: Path, speed: float) -> Iterator[Robot]:
     record = tmp_path / "arrived.jsonl"
-    arguments = ["--port", "0", "--state-port", "0", "--speed", "20", "--until-eof", "--json"]
+    arguments = ["--port", "0", "--state-port", "0", "--speed", str(speed), "--until-eof", "--json"]
     process = subprocess.Popen(
         [sys.executable, "-m", "workbench", "controller", *arguments, "--record", str(record)],
         cwd=ROOT,
