@@ -14,6 +14,12 @@ from workbench.model.geometry import Floats
 EdgeCheck = Callable[[Floats, Floats], bool]
 """Whether the straight joint motion between two configurations (n,) is clear."""
 
+CUTS = (0.8, 0.5, 0.25)
+"""Shares of the segments at a corner that a cut may leave out, tried in this order."""
+
+ROUNDS = 2
+"""How often all corners are cut: each cut leaves two flatter ones."""
+
 STEP = 0.6
 """[rad] Longest new edge of a tree, in the weighted metric."""
 
@@ -106,29 +112,34 @@ def _connect(tree: Tree, target: Floats, weights: Floats, is_clear: EdgeCheck) -
             return new
 
 
-def shortened(
-    path: Floats, is_clear: EdgeCheck, *, attempts: int, rng: np.random.Generator
-) -> Floats:
-    """The same path with detours cut: straight lines between random points of it, where clear.
+def shortened(path: Floats, is_clear: EdgeCheck, *, most: int) -> Floats:
+    """The same path with detours cut: waypoints skipped, then corners cut off.
 
-    First every waypoint that can be skipped is skipped; then `attempts` pairs of points
-    anywhere on the path are tried (Geraerts and Overmars 2007, "path shortcuts").
+    From each kept waypoint it goes straight on to the furthest one that can be reached; then at
+    each corner the widest of some straight cuts that is clear is taken, `ROUNDS` times or until
+    there could be more than `most` waypoints.
     """
     path = _skipped(path, is_clear)
-    for _ in range(attempts):
-        if len(path) < 3:
-            break
-        lengths = np.abs(np.diff(path, axis=0)).max(axis=1)
-        ends = np.cumsum(lengths)
-        a, b = np.sort(rng.uniform(0.0, ends[-1], 2))
-        i, j = np.searchsorted(ends, [a, b])
-        if i == j:
-            continue
-        qa = path[i + 1] - (path[i + 1] - path[i]) * ((ends[i] - a) / lengths[i])
-        qb = path[j + 1] - (path[j + 1] - path[j]) * ((ends[j] - b) / lengths[j])
-        if is_clear(qa, qb):
-            path = np.concatenate([path[: i + 1], [qa, qb], path[j + 1 :]])
-    return _skipped(path, is_clear)
+    for _ in range(ROUNDS):
+        if 2 * len(path) - 2 <= most:
+            path = _cut(path, is_clear)
+    return path
+
+
+def _cut(path: Floats, is_clear: EdgeCheck) -> Floats:
+    """Every corner cut off as widely as `CUTS` allow."""
+    kept = [path[0]]
+    for before, corner, after in zip(path[:-2], path[1:-1], path[2:], strict=True):
+        start = kept[-1] if len(kept) > 1 else before
+        for share in CUTS:
+            enter = corner + share * (start - corner)
+            leave = corner + share * (after - corner)
+            if is_clear(enter, leave):
+                kept += [enter, leave]
+                break
+        else:
+            kept.append(corner)
+    return np.array([*kept, path[-1]])
 
 
 def _skipped(path: Floats, is_clear: EdgeCheck) -> Floats:

@@ -16,9 +16,6 @@ from workbench.planning.motion import first_contact, on_wire, path_contact, segm
 from workbench.planning.planners import resampled, rrt_connect, shortened
 from workbench.planning.world import World
 
-SHORTCUTS = 20
-"""Attempts to shorten a free path."""
-
 TRIES = 3
 """Free paths searched before giving up: rounding to the wire and the corners may spoil one."""
 
@@ -150,20 +147,22 @@ def free_path(
         return first_contact(world, columns, base, segment(a, b)) is None
 
     contact_at: tuple[tuple[str, str] | None, float | None, Floats | None] = (None, None, None)
-    for _ in range(TRIES):
-        path = rrt_connect(
-            start,
-            goal,
-            chain.lower,
-            chain.upper,
-            weights,
-            is_clear,
-            iterations=policy.iterations,
-            rng=rng,
-        )
+    for number in range(TRIES + 1):
+        path = np.array([start, goal])  # straight ahead first
+        if number:
+            path = rrt_connect(
+                start,
+                goal,
+                chain.lower,
+                chain.upper,
+                weights,
+                is_clear,
+                iterations=policy.iterations,
+                rng=rng,
+            )
         if path is None:
             break
-        path = shortened(path, is_clear, attempts=SHORTCUTS, rng=rng) if len(path) > 2 else path
+        path = shortened(path, is_clear, most=policy.free_points)
         path = on_wire(resampled(path, policy.free_points))
         path = path[np.concatenate([[True], np.any(np.diff(path, axis=0) != 0, axis=1)])]
         found = path_contact(world, columns, base, path, policy.zone)
