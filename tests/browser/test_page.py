@@ -157,7 +157,7 @@ def test_a_stop_ends_the_sending_and_waits_for_a_person(screen, bench, robot, re
 
 
 def test_a_task_can_be_cancelled(screen, bench, wait):
-    screen.page.get_by_label("Parts").fill("30")
+    screen.page.get_by_label("Parts").fill("28")
     screen.press("Scan")
     wait(lambda: bench.state.job is not None or bench.state.phase is Phase.SCANNED, "the task")
     if bench.state.job is None:

@@ -20,7 +20,10 @@ LONGEST = 4.0
 AT_REST = 0.01
 """[m/s] and, over the part's radius, [rad/s]: slower than this is lying still."""
 
-ATTEMPTS = 30
+ATTEMPTS = 10
+
+FULL = 0.6
+"""Share of the bin that parts can fill: long ones lie more loosely than that."""
 
 OUTSIDE = 0.001
 """[m] How far a part may reach into a wall or the floor (contacts yield a little)."""
@@ -52,6 +55,10 @@ def drop_parts(part: Part, bin: Bin, count: int, *, seed: int) -> tuple[pin.SE3,
     radius = _radius(part)
     if 2 * radius > float(np.linalg.norm(bin.size[:2])):
         raise InputError(f"part {part.name} is too large for the bin")
+    room = float(np.prod(bin.size)) * FULL
+    if count * _volume(part) > room:
+        most = int(room / _volume(part))
+        raise InputError(f"{count} parts {part.name} do not fit into the bin; take {most} or fewer")
     model = _model(part, bin, count)
     points = np.array(part.mesh.points)
     for attempt in range(ATTEMPTS):
@@ -67,6 +74,12 @@ def drop_parts(part: Part, bin: Bin, count: int, *, seed: int) -> tuple[pin.SE3,
 def _radius(part: Part) -> float:
     """Of the ball about the part's frame that holds it [m]."""
     return float(np.linalg.norm(part.mesh.points, axis=1).max())
+
+
+def _volume(part: Part) -> float:
+    """Of the part [m3], by the divergence theorem."""
+    a, b, c = part.mesh.points[part.mesh.triangles.T]
+    return abs(float(np.einsum("ni,ni->", a, np.cross(b, c)))) / 6
 
 
 def _model(part: Part, bin: Bin, count: int) -> mujoco.MjModel:
