@@ -40,7 +40,8 @@ lint: $(VENV)/.lint $(VENV)/.test
 
 bench: $(VENV)/.test
 	@bash setup/debian.sh $(LIBRARIES)
-	$(BIN)/python -m workbench.studies.picks $(ARGS)
+	$(BIN)/python -m workbench.studies.picks --scenes 20
+	$(BIN)/python -m workbench.studies.localization --scenes 20
 
 # After a dependency was changed and the tests pass with the newest versions.
 constraints: $(VENV)/.lint $(VENV)/.test
