@@ -17,9 +17,12 @@ WORLD = World(CELL, (Detection("keyed_cylinder", T_WORLD_PART),))
 LOWER = WORLD.kinematics.model.lowerPositionLimit
 UPPER = WORLD.kinematics.model.upperPositionLimit
 
+RIGHT = frozenset({"right"})
 PHASES = (
     Phase(frozenset({"right", "left"})),
-    Phase(frozenset({"right"}), {"right": 0.05}, target=0, straight=True),
+    Phase(
+        frozenset({"right"}), {"right": 0.05}, targets={"right": 0}, straight=frozenset({"right"})
+    ),
     Phase(frozenset({"left"}), {"left": 0.03}, held={"left": (0, pose_from_rpy((0, 0, 0.01)))}),
 )
 

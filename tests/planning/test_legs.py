@@ -12,7 +12,7 @@ from workbench.model.candidate import Pick
 from workbench.model.cell import Cell
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.part import Grasp, GraspLibrary
-from workbench.planning.legs import FREE_STEP, grip_turns, phases_of
+from workbench.planning.legs import FREE_STEP, grip_turns, stretches
 from workbench.planning.propose import propose
 from workbench.planning.prove import prove
 from workbench.planning.resolve import resolve
@@ -36,11 +36,15 @@ def test_free_rotation_is_covered_in_steps_both_ways(cell, free):
     assert grip_turns(cell.arms[0], free)[0] == 0.0
 
 
-def test_the_phases_of_a_plan_tell_where_each_part_is(result):
+def test_the_stretches_a_plan_tell_where_each_part_is(result):
     first, second = result.plan.arms
-    seen = {(arm.arm, leg.name): phase for arm, leg, phase in phases_of(result.plan)}
+    seen = {
+        (arm.arm, leg.name): stretch.phase
+        for stretch in stretches(result.plan)
+        for arm, leg in stretch.runs
+    }
     assert len(seen) == 12
-    assert seen[first.arm, "approach"].target == first.detection
+    assert seen[first.arm, "approach"].targets == {first.arm: first.detection}
     assert not seen[first.arm, "approach"].held
     assert seen[first.arm, "return"].held[first.arm][0] == first.detection
     assert seen[first.arm, "home"].absent == {first.detection}

@@ -1,9 +1,9 @@
 """The line from detections to a proven plan: one function for page, command line and studies."""
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
-from itertools import permutations
+from itertools import islice, permutations
 
 import numpy as np
 
@@ -13,6 +13,7 @@ from workbench.model.cell import Cell
 from workbench.model.errors import InputError, JobCancelled
 from workbench.model.plan import Plan, Strategy
 from workbench.model.scan import Detection
+from workbench.planning.dual_arm import OFFSETS, coordinate, side_by_side
 from workbench.planning.propose import propose
 from workbench.planning.prove import prove
 from workbench.planning.resolve import resolve
@@ -23,6 +24,9 @@ Report = Callable[[float, str], None]
 """Called with the share done, 0..1, and what is being done."""
 
 STRATEGIES = ("auto", *(str(strategy) for strategy in Strategy))
+
+SIDE_BY_SIDE = 3
+"""Pairs of picks that are planned side by side before one arm follows the other."""
 
 ATTEMPTS = 6
 """Assignments of parts to arms that are planned before giving up."""
@@ -59,10 +63,6 @@ def plan_pick(
         raise InputError("no parts were given, so there is nothing to plan")
     if strategy not in STRATEGIES:
         raise InputError(f"strategy {strategy!r} is not one of {', '.join(STRATEGIES)}")
-    if strategy == Strategy.COORDINATED:
-        raise InputError(
-            "coordinated plans are not available yet; choose auto, alternated, right or left"
-        )
     began = time.perf_counter()
     seconds: dict[str, float] = {}
 
@@ -137,7 +137,7 @@ def _assignments(picks: list[Pick], strategy: str) -> Iterator[tuple[Strategy, t
         ):
             best[key] = pick
     ordered = sorted(best.values(), key=lambda pick: pick.travel)
-    if strategy in ("auto", Strategy.ALTERNATED):
+    if strategy in ("auto", Strategy.ALTERNATED, Strategy.COORDINATED):
         pairs = [
             (a, b)
             for a, b in permutations(ordered, 2)
@@ -162,18 +162,36 @@ def _planned(
     seed: int,
     cancelled: Callable[[], bool],
 ) -> tuple[Plan | None, Verdict]:
+    """The first assignment for which a plan comes out; coordinated ones fall back to alternated."""
     verdict = Verdict(Reason.NO_PATH, Stage.ROUTE, note=f"no two picks fit strategy {strategy}")
-    for number, (chosen, assigned) in enumerate(_assignments(picks, strategy)):
-        if number >= ATTEMPTS:
-            break
+    refused = ""
+    if strategy == Strategy.COORDINATED:
+        for offsets, pair in _side_by_side_or_behind(world, picks):
+            if cancelled():
+                raise JobCancelled("planning was cancelled")
+            result = coordinate(world, pair, scan_digest=scan_digest, seed=seed, offsets=offsets)
+            if isinstance(result, Plan):
+                return result, Verdict(Reason.OK, Stage.ROUTE)
+            refused = f"the arms cannot work at once: {result}"
+    for chosen, assigned in islice(_assignments(picks, strategy), ATTEMPTS):
         if cancelled():
             raise JobCancelled("planning was cancelled")
-        note = _note(world, assigned, threshold) if strategy == "auto" else ""
+        note = _note(world, assigned, threshold) if strategy == "auto" else refused
         result = route(world, assigned, chosen, scan_digest=scan_digest, seed=seed, note=note)
         if isinstance(result, Plan):
             return result, Verdict(Reason.OK, Stage.ROUTE)
         verdict = result
     return None, verdict
+
+
+def _side_by_side_or_behind(
+    world: World, picks: list[Pick]
+) -> Iterator[tuple[Sequence[int], tuple[Pick, ...]]]:
+    """Pairs for coordinated plans, with the offsets to try: side by side first."""
+    for pair in side_by_side(world, picks)[:SIDE_BY_SIDE]:
+        yield (0,), pair
+    for _, pair in islice(_assignments(picks, Strategy.COORDINATED), ATTEMPTS):
+        yield OFFSETS[1:], pair
 
 
 def _note(world: World, picks: tuple[Pick, ...], threshold: float) -> str:

@@ -83,6 +83,10 @@ def allowed(state: State, command: Command, actor: str, now: float) -> None:
             assert_never(command)
 
 
+ONE_ARM = frozenset({"abb-socket"})
+"""Protocols that cannot say that two arms move at once."""
+
+
 def approve(cell: Cell, plan: Plan, proof: Proof, actor: str, now: float) -> Approval:
     """A person's word for exactly this plan, valid as long as the cell's policy says.
 
@@ -108,6 +112,12 @@ def approve(cell: Cell, plan: Plan, proof: Proof, actor: str, now: float) -> App
         raise CommandRefused("the proof was made for another cell or scan; make a new plan")
     if not proof.holds:
         raise CommandRefused(f"the proof does not hold: {proof.findings[0]}")
+    protocol = cell.controller.protocol
+    if protocol in ONE_ARM and any(len(step.runs) > 1 for step in plan.sequence):
+        raise CommandRefused(
+            f"the controller's protocol {protocol} moves one arm at a time, this plan moves both; "
+            "make an alternated plan to send it"
+        )
     return Approval(
         plan_digest=plan.digest,
         proof_digest=proof.digest,

@@ -2,6 +2,8 @@
 
 from collections.abc import Iterator
 
+import numpy as np
+
 from workbench.cli import arguments
 from workbench.cli.exits import SUCCESS
 from workbench.formats.cells import read_cell
@@ -11,8 +13,9 @@ from workbench.model.cell import Cell
 from workbench.model.errors import InputError
 from workbench.model.plan import Plan
 from workbench.planning.bodies import part_label
-from workbench.planning.legs import phases_of
+from workbench.planning.legs import stretches
 from workbench.planning.prove import form_findings
+from workbench.planning.walk import at
 
 
 def export_world(typed: arguments.ExportWorld) -> int:
@@ -36,14 +39,19 @@ def _snapshots(cell: Cell, plan: Plan) -> Iterator[tuple[str, Snapshot]]:
         PlacedPart(part_label(number), cell.part(detection.part), detection.T_world_part)
         for number, detection in enumerate(plan.detections)
     ]
-    for number, (arm_plan, leg, phase) in enumerate(phases_of(plan), start=1):
+    for number, stretch in enumerate(stretches(plan), start=1):
+        phase = stretch.phase
         held = {
             arm: PlacedPart(placed[detection].name, placed[detection].part, T_tcp_part)
             for arm, (detection, T_tcp_part) in phase.held.items()
         }
         away = phase.absent | {detection for detection, _ in phase.held.values()}
-        standing = tuple(part for k, part in enumerate(placed) if k not in away)
-        yield (
-            f"{number:02}-{arm_plan.arm}-{leg.name}",
-            Snapshot(standing, phase.openings, held, arm_plan.joints, leg.t, leg.q),
-        )
+        parts = tuple(part for k, part in enumerate(placed) if k not in away)
+        names = [f"{arm_plan.arm}-{leg.name}" for arm_plan, leg in stretch.runs]
+        t = np.unique(np.concatenate([leg.t for _, leg in stretch.runs]))
+        rows = [np.array([at(leg, time) for time in t]) for _, leg in stretch.runs]
+        rows += [np.tile(q, (len(t), 1)) for q in stretch.standing.values()]
+        arms = [plan.arm for plan, _ in stretch.runs] + list(stretch.standing)
+        joints = tuple(joint for arm in arms for joint in cell.arm(arm).joints)
+        snapshot = Snapshot(parts, phase.openings, held, joints, t, np.hstack(rows))
+        yield f"{number:02}-{'-'.join(names)}", snapshot

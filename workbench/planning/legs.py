@@ -1,9 +1,13 @@
 """What holds for each leg and grip of an arm: said once, for planner and proof."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
 
 from workbench.model.cell import Arm
+from workbench.model.geometry import Floats
 from workbench.model.plan import ArmPlan, Leg, LegName, Plan
 from workbench.planning.pairing import Phase
 
@@ -33,34 +37,57 @@ def grip_turns(arm: Arm, free_rotation: float = 0.0) -> list[float]:
     return [turn + half for turn in free for half in halves]
 
 
-def phase_of(arm_plan: ArmPlan, name: LegName, opening: float, gone: frozenset[int]) -> Phase:
-    """The phase of one leg when it runs alone.
+Run = tuple[ArmPlan, LegName, float]
+"""A leg of an arm, with the opening of its fingers [m]."""
+
+
+def phase_of(runs: Sequence[Run], waiting: Sequence[Run] = (), gone: Iterable[int] = ()) -> Phase:
+    """What is true while some legs run.
 
     Args:
-        arm_plan: whose arm moves; detection and in-hand pose are read from it.
-        name: which leg.
-        opening: of the fingers during the leg [m].
-        gone: detections that other arms have taken away before.
+        runs: legs that run now, each of another arm.
+        waiting: the last legs of arms that stand where these ended.
+        gone: detections that have been taken away before.
     """
-    holding = name in HOLDING
-    taken = frozenset({arm_plan.detection}) if name == "home" else frozenset()
+    # A part is in the hand from the lift on, and no more once it has been placed.
+    holding = [plan for plan, name, _ in runs if name in HOLDING]
+    holding += [plan for plan, name, _ in waiting if name in HOLDING - {"place"}]
+    left = [plan for plan, name, _ in runs if name == "home"]
+    left += [plan for plan, name, _ in waiting if name in ("place", "home")]
     return Phase(
-        moving=frozenset({arm_plan.arm}),
-        openings={arm_plan.arm: opening},
-        held={arm_plan.arm: (arm_plan.detection, arm_plan.T_tcp_part)} if holding else {},
-        absent=gone | taken,
-        target=arm_plan.detection if name in TARGETED else None,
-        straight=name in STRAIGHT,
+        moving=frozenset(plan.arm for plan, _, _ in runs),
+        openings={plan.arm: opening for plan, _, opening in (*runs, *waiting)},
+        held={plan.arm: (plan.detection, plan.T_tcp_part) for plan in holding},
+        absent=frozenset(gone) | {plan.detection for plan in left},
+        targets={plan.arm: plan.detection for plan, name, _ in runs if name in TARGETED},
+        straight=frozenset(plan.arm for plan, name, _ in runs if name in STRAIGHT),
     )
 
 
-def phases_of(plan: Plan) -> Iterator[tuple[ArmPlan, Leg, Phase]]:
-    """The legs of a plan that moves one arm at a time, in its order, each with its phase."""
-    gone: frozenset[int] = frozenset()
+@dataclass(frozen=True, slots=True, eq=False)
+class Stretch:
+    """A step of a plan: which legs run, what is true meanwhile, and how the other arms stand.
+
+    `standing` gives the configuration (n,) of each arm that waits; arms that are not named
+    stand at home.
+    """
+
+    runs: tuple[tuple[ArmPlan, Leg], ...]
+    phase: Phase
+    standing: Mapping[str, Floats]
+
+
+def stretches(plan: Plan) -> Iterator[Stretch]:
+    """The steps of a plan in their order."""
+    last: dict[str, tuple[ArmPlan, Leg]] = {}
     for step in plan.sequence:
-        for arm, name in step.runs:
-            arm_plan = plan.arm(arm)
-            leg = arm_plan.leg(name)
-            yield arm_plan, leg, phase_of(arm_plan, leg.name, leg.opening, gone)
-            if leg.name == "home":
-                gone = gone | {arm_plan.detection}
+        runs = tuple((plan.arm(arm), plan.arm(arm).leg(name)) for arm, name in step.runs)
+        moving = {arm_plan.arm for arm_plan, _ in runs}
+        waiting = [run for arm, run in last.items() if arm not in moving]
+        phase = phase_of(_short(runs), _short(waiting))
+        yield Stretch(runs, phase, {p.arm: np.asarray(leg.q[-1]) for p, leg in waiting})
+        last.update({arm_plan.arm: (arm_plan, leg) for arm_plan, leg in runs})
+
+
+def _short(runs: Iterable[tuple[ArmPlan, Leg]]) -> list[Run]:
+    return [(arm_plan, leg.name, leg.opening) for arm_plan, leg in runs]

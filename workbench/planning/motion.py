@@ -10,6 +10,7 @@ each half is looked at.  Below `RESOLUTION` of motion a state counts as itself.
 """
 
 from collections import deque
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -59,9 +60,16 @@ def curves_of(path: Floats, zone: float) -> list[Curve]:
 
 
 def first_contact(
-    world: World, columns: Ints, base: Floats, curve: Curve, resolution: float = RESOLUTION
+    world: World,
+    columns: Ints,
+    base: Floats,
+    curve: Curve,
+    resolution: float = RESOLUTION,
+    among: Ints | None = None,
 ) -> tuple[Contact, Floats] | None:
     """The first contact found along a curve of the joints `columns`, others standing at `base`.
+
+    Only the pairs `among` are looked at, all that count in the phase when it is None.
 
     Returns:
         The contact and the arm's configuration (n,) there; None when the whole curve is clear.
@@ -69,12 +77,12 @@ def first_contact(
     q, d = base.copy(), np.zeros(len(base))
     # Breadth first: what is in the way is mostly met by the coarse looks already.  A pair that
     # a look has cleared for the whole curve is not looked at again in its halves.
-    pending: deque[tuple[Floats, Ints | None]] = deque([(curve.points, None)])
+    pending: deque[tuple[Floats, Ints | None]] = deque([(curve.points, among)])
     while pending:
-        points, among = pending.popleft()
-        middle, span, left, right = _halved(points)
+        points, left_open = pending.popleft()
+        middle, span, left, right = halved(points)
         q[columns], d[columns] = middle, span
-        contact, unclear, move = world.look(q, d, among)
+        contact, unclear, move = world.look(q, d, left_open)
         if contact is not None:
             return contact, middle
         # Where the bound is finer than the resolution, what counts is the state itself.
@@ -85,7 +93,7 @@ def first_contact(
 
 
 @njit(cache=True)
-def _halved(points: Floats) -> tuple[Floats, Floats, Floats, Floats]:
+def halved(points: Floats) -> tuple[Floats, Floats, Floats, Floats]:
     """Middle of a quadratic Bezier curve (3, n), the most any joint leaves it, and both halves."""
     n = points.shape[1]
     middle, span = np.empty(n), np.empty(n)
@@ -100,11 +108,29 @@ def _halved(points: Floats) -> tuple[Floats, Floats, Floats, Floats]:
 
 
 def path_contact(
-    world: World, columns: Ints, base: Floats, path: Floats, zone: float
+    world: World,
+    columns: Ints,
+    base: Floats,
+    path: Floats,
+    zone: float,
+    resolution: float = RESOLUTION,
+    among: Ints | None = None,
 ) -> tuple[Contact, Floats, int] | None:
     """The first contact along waypoints (m, n) as executed, with the waypoint before it."""
-    for curve in curves_of(path, zone):
-        found = first_contact(world, columns, base, curve)
+    return chain_contact(world, columns, base, curves_of(path, zone), resolution, among)
+
+
+def chain_contact(
+    world: World,
+    columns: Ints,
+    base: Floats,
+    curves: Sequence[Curve],
+    resolution: float = RESOLUTION,
+    among: Ints | None = None,
+) -> tuple[Contact, Floats, int] | None:
+    """The first contact along a chain of curves, with the waypoint before it."""
+    for curve in curves:
+        found = first_contact(world, columns, base, curve, resolution, among)
         if found is not None:
             return (*found, curve.waypoint)
     return None

@@ -21,36 +21,58 @@ class Phase:
 
     `moving`: the arms that move.  `openings`: arm -> finger opening [m]; arms not named keep
     their fingers closed.  `held`: arm -> (detection, `T_tcp_part`).  `absent`: detections that
-    have left.  `target`: the part that the tool is about to take.  `straight`: the tool may
-    come as near as the policy's `near_margin`.
+    have left.  `targets`: arm -> the part that its tool is about to take.  `straight`: arms whose
+    tool and held part may come as near as the policy's `near_margin`.
     """
 
     moving: frozenset[str]
     openings: Mapping[str, float] = field(default_factory=dict)
     held: Mapping[str, tuple[int, pin.SE3]] = field(default_factory=dict)
     absent: frozenset[int] = frozenset()
-    target: int | None = None
-    straight: bool = False
+    targets: Mapping[str, int] = field(default_factory=dict)
+    straight: frozenset[str] = frozenset()
 
     @property
     def key(self) -> tuple[object, ...]:
         """What the pairs depend on: all but the numbers of the poses."""
         holders = tuple(sorted((arm, number) for arm, (number, _) in self.held.items()))
-        return (self.moving, holders, self.absent, self.target, self.straight)
+        targets = tuple(sorted(self.targets.items()))
+        return (self.moving, holders, self.absent, targets, self.straight)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Checks:
     """The pairs of a phase.
 
-    `among` are the numbers of those that count; for every pair there is its margin [m], whether
-    both bodies are its `own`, on one arm, and in `commons` the deepest joint that carries both.
+    `among` are the numbers of those that count.  For every pair there is its margin [m], the
+    arms that carry its bodies in `carriers` (pairs, 2), -1 where none does, and in `commons` the
+    deepest joint that carries both.
     """
 
     among: Ints
     margins: Floats
-    own: Bools
+    carriers: Ints
     commons: Ints
+
+    @property
+    def own(self) -> Bools:
+        """Whether both bodies are of one arm."""
+        return (self.carriers[:, 0] == self.carriers[:, 1]) & (self.carriers[:, 0] >= 0)
+
+    def alone(self, arm: int) -> Ints:
+        """The pairs that one arm has with itself and with what no arm carries."""
+        is_own = self.carriers[self.among] == arm
+        is_still = self.carriers[self.among] < 0
+        return self.among[is_own.any(axis=1) & (is_own | is_still).all(axis=1)]
+
+    def involving(self, arm: int) -> Ints:
+        """The pairs of which one body at least is carried by an arm."""
+        return self.among[(self.carriers[self.among] == arm).any(axis=1)]
+
+    def between(self) -> Ints:
+        """The pairs of bodies that different arms carry."""
+        first, second = self.carriers[self.among].T
+        return self.among[(first >= 0) & (second >= 0) & (first != second)]
 
 
 class Pairing:
@@ -113,15 +135,18 @@ class Pairing:
         margins = np.full(len(a), self._policy.margin)
         margins[own] = self._policy.self_margin
         if phase.straight:
-            works = (self._tool | (held >= 0)) & moves
+            straight = np.isin(carrier, [self._arm[name] for name in phase.straight])
+            works = (self._tool | (held >= 0)) & straight
             still = carrier < 0
             margins[(works[a] & still[b]) | (works[b] & still[a])] = self._policy.near_margin
-            if phase.target is not None:
-                target = self._part == phase.target
-                margins[(self._tool[a] & target[b]) | (self._tool[b] & target[a])] = 0.0
+            for name, number in phase.targets.items():
+                tool = self._tool & (self._carrier == self._arm[name])
+                target = self._part == number
+                margins[(tool[a] & target[b]) | (tool[b] & target[a])] = 0.0
         both = self._ancestors[joint[a]] & self._ancestors[joint[b]]
         commons = np.where(both, np.arange(both.shape[1]), 0).max(axis=1)
-        return Checks(np.flatnonzero(counts), margins, own, commons)
+        carriers = np.stack([carrier[a], carrier[b]], axis=1)
+        return Checks(np.flatnonzero(counts), margins, carriers, commons)
 
 
 _PAIRINGS: dict[tuple[str, tuple[str, ...]], Pairing] = {}

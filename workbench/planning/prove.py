@@ -14,9 +14,9 @@ from workbench.model.cell import Arm, Cell
 from workbench.model.geometry import Floats, pose_from_rpy
 from workbench.model.plan import LEG_NAMES, ArmPlan, Finding, Guarantee, Leg, LegName, Plan, Proof
 from workbench.planning.chain import chain_of
-from workbench.planning.legs import HOLDING, STRAIGHT, grip_turns, phases_of
-from workbench.planning.motion import RESOLUTION, WIRE_STEP, curves_of, first_contact
-from workbench.planning.pairing import Phase
+from workbench.planning.legs import HOLDING, STRAIGHT, grip_turns, stretches
+from workbench.planning.motion import RESOLUTION, WIRE_STEP
+from workbench.planning.walk import walk
 from workbench.planning.world import World
 
 IN_HAND_DISTANCE, IN_HAND_ANGLE = 0.001, np.deg2rad(1.0)
@@ -51,13 +51,16 @@ def prove(cell: Cell, plan: Plan, *, resolution: float = RESOLUTION) -> Proof:
     clearance, checks = SIGHT, 0
     if can_walk:
         world = World(cell, plan.detections)
-        for arm_plan, leg, phase in phases_of(plan):
-            finding, distances, closest = _walk(world, arm_plan.arm, leg, phase, resolution)
-            if finding is not None:
-                findings.append(finding)
-            clearances.append((arm_plan.arm, leg.name, distances))
-            if leg.name not in STRAIGHT and closest is not None and distances.min() < clearance:
-                clearance, nearest = float(distances.min()), closest
+        for stretch in stretches(plan):
+            walked = walk(world, stretch, plan.guarantee, resolution, SIGHT)
+            if walked.finding is not None:
+                findings.append(walked.finding)
+            clearances += walked.clearances
+            closest = walked.closest
+            if closest is None or closest.distance is None or closest.leg in STRAIGHT:
+                continue
+            if closest.distance < clearance:
+                clearance, nearest = closest.distance, closest
         checks = world.checks
     return Proof(
         plan_digest=plan.digest,
@@ -72,45 +75,10 @@ def prove(cell: Cell, plan: Plan, *, resolution: float = RESOLUTION) -> Proof:
     )
 
 
-def _walk(
-    world: World, name: str, leg: Leg, phase: Phase, resolution: float
-) -> tuple[Finding | None, Floats, Finding | None]:
-    """One leg as executed: the first finding, clearance at each waypoint, and the closest."""
-    columns, base = world.kinematics.columns[name], world.configuration({})
-    world.enter(phase)
-    if leg.name == "extract":
-        world.allow_start_contacts(world.configuration({name: leg.q[0]}))
-    finding: Finding | None = None
-    for curve in curves_of(np.asarray(leg.q), world.cell.policy.zone):
-        found = first_contact(world, columns, base, curve, resolution)
-        if found is not None:
-            contact, q = found
-            finding = Finding(
-                f"closer than {contact.margin * 1000:.1f} mm",
-                name,
-                leg.name,
-                curve.waypoint,
-                contact.pair,
-                contact.distance,
-                q,
-            )
-            break
-    distances, closest = [], None
-    for number, q in enumerate(leg.q):
-        distance, pair = world.clearance(world.configuration({name: q}), SIGHT)
-        if pair is not None and (not distances or distance < min(distances)):
-            closest = Finding("smallest clearance", name, leg.name, number, pair, distance, q)
-        distances.append(distance)
-    return finding, np.array(distances), closest
-
-
 def form_findings(cell: Cell, plan: Plan) -> Iterator[Finding]:
     """What must be right before the plan can be walked through at all."""
     if plan.cell_digest != cell.digest:
         yield Finding("the plan was made for another cell, or the cell has changed since")
-        return
-    if plan.guarantee is not Guarantee.ONE_AT_A_TIME:
-        yield Finding(f"no proof is known for the guarantee {plan.guarantee}")
         return
     taken = [arm.detection for arm in plan.arms]
     names = [arm.arm for arm in plan.arms]
@@ -131,11 +99,24 @@ def form_findings(cell: Cell, plan: Plan) -> Iterator[Finding]:
             yield Finding(f"there is no detection {arm_plan.detection}", arm_plan.arm)
         else:
             yield from _arm_form(cell, plan, arm_plan)
-    expected = [(arm.arm, leg.name) for arm in plan.arms for leg in arm.legs]
-    if [run for step in plan.sequence for run in step.runs] != expected or any(
-        len(step.runs) != 1 for step in plan.sequence
+    yield from _sequence(plan)
+
+
+def _sequence(plan: Plan) -> Iterator[Finding]:
+    runs = [run for step in plan.sequence for run in step.runs]
+    for arm in plan.arms:
+        if [leg for name, leg in runs if name == arm.arm] != [leg.name for leg in arm.legs]:
+            yield Finding("the sequence is not every leg once, in order", arm.arm)
+    if any(name not in {arm.arm for arm in plan.arms} for name, _ in runs):
+        yield Finding("the sequence moves an arm that the plan does not")
+    for step in plan.sequence:
+        if len({name for name, _ in step.runs}) != len(step.runs) or len(step.runs) > 2:
+            yield Finding("a step of the sequence moves an arm twice, or more than two arms")
+    if plan.guarantee is Guarantee.ONE_AT_A_TIME and (
+        any(len(step.runs) != 1 for step in plan.sequence)
+        or [name for name, _ in runs] != [arm.arm for arm in plan.arms for _ in arm.legs]
     ):
-        yield Finding("the sequence is not every leg once, in order, one arm at a time")
+        yield Finding("the sequence does not move one arm after the other")
 
 
 def _arm_form(cell: Cell, plan: Plan, arm_plan: ArmPlan) -> Iterator[Finding]:

@@ -113,8 +113,8 @@ def _approach_phase(candidate: Candidate, arm: Arm) -> Phase:
     return Phase(
         moving=frozenset({arm.name}),
         openings={arm.name: candidate.grasp.opening},
-        target=candidate.detection,
-        straight=True,
+        targets={arm.name: candidate.detection},
+        straight=frozenset({arm.name}),
     )
 
 
@@ -124,7 +124,7 @@ def holding_phase(candidate: Candidate, arm: Arm, T_tcp_part: pin.SE3, *, straig
         moving=frozenset({arm.name}),
         openings={arm.name: candidate.grasp.grip},
         held={arm.name: (candidate.detection, T_tcp_part)},
-        straight=straight,
+        straight=frozenset({arm.name} if straight else ()),
     )
 
 
@@ -175,9 +175,7 @@ def _approach(
     world.enter(_approach_phase(candidate, arm))
     found = path_contact(world, columns, base, path, policy.zone)
     if found is None:
-        world.enter(
-            Phase(frozenset({arm.name}), {arm.name: grasp.opening}, target=candidate.detection)
-        )
+        world.enter(Phase(frozenset({arm.name}), {arm.name: grasp.opening}))
         q = path[0]
         contact = world.contact(world.configuration({arm.name: q}))
     else:

@@ -2,19 +2,29 @@
 
 import math
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
+from typing import Literal
 
 import numpy as np
 
 from workbench.model.candidate import Pick, Reason, Stage, Verdict
-from workbench.model.cell import Arm
+from workbench.model.cell import Arm, Policy
 from workbench.model.geometry import Floats
 from workbench.model.plan import ArmPlan, Guarantee, Leg, LegName, Plan, Step, Strategy
 from workbench.planning.execution import timed
 from workbench.planning.legs import HOLDING, phase_of
-from workbench.planning.motion import first_contact, on_wire, path_contact, segment
+from workbench.planning.motion import Curve, chain_contact, curves_of, on_wire, segment
 from workbench.planning.planners import resampled, rrt_connect, shortened
-from workbench.planning.world import World
+from workbench.planning.world import Contact, World
+
+MOTIONS: Mapping[LegName, Literal["joint", "linear"]] = {
+    "reach": "joint",
+    "approach": "linear",
+    "extract": "linear",
+    "return": "joint",
+    "place": "linear",
+    "home": "joint",
+}
 
 TRIES = 3
 """Free paths searched before giving up: rounding to the wire and the corners may spoil one."""
@@ -53,7 +63,7 @@ def route(
     steps: list[Step] = []
     gone: frozenset[int] = frozenset()
     for pick in picks:
-        planned = _arm_plan(world, pick, gone, seed)
+        planned = arm_plan(world, pick, gone, seed)
         if isinstance(planned, Verdict):
             return planned
         arms.append(planned)
@@ -74,7 +84,12 @@ def route(
     )
 
 
-def _arm_plan(world: World, pick: Pick, gone: frozenset[int], seed: int) -> ArmPlan | Verdict:
+def arm_plan(world: World, pick: Pick, gone: frozenset[int], seed: int) -> ArmPlan | Verdict:
+    """All legs of one arm, the others standing at home.
+
+    `gone` are detections that have been taken away before.  The verdict is that of the first
+    leg for which no path was found.
+    """
     candidate = pick.candidate
     arm = world.arm(candidate.arm)
     plan = ArmPlan(
@@ -91,18 +106,18 @@ def _arm_plan(world: World, pick: Pick, gone: frozenset[int], seed: int) -> ArmP
     )
     for name, start, end in ways:
         opening = candidate.grasp.grip if name in HOLDING else candidate.grasp.opening
-        world.enter(phase_of(plan, name, opening, gone))
+        world.enter(phase_of([(plan, name, opening)], gone=gone))
         path = free_path(world, arm, start, end, rng)
         if isinstance(path, Verdict):
             return path if name == "reach" else _as_no_return(path, name)
         free[name] = path
     legs = (
-        _leg(world, arm, "reach", free["reach"], candidate.grasp.opening),
-        _leg(world, arm, "approach", pick.approach, candidate.grasp.opening),
-        _leg(world, arm, "extract", pick.extract, candidate.grasp.grip),
-        _leg(world, arm, "return", free["return"], candidate.grasp.grip),
-        _leg(world, arm, "place", pick.place, candidate.grasp.grip),
-        _leg(world, arm, "home", free["home"], candidate.grasp.opening),
+        leg_of(world, arm, "reach", free["reach"], candidate.grasp.opening),
+        leg_of(world, arm, "approach", pick.approach, candidate.grasp.opening),
+        leg_of(world, arm, "extract", pick.extract, candidate.grasp.grip),
+        leg_of(world, arm, "return", free["return"], candidate.grasp.grip),
+        leg_of(world, arm, "place", pick.place, candidate.grasp.grip),
+        leg_of(world, arm, "home", free["home"], candidate.grasp.opening),
     )
     return ArmPlan(
         arm.name, candidate.detection, candidate.grasp.name, pick.T_tcp_part, arm.joints, legs
@@ -115,12 +130,12 @@ def _as_no_return(verdict: Verdict, name: LegName) -> Verdict:
     )
 
 
-def _leg(world: World, arm: Arm, name: LegName, path: Floats, opening: float) -> Leg:
+def leg_of(world: World, arm: Arm, name: LegName, path: Floats, opening: float) -> Leg:
+    """A leg of one arm with its timing."""
     policy = world.cell.policy
     _, _, velocity = world.cell.robot.limits(arm.joints)
     times = timed(path, velocity * policy.speed, np.asarray(arm.acceleration), policy.zone)
-    motion = "linear" if name in ("approach", "extract", "place") else "joint"
-    return Leg(name, motion, name in HOLDING, opening, path, times)
+    return Leg(name, MOTIONS[name], name in HOLDING, opening, path, times)
 
 
 def free_path(
@@ -139,34 +154,67 @@ def free_path(
             return Verdict(
                 Reason.NO_PATH, Stage.ROUTE, contact.pair, contact.distance, q, "at its end"
             )
-    policy, chain = world.cell.policy, world.chains[arm.name]
-    weights: Floats = np.power(METRIC_DECAY, np.arange(len(start), dtype=np.float64))
-    weights = weights * math.sqrt(len(start) / float(weights @ weights))
+
+    def check(curves: Sequence[Curve]) -> tuple[Contact, Floats] | None:
+        found = chain_contact(world, columns, base, curves)
+        return None if found is None else found[:2]
+
+    chain = world.chains[arm.name]
+    return searched(
+        start,
+        goal,
+        (chain.lower, chain.upper),
+        joint_weights(len(start)),
+        check,
+        world.cell.policy,
+        rng,
+    )
+
+
+def joint_weights(count: int) -> Floats:
+    """How much each joint of an arm counts in the metric, shape (count,)."""
+    weights: Floats = np.power(METRIC_DECAY, np.arange(count, dtype=np.float64))
+    return weights * math.sqrt(count / float(weights @ weights))
+
+
+Check = Callable[[Sequence[Curve]], tuple[Contact, Floats] | None]
+"""Whether a motion is clear: what is met and where, or None."""
+
+
+def searched(
+    start: Floats,
+    goal: Floats,
+    limits: tuple[Floats, Floats],
+    weights: Floats,
+    check: Check,
+    policy: Policy,
+    rng: np.random.Generator,
+) -> Floats | Verdict:
+    """A path between two clear configurations (n,), rounded and checked as it will be run.
+
+    Returns:
+        Waypoints (m, n) [rad]; or why there are none, with what was met last.
+    """
 
     def is_clear(a: Floats, b: Floats) -> bool:
-        return first_contact(world, columns, base, segment(a, b)) is None
+        return check([segment(a, b)]) is None
 
-    contact_at: tuple[tuple[str, str] | None, float | None, Floats | None] = (None, None, None)
+    met: tuple[Contact, Floats] | None = None
     for number in range(TRIES + 1):
         path = np.array([start, goal])  # straight ahead first
         if number:
             path = rrt_connect(
-                start,
-                goal,
-                chain.lower,
-                chain.upper,
-                weights,
-                is_clear,
-                iterations=policy.iterations,
-                rng=rng,
+                start, goal, *limits, weights, is_clear, iterations=policy.iterations, rng=rng
             )
         if path is None:
             break
         path = shortened(path, is_clear, most=policy.free_points)
         path = on_wire(resampled(path, policy.free_points))
         path = path[np.concatenate([[True], np.any(np.diff(path, axis=0) != 0, axis=1)])]
-        found = path_contact(world, columns, base, path, policy.zone)
-        if found is None:
+        met = check(curves_of(path, policy.zone))
+        if met is None:
             return path
-        contact_at = (found[0].pair, found[0].distance, found[1])
-    return Verdict(Reason.NO_PATH, Stage.ROUTE, *contact_at)
+    if met is None:
+        return Verdict(Reason.NO_PATH, Stage.ROUTE)
+    contact, q = met
+    return Verdict(Reason.NO_PATH, Stage.ROUTE, contact.pair, contact.distance, q)

@@ -72,6 +72,7 @@ class World:
                 self._place(g, 0, body.T_joint_body)
         self._checks = self._pairing.checks(phase, self._joint)
         self._margins = self._checks.margins
+        self._own = self._checks.own
 
     def _place(self, g: int, joint: int, T: pin.SE3) -> None:
         shape = self._geometry.geometryObjects[g]
@@ -90,6 +91,10 @@ class World:
     def contact(self, q: Floats) -> Contact | None:
         """The first pair found closer than its margin at this whole configuration (nq,)."""
         return self.look(q, self._still, None)[0]
+
+    def meets(self, q: Floats) -> bool:
+        """Whether different arms are too close to each other at this whole configuration (nq,)."""
+        return self.look(q, self._still, self.between())[0] is not None
 
     def look(self, q: Floats, d: Floats, among: Ints | None) -> tuple[Contact | None, Ints, float]:
         """What can be said about a motion from a look at its middle.
@@ -136,32 +141,54 @@ class World:
                     room, best = distance - needed, self._contact_of(k, distance)
         return best, room
 
-    def clearance(self, q: Floats, reach: float = 0.3) -> tuple[float, tuple[str, str] | None]:
+    def clearance(
+        self, q: Floats, reach: float, among: Ints | None = None
+    ) -> tuple[float, tuple[str, str] | None]:
         """The smallest distance of any active pair [m] up to `reach`, and which pair it is.
 
         Links of one arm among themselves do not count: a wrist is always close to itself.
         """
-        pairs, _, lower = self._close(q, self._still, reach, None)
+        pairs, _, lower = self._close(q, self._still, reach, among)
         best, at = reach, None
         for k, bound in zip(pairs.tolist(), lower.tolist(), strict=True):
-            if bound < best and not self._checks.own[k]:
+            if bound < best and not self._own[k]:
                 distance = self._distance(k)
                 if distance < best:
                     best, at = distance, self._labels(k)
         return best, at
+
+    def nearest(self, q: Floats, among: Ints) -> Contact:
+        """The pair of `among` with the least room at `q` (nq,)."""
+        self._close(q, self._still, np.inf, among)
+        distances = [self._distance(k) for k in among.tolist()]
+        number = int(np.argmin(np.array(distances) - self._margins[among]))
+        return self._contact_of(int(among[number]), distances[number])
+
+    def alone(self, arm: str) -> Ints:
+        """Pairs of this phase that one arm has with itself and with what no arm carries."""
+        return self._checks.alone(self._arm_index[arm])
+
+    def involving(self, arm: str) -> Ints:
+        """Pairs of this phase of which one body at least is carried by an arm."""
+        return self._checks.involving(self._arm_index[arm])
+
+    def between(self) -> Ints:
+        """Pairs of this phase whose bodies different arms carry."""
+        return self._checks.between()
 
     def allow_start_contacts(self, q: Floats, slack: float = 0.0005) -> None:
         """Let the part in the hand leave what it touches: it may not come nearer than at `q`.
 
         A part lies on the bin's floor and on other parts when it is taken.  For the pairs of
         held parts that are closer than their margin at `q`, the margin becomes the distance
-        there, less `slack` [m] for the lean of the lift.
+        there, less `slack` [m] for the lean of the lift.  Between arms nothing is allowed.
         """
         pairs, _, _ = self._close(q, self._still, 0.0, None)
         # The margins of the phase serve others too; these are for this leg alone.
         self._margins = self._margins.copy()
+        between = set(self.between().tolist())
         for k in pairs.tolist():
-            if self._with_part[k]:
+            if self._with_part[k] and k not in between:
                 self._margins[k] = min(self._margins[k], self._distance(k) - slack)
 
     # -- machinery -------------------------------------------------------------------------

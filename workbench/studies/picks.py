@@ -32,6 +32,7 @@ class Arguments:
     scenes: how many piles.
     parts: how many parts in each.
     seed: of the first pile; the others follow.
+    strategy: auto, alternated, coordinated, right or left.
     json: print one JSON object instead of the table.
     """
 
@@ -39,6 +40,7 @@ class Arguments:
     scenes: int = 40
     parts: int = 2
     seed: int = 0
+    strategy: str = "auto"
     json: bool = False
 
 
@@ -54,12 +56,12 @@ def measure(arguments: Arguments) -> dict[str, Any]:
         tuple(Detection(part.name, T) for T in drop_parts(part, cell.bin, arguments.parts, seed=s))
         for s in track(seeds, "dropping parts", console=Console(stderr=True), transient=True)
     ]
-    plan_pick(cell, piles[0], "warm", seed=0)
+    plan_pick(cell, piles[0], "warm", strategy=arguments.strategy, seed=0)
     seconds: dict[str, list[float]] = {stage: [] for stage in STAGES}
     cycles: list[float] = []
     for seed, pile in zip(seeds, piles, strict=True):
         began = time.perf_counter()
-        result = plan_pick(cell, pile, "study", seed=seed)
+        result = plan_pick(cell, pile, "study", strategy=arguments.strategy, seed=seed)
         whole = time.perf_counter() - began
         for stage, value in result.seconds.items():
             seconds[stage].append(value)
@@ -67,7 +69,7 @@ def measure(arguments: Arguments) -> dict[str, Any]:
             outcome = f"no plan: {result.verdict.reason}"
         else:
             proven = "proven" if result.proof.holds else "not proven"
-            outcome = f"{len(result.plan.arms)} part(s), {proven}"
+            outcome = f"{result.plan.strategy}, {len(result.plan.arms)} part(s), {proven}"
             cycles.append(result.plan.cycle_seconds)
         seconds.setdefault(outcome, []).append(whole)
     return {"seconds": seconds, "cycle_seconds": cycles}

@@ -1,0 +1,161 @@
+"""A step of a plan as the robot runs it: what comes too close, and how close the rest comes."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from workbench.model.geometry import Floats
+from workbench.model.plan import Finding, Guarantee, Leg
+from workbench.planning.legs import Stretch
+from workbench.planning.meeting import course_of, first_meeting
+from workbench.planning.motion import curves_of, path_contact
+from workbench.planning.world import Contact, World
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Walked:
+    """What was found on one step.
+
+    `finding` is the first thing that speaks against it; `clearances` gives for each leg, as
+    (arm, leg), the distance at each waypoint (n,) [m]; `closest` is the smallest of them.
+    """
+
+    finding: Finding | None
+    clearances: tuple[tuple[str, str, Floats], ...]
+    closest: Finding | None
+
+
+def walk(
+    world: World, stretch: Stretch, guarantee: Guarantee, resolution: float, sight: float
+) -> Walked:
+    """Go through one step.
+
+    Args:
+        world: of the plan's cell and detections.
+        stretch: the step.
+        guarantee: under which two arms run at once.
+        resolution: [m] see `motion`.
+        sight: [m] clearances are measured up to here.
+    """
+    world.enter(stretch.phase)
+    starts = {plan.arm: np.asarray(leg.q[0]) for plan, leg in stretch.runs}
+    if any(leg.name == "extract" for _, leg in stretch.runs):
+        world.allow_start_contacts(world.configuration({**stretch.standing, **starts}))
+    if len(stretch.runs) == 1:
+        finding = _alone(world, stretch, resolution)
+    elif guarantee is Guarantee.SYNCHRONISED and runs_in_step(stretch):
+        finding = _in_step(world, stretch, resolution)
+    else:
+        finding = _at_any_speed(world, stretch, resolution)
+    clearances, closest = _clearances(world, stretch, sight)
+    return Walked(finding, clearances, closest)
+
+
+def runs_in_step(stretch: Stretch) -> bool:
+    """Whether all legs of a step pass their waypoints at the same times."""
+    _, leg = stretch.runs[0]
+    return all(np.array_equal(other.t, leg.t) for _, other in stretch.runs[1:])
+
+
+def _alone(world: World, stretch: Stretch, resolution: float) -> Finding | None:
+    """One leg among arms that stand."""
+    ((arm_plan, leg),) = stretch.runs
+    return _along(world, arm_plan.arm, leg, stretch.standing, resolution, with_others=True)
+
+
+def _along(
+    world: World,
+    arm: str,
+    leg: Leg,
+    standing: Mapping[str, Floats],
+    resolution: float,
+    *,
+    with_others: bool,
+) -> Finding | None:
+    found = path_contact(
+        world,
+        world.kinematics.columns[arm],
+        world.configuration(standing),
+        np.asarray(leg.q),
+        world.cell.policy.zone,
+        resolution,
+        None if with_others else world.alone(arm),
+    )
+    return None if found is None else _finding(found[0], arm, leg, found[2], found[1])
+
+
+def _at_any_speed(world: World, stretch: Stretch, resolution: float) -> Finding | None:
+    """Each leg by itself, then every pair of them against each other."""
+    for arm_plan, leg in stretch.runs:
+        finding = _along(world, arm_plan.arm, leg, stretch.standing, resolution, with_others=False)
+        if finding is not None:
+            return finding
+    (first, first_leg), (second, second_leg) = stretch.runs
+    zone, columns = world.cell.policy.zone, world.kinematics.columns
+    curves = [curves_of(np.asarray(leg.q), zone) for _, leg in stretch.runs]
+    met = first_meeting(
+        world,
+        world.configuration(stretch.standing),
+        course_of(columns[first.arm], curves[0]),
+        course_of(columns[second.arm], curves[1]),
+        resolution,
+    )
+    if met is None:
+        return None
+    waypoint = curves[0][met.curves[0]].waypoint
+    finding = _finding(met.contact, first.arm, first_leg, waypoint, met.q[0])
+    return Finding(
+        f"{finding.problem}, while arm {second.arm} is on its leg {second_leg.name}",
+        first.arm,
+        first_leg.name,
+        waypoint,
+        finding.pair,
+        finding.distance,
+        finding.q,
+    )
+
+
+def _in_step(world: World, stretch: Stretch, resolution: float) -> Finding | None:
+    """All legs as one motion."""
+    columns = np.concatenate([world.kinematics.columns[plan.arm] for plan, _ in stretch.runs])
+    path = np.hstack([np.asarray(leg.q) for _, leg in stretch.runs])
+    base = world.configuration(stretch.standing)
+    found = path_contact(world, columns, base, path, world.cell.policy.zone, resolution)
+    if found is None:
+        return None
+    arm_plan, leg = stretch.runs[0]
+    q = found[1][: len(arm_plan.joints)]
+    return _finding(found[0], arm_plan.arm, leg, found[2], q)
+
+
+def _finding(contact: Contact, arm: str, leg: Leg, waypoint: int, q: Floats) -> Finding:
+    problem = f"closer than {contact.margin * 1000:.1f} mm"
+    return Finding(problem, arm, leg.name, waypoint, contact.pair, contact.distance, q)
+
+
+def _clearances(
+    world: World, stretch: Stretch, sight: float
+) -> tuple[tuple[tuple[str, str, Floats], ...], Finding | None]:
+    """Distances at the waypoints of every leg, the others where the timing has them."""
+    clearances: list[tuple[str, str, Floats]] = []
+    closest: Finding | None = None
+    for arm_plan, leg in stretch.runs:
+        distances, among = np.empty(len(leg.q)), world.involving(arm_plan.arm)
+        beside = [(plan.arm, other) for plan, other in stretch.runs if plan.arm != arm_plan.arm]
+        for number, (q, t) in enumerate(zip(np.asarray(leg.q), leg.t.tolist(), strict=True)):
+            others = {arm: at(other, t) for arm, other in beside}
+            state = {**stretch.standing, **others, arm_plan.arm: q}
+            distance, pair = world.clearance(world.configuration(state), sight, among)
+            distances[number] = distance
+            if pair is not None and (closest is None or distance < (closest.distance or 0.0)):
+                closest = Finding(
+                    "smallest clearance", arm_plan.arm, leg.name, number, pair, distance, q
+                )
+        clearances.append((arm_plan.arm, leg.name, distances))
+    return tuple(clearances), closest
+
+
+def at(leg: Leg, t: float) -> Floats:
+    """The configuration (n,) of a leg at a time [s], straight between its waypoints."""
+    return np.array([np.interp(t, leg.t, column) for column in np.asarray(leg.q).T])
