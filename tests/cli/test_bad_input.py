@@ -4,6 +4,8 @@ import json
 import shutil
 import socket
 import struct
+import subprocess
+import sys
 import threading
 from collections.abc import Callable
 from pathlib import Path
@@ -179,6 +181,17 @@ def test_what_is_no_command_ends_with_2(words, capsys):
         main(list(words))
     assert ended.value.code == 2
     assert "Traceback" not in capsys.readouterr().err
+
+
+def test_output_that_nobody_reads_is_no_error(line, tmp_path):
+    """As with `workbench plan ... | head -1`: the reader goes before all is printed."""
+    words = ["plan", "yumi", "--poses", str(line.poses), "--out", str(tmp_path / "p.json")]
+    command = [sys.executable, "-m", "workbench", *words]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
+        process.stdout.close()
+        errors = process.stderr.read()
+        assert process.wait(timeout=60) == 141
+    assert errors == b""
 
 
 # -- plans ----------------------------------------------------------------------------------

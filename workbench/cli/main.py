@@ -1,5 +1,6 @@
 """From what was typed to a command, and from what it raised to an exit code."""
 
+import os
 import sys
 from collections.abc import Sequence
 from typing import assert_never
@@ -7,7 +8,7 @@ from typing import assert_never
 import tyro
 
 from workbench.cli import arguments
-from workbench.cli.exits import BAD_INPUT, FAILURE, INTERRUPTED, NO_LINK
+from workbench.cli.exits import BAD_INPUT, FAILURE, INTERRUPTED, NO_LINK, OUTPUT_CLOSED
 from workbench.model.errors import InputError, LinkError, WorkbenchError
 
 DESCRIPTION = """\
@@ -30,9 +31,15 @@ def main(args: Sequence[str] | None = None) -> int:
     """
     typed = parse(args)
     try:
-        return run(typed)
+        code = run(typed)
+        sys.stdout.flush()
+        return code
     except KeyboardInterrupt:
         return INTERRUPTED
+    except BrokenPipeError:
+        # Whoever read the output has seen enough: `workbench plan ... | head`.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return OUTPUT_CLOSED
     except InputError as error:
         return _complain(error, BAD_INPUT)
     except LinkError as error:

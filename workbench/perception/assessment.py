@@ -13,7 +13,7 @@ from workbench.perception.poses import distinct
 from workbench.perception.registration import refine
 from workbench.perception.sightings import Sighting, look
 
-RIVALS = 3
+RIVALS = 4
 """Near-symmetric poses that are fitted and polished before the best of them is taken."""
 
 CLOSE = 0.02
@@ -90,7 +90,7 @@ def _best_of(
     maps: DepthMap, surface: PartSurface, poses: Floats, tolerance: float
 ) -> tuple[Floats, Sighting]:
     """The best of the poses (k, 4, 4), after fitting and polishing the few that look best."""
-    glances = look(maps, surface, poses, tolerance, stride=2)
+    glances = look(maps, surface, poses, tolerance)
     gains = np.array([sighting.gain for sighting in glances])
     kept = distinct(
         poses,

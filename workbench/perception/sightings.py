@@ -68,9 +68,7 @@ class Sighting:
         return self.gain - float(np.sum((self.off / tolerance) ** 2))
 
 
-def look(
-    maps: DepthMap, surface: PartSurface, poses: Floats, tolerance: float, *, stride: int = 1
-) -> list[Sighting]:
+def look(maps: DepthMap, surface: PartSurface, poses: Floats, tolerance: float) -> list[Sighting]:
     """Cast a ray through each pixel near each of `poses` (k, 4, 4) onto the part's mesh.
 
     Args:
@@ -78,13 +76,12 @@ def look(
         surface: the part.
         poses: (k, 4, 4) in the scanner's frame.
         tolerance: [m] how far from the predicted surface a measured point may lie.
-        stride: 2 for every second pixel of every second row, and so on.
     """
     if len(poses) == 0:
         return []
     poses = np.ascontiguousarray(poses)
     windows = _windows(maps.camera.shape, *maps.view, poses, surface.coarse.points)
-    pixels, ends, rays = _rays_in_part(maps.rays, poses, windows, stride)
+    pixels, ends, rays = _rays_in_part(maps.rays, poses, windows)
     hits = surface.scene.cast_rays(o3d.core.Tensor(rays))
     states, off = _states(
         maps.rays, maps.depth, maps.normals, maps.foreground, poses, pixels, ends,
@@ -131,7 +128,7 @@ def _windows(shape, focal, column, row, poses, points):  # pragma: no cover (com
 
 
 @njit(cache=True)
-def _rays_in_part(rays, poses, windows, stride):  # pragma: no cover (compiled)
+def _rays_in_part(rays, poses, windows):  # pragma: no cover (compiled)
     """For all windows one after the other: pixels (n,), ends of windows (k,), rays (n, 6).
 
     Rays have origin and direction in the part's frame; their parameter is the depth.
@@ -139,8 +136,8 @@ def _rays_in_part(rays, poses, windows, stride):  # pragma: no cover (compiled)
     ends = np.empty(len(poses), np.int64)
     total = 0
     for k in range(len(poses)):
-        high = max(0, (windows[k, 1] - windows[k, 0] + stride - 1) // stride)
-        wide = max(0, (windows[k, 3] - windows[k, 2] + stride - 1) // stride)
+        high = max(0, windows[k, 1] - windows[k, 0])
+        wide = max(0, windows[k, 3] - windows[k, 2])
         total += high * wide
         ends[k] = total
     pixels = np.empty(total, np.int64)
@@ -148,8 +145,8 @@ def _rays_in_part(rays, poses, windows, stride):  # pragma: no cover (compiled)
     n = 0
     for k in range(len(poses)):
         T = poses[k]
-        for v in range(windows[k, 0], windows[k, 1], stride):
-            for u in range(windows[k, 2], windows[k, 3], stride):
+        for v in range(windows[k, 0], windows[k, 1]):
+            for u in range(windows[k, 2], windows[k, 3]):
                 pixels[n] = v * rays.shape[1] + u
                 for i in range(3):
                     out[n, i] = -(T[0, i] * T[0, 3] + T[1, i] * T[1, 3] + T[2, i] * T[2, 3])
