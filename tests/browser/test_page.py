@@ -156,6 +156,27 @@ def test_a_stop_ends_the_sending_and_waits_for_a_person(screen, bench, robot, re
     screen.page.locator('.wb-strip[data-phase="idle"]').wait_for()
 
 
+def test_a_coordinated_plan_is_played_and_not_approved(screen, bench, reaches):
+    """What the controller cannot do is planned and shown, and the page says why no more."""
+    screen.page.get_by_label("Seed").fill("28")
+    screen.press("Scan")
+    reaches("scanned")
+    screen.press("Find parts")
+    reaches("localized")
+    screen.page.get_by_role("combobox", name="Strategy").click()
+    screen.page.get_by_role("option", name="coordinated").click()
+    screen.press("Plan")
+    state = reaches("planned")
+    assert state.plan.strategy == "coordinated"
+    assert state.proof.holds
+    screen.wait_for("moves one arm at a time")
+    assert screen.button("Approve").is_disabled()
+    screen.tab("Plan")
+    screen.press("Play")
+    screen.button("Pause").wait_for()
+    screen.shoot("10-coordinated")
+
+
 def test_a_task_can_be_cancelled(screen, bench, wait):
     screen.page.get_by_label("Parts").fill("28")
     screen.press("Scan")

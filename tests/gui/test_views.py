@@ -111,8 +111,8 @@ def test_without_a_plan_the_verdict_stands_in_its_place(states):
 
 def test_an_approval_names_the_person_and_its_end(states, view_of):
     approval = states.approved.approval
-    assert "by Anna until 08:58:20" in views.approval_line(states.approved, approval.at)
-    assert "run out" in views.approval_line(states.approved, approval.until)
+    assert "by Anna until 08:58:20" in views.approval_line(states.approved, approval.at, "")
+    assert "run out" in views.approval_line(states.approved, approval.until, "")
 
 
 def test_what_is_approved_is_told_in_full(cell, states):
@@ -194,7 +194,7 @@ def test_nothing_from_outside_becomes_html(cell, states, view_of):
         views.parts_line(state),
         views.plan_line(state),
         views.plan_line(replace(state, plan=None)),
-        views.approval_line(state, view.at),
+        views.approval_line(state, view.at, ""),
         views.send_line(state),
         views.facts_html(cell, state.plan, state.proof),
         views.plan_html(cell, state.plan, state.seconds),

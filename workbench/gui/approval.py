@@ -61,10 +61,10 @@ class ApprovalDialog:
     def show(self, new: View) -> None:
         """Close when what is shown is no longer what would be approved."""
         with self._lock:
-            is_stale = self._close is not None and refusal(new.state, Approve(self._digest), new.at)
-        if is_stale:
+            is_open = self._close is not None
+        if is_open and (problem := refusal(new.state, Approve(self._digest), new.at)):
             self.close()
-            self._visitor.tell("Approval closed", "The plan has changed; look at the new one.")
+            self._visitor.tell("Approval closed", problem)
 
     def close(self) -> None:
         """Take the dialog away."""

@@ -153,9 +153,11 @@ def plan_line(state: State) -> str:
     return line(text, tip=plan.note or purpose)
 
 
-def approval_line(state: State, now: float) -> str:
-    """Who has approved, and until when that holds."""
+def approval_line(state: State, now: float, problem: str) -> str:
+    """Who has approved, and until when that holds; or the `problem` that an approval meets."""
     purpose = "A person looks at the facts of this plan and gives a name for it."
+    if state.approval is None and state.phase is Phase.PLANNED and problem:
+        return line(problem, kind="bad", span=2, tip=purpose)
     if state.approval is None:
         kind = "result" if state.phase is Phase.PLANNED else "hint"
         text = "Waiting for a person." if state.phase is Phase.PLANNED else purpose

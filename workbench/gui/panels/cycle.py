@@ -52,8 +52,8 @@ class CyclePanel:
             self._strategy = gui.add_dropdown(
                 "Strategy",
                 STRATEGIES,
-                hint="Which arms work: auto chooses, alternated takes one part with each arm in "
-                "turn, right and left use one arm.",
+                hint="Which arms work: auto chooses what can be sent, alternated takes one part "
+                "with each arm in turn, coordinated with both at once, right and left use one arm.",
             )
             self._threshold = gui.add_number(
                 "Threshold [mm]",
@@ -86,7 +86,8 @@ class CyclePanel:
         self._scan_line.content = scan_line(state)
         self._parts_line.content = parts_line(state)
         self._plan_line.content = plan_line(state)
-        self._approval_line.content = approval_line(state, new.at)
+        problem = refusal(state, Approve(_digest(state)), new.at)
+        self._approval_line.content = approval_line(state, new.at, problem)
         self._send_line.content = send_line(state)
         buttons = (
             (self._scan, TakeScan()),
