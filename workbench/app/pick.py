@@ -3,7 +3,7 @@
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
-from itertools import islice, permutations
+from itertools import islice
 
 import numpy as np
 
@@ -13,7 +13,7 @@ from workbench.model.cell import Cell
 from workbench.model.errors import InputError, JobCancelled
 from workbench.model.plan import Plan, Strategy
 from workbench.model.scan import Detection
-from workbench.planning.dual_arm import OFFSETS, coordinate, side_by_side
+from workbench.planning.dual_arm import OFFSETS, coordinate, pairs_of, side_by_side
 from workbench.planning.propose import propose
 from workbench.planning.prove import prove
 from workbench.planning.resolve import resolve
@@ -138,14 +138,7 @@ def _assignments(picks: list[Pick], strategy: str) -> Iterator[tuple[Strategy, t
             best[key] = pick
     ordered = sorted(best.values(), key=lambda pick: pick.travel)
     if strategy in ("auto", Strategy.ALTERNATED, Strategy.COORDINATED):
-        pairs = [
-            (a, b)
-            for a, b in permutations(ordered, 2)
-            if a.candidate.arm != b.candidate.arm
-            and a.candidate.detection != b.candidate.detection
-            and a.travel <= b.travel
-        ]
-        for pair in sorted(pairs, key=lambda pair: pair[0].travel + pair[1].travel):
+        for pair in pairs_of(ordered):
             yield Strategy.ALTERNATED, pair
     for pick in ordered:
         alone = Strategy(pick.candidate.arm)

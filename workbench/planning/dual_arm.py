@@ -59,11 +59,8 @@ class Task:
 Pair = tuple[Task, Task]
 
 
-def side_by_side(world: World, picks: Sequence[Pick]) -> list[tuple[Pick, Pick]]:
-    """Pairs of picks whose arms do not touch where their legs end, least joint travel first.
-
-    They are worth a plan in which both arms do the same at the same time.
-    """
+def pairs_of(picks: Sequence[Pick]) -> list[tuple[Pick, Pick]]:
+    """Picks of different arms and parts, by two; least joint travel first, in and among them."""
     pairs = [
         (a, b)
         for a, b in permutations(picks, 2)
@@ -71,8 +68,15 @@ def side_by_side(world: World, picks: Sequence[Pick]) -> list[tuple[Pick, Pick]]
         and a.candidate.detection != b.candidate.detection
         and a.travel <= b.travel
     ]
-    pairs.sort(key=lambda pair: pair[0].travel + pair[1].travel)
-    return [pair for pair in pairs if _ends_are_clear(world, pair)]
+    return sorted(pairs, key=lambda pair: pair[0].travel + pair[1].travel)
+
+
+def side_by_side(world: World, picks: Sequence[Pick]) -> list[tuple[Pick, Pick]]:
+    """Pairs of picks whose arms do not touch where their legs end, least joint travel first.
+
+    They are worth a plan in which both arms do the same at the same time.
+    """
+    return [pair for pair in pairs_of(picks) if _ends_are_clear(world, pair)]
 
 
 def _ends_are_clear(world: World, pair: tuple[Pick, Pick]) -> bool:
