@@ -19,6 +19,7 @@ COMMANDS = (
     "scan",
     "localize",
     "plan",
+    "explain",
     "verify",
     "send",
     "controller",

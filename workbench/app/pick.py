@@ -90,6 +90,18 @@ def plan_pick(
     return PlanResult(judged, plan, proof, verdict, seconds)
 
 
+def judge(
+    cell: Cell,
+    detections: tuple[Detection, ...],
+    *,
+    seed: int = 0,
+    report: Report = lambda done, note: None,
+    cancelled: Callable[[], bool] = lambda: False,
+) -> tuple[Candidate, ...]:
+    """Every candidate with its verdict, up to the place; see `plan_pick`."""
+    return _judged(World(cell, detections), propose(cell, detections), seed, report, cancelled)[0]
+
+
 def _judged(
     world: World,
     candidates: tuple[Candidate, ...],

@@ -101,6 +101,22 @@ class Plan:
 
 
 @dataclass(frozen=True, slots=True)
+class Explain:
+    """Judge every grasp and tell why each can or cannot be taken, and what would help."""
+
+    cell: Positional[str]
+    """Name under robots/, or path of a cell.toml."""
+    poses: Path
+    """Our JSON, or a HALCON tuple file (rows of [R|t] in the world frame, millimetres)."""
+    seed: int = 0
+    """Of everything random."""
+    part: str | None = None
+    """What the poses of a HALCON file are of, when the cell has several parts."""
+    json: bool = False
+    """Print one JSON object and nothing else."""
+
+
+@dataclass(frozen=True, slots=True)
 class Verify:
     """Prove a plan again, from its file and the cell alone."""
 
@@ -170,6 +186,7 @@ Arguments = (
     | Annotated[Scan, subcommand("scan")]
     | Annotated[Localize, subcommand("localize")]
     | Annotated[Plan, subcommand("plan")]
+    | Annotated[Explain, subcommand("explain")]
     | Annotated[Verify, subcommand("verify")]
     | Annotated[Send, subcommand("send")]
     | Annotated[Controller, subcommand("controller")]

@@ -87,6 +87,10 @@ def run(typed: arguments.Arguments) -> int:
             from workbench.cli.planning import plan
 
             return plan(typed)
+        case arguments.Explain():
+            from workbench.cli.explain import explain
+
+            return explain(typed)
         case arguments.Verify():
             from workbench.cli.planning import verify
 

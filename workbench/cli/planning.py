@@ -46,7 +46,7 @@ def plan(typed: arguments.Plan) -> int:
     if typed.threshold is not None:
         check_number("--threshold", typed.threshold, 0.0, 1.0)
     cell = read_cell(typed.cell)
-    detections = _detections(cell, typed)
+    detections = detections_from(cell, typed.poses, typed.part)
     with progress("plan") as report:
         report(0.0, "getting ready")
         warm_up(cell)
@@ -117,15 +117,23 @@ def cell_of(plan: Plan, name: str | None) -> Cell:
         raise InputError(f"the cell of the plan: {error}; name its file with --cell") from error
 
 
-def _detections(cell: Cell, typed: arguments.Plan) -> tuple[Detection, ...]:
-    """The poses, of parts that the cell knows."""
-    part = typed.part
+def detections_from(cell: Cell, poses: Path, part: str | None) -> tuple[Detection, ...]:
+    """The poses in a file, of parts that the cell knows.
+
+    Args:
+        cell: with its parts.
+        poses: our JSON or a HALCON tuple file.
+        part: what the poses of a HALCON file are of; None when the cell has a single part.
+
+    Raises:
+        InputError: the file cannot be read, or it is not known of what its poses are.
+    """
     if part is None and len(cell.parts) == 1:
         part = cell.parts[0].name
-    detections = read_poses(typed.poses, part or "")
+    detections = read_poses(poses, part or "")
     if any(not detection.part for detection in detections):
-        known = ", ".join(part.name for part in cell.parts)
-        raise InputError(f"{typed.poses}: does not say of what its poses are; add --part ({known})")
+        known = ", ".join(one.name for one in cell.parts)
+        raise InputError(f"{poses}: does not say of what its poses are; add --part ({known})")
     for detection in detections:
         cell.part(detection.part)
     return detections

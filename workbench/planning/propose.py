@@ -24,7 +24,7 @@ PRESS = 0.0015
 class ToolCheck:
     """The tool alone, floating in the bin: no arm, so no inverse kinematics is needed.
 
-    Lifetime: one call of `propose`.
+    Lifetime: as long as cell and detections.
     """
 
     def __init__(self, cell: Cell, detections: tuple[Detection, ...]):
@@ -105,7 +105,7 @@ def propose(cell: Cell, detections: tuple[Detection, ...]) -> tuple[Candidate, .
     check = ToolCheck(cell, detections)
     homes = {arm.name: chain_of(cell, arm).pose(np.asarray(arm.home)) for arm in cell.arms}
     candidates = [
-        _candidate(check, number, detection, grasp, arm, homes[arm.name])
+        candidate_of(check, number, detection, grasp, arm, homes[arm.name])
         for number, detection in enumerate(detections)
         for grasp in cell.part(detection.part).library.grasps
         for arm in cell.arms
@@ -118,7 +118,7 @@ def propose(cell: Cell, detections: tuple[Detection, ...]) -> tuple[Candidate, .
     )
 
 
-def _candidate(
+def candidate_of(
     check: ToolCheck,
     number: int,
     detection: Detection,
@@ -126,6 +126,7 @@ def _candidate(
     arm: Arm,
     T_world_home: pin.SE3,
 ) -> Candidate:
+    """One candidate with its first verdict; `T_world_home` is where the TCP is at home."""
     T_world_tcp = detection.T_world_part * grasp.T_part_tcp
     T_home_tcp = T_world_home.actInv(T_world_tcp)
     way = float(np.linalg.norm(T_home_tcp.translation))
