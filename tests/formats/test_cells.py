@@ -112,6 +112,7 @@ def test_links_can_go_without_their_geometry(folder: Path) -> None:
         ('protocol = "abb-socket"', 'protocol = "telnet"', ["telnet", "abb-socket"]),
         ("opens_along = [1, 0, 0]", "opens_along = [1, 1, 0]", ["opens_along", "unit"]),
         ('shape = "box"', 'shape = "cone"', ["cone"]),
+        ('planner = "rrtconnect"', 'planner = "magic"', ["planner", "magic", "sbl"]),
         ('letter = "R"', 'letter = "#"', ["letter", "#"]),
         ("[controller]", "[controler]", ["controler"]),
     ],

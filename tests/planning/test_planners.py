@@ -1,4 +1,4 @@
-"""RRT-Connect and what shortens and divides its paths, in a plane with a wall."""
+"""The planners, and what shortens and divides its paths, in a plane with a wall."""
 
 import itertools
 
@@ -7,7 +7,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from workbench.planning.planners import resampled, rrt_connect, shortened
+from workbench.model.cell import PLANNER_NAMES
+from workbench.planning.planners import resampled, shortened
+from workbench.planning.route import PLANNERS
 
 LOWER, UPPER, WEIGHTS = np.zeros(2), np.full(2, 4.0), np.ones(2)
 START, GOAL = np.array([0.5, 2.0]), np.array([3.5, 2.0])
@@ -25,27 +27,44 @@ def free_of_wall(a: np.ndarray, b: np.ndarray) -> bool:
     return first > last or min(a[1] + s * (b[1] - a[1]) for s in (first, last)) >= 3.5
 
 
-def found(seed: int, is_clear=free_of_wall, iterations: int = 2000) -> np.ndarray | None:
+def found(
+    seed: int, is_clear=free_of_wall, iterations: int = 3000, planner: str = "rrtconnect"
+) -> np.ndarray | None:
     rng = np.random.default_rng(seed)
-    return rrt_connect(START, GOAL, LOWER, UPPER, WEIGHTS, is_clear, iterations=iterations, rng=rng)
+    search = PLANNERS[planner]
+    return search(START, GOAL, LOWER, UPPER, WEIGHTS, is_clear, iterations=iterations, rng=rng)
 
 
+every_planner = pytest.mark.parametrize("planner", PLANNER_NAMES)
+
+
+@every_planner
 @pytest.mark.parametrize("seed", range(10))
-def test_the_path_joins_start_and_goal_clear_of_the_wall(seed):
-    path = found(seed)
+def test_the_path_joins_start_and_goal_clear_of_the_wall(seed, planner):
+    path = found(seed, planner=planner)
     assert np.array_equal(path[0], START) and np.array_equal(path[-1], GOAL)
     assert all(free_of_wall(a, b) for a, b in itertools.pairwise(path))
+    assert np.all((path >= LOWER) & (path <= UPPER))
 
 
-def test_the_same_seed_gives_the_same_path():
-    assert np.array_equal(found(3), found(3))
+@every_planner
+def test_the_same_seed_gives_the_same_path(planner):
+    assert np.array_equal(found(3, planner=planner), found(3, planner=planner))
 
 
-def test_no_path_through_a_closed_wall():
+@every_planner
+def test_no_path_through_a_closed_wall(planner):
     def closed(a, b):
-        return (a[0] - 2.0) * (b[0] - 2.0) > 0
+        return not min(a[0], b[0]) <= 2.0 <= max(a[0], b[0])
 
-    assert found(0, closed, iterations=200) is None
+    assert found(0, closed, iterations=200, planner=planner) is None
+
+
+@every_planner
+def test_the_open_plane_is_crossed(planner):
+    path = found(0, lambda a, b: True, planner=planner)
+    assert path is not None
+    assert np.array_equal(path[-1], GOAL)
 
 
 @pytest.mark.parametrize("seed", range(10))

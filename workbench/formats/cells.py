@@ -11,6 +11,7 @@ from workbench.formats.solids import read_pose, read_solid
 from workbench.formats.toml_keys import Table, read_toml
 from workbench.formats.urdf import read_srdf, read_urdf
 from workbench.model.cell import (
+    PLANNER_NAMES,
     Arm,
     Bin,
     Cell,
@@ -258,6 +259,7 @@ def _policy(table: Table) -> Policy:
         speed=table.number("speed", usual.speed, low=0.01, high=1),
         zone=table.number("zone", usual.zone, low=0, high=0.45),
         threshold=length("threshold_mm", usual.threshold, 10_000),
+        planner=table.text("planner", usual.planner, among=PLANNER_NAMES),  # type: ignore[arg-type]
         iterations=table.whole("iterations", usual.iterations, low=1, high=1_000_000),
         approval_minutes=table.number(
             "approval_minutes", usual.approval_minutes, low=0.1, high=24 * 60

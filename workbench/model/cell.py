@@ -1,7 +1,7 @@
 """The cell: robot, arms with their tools, bin, fixtures, scanner, controller, and its policies."""
 
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 import pinocchio as pin
@@ -11,6 +11,9 @@ from workbench.model.errors import InputError
 from workbench.model.geometry import Box, Floats, Solid, copied, frozen, pose_from_rpy, put
 from workbench.model.part import Part
 from workbench.model.robot import Robot
+
+PlannerName = Literal["rrtconnect", "birrt", "rrt", "sbl"]
+PLANNER_NAMES: tuple[PlannerName, ...] = get_args(PlannerName)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -157,7 +160,8 @@ class Policy:
     `self_margin` between links of the same arm, whose wrist is built closer than any margin.
     `lift_length` and `lift_lean` shape the extraction: straight up, leaning to the bin centre.
     `speed` scales joint velocities.  `zone` is the largest corner rounding, as a fraction of
-    the shorter neighbouring segment.  `iterations` bounds each planner call.
+    the shorter neighbouring segment.  `planner` searches the free legs, within `iterations` a
+    call; `birrt` is the thesis' name for `rrtconnect`.
     """
 
     margin: float = 0.005
@@ -170,6 +174,7 @@ class Policy:
     speed: float = 0.5
     zone: float = 0.2
     threshold: float = 0.2
+    planner: PlannerName = "rrtconnect"
     iterations: int = 500
     approval_minutes: float = 5.0
 

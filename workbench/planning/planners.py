@@ -1,4 +1,4 @@
-"""Paths between two configurations of one arm: RRT-Connect, and shortening what it finds.
+"""Paths between two configurations: RRT and RRT-Connect, and shortening what they find.
 
 RRT-Connect (Kuffner and LaValle 2000) is written here rather than taken from OMPL: the Python
 module of OMPL 2.0.1 offers no way to give a sampler or to seed it more than once in a process,
@@ -6,6 +6,7 @@ so the same request would not give the same plan.
 """
 
 from collections.abc import Callable
+from typing import Protocol
 
 import numpy as np
 
@@ -14,11 +15,33 @@ from workbench.model.geometry import Floats
 EdgeCheck = Callable[[Floats, Floats], bool]
 """Whether the straight joint motion between two configurations (n,) is clear."""
 
+GOAL_BIAS = 10
+
 CUTS = (0.8, 0.5, 0.25)
 """Shares of the segments at a corner that a cut may leave out, tried in this order."""
 
 ROUNDS = 2
 """How often all corners are cut: each cut leaves two flatter ones."""
+
+
+class Planner(Protocol):
+    """Finds a path between two configurations; see `rrt_connect` for the arguments."""
+
+    def __call__(
+        self,
+        start: Floats,
+        goal: Floats,
+        lower: Floats,
+        upper: Floats,
+        weights: Floats,
+        is_clear: EdgeCheck,
+        *,
+        iterations: int,
+        rng: np.random.Generator,
+    ) -> Floats | None:
+        """A path (m, n) [rad] with start and goal, or None when the iterations are used up."""
+        ...
+
 
 STEP = 0.6
 """[rad] Longest new edge of a tree, in the weighted metric."""
@@ -88,6 +111,32 @@ def rrt_connect(
             from_start, from_goal = (new, reached) if grown is trees[0] else (reached, new)
             forward = trees[0].branch(from_start)[::-1]
             return np.array(forward + trees[1].branch(from_goal)[1:])
+    return None
+
+
+def rrt(
+    start: Floats,
+    goal: Floats,
+    lower: Floats,
+    upper: Floats,
+    weights: Floats,
+    is_clear: EdgeCheck,
+    *,
+    iterations: int,
+    rng: np.random.Generator,
+) -> Floats | None:
+    """As `rrt_connect`, with a single tree that grows from the start (LaValle 1998).
+
+    Every `GOAL_BIAS`-th sample is the goal.
+    """
+    tree = Tree(start)
+    for iteration in range(iterations):
+        sample = goal if iteration % GOAL_BIAS == 0 else rng.uniform(lower, upper)
+        new = _extend(tree, sample, weights, is_clear)
+        if new is None or np.linalg.norm((goal - tree.q[new]) * weights) > STEP:
+            continue
+        if is_clear(tree.q[new].copy(), goal):
+            return np.array([*tree.branch(new)[::-1], goal])
     return None
 
 

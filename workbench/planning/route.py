@@ -8,13 +8,14 @@ from typing import Literal
 import numpy as np
 
 from workbench.model.candidate import Pick, Reason, Stage, Verdict
-from workbench.model.cell import Arm, Policy
+from workbench.model.cell import Arm, PlannerName, Policy
 from workbench.model.geometry import Floats
 from workbench.model.plan import ArmPlan, Guarantee, Leg, LegName, Plan, Step, Strategy
 from workbench.planning.execution import timed
 from workbench.planning.legs import HOLDING, phase_of
 from workbench.planning.motion import Curve, chain_contact, curves_of, on_wire, segment
-from workbench.planning.planners import resampled, rrt_connect, shortened
+from workbench.planning.planners import Planner, resampled, rrt, rrt_connect, shortened
+from workbench.planning.sbl import sbl
 from workbench.planning.world import Contact, World
 
 MOTIONS: Mapping[LegName, Literal["joint", "linear"]] = {
@@ -24,6 +25,13 @@ MOTIONS: Mapping[LegName, Literal["joint", "linear"]] = {
     "return": "joint",
     "place": "linear",
     "home": "joint",
+}
+
+PLANNERS: Mapping[PlannerName, Planner] = {
+    "rrtconnect": rrt_connect,
+    "birrt": rrt_connect,
+    "rrt": rrt,
+    "sbl": sbl,
 }
 
 TRIES = 3
@@ -203,7 +211,7 @@ def searched(
     for number in range(TRIES + 1):
         path = np.array([start, goal])  # straight ahead first
         if number:
-            path = rrt_connect(
+            path = PLANNERS[policy.planner](
                 start, goal, *limits, weights, is_clear, iterations=policy.iterations, rng=rng
             )
         if path is None:

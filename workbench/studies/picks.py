@@ -7,7 +7,7 @@ purpose: its own study tells how good it is.
 import json
 import sys
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -18,6 +18,7 @@ from rich.table import Table
 
 from workbench.app.pick import plan_pick
 from workbench.formats.cells import read_cell
+from workbench.model.cell import PlannerName
 from workbench.model.scan import Detection
 from workbench.perception.piles import drop_parts
 
@@ -33,6 +34,7 @@ class Arguments:
     parts: how many parts in each.
     seed: of the first pile; the others follow.
     strategy: auto, alternated, coordinated, right or left.
+    planner: of the free legs; the cell's when not given.
     json: print one JSON object instead of the table.
     """
 
@@ -41,6 +43,7 @@ class Arguments:
     parts: int = 2
     seed: int = 0
     strategy: str = "auto"
+    planner: PlannerName | None = None
     json: bool = False
 
 
@@ -50,6 +53,8 @@ def measure(arguments: Arguments) -> dict[str, Any]:
     One plan is made before the clock starts, so that compiled code is loaded.
     """
     cell = read_cell(arguments.cell)
+    if arguments.planner is not None:
+        cell = replace(cell, policy=replace(cell.policy, planner=arguments.planner))
     part = cell.parts[0]
     seeds = range(arguments.seed, arguments.seed + arguments.scenes)
     piles = [
