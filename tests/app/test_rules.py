@@ -25,7 +25,7 @@ from workbench.app.commands import (
     UseDetections,
 )
 from workbench.app.rights import NEXT, RIGHTS, obstacle
-from workbench.app.rules import allowed, approve, is_fresh, staleness
+from workbench.app.rules import allowed, approve, staleness
 from workbench.app.state import Job, Phase, State
 from workbench.model.errors import CommandRefused
 from workbench.model.scan import Detection
@@ -180,7 +180,7 @@ def test_an_approval_names_everything_it_stands_for(planned):
     assert approval.cell_digest == planned.cell.digest
     assert approval.scan_digest == planned.scan.digest
     assert (approval.actor, approval.at, approval.until) == ("ada", NOW, NOW + 300)
-    assert is_fresh(approval, planned.plan, planned.cell, planned.scan.digest, NOW)
+    assert staleness(approval, planned.plan, planned.cell, planned.scan.digest, NOW) == ""
 
 
 def test_a_plan_whose_proof_does_not_hold_cannot_be_approved(planned, samples):

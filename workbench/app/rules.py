@@ -154,11 +154,6 @@ def staleness(
     return ""
 
 
-def is_fresh(approval: Approval, plan: Plan, cell: Cell, scan_digest: str, now: float) -> bool:
-    """Whether the approval covers this plan, in this cell, for this scan, now."""
-    return not staleness(approval, plan, cell, scan_digest, now)
-
-
 def _check_actor(command: Command, actor: str) -> None:
     right = RIGHTS[type(command)]
     if right.by_machine and actor not in MACHINES:

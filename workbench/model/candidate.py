@@ -119,11 +119,6 @@ class Pick:
         )
 
     @property
-    def q_pregrasp(self) -> Floats:
-        """Where the approach starts, shape (n,)."""
-        return np.asarray(self.approach[0])
-
-    @property
     def q_grasp(self) -> Floats:
         """Where the fingers close, shape (n,)."""
         return np.asarray(self.approach[-1])
