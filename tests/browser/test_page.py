@@ -9,6 +9,11 @@ from workbench.app.state import Phase
 from workbench.devices.abb_messages import messages
 from workbench.gui.tables import Order, ordered
 
+MARKED = """() => {
+  const row = document.querySelector(".wb-table tbody tr:nth-child(3)");
+  return row && getComputedStyle(row).backgroundColor !== "rgba(0, 0, 0, 0)";
+}"""
+
 
 def run_to_plan(screen, reaches):
     """Scan, find parts and plan, by clicking."""
@@ -41,7 +46,7 @@ def test_a_cycle_by_clicking_sends_exactly_the_approved_plan(screen, bench, robo
     screen.tab("Candidates")
     screen.page.locator(".wb-table tbody tr").first.wait_for()
     screen.page.locator(".wb-table tbody tr").nth(2).click()
-    screen.page.locator(".wb-chosen").wait_for()
+    screen.page.wait_for_function(MARKED)
     screen.shoot("3-candidates")
 
     screen.tab("Plan")
@@ -99,6 +104,20 @@ def test_a_browser_that_comes_back_sees_the_same_state(screen, open_screen, benc
     other = open_screen()
     other.wait_for(points)
     assert other.text(".wb-status") == screen.text(".wb-status")
+
+
+def test_keys_scan_find_plan_and_turn_the_page_dark(screen, reaches):
+    keyboard = screen.page.keyboard
+    for key, phase in (("s", "scanned"), ("f", "localized"), ("p", "planned")):
+        screen.page.mouse.move(200, 400)
+        keyboard.press(key)
+        state = reaches(phase)
+    screen.wait_for("plan ready")
+    assert state.approval is None
+    keyboard.press("d")
+    screen.page.locator(':root[data-mantine-color-scheme="dark"]').wait_for()
+    screen.shoot("dark")
+    assert screen.errors == []
 
 
 def test_what_the_rules_would_refuse_cannot_be_pressed(screen, reaches):

@@ -92,10 +92,20 @@ def test_a_scan_of_something_else_finds_nothing(say, tmp_path):
         (lambda text: text.replace("24", "many", 1), "many"),
         (lambda text: "\n".join([*text.splitlines()[:-1], "2 nan"]), "nan"),
         (lambda text: "\n".join([*text.splitlines()[:-1], "4 wall"]), "25"),
+        (lambda text: text.replace("2 1\n", "2 1e300\n", 1), "rotation"),
         (lambda text: "", "empty"),
         (lambda text: "\x00\x01\x02", "Poses.txt"),
     ],
-    ids=["count too small", "count too large", "no count", "NaN", "text", "empty", "binary"],
+    ids=[
+        "count too small",
+        "count too large",
+        "no count",
+        "NaN",
+        "text",
+        "huge",
+        "empty",
+        "binary",
+    ],
 )
 def test_wrong_halcon_poses_are_refused(say, tmp_path, change, expected):
     path = tmp_path / "Poses.txt"
@@ -273,6 +283,7 @@ def test_a_plan_that_fails_its_proof_is_not_sent_even_with_a_fresh_digest(line, 
         (lambda c: leg_of(c, "reach").update(q=[]), "q"),
         (lambda c: leg_of(c, "reach")["q"][0].pop(), "q"),
         (lambda c: leg_of(c, "reach")["q"][0].__setitem__(0, 1e400), "changed.json"),
+        (lambda c: leg_of(c, "reach")["q"][0].__setitem__(0, 1e300), "1e+300"),
         (lambda c: c.update(extra=1), "extra"),
     ],
 )

@@ -68,7 +68,7 @@ def test_every_phase_has_its_place_in_the_strip():
 def test_the_status_of_a_task_tells_its_step_and_its_time(states, view_of):
     live = Live(job=7, done=0.5, note="candidate 3 of 60", started=view_of(states.idle).at - 2.5)
     text = Reader(views.status_html(view_of(states.planning, live=live))).text
-    assert "candidate 3 of 60" in text
+    assert "Candidate 3 of 60" in text
     assert "2.5 s" in text
 
 
@@ -82,17 +82,17 @@ def test_a_fault_is_shown_in_full(states, view_of):
 
 
 def test_steps_that_have_to_wait_say_for_what(states):
-    assert "take a scan first" in views.parts_line(states.idle)
-    assert "find the parts first" in views.plan_line(states.scanned)
+    assert "Take a scan first." in views.parts_line(states.idle)
+    assert "Find the parts first." in views.plan_line(states.scanned)
 
 
 def test_results_of_the_steps_carry_units(states):
-    assert "3,600 points from a drawn floor, 08:53:20" in views.scan_line(states.planned)
+    assert "3,600 points (a drawn floor), 08:53:20" in views.scan_line(states.planned)
     assert "2 parts, score 0.90, 0.90" in views.parts_line(states.planned)
     assert re.search(
-        r"alternated, \d+\.\d s, smallest clearance \d+\.\d mm", views.plan_line(states.planned)
+        r"Alternated, \d+\.\d s, smallest clearance \d+\.\d mm", views.plan_line(states.planned)
     )
-    assert "3 of 40 sent" in views.send_line(states.sending)
+    assert "3 of 40 messages sent" in views.send_line(states.sending)
 
 
 def test_a_plan_whose_proof_does_not_hold_says_what_was_found(states):
@@ -111,7 +111,7 @@ def test_without_a_plan_the_verdict_stands_in_its_place(states):
 
 def test_an_approval_names_the_person_and_its_end(states, view_of):
     approval = states.approved.approval
-    assert "by Anna until 08:58:20" in views.approval_line(states.approved, approval.at, "")
+    assert "By Anna until 08:58:20" in views.approval_line(states.approved, approval.at, "")
     assert "run out" in views.approval_line(states.approved, approval.until, "")
 
 
@@ -207,7 +207,6 @@ def test_nothing_from_outside_becomes_html(cell, states, view_of):
             state.candidates,
             (0,),
             Order(),
-            None,
             headings=dict.fromkeys(COLUMNS, "id"),
             rows=["id"] * PAGE,
         ),

@@ -83,9 +83,16 @@ def obstacle(state: State, command: type) -> str:
         return f"{right.says} has to wait until the task {state.job.name!r} ends or is cancelled"
     if command is CancelJob and state.job is None:
         return "no task is running"
+    missing = what_is_missing(state, command)
+    return f"{right.says} is not possible now: {missing}" if missing else ""
+
+
+def what_is_missing(state: State, command: type) -> str:
+    """What has to be done before a command of this type is in order; empty when nothing."""
+    right = RIGHTS[command]
     if state.phase in right.phases:
         return ""
-    advice = right.otherwise or NEXT[state.phase]
+    missing = right.otherwise or NEXT[state.phase]
     if state.phase is Phase.FAULT and state.fault:
-        advice += f" ({state.fault})"
-    return f"{right.says} is not possible now: {advice}"
+        missing += f" ({state.fault})"
+    return missing

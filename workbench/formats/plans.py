@@ -17,6 +17,8 @@ Lengths are in m, angles in rad, times in s.
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from workbench.formats.json_keys import json_text, read_json
 from workbench.formats.poses import MOST_PARTS, read_detection, read_pose_rows
 from workbench.formats.toml_keys import MISSING, Table
@@ -39,6 +41,10 @@ from workbench.model.plan import (
 )
 
 MOST_JOINTS = 64
+
+
+FARTHEST = 1000.0
+"""[rad or m] Beyond this a joint value is a slip of whoever wrote the file."""
 
 
 def write_plan(path: str | Path, plan: Plan, proof: Proof | None = None) -> None:
@@ -141,6 +147,8 @@ def _leg(table: Table, joints: int) -> Leg:
     q = table.rows("q", joints)
     if not 0 < q.size <= LARGE:
         raise table.error("q", f"{len(q)} waypoints; expected 1 to {LARGE // joints}")
+    if np.abs(q).max() > FARTHEST:
+        raise table.error("q", f"joint values reach {np.abs(q).max():.3g}, no joint turns so far")
     leg = Leg(
         name=_leg_name(table, "name"),
         motion="linear" if table.text("motion", among=("joint", "linear")) == "linear" else "joint",

@@ -5,6 +5,7 @@ import viser
 from workbench.app.commands import AcknowledgeFault, CancelJob
 from workbench.app.state import Phase
 from workbench.gui.look import View
+from workbench.gui.theme import Theme
 from workbench.gui.views import status_html, strip_html
 from workbench.gui.visitor import Visitor
 
@@ -12,11 +13,12 @@ from workbench.gui.visitor import Visitor
 class Header:
     """Steps, status, progress; Cancel while a task runs, Acknowledge while there is a fault."""
 
-    def __init__(self, visitor: Visitor, style: str):
+    def __init__(self, visitor: Visitor, theme: Theme, style: str):
         """Add the controls.
 
         Args:
             visitor: whose browser.
+            theme: of the page, which this browser may turn dark.
             style: style sheet of the whole page.
         """
         gui = visitor.gui
@@ -29,7 +31,9 @@ class Header:
             "Acknowledge", icon=viser.Icon.CHECK, color="red", visible=False
         )
         self._progress = gui.add_progress_bar(0.0)
+        self._theme, self._gui, self._is_dark = theme, gui, False
         visitor.on_press(self._cancel, CancelJob)
+        visitor.on_key("D", "Dark or light page", self._turn)
         visitor.on_press(self._acknowledge, AcknowledgeFault)
 
     def show(self, old: View | None, new: View) -> None:
@@ -50,3 +54,7 @@ class Header:
             self._progress.value = round(100 * state.receipts[-1].done / state.receipts[-1].total)
         else:
             self._progress.value = 0.0
+
+    def _turn(self) -> None:
+        self._is_dark = not self._is_dark
+        self._theme.apply(self._gui, is_dark=self._is_dark)

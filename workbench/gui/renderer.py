@@ -18,6 +18,7 @@ from workbench.gui.panels.plan import PlanPanel
 from workbench.gui.panels.robot import RobotPanel
 from workbench.gui.playback import Run, followed, timeline
 from workbench.gui.scene import Scene
+from workbench.gui.theme import Theme
 from workbench.gui.visitor import Panel, Visitor
 
 log = logging.getLogger(__name__)
@@ -42,17 +43,27 @@ class Renderer:
     Lifetime: from construction until `close`.
     """
 
-    def __init__(self, server: viser.ViserServer, bench: Bench, *, style: str, most_points: int):
+    def __init__(
+        self,
+        server: viser.ViserServer,
+        bench: Bench,
+        theme: Theme,
+        *,
+        style: str,
+        most_points: int,
+    ):
         """Draw the cell and start.
 
         Args:
             server: to draw on.
             bench: whose state is drawn.
+            theme: of the page.
             style: style sheet of the page.
             most_points: of a scan.
         """
         self._server = server
         self._bench = bench
+        self._theme = theme
         self._style = style
         self._woken = threading.Event()
         self._closed = threading.Event()
@@ -167,7 +178,7 @@ class Renderer:
 
     def _built(self, visitor: Visitor) -> tuple[Panel, ...]:
         """All controls of one browser, from top to bottom and left to right."""
-        header = Header(visitor, self._style)
+        header = Header(visitor, self._theme, self._style)
         tabs = visitor.gui.add_tab_group()
         with tabs.add_tab("Cycle", viser.Icon.ROTATE_CLOCKWISE):
             cycle = CyclePanel(visitor)

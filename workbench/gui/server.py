@@ -1,16 +1,12 @@
 """The page: one server, one thread that draws, a set of controls for each browser."""
 
-import base64
-from pathlib import Path
-
 import viser
 
 from workbench.app.bench import Bench
 from workbench.formats.shipped import find
-from workbench.gui.colours import BRAND, rgb_of
 from workbench.gui.door import close_door, open_door
 from workbench.gui.renderer import Renderer
-from workbench.model.cell import Cell
+from workbench.gui.theme import Theme
 
 PANEL_WIDTH = 440
 """Of the controls beside the scene, in pixels."""
@@ -55,32 +51,13 @@ def serve(
         FileError: the style sheet or the logo is missing.
     """
     style = find("static", "page.css").read_text(encoding="utf-8")
-    logo = find("static", "logo.svg")
+    theme = Theme()
     server = open_door(host, port)
-    dress(server, bench.cell, logo)
-    renderer = Renderer(server, bench, style=style, most_points=most_points)
+    theme.apply(server.gui, is_dark=False)
+    server.gui.set_panel_label(f"Cell {bench.cell.name}")
+    server.gui.main_panel.dock_right()
+    server.gui.main_panel.set_width(PANEL_WIDTH)
+    renderer = Renderer(server, bench, theme, style=style, most_points=most_points)
     shown = "localhost" if host in ("0.0.0.0", "::") else host
     bracketed = f"[{shown}]" if ":" in shown else shown
     return Page(f"http://{bracketed}:{server.get_port()}", server, renderer)
-
-
-def dress(server: viser.ViserServer, cell: Cell, logo: Path) -> None:
-    """Title bar, colours and place of the controls."""
-    image = base64.b64encode(logo.read_bytes()).decode()
-    server.gui.configure_theme(
-        titlebar_content={
-            "buttons": (),
-            "image": {
-                "image_url_light": f"data:image/svg+xml;base64,{image}",
-                "image_url_dark": None,
-                "image_alt": "Workbench",
-                "href": None,
-            },
-        },
-        show_logo=False,
-        show_share_button=False,
-        brand_color=rgb_of(BRAND),
-    )
-    server.gui.set_panel_label(f"Cell {cell.name}")
-    server.gui.main_panel.dock_right()
-    server.gui.main_panel.set_width(PANEL_WIDTH)

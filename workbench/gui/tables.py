@@ -25,8 +25,8 @@ COLUMNS: Mapping[Column, tuple[str, str]] = {
     "rank": ("Rank", "lower is chosen first: SE(3) distance from the arm's home"),
 }
 
-PAGE = 9
-"""Rows a page."""
+PAGE = 60
+"""Rows a page; each has an unseen button."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,10 +107,9 @@ def funnel_html(
 
 
 def _filter_chip(text: str, count: int, colour: str, is_on: bool, button: str) -> str:
-    look = f"background:{colour};color:#fff" if is_on else f"color:{colour}"
     return (
         f'<span class="wb-filter" aria-pressed="{str(is_on).lower()}" '
-        f'style="border-color:{colour};{look}" {clickable(button)}>'
+        f'style="--wb-own:{colour}" {clickable(button)}>'
         f"{escape(text)} <b>{count}</b></span>"
     )
 
@@ -119,7 +118,6 @@ def candidates_html(
     candidates: Sequence[Candidate],
     shown: Sequence[int],
     order: Order,
-    chosen: int | None,
     *,
     headings: Mapping[Column, str],
     rows: Sequence[str],
@@ -130,7 +128,6 @@ def candidates_html(
         candidates: all of them.
         shown: indices of those on this page.
         order: how they are sorted, for the arrow in the heading.
-        chosen: index of the candidate that the scene shows.
         headings: button ids by column.
         rows: button ids by place on the page.
     """
@@ -139,11 +136,22 @@ def candidates_html(
         f"{escape(title)}{_arrow(order, column)}</th>"
         for column, (title, tip) in COLUMNS.items()
     )
-    body = "".join(
-        _row_html(candidates[number], number == chosen, rows[place])
-        for place, number in enumerate(shown)
+    body = "".join(_row_html(candidates[number], rows[place]) for place, number in enumerate(shown))
+    return (
+        f'<div class="wb-rows"><table class="wb-table"><thead><tr>{head}</tr></thead>'
+        f"<tbody>{body}</tbody></table></div>"
     )
-    return f'<table class="wb-table"><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>'
+
+
+def chosen_html(place: int | None) -> str:
+    """A style that marks the row at that place, counted from 0.
+
+    A table that is written anew jumps back to its top; this leaves it alone.
+    """
+    if place is None:
+        return '<style class="wb-style"></style>'
+    row = f".wb-table tbody tr:nth-child({place + 1})"
+    return f'<style class="wb-style">{row}{{background:var(--wb-chosen)}}</style>'
 
 
 def _arrow(order: Order, column: Column) -> str:
@@ -152,13 +160,12 @@ def _arrow(order: Order, column: Column) -> str:
     return " ▾" if order.is_descending else " ▴"
 
 
-def _row_html(candidate: Candidate, is_chosen: bool, button: str) -> str:
+def _row_html(candidate: Candidate, button: str) -> str:
     verdict = candidate.verdict
     pair = " · ".join(verdict.pair) if verdict.pair is not None else verdict.note
     distance = "" if verdict.distance is None else mm(verdict.distance)
-    chosen = ' class="wb-chosen" aria-selected="true"' if is_chosen else ""
     return (
-        f'<tr{chosen} title="{escape(str(verdict))}" {clickable(button)}>'
+        f'<tr title="{escape(str(verdict))}" {clickable(button)}>'
         f"<td>{candidate.detection + 1}</td>"
         f"<td>{escape(candidate.grasp.name)}</td>"
         f"<td>{escape(candidate.arm)}</td>"

@@ -10,13 +10,14 @@ from collections.abc import Mapping
 from html import escape
 
 from workbench.app.commands import FindParts, MakePlan, TakeScan
-from workbench.app.rights import obstacle
+from workbench.app.rights import what_is_missing
 from workbench.app.state import Phase, State
 from workbench.gui.colours import arm_colour
 from workbench.gui.look import View
 from workbench.model.candidate import Candidate, Verdict
 from workbench.model.cell import Cell
 from workbench.model.plan import Finding, Plan, Proof
+from workbench.model.scan import Detection
 
 STEPS = ("Scan", "Find parts", "Plan", "Approve", "Send")
 
@@ -33,6 +34,11 @@ REACHED = {
 """How many of the steps are done."""
 
 JOB_STEPS = {"scan": 0, "localize": 1, "plan": 2}
+
+
+def sentence(text: str) -> str:
+    """A text with a capital letter in front."""
+    return text[:1].upper() + text[1:]
 
 
 def mm(metres: float, digits: int = 1) -> str:
@@ -76,16 +82,17 @@ def status_html(view: View) -> str:
         mine = live.job == state.job.number
         note = live.note if mine and live.note else state.message
         seconds = max(0.0, view.at - live.started) if mine else 0.0
-        return _box("busy", f"<b>{escape(note)}</b>", f"{seconds:.1f} s")
+        return _box("busy", f"<b>{escape(sentence(note))}</b>", f"{seconds:.1f} s")
     match state.phase:
         case Phase.FAULT:
             return _box("fault", f"<b>Fault:</b> {escape(state.fault)}")
         case Phase.SENDING:
-            return _box("busy", escape(state.message), parts_placed(state))
+            return _box("busy", escape(sentence(state.message)), parts_placed(state))
         case Phase.DONE:
-            return _box("good", escape(state.message))
+            return _box("good", escape(sentence(state.message)))
         case _:
-            return _box("plain", escape(state.message or "Ready. Take a scan to begin."))
+            message = sentence(state.message) or "Ready. Take a scan to begin."
+            return _box("plain", escape(message))
 
 
 def _box(kind: str, left: str, right: str = "") -> str:
@@ -110,9 +117,10 @@ def line(text: str, *, kind: str = "result", span: int = 3, tip: str = "") -> st
 
 
 def hint(state: State, command: type, purpose: str, span: int) -> str:
-    """What a step is for, or why it has to wait."""
-    waits = obstacle(state, command)
-    return line(waits or purpose, kind="hint", span=span, tip=f"{purpose} {waits}".strip())
+    """What a step is for, or what has to be done before."""
+    missing = what_is_missing(state, command)
+    text = f"{sentence(missing)}." if missing else purpose
+    return line(text, kind="hint", span=span, tip=purpose)
 
 
 def scan_line(state: State) -> str:
@@ -121,7 +129,7 @@ def scan_line(state: State) -> str:
     if state.scan is None:
         return hint(state, TakeScan, purpose, 3)
     at = f", {clock(state.scan.at)}" if state.scan.at else ""
-    return line(f"{len(state.scan.points):,} points from {state.scan.source}{at}", tip=purpose)
+    return line(f"{len(state.scan.points):,} points ({state.scan.source}){at}", tip=purpose)
 
 
 def parts_line(state: State) -> str:
@@ -135,7 +143,17 @@ def parts_line(state: State) -> str:
     scores = ", ".join(f"{detection.score:.2f}" for detection in state.detections[:4])
     more = " …" if count > 4 else ""
     noun = "part" if count == 1 else "parts"
-    return line(f"{count} {noun}, score {scores}{more}", span=2, tip=purpose)
+    return line(
+        f"{count} {noun}, score {scores}{more}{_apart(state.detections)}", span=2, tip=purpose
+    )
+
+
+def _apart(detections: tuple[Detection, ...]) -> str:
+    """How far two parts lie from each other: what the threshold is compared with."""
+    if len(detections) != 2:
+        return ""
+    first, second = (detection.T_world_part.translation for detection in detections)
+    return f", {mm(math.dist(first, second), 0)} apart"
 
 
 def plan_line(state: State) -> str:
@@ -150,20 +168,20 @@ def plan_line(state: State) -> str:
         why = str(proof.findings[0]) if proof is not None else "there is none"
         return line(f"The proof does not hold: {why}", kind="bad", tip=purpose)
     text = f"{plan.strategy}, {plan.cycle_seconds:.1f} s, smallest clearance {mm(proof.clearance)}"
-    return line(text, tip=plan.note or purpose)
+    return line(sentence(f"{text}; {plan.note}" if plan.note else text), tip=purpose)
 
 
 def approval_line(state: State, now: float, problem: str) -> str:
     """Who has approved, and until when that holds; or the `problem` that an approval meets."""
     purpose = "A person looks at the facts of this plan and gives a name for it."
     if state.approval is None and state.phase is Phase.PLANNED and problem:
-        return line(problem, kind="bad", span=2, tip=purpose)
+        return line(f"{sentence(problem)}.", kind="bad", span=2, tip=purpose)
     if state.approval is None:
         kind = "result" if state.phase is Phase.PLANNED else "hint"
         text = "Waiting for a person." if state.phase is Phase.PLANNED else purpose
         return line(text, kind=kind, span=2, tip=purpose)
     approval = state.approval
-    text = f"by {approval.actor} until {clock(approval.until)}"
+    text = f"By {approval.actor} until {clock(approval.until)}"
     if now >= approval.until and state.phase is Phase.APPROVED:
         return line(f"{text}, run out", kind="bad", span=2, tip=purpose)
     return line(text, span=2, tip=purpose)
@@ -173,9 +191,9 @@ def send_line(state: State) -> str:
     """How far the plan has gone out."""
     purpose = "Sends the approved plan to the robot controller."
     if not state.receipts:
-        return line("Not sent.", kind="hint", span=1, tip=purpose)
+        return line("Nothing sent.", kind="hint", span=1, tip=purpose)
     last = state.receipts[-1]
-    return line(f"{last.done} of {last.total} sent", span=1, tip=purpose)
+    return line(f"{last.done} of {last.total} messages sent", span=1, tip=purpose)
 
 
 def facts_html(cell: Cell, plan: Plan, proof: Proof) -> str:
@@ -203,8 +221,8 @@ def facts_html(cell: Cell, plan: Plan, proof: Proof) -> str:
 def _where(finding: Finding | None) -> str:
     if finding is None:
         return ""
-    where = f", {finding.arm} arm, leg {finding.leg}"
-    return where + (f": {' · '.join(finding.pair)}" if finding.pair is not None else "")
+    where = f" on free legs: {finding.arm} arm, leg {finding.leg}"
+    return where + (f", {' · '.join(finding.pair)}" if finding.pair is not None else "")
 
 
 def table_html(rows: list[tuple[str, str]], *, title: str = "") -> str:
@@ -246,10 +264,12 @@ def plan_html(cell: Cell, plan: Plan, seconds: tuple[tuple[str, float], ...]) ->
         for arm in plan.arms
     ]
     times = " · ".join(f"{stage} {value * 1000:.0f} ms" for stage, value in seconds)
+    note = f'<div class="wb-small">{escape(sentence(plan.note))}</div>' if plan.note else ""
     return (
         f'<div class="wb-pad">{"".join(chips)}'
         f'<div class="wb-small" title="{escape(plan.digest)}">{escape(plan.strategy)}, '
         f"{escape(plan.guarantee)}, plan {short(plan.digest)}</div>"
+        f"{note}"
         f'<div class="wb-small">computed in {escape(times)}</div></div>'
     )
 

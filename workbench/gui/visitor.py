@@ -5,6 +5,7 @@ from collections.abc import Callable
 from typing import Any, Protocol
 
 import viser
+from viser._messages import HotkeyKey
 
 from workbench.app.bench import Bench
 from workbench.app.commands import Command
@@ -47,6 +48,16 @@ class Visitor:
         @button.on_click
         def _(_: Any) -> None:
             self.ask(command)
+
+    def on_key(self, key: HotkeyKey, says: str, pressed: Callable[[], object]) -> None:
+        """Have a key do something while no field is typed in; listed by Ctrl+K.
+
+        Nothing that lets a robot move has a key: that takes a hand on a button.
+        """
+
+        @self.gui.add_command(says, hotkey=key).on_trigger
+        def _(_: Any) -> None:
+            pressed()
 
     def ask(self, command: Callable[[], Command], actor: str = NOBODY) -> bool:
         """Make a command and give it; a refusal is told in this browser only.

@@ -53,7 +53,12 @@ def pose_from_matrix(matrix: ArrayLike) -> pin.SE3:
     if T.shape == (4, 4) and not np.allclose(T[3], (0, 0, 0, 1), atol=1e-9):
         raise InputError(f"the last row of a pose must be 0 0 0 1, not {T[3].tolist()}")
     R = T[:3, :3]
-    if not np.allclose(R @ R.T, np.eye(3), atol=1e-3) or np.linalg.det(R) < 0.5:
+    # Squares of huge numbers would overflow.
+    if (
+        np.abs(R).max() > 2.0
+        or not np.allclose(R @ R.T, np.eye(3), atol=1e-3)
+        or np.linalg.det(R) < 0.5
+    ):
         raise InputError("the rotation part of a pose is not a rotation matrix")
     if np.abs(R @ R.T - np.eye(3)).max() > 1e-12:
         u, _, vt = np.linalg.svd(R)

@@ -13,6 +13,7 @@ from workbench.gui.tables import (
     Column,
     Order,
     candidates_html,
+    chosen_html,
     funnel_html,
     on_page,
     ordered,
@@ -44,6 +45,7 @@ class CandidatesPanel:
         gui = visitor.gui
         self._funnel = gui.add_html("")
         self._table = gui.add_html("")
+        self._mark = gui.add_html(chosen_html(None))
         gui.add_html('<div class="wb-buttons wb-three"></div>')
         self._foot = gui.add_html("")
         self._back = gui.add_button("Previous", color="gray")
@@ -69,15 +71,16 @@ class CandidatesPanel:
     def show(self, old: View | None, new: View) -> None:
         """Bring what is shown from `old` to `new`."""
         candidates = new.state.candidates or ()
-        is_same = (
-            old is not None
-            and old.state.candidates is new.state.candidates
-            and old.look.candidate == new.look.candidate
-            and self._order is self._drawn
-        )
-        if is_same:
-            return
-        if old is not None and old.state.candidates is not new.state.candidates:
+        are_others = old is None or old.state.candidates is not new.state.candidates
+        if are_others or self._order is not self._drawn:
+            self._draw(candidates, are_others)
+        chosen = new.look.candidate
+        place = self._shown.index(chosen) if chosen in self._shown else None
+        self._mark.content = chosen_html(place)
+        self._clear.disabled = chosen is None
+
+    def _draw(self, candidates: tuple[Candidate, ...], are_others: bool) -> None:
+        if are_others:
             self._order = replace(self._order, only=None, page=0)
         order = self._order
         self._drawn = order
@@ -85,18 +88,12 @@ class CandidatesPanel:
         count = pages(len(indices))
         page = min(order.page, count - 1)
         self._shown = on_page(indices, page)
-        self._draw(candidates, order, new.look.candidate)
+        self._back.visible = self._forth.visible = count > 1
         self._back.disabled = page == 0
         self._forth.disabled = page >= count - 1
-        self._clear.disabled = new.look.candidate is None
-        self._foot.content = line(
-            f"page {page + 1} of {count}, {len(indices)} of {len(candidates)} candidates"
-            if candidates
-            else "",
-            kind="hint",
-        )
-
-    def _draw(self, candidates: tuple[Candidate, ...], order: Order, chosen: int | None) -> None:
+        on_pages = f", page {page + 1} of {count}" if count > 1 else ""
+        counted = f"{len(indices)} of {len(candidates)} candidates{on_pages}"
+        self._foot.content = line(counted if candidates else "", kind="hint")
         if not candidates:
             self._funnel.content = ""
             self._table.content = line(
@@ -109,7 +106,6 @@ class CandidatesPanel:
             candidates,
             self._shown,
             order,
-            chosen,
             headings=self._headings,
             rows=self._rows,
         )

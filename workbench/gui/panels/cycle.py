@@ -103,14 +103,21 @@ class CyclePanel:
 
     def _react(self) -> None:
         visitor = self._visitor
-        visitor.on_press(
-            self._scan, lambda: TakeScan(whole(self._seed.value), whole(self._parts.value))
-        )
-        visitor.on_press(self._find, lambda: FindParts(whole(self._seed.value)))
+        visitor.on_press(self._scan, self._wanted_scan)
+        visitor.on_press(self._find, self._wanted_parts)
         visitor.on_press(self._plan, self._wanted_plan)
+        visitor.on_key("S", "Scan", lambda: visitor.ask(self._wanted_scan))
+        visitor.on_key("F", "Find parts", lambda: visitor.ask(self._wanted_parts))
+        visitor.on_key("P", "Plan", lambda: visitor.ask(self._wanted_plan))
         visitor.on_press(self._send, lambda: SendPlan(_digest(visitor.bench.state)))
         visitor.on_press(self._stop, Stop)
         self._approve.on_click(lambda _: self._dialog.open())
+
+    def _wanted_scan(self) -> Command:
+        return TakeScan(whole(self._seed.value), whole(self._parts.value))
+
+    def _wanted_parts(self) -> Command:
+        return FindParts(whole(self._seed.value))
 
     def _wanted_plan(self) -> Command:
         return MakePlan(self._strategy.value, self._threshold.value / 1000, whole(self._seed.value))

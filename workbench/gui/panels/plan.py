@@ -127,5 +127,11 @@ class PlanPanel:
             if event.client is not None:
                 look.change(time=float(event.target.value), is_playing=False, by=number)
 
-        self._play.on_click(lambda _: look.change(is_playing=not look.now.is_playing, by=None))
+        self._play.on_click(lambda _: self._play_or_pause())
+        self._visitor.on_key("K", "Play or pause the plan", self._play_or_pause)
         self._start.on_click(lambda _: look.change(time=0.0, is_playing=False, by=None))
+
+    def _play_or_pause(self) -> None:
+        look = self._visitor.look
+        if not self._play.disabled:
+            look.change(is_playing=not look.now.is_playing, by=None)
