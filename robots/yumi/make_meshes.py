@@ -4,44 +4,12 @@ Each piece is the convex hull of a few discs and plates, measured so that it hol
 with one or two millimetres to spare.  Lengths in millimetres, each piece in the frame of its
 link (of the tool flange for the palm).
 
-Run from the repository's root: `python robots/yumi/make_meshes.py`.
+Run from the repository's root: `python -m robots.yumi.make_meshes`.
 """
 
-from itertools import product
 from pathlib import Path
 
-import numpy as np
-from numpy.typing import NDArray
-from scipy.spatial import ConvexHull
-
-Points = NDArray[np.float64]
-Range = float | tuple[float, ...]
-
-X, Y, Z = (1, 0, 0), (0, 1, 0), (0, 0, 1)
-SIDES = 16
-"""Of the polygon that stands for a disc, and that the disc lies inside of."""
-
-
-def disc(centre: tuple[float, ...], axis: tuple[float, ...], radius: float) -> Points:
-    """Corners of the polygon around a disc, shape (SIDES, 3)."""
-    n = np.array(axis) / np.linalg.norm(axis)
-    u = np.cross(n, Y if abs(n[0]) > 0.8 else X)
-    u /= np.linalg.norm(u)
-    angles = (np.arange(SIDES) + 0.5) * 2 * np.pi / SIDES
-    ring = np.outer(np.cos(angles), u) + np.outer(np.sin(angles), np.cross(n, u))
-    return np.array(centre) + radius / np.cos(np.pi / SIDES) * ring
-
-
-def plate(x: Range, y: Range, z: Range) -> Points:
-    """Corners of a rectangle: two of the ranges have two ends, one has a single value."""
-    ranges = (r if isinstance(r, tuple) else (r,) for r in (x, y, z))
-    return np.array(list(product(*ranges)), dtype=float)
-
-
-def mirrored(piece: tuple[Points, ...]) -> tuple[Points, ...]:
-    """The piece on the other side of the plane y = 0."""
-    return tuple(points * (1, -1, 1) for points in piece)
-
+from robots.hulls import Y, Z, disc, mirrored, plate, write_all
 
 WING = (
     plate(-322, (113, 155), (0, 93)),
@@ -176,11 +144,6 @@ PIECES = {
         disc((0, 2, -66.5), (0.02, -0.03, 1), 18.5),
         disc((43.5, 25.5, -0.5), (-0.03, 1, 0.05), 25),
     ),
-    "link_6_1": (
-        disc((0, 0, -11.5), Z, 25),
-        disc((0, 0, -0.5), Z, 32),
-        disc((0, 0, 7), Z, 32),
-    ),
     "palm": (
         disc((-1, 0, 0), Z, 34),
         disc((1, 0, 0), Z, 34),
@@ -194,21 +157,5 @@ PIECES = {
 }
 
 
-def write(path: Path, piece: tuple[Points, ...]) -> int:
-    """Write the hull of a piece in metres, to a tenth of a millimetre; the number of corners."""
-    hull = ConvexHull(np.unique(np.round(np.vstack(piece) / 1000, 4), axis=0))
-    corners = hull.points[hull.vertices]
-    number = {old: new for new, old in enumerate(hull.vertices.tolist(), start=1)}
-    lines = [f"v {x:.4f} {y:.4f} {z:.4f}" for x, y, z in corners]
-    for face, outward in zip(hull.simplices.tolist(), hull.equations[:, :3], strict=True):
-        a, b, c = hull.points[face]
-        i, j, k = face if np.dot(np.cross(b - a, c - a), outward) > 0 else face[::-1]
-        lines.append(f"f {number[i]} {number[j]} {number[k]}")
-    path.write_text("\n".join(lines) + "\n", encoding="ascii")
-    return len(corners)
-
-
 if __name__ == "__main__":
-    folder = Path(__file__).with_name("meshes")
-    for name, piece in PIECES.items():
-        print(f"{name}: {write(folder / f'{name}.convex.obj', piece)} corners")
+    write_all(Path(__file__).with_name("meshes"), PIECES)

@@ -237,3 +237,17 @@ def test_a_plan_bent_in_memory_after_approval_is_not_sent(approved):
         assert "changed after it was made" in refusal(approved, SendPlan(plan.digest))
     finally:
         plan.arms[0].T_tcp_part.translation = np.zeros(3)
+
+
+@pytest.mark.parametrize(
+    ("wish", "expected"),
+    [
+        ({"planner": "prm"}, "planner 'prm' is not known"),
+        ({"planner": 7}, "is not known"),
+        ({"iterations": 0}, "iterations must be"),
+        ({"iterations": 1.5}, "iterations must be"),
+        ({"iterations": 10**9}, "iterations must be"),
+    ],
+)
+def test_a_planner_and_its_effort_are_checked(planned, wish, expected):
+    assert expected in refusal(planned, MakePlan(**wish))

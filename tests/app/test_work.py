@@ -36,6 +36,8 @@ def test_the_jobs_lead_from_a_seed_to_a_proven_plan(yumi):
         "scan_digest": scan.digest,
         "strategy": "auto",
         "threshold": 0.2,
+        "planner": "sbl",
+        "iterations": None,
         "seed": 0,
     }
     result, told = run("plan", yumi, arguments)

@@ -1,16 +1,14 @@
 """The shipped part: what its files say of it fits together."""
 
-import importlib.util
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 import pytest
 import trimesh
 
+from parts import make_mesh
 from workbench.formats.cells import read_cell
 from workbench.formats.parts import read_part
-from workbench.formats.shipped import find
 from workbench.model.cell import Tool
 from workbench.model.digest import digest_of
 from workbench.model.geometry import Box, Cylinder, Floats, Solid
@@ -112,12 +110,7 @@ def test_no_turn_leaves_the_part_as_it_is(part: Part, turn: Callable[[Floats], F
 
 
 def test_the_mesh_is_what_its_script_makes(surface: trimesh.Trimesh) -> None:
-    path = find("parts", "keyed_cylinder") / "make_mesh.py"
-    spec = importlib.util.spec_from_file_location("make_mesh", path)
-    assert spec is not None and spec.loader is not None
-    script: Any = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(script)
-    made = script.mesh()
+    made = make_mesh.mesh("keyed_cylinder")
     assert made.volume * 1e-9 == pytest.approx(surface.volume, rel=1e-6)
     np.testing.assert_allclose(made.bounds / 1000, surface.bounds, atol=1e-7)
 

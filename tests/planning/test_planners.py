@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from workbench.model.cell import PLANNER_NAMES
 from workbench.planning.planners import resampled, shortened
-from workbench.planning.route import PLANNERS
+from workbench.planning.search import PLANNERS
 
 LOWER, UPPER, WEIGHTS = np.zeros(2), np.full(2, 4.0), np.ones(2)
 START, GOAL = np.array([0.5, 2.0]), np.array([3.5, 2.0])
@@ -32,7 +32,7 @@ def found(
 ) -> np.ndarray | None:
     rng = np.random.default_rng(seed)
     search = PLANNERS[planner]
-    return search(START, GOAL, LOWER, UPPER, WEIGHTS, is_clear, iterations=iterations, rng=rng)
+    return search(START, GOAL, LOWER, UPPER, WEIGHTS, is_clear, iterations=iterations, rng=rng).path
 
 
 every_planner = pytest.mark.parametrize("planner", PLANNER_NAMES)

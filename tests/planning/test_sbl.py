@@ -60,5 +60,5 @@ def test_segments_are_checked_once_when_nothing_is_in_the_way():
     path = sbl(
         -box / 2, box / 2, -box, box, np.ones(3), is_clear,
         iterations=500, rng=np.random.default_rng(0),
-    )  # fmt: skip
+    ).path  # fmt: skip
     assert len(looked) == len(path) - 1

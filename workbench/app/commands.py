@@ -8,6 +8,7 @@ process and the robot link and tell what has happened.
 from dataclasses import dataclass
 
 from workbench.model.candidate import Candidate, Verdict
+from workbench.model.cell import PlannerName
 from workbench.model.errors import WorkbenchError
 from workbench.model.plan import Plan, Proof
 from workbench.model.release import Receipt
@@ -45,11 +46,16 @@ class UseDetections:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MakePlan:
-    """Judge all candidates, plan and prove.  `strategy`: auto, or a `Strategy` value."""
+    """Judge all candidates, plan and prove.
+
+    `strategy`: auto, or a `Strategy` value; `planner` and `iterations` None: as the cell has it.
+    """
 
     strategy: str = "auto"
     threshold: float = 0.2
     seed: int = 0
+    planner: PlannerName | None = None
+    iterations: int | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)

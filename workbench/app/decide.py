@@ -108,6 +108,8 @@ def _make_plan(state: State, command: MakePlan) -> Outcome:
         "scan_digest": state.scene_digest,
         "strategy": command.strategy,
         "threshold": command.threshold,
+        "planner": command.planner,
+        "iterations": command.iterations,
         "seed": command.seed,
     }
     inputs_digest = digest_of((state.scene_digest, state.detections))

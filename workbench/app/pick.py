@@ -9,7 +9,7 @@ import numpy as np
 
 from workbench.app.commands import PlanResult
 from workbench.model.candidate import Candidate, Pick, Reason, Stage, Verdict
-from workbench.model.cell import Cell
+from workbench.model.cell import Cell, PlannerName
 from workbench.model.errors import InputError, JobCancelled
 from workbench.model.plan import Plan, Strategy
 from workbench.model.scan import Detection
@@ -39,6 +39,8 @@ def plan_pick(
     *,
     strategy: str = "auto",
     threshold: float | None = None,
+    planner: PlannerName | None = None,
+    iterations: int | None = None,
     seed: int = 0,
     report: Report = lambda done, note: None,
     cancelled: Callable[[], bool] = lambda: False,
@@ -51,6 +53,8 @@ def plan_pick(
         scan_digest: what they were found in.
         strategy: `auto` or a `Strategy` value.
         threshold: [m] distance between the parts; None takes the cell's policy.
+        planner: of the free legs; None takes the cell's.
+        iterations: that it may use for each; None takes the cell's.
         seed: of everything random.
         report: progress.
         cancelled: asked between candidates; True ends the work.
@@ -73,7 +77,12 @@ def plan_pick(
 
     proposed = propose(cell, detections)
     lap("propose")
-    world = World(cell, detections)
+    policy = replace(
+        cell.policy,
+        planner=cell.policy.planner if planner is None else planner,
+        iterations=cell.policy.iterations if iterations is None else iterations,
+    )
+    world = World(cell, detections, policy)
     judged, picks = _judged(world, proposed, seed, report, cancelled)
     lap("resolve")
     plan, verdict = None, _summary(judged)

@@ -21,7 +21,7 @@ from workbench.app.commands import (
 )
 from workbench.app.rights import MACHINES, RIGHTS, obstacle
 from workbench.app.state import State
-from workbench.model.cell import Cell
+from workbench.model.cell import PLANNER_NAMES, Cell
 from workbench.model.digest import digest_of
 from workbench.model.errors import CommandRefused, InputError
 from workbench.model.plan import UNSIGNED, Plan, Proof, Strategy
@@ -31,6 +31,7 @@ from workbench.model.scan import Detection
 MOST_PARTS = 30
 SEED_LIMIT = 2**31
 LONGEST_NAME = 80
+MOST_ITERATIONS = 100_000
 STRATEGIES = ("auto", *(str(strategy) for strategy in Strategy))
 
 
@@ -59,8 +60,13 @@ def allowed(state: State, command: Command, actor: str, now: float) -> None:
                 raise CommandRefused("finding parts is not possible now: take a scan first")
         case UseDetections(detections=detections):
             _check_detections(state.cell, detections)
-        case MakePlan(strategy=strategy, threshold=threshold, seed=seed):
+        case MakePlan(strategy=strategy, threshold=threshold, seed=seed) as wanted:
             _check_integer("seed", seed, 0, SEED_LIMIT - 1)
+            if wanted.iterations is not None:
+                _check_integer("iterations", wanted.iterations, 1, MOST_ITERATIONS)
+            if wanted.planner not in (None, *PLANNER_NAMES):
+                known = ", ".join(PLANNER_NAMES)
+                raise CommandRefused(f"planner {wanted.planner!r} is not known; there are {known}")
             _check_number("threshold", threshold, 0.0, 1.0, "m")
             if strategy not in STRATEGIES:
                 known = ", ".join(STRATEGIES)

@@ -59,6 +59,8 @@ def plan(
         arguments["scan_digest"],
         strategy=arguments["strategy"],
         threshold=arguments["threshold"],
+        planner=arguments["planner"],
+        iterations=arguments["iterations"],
         seed=arguments["seed"],
         report=report,
         cancelled=cancelled,

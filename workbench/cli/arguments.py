@@ -10,6 +10,7 @@ from typing import Annotated, Literal
 from tyro.conf import Positional, subcommand
 
 StrategyName = Literal["auto", "alternated", "coordinated", "right", "left"]
+PlannerName = Literal["rrtconnect", "birrt", "rrt", "sbl"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,6 +93,10 @@ class Plan:
     """Which arms work."""
     threshold: float | None = None
     """Distance of two parts [m] from which both arms may work; the cell's when not given."""
+    planner: PlannerName | None = None
+    """Of the free legs; the cell's when not given."""
+    iterations: int | None = None
+    """That the planner may use for each free leg; the cell's when not given."""
     seed: int = 0
     """Of everything random."""
     part: str | None = None

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from workbench.app.commands import PlanResult
 from workbench.app.pick import plan_pick
-from workbench.app.rules import SEED_LIMIT
+from workbench.app.rules import MOST_ITERATIONS, SEED_LIMIT
 from workbench.cli import arguments
 from workbench.cli.exits import NO_PLAN, SUCCESS
 from workbench.cli.findings import (
@@ -45,6 +45,8 @@ def plan(typed: arguments.Plan) -> int:
     check_whole("--seed", typed.seed, 0, SEED_LIMIT - 1)
     if typed.threshold is not None:
         check_number("--threshold", typed.threshold, 0.0, 1.0)
+    if typed.iterations is not None:
+        check_whole("--iterations", typed.iterations, 1, MOST_ITERATIONS)
     cell = read_cell(typed.cell)
     detections = detections_from(cell, typed.poses, typed.part)
     with progress("plan") as report:
@@ -57,6 +59,8 @@ def plan(typed: arguments.Plan) -> int:
             digest_of(detections),
             strategy=typed.strategy,
             threshold=typed.threshold,
+            planner=typed.planner,
+            iterations=typed.iterations,
             seed=typed.seed,
             report=report,
         )

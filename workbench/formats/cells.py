@@ -123,6 +123,7 @@ def _tool(table: Table) -> Tool:
         body=tuple(read_solid(solid) for solid in table.tables("body")),
         fingers=tuple(fingers),
         stroke=(float(low), float(high)),
+        press=table.number("press_mm", 1.5, low=0, high=50) / 1000,
     )
     table.finish()
     return tool

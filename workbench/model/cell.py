@@ -32,13 +32,18 @@ class Finger:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Tool:
-    """A gripper on the flange; solids in the flange frame; `stroke` (min, max) opening [m]."""
+    """A gripper on the flange; solids in the flange frame; `stroke` (min, max) opening [m].
+
+    `press` [m]: how far it gives way to the part that it takes, pads of fingers as they close,
+    the lip of a suction cup as it arrives.
+    """
 
     name: str
     T_flange_tcp: pin.SE3
     body: tuple[Solid, ...]
     fingers: tuple[Finger, ...] = ()
     stroke: tuple[float, float] = (0.0, 0.0)
+    press: float = 0.0015
 
     def __post_init__(self) -> None:
         put(self, T_flange_tcp=copied(self.T_flange_tcp))

@@ -28,7 +28,8 @@ from workbench.planning.in_step import in_step
 from workbench.planning.legs import HOLDING, Run, phase_of
 from workbench.planning.meeting import Course, Meeting, course_of, first_meeting, standing
 from workbench.planning.motion import Curve, chain_contact, curves_of
-from workbench.planning.route import MOTIONS, arm_plan, joint_weights, leg_of, searched
+from workbench.planning.route import MOTIONS, arm_plan, leg_of
+from workbench.planning.search import joint_weights, searched
 from workbench.planning.world import Contact, World
 
 OFFSETS = range(5)
@@ -218,7 +219,7 @@ def _enter(world: World, pair: Pair) -> None:
 
 
 def _course(world: World, task: Task) -> Course:
-    curves = curves_of(np.asarray(task.leg.q), world.cell.policy.zone)
+    curves = curves_of(np.asarray(task.leg.q), world.policy.zone)
     return course_of(world.kinematics.columns[task.plan.arm], curves)
 
 
@@ -258,7 +259,7 @@ def _around(world: World, pair: Pair, rng: np.random.Generator) -> Iterator[Pair
         chain, weights = world.chains[task.plan.arm], joint_weights(len(columns))
         limits = (chain.lower, chain.upper)
         path = searched(
-            np.asarray(start), np.asarray(goal), limits, weights, check, world.cell.policy, rng
+            np.asarray(start), np.asarray(goal), limits, weights, check, world.policy, rng
         )
         if isinstance(path, Verdict):
             continue

@@ -10,7 +10,8 @@ from workbench.model.geometry import Floats
 from workbench.model.plan import ArmPlan, Leg, LegName
 from workbench.planning.execution import timed
 from workbench.planning.motion import Curve, chain_contact, curves_of
-from workbench.planning.route import MOTIONS, joint_weights, searched
+from workbench.planning.route import MOTIONS
+from workbench.planning.search import joint_weights, searched
 from workbench.planning.world import Contact, World
 
 ITERATIONS = 100
@@ -29,7 +30,7 @@ def in_step(
     """
     legs = (plans[0].leg(name), plans[1].leg(name))
     columns = np.concatenate([world.kinematics.columns[plan.arm] for plan in plans])
-    base, policy = world.configuration({}), world.cell.policy
+    base, policy = world.configuration({}), world.policy
 
     def check(curves: Sequence[Curve]) -> tuple[Contact, Floats] | None:
         found = chain_contact(world, columns, base, curves)
@@ -67,7 +68,7 @@ def _timed(
     arms = [world.arm(plan.arm) for plan in plans]
     velocity = np.concatenate([world.cell.robot.limits(arm.joints)[2] for arm in arms])
     acceleration = np.concatenate([np.asarray(arm.acceleration) for arm in arms])
-    policy = world.cell.policy
+    policy = world.policy
     times = timed(path, velocity * policy.speed, acceleration, policy.zone)
     count = len(arms[0].joints)
     return (

@@ -88,6 +88,7 @@ class Pairing:
         self._arm = {arm.name: index for index, arm in enumerate(cell.arms)}
         flanges = {arm.flange: index for index, arm in enumerate(cell.arms)}
         self._carrier = np.array([body.arm for body in bodies])
+        self._press = {arm.name: 0.0 if arm.tool.fingers else arm.tool.press for arm in cell.arms}
         self._tool = np.array([body.kind == "tool" for body in bodies])
         self._part = np.array([int(b.owner) if b.kind == "part" else -1 for b in bodies])
         self._hand = np.array(
@@ -142,7 +143,7 @@ class Pairing:
             for name, number in phase.targets.items():
                 tool = self._tool & (self._carrier == self._arm[name])
                 target = self._part == number
-                margins[(tool[a] & target[b]) | (tool[b] & target[a])] = 0.0
+                margins[(tool[a] & target[b]) | (tool[b] & target[a])] = -self._press[name]
         both = self._ancestors[joint[a]] & self._ancestors[joint[b]]
         commons = np.where(both, np.arange(both.shape[1]), 0).max(axis=1)
         carriers = np.stack([carrier[a], carrier[b]], axis=1)

@@ -6,7 +6,7 @@ so the same request would not give the same plan.
 """
 
 from collections.abc import Callable
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
@@ -24,6 +24,13 @@ ROUNDS = 2
 """How often all corners are cut: each cut leaves two flatter ones."""
 
 
+class Search(NamedTuple):
+    """What a planner found: a path (m, n) [rad] with start and goal, or None, and its effort."""
+
+    path: Floats | None
+    iterations: int
+
+
 class Planner(Protocol):
     """Finds a path between two configurations; see `rrt_connect` for the arguments."""
 
@@ -38,8 +45,8 @@ class Planner(Protocol):
         *,
         iterations: int,
         rng: np.random.Generator,
-    ) -> Floats | None:
-        """A path (m, n) [rad] with start and goal, or None when the iterations are used up."""
+    ) -> Search:
+        """Search until there is a path or the iterations are used up."""
         ...
 
 
@@ -91,14 +98,14 @@ def rrt_connect(
     *,
     iterations: int,
     rng: np.random.Generator,
-) -> Floats | None:
-    """A path (m, n) [rad] from start to goal (n,), or None when the iterations are used up.
+) -> Search:
+    """A path from start to goal (n,), or none when the iterations are used up.
 
     The direct way is tried first.  `weights` (n,) make joints count more in the metric: the
     first ones move more of the arm.
     """
     if is_clear(start, goal):
-        return np.array([start, goal])
+        return Search(np.array([start, goal]), 0)
     trees = (Tree(start), Tree(goal))
     for iteration in range(iterations):
         grown, other = trees if iteration % 2 == 0 else trees[::-1]
@@ -110,8 +117,8 @@ def rrt_connect(
         if reached is not None:
             from_start, from_goal = (new, reached) if grown is trees[0] else (reached, new)
             forward = trees[0].branch(from_start)[::-1]
-            return np.array(forward + trees[1].branch(from_goal)[1:])
-    return None
+            return Search(np.array(forward + trees[1].branch(from_goal)[1:]), iteration + 1)
+    return Search(None, iterations)
 
 
 def rrt(
@@ -124,7 +131,7 @@ def rrt(
     *,
     iterations: int,
     rng: np.random.Generator,
-) -> Floats | None:
+) -> Search:
     """As `rrt_connect`, with a single tree that grows from the start (LaValle 1998).
 
     Every `GOAL_BIAS`-th sample is the goal.
@@ -136,8 +143,8 @@ def rrt(
         if new is None or np.linalg.norm((goal - tree.q[new]) * weights) > STEP:
             continue
         if is_clear(tree.q[new].copy(), goal):
-            return np.array([*tree.branch(new)[::-1], goal])
-    return None
+            return Search(np.array([*tree.branch(new)[::-1], goal]), iteration + 1)
+    return Search(None, iterations)
 
 
 def _extend(tree: Tree, target: Floats, weights: Floats, is_clear: EdgeCheck) -> int | None:

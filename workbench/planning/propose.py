@@ -17,10 +17,6 @@ TURN_WEIGHT = 0.1
 """[m/rad] What a turn of the hand counts against its way in the SE(3) index."""
 
 
-PRESS = 0.0015
-"""[m] How deep the closed fingers may stand in the part's collision solids: they press on it."""
-
-
 class ToolCheck:
     """The tool alone, floating in the bin: no arm, so no inverse kinematics is needed.
 
@@ -164,7 +160,8 @@ def _tool_verdict(
     check: ToolCheck, number: int, grasp: Grasp, arm: Arm, T_world_tcp: pin.SE3
 ) -> Verdict:
     """Whether the tool fits there, with the fingers as on arrival and as closed."""
-    ways = ((grasp.opening, 0.0), (grasp.grip, PRESS)) if arm.tool.fingers else ((0.0, 0.0),)
+    press = arm.tool.press
+    ways = ((grasp.opening, 0.0), (grasp.grip, press)) if arm.tool.fingers else ((0.0, press),)
     for opening, press in ways:
         found = check.contact(arm, T_world_tcp, opening, number, press)
         if found is not None:

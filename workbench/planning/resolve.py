@@ -156,7 +156,7 @@ def _completed(
 def _approach(
     world: World, candidate: Candidate, arm: Arm, q_grasp: Floats, T_world_tcp: pin.SE3
 ) -> Floats | Verdict:
-    grasp, policy = candidate.grasp, world.cell.policy
+    grasp, policy = candidate.grasp, world.policy
     chain, columns = world.chains[arm.name], world.kinematics.columns[arm.name]
     # Authored in the TCP frame of the grasp, which the hand may be turned against.
     way = grasp.approach_length * (candidate.T_world_tcp.rotation @ grasp.approach)
@@ -193,16 +193,16 @@ def lift_direction(world: World, T_world_tcp: pin.SE3) -> Floats:
     far = float(np.linalg.norm(inwards))
     if far < 1e-3:
         return up
-    lean = world.cell.policy.lift_lean
+    lean = world.policy.lift_lean
     # Near the middle a full lean would carry the part past it.
-    lean = min(lean, float(np.arctan2(far, world.cell.policy.lift_length)))
+    lean = min(lean, float(np.arctan2(far, world.policy.lift_length)))
     return np.cos(lean) * up + np.sin(lean) * inwards / far
 
 
 def _extract(
     world: World, candidate: Candidate, arm: Arm, q_grasp: Floats, T_tcp_part: pin.SE3
 ) -> Floats | Verdict:
-    grasp, policy = candidate.grasp, world.cell.policy
+    grasp, policy = candidate.grasp, world.policy
     chain, columns = world.chains[arm.name], world.kinematics.columns[arm.name]
     T_grasp = chain.pose(q_grasp)
     if grasp.retreat is None:
@@ -237,7 +237,7 @@ def _place(
     world: World, candidate: Candidate, arm: Arm, q_from: Floats, T_tcp_part: pin.SE3
 ) -> Floats | Verdict:
     """The straight way down to the first place that works, shape (m, n)."""
-    policy = world.cell.policy
+    policy = world.policy
     chain, columns = world.chains[arm.name], world.kinematics.columns[arm.name]
     base = world.configuration({})
     world.enter(holding_phase(candidate, arm, T_tcp_part, straight=False))

@@ -1,21 +1,19 @@
 """From picks to a plan: the free legs between the straight ones, as they will be sent."""
 
-import math
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Literal
 
 import numpy as np
 
 from workbench.model.candidate import Pick, Reason, Stage, Verdict
-from workbench.model.cell import Arm, PlannerName, Policy
+from workbench.model.cell import Arm
 from workbench.model.geometry import Floats
 from workbench.model.plan import ArmPlan, Guarantee, Leg, LegName, Plan, Step, Strategy
 from workbench.planning.execution import timed
 from workbench.planning.legs import HOLDING, phase_of
-from workbench.planning.motion import Curve, chain_contact, curves_of, on_wire, segment
-from workbench.planning.planners import Planner, resampled, rrt, rrt_connect, shortened
-from workbench.planning.sbl import sbl
+from workbench.planning.motion import Curve, chain_contact, on_wire
+from workbench.planning.search import joint_weights, searched
 from workbench.planning.world import Contact, World
 
 MOTIONS: Mapping[LegName, Literal["joint", "linear"]] = {
@@ -26,19 +24,6 @@ MOTIONS: Mapping[LegName, Literal["joint", "linear"]] = {
     "place": "linear",
     "home": "joint",
 }
-
-PLANNERS: Mapping[PlannerName, Planner] = {
-    "rrtconnect": rrt_connect,
-    "birrt": rrt_connect,
-    "rrt": rrt,
-    "sbl": sbl,
-}
-
-TRIES = 3
-"""Free paths searched before giving up: rounding to the wire and the corners may spoil one."""
-
-METRIC_DECAY = 0.6
-"""Each joint counts this much of the one before: the first ones move more of the arm."""
 
 
 def route(
@@ -140,7 +125,7 @@ def _as_no_return(verdict: Verdict, name: LegName) -> Verdict:
 
 def leg_of(world: World, arm: Arm, name: LegName, path: Floats, opening: float) -> Leg:
     """A leg of one arm with its timing."""
-    policy = world.cell.policy
+    policy = world.policy
     _, _, velocity = world.cell.robot.limits(arm.joints)
     times = timed(path, velocity * policy.speed, np.asarray(arm.acceleration), policy.zone)
     return Leg(name, MOTIONS[name], name in HOLDING, opening, path, times)
@@ -174,55 +159,6 @@ def free_path(
         (chain.lower, chain.upper),
         joint_weights(len(start)),
         check,
-        world.cell.policy,
+        world.policy,
         rng,
     )
-
-
-def joint_weights(count: int) -> Floats:
-    """How much each joint of an arm counts in the metric, shape (count,)."""
-    weights: Floats = np.power(METRIC_DECAY, np.arange(count, dtype=np.float64))
-    return weights * math.sqrt(count / float(weights @ weights))
-
-
-Check = Callable[[Sequence[Curve]], tuple[Contact, Floats] | None]
-"""Whether a motion is clear: what is met and where, or None."""
-
-
-def searched(
-    start: Floats,
-    goal: Floats,
-    limits: tuple[Floats, Floats],
-    weights: Floats,
-    check: Check,
-    policy: Policy,
-    rng: np.random.Generator,
-) -> Floats | Verdict:
-    """A path between two clear configurations (n,), rounded and checked as it will be run.
-
-    Returns:
-        Waypoints (m, n) [rad]; or why there are none, with what was met last.
-    """
-
-    def is_clear(a: Floats, b: Floats) -> bool:
-        return check([segment(a, b)]) is None
-
-    met: tuple[Contact, Floats] | None = None
-    for number in range(TRIES + 1):
-        path = np.array([start, goal])  # straight ahead first
-        if number:
-            path = PLANNERS[policy.planner](
-                start, goal, *limits, weights, is_clear, iterations=policy.iterations, rng=rng
-            )
-        if path is None:
-            break
-        path = shortened(path, is_clear, most=policy.free_points)
-        path = on_wire(resampled(path, policy.free_points))
-        path = path[np.concatenate([[True], np.any(np.diff(path, axis=0) != 0, axis=1)])]
-        met = check(curves_of(path, policy.zone))
-        if met is None:
-            return path
-    if met is None:
-        return Verdict(Reason.NO_PATH, Stage.ROUTE)
-    contact, q = met
-    return Verdict(Reason.NO_PATH, Stage.ROUTE, contact.pair, contact.distance, q)

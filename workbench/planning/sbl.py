@@ -16,7 +16,7 @@ from itertools import pairwise
 import numpy as np
 
 from workbench.model.geometry import Floats
-from workbench.planning.planners import EdgeCheck
+from workbench.planning.planners import EdgeCheck, Search
 
 REACH = 1.2
 """[rad] Largest distance, in the weighted metric, of a new milestone from the one it grows from,
@@ -99,14 +99,14 @@ def sbl(
     *,
     iterations: int,
     rng: np.random.Generator,
-) -> Floats | None:
-    """A path (m, n) [rad] from start to goal (n,), or None when the iterations are used up.
+) -> Search:
+    """A path from start to goal (n,), or none when the iterations are used up.
 
     The arguments are those of `planners.rrt_connect`.
     """
     roadmap = Roadmap(start, goal)
     checked: set[tuple[int, int]] = set()
-    for _ in range(iterations):
+    for iteration in range(iterations):
         tree = int(rng.integers(2))
         parent = _chosen(roadmap, tree, lower, upper, rng)
         new = _expanded(roadmap, parent, lower, upper, weights, is_clear, rng)
@@ -119,9 +119,9 @@ def sbl(
         chain = roadmap.branch(first)[::-1] + roadmap.branch(second)
         failed = _tested(roadmap, chain, weights, is_clear, checked)
         if failed is None:
-            return np.array([roadmap.q[number] for number in chain])
+            return Search(np.array([roadmap.q[number] for number in chain]), iteration + 1)
         _take_out(roadmap, chain, failed, len(roadmap.branch(first)) - 1)
-    return None
+    return Search(None, iterations)
 
 
 def _chosen(

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 import pinocchio as pin
 
-from workbench.model.cell import Arm, Cell
+from workbench.model.cell import Arm, Cell, Policy
 from workbench.model.geometry import Floats, Ints
 from workbench.model.scan import Detection
 from workbench.planning.bodies import bodies_of, coal_shape, extent
@@ -35,8 +35,18 @@ class World:
     Concurrency: one thread at a time.
     """
 
-    def __init__(self, cell: Cell, detections: tuple[Detection, ...]):
+    def __init__(
+        self, cell: Cell, detections: tuple[Detection, ...], policy: Policy | None = None
+    ) -> None:
+        """The cell with those parts in it.
+
+        Args:
+            cell: as it is.
+            detections: the parts found.
+            policy: by which to plan, where a request differs from the cell.
+        """
         self.cell = cell
+        self.policy = cell.policy if policy is None else policy
         self.detections = detections
         self.kinematics = Kinematics(cell)
         self.chains: dict[str, Chain] = {arm.name: chain_of(cell, arm) for arm in cell.arms}

@@ -7,7 +7,7 @@ purpose: its own study tells how good it is.
 import json
 import sys
 import time
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -53,8 +53,6 @@ def measure(arguments: Arguments) -> dict[str, Any]:
     One plan is made before the clock starts, so that compiled code is loaded.
     """
     cell = read_cell(arguments.cell)
-    if arguments.planner is not None:
-        cell = replace(cell, policy=replace(cell.policy, planner=arguments.planner))
     part = cell.parts[0]
     seeds = range(arguments.seed, arguments.seed + arguments.scenes)
     piles = [
@@ -66,7 +64,14 @@ def measure(arguments: Arguments) -> dict[str, Any]:
     cycles: list[float] = []
     for seed, pile in zip(seeds, piles, strict=True):
         began = time.perf_counter()
-        result = plan_pick(cell, pile, "study", strategy=arguments.strategy, seed=seed)
+        result = plan_pick(
+            cell,
+            pile,
+            "study",
+            strategy=arguments.strategy,
+            planner=arguments.planner,
+            seed=seed,
+        )
         whole = time.perf_counter() - began
         for stage, value in result.seconds.items():
             seconds[stage].append(value)

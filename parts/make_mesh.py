@@ -1,9 +1,10 @@
-"""Makes keyed_cylinder.stl: the union of the pieces in part.toml, in millimetres.
+"""Makes the mesh of a part whose surface is the union of the pieces in its part.toml.
 
-Run after a change of part.toml, with the workbench and `manifold3d` installed:
-`python parts/keyed_cylinder/make_mesh.py`.
+Run after a change of part.toml, with the workbench and `manifold3d` installed, from the
+repository's root: `python -m parts.make_mesh keyed_cylinder`.
 """
 
+import sys
 from pathlib import Path
 
 import trimesh
@@ -13,15 +14,15 @@ from workbench.formats.solids import read_solid
 from workbench.formats.toml_keys import read_toml
 from workbench.model.geometry import Box, Cylinder, Solid
 
-FOLDER = Path(__file__).resolve().parent
+PARTS = Path(__file__).resolve().parent
 
 SECTIONS = 48
 """Facets around the cylinders: the largest is 0.04 mm away from the circle."""
 
 
-def mesh() -> trimesh.Trimesh:
-    """The part's surface [mm]."""
-    pieces = read_toml(FOLDER / "part.toml").tables("piece")
+def mesh(name: str) -> trimesh.Trimesh:
+    """The surface of the part in that folder [mm]."""
+    pieces = read_toml(PARTS / name / "part.toml").tables("piece")
     return trimesh.boolean.union([_surface(read_solid(piece)) for piece in pieces])
 
 
@@ -38,6 +39,7 @@ def _surface(piece: Solid) -> trimesh.Trimesh:
 
 
 if __name__ == "__main__":
-    surface = mesh()
-    surface.export(FOLDER / "keyed_cylinder.stl")
+    part = sys.argv[1]
+    surface = mesh(part)
+    surface.export(PARTS / part / f"{part}.stl")
     print(f"{len(surface.faces)} triangles, watertight: {surface.is_watertight}")

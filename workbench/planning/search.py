@@ -1,0 +1,83 @@
+"""One free way: searched by the planner of that name, shortened, rounded, checked as it is run."""
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+
+import numpy as np
+
+from workbench.model.candidate import Reason, Stage, Verdict
+from workbench.model.cell import PlannerName, Policy
+from workbench.model.geometry import Floats
+from workbench.planning.motion import Curve, curves_of, on_wire, segment
+from workbench.planning.planners import EdgeCheck, Planner, resampled, rrt, rrt_connect, shortened
+from workbench.planning.sbl import sbl
+from workbench.planning.world import Contact
+
+PLANNERS: Mapping[PlannerName, Planner] = {
+    "rrtconnect": rrt_connect,
+    "birrt": rrt_connect,
+    "rrt": rrt,
+    "sbl": sbl,
+}
+
+TRIES = 3
+"""Free paths searched before giving up: rounding to the wire and the corners may spoil one."""
+
+METRIC_DECAY = 0.6
+"""Each joint counts this much of the one before: the first ones move more of the arm."""
+
+
+def joint_weights(count: int) -> Floats:
+    """How much each joint of an arm counts in the metric, shape (count,)."""
+    weights: Floats = np.power(METRIC_DECAY, np.arange(count, dtype=np.float64))
+    return weights * math.sqrt(count / float(weights @ weights))
+
+
+Check = Callable[[Sequence[Curve]], tuple[Contact, Floats] | None]
+"""Whether a motion is clear: what is met and where, or None."""
+
+
+def searched(
+    start: Floats,
+    goal: Floats,
+    limits: tuple[Floats, Floats],
+    weights: Floats,
+    check: Check,
+    policy: Policy,
+    rng: np.random.Generator,
+) -> Floats | Verdict:
+    """A path between two clear configurations (n,), rounded and checked as it will be run.
+
+    Returns:
+        Waypoints (m, n) [rad]; or why there are none, with what was met last.
+    """
+    is_clear = edge_check(check)
+    met: tuple[Contact, Floats] | None = None
+    for number in range(TRIES + 1):
+        path = np.array([start, goal])  # straight ahead first
+        if number:
+            search = PLANNERS[policy.planner]
+            path = search(
+                start, goal, *limits, weights, is_clear, iterations=policy.iterations, rng=rng
+            ).path
+        if path is None:
+            break
+        path = as_sent(path, is_clear, policy.free_points)
+        met = check(curves_of(path, policy.zone))
+        if met is None:
+            return path
+    if met is None:
+        return Verdict(Reason.NO_PATH, Stage.ROUTE)
+    contact, q = met
+    return Verdict(Reason.NO_PATH, Stage.ROUTE, contact.pair, contact.distance, q)
+
+
+def edge_check(check: Check) -> EdgeCheck:
+    """Whether one straight joint motion is clear, by a check of whole motions."""
+    return lambda a, b: check([segment(a, b)]) is None
+
+
+def as_sent(path: Floats, is_clear: EdgeCheck, count: int) -> Floats:
+    """A path shortened, divided into `count` waypoints or as many as it needs, and rounded."""
+    path = on_wire(resampled(shortened(path, is_clear, most=count), count))
+    return path[np.concatenate([[True], np.any(np.diff(path, axis=0) != 0, axis=1)])]
