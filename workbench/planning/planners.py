@@ -53,6 +53,11 @@ class Planner(Protocol):
 STEP = 0.6
 """[rad] Longest new edge of a tree, in the weighted metric."""
 
+NEARBY = 0.3
+WIDENING = 0.03
+"""[rad] Samples lie in the box around start and goal, wider by `NEARBY`, and by so much more
+with each iteration: most ways need no joint to go far, and most of its range leads elsewhere."""
+
 
 class Tree:
     """Configurations with their parents; grows by doubling its array.
@@ -109,7 +114,7 @@ def rrt_connect(
     trees = (Tree(start), Tree(goal))
     for iteration in range(iterations):
         grown, other = trees if iteration % 2 == 0 else trees[::-1]
-        sample = rng.uniform(lower, upper)
+        sample = _sample(start, goal, lower, upper, iteration, rng)
         new = _extend(grown, sample, weights, is_clear)
         if new is None:
             continue
@@ -138,13 +143,27 @@ def rrt(
     """
     tree = Tree(start)
     for iteration in range(iterations):
-        sample = goal if iteration % GOAL_BIAS == 0 else rng.uniform(lower, upper)
+        is_goal = iteration % GOAL_BIAS == 0
+        sample = goal if is_goal else _sample(start, goal, lower, upper, iteration, rng)
         new = _extend(tree, sample, weights, is_clear)
         if new is None or np.linalg.norm((goal - tree.q[new]) * weights) > STEP:
             continue
         if is_clear(tree.q[new].copy(), goal):
             return Search(np.array([*tree.branch(new)[::-1], goal]), iteration + 1)
     return Search(None, iterations)
+
+
+def _sample(
+    start: Floats,
+    goal: Floats,
+    lower: Floats,
+    upper: Floats,
+    iteration: int,
+    rng: np.random.Generator,
+) -> Floats:
+    around = NEARBY + WIDENING * iteration
+    low = np.maximum(lower, np.minimum(start, goal) - around)
+    return rng.uniform(low, np.minimum(upper, np.maximum(start, goal) + around))
 
 
 def _extend(tree: Tree, target: Floats, weights: Floats, is_clear: EdgeCheck) -> int | None:

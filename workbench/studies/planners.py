@@ -1,0 +1,171 @@
+"""The thesis' comparison of planners: one arm, from home to random tool poses in a bin.
+
+Targets that no configuration reaches, and those where every configuration touches something, are
+counted apart: no planner can solve them.
+"""
+
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from workbench.model.cell import Arm, Cell, PlannerName
+from workbench.model.geometry import Floats
+from workbench.planning.motion import Curve, chain_contact, curves_of, on_wire
+from workbench.planning.pairing import Phase
+from workbench.planning.search import PLANNERS, TRIES, as_sent, edge_check, joint_weights
+from workbench.planning.world import Contact, World
+from workbench.studies.targets import Target, drawn_poses, judged
+
+Report = Callable[[float, str], None]
+
+STEPS = 20
+"""Points at which the tool's way is measured, on each segment of a path."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Attempt:
+    """One planner, one target, so many iterations allowed.
+
+    `search` [s] finds a path; `finish` [s] shortens it, divides it into the waypoints that are
+    sent, and checks those.  `tool_way` [m] and `joint_way` [rad] are of what is sent, None when
+    nothing is.
+    """
+
+    planner: PlannerName
+    target: int
+    allowed: int
+    iterations: int
+    search: float
+    finish: float
+    tool_way: float | None
+    joint_way: float | None
+
+
+class Course:
+    """One arm of a cell with an empty bin, and the targets it is sent to from home.
+
+    Concurrency: one thread at a time.
+    """
+
+    def __init__(self, cell: Cell, count: int, seed: int):
+        """Draw and judge the targets.
+
+        Args:
+            cell: its first arm is used, its bin, its margins.
+            count: how many targets.
+            seed: of the targets.
+        """
+        self.arm: Arm = cell.arms[0]
+        self.world = World(cell, ())
+        self.world.enter(Phase(frozenset({self.arm.name})))
+        self.start = on_wire(np.asarray(self.arm.home))
+        poses = drawn_poses(cell.bin, count, seed)
+        self.targets: list[Target] = judged(self.world, self.arm, poses, seed)
+
+    @property
+    def goals(self) -> list[tuple[int, Floats]]:
+        """Number and configuration of the targets that can be taken up."""
+        return [(k, target.q) for k, target in enumerate(self.targets) if target.q is not None]
+
+    def attempt(self, planner: PlannerName, number: int, goal: Floats, allowed: int) -> Attempt:
+        """Plan once from home to a goal (n,), seeded by the target's number."""
+        world, policy = self.world, self.world.policy
+        columns, base = world.kinematics.columns[self.arm.name], world.configuration({})
+
+        def check(curves: Sequence[Curve]) -> tuple[Contact, Floats] | None:
+            found = chain_contact(world, columns, base, curves)
+            return None if found is None else found[:2]
+
+        chain, is_clear = world.chains[self.arm.name], edge_check(check)
+        weights, rng = joint_weights(len(goal)), np.random.default_rng([number])
+        search = finish = 0.0
+        iterations, path = 0, None
+        for _ in range(TRIES):
+            began = time.perf_counter()
+            found, used = PLANNERS[planner](
+                self.start,
+                goal,
+                chain.lower,
+                chain.upper,
+                weights,
+                is_clear,
+                iterations=allowed,
+                rng=rng,
+            )
+            middle = time.perf_counter()
+            search, iterations = search + middle - began, iterations + used
+            if found is None:
+                break
+            sent = as_sent(found, is_clear, policy.free_points)
+            is_spoiled = check(curves_of(sent, policy.zone)) is not None
+            finish += time.perf_counter() - middle
+            if not is_spoiled:
+                path = sent
+                break
+        return Attempt(
+            planner,
+            number,
+            allowed,
+            iterations,
+            search,
+            finish,
+            None if path is None else self.tool_way(path),
+            None if path is None else float(np.abs(np.diff(path, axis=0)).sum()),
+        )
+
+    def tool_way(self, path: Floats) -> float:
+        """How far the tool centre point moves along straight joint segments (m, n) [m]."""
+        chain = self.world.chains[self.arm.name]
+        shares = np.linspace(0.0, 1.0, STEPS + 1)[1:, None]
+        points = [chain.pose(path[0]).translation]
+        for a, b in zip(path[:-1], path[1:], strict=True):
+            points += [chain.pose(q).translation for q in a + shares * (b - a)]
+        return float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum())
+
+
+def compare(
+    course: Course, planners: Sequence[PlannerName], allowed: Sequence[int], report: Report
+) -> list[Attempt]:
+    """Every planner at every target with every number of iterations.
+
+    Each planner goes once to the first target before the clock starts: compiled code is loaded.
+    """
+    goals = course.goals
+    for planner in planners[: len(goals)]:
+        course.attempt(planner, *goals[0], max(allowed))
+    attempts: list[Attempt] = []
+    whole = len(planners) * len(allowed) * len(goals)
+    for planner in planners:
+        for most in allowed:
+            for number, goal in goals:
+                report(len(attempts) / whole, f"{planner}, {most} iterations")
+                attempts.append(course.attempt(planner, number, goal, most))
+    return attempts
+
+
+def summary(attempts: Sequence[Attempt]) -> list[dict[str, Any]]:
+    """One row a planner and number of iterations; times in s, of all attempts."""
+    groups: dict[tuple[PlannerName, int], list[Attempt]] = {}
+    for one in attempts:
+        groups.setdefault((one.planner, one.allowed), []).append(one)
+    return [_row(planner, allowed, group) for (planner, allowed), group in groups.items()]
+
+
+def _row(planner: str, allowed: int, group: Sequence[Attempt]) -> dict[str, Any]:
+    whole = np.array([one.search + one.finish for one in group])
+    ways = [one.tool_way for one in group if one.tool_way is not None]
+    return {
+        "planner": planner,
+        "allowed": allowed,
+        "attempts": len(group),
+        "success": len(ways) / len(group),
+        "search_mean": float(np.mean([one.search for one in group])),
+        "mean": float(whole.mean()),
+        "median": float(np.median(whole)),
+        "p95": float(np.percentile(whole, 95)),
+        "iterations_mean": float(np.mean([one.iterations for one in group])),
+        "tool_way_mean": float(np.mean(ways)) if ways else None,
+    }

@@ -1,0 +1,63 @@
+"""Random tool poses in a bin, as the thesis drew them, and what an arm can make of each."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+import pinocchio as pin
+
+from workbench.model.cell import Arm, Bin
+from workbench.model.geometry import Floats, pose_from_rpy
+from workbench.planning.chain import is_solution
+from workbench.planning.motion import on_wire
+from workbench.planning.world import World
+
+TILT = np.deg2rad(20.0)
+"""[rad] The tool points straight down but for up to this turn about y, to either side."""
+
+STARTS = 24
+"""Starting points of the inverse kinematics for each target."""
+
+Outcome = Literal["clear", "out of reach", "in collision"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Target:
+    """A tool pose and, when it can be taken up without touching anything, the configuration (n,).
+
+    Of several configurations it is the one with the least joint travel from home.
+    """
+
+    T_world_tcp: pin.SE3
+    outcome: Outcome
+    q: Floats | None
+
+
+def drawn_poses(bin: Bin, count: int, seed: int) -> list[pin.SE3]:
+    """Tool poses anywhere in the bin: z down, up to `TILT` about y, any turn about z."""
+    rng = np.random.default_rng(seed)
+    poses: list[pin.SE3] = []
+    for _ in range(count):
+        p_bin = (rng.random(3) - (0.5, 0.5, 0.0)) * np.asarray(bin.size)
+        tilt, turn = rng.uniform(-TILT, TILT), rng.uniform(-np.pi, np.pi)
+        down = pose_from_rpy((0, 0, 0), (np.pi, 0, 0))
+        T_bin_tcp = pin.SE3(np.eye(3), p_bin) * pose_from_rpy((0, 0, 0), (0, 0, turn)) * down
+        poses.append(bin.T_world_bin * T_bin_tcp * pose_from_rpy((0, 0, 0), (0, tilt, 0)))
+    return poses
+
+
+def judged(world: World, arm: Arm, poses: Sequence[pin.SE3], seed: int) -> list[Target]:
+    """What an arm can make of each pose; the other arms stand at home."""
+    chain = world.chains[arm.name]
+    rng = np.random.default_rng([seed, 1])
+    starts = np.vstack([arm.home, rng.uniform(chain.lower, chain.upper, (STARTS - 1, len(arm.home)))])
+    targets: list[Target] = []
+    for T_world_tcp in poses:
+        answers, residuals = chain.solve(T_world_tcp, starts)
+        solutions = [on_wire(q) for q in answers[is_solution(residuals)]]
+        clear = [q for q in solutions if world.contact(world.configuration({arm.name: q})) is None]
+        clear.sort(key=lambda q: float(np.abs(q - arm.home).sum()))
+        outcome: Outcome = "clear" if clear else "in collision" if solutions else "out of reach"
+        targets.append(Target(T_world_tcp, outcome, clear[0] if clear else None))
+    return targets
