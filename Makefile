@@ -40,8 +40,10 @@ lint: $(VENV)/.lint $(VENV)/.test
 
 bench: $(VENV)/.test
 	@bash setup/debian.sh $(LIBRARIES)
-	$(BIN)/python -m workbench.studies.picks --scenes 20
-	$(BIN)/python -m workbench.studies.localization --scenes 20
+	$(BIN)/workbench bench pick --scenes 20
+	$(BIN)/workbench bench planners --targets 60 --iterations 20 100 500
+	$(BIN)/workbench study threshold --cycles 20
+	$(BIN)/workbench study localization --scenes 20
 
 # After a dependency was changed and the tests pass with the newest versions.
 constraints: $(VENV)/.lint $(VENV)/.test

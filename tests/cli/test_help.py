@@ -24,6 +24,15 @@ COMMANDS = (
     "send",
     "controller",
     "export-world",
+    "bench",
+    "study",
+)
+
+NESTED = (
+    ("bench", "planners"),
+    ("bench", "pick"),
+    ("study", "threshold"),
+    ("study", "localization"),
 )
 
 
@@ -41,7 +50,9 @@ def help_of(*words: str) -> str:
     return "\n".join(line.rstrip() for line in ended.stdout.splitlines()).strip() + "\n"
 
 
-@pytest.mark.parametrize("words", [(), *((command,) for command in COMMANDS)], ids=" ".join)
+@pytest.mark.parametrize(
+    "words", [(), *((command,) for command in COMMANDS), *NESTED], ids=" ".join
+)
 def test_help_is_as_agreed(words):
     path = GOLDEN / f"{'-'.join(('workbench', *words))}.txt"
     said = help_of(*words)

@@ -5,12 +5,12 @@ Nothing heavy is imported here: this is all that `--help` loads.
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated
 
 from tyro.conf import Positional, subcommand
 
-StrategyName = Literal["auto", "alternated", "coordinated", "right", "left"]
-PlannerName = Literal["rrtconnect", "birrt", "rrt", "sbl"]
+from workbench.cli.names import PlannerName, StrategyName
+from workbench.cli.study_arguments import Bench, Study
 
 
 @dataclass(frozen=True, slots=True)
@@ -196,4 +196,6 @@ Arguments = (
     | Annotated[Send, subcommand("send")]
     | Annotated[Controller, subcommand("controller")]
     | Annotated[ExportWorld, subcommand("export-world")]
+    | Annotated[Bench, subcommand("bench")]
+    | Annotated[Study, subcommand("study")]
 )

@@ -107,6 +107,14 @@ def run(typed: arguments.Arguments) -> int:
             from workbench.cli.world import export_world
 
             return export_world(typed)
+        case arguments.Bench():
+            from workbench.cli.studies import bench
+
+            return bench(typed)
+        case arguments.Study():
+            from workbench.cli.studies import study
+
+            return study(typed)
         case _:
             assert_never(typed)
 

@@ -15,6 +15,9 @@ from rich.table import Table
 
 from workbench.model.errors import InputError
 
+WIDE = 120
+"""Columns of a table that goes into a file or a pipe."""
+
 Report = Callable[[float, str], None]
 """Called with the share done, 0..1, and what is being done."""
 
@@ -42,7 +45,10 @@ def print_table(title: str, columns: Iterable[str], rows: Iterable[Iterable[str]
         table.add_column(column, justify="right" if column.endswith(("ms", "mm")) else "left")
     for row in rows:
         table.add_row(*row)
-    Console(markup=False, highlight=False).print(table)
+    console = Console(markup=False, highlight=False)
+    if not console.is_terminal:
+        console.width = WIDE
+    console.print(table)
 
 
 def print_json(content: dict[str, Any]) -> None:

@@ -54,7 +54,7 @@ def canonical(value: Any, *, without: frozenset[str] = frozenset()) -> Any:
             return {
                 field.name: canonical(getattr(value, field.name))
                 for field in dataclasses.fields(value)
-                if field.name not in left_out
+                if field.name not in left_out and not field.metadata.get("derived")
             }
         case _:
             raise TypeError(f"no canonical form for {type(value).__name__}")

@@ -4,6 +4,7 @@ A pose is a `pinocchio.SE3` named `T_a_b`: the pose of frame b in frame a, so th
 `p_a = T_a_b.act(p_b)` and `T_a_c = T_a_b * T_b_c`.
 """
 
+import math
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
@@ -33,7 +34,8 @@ def put(value: Any, **fields: Any) -> None:
 
 def copied(T: pin.SE3) -> pin.SE3:
     """A pose of one's own: SE3 is mutable, and a frozen dataclass does not protect it."""
-    if not np.all(np.isfinite(T.homogeneous)):
+    # One sum is not finite when any number in it is not; this is called for every pose made.
+    if not math.isfinite(float(T.homogeneous.sum())):
         raise InputError("a pose holds a value that is not a finite number")
     return pin.SE3(T)
 

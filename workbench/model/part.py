@@ -92,18 +92,21 @@ class GraspPattern:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class GraspLibrary:
-    """All grasps of a part, as authored: single ones and patterns."""
+    """All grasps of a part, as authored: single ones and patterns.
+
+    `grasps` holds every single one, patterns written out, in authored order.
+    """
 
     entries: tuple[Grasp | GraspPattern, ...] = ()
+    grasps: tuple[Grasp, ...] = field(init=False, repr=False, metadata={"derived": True})
 
-    @property
-    def grasps(self) -> tuple[Grasp, ...]:
-        """Every single grasp, patterns written out, in authored order."""
-        return tuple(
+    def __post_init__(self) -> None:
+        grasps = [
             grasp
             for entry in self.entries
             for grasp in (entry.grasps if isinstance(entry, GraspPattern) else (entry,))
-        )
+        ]
+        put(self, grasps=tuple(grasps))
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -1,21 +1,11 @@
-"""How well and how fast parts are found: seeded piles, simulated scans, true poses to compare.
+"""How well and how fast parts are found: seeded piles, simulated scans, true poses to compare."""
 
-`python -m workbench.studies.localization --scenes 40 --parts 2` prints the table.
-"""
-
-import json
-import sys
 import time
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
 import pinocchio as pin
-import tyro
-from rich.console import Console
-from rich.progress import track
-from rich.table import Table
 
 from workbench.formats.cells import read_cell
 from workbench.model.part import Part
@@ -31,46 +21,42 @@ WRONG = np.deg2rad(5.0)
 """[rad] A detection that is turned by more is not merely imprecise, it is wrong."""
 
 
-@dataclass(frozen=True)
-class Arguments:
-    """Find the parts of seeded piles and print how well that went.
-
-    cell: name or path of a cell.
-    scenes: how many piles.
-    parts: how many parts in each.
-    seed: of the first pile; the others follow.
-    json: print one JSON object instead of the table.
-    """
-
-    cell: str = "yumi"
-    scenes: int = 40
-    parts: int = 2
-    seed: int = 0
-    json: bool = False
-
-
-def measure(arguments: Arguments) -> dict[str, Any]:
+def measure(
+    cell_name: str,
+    *,
+    scenes: int,
+    parts: int = 2,
+    seed: int = 0,
+    report: Callable[[float, str], None] = lambda done, note: None,
+) -> dict[str, Any]:
     """Scan and localize every pile once.
 
     One scene is localized before the clock starts, so that compiled code is loaded.
+
+    Args:
+        cell_name: name or path of a cell.
+        scenes: how many piles.
+        parts: how many parts in each.
+        seed: of the first pile; the others follow.
+        report: progress.
 
     Returns:
         `counts` by name, and lists: `distance` [m], `tilt` and `roll` [rad] of what was found
         right (roll only where it is said to be known), `seconds` a scene.
     """
-    cell = read_cell(arguments.cell)
+    cell = read_cell(cell_name)
     part = cell.parts[0]
     counts = dict.fromkeys(("parts", "missed", "ghosts", "wrong", "roll unknown"), 0)
     errors: dict[str, list[float]] = {"distance": [], "tilt": [], "roll": [], "seconds": []}
-    seeds = range(arguments.seed, arguments.seed + arguments.scenes)
-    console = Console(stderr=True)
-    for seed in track(seeds, "localizing", console=console, transient=True):
-        truth = drop_parts(part, cell.bin, arguments.parts, seed=seed)
-        scan = synthesize(cell, part, truth, seed=seed)
-        if seed == arguments.seed:
-            localize(scan, part, cell, seed=seed)
+    for number in range(scenes):
+        report(number / scenes, f"pile {seed + number}")
+        one = seed + number
+        truth = drop_parts(part, cell.bin, parts, seed=one)
+        scan = synthesize(cell, part, truth, seed=one)
+        if number == 0:
+            localize(scan, part, cell, seed=one)
         began = time.perf_counter()
-        found = localize(scan, part, cell, seed=seed)
+        found = localize(scan, part, cell, seed=one)
         errors["seconds"].append(time.perf_counter() - began)
         compare(part, truth, found, counts, errors)
     return {"counts": counts, **errors}
@@ -115,37 +101,3 @@ def _turns(part: Part, R: np.ndarray) -> tuple[float, float]:
     if not np.isfinite(step):
         return tilt, 0.0
     return tilt, float(abs((roll + step / 2) % step - step / 2))
-
-
-def table(measured: dict[str, Any]) -> Table:
-    """Medians and worst cases, and the counts below."""
-    shown = Table(title="Localization")
-    for column in ("what", "median", "90 %", "worst"):
-        shown.add_column(column, justify="left" if column == "what" else "right")
-    for name, key, factor in (
-        ("position, mm", "distance", 1e3),
-        ("axis, degrees", "tilt", np.rad2deg(1.0)),
-        ("roll where known, degrees", "roll", np.rad2deg(1.0)),
-        ("time a scene, ms", "seconds", 1e3),
-    ):
-        if measured[key]:
-            row = np.percentile(np.array(measured[key]) * factor, [50, 90, 100])
-            shown.add_row(name, *(f"{value:.2f}" for value in row))
-    return shown
-
-
-def main() -> None:
-    """Entry point."""
-    arguments = tyro.cli(Arguments)
-    measured = measure(arguments)
-    if arguments.json:
-        json.dump(measured, sys.stdout)
-        sys.stdout.write("\n")
-        return
-    console = Console()
-    console.print(table(measured))
-    console.print(", ".join(f"{count} {name}" for name, count in measured["counts"].items()))
-
-
-if __name__ == "__main__":
-    main()

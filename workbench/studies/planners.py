@@ -7,6 +7,7 @@ counted apart: no planner can solve them.
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -121,7 +122,7 @@ class Course:
         chain = self.world.chains[self.arm.name]
         shares = np.linspace(0.0, 1.0, STEPS + 1)[1:, None]
         points = [chain.pose(path[0]).translation]
-        for a, b in zip(path[:-1], path[1:], strict=True):
+        for a, b in pairwise(path):
             points += [chain.pose(q).translation for q in a + shares * (b - a)]
         return float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum())
 

@@ -51,7 +51,9 @@ def judged(world: World, arm: Arm, poses: Sequence[pin.SE3], seed: int) -> list[
     """What an arm can make of each pose; the other arms stand at home."""
     chain = world.chains[arm.name]
     rng = np.random.default_rng([seed, 1])
-    starts = np.vstack([arm.home, rng.uniform(chain.lower, chain.upper, (STARTS - 1, len(arm.home)))])
+    starts = np.vstack(
+        [arm.home, rng.uniform(chain.lower, chain.upper, (STARTS - 1, len(arm.home)))]
+    )
     targets: list[Target] = []
     for T_world_tcp in poses:
         answers, residuals = chain.solve(T_world_tcp, starts)

@@ -1,0 +1,47 @@
+"""The threshold study: what a table says follows from its cases."""
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from workbench.studies.threshold import Case, Way, planned_case, summary
+
+ways = st.builds(
+    Way, is_proven=st.booleans(), planning=st.floats(0.01, 2), cycle=st.floats(1, 20)
+).map(lambda way: way if way.is_proven else Way(False, way.planning, None))
+cases = st.lists(
+    st.builds(
+        Case,
+        seed=st.integers(0, 9999),
+        distance=st.floats(0, 0.4),
+        is_reachable=st.booleans(),
+        alternated=ways,
+        coordinated=ways,
+    ),
+    max_size=12,
+)
+
+
+@given(cases)
+def test_a_higher_threshold_never_makes_more_coordinated(found):
+    shares = [row["coordinated_share"] for row in summary(found, (0.0, 0.1, 0.2, 0.5))]
+    if any(case.is_reachable for case in found):
+        assert shares[0] == 1.0 and shares[-1] == 0.0
+        assert shares == sorted(shares, reverse=True)
+    else:
+        assert shares == [None] * 4
+
+
+def test_unreachable_piles_do_not_count():
+    good, bad = Way(True, 0.1, 9.9), Way(False, 0.1, None)
+    found = [Case(0, 0.2, True, good, good), Case(1, 0.2, False, bad, bad)]
+    (row,) = summary(found, [0.1])
+    assert (row["piles"], row["reachable"], row["coordinated_success"]) == (2, 1, 1.0)
+    assert row["parts_per_hour"] == pytest.approx(2 * 3600 / 10)
+
+
+def test_a_case_is_the_same_however_often_it_is_planned():
+    first, again = planned_case(("yumi", 3)), planned_case(("yumi", 3))
+    assert (first.distance, first.is_reachable) == (again.distance, again.is_reachable)
+    assert first.alternated.cycle == again.alternated.cycle
+    assert first.coordinated.cycle == again.coordinated.cycle

@@ -1,0 +1,6 @@
+"""Choices that several commands offer; repeated here because `--help` loads nothing heavy."""
+
+from typing import Literal
+
+StrategyName = Literal["auto", "alternated", "coordinated", "right", "left"]
+PlannerName = Literal["rrtconnect", "birrt", "rrt", "sbl"]

@@ -1,0 +1,243 @@
+"""`workbench bench` and `workbench study`: measurements, as tables, JSON and plots."""
+
+from collections import Counter
+from dataclasses import asdict, replace
+from typing import Any, assert_never
+
+import numpy as np
+
+from workbench.cli.exits import SUCCESS
+from workbench.cli.study_arguments import (
+    Bench,
+    BenchPick,
+    BenchPlanners,
+    Study,
+    StudyLocalization,
+    StudyThreshold,
+)
+from workbench.cli.terminal import check_number, check_whole, print_json, print_table, progress
+from workbench.formats.cells import read_cell
+from workbench.model.errors import InputError
+from workbench.studies import localization, picks, planners, plots, threshold
+from workbench.studies.cases import run_cases
+from workbench.studies.klampt import KLAMPT_PLANNERS, KlamptAttempt, attempts_by_klampt
+
+MOST = 1_000_000
+
+
+def bench(typed: Bench) -> int:
+    """Carry out one of the benchmarks."""
+    match typed.what:
+        case BenchPlanners():
+            return _planners(typed.what)
+        case BenchPick():
+            return _pick(typed.what)
+        case _:
+            assert_never(typed.what)
+
+
+def study(typed: Study) -> int:
+    """Carry out one of the studies."""
+    match typed.what:
+        case StudyLocalization():
+            return _localization(typed.what)
+        case StudyThreshold():
+            return _threshold(typed.what)
+        case _:
+            assert_never(typed.what)
+
+
+def _planners(typed: BenchPlanners) -> int:
+    check_whole("--targets", typed.targets, 1, MOST)
+    check_number("--seconds", typed.seconds, 0.01, 600)
+    if not typed.iterations or not typed.planners:
+        raise InputError("--iterations and --planners need at least one value each")
+    for allowed in typed.iterations:
+        check_whole("--iterations", allowed, 1, MOST)
+    cell = read_cell(typed.cell)
+    if typed.start == "zero":
+        arm = cell.arms[0]
+        cell = replace(cell, arms=(replace(arm, home=np.zeros(len(arm.home))), *cell.arms[1:]))
+    by_klampt: list[KlamptAttempt] = []
+    with progress("planners") as report:
+        report(0.0, "judging the targets")
+        course = planners.Course(cell, typed.targets, typed.seed)
+        if not course.goals:
+            raise InputError(f"cell {cell.name}: none of {typed.targets} targets can be taken up")
+        attempts = planners.compare(course, typed.planners, typed.iterations, report)
+        if typed.against is not None:
+            by_klampt = attempts_by_klampt(
+                course, KLAMPT_PLANNERS, seconds=typed.seconds, report=report
+            )
+    outcomes = Counter(target.outcome for target in course.targets)
+    ours, theirs = planners.summary(attempts), [_klampt_row(p, by_klampt) for p in KLAMPT_PLANNERS]
+    if not by_klampt:
+        theirs = []
+    if typed.plot is not None:
+        plots.draw_planners(typed.plot, ours, theirs)
+    ratio = _ratio(ours, theirs)
+    if typed.json:
+        form = {"targets": dict(outcomes), "planners": ours, "klampt": theirs, "ratio": ratio}
+        print_json(form)
+        return SUCCESS
+    counted = ", ".join(f"{count} {outcome}" for outcome, count in sorted(outcomes.items()))
+    print(f"cell {cell.name}, start {typed.start}, {typed.targets} targets: {counted}")
+    columns = ("planner", "allowed", "used", "success", "search ms", "mean ms")
+    print_table(
+        "From start to target, over the clear targets, by the iterations allowed",
+        (*columns, "median ms", "95 % ms", "tool way mm"),
+        [_planner_words(row) for row in [*ours, *theirs]],
+    )
+    if ratio is not None:
+        print(f"rrtconnect is {ratio:.1f} times as fast in the mean as Klamp't's SBL")
+    return SUCCESS
+
+
+def _klampt_row(planner: str, attempts: list[KlamptAttempt]) -> dict[str, Any]:
+    group = [one for one in attempts if one.planner == planner]
+    seconds = np.array([one.seconds for one in group]) if group else np.zeros(1)
+    ways = [one.tool_way for one in group if one.tool_way is not None]
+    return {
+        "planner": f"Klamp't {planner}",
+        "allowed": None,
+        "attempts": len(group),
+        "success": len(ways) / max(len(group), 1),
+        "search_mean": float(seconds.mean()),
+        "mean": float(seconds.mean()),
+        "median": float(np.median(seconds)),
+        "p95": float(np.percentile(seconds, 95)),
+        "iterations_mean": None,
+        "tool_way_mean": float(np.mean(ways)) if ways else None,
+    }
+
+
+def _ratio(ours: list[dict[str, Any]], theirs: list[dict[str, Any]]) -> float | None:
+    """How many times as long Klamp't's SBL takes as our default with the most iterations."""
+    mine = [row for row in ours if row["planner"] in ("rrtconnect", "birrt")]
+    sbl = [row for row in theirs if row["planner"].endswith("sbl")]
+    if not mine or not sbl:
+        return None
+    return sbl[0]["mean"] / max(mine, key=lambda row: row["allowed"])["mean"]
+
+
+def _planner_words(row: dict[str, Any]) -> tuple[str, ...]:
+    return (
+        row["planner"],
+        "" if row["allowed"] is None else str(row["allowed"]),
+        "" if row["iterations_mean"] is None else f"{row['iterations_mean']:.1f}",
+        f"{row['success']:.1%}",
+        *(_ms(row[key]) for key in ("search_mean", "mean", "median", "p95")),
+        "" if row["tool_way_mean"] is None else f"{row['tool_way_mean'] * 1000:.0f}",
+    )
+
+
+def _pick(typed: BenchPick) -> int:
+    check_whole("--scenes", typed.scenes, 1, MOST)
+    check_whole("--parts", typed.parts, 1, 30)
+    with progress("picks") as report:
+        measured = picks.measure(
+            typed.cell,
+            scenes=typed.scenes,
+            parts=typed.parts,
+            seed=typed.seed,
+            strategy=typed.strategy,
+            planner=typed.planner,
+            report=report,
+        )
+    if typed.json:
+        print_json(measured)
+        return SUCCESS
+    print_table(
+        "Planning: the stages, and all of them by what came out",
+        ("stage", "median ms", "90 % ms", "largest ms", "count"),
+        [
+            (
+                row["stage"],
+                *(_ms(row[key]) for key in ("median", "p90", "largest")),
+                str(row["count"]),
+            )
+            for row in picks.rows(measured)
+        ],
+    )
+    if measured["cycle_seconds"]:
+        print(f"predicted cycle: {np.median(measured['cycle_seconds']):.1f} s median")
+    return SUCCESS
+
+
+def _localization(typed: StudyLocalization) -> int:
+    check_whole("--scenes", typed.scenes, 1, MOST)
+    check_whole("--parts", typed.parts, 1, 30)
+    with progress("localization") as report:
+        measured = localization.measure(
+            typed.cell, scenes=typed.scenes, parts=typed.parts, seed=typed.seed, report=report
+        )
+    if typed.json:
+        print_json(measured)
+        return SUCCESS
+    rows: list[tuple[str, ...]] = []
+    for name, key, factor in (
+        ("position, mm", "distance", 1e3),
+        ("axis, degrees", "tilt", np.rad2deg(1.0)),
+        ("roll where known, degrees", "roll", np.rad2deg(1.0)),
+        ("time a scene, ms", "seconds", 1e3),
+    ):
+        if measured[key]:
+            values = np.percentile(np.array(measured[key]) * factor, [50, 90, 100])
+            rows.append((name, *(f"{value:.2f}" for value in values)))
+    print_table("Localization", ("what", "median", "90 %", "worst"), rows)
+    print(", ".join(f"{count} {name}" for name, count in measured["counts"].items()))
+    return SUCCESS
+
+
+def _threshold(typed: StudyThreshold) -> int:
+    check_whole("--cycles", typed.cycles, 1, MOST)
+    check_whole("--workers", typed.workers, 1, 1024)
+    for value in typed.thresholds:
+        check_number("--thresholds", value, 0.0, 10.0)
+    if len(read_cell(typed.cell).arms) < 2:
+        raise InputError(f"cell {typed.cell} has one arm; the threshold is about two")
+    with progress("threshold") as report:
+        cases = run_cases(
+            threshold.planned_case,
+            [(typed.cell, seed) for seed in range(typed.seed, typed.seed + typed.cycles)],
+            workers=typed.workers,
+            scheduler=typed.scheduler,
+            report=report,
+        )
+    rows = threshold.summary(cases, typed.thresholds)
+    if typed.plot is not None:
+        plots.draw_threshold(typed.plot, cases, rows)
+    if typed.json:
+        print_json({"cases": [asdict(case) for case in cases], "thresholds": rows})
+        return SUCCESS
+    reachable = sum(case.is_reachable for case in cases)
+    print(f"{len(cases)} piles; in {reachable} each arm can take a part of its own")
+    columns = ("threshold mm", "coordinated", "success", "mean ms", "median ms", "95 % ms")
+    print_table(
+        "Coordinated at that distance or more, alternated below it",
+        (*columns, "alternated success", "mean ms", "median ms", "cycle s", "parts an hour"),
+        [_threshold_words(row) for row in rows],
+    )
+    return SUCCESS
+
+
+def _threshold_words(row: dict[str, Any]) -> tuple[str, ...]:
+    both, one = row["coordinated_planning"], row["alternated_planning"]
+    return (
+        f"{row['threshold'] * 1000:.0f}",
+        _percent(row["coordinated_share"]),
+        _percent(row["coordinated_success"]),
+        *(("", "", "") if both is None else (_ms(both[k]) for k in ("mean", "median", "p95"))),
+        _percent(row["alternated_success"]),
+        *(("", "") if one is None else (_ms(one[k]) for k in ("mean", "median"))),
+        "" if row["cycle_mean"] is None else f"{row['cycle_mean']:.1f}",
+        "" if row["parts_per_hour"] is None else f"{row['parts_per_hour']:.0f}",
+    )
+
+
+def _percent(share: float | None) -> str:
+    return "" if share is None else f"{share:.0%}"
+
+
+def _ms(seconds: float) -> str:
+    return f"{seconds * 1000:.1f}"

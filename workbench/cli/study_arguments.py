@@ -1,0 +1,119 @@
+"""What can be typed after `workbench bench` and `workbench study`; the docstrings are the help."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Literal
+
+from tyro.conf import subcommand
+
+from workbench.cli.names import PlannerName, StrategyName
+
+
+@dataclass(frozen=True, slots=True)
+class BenchPlanners:
+    """Compare the planners: one arm, from one configuration to random tool poses in its bin.
+
+    The bin is empty.  Poses that the arm cannot reach or take up without touching something are
+    counted apart.  Times include shortening, rounding and the last check.
+    """
+
+    cell: str = "tx2_90"
+    """Name under robots/, or path of a cell.toml; its first arm moves."""
+    targets: int = 200
+    """How many tool poses."""
+    planners: tuple[PlannerName, ...] = ("rrt", "rrtconnect", "sbl")
+    """Which planners; birrt is the thesis' name for rrtconnect."""
+    iterations: tuple[int, ...] = (2, 5, 10, 20, 50, 100, 500)
+    """Iterations allowed; each is a column of the comparison."""
+    start: Literal["home", "zero"] = "zero"
+    """Where the arm starts: at home, or with all its axes at zero (the TX2-90 stands upright)."""
+    against: Literal["klampt"] | None = None
+    """Give the same start and goals to Klamp't as well (extra `bench`)."""
+    seconds: float = 5.0
+    """That a plan by Klamp't may take."""
+    seed: int = 0
+    """Of the targets."""
+    plot: Path | None = None
+    """HTML file to draw the comparison in."""
+    json: bool = False
+    """Print one JSON object and nothing else."""
+
+
+@dataclass(frozen=True, slots=True)
+class BenchPick:
+    """Plan seeded piles of known poses and tell how long each stage took."""
+
+    cell: str = "yumi"
+    """Name under robots/, or path of a cell.toml."""
+    scenes: int = 40
+    """How many piles."""
+    parts: int = 2
+    """How many parts in each."""
+    strategy: StrategyName = "auto"
+    """Which arms work."""
+    planner: PlannerName | None = None
+    """Of the free legs; the cell's when not given."""
+    seed: int = 0
+    """Of the first pile; the others follow."""
+    json: bool = False
+    """Print one JSON object and nothing else."""
+
+
+@dataclass(frozen=True, slots=True)
+class StudyLocalization:
+    """Find the parts of seeded piles in simulated scans and compare with where they lie."""
+
+    cell: str = "yumi"
+    """Name under robots/, or path of a cell.toml."""
+    scenes: int = 40
+    """How many piles."""
+    parts: int = 2
+    """How many parts in each."""
+    seed: int = 0
+    """Of the first pile; the others follow."""
+    json: bool = False
+    """Print one JSON object and nothing else."""
+
+
+@dataclass(frozen=True, slots=True)
+class StudyThreshold:
+    """What each distance threshold between alternated and coordinated arms would give.
+
+    Two parts fall into the bin at random, again and again; every pile is planned both ways.
+    """
+
+    cell: str = "yumi"
+    """Name under robots/, or path of a cell.toml with two arms."""
+    cycles: int = 100
+    """How many piles."""
+    thresholds: tuple[float, ...] = (0.05, 0.1, 0.15, 0.2, 0.25, 0.3)
+    """Distances [m] to compare."""
+    workers: int = 1
+    """Processes on this machine; more than one needs the extra `cluster`."""
+    scheduler: str | None = None
+    """Address of a Dask cluster that does the work instead, tcp://host:port."""
+    seed: int = 0
+    """Of the first pile; the others follow."""
+    plot: Path | None = None
+    """HTML file to draw the comparison in."""
+    json: bool = False
+    """Print one JSON object and nothing else."""
+
+
+@dataclass(frozen=True, slots=True)
+class Bench:
+    """Measure how fast and how reliable planning is."""
+
+    what: (
+        Annotated[BenchPlanners, subcommand("planners")] | Annotated[BenchPick, subcommand("pick")]
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class Study:
+    """Measure how well the cell does on many seeded piles."""
+
+    what: (
+        Annotated[StudyThreshold, subcommand("threshold")]
+        | Annotated[StudyLocalization, subcommand("localization")]
+    )

@@ -1,0 +1,98 @@
+"""Plots of the studies, each one HTML file that needs nothing from elsewhere."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import plotly.graph_objects as go
+from plotly.subplots import make_subplots
+
+from workbench.model.errors import FileError
+from workbench.studies.threshold import Case
+
+COLOURS = ("#1c64b4", "#e8590c", "#2b8a3e", "#ae3ec9", "#0b7285", "#868e96", "#c92a2a")
+
+Rows = Sequence[Mapping[str, Any]]
+
+
+def draw_planners(path: Path, ours: Rows, theirs: Rows) -> None:
+    """Success, time, tool way and iterations used, against the iterations allowed.
+
+    Raises:
+        FileError: the file cannot be written.
+    """
+    titles = ("Success [%]", "Mean time [ms]", "Mean way of the tool [mm]", "Iterations used")
+    figure = make_subplots(2, 2, subplot_titles=titles)
+    keys = (("success", 100), ("mean", 1000), ("tool_way_mean", 1000), ("iterations_mean", 1))
+    names = list(dict.fromkeys(row["planner"] for row in ours))
+    for number, name in enumerate(names):
+        rows = [row for row in ours if row["planner"] == name]
+        for place, (key, factor) in enumerate(keys):
+            figure.add_trace(
+                go.Scatter(
+                    x=[row["allowed"] for row in rows],
+                    y=[None if row[key] is None else row[key] * factor for row in rows],
+                    name=name,
+                    legendgroup=name,
+                    showlegend=place == 0,
+                    line={"color": COLOURS[number % len(COLOURS)]},
+                ),
+                row=place // 2 + 1,
+                col=place % 2 + 1,
+            )
+    for row in theirs:
+        for place, (key, factor) in enumerate(keys[:3]):
+            if row[key] is not None:
+                figure.add_hline(
+                    y=row[key] * factor,
+                    line={"dash": "dot", "color": COLOURS[-1], "width": 1},
+                    annotation_text=row["planner"],
+                    row=place // 2 + 1,  # type: ignore[arg-type]
+                    col=place % 2 + 1,  # type: ignore[arg-type]
+                )
+    figure.update_xaxes(type="log", title_text="iterations allowed")
+    _write(path, figure, "Planners from one configuration to random tool poses in the bin")
+
+
+def draw_threshold(path: Path, cases: Sequence[Case], rows: Rows) -> None:
+    """What each threshold gives, and the planning time of every pile over its distance.
+
+    Raises:
+        FileError: the file cannot be written.
+    """
+    titles = ("Coordinated [% of piles]", "Parts an hour", "Planning time of each pile [ms]")
+    figure = make_subplots(1, 3, subplot_titles=titles)
+    x = [row["threshold"] * 1000 for row in rows]
+    shares = [None if (v := row["coordinated_share"]) is None else 100 * v for row in rows]
+    figure.add_trace(go.Scatter(x=x, y=shares, name="share", line={"color": COLOURS[0]}), 1, 1)
+    hourly = [row["parts_per_hour"] for row in rows]
+    figure.add_trace(go.Scatter(x=x, y=hourly, name="parts", line={"color": COLOURS[2]}), 1, 2)
+    able = [case for case in cases if case.is_reachable]
+    for number, name in enumerate(("alternated", "coordinated")):
+        ways = [getattr(case, name) for case in able]
+        figure.add_trace(
+            go.Scatter(
+                x=[case.distance * 1000 for case in able],
+                y=[way.planning * 1000 for way in ways],
+                mode="markers",
+                name=name,
+                marker={
+                    "color": COLOURS[number],
+                    "symbol": ["circle" if way.is_proven else "x" for way in ways],
+                },
+                text=[f"seed {case.seed}" for case in able],
+            ),
+            1,
+            3,
+        )
+    figure.update_xaxes(title_text="threshold [mm]")
+    figure.update_xaxes(title_text="distance of the parts [mm]", row=1, col=3)
+    _write(path, figure, "Two parts at random: the distance from which both arms work at once")
+
+
+def _write(path: Path, figure: go.Figure, title: str) -> None:
+    figure.update_layout(title=title, template="plotly_white", height=760)
+    try:
+        figure.write_html(path, include_plotlyjs=True)
+    except OSError as error:
+        raise FileError(path, error.strerror or "cannot be written") from None
