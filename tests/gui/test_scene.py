@@ -7,9 +7,10 @@ import pytest
 
 from workbench.app.live import Live
 from workbench.gui.door import close_door, open_door
-from workbench.gui.look import Look
+from workbench.gui.look import Look, Pose
 from workbench.gui.playback import part_poses
 from workbench.gui.scene import Scene, height_colours
+from workbench.model.geometry import Box, pose_from_rpy
 from workbench.planning.kinematics import Kinematics
 
 
@@ -139,10 +140,14 @@ def test_a_candidate_refused_at_a_configuration_shows_the_arm_there(
     refused = next(c for c in states.planned.candidates if c.arm == "left")
     refused = replace(refused, verdict=replace(refused.verdict, q=q))
     state = replace(states.localized, candidates=(refused,))
-    scene.draw(None, view_of(state, Look(candidate=0)))
+    view = view_of(state, Look(candidate=0))
+    bin_wall = (Box(np.array([0.01, 0.2, 0.05])), pose_from_rpy((0.4, 0.1, 0.0)))
+    pose = Pose("where it failed: grasp", q, 0.04, "in collision", (bin_wall,))
+    scene.draw(None, replace(view, poses=(pose,)))
     expected = Kinematics(cell).link_poses(dict(zip(arm.joints, q, strict=True)))
     shown = node(server, "/candidate_left/left_link_5")
     np.testing.assert_allclose(shown.position, expected["left_link_5"].translation)
+    np.testing.assert_allclose(node(server, "/meets/0").position, (0.4, 0.1, 0.0))
 
 
 def test_points_beside_the_bin_are_grey_and_high_ones_differ_from_low_ones(cell):

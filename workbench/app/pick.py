@@ -130,7 +130,9 @@ def _judged(
         result = resolve(world, candidate, seed=seed)
         if isinstance(result, Pick):
             picks.append(result)
-            judged.append(replace(candidate, verdict=Verdict(Reason.OK, Stage.PLACE)))
+            note = f"joint travel {np.rad2deg(result.travel):.0f} degrees"
+            verdict = Verdict(Reason.OK, Stage.PLACE, note=note)
+            judged.append(replace(candidate, verdict=verdict))
         else:
             judged.append(replace(candidate, verdict=result))
     return tuple(judged), picks

@@ -4,13 +4,14 @@ import numpy as np
 import pinocchio as pin
 import viser
 
-from workbench.gui.colours import VERDICTS, rgb_of
-from workbench.gui.look import View
+from workbench.formats.triangles import triangles_of
+from workbench.gui.colours import BAD, VERDICTS, rgb_of
+from workbench.gui.look import Pose, View
 from workbench.gui.robot import DrawnRobot, place
-from workbench.gui.solids import by_colour
+from workbench.gui.solids import by_colour, with_hard_edges
 from workbench.gui.views import candidate_label
 from workbench.model.candidate import Candidate
-from workbench.model.cell import Cell
+from workbench.model.cell import Arm, Cell
 from workbench.planning.kinematics import Kinematics
 
 STROKE = 0.03
@@ -20,8 +21,8 @@ STROKE = 0.03
 class DrawnCandidates:
     """All candidates as strokes along their approach, in the colour of their verdict.
 
-    The chosen one shows its tool, or the whole arm at the configuration where its verdict was
-    given, with the verdict beside it.
+    The chosen one shows its tool, or the whole arm in the pose that is looked at, with the
+    verdict beside it; what comes too close to each other there is red.
 
     Concurrency: one thread.
     """
@@ -32,6 +33,7 @@ class DrawnCandidates:
         self._cell = cell
         self._kinematics = kinematics
         self._arms: dict[str, DrawnRobot] = {}
+        self._shown: Arm | None = None
 
     def draw(self, old: View | None, new: View) -> None:
         """Bring the scene from `old` to `new`."""
@@ -40,7 +42,9 @@ class DrawnCandidates:
             and old.state.candidates is new.state.candidates
             and old.look.candidate == new.look.candidate
         )
-        if same:
+        if old is not None and same:
+            if old.pose is not new.pose:
+                self._pose(new.pose)
             return
         candidates, chosen = new.state.candidates or (), new.look.candidate
         # With a plan they would only hide what moves, unless somebody asks for one.
@@ -49,10 +53,12 @@ class DrawnCandidates:
         else:
             self._scene.remove_by_name("/grasps")
         self._scene.remove_by_name("/candidate")
+        self._scene.remove_by_name("/meets")
+        self._shown = None
         for robot in self._arms.values():
             robot.show(False)
         if chosen is not None and chosen < len(candidates):
-            self._draw_chosen(candidates[chosen])
+            self._draw_chosen(candidates[chosen], new.pose)
 
     def _draw_strokes(self, candidates: tuple[Candidate, ...]) -> None:
         ends = np.array([candidate.T_world_tcp.translation for candidate in candidates])
@@ -68,7 +74,7 @@ class DrawnCandidates:
             thickness_units="screen",
         )
 
-    def _draw_chosen(self, candidate: Candidate) -> None:
+    def _draw_chosen(self, candidate: Candidate, pose: Pose | None) -> None:
         colour = rgb_of(VERDICTS[candidate.verdict.reason])
         arm = self._cell.arm(candidate.arm)
         node = self._scene.add_frame("/candidate", axes_length=0.04, axes_radius=0.0015)
@@ -79,17 +85,15 @@ class DrawnCandidates:
             font_screen_scale=0.8,
             anchor="bottom-left",
         )
-        q = candidate.verdict.q
-        if q is not None and len(q) == len(arm.joints):
+        if pose is not None:
             if arm.name not in self._arms:
                 self._arms[arm.name] = DrawnRobot(
                     self._scene, f"/candidate_{arm.name}", self._cell, arms=(arm,), opacity=0.45
                 )
-            robot = self._arms[arm.name]
-            robot.paint(colour)
-            links = self._kinematics.link_poses(dict(zip(arm.joints, map(float, q), strict=True)))
-            robot.pose(links, {arm.name: candidate.grasp.opening})
-            robot.show(True)
+            self._shown = arm
+            self._arms[arm.name].paint(colour)
+            self._arms[arm.name].show(True)
+            self._pose(pose)
             return
         T_tcp_flange = arm.tool.T_flange_tcp.inverse()
         opened = [
@@ -108,3 +112,18 @@ class DrawnCandidates:
                 opacity=0.45,
                 cast_shadow=False,
             )
+
+    def _pose(self, pose: Pose | None) -> None:
+        """Move the shown arm, and draw in red what it meets there."""
+        self._scene.remove_by_name("/meets")
+        arm = self._shown
+        if pose is None or arm is None:
+            return
+        links = self._kinematics.link_poses(dict(zip(arm.joints, pose.q.tolist(), strict=True)))
+        self._arms[arm.name].pose(links, {arm.name: pose.opening})
+        for number, (shape, T) in enumerate(pose.meets):
+            points, triangles = with_hard_edges(triangles_of(shape))
+            node = self._scene.add_mesh_simple(
+                f"/meets/{number}", points, triangles, color=rgb_of(BAD), opacity=0.75
+            )
+            place(node, T)

@@ -5,31 +5,54 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
+import pinocchio as pin
+
 from workbench.app.live import Live
 from workbench.app.state import State
 from workbench.gui.playback import Run
+from workbench.model.geometry import Floats, Shape
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Look:
     """Which moment of the plan and which candidate everybody sees.
 
-    `time` [s] on the plan's clock; `candidate` is an index among the state's candidates;
+    `time` [s] on the plan's clock; `candidate` is an index among the state's candidates, `pose`
+    one among the poses of its way;
     `by` is the browser that moved the time last, None when nobody did (it plays).
     """
 
     time: float = 0.0
     is_playing: bool = False
     candidate: int | None = None
+    pose: int = 0
     by: int | None = None
+
+
+Placed = tuple[Shape, pin.SE3]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Pose:
+    """One arm standing somewhere on a candidate's way.
+
+    `q` (n,) [rad]; `opening` [m] of its fingers; `note` says whether it is clear there; `meets`
+    are the two bodies that come too close, in the world, empty when none do.
+    """
+
+    label: str
+    q: Floats
+    opening: float
+    note: str
+    meets: tuple[Placed, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class View:
     """Everything that the page shows.
 
-    `runs` is the timeline of the state's plan, empty without one; `at` [s since the epoch] is
-    when it looked like this.
+    `runs` is the timeline of the state's plan, empty without one; `poses` those of the chosen
+    candidate, and `fix` what would admit it; `at` [s since the epoch] is when it looked like this.
     """
 
     state: State
@@ -37,6 +60,13 @@ class View:
     look: Look
     runs: tuple[Run, ...]
     at: float
+    poses: tuple[Pose, ...] = ()
+    fix: str = ""
+
+    @property
+    def pose(self) -> Pose | None:
+        """The pose of the chosen candidate that is looked at."""
+        return self.poses[min(self.look.pose, len(self.poses) - 1)] if self.poses else None
 
     @property
     def plan_seconds(self) -> float:

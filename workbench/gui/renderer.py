@@ -10,13 +10,15 @@ import viser
 
 from workbench.app.bench import Bench
 from workbench.app.state import Phase, State
+from workbench.gui.fixes import Fixes
 from workbench.gui.header import Header
-from workbench.gui.look import SharedLook, View
+from workbench.gui.look import Look, Pose, SharedLook, View
 from workbench.gui.panels.candidates import CandidatesPanel
 from workbench.gui.panels.cycle import CyclePanel
 from workbench.gui.panels.plan import PlanPanel
 from workbench.gui.panels.robot import RobotPanel
 from workbench.gui.playback import Run, followed, timeline
+from workbench.gui.poses import PoseFinder
 from workbench.gui.scene import Scene
 from workbench.gui.theme import Theme
 from workbench.gui.visitor import Panel, Visitor
@@ -71,6 +73,8 @@ class Renderer:
         self._arrivals: queue.SimpleQueue[tuple[viser.ClientHandle, bool]] = queue.SimpleQueue()
         self._panels: dict[int, tuple[Panel, ...]] = {}
         self._runs: tuple[Run, ...] = ()
+        self._finder = PoseFinder()
+        self._fixes = Fixes(self._woken.set)
         self._drawn: View | None = None
         with server.atomic():
             self._scene = Scene(server, bench.cell, most_points=most_points)
@@ -88,6 +92,7 @@ class Renderer:
         self._woken.set()
         self._unsubscribe()
         self._thread.join()
+        self._fixes.close()
         return True
 
     async def _arrived(self, client: viser.ClientHandle) -> None:
@@ -152,13 +157,37 @@ class Renderer:
         if before is None or before.plan is not state.plan:
             self._runs = timeline(state.plan) if state.plan is not None else ()
         if before is not None and _is_other_scene(before, state):
-            self._look.change(time=0.0, is_playing=False, candidate=None, by=None)
+            self._look.change(time=0.0, is_playing=False, candidate=None, pose=0, by=None)
         live = self._bench.live
         if state.phase is Phase.SENDING and live.joints:
             reached = followed(self._bench.cell, self._runs, live.joints, self._look.now.time)
             if reached != self._look.now.time:
                 self._look.change(time=reached, is_playing=False, by=None)
-        return View(state, live, self._look.now, self._runs, time.time())
+        look = self._look.now
+        return View(
+            state,
+            live,
+            look,
+            self._runs,
+            time.time(),
+            self._poses(state, look),
+            self._fixes.of(state, look.candidate),
+        )
+
+    def _poses(self, state: State, look: Look) -> tuple[Pose, ...]:
+        """The poses of the chosen candidate, worked out when another one is chosen."""
+        candidates = state.candidates or ()
+        if look.candidate is None or look.candidate >= len(candidates):
+            return ()
+        before = self._drawn
+        is_same = (
+            before is not None
+            and before.state.candidates is state.candidates
+            and before.look.candidate == look.candidate
+        )
+        if before is not None and is_same:
+            return before.poses
+        return self._finder.poses(state, candidates[look.candidate])
 
     def _waiting(self) -> list[tuple[viser.ClientHandle, bool]]:
         found: list[tuple[viser.ClientHandle, bool]] = []

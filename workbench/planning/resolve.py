@@ -92,7 +92,7 @@ def _grasp_solutions(
                 nearest, q_nearest = residual[0] + 0.1 * residual[1], q
     if not found:
         return [], Verdict(Reason.OUT_OF_REACH, Stage.GRASP, distance=float(nearest), q=q_nearest)
-    world.enter(_approach_phase(candidate, arm))
+    world.enter(approach_phase(candidate, arm))
     clear: list[tuple[float, Floats, pin.SE3, float]] = []
     refusal: Verdict | None = None
     for q, T_world_tcp in found:
@@ -109,7 +109,8 @@ def _grasp_solutions(
     return [(q, T, room) for _, q, T, room in clear], refusal
 
 
-def _approach_phase(candidate: Candidate, arm: Arm) -> Phase:
+def approach_phase(candidate: Candidate, arm: Arm) -> Phase:
+    """The phase in which an arm comes to the candidate's part with its fingers open."""
     return Phase(
         moving=frozenset({arm.name}),
         openings={arm.name: candidate.grasp.opening},
@@ -172,7 +173,7 @@ def _approach(
     path = on_wire(backwards[::-1])
     path[-1] = q_grasp
     base = world.configuration({})
-    world.enter(_approach_phase(candidate, arm))
+    world.enter(approach_phase(candidate, arm))
     found = path_contact(world, columns, base, path, policy.zone)
     if found is None:
         world.enter(Phase(frozenset({arm.name}), {arm.name: grasp.opening}))

@@ -7,7 +7,7 @@ import numpy as np
 import pinocchio as pin
 
 from workbench.model.cell import Arm, Cell, Policy
-from workbench.model.geometry import Floats, Ints
+from workbench.model.geometry import Floats, Ints, Shape
 from workbench.model.scan import Detection
 from workbench.planning.bodies import bodies_of, coal_shape, extent
 from workbench.planning.bounds import close_pairs
@@ -200,6 +200,20 @@ class World:
         for k in pairs.tolist():
             if self._with_part[k] and k not in between:
                 self._margins[k] = min(self._margins[k], self._distance(k) - slack)
+
+    def placed(self, q: Floats, pair: tuple[str, str]) -> tuple[tuple[Shape, pin.SE3], ...]:
+        """The shapes of the bodies with these labels, with their poses in the world at `q` (nq,).
+
+        A label may stand for several bodies; an unknown one for none.
+        """
+        pin.updateGeometryPlacements(
+            self.kinematics.model, self.kinematics.data, self._geometry, self._data, q
+        )
+        return tuple(
+            (body.shape, pin.SE3(self._data.oMg[g]))
+            for g, body in enumerate(self._bodies)
+            if body.label in pair
+        )
 
     # -- machinery -------------------------------------------------------------------------
 

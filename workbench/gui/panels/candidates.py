@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import replace
+from typing import Any
 
 import viser
 
@@ -19,7 +20,7 @@ from workbench.gui.tables import (
     ordered,
     pages,
 )
-from workbench.gui.views import line
+from workbench.gui.views import line, sentence
 from workbench.gui.visitor import Visitor
 from workbench.model.candidate import Candidate, Reason
 
@@ -46,6 +47,16 @@ class CandidatesPanel:
         self._funnel = gui.add_html("")
         self._table = gui.add_html("")
         self._mark = gui.add_html(chosen_html(None))
+        self._pose = gui.add_slider(
+            "Pose",
+            min=0,
+            max=1,
+            step=1,
+            initial_value=0,
+            visible=False,
+            hint="Through the poses of the chosen candidate; the elbow turns, the tool stays.",
+        )
+        self._pose_line = gui.add_html("")
         gui.add_html('<div class="wb-buttons wb-three"></div>')
         self._foot = gui.add_html("")
         self._back = gui.add_button("Previous", color="gray")
@@ -66,7 +77,13 @@ class CandidatesPanel:
         gui.add_html(f'<style class="wb-style">{rules}{{display:none}}</style>')
         self._back.on_click(lambda _: self._turn(-1))
         self._forth.on_click(lambda _: self._turn(1))
-        self._clear.on_click(lambda _: visitor.look.change(candidate=None))
+        self._clear.on_click(lambda _: visitor.look.change(candidate=None, pose=0))
+
+        @self._pose.on_update
+        async def _(event: Any) -> None:
+            # The renderer sets the slider too; only a person's hand comes with a browser.
+            if event.client is not None:
+                visitor.look.change(pose=int(event.target.value), by=visitor.number)
 
     def show(self, old: View | None, new: View) -> None:
         """Bring what is shown from `old` to `new`."""
@@ -78,6 +95,21 @@ class CandidatesPanel:
         place = self._shown.index(chosen) if chosen in self._shown else None
         self._mark.content = chosen_html(place)
         self._clear.disabled = chosen is None
+        if old is None or old.pose is not new.pose or old.fix != new.fix:
+            self._draw_pose(old, new)
+
+    def _draw_pose(self, old: View | None, new: View) -> None:
+        count = len(new.poses)
+        if old is None or old.poses is not new.poses:
+            self._pose.visible = count > 1
+            self._pose.max = max(count - 1, 1)
+        if new.look.by != self._visitor.number:
+            self._pose.value = min(new.look.pose, max(count - 1, 0))
+        pose = new.pose
+        text = "" if pose is None else f"{pose.label} ({new.look.pose + 1} of {count}): {pose.note}"
+        is_bad = pose is not None and bool(pose.meets)
+        told = line(text, kind="bad" if is_bad else "result") if text else ""
+        self._pose_line.content = told + (line(sentence(new.fix)) if new.fix else "")
 
     def _draw(self, candidates: tuple[Candidate, ...], are_others: bool) -> None:
         if are_others:
@@ -135,4 +167,5 @@ class CandidatesPanel:
         shown = self._shown
         if place < len(shown):
             look = self._visitor.look
-            look.change(candidate=None if look.now.candidate == shown[place] else shown[place])
+            chosen = None if look.now.candidate == shown[place] else shown[place]
+            look.change(candidate=chosen, pose=0, by=None)

@@ -3,7 +3,7 @@
 import viser
 
 from workbench.app.commands import Approve, Command, FindParts, MakePlan, SendPlan, Stop, TakeScan
-from workbench.app.rules import MOST_PARTS, SEED_LIMIT, STRATEGIES
+from workbench.app.rules import MOST_ITERATIONS, MOST_PARTS, SEED_LIMIT, STRATEGIES
 from workbench.app.state import State
 from workbench.gui.approval import ApprovalDialog
 from workbench.gui.look import View
@@ -15,6 +15,7 @@ from workbench.gui.views import (
     send_line,
 )
 from workbench.gui.visitor import Visitor, refusal, whole
+from workbench.model.cell import PLANNER_NAMES
 
 ROW = '<div class="wb-row"></div>'
 """A mark that has its folder laid out in three columns, see the style sheet."""
@@ -64,6 +65,21 @@ class CyclePanel:
                 hint="Parts that lie nearer to each other than this are taken one after the other.",
             )
             self._plan = gui.add_button("Plan", icon=viser.Icon.ROUTE)
+            self._planner = gui.add_dropdown(
+                "Planner",
+                PLANNER_NAMES,
+                initial_value=policy.planner,
+                hint="Searches the free legs; birrt is another name for rrtconnect.",
+            )
+            self._iterations = gui.add_number(
+                "Iterations",
+                policy.iterations,
+                min=1,
+                max=MOST_ITERATIONS,
+                step=1,
+                hint="That the planner may use for each free leg before it gives up.",
+            )
+            gui.add_html("")
             self._plan_line = gui.add_html("")
         with gui.add_folder("4 · Approve"):
             gui.add_html(ROW)
@@ -120,7 +136,13 @@ class CyclePanel:
         return FindParts(whole(self._seed.value))
 
     def _wanted_plan(self) -> Command:
-        return MakePlan(self._strategy.value, self._threshold.value / 1000, whole(self._seed.value))
+        return MakePlan(
+            self._strategy.value,
+            self._threshold.value / 1000,
+            whole(self._seed.value),
+            self._planner.value,
+            whole(self._iterations.value),
+        )
 
 
 def _digest(state: State) -> str:
