@@ -115,6 +115,7 @@ def test_the_line_goes_from_a_scan_to_a_finished_cycle(line, samples):
     assert dict(planning.arguments) == {
         "detections": detections,
         "scan_digest": scan.digest,
+        "scan": scan,
         "strategy": "right",
         "threshold": 0.3,
         "planner": "sbl",
@@ -449,6 +450,8 @@ class AnySequence(RuleBasedStateMachine):
         for effect in self.line.effects:
             if isinstance(effect, StartJob) and "scan" in effect.arguments:
                 scan = effect.arguments["scan"]
+                if scan is None:
+                    continue
                 assert digest_of(scan, without=frozenset({"at", "source"})) == scan.digest
 
 

@@ -34,6 +34,7 @@ def test_the_jobs_lead_from_a_seed_to_a_proven_plan(yumi):
     arguments = {
         "detections": detections,
         "scan_digest": scan.digest,
+        "scan": scan,
         "strategy": "auto",
         "threshold": 0.2,
         "planner": "sbl",

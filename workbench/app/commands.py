@@ -12,7 +12,7 @@ from workbench.model.cell import PlannerName
 from workbench.model.errors import WorkbenchError
 from workbench.model.plan import Plan, Proof
 from workbench.model.release import Receipt
-from workbench.model.scan import Detection, Scan
+from workbench.model.scan import Detection, Obstacle, Scan
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -107,6 +107,7 @@ class PlanResult:
     proof: Proof | None
     verdict: Verdict
     seconds: dict[str, float]
+    obstacles: tuple[Obstacle, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, eq=False)

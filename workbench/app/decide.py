@@ -106,6 +106,7 @@ def _make_plan(state: State, command: MakePlan) -> Outcome:
     arguments = {
         "detections": state.detections,
         "scan_digest": state.scene_digest,
+        "scan": state.scan,
         "strategy": command.strategy,
         "threshold": command.threshold,
         "planner": command.planner,
@@ -220,6 +221,7 @@ def _with_plan(state: State, result: PlanResult) -> State:
         proof=result.proof,
         verdict=result.verdict,
         seconds=tuple(result.seconds.items()),
+        obstacles=result.obstacles,
         approval=None,
         receipts=(),
         parts_placed=0,

@@ -12,7 +12,7 @@ from workbench.model.candidate import Candidate, Pick, Reason, Stage, Verdict
 from workbench.model.cell import Cell, PlannerName
 from workbench.model.errors import InputError, JobCancelled
 from workbench.model.plan import Plan, Strategy
-from workbench.model.scan import Detection
+from workbench.model.scan import Detection, Obstacle
 from workbench.planning.dual_arm import OFFSETS, coordinate, pairs_of, side_by_side
 from workbench.planning.propose import propose
 from workbench.planning.prove import prove
@@ -41,6 +41,7 @@ def plan_pick(
     threshold: float | None = None,
     planner: PlannerName | None = None,
     iterations: int | None = None,
+    obstacles: tuple[Obstacle, ...] = (),
     seed: int = 0,
     report: Report = lambda done, note: None,
     cancelled: Callable[[], bool] = lambda: False,
@@ -55,6 +56,7 @@ def plan_pick(
         threshold: [m] distance between the parts; None takes the cell's policy.
         planner: of the free legs; None takes the cell's.
         iterations: that it may use for each; None takes the cell's.
+        obstacles: what the scan shows beside the parts.
         seed: of everything random.
         report: progress.
         cancelled: asked between candidates; True ends the work.
@@ -75,14 +77,14 @@ def plan_pick(
         now = time.perf_counter()
         seconds[stage], began = now - began, now
 
-    proposed = propose(cell, detections)
+    proposed = propose(cell, detections, obstacles)
     lap("propose")
     policy = replace(
         cell.policy,
         planner=cell.policy.planner if planner is None else planner,
         iterations=cell.policy.iterations if iterations is None else iterations,
     )
-    world = World(cell, detections, policy)
+    world = World(cell, detections, obstacles, policy)
     judged, picks = _judged(world, proposed, seed, report, cancelled)
     lap("resolve")
     plan, verdict = None, _summary(judged)
@@ -96,7 +98,7 @@ def plan_pick(
         proof = prove(cell, plan)
         lap("prove")
         plan = replace(plan, seconds=seconds)
-    return PlanResult(judged, plan, proof, verdict, seconds)
+    return PlanResult(judged, plan, proof, verdict, seconds, obstacles)
 
 
 def judge(

@@ -7,7 +7,7 @@ from workbench.model.candidate import Candidate, Verdict
 from workbench.model.cell import Cell
 from workbench.model.plan import Plan, Proof
 from workbench.model.release import Approval, Receipt
-from workbench.model.scan import Detection, Scan
+from workbench.model.scan import Detection, Obstacle, Scan
 
 
 class Phase(enum.StrEnum):
@@ -56,6 +56,7 @@ class State:
     proof: Proof | None = None
     verdict: Verdict | None = None
     seconds: tuple[tuple[str, float], ...] = ()
+    obstacles: tuple[Obstacle, ...] = ()
     approval: Approval | None = None
     receipts: tuple[Receipt, ...] = ()
     parts_placed: int = 0

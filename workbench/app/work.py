@@ -12,6 +12,7 @@ from workbench.model.scan import Detection, Scan
 from workbench.perception.localize import localize
 from workbench.perception.piles import drop_parts
 from workbench.perception.synthesize import synthesize
+from workbench.perception.unexplained import unexplained
 
 
 def scan(cell: Cell, arguments: Mapping[str, Any], report: Report, cancelled: Cancelled) -> Scan:
@@ -52,15 +53,18 @@ def find_parts(
 def plan(
     cell: Cell, arguments: Mapping[str, Any], report: Report, cancelled: Cancelled
 ) -> PlanResult:
-    """Candidates, plan and proof for `detections`; see `plan_pick`."""
+    """Candidates, plan and proof for `detections` in `scan`, if there is one; see `plan_pick`."""
+    scan, detections = arguments["scan"], arguments["detections"]
+    report(0.0, "looking for what nobody modelled")
     return plan_pick(
         cell,
-        arguments["detections"],
+        detections,
         arguments["scan_digest"],
         strategy=arguments["strategy"],
         threshold=arguments["threshold"],
         planner=arguments["planner"],
         iterations=arguments["iterations"],
+        obstacles=() if scan is None else unexplained(cell, scan, detections),
         seed=arguments["seed"],
         report=report,
         cancelled=cancelled,

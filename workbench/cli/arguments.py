@@ -89,6 +89,8 @@ class Plan:
     """Our JSON, or a HALCON tuple file (rows of [R|t] in the world frame, millimetres)."""
     out: Path
     """JSON file of the plan to write."""
+    scan: Path | None = None
+    """PLY file that the poses were found in: what it shows beside the parts is kept clear of."""
     strategy: StrategyName = "auto"
     """Which arms work."""
     threshold: float | None = None

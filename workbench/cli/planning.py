@@ -29,6 +29,7 @@ from workbench.cli.terminal import (
     seconds_since_start,
 )
 from workbench.formats.cells import read_cell
+from workbench.formats.clouds import read_cloud
 from workbench.formats.plans import read_plan, write_plan
 from workbench.formats.poses import read_poses
 from workbench.model.cell import Cell
@@ -37,6 +38,7 @@ from workbench.model.errors import InputError
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.plan import Finding, Plan
 from workbench.model.scan import Detection
+from workbench.perception.unexplained import unexplained
 from workbench.planning.prove import prove
 
 
@@ -49,9 +51,11 @@ def plan(typed: arguments.Plan) -> int:
         check_whole("--iterations", typed.iterations, 1, MOST_ITERATIONS)
     cell = read_cell(typed.cell)
     detections = detections_from(cell, typed.poses, typed.part)
+    scan = None if typed.scan is None else read_cloud(typed.scan, cell.scanner.T_world_scanner)
     with progress("plan") as report:
         report(0.0, "getting ready")
         warm_up(cell)
+        obstacles = () if scan is None else unexplained(cell, scan, detections)
         ready, began = seconds_since_start(), time.perf_counter()
         result = plan_pick(
             cell,
@@ -61,6 +65,7 @@ def plan(typed: arguments.Plan) -> int:
             threshold=typed.threshold,
             planner=typed.planner,
             iterations=typed.iterations,
+            obstacles=obstacles,
             seed=typed.seed,
             report=report,
         )
@@ -153,6 +158,7 @@ def _print_form(
             "verdict": str(result.verdict),
             "plan": None if result.plan is None else plan_form(result.plan),
             "proof": None if result.proof is None else proof_form(result.proof),
+            "obstacles": len(result.obstacles),
             "candidates": [candidate_form(candidate) for candidate in result.candidates],
             "start_ms": milliseconds(ready),
             "planning_ms": milliseconds(planning),
@@ -167,6 +173,8 @@ def _print_words(
     if not is_good:
         print_candidates("every candidate", result.candidates)
     print(f"candidates: {reasons_words(result.candidates)}")
+    if result.obstacles:
+        print(f"kept clear of {len(result.obstacles)} obstacles that only the scan shows")
     if result.plan is None:
         print(f"no plan: {result.verdict}")
     else:

@@ -39,8 +39,10 @@ from workbench.model.plan import (
     Step,
     Strategy,
 )
+from workbench.model.scan import Obstacle
 
 MOST_JOINTS = 64
+MOST_OBSTACLES = 200
 
 
 FARTHEST = 1000.0
@@ -100,6 +102,7 @@ def read_plan(path: str | Path) -> tuple[Plan, str]:
         arms=arms,
         sequence=tuple(_step(step, arms) for step in _few(table, "sequence")),
         note=table.text("note", empty=True),
+        obstacles=tuple(read_obstacle(box) for box in _obstacles(table)),
         seconds=_seconds(table.table("seconds")),
     )
     if not table.is_null("proof"):
@@ -114,6 +117,23 @@ def _few(table: Table, key: str) -> list[Table]:
     if len(entries) > MOST_PARTS:
         raise table.error(key, f"{len(entries)} are given, at most {MOST_PARTS} are read")
     return entries
+
+
+def _obstacles(table: Table) -> list[Table]:
+    entries = list(table.tables("obstacles", MISSING))
+    if len(entries) > MOST_OBSTACLES:
+        raise table.error(
+            "obstacles", f"{len(entries)} are given, at most {MOST_OBSTACLES} are read"
+        )
+    return entries
+
+
+def read_obstacle(table: Table) -> Obstacle:
+    """One obstacle as an object of its fields."""
+    T_world_box = read_pose_rows(table, "T_world_box")
+    size = table.numbers("size", 3, low=1e-6, high=100.0)
+    table.finish()
+    return Obstacle(T_world_box, size)
 
 
 def _once(table: Table, key: str, names: list[str]) -> None:

@@ -49,6 +49,9 @@ BESIDE_BIN = (190, 196, 204)
 SKY = ("#d3deea", "#f8fafc")
 """Behind the scene, from top to bottom."""
 
+UNEXPLAINED_COLOUR = BAD
+"""Of what the scan shows and nothing known explains."""
+
 LIVE_ROBOT = (38, 166, 154)
 
 

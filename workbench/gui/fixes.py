@@ -51,7 +51,13 @@ class Fixes:
     def _try(self, state: State, candidate: Candidate, known: dict[int, str], number: int) -> None:
         try:
             seed = state.plan.seed if state.plan is not None else 0
-            fix = nearest_fix(state.cell, state.detections or (), (candidate,), seed=seed)
+            fix = nearest_fix(
+                state.cell,
+                state.detections or (),
+                (candidate,),
+                seed=seed,
+                obstacles=state.obstacles,
+            )
             known[number] = NOTHING if fix is None else f"nearest fix: {fix.change}"
         except Exception:
             # A rim: a candidate that cannot be tried leaves the page as it is.

@@ -7,7 +7,7 @@ from workbench.gui.look import Pose
 from workbench.gui.views import mm
 from workbench.model.candidate import Candidate, Pick
 from workbench.model.geometry import Floats
-from workbench.model.scan import Detection
+from workbench.model.scan import Detection, Obstacle
 from workbench.planning.resolve import approach_phase, resolve
 from workbench.planning.self_motion import self_motion
 from workbench.planning.world import World
@@ -21,14 +21,16 @@ class PoseFinder:
 
     def __init__(self) -> None:
         self._detections: tuple[Detection, ...] | None = None
+        self._obstacles: tuple[Obstacle, ...] = ()
         self._world: World | None = None
 
     def poses(self, state: State, candidate: Candidate) -> tuple[Pose, ...]:
         """Where it failed; or pre-grasp, grasp, lifted and place, and the elbow's freedom."""
         if not state.detections:
             return ()
-        if self._world is None or self._detections is not state.detections:
-            self._world, self._detections = World(state.cell, state.detections), state.detections
+        if self._world is None or not self._is_current(state):
+            self._world = World(state.cell, state.detections, state.obstacles)
+            self._detections, self._obstacles = state.detections, state.obstacles
         world, verdict = self._world, candidate.verdict
         if not verdict.is_ok:
             if verdict.q is None or len(verdict.q) != len(world.arm(candidate.arm).joints):
@@ -36,6 +38,9 @@ class PoseFinder:
             return (self._failed(world, candidate, np.asarray(verdict.q)),)
         pick = resolve(world, candidate, seed=state.plan.seed if state.plan is not None else 0)
         return self._on_the_way(world, pick) if isinstance(pick, Pick) else ()
+
+    def _is_current(self, state: State) -> bool:
+        return self._detections is state.detections and self._obstacles is state.obstacles
 
     def _failed(self, world: World, candidate: Candidate, q: Floats) -> Pose:
         verdict = candidate.verdict

@@ -9,6 +9,7 @@ from workbench.gui.colours import (
     BESIDE_BIN,
     HEIGHTS,
     LIVE_ROBOT,
+    UNEXPLAINED_COLOUR,
     arm_colour,
     part_colour,
     rgb_of,
@@ -20,7 +21,9 @@ from workbench.gui.solids import with_hard_edges
 from workbench.gui.surroundings import add_surroundings, aim_camera, paint_background
 from workbench.model.cell import Cell
 from workbench.model.geometry import Floats
-from workbench.model.scan import Detection, Scan
+from workbench.model.scan import Detection, Obstacle, Scan
+from workbench.perception.unexplained import UNEXPLAINED, explained_by
+from workbench.planning.bodies import obstacle_label
 from workbench.planning.kinematics import Kinematics
 
 PATH_POINTS = 24
@@ -68,12 +71,18 @@ class Scene:
     def draw(self, old: View | None, new: View) -> None:
         """Bring the scene from `old` (None: nothing drawn yet) to `new`."""
         before, state = old and old.state, new.state
-        if before is None or before.scan is not state.scan:
-            self._draw_scan(state.scan)
+        if (
+            before is None
+            or before.scan is not state.scan
+            or before.detections is not state.detections
+        ):
+            self._draw_scan(state.scan, state.detections)
         is_other_plan = before is None or before.plan is not state.plan
         are_other_parts = before is None or before.detections is not state.detections
         if are_other_parts:
             self._add_parts(state.detections or ())
+        if before is None or before.obstacles is not state.obstacles:
+            self._draw_obstacles(state.obstacles)
         if is_other_plan:
             self._draw_paths(new.runs)
         is_other_time = old is None or old.look.time != new.look.time
@@ -83,7 +92,7 @@ class Scene:
             self._pose_live_robot(new)
         self._candidates.draw(old, new)
 
-    def _draw_scan(self, scan: Scan | None) -> None:
+    def _draw_scan(self, scan: Scan | None, detections: tuple[Detection, ...] | None) -> None:
         if scan is None:
             self._scene.remove_by_name("/scan")
             return
@@ -96,12 +105,24 @@ class Scene:
         self._scene.add_point_cloud(
             "/scan",
             points.astype(np.float32),
-            height_colours(self._cell, points),
+            point_colours(self._cell, points, detections),
             point_size=0.0016,
             point_shape="circle",
             point_shading="flat",
             precision="float32",
         )
+
+    def _draw_obstacles(self, obstacles: tuple[Obstacle, ...]) -> None:
+        self._scene.remove_by_name("/seen")
+        for number, obstacle in enumerate(obstacles):
+            name = f"/seen/{obstacle_label(number)}"
+            box = self._scene.add_box(
+                name,
+                rgb_of(UNEXPLAINED_COLOUR),
+                dimensions=tuple(obstacle.size.tolist()),
+                opacity=0.35,
+            )
+            place(box, obstacle.T_world_box)
 
     def _add_parts(self, detections: tuple[Detection, ...]) -> None:
         for node in self._parts:
@@ -168,6 +189,24 @@ class Scene:
         if differs:
             self._live_robot.pose(self._kinematics.link_poses(known), {})
         self._live_robot.show(differs)
+
+
+def point_colours(
+    cell: Cell, points: Floats, detections: tuple[Detection, ...] | None
+) -> np.ndarray:
+    """A colour (n, 3) 0..255 for each world point (n, 3).
+
+    Points of the cell go by height; once parts were looked for, theirs have the part's colour
+    and those that nothing explains are red: what planning masks out and what it avoids.
+    """
+    colours = height_colours(cell, points)
+    if detections is None:
+        return colours
+    owners = explained_by(cell, detections, points)
+    colours[owners == UNEXPLAINED] = rgb_of(UNEXPLAINED_COLOUR)
+    for number in range(len(detections)):
+        colours[owners == number] = rgb_of(part_colour(number))
+    return colours
 
 
 def height_colours(cell: Cell, points: Floats) -> np.ndarray:

@@ -168,7 +168,10 @@ def plan_line(state: State) -> str:
         why = str(proof.findings[0]) if proof is not None else "there is none"
         return line(f"The proof does not hold: {why}", kind="bad", tip=purpose)
     text = f"{plan.strategy}, {plan.cycle_seconds:.1f} s, smallest clearance {mm(proof.clearance)}"
-    return line(sentence(f"{text}; {plan.note}" if plan.note else text), tip=purpose)
+    if plan.obstacles:
+        text += f", clear of {len(plan.obstacles)} unknown obstacles"
+    text = sentence(f"{text}; {plan.note}" if plan.note else text)
+    return line(text, tip=text)
 
 
 def approval_line(state: State, now: float, problem: str) -> str:

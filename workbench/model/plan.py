@@ -9,7 +9,7 @@ import pinocchio as pin
 
 from workbench.model.digest import digest_of
 from workbench.model.geometry import Floats, copied, frozen, put
-from workbench.model.scan import Detection
+from workbench.model.scan import Detection, Obstacle
 
 PLAN_FORMAT = "workbench-plan/1"
 
@@ -95,7 +95,8 @@ class Step:
 class Plan:
     """What will be sent, and all that it was made from.
 
-    `detections` are all parts known in the bin: those taken and those that are obstacles.
+    `detections` are all parts known in the bin: those taken and those that are obstacles;
+    `obstacles` is what the scan shows beside them.
     `scan_digest` is that of the scan, or of the detections when they came from a file.
     `seconds` (stage -> computing time) is not part of the digest.
     """
@@ -110,6 +111,7 @@ class Plan:
     arms: tuple[ArmPlan, ...]
     sequence: tuple[Step, ...]
     note: str = ""
+    obstacles: tuple[Obstacle, ...] = ()
     seconds: Mapping[str, float] = field(default_factory=dict)
     digest: str = field(init=False, repr=False)
 

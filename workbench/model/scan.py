@@ -78,3 +78,20 @@ class Detection:
             gap=None if self.gap is None else float(self.gap),
             residual=None if self.residual is None else float(self.residual),
         )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Obstacle:
+    """Something in a scan that nothing known explains, as an upright box around it.
+
+    `size` (3,) [m]: full lengths along the axes of the box, whose frame lies in its middle.
+    """
+
+    T_world_box: pin.SE3
+    size: Floats
+
+    def __post_init__(self) -> None:
+        size = frozen(self.size)
+        if size.shape != (3,) or not np.all(size > 0):
+            raise InputError("an obstacle needs three lengths above zero")
+        put(self, T_world_box=copied(self.T_world_box), size=size)

@@ -20,7 +20,7 @@ from workbench.model.geometry import (
     Solid,
     Sphere,
 )
-from workbench.model.scan import Detection
+from workbench.model.scan import Detection, Obstacle
 from workbench.planning.bounds import box_of
 from workbench.planning.kinematics import Kinematics
 
@@ -46,8 +46,13 @@ class Body:
     finger: Floats | None = None
 
 
-def bodies_of(cell: Cell, kinematics: Kinematics, detections: tuple[Detection, ...]) -> list[Body]:
-    """All bodies: links, tools with fingers closed, fixtures, bin, and the parts found."""
+def bodies_of(
+    cell: Cell,
+    kinematics: Kinematics,
+    detections: tuple[Detection, ...],
+    obstacles: tuple[Obstacle, ...],
+) -> list[Body]:
+    """All bodies: links, tools with fingers closed, fixtures, bin, parts found, obstacles seen."""
     bodies = [*_link_bodies(cell, kinematics), *_tool_bodies(cell, kinematics)]
     for fixture in cell.fixtures:
         for solid in fixture.solids:
@@ -61,7 +66,17 @@ def bodies_of(cell: Cell, kinematics: Kinematics, detections: tuple[Detection, .
             bodies.append(
                 _still(piece, detection.T_world_part, "part", str(number), part_label(number))
             )
+    for number, obstacle in enumerate(obstacles):
+        label = obstacle_label(number)
+        bodies.append(
+            Body(label, "fixture", "seen", -1, 0, obstacle.T_world_box, Box(obstacle.size))
+        )
     return bodies
+
+
+def obstacle_label(number: int) -> str:
+    """How people see an obstacle of the scan named, `number` counted from 0."""
+    return f"seen-{number + 1}"
 
 
 def part_label(number: int) -> str:

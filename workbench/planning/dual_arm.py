@@ -151,6 +151,7 @@ def coordinate(
             strategy=Strategy.COORDINATED,
             guarantee=guarantee,
             detections=world.detections,
+            obstacles=world.obstacles,
             arms=arms,
             sequence=steps,
             note=_note(offset),

@@ -9,7 +9,7 @@ from workbench.model.candidate import Candidate, Pick, Stage
 from workbench.model.cell import Cell
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.part import Grasp
-from workbench.model.scan import Detection
+from workbench.model.scan import Detection, Obstacle
 from workbench.planning.propose import ToolCheck, candidate_of
 from workbench.planning.resolve import resolve
 from workbench.planning.world import World
@@ -41,6 +41,7 @@ def nearest_fix(
     candidates: tuple[Candidate, ...],
     *,
     seed: int,
+    obstacles: tuple[Obstacle, ...] = (),
 ) -> Fix | None:
     """The smallest change that was found to admit a refused candidate, the best one if possible.
 
@@ -52,13 +53,14 @@ def nearest_fix(
         detections: the parts found.
         candidates: all of them, judged.
         seed: of the request.
+        obstacles: what the scan shows beside the parts.
 
     Returns:
         None when no change of those tried admits any of the `MOST_REFUSED` best.
     """
     refused = [one for one in candidates if not one.verdict.is_ok and one.verdict.pair is not None]
     refused.sort(key=_progress, reverse=True)
-    admits, as_tight = _trial(cell, detections, seed), None
+    admits, as_tight = _trial(cell, detections, obstacles, seed), None
     margin = cell.policy.near_margin
     for best in refused[:MOST_REFUSED]:
         for change, grasp in _changes(best.grasp):
@@ -66,7 +68,7 @@ def nearest_fix(
                 return Fix(best, change)
         if margin > 0:
             policy = replace(cell.policy, near_margin=0.0)
-            as_tight = as_tight or _trial(replace(cell, policy=policy), detections, seed)
+            as_tight = as_tight or _trial(replace(cell, policy=policy), detections, obstacles, seed)
             if as_tight(best, best.grasp):
                 return Fix(
                     best, f"keep less than near_margin, {margin * 1000:g} mm, on straight legs"
@@ -75,10 +77,11 @@ def nearest_fix(
 
 
 def _trial(
-    cell: Cell, detections: tuple[Detection, ...], seed: int
+    cell: Cell, detections: tuple[Detection, ...], obstacles: tuple[Obstacle, ...], seed: int
 ) -> Callable[[Candidate, Grasp], bool]:
     """Whether another grasp in the place of a candidate's works up to the place."""
-    check, world = ToolCheck(cell, detections), World(cell, detections)
+    check = ToolCheck(cell, detections, obstacles)
+    world = World(cell, detections, obstacles)
 
     def admits(refused: Candidate, grasp: Grasp) -> bool:
         arm, number = cell.arm(refused.arm), refused.detection

@@ -150,14 +150,17 @@ class Pairing:
         return Checks(np.flatnonzero(counts), margins, carriers, commons)
 
 
-_PAIRINGS: dict[tuple[str, tuple[str, ...]], Pairing] = {}
+_PAIRINGS: dict[tuple[str, tuple[str, ...], int], Pairing] = {}
 
 
 def pairing_of(
     cell: Cell, parts: tuple[str, ...], kinematics: Kinematics, bodies: list[Body]
 ) -> Pairing:
-    """The pairing of all worlds of this cell with found parts of these names, in this order."""
-    key = (cell.digest, parts)
+    """The pairing of all worlds of this cell with found parts of these names, in this order.
+
+    Worlds with as many bodies differ in nothing that counts here.
+    """
+    key = (cell.digest, parts, len(bodies))
     if key not in _PAIRINGS:
         while len(_PAIRINGS) >= MOST_PAIRINGS:
             del _PAIRINGS[next(iter(_PAIRINGS))]

@@ -6,10 +6,10 @@ import pinocchio as pin
 
 from workbench.model.candidate import Candidate, Reason, Stage, Verdict
 from workbench.model.cell import Arm, Cell
-from workbench.model.geometry import Floats, pose_from_rpy
+from workbench.model.geometry import Box, Floats, Solid, pose_from_rpy
 from workbench.model.part import Grasp
-from workbench.model.scan import Detection
-from workbench.planning.bodies import coal_shape, extent, part_label
+from workbench.model.scan import Detection, Obstacle
+from workbench.planning.bodies import coal_shape, extent, obstacle_label, part_label
 from workbench.planning.chain import chain_of
 from workbench.planning.legs import grip_turns
 
@@ -23,7 +23,12 @@ class ToolCheck:
     Lifetime: as long as cell and detections.
     """
 
-    def __init__(self, cell: Cell, detections: tuple[Detection, ...]):
+    def __init__(
+        self,
+        cell: Cell,
+        detections: tuple[Detection, ...],
+        obstacles: tuple[Obstacle, ...] = (),
+    ):
         self._margin = cell.policy.near_margin
         solids = (
             [(solid, cell.bin.T_world_bin, -1, solid.name) for solid in cell.bin.solids]
@@ -36,6 +41,10 @@ class ToolCheck:
                 (piece, detection.T_world_part, number, part_label(number))
                 for number, detection in enumerate(detections)
                 for piece in cell.part(detection.part).pieces
+            ]
+            + [
+                (_solid(obstacle), obstacle.T_world_box, -1, obstacle_label(number))
+                for number, obstacle in enumerate(obstacles)
             ]
         )
         self._labels = [label for _, _, _, label in solids]
@@ -92,13 +101,19 @@ def _tool_shapes(
     return shapes
 
 
-def propose(cell: Cell, detections: tuple[Detection, ...]) -> tuple[Candidate, ...]:
+def _solid(obstacle: Obstacle) -> Solid:
+    return Solid("seen", Box(obstacle.size), pin.SE3.Identity())
+
+
+def propose(
+    cell: Cell, detections: tuple[Detection, ...], obstacles: tuple[Obstacle, ...] = ()
+) -> tuple[Candidate, ...]:
     """All candidates, refused ones included, in the order in which they shall be tried.
 
     The order: admitted ones first, then priority, then the SE(3) index, which is the way of
     the TCP from home to the grasp plus `TURN_WEIGHT` times its turn.
     """
-    check = ToolCheck(cell, detections)
+    check = ToolCheck(cell, detections, obstacles)
     homes = {arm.name: chain_of(cell, arm).pose(np.asarray(arm.home)) for arm in cell.arms}
     candidates = [
         candidate_of(check, number, detection, grasp, arm, homes[arm.name])

@@ -70,6 +70,7 @@ def route(
         strategy=strategy,
         guarantee=Guarantee.ONE_AT_A_TIME,
         detections=world.detections,
+        obstacles=world.obstacles,
         arms=tuple(arms),
         sequence=tuple(steps),
         note=note,

@@ -8,7 +8,7 @@ import pinocchio as pin
 
 from workbench.model.cell import Arm, Cell, Policy
 from workbench.model.geometry import Floats, Ints, Shape
-from workbench.model.scan import Detection
+from workbench.model.scan import Detection, Obstacle
 from workbench.planning.bodies import bodies_of, coal_shape, extent
 from workbench.planning.bounds import close_pairs
 from workbench.planning.chain import Chain, chain_of
@@ -36,23 +36,29 @@ class World:
     """
 
     def __init__(
-        self, cell: Cell, detections: tuple[Detection, ...], policy: Policy | None = None
+        self,
+        cell: Cell,
+        detections: tuple[Detection, ...],
+        obstacles: tuple[Obstacle, ...] = (),
+        policy: Policy | None = None,
     ) -> None:
         """The cell with those parts in it.
 
         Args:
             cell: as it is.
             detections: the parts found.
+            obstacles: what the scan shows beside them.
             policy: by which to plan, where a request differs from the cell.
         """
         self.cell = cell
         self.policy = cell.policy if policy is None else policy
         self.detections = detections
+        self.obstacles = obstacles
         self.kinematics = Kinematics(cell)
         self.chains: dict[str, Chain] = {arm.name: chain_of(cell, arm) for arm in cell.arms}
         self.checks = 0
         self._arm_index = {arm.name: index for index, arm in enumerate(cell.arms)}
-        self._bodies = bodies_of(cell, self.kinematics, detections)
+        self._bodies = bodies_of(cell, self.kinematics, detections, obstacles)
         self._make_geometry()
         self._make_tree()
         self._make_pairs()
