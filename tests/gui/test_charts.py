@@ -5,7 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from workbench.gui.charts import clearance_curve, cursor_html, doing, joint_curves, lanes_html
+from workbench.gui.charts import (
+    clearance_curves,
+    cursor_html,
+    doing,
+    joint_curves,
+    lanes_html,
+    speed_curve,
+)
 from workbench.gui.playback import timeline
 
 
@@ -31,7 +38,7 @@ def test_the_joint_curves_begin_at_home_in_degrees_and_wire_order(cell, result, 
 
 def test_the_lowest_point_of_the_clearance_curve_is_the_smallest_clearance(result, runs):
     proof = result.proof
-    times, clearance = clearance_curve(runs, proof)
+    times, clearance, _ = clearance_curves(runs, proof)
     assert np.all(np.diff(times) > 0)
     assert np.all(np.isfinite(clearance))
     smallest = min(distances.min() for _, _, distances in proof.clearances)
@@ -39,7 +46,7 @@ def test_the_lowest_point_of_the_clearance_curve_is_the_smallest_clearance(resul
 
 
 def test_a_proof_without_clearances_has_a_flat_curve(result, runs):
-    times, clearance = clearance_curve(runs, replace(result.proof, clearances=()))
+    times, clearance, _ = clearance_curves(runs, replace(result.proof, clearances=()))
     assert len(times) == len(clearance) == 2
 
 
@@ -55,3 +62,15 @@ def test_what_goes_on_is_said(cell, result, runs):
     assert doing(cell, runs, first.start) == f"{first.arm} {first.leg.name}"
     assert doing(cell, runs, result.plan.cycle_seconds + 1) == "at the end"
     assert doing(cell, (), 0.0) == "at home"
+
+
+def test_the_distance_between_the_arms_is_that_of_the_proof(result, runs):
+    _, _, apart = clearance_curves(runs, result.proof)
+    smallest = min(float(values.min()) for _, _, values in result.proof.apart)
+    assert np.nanmin(apart) == pytest.approx(smallest * 1000, rel=0.2)
+
+
+def test_no_joint_is_faster_than_its_limit(cell, result, runs):
+    for arm in cell.arms:
+        share = speed_curve(arm, cell, runs, result.plan.cycle_seconds)
+        assert 1.0 < share.max() <= 100.0

@@ -108,6 +108,7 @@ class PlanResult:
     verdict: Verdict
     seconds: dict[str, float]
     obstacles: tuple[Obstacle, ...] = ()
+    planner: PlannerName = "rrtconnect"
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -29,7 +29,7 @@ from workbench.app.commands import (
 )
 from workbench.app.effects import Effect, Send, StartJob, StopJob, StopSending
 from workbench.app.rules import approve
-from workbench.app.state import Job, Phase, State
+from workbench.app.state import Job, Outline, Phase, State
 from workbench.model.digest import digest_of
 from workbench.model.errors import CommandRefused, JobCancelled, WorkbenchError
 from workbench.model.release import Receipt
@@ -81,6 +81,10 @@ def decide(state: State, entry: Entry) -> Outcome:
             return _link_ended(state, fault, parts_placed), ()
         case _:
             assert_never(entry.command)
+
+
+MOST_OUTLINES = 20
+"""Plannings for the same parts that are remembered."""
 
 
 def _begin(
@@ -158,7 +162,7 @@ def _job_ended(
         case ("localize", tuple()):
             return _with_detections(state, result)
         case ("plan", PlanResult()):
-            return _with_plan(state, result)
+            return _with_plan(state, result, number)
         case _:
             wrong = type(result).__name__
             return replace(state, message=f"task {job.name!r} failed: it brought a {wrong}")
@@ -200,7 +204,7 @@ def _with_outside_detections(state: State, detections: tuple[Detection, ...]) ->
     )
 
 
-def _with_plan(state: State, result: PlanResult) -> State:
+def _with_plan(state: State, result: PlanResult, number: int) -> State:
     if result.plan is None:
         phase, message = Phase.LOCALIZED, f"no plan: {result.verdict}"
     elif result.proof is None or not result.proof.holds:
@@ -222,10 +226,32 @@ def _with_plan(state: State, result: PlanResult) -> State:
         verdict=result.verdict,
         seconds=tuple(result.seconds.items()),
         obstacles=result.obstacles,
+        outlines=(*state.outlines, _outline(result, number))[-MOST_OUTLINES:],
         approval=None,
         receipts=(),
         parts_placed=0,
         message=message,
+    )
+
+
+def _outline(result: PlanResult, number: int) -> Outline:
+    planning = sum(result.seconds.values())
+    plan, proof = result.plan, result.proof
+    if plan is None or proof is None:
+        return Outline(number, result.planner, planning, verdict=str(result.verdict))
+    distances = [float(d.min()) for _, _, d in proof.apart if len(d)]
+    return Outline(
+        number,
+        result.planner,
+        planning,
+        str(plan.strategy),
+        str(plan.guarantee),
+        len(plan.arms),
+        plan.cycle_seconds,
+        proof.clearance,
+        min(distances, default=None),
+        plan.digest,
+        "" if proof.holds else str(proof.findings[0]),
     )
 
 

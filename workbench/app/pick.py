@@ -98,7 +98,7 @@ def plan_pick(
         proof = prove(cell, plan)
         lap("prove")
         plan = replace(plan, seconds=seconds)
-    return PlanResult(judged, plan, proof, verdict, seconds, obstacles)
+    return PlanResult(judged, plan, proof, verdict, seconds, obstacles, policy.planner)
 
 
 def judge(

@@ -4,7 +4,7 @@ import enum
 from dataclasses import dataclass
 
 from workbench.model.candidate import Candidate, Verdict
-from workbench.model.cell import Cell
+from workbench.model.cell import Cell, PlannerName
 from workbench.model.plan import Plan, Proof
 from workbench.model.release import Approval, Receipt
 from workbench.model.scan import Detection, Obstacle, Scan
@@ -36,12 +36,35 @@ class Job:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class Outline:
+    """What came of one planning, to be compared with the next.
+
+    `number` is that of the entry that asked for it; `planning` and `cycle` [s]; `apart` [m] the
+    smallest distance between the arms; `verdict` says why there is no plan, or what speaks
+    against it.
+    """
+
+    number: int
+    planner: PlannerName
+    planning: float
+    strategy: str = ""
+    guarantee: str = ""
+    parts: int = 0
+    cycle: float | None = None
+    clearance: float | None = None
+    apart: float | None = None
+    digest: str = ""
+    verdict: str = ""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class State:
     """All that an auditor would ask for.
 
     What a stage made stays until a newer value of an earlier stage makes it stale: then it is
     dropped, so that what is here always belongs together.  `scene_digest` is what a plan must
     have been made from: that of the scan, or of the detections when they came from outside.
+    `outlines` are of all plannings for these detections, the latest last.
     `fault` is set exactly in phase fault; `message` tells a person what happened last.
     """
 
@@ -57,6 +80,7 @@ class State:
     verdict: Verdict | None = None
     seconds: tuple[tuple[str, float], ...] = ()
     obstacles: tuple[Obstacle, ...] = ()
+    outlines: tuple[Outline, ...] = ()
     approval: Approval | None = None
     receipts: tuple[Receipt, ...] = ()
     parts_placed: int = 0

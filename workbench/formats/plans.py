@@ -216,6 +216,6 @@ def _seconds(table: Table) -> dict[str, float]:
 def _summary(proof: Proof) -> dict[str, Any]:
     return {
         "holds": proof.holds,
-        **canonical(proof, without=frozenset({"clearances"})),
+        **canonical(proof, without=frozenset({"clearances", "apart"})),
         "digest": proof.digest,
     }

@@ -1,6 +1,6 @@
 """The plan over time: the lanes of the arms, and curves of joints and clearance."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from html import escape
 
 import numpy as np
@@ -82,29 +82,53 @@ def joint_curves(arm: Arm, runs: tuple[Run, ...], seconds: float) -> tuple[Float
     return (times, *np.rad2deg(wire).T)
 
 
-def clearance_curve(runs: tuple[Run, ...], proof: Proof) -> tuple[Floats, Floats]:
-    """Times [s] and the clearance of what moves then [mm]; with both arms moving the smaller.
+def clearance_curves(runs: tuple[Run, ...], proof: Proof) -> tuple[Floats, Floats, Floats]:
+    """Times [s], the clearance of what moves then, and the distance between the arms [mm].
 
-    Each value of the proof is the smallest distance on the way from one waypoint to the next,
-    so the curve goes in steps.
+    With both arms moving it is the smaller value.  Each value of the proof is the smallest
+    distance from one waypoint to the next, so the curves go in steps.
     """
-    found = {(arm, leg): distances for arm, leg, distances in proof.clearances}
-    spans = [
-        (run.start + start, run.start + end, distance * 1000)
-        for run in runs
-        for start, end, distance in zip(
-            run.leg.t[:-1], run.leg.t[1:], found.get((run.arm, run.leg.name), ()), strict=False
-        )
-    ]
-    if not spans:
-        return np.array([0.0, 1.0]), np.zeros(2)
-    starts, ends, distances = np.array(spans).T
-    changes = np.unique(np.concatenate([starts, ends]))
+    clearance, apart = _spans(runs, proof.clearances), _spans(runs, proof.apart)
+    if not len(clearance):
+        return np.array([0.0, 1.0]), np.zeros(2), np.full(2, np.nan)
+    changes = np.unique(clearance[:, :2])
     times = np.sort(np.concatenate([changes[:-1] + INSTANT, changes[1:] - INSTANT]))
-    active = (starts <= times[:, None]) & (times[:, None] < ends)
-    smallest = np.where(active, distances, np.inf).min(axis=1)
+    smallest = _smallest(clearance, times)
     covered = np.isfinite(smallest)
-    return times[covered], smallest[covered]
+    between = _smallest(apart, times) if len(apart) else np.full(len(times), np.nan)
+    return times[covered], smallest[covered], between[covered]
+
+
+def _spans(runs: tuple[Run, ...], distances: Sequence[tuple[str, str, Floats]]) -> Floats:
+    """Start [s], end [s] and distance [mm] from each waypoint to the next, shape (k, 3)."""
+    found = {(arm, leg): values for arm, leg, values in distances}
+    return np.array(
+        [
+            (run.start + start, run.start + end, distance * 1000)
+            for run in runs
+            for start, end, distance in zip(
+                run.leg.t[:-1],
+                run.leg.t[1:],
+                found.get((run.arm, run.leg.name), ()),
+                strict=False,
+            )
+        ]
+    )
+
+
+def _smallest(spans: Floats, times: Floats) -> Floats:
+    """The smallest distance of the spans that are under way at each time, infinite without one."""
+    starts, ends, distances = spans.T
+    active = (starts <= times[:, None]) & (times[:, None] < ends)
+    return np.where(active, distances, np.inf).min(axis=1)
+
+
+def speed_curve(arm: Arm, cell: Cell, runs: tuple[Run, ...], seconds: float) -> Floats:
+    """How fast the fastest joint of an arm turns, in percent of its limit, shape (SAMPLES,)."""
+    times = np.linspace(0.0, max(seconds, 1e-3), SAMPLES)
+    _, _, velocity = cell.robot.limits(arm.joints)
+    speeds = np.abs(np.gradient(arm_path(arm, runs, times), times, axis=0)) / velocity
+    return 100 * speeds.max(axis=1)
 
 
 def axis(label: str) -> uplot.Axis:

@@ -11,7 +11,7 @@ from html import escape
 
 from workbench.app.commands import FindParts, MakePlan, TakeScan
 from workbench.app.rights import what_is_missing
-from workbench.app.state import Phase, State
+from workbench.app.state import Outline, Phase, State
 from workbench.gui.colours import arm_colour
 from workbench.gui.look import View
 from workbench.model.candidate import Candidate, Verdict
@@ -213,12 +213,19 @@ def facts_html(cell: Cell, plan: Plan, proof: Proof) -> str:
     rows += [
         ("Smallest clearance", mm(proof.clearance) + _where(proof.nearest)),
         ("Proof", f"holds, {proof.checks:,} states checked, down to {mm(proof.resolution, 2)}"),
+        ("Kept clear of", _kept_clear(plan)),
         ("Cycle time", f"{plan.cycle_seconds:.1f} s"),
         ("Controller", f"{cell.controller.host} port {cell.controller.port}"),
         ("Valid for", f"{cell.policy.approval_minutes:g} min after the approval"),
         ("Plan", short(plan.digest)),
     ]
     return table_html(rows, title=plan.digest)
+
+
+def _kept_clear(plan: Plan) -> str:
+    parts, seen = len(plan.detections), len(plan.obstacles)
+    unknown = f", {seen} unknown things in the scan" if seen else ""
+    return f"cell, {parts} {'part' if parts == 1 else 'parts'}{unknown}"
 
 
 def _where(finding: Finding | None) -> str:
@@ -274,6 +281,48 @@ def plan_html(cell: Cell, plan: Plan, seconds: tuple[tuple[str, float], ...]) ->
         f"{escape(plan.guarantee)}, plan {short(plan.digest)}</div>"
         f"{note}"
         f'<div class="wb-small">computed in {escape(times)}</div></div>'
+    )
+
+
+def outlines_html(outlines: tuple[Outline, ...]) -> str:
+    """What the plannings for these parts brought, the latest first, when there is a choice."""
+    if len(outlines) < 2:
+        return ""
+    heads = "".join(
+        f'<th class="{"wb-number" if is_number else ""}">{title}</th>'
+        for title, is_number in (
+            ("Plans for these parts", False),
+            ("Planner", False),
+            ("Cycle", True),
+            ("Planning", True),
+            ("Clearance", True),
+            ("Arms apart", True),
+        )
+    )
+    rows = "".join(
+        _outline_row(outline, place == 0) for place, outline in enumerate(reversed(outlines))
+    )
+    return (
+        f'<table class="wb-facts wb-plans"><thead><tr>{heads}</tr></thead>'
+        f"<tbody>{rows}</tbody></table>"
+    )
+
+
+def _outline_row(outline: Outline, is_latest: bool) -> str:
+    what = f"{outline.strategy}, {outline.parts} part{'' if outline.parts == 1 else 's'}"
+    what = outline.verdict if outline.verdict else what
+    values = (
+        "" if outline.cycle is None else f"{outline.cycle:.1f} s",
+        f"{outline.planning * 1000:.0f} ms",
+        "" if outline.clearance is None else mm(outline.clearance),
+        "" if outline.apart is None else mm(outline.apart, 0),
+    )
+    numbers = "".join(f'<td class="wb-number">{escape(value)}</td>' for value in values)
+    chosen = ' class="wb-latest"' if is_latest else ""
+    title = escape(f"{outline.guarantee} {short(outline.digest)}".strip())
+    return (
+        f'<tr{chosen} title="{title}"><td>{escape(what)}</td>'
+        f"<td>{escape(outline.planner)}</td>{numbers}</tr>"
     )
 
 

@@ -173,7 +173,8 @@ class Proof:
     `checks` states were looked at; between two of them no point of the robot moves further
     than its distance to the nearest obstacle allows, down to `resolution` [m].  `clearance`
     [m] is the smallest found over free legs, `nearest` where; `clearances` (steps) holds per
-    arm and leg the smallest distance after each waypoint, for the plot.
+    arm and leg the smallest distance after each waypoint, for the plot, and `apart` (steps) the
+    distance between the arms at each waypoint, measured as far as `planning.prove.FAR_SIGHT`.
     """
 
     plan_digest: str
@@ -185,12 +186,14 @@ class Proof:
     nearest: Finding | None
     findings: tuple[Finding, ...]
     clearances: tuple[tuple[str, str, Floats], ...] = ()
+    apart: tuple[tuple[str, str, Floats], ...] = ()
     digest: str = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         put(
             self,
             clearances=tuple((arm, leg, frozen(d)) for arm, leg, d in self.clearances),
+            apart=tuple((arm, leg, frozen(d)) for arm, leg, d in self.apart),
             digest=digest_of(self),
         )
 

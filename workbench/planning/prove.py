@@ -25,6 +25,9 @@ IN_HAND_DISTANCE, IN_HAND_ANGLE = 0.001, np.deg2rad(1.0)
 SIGHT = 0.1
 """[m] Clearances are measured up to here."""
 
+FAR_SIGHT = 0.4
+"""[m] Distances between the arms are measured up to here."""
+
 
 def prove(cell: Cell, plan: Plan, *, resolution: float = RESOLUTION) -> Proof:
     """Check everything that can be checked about a plan without asking who made it.
@@ -47,15 +50,17 @@ def prove(cell: Cell, plan: Plan, *, resolution: float = RESOLUTION) -> Proof:
             for finding in _leg_values(cell, cell.arm(arm_plan.arm), leg)
         ]
     clearances: list[tuple[str, str, Floats]] = []
+    apart: list[tuple[str, str, Floats]] = []
     nearest: Finding | None = None
     clearance, checks = SIGHT, 0
     if can_walk:
         world = World(cell, plan.detections, plan.obstacles)
         for stretch in stretches(plan):
-            walked = walk(world, stretch, plan.guarantee, resolution, SIGHT)
+            walked = walk(world, stretch, plan.guarantee, resolution, SIGHT, FAR_SIGHT)
             if walked.finding is not None:
                 findings.append(walked.finding)
             clearances += walked.clearances
+            apart += walked.apart
             closest = walked.closest
             if closest is None or closest.distance is None or closest.leg in STRAIGHT:
                 continue
@@ -72,6 +77,7 @@ def prove(cell: Cell, plan: Plan, *, resolution: float = RESOLUTION) -> Proof:
         nearest=nearest,
         findings=tuple(findings),
         clearances=tuple(clearances),
+        apart=tuple(apart),
     )
 
 

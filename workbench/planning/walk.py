@@ -1,6 +1,6 @@
 """A step of a plan as the robot runs it: what comes too close, and how close the rest comes."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,16 +18,23 @@ class Walked:
     """What was found on one step.
 
     `finding` is the first thing that speaks against it; `clearances` gives for each leg, as
-    (arm, leg), the distance at each waypoint (n,) [m]; `closest` is the smallest of them.
+    (arm, leg), the distance at each waypoint (n,) [m]; `closest` is the smallest of them;
+    `apart` likewise the distance between the arms, empty for a cell with one.
     """
 
     finding: Finding | None
     clearances: tuple[tuple[str, str, Floats], ...]
     closest: Finding | None
+    apart: tuple[tuple[str, str, Floats], ...]
 
 
 def walk(
-    world: World, stretch: Stretch, guarantee: Guarantee, resolution: float, sight: float
+    world: World,
+    stretch: Stretch,
+    guarantee: Guarantee,
+    resolution: float,
+    sight: float,
+    far_sight: float,
 ) -> Walked:
     """Go through one step.
 
@@ -37,6 +44,7 @@ def walk(
         guarantee: under which two arms run at once.
         resolution: [m] see `motion`.
         sight: [m] clearances are measured up to here.
+        far_sight: [m] distances between arms are measured up to here.
     """
     world.enter(stretch.phase)
     starts = {plan.arm: np.asarray(leg.q[0]) for plan, leg in stretch.runs}
@@ -49,7 +57,7 @@ def walk(
     else:
         finding = _at_any_speed(world, stretch, resolution)
     clearances, closest = _clearances(world, stretch, sight)
-    return Walked(finding, clearances, closest)
+    return Walked(finding, clearances, closest, _apart(world, stretch, far_sight))
 
 
 def runs_in_step(stretch: Stretch) -> bool:
@@ -142,11 +150,9 @@ def _clearances(
     closest: Finding | None = None
     for arm_plan, leg in stretch.runs:
         distances, among = np.empty(len(leg.q)), world.involving(arm_plan.arm)
-        beside = [(plan.arm, other) for plan, other in stretch.runs if plan.arm != arm_plan.arm]
-        for number, (q, t) in enumerate(zip(np.asarray(leg.q), leg.t.tolist(), strict=True)):
-            others = {arm: at(other, t) for arm, other in beside}
-            state = {**stretch.standing, **others, arm_plan.arm: q}
-            distance, pair = world.clearance(world.configuration(state), sight, among)
+        for number, whole in enumerate(_states(world, stretch, arm_plan.arm, leg)):
+            q = leg.q[number]
+            distance, pair = world.clearance(whole, sight, among)
             distances[number] = distance
             if pair is not None and (closest is None or distance < (closest.distance or 0.0)):
                 closest = Finding(
@@ -154,6 +160,34 @@ def _clearances(
                 )
         clearances.append((arm_plan.arm, leg.name, distances))
     return tuple(clearances), closest
+
+
+def _apart(world: World, stretch: Stretch, far_sight: float) -> tuple[tuple[str, str, Floats], ...]:
+    """Distances between the arms, shoulders apart, at the waypoints of every leg."""
+    among = world.between_hands()
+    if len(among) == 0:
+        return ()
+    return tuple(
+        (
+            arm_plan.arm,
+            leg.name,
+            np.array(
+                [
+                    world.clearance(whole, far_sight, among)[0]
+                    for whole in _states(world, stretch, arm_plan.arm, leg)
+                ]
+            ),
+        )
+        for arm_plan, leg in stretch.runs
+    )
+
+
+def _states(world: World, stretch: Stretch, arm: str, leg: Leg) -> Iterator[Floats]:
+    """Whole configurations (nq,) at the waypoints of a leg, other arms where they are then."""
+    beside = [(plan.arm, other) for plan, other in stretch.runs if plan.arm != arm]
+    for q, t in zip(np.asarray(leg.q), leg.t.tolist(), strict=True):
+        others = {name: at(other, t) for name, other in beside}
+        yield world.configuration({**stretch.standing, **others, arm: q})
 
 
 def at(leg: Leg, t: float) -> Floats:

@@ -192,6 +192,17 @@ class World:
         """Pairs of this phase whose bodies different arms carry."""
         return self._checks.between()
 
+    def between_hands(self) -> Ints:
+        """As `between`, without the pairs of two shoulders, which never come far apart.
+
+        A shoulder is what the first two joints of an arm carry.
+        """
+        joints = [self.kinematics.model.getJointId(j) for a in self.cell.arms for j in a.joints[:2]]
+        is_shoulder = np.isin(self._joint, joints)
+        among = self.between()
+        both = is_shoulder[self._pairing.first[among]] & is_shoulder[self._pairing.second[among]]
+        return among[~both]
+
     def allow_start_contacts(self, q: Floats, slack: float = 0.0005) -> None:
         """Let the part in the hand leave what it touches: it may not come nearer than at `q`.
 

@@ -9,15 +9,17 @@ from workbench.app.state import Phase
 from workbench.gui.charts import (
     JOINTS,
     axis,
-    clearance_curve,
+    clearance_curves,
     cursor_html,
     curve,
     doing,
     joint_curves,
     lanes_html,
+    speed_curve,
 )
+from workbench.gui.colours import arm_colour
 from workbench.gui.look import View
-from workbench.gui.views import line, plan_html
+from workbench.gui.views import line, outlines_html, plan_html
 from workbench.gui.visitor import Visitor
 
 NOTHING = np.array([0.0, 1.0])
@@ -49,11 +51,25 @@ class PlanPanel:
         self._play = gui.add_button("Play", icon=viser.Icon.PLAYER_PLAY)
         self._start = gui.add_button("To the start", icon=viser.Icon.PLAYER_SKIP_BACK, color="gray")
         self._clearance = gui.add_uplot(
-            (NOTHING, NOTHING),
-            (curve("time [s]"), curve("clearance [mm]")),
+            (NOTHING, NOTHING, NOTHING),
+            (
+                curve("time [s]"),
+                curve("to anything (up to 100 mm)"),
+                curve("between the arms (up to 400 mm)", JOINTS[1]),
+            ),
             scales={"x": {"time": False}},
             axes=(axis("time [s]"), axis("clearance [mm]")),
-            legend={"show": False},
+            height=170,
+            visible=False,
+        )
+        self._speed = gui.add_uplot(
+            (NOTHING, *(NOTHING for _ in self._cell.arms)),
+            (
+                curve("time [s]"),
+                *(curve(arm.name, arm_colour(k)) for k, arm in enumerate(self._cell.arms)),
+            ),
+            scales={"x": {"time": False}, "y": {"range": (0.0, 105.0)}},
+            axes=(axis("time [s]"), axis("fastest axis [%]")),
             height=150,
             visible=False,
         )
@@ -75,7 +91,8 @@ class PlanPanel:
 
     def show(self, old: View | None, new: View) -> None:
         """Bring what is shown from `old` to `new`."""
-        if old is None or old.state.plan is not new.state.plan:
+        is_other = old is None or old.state.outlines is not new.state.outlines
+        if is_other or (old is not None and old.state.plan is not new.state.plan):
             self._draw_plan(new)
         if old is None or old.state is not new.state:
             # While a plan is sent, its picture follows the robot.
@@ -98,23 +115,23 @@ class PlanPanel:
     def _draw_plan(self, view: View) -> None:
         state, runs, seconds = view.state, view.runs, view.plan_seconds
         has_plan = state.plan is not None
-        for plot in (self._clearance, *self._joints.values()):
+        for plot in (self._clearance, self._speed, *self._joints.values()):
             plot.visible = has_plan
         if state.plan is None:
-            self._summary.content = line("A plan can be played here once it was made.", kind="hint")
+            hint = line("A plan can be played here once it was made.", kind="hint")
+            self._summary.content = hint + outlines_html(state.outlines)
             self._lanes.content = self._cursor.content = ""
             self._time.value = 0.0
             return
-        self._summary.content = plan_html(self._cell, state.plan, state.seconds)
+        self._summary.content = plan_html(self._cell, state.plan, state.seconds) + outlines_html(
+            state.outlines
+        )
         self._lanes.content = lanes_html(self._cell, runs, seconds)
         self._time.max = max(round(seconds, 2), 0.01)
         if state.proof is not None:
-            times, clearance = clearance_curve(runs, state.proof)
-            self._clearance.data = (times, clearance)
-            self._clearance.scales = {
-                "x": {"time": False},
-                "y": {"range": (0.0, 1.1 * float(clearance.max()) + 1.0)},
-            }
+            self._clearance.data = clearance_curves(runs, state.proof)
+        speeds = [speed_curve(arm, self._cell, runs, seconds) for arm in self._cell.arms]
+        self._speed.data = (np.linspace(0.0, max(seconds, 1e-3), len(speeds[0])), *speeds)
         for arm in self._cell.arms:
             self._joints[arm.name].data = joint_curves(arm, runs, seconds)
 
