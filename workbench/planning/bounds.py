@@ -186,9 +186,43 @@ def close_pairs(
     """
     joints, count = len(parents), len(joint)
     R_j, p_j, z_j = np.empty((joints, 3, 3)), np.empty((joints, 3)), np.empty((joints, 3))
-    _joint_poses(parents, R0, p0, axes, slides, q, R_j, p_j, z_j)
     R, c, travel = np.empty((count, 3, 3)), np.empty((count, 3)), np.empty(count)
-    for g in range(count):
+    place_bodies(
+        parents, R0, p0, axes, slides, q, d, joint, R_g, c_g, radius, R_j, p_j, z_j, R, c, travel
+    )
+    pairs = np.empty(len(among), np.int64)
+    moves, lower = np.empty(len(among)), np.empty(len(among))
+    found = gather_close(
+        parents, slides, d, joint, half, radius, first, second, among, len(among), margins,
+        commons, extra, p_j, z_j, R, c, travel, pairs, moves, lower,
+    )  # fmt: skip
+    order = np.argsort(lower[:found])
+    return pairs[:found][order], moves[:found][order], lower[:found][order]
+
+
+@njit(cache=True)
+def place_bodies(
+    parents: Ints,
+    R0: Floats,
+    p0: Floats,
+    axes: Floats,
+    slides: Floats,
+    q: Floats,
+    d: Floats,
+    joint: Ints,
+    R_g: Floats,
+    c_g: Floats,
+    radius: Floats,
+    R_j: Floats,
+    p_j: Floats,
+    z_j: Floats,
+    R: Floats,
+    c: Floats,
+    travel: Floats,
+) -> None:
+    """Where all joints and bodies are at `q`, and how far each body can move: the last six."""
+    _joint_poses(parents, R0, p0, axes, slides, q, R_j, p_j, z_j)
+    for g in range(len(joint)):
         j = joint[g]
         for i in range(3):
             c[g, i] = p_j[j, i]
@@ -200,10 +234,39 @@ def close_pairs(
                     + R_j[j, i, 2] * R_g[g, 2, k]
                 )
         travel[g] = _travel(g, 0, joint, parents, slides, p_j, z_j, c, radius, d)
-    pairs = np.empty(len(among), np.int64)
-    moves, lower = np.empty(len(among)), np.empty(len(among))
+
+
+@njit(cache=True)
+def gather_close(
+    parents: Ints,
+    slides: Floats,
+    d: Floats,
+    joint: Ints,
+    half: Floats,
+    radius: Floats,
+    first: Ints,
+    second: Ints,
+    among: Ints,
+    asked: int,
+    margins: Floats,
+    commons: Ints,
+    extra: float,
+    p_j: Floats,
+    z_j: Floats,
+    R: Floats,
+    c: Floats,
+    travel: Floats,
+    pairs: Ints,
+    moves: Floats,
+    lower: Floats,
+) -> int:
+    """Put what `close_pairs` returns into the last three, unsorted; how many they are.
+
+    The first `asked` numbers of `among` are looked at.
+    """
     found = 0
-    for k in among:
+    for at in range(asked):
+        k = among[at]
         a, b = int(first[k]), int(second[k])
         move = travel[a] + travel[b]
         limit = margins[k] + move + extra
@@ -221,8 +284,7 @@ def close_pairs(
             if apart < limit:
                 pairs[found], moves[found], lower[found] = k, move, apart
                 found += 1
-    order = np.argsort(lower[:found])
-    return pairs[:found][order], moves[:found][order], lower[:found][order]
+    return found
 
 
 def box_of(points: Floats) -> tuple[Floats, Floats]:

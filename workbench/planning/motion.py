@@ -74,17 +74,20 @@ def first_contact(
     Returns:
         The contact and the arm's configuration (n,) there; None when the whole curve is clear.
     """
+    contact, left = world.sweep(curve.points, columns, base, resolution, among)
+    if contact is not None or left is None or len(left) == 0:
+        return contact
     q, d = base.copy(), np.zeros(len(base))
     # Breadth first: what is in the way is mostly met by the coarse looks already.  A pair that
     # a look has cleared for the whole curve is not looked at again in its halves.
-    pending: deque[tuple[Floats, Ints | None]] = deque([(curve.points, among)])
+    pending: deque[tuple[Floats, Ints | None]] = deque([(curve.points, left)])
     while pending:
         points, left_open = pending.popleft()
         middle, span, left, right = halved(points)
         q[columns], d[columns] = middle, span
-        contact, unclear, move = world.look(q, d, left_open)
-        if contact is not None:
-            return contact, middle
+        met, unclear, move = world.look(q, d, left_open)
+        if met is not None:
+            return met, middle
         # Where the bound is finer than the resolution, what counts is the state itself.
         if len(unclear) and move > resolution:
             pending.append((left, unclear))

@@ -54,7 +54,7 @@ def prove(cell: Cell, plan: Plan, *, resolution: float = RESOLUTION) -> Proof:
     nearest: Finding | None = None
     clearance, checks = SIGHT, 0
     if can_walk:
-        world = World(cell, plan.detections, plan.obstacles)
+        world = World(cell, plan.detections, plan.obstacles, by_coal=True)
         for stretch in stretches(plan):
             walked = walk(world, stretch, plan.guarantee, resolution, SIGHT, FAR_SIGHT)
             if walked.finding is not None:

@@ -12,8 +12,10 @@ from workbench.model.scan import Detection, Obstacle
 from workbench.planning.bodies import bodies_of, coal_shape, extent
 from workbench.planning.bounds import close_pairs
 from workbench.planning.chain import Chain, chain_of
+from workbench.planning.gjk import cores_of
 from workbench.planning.kinematics import Kinematics
 from workbench.planning.pairing import Phase, pairing_of
+from workbench.planning.sweep import IS_CLEAR, TOO_LONG, swept
 
 LOOSENESS = 0.03
 """[m] By about this much the lower bound of a distance falls short; only a matter of speed."""
@@ -41,6 +43,8 @@ class World:
         detections: tuple[Detection, ...],
         obstacles: tuple[Obstacle, ...] = (),
         policy: Policy | None = None,
+        *,
+        by_coal: bool = False,
     ) -> None:
         """The cell with those parts in it.
 
@@ -49,6 +53,8 @@ class World:
             detections: the parts found.
             obstacles: what the scan shows beside them.
             policy: by which to plan, where a request differs from the cell.
+            by_coal: measure every distance with Coal, as a proof does; otherwise curves are
+                checked by our own compiled search, which is some times as fast.
         """
         self.cell = cell
         self.policy = cell.policy if policy is None else policy
@@ -57,6 +63,7 @@ class World:
         self.kinematics = Kinematics(cell)
         self.chains: dict[str, Chain] = {arm.name: chain_of(cell, arm) for arm in cell.arms}
         self.checks = 0
+        self._by_coal = by_coal
         self._arm_index = {arm.name: index for index, arm in enumerate(cell.arms)}
         self._bodies = bodies_of(cell, self.kinematics, detections, obstacles)
         self._make_geometry()
@@ -89,6 +96,15 @@ class World:
         self._checks = self._pairing.checks(phase, self._joint)
         self._margins = self._checks.margins
         self._own = self._checks.own
+        self._split = self._split_of(self._checks.among)
+
+    def _split_of(self, among: Ints) -> tuple[Ints, Ints]:
+        """The pairs that compiled code can tell apart, and the others.
+
+        Parts that may stay in touch are measured: how deep they are is not searched for there.
+        """
+        is_easy = (self._margins[among] >= 0.0) & self._is_easy[among]
+        return among[is_easy], among[~is_easy]
 
     def _place(self, g: int, joint: int, T: pin.SE3) -> None:
         shape = self._geometry.geometryObjects[g]
@@ -140,6 +156,65 @@ class World:
             unclear.append(k)
             furthest = max(furthest, move)
         return None, np.array(unclear, dtype=np.int64), furthest
+
+    def sweep(
+        self, points: Floats, columns: Ints, base: Floats, resolution: float, among: Ints | None
+    ) -> tuple[tuple[Contact, Floats] | None, Ints | None]:
+        """Check a curve as far as compiled code can.
+
+        Args:
+            points: its control points (3, n), of the joints `columns`.
+            columns: places of those joints in the whole configuration.
+            base: whole configuration (nq,) of the others.
+            resolution: [m] see `motion`.
+            among: pairs to look at; None for all.
+
+        Returns:
+            The contact with the arm's configuration (n,) there, or None; and the pairs that
+            are still to be looked at otherwise.
+        """
+        if self._by_coal:
+            return None, self._checks.among if among is None else among
+        easy, others = self._split if among is None else self._split_of(among)
+        among, cores = self._checks.among if among is None else among, self._cores
+        pair, middle, looks = swept(
+            points,
+            columns,
+            base,
+            resolution,
+            self._parents,
+            self._R0,
+            self._p0,
+            self._axes,
+            self._slides,
+            self._joint,
+            self._R,
+            self._c,
+            self._half,
+            self._radius,
+            self._pairing.first,
+            self._pairing.second,
+            easy,
+            self._margins,
+            self._checks.commons,
+            cores.corners,
+            cores.start,
+            cores.count,
+            cores.radius,
+            cores.length,
+            cores.swell,
+        )
+        self.checks += looks
+        if pair == TOO_LONG:
+            return None, among
+        if pair == IS_CLEAR:
+            return None, others
+        q = base.copy()
+        q[columns] = middle
+        pin.updateGeometryPlacements(
+            self.kinematics.model, self.kinematics.data, self._geometry, self._data, q
+        )
+        return (self._contact_of(pair, self._distance(pair)), middle), None
 
     def worst(self, q: Floats, reach: float) -> tuple[Contact | None, float]:
         """The pair with the least room at `q` (nq,), and how much it has beyond its margin [m].
@@ -217,6 +292,7 @@ class World:
         for k in pairs.tolist():
             if self._with_part[k] and k not in between:
                 self._margins[k] = min(self._margins[k], self._distance(k) - slack)
+        self._split = self._split_of(self._checks.among)
 
     def placed(self, q: Floats, pair: tuple[str, str]) -> tuple[tuple[Shape, pin.SE3], ...]:
         """The shapes of the bodies with these labels, with their poses in the world at `q` (nq,).
@@ -329,3 +405,6 @@ class World:
         self._geometry.setCollisionPairs(self._pairing.meets, True)
         self._data = pin.GeometryData(self._geometry)
         self._with_part = self._pairing.with_part
+        self._cores = cores_of([body.shape for body in self._bodies], self._centre)
+        known = self._cores.known
+        self._is_easy = known[self._pairing.first] & known[self._pairing.second]

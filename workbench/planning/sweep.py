@@ -1,0 +1,153 @@
+"""The continuous check of a curve in one compiled piece, for the planner.
+
+The same halving as `motion.first_contact`, with distances by `gjk` instead of Coal.  The proof
+does not use it: what the planner found is measured again with another library.
+"""
+
+import numpy as np
+from numba import njit
+
+from workbench.model.geometry import Floats, Ints
+from workbench.planning.bounds import gather_close, place_bodies
+from workbench.planning.gjk import CLEAR, TOUCHES, side
+
+LOOSENESS = 0.005
+"""[m] A look that could clear a pair only if its lower bound fell shorter than this is spared."""
+
+MOST_PENDING = 512
+"""Halves of curves waiting to be looked at."""
+
+MOST_OPEN = 1 << 14
+"""Pairs left open by all looks of a curve."""
+
+IS_CLEAR, TOO_LONG = -1, -2
+
+
+@njit(cache=True)
+def swept(
+    points: Floats,
+    columns: Ints,
+    base: Floats,
+    resolution: float,
+    parents: Ints,
+    R0: Floats,
+    p0: Floats,
+    axes: Floats,
+    slides: Floats,
+    joint: Ints,
+    R_g: Floats,
+    c_g: Floats,
+    half: Floats,
+    radius: Floats,
+    first: Ints,
+    second: Ints,
+    among: Ints,
+    margins: Floats,
+    commons: Ints,
+    corners: Floats,
+    start: Ints,
+    count: Ints,
+    rounds: Floats,
+    lengths: Floats,
+    swell: Floats,
+) -> tuple[int, Floats, int]:
+    """Go through a curve.
+
+    Args:
+        points: its control points (3, n).
+        columns: places of the n joints in the whole configuration.
+        base: whole configuration (nq,) of the others.
+        resolution: [m] see `motion`.
+        parents: see `bounds.close_pairs`, as all that follow up to `commons`.
+        R0: see there.
+        p0: see there.
+        axes: see there.
+        slides: see there.
+        joint: see there.
+        R_g: see there.
+        c_g: see there.
+        half: see there.
+        radius: see there.
+        first: see there.
+        second: see there.
+        among: see there.
+        margins: see there.
+        commons: see there.
+        corners: see `gjk.Cores`, as all that follow.
+        start: see there.
+        count: see there.
+        rounds: see there, `radius`.
+        lengths: see there, `length`.
+        swell: see there.
+
+    Returns:
+        The pair that touches with the configuration (n,) there, or `IS_CLEAR`, or `TOO_LONG`
+        when it takes more room than there is; and how many states were looked at.
+    """
+    n, nq = len(columns), len(base)
+    q, d = base.copy(), np.zeros(nq)
+    joints, bodies = len(parents), len(joint)
+    R_j, p_j, z_j = np.empty((joints, 3, 3)), np.empty((joints, 3)), np.empty((joints, 3))
+    R, c, travel = np.empty((bodies, 3, 3)), np.empty((bodies, 3)), np.empty(bodies)
+    pairs = np.empty(len(among), np.int64)
+    moves, lower = np.empty(len(among)), np.empty(len(among))
+    pending = np.empty((MOST_PENDING, 3, n))
+    begins, sizes = np.empty(MOST_PENDING, np.int64), np.empty(MOST_PENDING, np.int64)
+    open_pairs = np.empty(MOST_OPEN, np.int64)
+    W, middle = np.empty((5, 3)), np.empty(n)
+    if len(among) > MOST_OPEN:
+        return TOO_LONG, middle, 0
+    open_pairs[: len(among)] = among
+    pending[0] = points
+    begins[0], sizes[0] = 0, len(among)
+    used, last, looks = len(among), 1, 0
+    at = 0
+    while at < last:
+        for i in range(n):
+            p0_, p1_, p2_ = pending[at, 0, i], pending[at, 1, i], pending[at, 2, i]
+            m = (p0_ + 2.0 * p1_ + p2_) / 4.0
+            middle[i] = m
+            q[columns[i]] = m
+            d[columns[i]] = max(abs(p0_ - m), abs(p2_ - m))
+        place_bodies(
+            parents, R0, p0, axes, slides, q, d, joint, R_g, c_g, radius, R_j, p_j, z_j, R, c,
+            travel,
+        )  # fmt: skip
+        looks += 1
+        found = gather_close(
+            parents, slides, d, joint, half, radius, first, second, open_pairs[begins[at] :],
+            sizes[at], margins, commons, 0.0, p_j, z_j, R, c, travel, pairs, moves, lower,
+        )  # fmt: skip
+        furthest, kept = 0.0, used
+        for k in range(found):
+            pair, move = pairs[k], moves[k]
+            needed = margins[pair]
+            answer = 1
+            if not (lower[k] >= needed and lower[k] < needed + move - LOOSENESS - move / 2):
+                answer = side(
+                    int(first[pair]), int(second[pair]), R, c, corners, start, count, rounds,
+                    lengths, swell, float(needed), float(needed + move), W,
+                )  # fmt: skip
+            if answer == TOUCHES:
+                return int(pair), middle, looks
+            if answer == CLEAR:
+                continue
+            if kept >= MOST_OPEN:
+                return TOO_LONG, middle, looks
+            open_pairs[kept] = pair
+            kept += 1
+            furthest = max(furthest, move)
+        if kept > used and furthest > resolution:
+            if last + 2 > MOST_PENDING:
+                return TOO_LONG, middle, looks
+            for i in range(n):
+                a, b, e = pending[at, 0, i], pending[at, 1, i], pending[at, 2, i]
+                m = (a + 2.0 * b + e) / 4.0
+                pending[last, 0, i], pending[last, 1, i], pending[last, 2, i] = a, (a + b) / 2, m
+                pending[last + 1, 0, i], pending[last + 1, 1, i] = m, (b + e) / 2
+                pending[last + 1, 2, i] = e
+            begins[last], sizes[last] = used, kept - used
+            begins[last + 1], sizes[last + 1] = used, kept - used
+            last, used = last + 2, kept
+        at += 1
+    return IS_CLEAR, middle, looks
