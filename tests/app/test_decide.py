@@ -99,7 +99,7 @@ def test_the_line_goes_from_a_scan_to_a_finished_cycle(line, samples):
     assert line.ended(scan).phase is Phase.SCANNED
     line.do(FindParts(seed=5))
     assert line.ended(detections).phase is Phase.LOCALIZED
-    line.do(MakePlan("right", 0.3, 6, "sbl", 900))
+    line.do(MakePlan("right", 0.3, 6, "sbl", 900, "highest"))
     result = samples.planned(scan.digest)
     assert line.ended(result).phase is Phase.PLANNED
     assert line.do(Approve(result.plan.digest)).phase is Phase.APPROVED
@@ -120,6 +120,7 @@ def test_the_line_goes_from_a_scan_to_a_finished_cycle(line, samples):
         "threshold": 0.3,
         "planner": "sbl",
         "iterations": 900,
+        "order": "highest",
         "seed": 6,
     }
     assert isinstance(send, Send)

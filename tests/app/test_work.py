@@ -39,6 +39,7 @@ def test_the_jobs_lead_from_a_seed_to_a_proven_plan(yumi):
         "threshold": 0.2,
         "planner": "sbl",
         "iterations": None,
+        "order": None,
         "seed": 0,
     }
     result, told = run("plan", yumi, arguments)

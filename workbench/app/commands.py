@@ -8,7 +8,7 @@ process and the robot link and tell what has happened.
 from dataclasses import dataclass
 
 from workbench.model.candidate import Candidate, Verdict
-from workbench.model.cell import PlannerName
+from workbench.model.cell import OrderName, PlannerName
 from workbench.model.errors import WorkbenchError
 from workbench.model.plan import Plan, Proof
 from workbench.model.release import Receipt
@@ -48,7 +48,8 @@ class UseDetections:
 class MakePlan:
     """Judge all candidates, plan and prove.
 
-    `strategy`: auto, or a `Strategy` value; `planner` and `iterations` None: as the cell has it.
+    `strategy`: auto, or a `Strategy` value; `planner`, `iterations` and `order` None: as the
+    cell has them.
     """
 
     strategy: str = "auto"
@@ -56,6 +57,7 @@ class MakePlan:
     seed: int = 0
     planner: PlannerName | None = None
     iterations: int | None = None
+    order: OrderName | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -115,6 +115,7 @@ def _make_plan(state: State, command: MakePlan) -> Outcome:
         "threshold": command.threshold,
         "planner": command.planner,
         "iterations": command.iterations,
+        "order": command.order,
         "seed": command.seed,
     }
     inputs_digest = digest_of((state.scene_digest, state.detections))

@@ -9,11 +9,12 @@ import numpy as np
 
 from workbench.app.commands import PlanResult
 from workbench.model.candidate import Candidate, Pick, Reason, Stage, Verdict
-from workbench.model.cell import Cell, PlannerName
+from workbench.model.cell import Cell, OrderName, PlannerName
 from workbench.model.errors import InputError, JobCancelled
 from workbench.model.plan import Plan, Strategy
 from workbench.model.scan import Detection, Obstacle
 from workbench.planning.dual_arm import OFFSETS, coordinate, pairs_of, side_by_side
+from workbench.planning.order import Cost, cost_of
 from workbench.planning.propose import propose
 from workbench.planning.prove import prove
 from workbench.planning.resolve import resolve
@@ -41,6 +42,7 @@ def plan_pick(
     threshold: float | None = None,
     planner: PlannerName | None = None,
     iterations: int | None = None,
+    order: OrderName | None = None,
     obstacles: tuple[Obstacle, ...] = (),
     seed: int = 0,
     report: Report = lambda done, note: None,
@@ -56,6 +58,7 @@ def plan_pick(
         threshold: [m] distance between the parts; None takes the cell's policy.
         planner: of the free legs; None takes the cell's.
         iterations: that it may use for each; None takes the cell's.
+        order: which part is taken first; None takes the cell's.
         obstacles: what the scan shows beside the parts.
         seed: of everything random.
         report: progress.
@@ -83,6 +86,7 @@ def plan_pick(
         cell.policy,
         planner=cell.policy.planner if planner is None else planner,
         iterations=cell.policy.iterations if iterations is None else iterations,
+        order=cell.policy.order if order is None else order,
     )
     world = World(cell, detections, obstacles, policy)
     judged, picks = _judged(world, proposed, seed, report, cancelled)
@@ -146,11 +150,13 @@ def _summary(candidates: tuple[Candidate, ...]) -> Verdict:
     return max((c.verdict for c in candidates), key=lambda v: stages.index(v.stage))
 
 
-def _assignments(picks: list[Pick], strategy: str) -> Iterator[tuple[Strategy, tuple[Pick, ...]]]:
+def _assignments(
+    picks: list[Pick], strategy: str, cost: Cost
+) -> Iterator[tuple[Strategy, tuple[Pick, ...]]]:
     """Ways to give parts to arms, best first: two arms where possible, then one.
 
     For each arm and part the pick with the least joint travel stands; pairs are ordered by
-    the sum of travels, and the arm with the less travel goes first.
+    the sum of their costs, and the arm with the less goes first.
     """
     best: dict[tuple[str, int], Pick] = {}
     for pick in picks:
@@ -161,9 +167,9 @@ def _assignments(picks: list[Pick], strategy: str) -> Iterator[tuple[Strategy, t
             best[key].travel,
         ):
             best[key] = pick
-    ordered = sorted(best.values(), key=lambda pick: pick.travel)
+    ordered = sorted(best.values(), key=lambda pick: (cost(pick), pick.travel))
     if strategy in ("auto", Strategy.ALTERNATED, Strategy.COORDINATED):
-        for pair in pairs_of(ordered):
+        for pair in pairs_of(ordered, cost):
             yield Strategy.ALTERNATED, pair
     for pick in ordered:
         alone = Strategy(pick.candidate.arm)
@@ -182,16 +188,16 @@ def _planned(
 ) -> tuple[Plan | None, Verdict]:
     """The first assignment for which a plan comes out; coordinated ones fall back to alternated."""
     verdict = Verdict(Reason.NO_PATH, Stage.ROUTE, note=f"no two picks fit strategy {strategy}")
-    refused = ""
+    refused, cost = "", cost_of(world, world.policy.order)
     if strategy == Strategy.COORDINATED:
-        for offsets, pair in _side_by_side_or_behind(world, picks):
+        for offsets, pair in _side_by_side_or_behind(world, picks, cost):
             if cancelled():
                 raise JobCancelled("planning was cancelled")
             result = coordinate(world, pair, scan_digest=scan_digest, seed=seed, offsets=offsets)
             if isinstance(result, Plan):
                 return result, Verdict(Reason.OK, Stage.ROUTE)
             refused = f"the arms cannot work at once: {result}"
-    for chosen, assigned in islice(_assignments(picks, strategy), ATTEMPTS):
+    for chosen, assigned in islice(_assignments(picks, strategy, cost), ATTEMPTS):
         if cancelled():
             raise JobCancelled("planning was cancelled")
         note = _note(world, assigned, threshold) if strategy == "auto" else refused
@@ -203,12 +209,12 @@ def _planned(
 
 
 def _side_by_side_or_behind(
-    world: World, picks: list[Pick]
+    world: World, picks: list[Pick], cost: Cost
 ) -> Iterator[tuple[Sequence[int], tuple[Pick, ...]]]:
     """Pairs for coordinated plans, with the offsets to try: side by side first."""
-    for pair in side_by_side(world, picks)[:SIDE_BY_SIDE]:
+    for pair in side_by_side(world, picks, cost)[:SIDE_BY_SIDE]:
         yield (0,), pair
-    for _, pair in islice(_assignments(picks, Strategy.COORDINATED), ATTEMPTS):
+    for _, pair in islice(_assignments(picks, Strategy.COORDINATED, cost), ATTEMPTS):
         yield OFFSETS[1:], pair
 
 

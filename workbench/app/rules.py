@@ -21,7 +21,7 @@ from workbench.app.commands import (
 )
 from workbench.app.rights import MACHINES, RIGHTS, obstacle
 from workbench.app.state import State
-from workbench.model.cell import PLANNER_NAMES, Cell
+from workbench.model.cell import ORDER_NAMES, PLANNER_NAMES, Cell
 from workbench.model.digest import digest_of
 from workbench.model.errors import CommandRefused, InputError
 from workbench.model.plan import UNSIGNED, Plan, Proof, Strategy
@@ -67,6 +67,9 @@ def allowed(state: State, command: Command, actor: str, now: float) -> None:
             if wanted.planner not in (None, *PLANNER_NAMES):
                 known = ", ".join(PLANNER_NAMES)
                 raise CommandRefused(f"planner {wanted.planner!r} is not known; there are {known}")
+            if wanted.order not in (None, *ORDER_NAMES):
+                known = ", ".join(ORDER_NAMES)
+                raise CommandRefused(f"order {wanted.order!r} is not known; there are {known}")
             _check_number("threshold", threshold, 0.0, 1.0, "m")
             if strategy not in STRATEGIES:
                 known = ", ".join(STRATEGIES)

@@ -64,6 +64,7 @@ def plan(
         threshold=arguments["threshold"],
         planner=arguments["planner"],
         iterations=arguments["iterations"],
+        order=arguments["order"],
         obstacles=() if scan is None else unexplained(cell, scan, detections),
         seed=arguments["seed"],
         report=report,

@@ -9,7 +9,7 @@ from typing import Annotated
 
 from tyro.conf import Positional, subcommand
 
-from workbench.cli.names import PlannerName, StrategyName
+from workbench.cli.names import OrderName, PlannerName, StrategyName
 from workbench.cli.study_arguments import Bench, Study
 
 
@@ -99,6 +99,9 @@ class Plan:
     """Of the free legs; the cell's when not given."""
     iterations: int | None = None
     """That the planner may use for each free leg; the cell's when not given."""
+    order: OrderName | None = None
+    """Which part is taken first: least joint travel, highest, best score, nearest to the tool,
+    farthest from the walls, or the thesis' rules; the cell's when not given."""
     seed: int = 0
     """Of everything random."""
     part: str | None = None

@@ -3,4 +3,5 @@
 from typing import Literal
 
 StrategyName = Literal["auto", "alternated", "coordinated", "right", "left"]
+OrderName = Literal["travel", "highest", "score", "nearest", "walls", "thesis"]
 PlannerName = Literal["rrtconnect", "birrt", "rrt", "sbl"]

@@ -65,6 +65,7 @@ def plan(typed: arguments.Plan) -> int:
             threshold=typed.threshold,
             planner=typed.planner,
             iterations=typed.iterations,
+            order=typed.order,
             obstacles=obstacles,
             seed=typed.seed,
             report=report,

@@ -11,6 +11,7 @@ from workbench.formats.solids import read_pose, read_solid
 from workbench.formats.toml_keys import Table, read_toml
 from workbench.formats.urdf import read_srdf, read_urdf
 from workbench.model.cell import (
+    ORDER_NAMES,
     PLANNER_NAMES,
     Arm,
     Bin,
@@ -262,6 +263,7 @@ def _policy(table: Table) -> Policy:
         threshold=length("threshold_mm", usual.threshold, 10_000),
         planner=table.text("planner", usual.planner, among=PLANNER_NAMES),  # type: ignore[arg-type]
         iterations=table.whole("iterations", usual.iterations, low=1, high=1_000_000),
+        order=table.text("order", usual.order, among=ORDER_NAMES),  # type: ignore[arg-type]
         approval_minutes=table.number(
             "approval_minutes", usual.approval_minutes, low=0.1, high=24 * 60
         ),

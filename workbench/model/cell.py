@@ -15,6 +15,9 @@ from workbench.model.robot import Robot
 PlannerName = Literal["rrtconnect", "birrt", "rrt", "sbl"]
 PLANNER_NAMES: tuple[PlannerName, ...] = get_args(PlannerName)
 
+OrderName = Literal["travel", "highest", "score", "nearest", "walls", "thesis"]
+ORDER_NAMES: tuple[OrderName, ...] = get_args(OrderName)
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Finger:
@@ -166,7 +169,9 @@ class Policy:
     `lift_length` and `lift_lean` shape the extraction: straight up, leaning to the bin centre.
     `speed` scales joint velocities.  `zone` is the largest corner rounding, as a fraction of
     the shorter neighbouring segment.  `planner` searches the free legs, within `iterations` a
-    call; `birrt` is the thesis' name for `rrtconnect`.
+    call; `birrt` is the thesis' name for `rrtconnect`.  `order` says which part is taken first:
+    that with the least joint travel, the highest, the best score, the nearest to the tool, the
+    farthest from the walls, or by the thesis' rules (see `planning.order`).
     """
 
     margin: float = 0.005
@@ -181,6 +186,7 @@ class Policy:
     threshold: float = 0.2
     planner: PlannerName = "rrtconnect"
     iterations: int = 500
+    order: OrderName = "travel"
     approval_minutes: float = 5.0
 
 

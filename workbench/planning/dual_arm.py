@@ -28,6 +28,7 @@ from workbench.planning.in_step import in_step
 from workbench.planning.legs import HOLDING, Run, phase_of
 from workbench.planning.meeting import Course, Meeting, course_of, first_meeting, standing
 from workbench.planning.motion import Curve, chain_contact, curves_of
+from workbench.planning.order import Cost
 from workbench.planning.route import MOTIONS, arm_plan, leg_of
 from workbench.planning.search import joint_weights, searched
 from workbench.planning.world import Contact, World
@@ -60,24 +61,34 @@ class Task:
 Pair = tuple[Task, Task]
 
 
-def pairs_of(picks: Sequence[Pick]) -> list[tuple[Pick, Pick]]:
-    """Picks of different arms and parts, by two; least joint travel first, in and among them."""
+def pairs_of(picks: Sequence[Pick], cost: Cost) -> list[tuple[Pick, Pick]]:
+    """Picks of different arms and parts, by two; least cost first, in and among them.
+
+    What costs the same goes by joint travel.
+    """
+
+    def rank(pick: Pick) -> tuple[float, float]:
+        return cost(pick), pick.travel
+
+    def total(pair: tuple[Pick, Pick]) -> tuple[float, float]:
+        return cost(pair[0]) + cost(pair[1]), pair[0].travel + pair[1].travel
+
     pairs = [
         (a, b)
         for a, b in permutations(picks, 2)
         if a.candidate.arm != b.candidate.arm
         and a.candidate.detection != b.candidate.detection
-        and a.travel <= b.travel
+        and rank(a) <= rank(b)
     ]
-    return sorted(pairs, key=lambda pair: pair[0].travel + pair[1].travel)
+    return sorted(pairs, key=total)
 
 
-def side_by_side(world: World, picks: Sequence[Pick]) -> list[tuple[Pick, Pick]]:
-    """Pairs of picks whose arms do not touch where their legs end, least joint travel first.
+def side_by_side(world: World, picks: Sequence[Pick], cost: Cost) -> list[tuple[Pick, Pick]]:
+    """Pairs of picks whose arms do not touch where their legs end, least cost first.
 
     They are worth a plan in which both arms do the same at the same time.
     """
-    return [pair for pair in pairs_of(picks) if _ends_are_clear(world, pair)]
+    return [pair for pair in pairs_of(picks, cost) if _ends_are_clear(world, pair)]
 
 
 def _ends_are_clear(world: World, pair: tuple[Pick, Pick]) -> bool:

@@ -15,7 +15,7 @@ from workbench.gui.views import (
     send_line,
 )
 from workbench.gui.visitor import Visitor, refusal, whole
-from workbench.model.cell import PLANNER_NAMES
+from workbench.model.cell import ORDER_NAMES, PLANNER_NAMES
 
 ROW = '<div class="wb-row"></div>'
 """A mark that has its folder laid out in three columns, see the style sheet."""
@@ -79,7 +79,13 @@ class CyclePanel:
                 step=1,
                 hint="That the planner may use for each free leg before it gives up.",
             )
-            gui.add_html("")
+            self._order = gui.add_dropdown(
+                "First",
+                ORDER_NAMES,
+                initial_value=policy.order,
+                hint="Which part is taken first: least joint travel, highest, best score, nearest "
+                "to the tool, farthest from the walls, or by the rules of the thesis.",
+            )
             self._plan_line = gui.add_html("")
         with gui.add_folder("4 · Approve"):
             gui.add_html(ROW)
@@ -142,6 +148,7 @@ class CyclePanel:
             whole(self._seed.value),
             self._planner.value,
             whole(self._iterations.value),
+            self._order.value,
         )
 
 
