@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from workbench.model.cell import PLANNER_NAMES
-from workbench.planning.planners import resampled, shortened
+from workbench.planning.planners import TINY, merged, resampled, shortened
 from workbench.planning.search import PLANNERS
 
 LOWER, UPPER, WEIGHTS = np.zeros(2), np.full(2, 4.0), np.ones(2)
@@ -89,3 +89,19 @@ def test_resampling_keeps_every_corner(corners, count, seed):
     assert len(points) == max(count, corners)
     for corner in path:
         assert np.isclose(points, corner).all(axis=1).any()
+
+
+@settings(max_examples=60, deadline=None)
+@given(seed=st.integers(0, 9999), corners=st.integers(2, 12))
+def test_merging_keeps_the_ends_and_leaves_no_tiny_segment_in_the_open(seed, corners):
+    rng = np.random.default_rng(seed)
+    path = np.cumsum(rng.uniform(0, 1, (corners, 3)) ** 6, axis=0)
+    short = merged(path, lambda a, b: True)
+    assert np.array_equal(short[0], path[0]) and np.array_equal(short[-1], path[-1])
+    if len(short) > 2:
+        assert np.abs(np.diff(short, axis=0)).max(axis=1).min() >= TINY
+
+
+def test_nothing_is_merged_through_a_wall():
+    path = np.array([[0.0, 0.0], [1.0, 0.0], [1.001, 0.0], [1.0, 1.0]])
+    assert np.array_equal(merged(path, lambda a, b: False), path)

@@ -17,8 +17,8 @@ from workbench.model.geometry import Floats
 
 logging.getLogger("toppra").setLevel(logging.ERROR)
 
-GRID = 8
-"""Grid points of the parameterization between two waypoints."""
+GRIDS = (8, 16, 32)
+"""Grid points of the parameterization between two waypoints; the next when the one finds none."""
 
 
 class RoundedPolyline(toppra.interpolator.AbstractGeometricPath):
@@ -80,17 +80,33 @@ def timed(path: Floats, velocity: Floats, acceleration: Floats, zone: float) -> 
         zone: corner rounding, fraction of the neighbouring segments.
 
     Raises:
-        WorkbenchError: no timing exists, which means that the limits are not positive.
+        WorkbenchError: the limits are not positive.
     """
+    if not (np.all(velocity > 0) and np.all(acceleration > 0)):
+        raise WorkbenchError("an arm's speed and acceleration limits must be above zero")
+    if zone <= 0.0:
+        return _stopping(path, velocity, acceleration)  # sharp corners are taken at rest
     curve = RoundedPolyline(path, zone)
     limits = _limits(tuple(velocity.tolist()), tuple(acceleration.tolist()))
-    grid = np.linspace(0.0, len(path) - 1, GRID * (len(path) - 1) + 1)
-    solver = algorithm.TOPPRA(limits, curve, gridpoints=grid, solver_wrapper="seidel")
-    speeds = solver.compute_parameterization(0.0, 0.0)[1]
-    if speeds is None or not np.all(np.isfinite(speeds)):
-        raise WorkbenchError("a leg has no timing within the arm's speed and acceleration limits")
-    steps = 2 * np.diff(grid) / np.maximum(speeds[1:] + speeds[:-1], 1e-9)
-    return np.concatenate([[0.0], np.cumsum(steps)])[::GRID]
+    for count in GRIDS:
+        grid = np.linspace(0.0, len(path) - 1, count * (len(path) - 1) + 1)
+        solver = algorithm.TOPPRA(limits, curve, gridpoints=grid, solver_wrapper="seidel")
+        speeds = solver.compute_parameterization(0.0, 0.0)[1]
+        if speeds is not None and np.all(np.isfinite(speeds)):
+            steps = 2 * np.diff(grid) / np.maximum(speeds[1:] + speeds[:-1], 1e-9)
+            return np.concatenate([[0.0], np.cumsum(steps)])[::count]
+    return _stopping(path, velocity, acceleration)
+
+
+def _stopping(path: Floats, velocity: Floats, acceleration: Floats) -> Floats:
+    """Times (m,) [s] with a stop at every waypoint: slower, and possible on every path."""
+    steps = np.abs(np.diff(path, axis=0))
+    # Up to speed and down again, or never quite up to speed.
+    ramps = velocity / acceleration
+    times = np.where(
+        steps >= velocity * ramps, steps / velocity + ramps, 2 * np.sqrt(steps / acceleration)
+    )
+    return np.concatenate([[0.0], np.cumsum(times.max(axis=1))])
 
 
 @lru_cache(maxsize=32)

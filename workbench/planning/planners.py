@@ -20,6 +20,9 @@ GOAL_BIAS = 10
 CUTS = (0.8, 0.5, 0.25)
 """Shares of the segments at a corner that a cut may leave out, tried in this order."""
 
+TINY = np.deg2rad(2.0)
+"""[rad] Corners closer together than this in every joint count as one."""
+
 ROUNDS = 2
 """How often all corners are cut: each cut leaves two flatter ones."""
 
@@ -227,6 +230,28 @@ def _skipped(path: Floats, is_clear: EdgeCheck) -> Floats:
         kept.append(onward)
         at = onward
     return path[kept]
+
+
+def merged(path: Floats, is_clear: EdgeCheck) -> Floats:
+    """The same path with neighbouring corners less than `TINY` apart made one, where that is clear.
+
+    A tiny segment between long ones is a sharp corner twice: it slows the arm down to a crawl.
+    """
+    kept = [np.asarray(q) for q in path]
+    k = 0
+    while k < len(kept) - 1:
+        a, b = kept[k], kept[k + 1]
+        if np.abs(b - a).max() >= TINY or len(kept) == 2:
+            k += 1
+            continue
+        is_first, is_last = k == 0, k + 1 == len(kept) - 1
+        one = a if is_first else b if is_last else (a + b) / 2
+        before = is_first or is_clear(kept[k - 1], one)
+        if before and (is_last or is_clear(one, kept[k + 2])):
+            kept[k : k + 2] = [one]
+        else:
+            k += 1
+    return np.array(kept)
 
 
 def resampled(path: Floats, count: int) -> Floats:

@@ -9,7 +9,15 @@ from workbench.model.candidate import Reason, Stage, Verdict
 from workbench.model.cell import PlannerName, Policy
 from workbench.model.geometry import Floats
 from workbench.planning.motion import Curve, curves_of, on_wire, segment
-from workbench.planning.planners import EdgeCheck, Planner, resampled, rrt, rrt_connect, shortened
+from workbench.planning.planners import (
+    EdgeCheck,
+    Planner,
+    merged,
+    resampled,
+    rrt,
+    rrt_connect,
+    shortened,
+)
 from workbench.planning.sbl import sbl
 from workbench.planning.world import Contact
 
@@ -79,5 +87,6 @@ def edge_check(check: Check) -> EdgeCheck:
 
 def as_sent(path: Floats, is_clear: EdgeCheck, count: int) -> Floats:
     """A path shortened, divided into `count` waypoints or as many as it needs, and rounded."""
-    path = on_wire(resampled(shortened(path, is_clear, most=count), count))
+    path = merged(shortened(path, is_clear, most=count), is_clear)
+    path = on_wire(resampled(path, count))
     return path[np.concatenate([[True], np.any(np.diff(path, axis=0) != 0, axis=1)])]
