@@ -28,7 +28,8 @@ def test_every_path_has_a_timing_that_keeps_to_the_speeds(seed, count, spread, z
     assert times[0] == 0.0 and len(times) == count
     assert np.all(np.diff(times) > 0) and np.all(np.isfinite(times))
     speeds = np.abs(np.diff(path, axis=0)) / np.diff(times)[:, None]
-    assert np.all(speeds <= VELOCITY * 1.001)
+    # A rounded corner is shorter than the waypoints make it look, never by more than its zone.
+    assert np.all(speeds <= VELOCITY * 1.001 / (1 - zone))
 
 
 def test_a_long_way_takes_as_long_as_its_slowest_joint():
