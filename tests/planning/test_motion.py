@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from workbench.planning.execution import RoundedPolyline, timed
 from workbench.planning.motion import RESOLUTION, curves_of, first_contact, on_wire, segment
 from workbench.planning.pairing import Phase
+from workbench.planning.world import World
 
 
 @given(st.lists(st.floats(-6.0, 6.0), min_size=7, max_size=7))
@@ -79,3 +80,25 @@ def test_a_motion_through_an_obstacle_is_found_between_clear_ends(world, cell):
         first_contact(world, columns, base, segment(np.asarray(arm.home), np.asarray(arm.home)))
         is None
     )
+
+
+def test_compiled_and_measured_checks_agree(cell, detections):
+    """The planner's check and the proof's, on the same motions."""
+    fast, measured = World(cell, detections), World(cell, detections, by_coal=True)
+    rng = np.random.default_rng(1)
+    met = 0
+    for name in ("right", "left") * 60:
+        chain, columns = fast.chains[name], fast.kinematics.columns[name]
+        start = rng.uniform(chain.lower, chain.upper)
+        end = np.clip(start + rng.normal(0, 0.4, len(start)), chain.lower, chain.upper)
+        found = []
+        for world in (fast, measured):
+            world.enter(Phase(frozenset({name}), {name: 0.03}))
+            base = world.configuration({})
+            found.append(first_contact(world, columns, base, segment(start, end)))
+        assert (found[0] is None) == (found[1] is None)
+        if found[0] is not None:
+            contact, _ = found[0]
+            assert contact.distance < contact.margin + 1e-6
+            met += 1
+    assert 20 < met < 110

@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+import time
 from dataclasses import replace
 
 import numpy as np
@@ -11,13 +12,15 @@ from hypothesis import strategies as st
 
 from workbench.app.pick import judge, plan_pick
 from workbench.formats.cells import read_cell
+from workbench.model.candidate import Reason
 from workbench.model.errors import InputError
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.scan import Detection
 from workbench.perception.piles import drop_parts
 from workbench.planning.motion import RESOLUTION
 from workbench.planning.prove import prove
-from workbench.planning.world import World
+from workbench.planning.search import searched
+from workbench.planning.world import Contact, World
 
 CELL = read_cell("yumi")
 PART = CELL.parts[0]
@@ -114,6 +117,28 @@ def test_the_same_request_gives_the_same_plan_in_other_processes_and_after_other
         return set(ended.stdout.splitlines())
 
     assert said("0,1,2") == said("2,0,1")
+
+
+def test_a_planning_that_takes_too_long_is_ended_with_a_verdict():
+    hurried = replace(CELL, policy=replace(CELL.policy, seconds=1e-6))
+    result = plan_pick(hurried, pile(0, 2), "test")
+    assert result.plan is None
+    assert result.verdict.reason is Reason.OUT_OF_TIME
+    reasons = {one.verdict.reason for one in result.candidates}
+    assert reasons <= {Reason.OUT_OF_TIME, Reason.TOOL_COLLISION}
+
+
+def test_a_search_that_takes_too_long_is_ended_with_a_verdict():
+    def check(curves):
+        return Contact(("hand", "wall"), -0.01, 0.0), np.zeros(2)
+
+    box = np.full(2, 3.0)
+    policy = replace(CELL.policy, iterations=10**6)
+    rng = np.random.default_rng(0)
+    found = searched(
+        -box / 2, box / 2, (-box, box), np.ones(2), check, policy, rng, time.monotonic() + 0.05
+    )
+    assert found.reason is Reason.OUT_OF_TIME
 
 
 @pytest.mark.parametrize("margin", [0.0, 0.5])

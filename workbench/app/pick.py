@@ -89,6 +89,7 @@ def plan_pick(
         order=cell.policy.order if order is None else order,
     )
     world = World(cell, detections, obstacles, policy)
+    world.deadline = time.monotonic() + policy.seconds
     judged, picks = _judged(world, proposed, seed, report, cancelled)
     lap("resolve")
     plan, verdict = None, _summary(judged)
@@ -133,6 +134,13 @@ def _judged(
         report(
             0.05 + 0.6 * number / len(candidates), f"candidate {number + 1} of {len(candidates)}"
         )
+        if time.monotonic() > world.deadline:
+            if candidate.verdict.is_ok:
+                late = Verdict(Reason.OUT_OF_TIME, candidate.verdict.stage)
+                judged.append(replace(candidate, verdict=late))
+            else:
+                judged.append(candidate)
+            continue
         result = resolve(world, candidate, seed=seed)
         if isinstance(result, Pick):
             picks.append(result)
@@ -147,7 +155,8 @@ def _judged(
 def _summary(candidates: tuple[Candidate, ...]) -> Verdict:
     """Why nothing works: the refusal of the candidate that got furthest."""
     stages = list(Stage)
-    return max((c.verdict for c in candidates), key=lambda v: stages.index(v.stage))
+    late = next((c.verdict for c in candidates if c.verdict.reason is Reason.OUT_OF_TIME), None)
+    return late or max((c.verdict for c in candidates), key=lambda v: stages.index(v.stage))
 
 
 def _assignments(
@@ -205,6 +214,8 @@ def _planned(
         if isinstance(result, Plan):
             return result, Verdict(Reason.OK, Stage.ROUTE)
         verdict = result
+        if verdict.reason is Reason.OUT_OF_TIME:
+            break
     return None, verdict
 
 

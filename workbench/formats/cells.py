@@ -263,6 +263,7 @@ def _policy(table: Table) -> Policy:
         threshold=length("threshold_mm", usual.threshold, 10_000),
         planner=table.text("planner", usual.planner, among=PLANNER_NAMES),  # type: ignore[arg-type]
         iterations=table.whole("iterations", usual.iterations, low=1, high=1_000_000),
+        seconds=table.number("seconds", usual.seconds, low=0.01, high=24 * 3600),
         order=table.text("order", usual.order, among=ORDER_NAMES),  # type: ignore[arg-type]
         approval_minutes=table.number(
             "approval_minutes", usual.approval_minutes, low=0.1, high=24 * 60

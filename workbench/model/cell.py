@@ -169,9 +169,10 @@ class Policy:
     `lift_length` and `lift_lean` shape the extraction: straight up, leaning to the bin centre.
     `speed` scales joint velocities.  `zone` is the largest corner rounding, as a fraction of
     the shorter neighbouring segment.  `planner` searches the free legs, within `iterations` a
-    call; `birrt` is the thesis' name for `rrtconnect`.  `order` says which part is taken first:
-    that with the least joint travel, the highest, the best score, the nearest to the tool, the
-    farthest from the walls, or by the thesis' rules (see `planning.order`).
+    call; `birrt` is the thesis' name for `rrtconnect`.  `seconds` [s] end a planning wherever it
+    stands: a stop against input that nobody foresaw, not a budget.  `order` says which part is
+    taken first: that with the least joint travel, the highest, the best score, the nearest to
+    the tool, the farthest from the walls, or by the thesis' rules (see `planning.order`).
     """
 
     margin: float = 0.005
@@ -186,6 +187,7 @@ class Policy:
     threshold: float = 0.2
     planner: PlannerName = "rrtconnect"
     iterations: int = 500
+    seconds: float = 60.0
     order: OrderName = "travel"
     approval_minutes: float = 5.0
 

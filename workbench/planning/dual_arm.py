@@ -271,7 +271,14 @@ def _around(world: World, pair: Pair, rng: np.random.Generator) -> Iterator[Pair
         chain, weights = world.chains[task.plan.arm], joint_weights(len(columns))
         limits = (chain.lower, chain.upper)
         path = searched(
-            np.asarray(start), np.asarray(goal), limits, weights, check, world.policy, rng
+            np.asarray(start),
+            np.asarray(goal),
+            limits,
+            weights,
+            check,
+            world.policy,
+            rng,
+            world.deadline,
         )
         if isinstance(path, Verdict):
             continue

@@ -50,7 +50,7 @@ def in_step(
         )
         weights = np.concatenate([joint_weights(len(plan.joints)) for plan in plans])
         fewer = replace(policy, iterations=min(policy.iterations, ITERATIONS))
-        path = searched(start, goal, limits, weights, check, fewer, rng)
+        path = searched(start, goal, limits, weights, check, fewer, rng, world.deadline)
         if isinstance(path, Verdict):
             return None
     else:

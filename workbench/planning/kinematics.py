@@ -1,15 +1,30 @@
 """The cell's robot as one Pinocchio model: where every link is for given joint values."""
 
 from collections.abc import Mapping
+from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
 
 from workbench.model.cell import Arm, Cell
-from workbench.model.geometry import Floats
+from workbench.model.geometry import Floats, Ints
 from workbench.model.robot import Joint
 
 AXES = {(1.0, 0.0, 0.0): "X", (0.0, 1.0, 0.0): "Y", (0.0, 0.0, 1.0): "Z"}
+
+
+class Tree(NamedTuple):
+    """The joints as arrays for compiled code, joint 0 being the world.
+
+    `parents` (j,) the joint before each; `R` (j, 3, 3) and `p` (j, 3) [m] the fixed transform
+    before it; `axes` (j, 3); `slides` (j,) 1.0 for prismatic joints.
+    """
+
+    parents: Ints
+    R: Floats
+    p: Floats
+    axes: Floats
+    slides: Floats
 
 
 class Kinematics:
@@ -27,6 +42,7 @@ class Kinematics:
         for joint in cell.robot.joints:
             if joint.kind == "revolute":
                 self.axes[self.model.getJointId(joint.name)] = joint.axis
+        self.tree = _tree(self.model, cell)
         self.columns = {
             arm.name: np.array([self.column(joint) for joint in arm.joints]) for arm in cell.arms
         }
@@ -61,6 +77,22 @@ class Kinematics:
         pin.forwardKinematics(self.model, self.data, self.configuration({arm.name: q}))
         joint, T_joint_flange = self.frames[arm.flange]
         return self.data.oMi[joint] * T_joint_flange * arm.tool.T_flange_tcp
+
+
+def _tree(model: pin.Model, cell: Cell) -> Tree:
+    axes, slides = np.zeros((model.njoints, 3)), np.zeros(model.njoints)
+    for joint in cell.robot.joints:
+        if joint.kind != "fixed":
+            number = model.getJointId(joint.name)
+            axes[number] = joint.axis
+            slides[number] = 1.0 if joint.kind == "prismatic" else 0.0
+    return Tree(
+        np.array(list(model.parents)),
+        np.array([T.rotation for T in model.jointPlacements]),
+        np.array([T.translation for T in model.jointPlacements]),
+        axes,
+        slides,
+    )
 
 
 def _build_model(cell: Cell) -> tuple[pin.Model, dict[str, tuple[int, pin.SE3]]]:

@@ -162,4 +162,5 @@ def free_path(
         check,
         world.policy,
         rng,
+        world.deadline,
     )

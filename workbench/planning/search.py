@@ -1,6 +1,7 @@
 """One free way: searched by the planner of that name, shortened, rounded, checked as it is run."""
 
 import math
+import time
 from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
@@ -53,13 +54,32 @@ def searched(
     check: Check,
     policy: Policy,
     rng: np.random.Generator,
+    deadline: float = math.inf,
 ) -> Floats | Verdict:
     """A path between two clear configurations (n,), rounded and checked as it will be run.
+
+    `deadline` [s] on the clock of `time.monotonic` ends the search wherever it stands.
 
     Returns:
         Waypoints (m, n) [rad]; or why there are none, with what was met last.
     """
-    is_clear = edge_check(check)
+    try:
+        return _searched(start, goal, limits, weights, check, policy, rng, deadline)
+    except _Late:
+        return Verdict(Reason.OUT_OF_TIME, Stage.ROUTE)
+
+
+def _searched(
+    start: Floats,
+    goal: Floats,
+    limits: tuple[Floats, Floats],
+    weights: Floats,
+    check: Check,
+    policy: Policy,
+    rng: np.random.Generator,
+    deadline: float,
+) -> Floats | Verdict:
+    is_clear = edge_check(check, deadline)
     met: tuple[Contact, Floats] | None = None
     for number in range(TRIES + 1):
         path = np.array([start, goal])  # straight ahead first
@@ -80,9 +100,19 @@ def searched(
     return Verdict(Reason.NO_PATH, Stage.ROUTE, contact.pair, contact.distance, q)
 
 
-def edge_check(check: Check) -> EdgeCheck:
+class _Late(Exception):
+    """The deadline has passed; planners know nothing of it."""
+
+
+def edge_check(check: Check, deadline: float = math.inf) -> EdgeCheck:
     """Whether one straight joint motion is clear, by a check of whole motions."""
-    return lambda a, b: check([segment(a, b)]) is None
+
+    def is_clear(a: Floats, b: Floats) -> bool:
+        if time.monotonic() > deadline:
+            raise _Late
+        return check([segment(a, b)]) is None
+
+    return is_clear
 
 
 def as_sent(path: Floats, is_clear: EdgeCheck, count: int) -> Floats:

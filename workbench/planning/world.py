@@ -1,5 +1,6 @@
 """The world of one scan: one collision model whose attachments and margins change by phase."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -33,6 +34,8 @@ class Contact:
 class World:
     """The cell with the parts found, ready to answer "how close?" for any configuration.
 
+    `deadline` [s], on the clock of `time.monotonic`, is when searches in it give up.
+
     Lifetime: as long as cell and detections; `enter` changes what is attached, nothing is rebuilt.
     Concurrency: one thread at a time.
     """
@@ -63,11 +66,12 @@ class World:
         self.kinematics = Kinematics(cell)
         self.chains: dict[str, Chain] = {arm.name: chain_of(cell, arm) for arm in cell.arms}
         self.checks = 0
+        self.deadline = math.inf
         self._by_coal = by_coal
         self._arm_index = {arm.name: index for index, arm in enumerate(cell.arms)}
         self._bodies = bodies_of(cell, self.kinematics, detections, obstacles)
         self._make_geometry()
-        self._make_tree()
+        self._still = np.zeros(self.kinematics.model.nq)
         self._make_pairs()
         self.enter(Phase(frozenset(arm.name for arm in cell.arms)))
 
@@ -182,11 +186,7 @@ class World:
             columns,
             base,
             resolution,
-            self._parents,
-            self._R0,
-            self._p0,
-            self._axes,
-            self._slides,
+            *self.kinematics.tree,
             self._joint,
             self._R,
             self._c,
@@ -319,11 +319,7 @@ class World:
         """
         self.checks += 1
         close = close_pairs(
-            self._parents,
-            self._R0,
-            self._p0,
-            self._axes,
-            self._slides,
+            *self.kinematics.tree,
             q,
             d,
             self._joint,
@@ -384,20 +380,6 @@ class World:
             for g, body in enumerate(self._bodies)
             if body.kind == "part" or body.finger is not None
         ]
-
-    def _make_tree(self) -> None:
-        model = self.kinematics.model
-        self._parents = np.array(list(model.parents))
-        self._R0 = np.array([T.rotation for T in model.jointPlacements])
-        self._p0 = np.array([T.translation for T in model.jointPlacements])
-        self._axes = np.zeros((model.njoints, 3))
-        self._slides = np.zeros(model.njoints)
-        for joint in self.cell.robot.joints:
-            if joint.kind != "fixed":
-                number = model.getJointId(joint.name)
-                self._axes[number] = joint.axis
-                self._slides[number] = 1.0 if joint.kind == "prismatic" else 0.0
-        self._still = np.zeros(model.nq)
 
     def _make_pairs(self) -> None:
         parts = tuple(detection.part for detection in self.detections)
