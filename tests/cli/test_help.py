@@ -26,6 +26,7 @@ COMMANDS = (
     "export-world",
     "bench",
     "study",
+    "cell",
 )
 
 NESTED = (
@@ -33,6 +34,8 @@ NESTED = (
     ("bench", "pick"),
     ("study", "threshold"),
     ("study", "localization"),
+    ("cell", "check"),
+    ("cell", "show"),
 )
 
 

@@ -45,6 +45,24 @@ def test_plan_tells_its_times_and_candidates(line, say, tmp_path):
     assert set(told["stages_ms"]) == {"propose", "resolve", "route", "prove"}
 
 
+def test_what_only_the_scan_shows_is_kept_clear_of(line, say, tmp_path):
+    poses, out = tmp_path / "one.json", tmp_path / "plan.json"
+    content = json.loads(line.poses.read_text())
+    content["detections"] = content["detections"][:1]
+    poses.write_text(json.dumps(content))
+    asked = ("--poses", poses, "--scan", line.scan)
+    said = say("plan", "yumi", *asked, "--out", out)
+    assert said.code == 0
+    assert "only the scan shows" in said.out
+    plan, _ = read_plan(out)
+    other = read_poses(line.poses, "keyed_cylinder")[1].T_world_part.translation
+    away = [np.linalg.norm(box.T_world_box.translation - other) for box in plan.obstacles]
+    assert min(away) < 0.06
+    assert say("verify", out).code == 0
+    explained = json.loads(say("explain", "yumi", *asked, "--json").out)
+    assert explained["ok"] is True
+
+
 def test_one_arm_when_asked_for(line, say, tmp_path):
     for arm in ("right", "left"):
         out = tmp_path / f"{arm}.json"

@@ -110,12 +110,14 @@ def judge(
     cell: Cell,
     detections: tuple[Detection, ...],
     *,
+    obstacles: tuple[Obstacle, ...] = (),
     seed: int = 0,
     report: Report = lambda done, note: None,
     cancelled: Callable[[], bool] = lambda: False,
 ) -> tuple[Candidate, ...]:
     """Every candidate with its verdict, up to the place; see `plan_pick`."""
-    return _judged(World(cell, detections), propose(cell, detections), seed, report, cancelled)[0]
+    world = World(cell, detections, obstacles)
+    return _judged(world, propose(cell, detections, obstacles), seed, report, cancelled)[0]
 
 
 def _judged(

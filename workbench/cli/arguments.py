@@ -10,7 +10,7 @@ from typing import Annotated
 from tyro.conf import Positional, subcommand
 
 from workbench.cli.names import OrderName, PlannerName, StrategyName
-from workbench.cli.study_arguments import Bench, Study
+from workbench.cli.nested_arguments import Bench, CellCommands, Study
 
 
 @dataclass(frozen=True, slots=True)
@@ -118,6 +118,8 @@ class Explain:
     """Name under robots/, or path of a cell.toml."""
     poses: Path
     """Our JSON, or a HALCON tuple file (rows of [R|t] in the world frame, millimetres)."""
+    scan: Path | None = None
+    """PLY file that the poses were found in: what it shows beside the parts is in the way, too."""
     seed: int = 0
     """Of everything random."""
     part: str | None = None
@@ -203,4 +205,5 @@ Arguments = (
     | Annotated[ExportWorld, subcommand("export-world")]
     | Annotated[Bench, subcommand("bench")]
     | Annotated[Study, subcommand("study")]
+    | Annotated[CellCommands, subcommand("cell")]
 )

@@ -7,7 +7,7 @@ from workbench.app.rules import SEED_LIMIT
 from workbench.cli import arguments
 from workbench.cli.exits import NO_PLAN, SUCCESS
 from workbench.cli.findings import candidate_form, print_candidates
-from workbench.cli.planning import detections_from
+from workbench.cli.planning import detections_from, obstacles_in
 from workbench.cli.terminal import check_whole, print_json, print_table, progress
 from workbench.formats.cells import read_cell
 from workbench.model.candidate import Candidate, Stage
@@ -26,9 +26,10 @@ def explain(typed: arguments.Explain) -> int:
     if not detections:
         raise InputError(f"{typed.poses}: holds no poses, so there is nothing to explain")
     with progress("explain") as report:
-        candidates = judge(cell, detections, seed=typed.seed, report=report)
+        obstacles = obstacles_in(cell, typed.scan, detections)
+        candidates = judge(cell, detections, obstacles=obstacles, seed=typed.seed, report=report)
         report(0.9, "looking for the nearest fix")
-        fix = nearest_fix(cell, detections, candidates, seed=typed.seed)
+        fix = nearest_fix(cell, detections, candidates, seed=typed.seed, obstacles=obstacles)
     admitted = sum(candidate.verdict.is_ok for candidate in candidates)
     if typed.json:
         print_json(

@@ -115,6 +115,10 @@ def run(typed: arguments.Arguments) -> int:
             from workbench.cli.studies import study
 
             return study(typed)
+        case arguments.CellCommands():
+            from workbench.cli.cell import cell
+
+            return cell(typed)
         case _:
             assert_never(typed)
 

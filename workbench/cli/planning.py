@@ -37,7 +37,7 @@ from workbench.model.digest import digest_of
 from workbench.model.errors import InputError
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.plan import Finding, Plan
-from workbench.model.scan import Detection
+from workbench.model.scan import Detection, Obstacle
 from workbench.perception.unexplained import unexplained
 from workbench.planning.prove import prove
 
@@ -51,11 +51,10 @@ def plan(typed: arguments.Plan) -> int:
         check_whole("--iterations", typed.iterations, 1, MOST_ITERATIONS)
     cell = read_cell(typed.cell)
     detections = detections_from(cell, typed.poses, typed.part)
-    scan = None if typed.scan is None else read_cloud(typed.scan, cell.scanner.T_world_scanner)
     with progress("plan") as report:
         report(0.0, "getting ready")
         warm_up(cell)
-        obstacles = () if scan is None else unexplained(cell, scan, detections)
+        obstacles = obstacles_in(cell, typed.scan, detections)
         ready, began = seconds_since_start(), time.perf_counter()
         result = plan_pick(
             cell,
@@ -147,6 +146,15 @@ def detections_from(cell: Cell, poses: Path, part: str | None) -> tuple[Detectio
     for detection in detections:
         cell.part(detection.part)
     return detections
+
+
+def obstacles_in(
+    cell: Cell, scan: Path | None, detections: tuple[Detection, ...]
+) -> tuple[Obstacle, ...]:
+    """What a scan in a file shows beside the parts; nothing without a scan."""
+    if scan is None:
+        return ()
+    return unexplained(cell, read_cloud(scan, cell.scanner.T_world_scanner), detections)
 
 
 def _print_form(

@@ -7,7 +7,7 @@ from typing import Any, assert_never
 import numpy as np
 
 from workbench.cli.exits import SUCCESS
-from workbench.cli.study_arguments import (
+from workbench.cli.nested_arguments import (
     Bench,
     BenchPick,
     BenchPlanners,

@@ -1,10 +1,10 @@
-"""What can be typed after `workbench bench` and `workbench study`; the docstrings are the help."""
+"""What can be typed after `workbench bench`, `study` and `cell`; the docstrings are the help."""
 
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Literal
 
-from tyro.conf import subcommand
+from tyro.conf import Positional, subcommand
 
 from workbench.cli.names import PlannerName, StrategyName
 
@@ -117,3 +117,31 @@ class Study:
         Annotated[StudyThreshold, subcommand("threshold")]
         | Annotated[StudyLocalization, subcommand("localization")]
     )
+
+
+@dataclass(frozen=True, slots=True)
+class CellCheck:
+    """Look whether a cell can work: limits, home, reach into the bin and to the places.
+
+    Ends with 3 when something speaks against the cell.
+    """
+
+    cell: Positional[str]
+    """Name under robots/, or path of a cell.toml."""
+    json: bool = False
+    """Print one JSON object and nothing else."""
+
+
+@dataclass(frozen=True, slots=True)
+class CellShow:
+    """Tell what a cell is made of: arms, bin, fixtures, parts, scanner, controller, policy."""
+
+    cell: Positional[str]
+    """Name under robots/, or path of a cell.toml."""
+
+
+@dataclass(frozen=True, slots=True)
+class CellCommands:
+    """Look at a cell and whether it can work."""
+
+    what: Annotated[CellCheck, subcommand("check")] | Annotated[CellShow, subcommand("show")]
