@@ -18,9 +18,14 @@ import numpy as np
 from workbench.model.geometry import Floats
 from workbench.planning.planners import EdgeCheck, Search
 
-REACH = 1.2
-"""[rad] Largest distance, in the weighted metric, of a new milestone from the one it grows from,
-and of two milestones that are joined."""
+REACH = 1.5
+"""[rad] Largest distance, in the weighted metric, of a new milestone from the one it grows from."""
+
+JOIN = 6.0
+"""[rad] Milestones of the two trees are joined when they lie no further apart, in the metric.
+
+A test of the way between them is lazy and cheap; a tree that first has to grow near is not.
+"""
 
 SHRINKINGS = 6
 """Neighbourhoods tried around a milestone, each smaller than the one before."""
@@ -167,7 +172,7 @@ def _nearest(
     q = np.array([roadmap.q[member] for member in members])
     distances = np.linalg.norm((q - roadmap.q[number]) * weights, axis=1)
     picked = int(np.argmin(distances)) if rng.random() < 0.75 else int(rng.integers(len(members)))
-    return members[picked] if distances[picked] <= 2 * REACH else None
+    return members[picked] if distances[picked] <= JOIN else None
 
 
 def _tested(
