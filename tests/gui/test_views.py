@@ -82,13 +82,15 @@ def test_a_fault_is_shown_in_full(states, view_of):
 
 
 def test_steps_that_have_to_wait_say_for_what(states):
-    assert "Take a scan first." in views.parts_line(states.idle)
+    assert "Take a scan first." in views.parts_line(states.idle, 0.2)
     assert "Find the parts first." in views.plan_line(states.scanned)
 
 
 def test_results_of_the_steps_carry_units(states):
     assert "3,600 points (a drawn floor), 08:53:20" in views.scan_line(states.planned)
-    assert "2 parts, score 0.90, 0.90" in views.parts_line(states.planned)
+    assert "2 parts, score 0.90, 0.90" in views.parts_line(states.planned, 0.2)
+    assert "141 mm apart, nearer than the threshold" in views.parts_line(states.planned, 0.2)
+    assert "141 mm apart, at least the threshold" in views.parts_line(states.planned, 0.14)
     assert re.search(
         r"Alternated, \d+\.\d s, smallest clearance \d+\.\d mm", views.plan_line(states.planned)
     )
@@ -191,7 +193,7 @@ def test_nothing_from_outside_becomes_html(cell, states, view_of):
         views.status_html(replace(view, state=replace(state, phase=Phase.SENDING))),
         views.status_html(replace(view, state=replace(states.planning, message=EVIL))),
         views.scan_line(state),
-        views.parts_line(state),
+        views.parts_line(state, 0.2),
         views.plan_line(state),
         views.plan_line(replace(state, plan=None)),
         views.approval_line(state, view.at, ""),

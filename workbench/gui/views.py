@@ -132,7 +132,7 @@ def scan_line(state: State) -> str:
     return line(f"{len(state.scan.points):,} points ({state.scan.source}){at}", tip=purpose)
 
 
-def parts_line(state: State) -> str:
+def parts_line(state: State, threshold: float) -> str:
     """What the localizer has brought."""
     purpose = "Fits the CAD model of the part to the scan."
     if state.detections is None:
@@ -143,17 +143,18 @@ def parts_line(state: State) -> str:
     scores = ", ".join(f"{detection.score:.2f}" for detection in state.detections[:4])
     more = " …" if count > 4 else ""
     noun = "part" if count == 1 else "parts"
-    return line(
-        f"{count} {noun}, score {scores}{more}{_apart(state.detections)}", span=2, tip=purpose
-    )
+    found = f"{count} {noun}, score {scores}{more}{_apart(state.detections, threshold)}"
+    return line(found, span=2, tip=purpose)
 
 
-def _apart(detections: tuple[Detection, ...]) -> str:
-    """How far two parts lie from each other: what the threshold is compared with."""
+def _apart(detections: tuple[Detection, ...], threshold: float) -> str:
+    """How far two parts lie from each other, and on which side of the threshold [m] that is."""
     if len(detections) != 2:
         return ""
     first, second = (detection.T_world_part.translation for detection in detections)
-    return f", {mm(math.dist(first, second), 0)} apart"
+    distance = math.dist(first, second)
+    side = "nearer than" if distance < threshold else "at least"
+    return f", {mm(distance, 0)} apart, {side} the threshold"
 
 
 def plan_line(state: State) -> str:

@@ -106,7 +106,7 @@ class CyclePanel:
         if old is not None and old.state is state and _has_run_out(old) == expired:
             return
         self._scan_line.content = scan_line(state)
-        self._parts_line.content = parts_line(state)
+        self._draw_parts(state)
         self._plan_line.content = plan_line(state)
         problem = refusal(state, Approve(_digest(state)), new.at)
         self._approval_line.content = approval_line(state, new.at, problem)
@@ -123,8 +123,14 @@ class CyclePanel:
             button.disabled = bool(refusal(state, command, new.at))
         self._dialog.show(new)
 
+    def _draw_parts(self, state: State) -> None:
+        typed = self._threshold.value
+        threshold = typed / 1000 if isinstance(typed, int | float) else 0.0
+        self._parts_line.content = parts_line(state, threshold)
+
     def _react(self) -> None:
         visitor = self._visitor
+        self._threshold.on_update(lambda _: self._draw_parts(visitor.bench.state))
         visitor.on_press(self._scan, self._wanted_scan)
         visitor.on_press(self._find, self._wanted_parts)
         visitor.on_press(self._plan, self._wanted_plan)
