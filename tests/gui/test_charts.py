@@ -54,7 +54,7 @@ def test_a_proof_without_clearances_has_a_flat_curve(result, runs):
     ("time", "share"), [(-1.0, "0.00%"), (0.0, "0.00%"), (5.0, "50.00%"), (99.0, "100.00%")]
 )
 def test_the_cursor_stays_within_its_track(time, share):
-    assert f"left:{share}" in cursor_html(time, 10.0, "")
+    assert f"left:{share}" in cursor_html(time, 10.0, "", 2)
 
 
 def test_what_goes_on_is_said(cell, result, runs):

@@ -203,7 +203,7 @@ def test_nothing_from_outside_becomes_html(cell, states, view_of):
         views.link_html(view),
         views.joints_html(cell, view.live.joints),
         lanes_html(cell, view.runs, view.plan_seconds),
-        cursor_html(1.0, 2.0, EVIL),
+        cursor_html(1.0, 2.0, EVIL, 2),
         funnel_html(state.candidates, None, buttons),
         candidates_html(
             state.candidates,

@@ -233,6 +233,8 @@ def _side_by_side_or_behind(
 
 def _note(world: World, picks: tuple[Pick, ...], threshold: float) -> str:
     """Why this strategy was taken, for people."""
+    if len(world.cell.arms) < 2:
+        return ""
     if len(picks) < 2:
         return "one arm: no second part can be taken by the other arm"
     first, second = (

@@ -59,11 +59,12 @@ def _block(run: Run, seconds: float) -> str:
     )
 
 
-def cursor_html(time: float, seconds: float, doing: str) -> str:
-    """Where the scrubber stands in the lanes, and what happens there."""
+def cursor_html(time: float, seconds: float, doing: str, lanes: int) -> str:
+    """Where the scrubber stands in so many lanes, and what happens there."""
     share = 0.0 if seconds <= 0 else 100 * min(max(time / seconds, 0.0), 1.0)
     return (
-        f'<div class="wb-cursor"><div class="wb-cursor-track"><i style="left:{share:.2f}%"></i>'
+        f'<div class="wb-cursor"><div class="wb-cursor-track" style="height:{1.4 * lanes:.1f}rem">'
+        f'<i style="left:{share:.2f}%"></i>'
         f'</div></div><div class="wb-now"><b>{time:.2f} s</b> of {seconds:.2f} s'
         f"<span>{escape(doing)}</span></div>"
     )

@@ -50,13 +50,14 @@ class PlanPanel:
         gui.add_html('<div class="wb-buttons wb-two"></div>')
         self._play = gui.add_button("Play", icon=viser.Icon.PLAYER_PLAY)
         self._start = gui.add_button("To the start", icon=viser.Icon.PLAYER_SKIP_BACK, color="gray")
+        has_two = len(self._cell.arms) > 1
         self._clearance = gui.add_uplot(
-            (NOTHING, NOTHING, NOTHING),
+            (NOTHING, NOTHING, NOTHING)[: 2 + has_two],
             (
                 curve("time [s]"),
                 curve("to anything (up to 100 mm)"),
                 curve("between the arms (up to 400 mm)", JOINTS[1]),
-            ),
+            )[: 2 + has_two],
             scales={"x": {"time": False}},
             axes=(axis("time [s]"), axis("clearance [mm]")),
             height=170,
@@ -102,7 +103,9 @@ class PlanPanel:
         is_moved = old is None or old.runs is not new.runs or old.look.time != new.look.time
         if is_moved and new.runs:
             now = doing(self._cell, new.runs, new.look.time)
-            self._cursor.content = cursor_html(new.look.time, new.plan_seconds, now)
+            self._cursor.content = cursor_html(
+                new.look.time, new.plan_seconds, now, len(self._cell.arms)
+            )
             # The browser that drags knows best where its own slider stands.
             if new.look.by != self._visitor.number:
                 self._time.value = round(new.look.time, 2)
@@ -129,7 +132,8 @@ class PlanPanel:
         self._lanes.content = lanes_html(self._cell, runs, seconds)
         self._time.max = max(round(seconds, 2), 0.01)
         if state.proof is not None:
-            self._clearance.data = clearance_curves(runs, state.proof)
+            curves = clearance_curves(runs, state.proof)
+            self._clearance.data = curves[: 2 + (len(self._cell.arms) > 1)]
         speeds = [speed_curve(arm, self._cell, runs, seconds) for arm in self._cell.arms]
         self._speed.data = (np.linspace(0.0, max(seconds, 1e-3), len(speeds[0])), *speeds)
         for arm in self._cell.arms:
