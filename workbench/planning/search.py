@@ -63,37 +63,24 @@ def searched(
     Returns:
         Waypoints (m, n) [rad]; or why there are none, with what was met last.
     """
-    try:
-        return _searched(start, goal, limits, weights, check, policy, rng, deadline)
-    except _Late:
-        return Verdict(Reason.OUT_OF_TIME, Stage.ROUTE)
-
-
-def _searched(
-    start: Floats,
-    goal: Floats,
-    limits: tuple[Floats, Floats],
-    weights: Floats,
-    check: Check,
-    policy: Policy,
-    rng: np.random.Generator,
-    deadline: float,
-) -> Floats | Verdict:
     is_clear = edge_check(check, deadline)
     met: tuple[Contact, Floats] | None = None
-    for number in range(TRIES + 1):
-        path = np.array([start, goal])  # straight ahead first
-        if number:
-            search = PLANNERS[policy.planner]
-            path = search(
-                start, goal, *limits, weights, is_clear, iterations=policy.iterations, rng=rng
-            ).path
-        if path is None:
-            break
-        path = as_sent(path, is_clear, policy.free_points)
-        met = check(curves_of(path, policy.zone))
-        if met is None:
-            return path
+    try:
+        for number in range(TRIES + 1):
+            path = np.array([start, goal])  # straight ahead first
+            if number:
+                search = PLANNERS[policy.planner]
+                path = search(
+                    start, goal, *limits, weights, is_clear, iterations=policy.iterations, rng=rng
+                ).path
+            if path is None:
+                break
+            path = as_sent(path, is_clear, policy.free_points)
+            met = check(curves_of(path, policy.zone))
+            if met is None:
+                return path
+    except _Late:
+        return Verdict(Reason.OUT_OF_TIME, Stage.ROUTE)
     if met is None:
         return Verdict(Reason.NO_PATH, Stage.ROUTE)
     contact, q = met
