@@ -37,6 +37,9 @@ from workbench.model.scan import Detection, Scan
 
 Outcome = tuple[State, tuple[Effect, ...]]
 
+MOST_OUTLINES = 20
+"""Plannings for the same parts that are remembered."""
+
 
 def decide(state: State, entry: Entry) -> Outcome:
     """The state after an entry, and what has to be set in motion.
@@ -81,10 +84,6 @@ def decide(state: State, entry: Entry) -> Outcome:
             return _link_ended(state, fault, parts_placed), ()
         case _:
             assert_never(entry.command)
-
-
-MOST_OUTLINES = 20
-"""Plannings for the same parts that are remembered."""
 
 
 def _begin(
@@ -163,7 +162,7 @@ def _job_ended(
         case ("localize", tuple()):
             return _with_detections(state, result)
         case ("plan", PlanResult()):
-            return _with_plan(state, result, number)
+            return _with_plan(state, result)
         case _:
             wrong = type(result).__name__
             return replace(state, message=f"task {job.name!r} failed: it brought a {wrong}")
@@ -205,7 +204,7 @@ def _with_outside_detections(state: State, detections: tuple[Detection, ...]) ->
     )
 
 
-def _with_plan(state: State, result: PlanResult, number: int) -> State:
+def _with_plan(state: State, result: PlanResult) -> State:
     if result.plan is None:
         phase, message = Phase.LOCALIZED, f"no plan: {result.verdict}"
     elif result.proof is None or not result.proof.holds:
@@ -227,7 +226,7 @@ def _with_plan(state: State, result: PlanResult, number: int) -> State:
         verdict=result.verdict,
         seconds=tuple(result.seconds.items()),
         obstacles=result.obstacles,
-        outlines=(*state.outlines, _outline(result, number))[-MOST_OUTLINES:],
+        outlines=(*state.outlines, _outline(result))[-MOST_OUTLINES:],
         approval=None,
         receipts=(),
         parts_placed=0,
@@ -235,14 +234,13 @@ def _with_plan(state: State, result: PlanResult, number: int) -> State:
     )
 
 
-def _outline(result: PlanResult, number: int) -> Outline:
+def _outline(result: PlanResult) -> Outline:
     planning = sum(result.seconds.values())
     plan, proof = result.plan, result.proof
     if plan is None or proof is None:
-        return Outline(number, result.planner, planning, verdict=str(result.verdict))
+        return Outline(result.planner, planning, verdict=str(result.verdict))
     distances = [float(d.min()) for _, _, d in proof.apart if len(d)]
     return Outline(
-        number,
         result.planner,
         planning,
         str(plan.strategy),

@@ -39,12 +39,10 @@ class Job:
 class Outline:
     """What came of one planning, to be compared with the next.
 
-    `number` is that of the entry that asked for it; `planning` and `cycle` [s]; `apart` [m] the
-    smallest distance between the arms; `verdict` says why there is no plan, or what speaks
-    against it.
+    `planning` and `cycle` [s]; `apart` [m] the smallest distance between the arms; `verdict` says
+    why there is no plan, or what speaks against it.
     """
 
-    number: int
     planner: PlannerName
     planning: float
     strategy: str = ""

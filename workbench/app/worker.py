@@ -5,6 +5,7 @@ tells the share done (0..1) and what is being done; it may be called as often as
 `cancelled()` is True once somebody has ended the job; the function then raises `JobCancelled`.
 """
 
+import contextlib
 import importlib
 import os
 import pickle
@@ -107,9 +108,9 @@ def run_worker(connection: Connection, cell: bytes, module: str, to_cancel: Flag
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     threading.Thread(target=_end_with_parent, name="end with parent", daemon=True).start()
     try:
-        _serve(connection, pickle.loads(cell), module, to_cancel)
-    except (EOFError, OSError):
-        pass  # The other side has closed the connection: that is how a worker's life ends.
+        # The other side closes the connection: that is how a worker's life ends.
+        with contextlib.suppress(EOFError, OSError):
+            _serve(connection, pickle.loads(cell), module, to_cancel)
     finally:
         # Straight out: libraries with C++ destructors have nothing to say here any more.
         os._exit(0)

@@ -18,9 +18,8 @@ from workbench.cli.nested_arguments import (
 from workbench.cli.terminal import check_number, check_whole, print_json, print_table, progress
 from workbench.formats.cells import read_cell
 from workbench.model.errors import InputError
-from workbench.studies import localization, picks, planners, plots, threshold
+from workbench.studies import klampt, localization, picks, planners, plots, threshold
 from workbench.studies.cases import run_cases
-from workbench.studies.klampt import KLAMPT_PLANNERS, KlamptAttempt, attempts_by_klampt
 
 MOST = 1_000_000
 
@@ -58,7 +57,7 @@ def _planners(typed: BenchPlanners) -> int:
     if typed.start == "zero":
         arm = cell.arms[0]
         cell = replace(cell, arms=(replace(arm, home=np.zeros(len(arm.home))), *cell.arms[1:]))
-    by_klampt: list[KlamptAttempt] = []
+    by_klampt: list[klampt.KlamptAttempt] = []
     with progress("planners") as report:
         report(0.0, "judging the targets")
         course = planners.Course(cell, typed.targets, typed.seed)
@@ -66,13 +65,11 @@ def _planners(typed: BenchPlanners) -> int:
             raise InputError(f"cell {cell.name}: none of {typed.targets} targets can be taken up")
         attempts = planners.compare(course, typed.planners, typed.iterations, report)
         if typed.against is not None:
-            by_klampt = attempts_by_klampt(
-                course, KLAMPT_PLANNERS, seconds=typed.seconds, report=report
+            by_klampt = klampt.attempts_by_klampt(
+                course, klampt.KLAMPT_PLANNERS, seconds=typed.seconds, report=report
             )
     outcomes = Counter(target.outcome for target in course.targets)
-    ours, theirs = planners.summary(attempts), [_klampt_row(p, by_klampt) for p in KLAMPT_PLANNERS]
-    if not by_klampt:
-        theirs = []
+    ours, theirs = planners.summary(attempts), klampt.summary(by_klampt)
     if typed.plot is not None:
         plots.draw_planners(typed.plot, ours, theirs)
     ratio = _ratio(ours, theirs)
@@ -91,24 +88,6 @@ def _planners(typed: BenchPlanners) -> int:
     if ratio is not None:
         print(f"rrtconnect is {ratio:.1f} times as fast in the mean as Klamp't's SBL")
     return SUCCESS
-
-
-def _klampt_row(planner: str, attempts: list[KlamptAttempt]) -> dict[str, Any]:
-    group = [one for one in attempts if one.planner == planner]
-    seconds = np.array([one.seconds for one in group]) if group else np.zeros(1)
-    ways = [one.tool_way for one in group if one.tool_way is not None]
-    return {
-        "planner": f"Klamp't {planner}",
-        "allowed": None,
-        "attempts": len(group),
-        "success": len(ways) / max(len(group), 1),
-        "search_mean": float(seconds.mean()),
-        "mean": float(seconds.mean()),
-        "median": float(np.median(seconds)),
-        "p95": float(np.percentile(seconds, 95)),
-        "iterations_mean": None,
-        "tool_way_mean": float(np.mean(ways)) if ways else None,
-    }
 
 
 def _ratio(ours: list[dict[str, Any]], theirs: list[dict[str, Any]]) -> float | None:

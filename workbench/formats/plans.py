@@ -44,7 +44,6 @@ from workbench.model.scan import Obstacle
 MOST_JOINTS = 64
 MOST_OBSTACLES = 200
 
-
 FARTHEST = 1000.0
 """[rad or m] Beyond this a joint value is a slip of whoever wrote the file."""
 
@@ -102,7 +101,7 @@ def read_plan(path: str | Path) -> tuple[Plan, str]:
         arms=arms,
         sequence=tuple(_step(step, arms) for step in _few(table, "sequence")),
         note=table.text("note", empty=True),
-        obstacles=tuple(read_obstacle(box) for box in _obstacles(table)),
+        obstacles=tuple(_obstacle(box) for box in _obstacles(table)),
         seconds=_seconds(table.table("seconds")),
     )
     if not table.is_null("proof"):
@@ -128,8 +127,7 @@ def _obstacles(table: Table) -> list[Table]:
     return entries
 
 
-def read_obstacle(table: Table) -> Obstacle:
-    """One obstacle as an object of its fields."""
+def _obstacle(table: Table) -> Obstacle:
     T_world_box = read_pose_rows(table, "T_world_box")
     size = table.numbers("size", 3, low=1e-6, high=100.0)
     table.finish()

@@ -4,10 +4,7 @@ from workbench.app.state import Phase
 from workbench.gui.solids import Colour
 from workbench.model.candidate import Reason
 
-INK = "#212529"
 MUTED = "#868e96"
-LINE = "#dee2e6"
-PAPER = "#f8f9fa"
 BRAND = "#1c64b4"
 GOOD = "#2b8a3e"
 BAD = "#c92a2a"

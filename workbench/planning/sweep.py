@@ -9,10 +9,10 @@ from numba import njit
 
 from workbench.model.geometry import Floats, Ints
 from workbench.planning.bounds import gather_close, place_bodies
-from workbench.planning.gjk import CLEAR, TOUCHES, side
+from workbench.planning.gjk import CLEAR, TOUCHES, UNCLEAR, side
 
 LOOSENESS = 0.005
-"""[m] A look that could clear a pair only if its lower bound fell shorter than this is spared."""
+"""[m] By about this much the lower bound of a distance falls short; only a matter of speed."""
 
 MOST_PENDING = 512
 """Halves of curves waiting to be looked at."""
@@ -122,8 +122,9 @@ def swept(
         for k in range(found):
             pair, move = pairs[k], moves[k]
             needed = margins[pair]
-            answer = 1
-            if not (lower[k] >= needed and lower[k] < needed + move - LOOSENESS - move / 2):
+            # Clear now, and too far to go to be cleared by measuring: not worth it.
+            answer = UNCLEAR
+            if not needed <= lower[k] < needed + move / 2 - LOOSENESS:
                 answer = side(
                     int(first[pair]), int(second[pair]), R, c, corners, start, count, rounds,
                     lengths, swell, float(needed), float(needed + move), W,

@@ -31,7 +31,6 @@ class KlamptAttempt:
     is_possible: bool
     seconds: float
     tool_way: float | None
-    joint_way: float | None
 
 
 def attempts_by_klampt(
@@ -74,13 +73,17 @@ def attempts_by_klampt(
 
 def _asked(request: dict[str, Any], count: int, report: Report) -> list[dict[str, Any]]:
     """The answers of the peer process, which is ended whatever happens here."""
-    with subprocess.Popen(
-        [sys.executable, "-m", "workbench.studies.klampt_peer"],
-        stdin=subprocess.PIPE,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-    ) as process:
+    # What it complains of goes to a file: a pipe that nobody empties would hold it up.
+    with (
+        tempfile.TemporaryFile("w+") as complaints,
+        subprocess.Popen(
+            [sys.executable, "-m", "workbench.studies.klampt_peer"],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=complaints,
+            text=True,
+        ) as process,
+    ):
         try:
             assert process.stdin is not None and process.stdout is not None
             process.stdin.write(json.dumps(request))
@@ -91,8 +94,8 @@ def _asked(request: dict[str, Any], count: int, report: Report) -> list[dict[str
                     answers.append(json.loads(line))
                     report(len(answers) / count, f"Klamp't {answers[-1]['planner']}")
             if process.wait() != 0 or len(answers) != count:
-                told = process.stderr.read() if process.stderr is not None else ""
-                raise InputError(f"Klamp't did not finish: {_reason(told)}")
+                complaints.seek(0)
+                raise InputError(f"Klamp't did not finish: {_reason(complaints.read())}")
         finally:
             process.kill()
     return answers
@@ -114,5 +117,29 @@ def _attempt(
         answer["is_possible"],
         answer["seconds"],
         None if path is None else course.tool_way(path),
-        None if path is None else float(np.abs(np.diff(path, axis=0)).sum()),
     )
+
+
+def summary(attempts: Sequence[KlamptAttempt]) -> list[dict[str, Any]]:
+    """One row a planner, with the keys of `planners.summary`; times in s."""
+    groups: dict[str, list[KlamptAttempt]] = {}
+    for one in attempts:
+        groups.setdefault(one.planner, []).append(one)
+    return [_row(planner, group) for planner, group in groups.items()]
+
+
+def _row(planner: str, group: Sequence[KlamptAttempt]) -> dict[str, Any]:
+    seconds = np.array([one.seconds for one in group])
+    ways = [one.tool_way for one in group if one.tool_way is not None]
+    return {
+        "planner": f"Klamp't {planner}",
+        "allowed": None,
+        "attempts": len(group),
+        "success": len(ways) / len(group),
+        "search_mean": float(seconds.mean()),
+        "mean": float(seconds.mean()),
+        "median": float(np.median(seconds)),
+        "p95": float(np.percentile(seconds, 95)),
+        "iterations_mean": None,
+        "tool_way_mean": float(np.mean(ways)) if ways else None,
+    }

@@ -31,8 +31,7 @@ class Attempt:
     """One planner, one target, so many iterations allowed.
 
     `search` [s] finds a path; `finish` [s] shortens it, divides it into the waypoints that are
-    sent, and checks those.  `tool_way` [m] and `joint_way` [rad] are of what is sent, None when
-    nothing is.
+    sent, and checks those.  `tool_way` [m] is of what is sent, None when nothing is.
     """
 
     planner: PlannerName
@@ -42,7 +41,6 @@ class Attempt:
     search: float
     finish: float
     tool_way: float | None
-    joint_way: float | None
 
 
 class Course:
@@ -114,7 +112,6 @@ class Course:
             search,
             finish,
             None if path is None else self.tool_way(path),
-            None if path is None else float(np.abs(np.diff(path, axis=0)).sum()),
         )
 
     def tool_way(self, path: Floats) -> float:
@@ -135,7 +132,7 @@ def compare(
     Each planner goes once to the first target before the clock starts: compiled code is loaded.
     """
     goals = course.goals
-    for planner in planners[: len(goals)]:
+    for planner in planners if goals else ():
         course.attempt(planner, *goals[0], max(allowed))
     attempts: list[Attempt] = []
     whole = len(planners) * len(allowed) * len(goals)
