@@ -42,10 +42,7 @@ def asked(shapes, poses, low: float, high: float) -> int:
     cores = cores_of(list(shapes), centres)
     R = np.array([T.rotation for T in poses])
     c = np.array([T.act(centre) for T, centre in zip(poses, centres, strict=True)])
-    return side(
-        0, 1, R, c, cores.corners, cores.start, cores.count, cores.radius, cores.length,
-        cores.swell, low, high, np.empty((5, 3)),
-    )  # fmt: skip
+    return side(0, 1, R, c, cores, low, high, np.empty((5, 3)))
 
 
 def true_distance(shapes, poses) -> float:

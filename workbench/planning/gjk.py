@@ -9,9 +9,9 @@ A body is a core, the corners of a convex polyhedron or an upright cylinder, swo
 so boxes, cylinders, capsules, balls and convex meshes are all the same to it.
 """
 
-from dataclasses import dataclass
 from functools import lru_cache
 from itertools import product
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
@@ -37,18 +37,17 @@ CLOSE_ENOUGH = 1e-7
 """[m] Bounds that lie as close together count as the distance."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Cores:
+class Cores(NamedTuple):
     """The cores of all bodies, one after the other.
 
-    `corners` (c, 3) [m] in the body's frame, from its centre; those of body g are `count[g]`
+    `corners` (c, 3) [m] in the body's frame, from its centre; those of body g are `size[g]`
     from `start[g]` on.  A cylinder has none but `radius[g]` and `length[g]` (half of it).
     `swell` (b,) [m] grows every core.  `known` (b,) is False for bodies that are not convex.
     """
 
     corners: Floats
     start: Ints
-    count: Ints
+    size: Ints
     radius: Floats
     length: Floats
     swell: Floats
@@ -97,12 +96,7 @@ def side(
     b: int,
     R: Floats,
     c: Floats,
-    corners: Floats,
-    start: Ints,
-    count: Ints,
-    radius: Floats,
-    length: Floats,
-    swell: Floats,
+    cores: Cores,
     low: float,
     high: float,
     W: Floats,
@@ -114,12 +108,7 @@ def side(
         b: the other.
         R: rotations (b, 3, 3) of all bodies.
         c: centres (b, 3) of all bodies [m].
-        corners: see `Cores`, as the five that follow.
-        start: see `Cores`.
-        count: see `Cores`.
-        radius: see `Cores`.
-        length: see `Cores`.
-        swell: see `Cores`.
+        cores: of all bodies.
         low: [m] nearer than this they touch.
         high: [m] at least this far they are clear; not below `low`.
         W: scratch (5, 3).
@@ -127,15 +116,16 @@ def side(
     Returns:
         `TOUCHES`, `UNCLEAR` (between the limits) or `CLEAR`.
     """
-    low, high = low + swell[a] + swell[b], high + swell[a] + swell[b]
+    swell = cores.swell[a] + cores.swell[b]
+    low, high = low + swell, high + swell
     x, y, z = c[a, 0] - c[b, 0], c[a, 1] - c[b, 1], c[a, 2] - c[b, 2]
     if x * x + y * y + z * z < 1e-18:
         x = 1.0
     n = 0
     below = -1.0
     for _ in range(MOST_STEPS):
-        _support(a, R, c, corners, start, count, radius, length, -x, -y, -z, 1.0, W, 4)
-        _support(b, R, c, corners, start, count, radius, length, x, y, z, -1.0, W, 4)
+        _support(a, R, c, cores, -x, -y, -z, 1.0, W, 4)
+        _support(b, R, c, cores, x, y, z, -1.0, W, 4)
         norm = np.sqrt(x * x + y * y + z * z)
         plane = (x * W[4, 0] + y * W[4, 1] + z * W[4, 2]) / norm
         below = max(below, plane)
@@ -165,11 +155,7 @@ def _support(
     g: int,
     R: Floats,
     c: Floats,
-    corners: Floats,
-    start: Ints,
-    count: Ints,
-    radius: Floats,
-    length: Floats,
+    cores: Cores,
     x: float,
     y: float,
     z: float,
@@ -181,20 +167,20 @@ def _support(
     u = R[g, 0, 0] * x + R[g, 1, 0] * y + R[g, 2, 0] * z
     v = R[g, 0, 1] * x + R[g, 1, 1] * y + R[g, 2, 1] * z
     w = R[g, 0, 2] * x + R[g, 1, 2] * y + R[g, 2, 2] * z
-    if count[g] == 0:
+    if cores.size[g] == 0:
         flat = np.sqrt(u * u + v * v)
         if flat > 1e-12:
-            px, py = u / flat * radius[g], v / flat * radius[g]
+            px, py = u / flat * cores.radius[g], v / flat * cores.radius[g]
         else:
             px, py = 0.0, 0.0
-        pz = length[g] if w >= 0 else -length[g]
+        pz = cores.length[g] if w >= 0 else -cores.length[g]
     else:
-        best, at = -1e30, start[g]
-        for k in range(start[g], start[g] + count[g]):
-            along = corners[k, 0] * u + corners[k, 1] * v + corners[k, 2] * w
+        best, at = -1e30, cores.start[g]
+        for k in range(cores.start[g], cores.start[g] + cores.size[g]):
+            along = cores.corners[k, 0] * u + cores.corners[k, 1] * v + cores.corners[k, 2] * w
             if along > best:
                 best, at = along, k
-        px, py, pz = corners[at, 0], corners[at, 1], corners[at, 2]
+        px, py, pz = cores.corners[at, 0], cores.corners[at, 1], cores.corners[at, 2]
     for i in range(3):
         p = c[g, i] + R[g, i, 0] * px + R[g, i, 1] * py + R[g, i, 2] * pz
         W[row, i] = p if sign > 0 else W[row, i] - p

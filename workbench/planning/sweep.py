@@ -9,7 +9,7 @@ from numba import njit
 
 from workbench.model.geometry import Floats, Ints
 from workbench.planning.bounds import gather_close, place_bodies
-from workbench.planning.gjk import CLEAR, TOUCHES, UNCLEAR, side
+from workbench.planning.gjk import CLEAR, TOUCHES, UNCLEAR, Cores, side
 
 LOOSENESS = 0.005
 """[m] By about this much the lower bound of a distance falls short; only a matter of speed."""
@@ -44,12 +44,7 @@ def swept(
     among: Ints,
     margins: Floats,
     commons: Ints,
-    corners: Floats,
-    start: Ints,
-    count: Ints,
-    rounds: Floats,
-    lengths: Floats,
-    swell: Floats,
+    cores: Cores,
 ) -> tuple[int, Floats, int]:
     """Go through a curve.
 
@@ -73,12 +68,7 @@ def swept(
         among: see there.
         margins: see there.
         commons: see there.
-        corners: see `gjk.Cores`, as all that follow.
-        start: see there.
-        count: see there.
-        rounds: see there, `radius`.
-        lengths: see there, `length`.
-        swell: see there.
+        cores: of all bodies.
 
     Returns:
         The pair that touches with the configuration (n,) there, or `IS_CLEAR`, or `TOO_LONG`
@@ -126,8 +116,8 @@ def swept(
             answer = UNCLEAR
             if not needed <= lower[k] < needed + move / 2 - LOOSENESS:
                 answer = side(
-                    int(first[pair]), int(second[pair]), R, c, corners, start, count, rounds,
-                    lengths, swell, float(needed), float(needed + move), W,
+                    int(first[pair]), int(second[pair]), R, c, cores, float(needed),
+                    float(needed + move), W,
                 )  # fmt: skip
             if answer == TOUCHES:
                 return int(pair), middle, looks

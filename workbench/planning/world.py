@@ -180,7 +180,7 @@ class World:
         if self._by_coal:
             return None, self._checks.among if among is None else among
         easy, others = self._split if among is None else self._split_of(among)
-        among, cores = self._checks.among if among is None else among, self._cores
+        among = self._checks.among if among is None else among
         pair, middle, looks = swept(
             points,
             columns,
@@ -197,12 +197,7 @@ class World:
             easy,
             self._margins,
             self._checks.commons,
-            cores.corners,
-            cores.start,
-            cores.count,
-            cores.radius,
-            cores.length,
-            cores.swell,
+            self._cores,
         )
         self.checks += looks
         if pair == TOO_LONG:
