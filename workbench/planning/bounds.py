@@ -12,10 +12,13 @@ them.  (The chain bound of Schwarzer, Saha and Latombe, "Exact collision checkin
 paths", 2002, tightened by taking r at q.)
 """
 
+from typing import NamedTuple
+
 import numpy as np
 from numba import njit
 
 from workbench.model.geometry import Floats, Ints
+from workbench.planning.kinematics import Tree
 
 # The loops below index into whole arrays instead of passing rows: a slice costs an allocation,
 # and these run some hundred thousand times for one plan.
@@ -138,20 +141,26 @@ def _travel(
     return float(moved)
 
 
+class Boxes(NamedTuple):
+    """The bodies as arrays for compiled code: each lies in an oriented box and in a ball.
+
+    `joint` (b,) carries it; `R` (b, 3, 3) and `c` (b, 3) [m] place the box in that joint's frame;
+    `half` (b, 3) [m] are half its sizes; `radius` (b,) [m] is that of the ball around `c`.
+    """
+
+    joint: Ints
+    R: Floats
+    c: Floats
+    half: Floats
+    radius: Floats
+
+
 @njit(cache=True)
 def close_pairs(
-    parents: Ints,
-    R0: Floats,
-    p0: Floats,
-    axes: Floats,
-    slides: Floats,
+    tree: Tree,
+    boxes: Boxes,
     q: Floats,
     d: Floats,
-    joint: Ints,
-    R_g: Floats,
-    c_g: Floats,
-    half: Floats,
-    radius: Floats,
     first: Ints,
     second: Ints,
     among: Ints,
@@ -162,18 +171,10 @@ def close_pairs(
     """Pairs, among those asked about, that may come closer than their margin within the motion.
 
     Args:
-        parents: per joint the joint before it; joint 0 is the world.
-        R0: per joint the rotation (3, 3) of its fixed transform.
-        p0: per joint the position (3,) of its fixed transform [m].
-        axes: per joint its axis (3,).
-        slides: per joint 1.0 when it is prismatic.
+        tree: the joints.
+        boxes: the bodies.
         q: configuration (nq,).
         d: largest change of each joint (nq,), zero for one state.
-        joint: per body the joint that carries it.
-        R_g: per body the rotation of its box in that joint's frame.
-        c_g: per body the centre of its box and ball in that joint's frame [m].
-        half: per body the half sizes (3,) of its box [m].
-        radius: per body the radius of its ball [m].
         first: per pair its one body.
         second: per pair its other body.
         among: numbers of the pairs to look at.
@@ -184,17 +185,15 @@ def close_pairs(
     Returns:
         Pair numbers, their motion bounds [m] and lower distance bounds [m], nearest first.
     """
-    joints, count = len(parents), len(joint)
+    joints, count = len(tree.parents), len(boxes.joint)
     R_j, p_j, z_j = np.empty((joints, 3, 3)), np.empty((joints, 3)), np.empty((joints, 3))
     R, c, travel = np.empty((count, 3, 3)), np.empty((count, 3)), np.empty(count)
-    place_bodies(
-        parents, R0, p0, axes, slides, q, d, joint, R_g, c_g, radius, R_j, p_j, z_j, R, c, travel
-    )
+    place_bodies(tree, boxes, q, d, R_j, p_j, z_j, R, c, travel)
     pairs = np.empty(len(among), np.int64)
     moves, lower = np.empty(len(among)), np.empty(len(among))
     found = gather_close(
-        parents, slides, d, joint, half, radius, first, second, among, len(among), margins,
-        commons, extra, p_j, z_j, R, c, travel, pairs, moves, lower,
+        tree, boxes, d, first, second, among, len(among), margins, commons, extra, p_j, z_j, R, c,
+        travel, pairs, moves, lower,
     )  # fmt: skip
     order = np.argsort(lower[:found])
     return pairs[:found][order], moves[:found][order], lower[:found][order]
@@ -202,17 +201,10 @@ def close_pairs(
 
 @njit(cache=True)
 def place_bodies(
-    parents: Ints,
-    R0: Floats,
-    p0: Floats,
-    axes: Floats,
-    slides: Floats,
+    tree: Tree,
+    boxes: Boxes,
     q: Floats,
     d: Floats,
-    joint: Ints,
-    R_g: Floats,
-    c_g: Floats,
-    radius: Floats,
     R_j: Floats,
     p_j: Floats,
     z_j: Floats,
@@ -221,7 +213,8 @@ def place_bodies(
     travel: Floats,
 ) -> None:
     """Where all joints and bodies are at `q`, and how far each body can move: the last six."""
-    _joint_poses(parents, R0, p0, axes, slides, q, R_j, p_j, z_j)
+    joint, R_g, c_g = boxes.joint, boxes.R, boxes.c
+    _joint_poses(tree.parents, tree.R, tree.p, tree.axes, tree.slides, q, R_j, p_j, z_j)
     for g in range(len(joint)):
         j = joint[g]
         for i in range(3):
@@ -233,17 +226,14 @@ def place_bodies(
                     + R_j[j, i, 1] * R_g[g, 1, k]
                     + R_j[j, i, 2] * R_g[g, 2, k]
                 )
-        travel[g] = _travel(g, 0, joint, parents, slides, p_j, z_j, c, radius, d)
+        travel[g] = _travel(g, 0, joint, tree.parents, tree.slides, p_j, z_j, c, boxes.radius, d)
 
 
 @njit(cache=True)
 def gather_close(
-    parents: Ints,
-    slides: Floats,
+    tree: Tree,
+    boxes: Boxes,
     d: Floats,
-    joint: Ints,
-    half: Floats,
-    radius: Floats,
     first: Ints,
     second: Ints,
     among: Ints,
@@ -264,6 +254,8 @@ def gather_close(
 
     The first `asked` numbers of `among` are looked at.
     """
+    parents, slides = tree.parents, tree.slides
+    joint, half, radius = boxes.joint, boxes.half, boxes.radius
     found = 0
     for at in range(asked):
         k = among[at]

@@ -8,8 +8,9 @@ import numpy as np
 from numba import njit
 
 from workbench.model.geometry import Floats, Ints
-from workbench.planning.bounds import gather_close, place_bodies
+from workbench.planning.bounds import Boxes, gather_close, place_bodies
 from workbench.planning.gjk import CLEAR, TOUCHES, UNCLEAR, Cores, side
+from workbench.planning.kinematics import Tree
 
 LOOSENESS = 0.005
 """[m] By about this much the lower bound of a distance falls short; only a matter of speed."""
@@ -29,16 +30,8 @@ def swept(
     columns: Ints,
     base: Floats,
     resolution: float,
-    parents: Ints,
-    R0: Floats,
-    p0: Floats,
-    axes: Floats,
-    slides: Floats,
-    joint: Ints,
-    R_g: Floats,
-    c_g: Floats,
-    half: Floats,
-    radius: Floats,
+    tree: Tree,
+    boxes: Boxes,
     first: Ints,
     second: Ints,
     among: Ints,
@@ -53,16 +46,8 @@ def swept(
         columns: places of the n joints in the whole configuration.
         base: whole configuration (nq,) of the others.
         resolution: [m] see `motion`.
-        parents: see `bounds.close_pairs`, as all that follow up to `commons`.
-        R0: see there.
-        p0: see there.
-        axes: see there.
-        slides: see there.
-        joint: see there.
-        R_g: see there.
-        c_g: see there.
-        half: see there.
-        radius: see there.
+        tree: see `bounds.close_pairs`, as all that follow up to `commons`.
+        boxes: see there.
         first: see there.
         second: see there.
         among: see there.
@@ -76,7 +61,7 @@ def swept(
     """
     n, nq = len(columns), len(base)
     q, d = base.copy(), np.zeros(nq)
-    joints, bodies = len(parents), len(joint)
+    joints, bodies = len(tree.parents), len(boxes.joint)
     R_j, p_j, z_j = np.empty((joints, 3, 3)), np.empty((joints, 3)), np.empty((joints, 3))
     R, c, travel = np.empty((bodies, 3, 3)), np.empty((bodies, 3)), np.empty(bodies)
     pairs = np.empty(len(among), np.int64)
@@ -99,14 +84,11 @@ def swept(
             middle[i] = m
             q[columns[i]] = m
             d[columns[i]] = max(abs(p0_ - m), abs(p2_ - m))
-        place_bodies(
-            parents, R0, p0, axes, slides, q, d, joint, R_g, c_g, radius, R_j, p_j, z_j, R, c,
-            travel,
-        )  # fmt: skip
+        place_bodies(tree, boxes, q, d, R_j, p_j, z_j, R, c, travel)
         looks += 1
         found = gather_close(
-            parents, slides, d, joint, half, radius, first, second, open_pairs[begins[at] :],
-            sizes[at], margins, commons, 0.0, p_j, z_j, R, c, travel, pairs, moves, lower,
+            tree, boxes, d, first, second, open_pairs[begins[at] :], sizes[at], margins, commons,
+            0.0, p_j, z_j, R, c, travel, pairs, moves, lower,
         )  # fmt: skip
         furthest, kept = 0.0, used
         for k in range(found):

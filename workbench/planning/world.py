@@ -11,7 +11,7 @@ from workbench.model.cell import Arm, Cell, Policy
 from workbench.model.geometry import Floats, Ints, Shape
 from workbench.model.scan import Detection, Obstacle
 from workbench.planning.bodies import bodies_of, coal_shape, extent
-from workbench.planning.bounds import close_pairs
+from workbench.planning.bounds import Boxes, close_pairs
 from workbench.planning.chain import Chain, chain_of
 from workbench.planning.gjk import cores_of
 from workbench.planning.kinematics import Kinematics
@@ -97,7 +97,7 @@ class World:
                 self._place(g, joint, T_joint_flange * arm.tool.T_flange_tcp * T_tcp_body)
             else:
                 self._place(g, 0, body.T_joint_body)
-        self._checks = self._pairing.checks(phase, self._joint)
+        self._checks = self._pairing.checks(phase, self._boxes.joint)
         self._margins = self._checks.margins
         self._own = self._checks.own
         self._split = self._split_of(self._checks.among)
@@ -114,9 +114,10 @@ class World:
         shape = self._geometry.geometryObjects[g]
         shape.parentJoint = joint
         shape.placement = T
-        self._joint[g] = joint
-        self._R[g] = T.rotation
-        self._c[g] = T.translation + T.rotation @ self._centre[g]
+        boxes = self._boxes
+        boxes.joint[g] = joint
+        boxes.R[g] = T.rotation
+        boxes.c[g] = T.translation + T.rotation @ self._centre[g]
 
     # -- questions -------------------------------------------------------------------------
 
@@ -186,12 +187,8 @@ class World:
             columns,
             base,
             resolution,
-            *self.kinematics.tree,
-            self._joint,
-            self._R,
-            self._c,
-            self._half,
-            self._radius,
+            self.kinematics.tree,
+            self._boxes,
             self._pairing.first,
             self._pairing.second,
             easy,
@@ -268,7 +265,7 @@ class World:
         A shoulder is what the first two joints of an arm carry.
         """
         joints = [self.kinematics.model.getJointId(j) for a in self.cell.arms for j in a.joints[:2]]
-        is_shoulder = np.isin(self._joint, joints)
+        is_shoulder = np.isin(self._boxes.joint, joints)
         among = self.between()
         both = is_shoulder[self._pairing.first[among]] & is_shoulder[self._pairing.second[among]]
         return among[~both]
@@ -314,14 +311,10 @@ class World:
         """
         self.checks += 1
         close = close_pairs(
-            *self.kinematics.tree,
+            self.kinematics.tree,
+            self._boxes,
             q,
             d,
-            self._joint,
-            self._R,
-            self._c,
-            self._half,
-            self._radius,
             self._pairing.first,
             self._pairing.second,
             self._checks.among if among is None else among,
@@ -360,15 +353,17 @@ class World:
                 T_world_part = self.detections[int(body.owner)].T_world_part
                 self._T_part_piece[g] = T_world_part.actInv(body.T_joint_body)
         self._centre = np.array([centre for centre, _, _ in extents])
-        self._half = np.array([half for _, half, _ in extents])
-        self._radius = np.array([radius for _, _, radius in extents])
-        self._joint = np.array([body.joint for body in self._bodies])
-        self._R = np.array([body.T_joint_body.rotation for body in self._bodies])
-        self._c = np.array(
-            [
-                body.T_joint_body.act(centre)
-                for body, centre in zip(self._bodies, self._centre, strict=True)
-            ]
+        self._boxes = Boxes(
+            joint=np.array([body.joint for body in self._bodies]),
+            R=np.array([body.T_joint_body.rotation for body in self._bodies]),
+            c=np.array(
+                [
+                    body.T_joint_body.act(centre)
+                    for body, centre in zip(self._bodies, self._centre, strict=True)
+                ]
+            ),
+            half=np.array([half for _, half, _ in extents]),
+            radius=np.array([radius for _, _, radius in extents]),
         )
         self._loose = [
             g
