@@ -461,3 +461,22 @@ def test_no_sequence_of_commands_sends_without_a_fresh_matching_approval(samples
     run_state_machine_as_test(
         AnySequence, settings=settings(max_examples=300, stateful_step_count=30, deadline=None)
     )
+
+
+def test_plannings_for_the_same_parts_are_remembered_until_there_are_others(line, samples):
+    scan = samples.scan()
+    line.do(TakeScan())
+    line.ended(scan)
+    line.do(FindParts())
+    line.ended(samples.detections())
+    line.do(MakePlan())
+    line.ended(samples.refused())
+    line.do(MakePlan(seed=1))
+    planned = samples.planned(scan.digest)
+    state = line.ended(planned)
+    first, second = state.outlines
+    assert "in collision" in first.verdict and first.cycle is None
+    assert (second.digest, second.verdict) == (planned.plan.digest, "")
+    assert second.cycle == planned.plan.cycle_seconds
+    line.do(FindParts())
+    assert line.ended(samples.detections()).outlines == ()
