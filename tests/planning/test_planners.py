@@ -105,3 +105,25 @@ def test_merging_keeps_the_ends_and_leaves_no_tiny_segment_in_the_open(seed, cor
 def test_nothing_is_merged_through_a_wall():
     path = np.array([[0.0, 0.0], [1.0, 0.0], [1.001, 0.0], [1.0, 1.0]])
     assert np.array_equal(merged(path, lambda a, b: False), path)
+
+
+@every_planner
+def test_a_search_is_the_same_whatever_was_searched_before(planner):
+    alone = found(5, planner=planner)
+    for other in PLANNER_NAMES:
+        found(8, iterations=50, planner=other)
+    assert np.array_equal(found(5, planner=planner), alone)
+
+
+@every_planner
+def test_what_the_edge_check_raises_ends_the_search(planner):
+    asked = itertools.count()
+
+    def late(a, b):
+        if next(asked) == 30:
+            raise TimeoutError
+        return free_of_wall(a, b)
+
+    with pytest.raises(TimeoutError):
+        found(0, late, planner=planner)
+    assert found(0, planner=planner) is not None

@@ -4,4 +4,14 @@ from typing import Literal
 
 StrategyName = Literal["auto", "alternated", "coordinated", "right", "left"]
 OrderName = Literal["travel", "highest", "score", "nearest", "walls", "thesis"]
-PlannerName = Literal["rrtconnect", "birrt", "rrt", "sbl"]
+PlannerName = Literal[
+    "rrtconnect",
+    "birrt",
+    "rrt",
+    "sbl",
+    "prmstar",
+    "bitstar",
+    "lbkpiece",
+    "informed-rrtstar",
+    "aorrtc",
+]

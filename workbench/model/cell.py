@@ -12,7 +12,17 @@ from workbench.model.geometry import Box, Floats, Solid, copied, frozen, pose_fr
 from workbench.model.part import Part
 from workbench.model.robot import Robot
 
-PlannerName = Literal["rrtconnect", "birrt", "rrt", "sbl"]
+PlannerName = Literal[
+    "rrtconnect",
+    "birrt",
+    "rrt",
+    "sbl",
+    "prmstar",
+    "bitstar",
+    "lbkpiece",
+    "informed-rrtstar",
+    "aorrtc",
+]
 PLANNER_NAMES: tuple[PlannerName, ...] = get_args(PlannerName)
 
 OrderName = Literal["travel", "highest", "score", "nearest", "walls", "thesis"]

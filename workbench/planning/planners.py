@@ -1,8 +1,7 @@
 """Paths between two configurations: RRT and RRT-Connect, and shortening what they find.
 
-RRT-Connect (Kuffner and LaValle 2000) is written here rather than taken from OMPL: the Python
-module of OMPL 2.0.1 offers no way to give a sampler or to seed it more than once in a process,
-so the same request would not give the same plan.
+RRT-Connect (Kuffner and LaValle 2000) is written here rather than taken from OMPL, whose Python
+module 2.0.1 takes no sampler: samples near start and goal first are what makes ours quick.
 """
 
 from collections.abc import Callable
@@ -117,7 +116,7 @@ def rrt_connect(
     trees = (Tree(start), Tree(goal))
     for iteration in range(iterations):
         grown, other = trees if iteration % 2 == 0 else trees[::-1]
-        sample = _sample(start, goal, lower, upper, iteration, rng)
+        sample = sample_around(start, goal, lower, upper, iteration, rng)
         new = _extend(grown, sample, weights, is_clear)
         if new is None:
             continue
@@ -147,7 +146,7 @@ def rrt(
     tree = Tree(start)
     for iteration in range(iterations):
         is_goal = iteration % GOAL_BIAS == 0
-        sample = goal if is_goal else _sample(start, goal, lower, upper, iteration, rng)
+        sample = goal if is_goal else sample_around(start, goal, lower, upper, iteration, rng)
         new = _extend(tree, sample, weights, is_clear)
         if new is None or np.linalg.norm((goal - tree.q[new]) * weights) > STEP:
             continue
@@ -156,7 +155,7 @@ def rrt(
     return Search(None, iterations)
 
 
-def _sample(
+def sample_around(
     start: Floats,
     goal: Floats,
     lower: Floats,
@@ -164,6 +163,7 @@ def _sample(
     iteration: int,
     rng: np.random.Generator,
 ) -> Floats:
+    """A configuration (n,) in the limits and in the box around start and goal; see `NEARBY`."""
     around = NEARBY + WIDENING * iteration
     low = np.maximum(lower, np.minimum(start, goal) - around)
     return rng.uniform(low, np.minimum(upper, np.maximum(start, goal) + around))

@@ -10,6 +10,7 @@ from workbench.model.candidate import Reason, Stage, Verdict
 from workbench.model.cell import PlannerName, Policy
 from workbench.model.geometry import Floats
 from workbench.planning.motion import Curve, curves_of, on_wire, segment
+from workbench.planning.ompl_planners import ompl_planner
 from workbench.planning.planners import (
     EdgeCheck,
     Planner,
@@ -19,6 +20,7 @@ from workbench.planning.planners import (
     rrt_connect,
     shortened,
 )
+from workbench.planning.prm_star import prm_star
 from workbench.planning.sbl import sbl
 from workbench.planning.world import Contact
 
@@ -27,6 +29,11 @@ PLANNERS: Mapping[PlannerName, Planner] = {
     "birrt": rrt_connect,
     "rrt": rrt,
     "sbl": sbl,
+    "prmstar": prm_star,
+    "bitstar": ompl_planner("BITstar"),
+    "lbkpiece": ompl_planner("LBKPIECE1"),
+    "informed-rrtstar": ompl_planner("InformedRRTstar"),
+    "aorrtc": ompl_planner("AORRTC"),
 }
 
 TRIES = 3
