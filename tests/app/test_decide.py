@@ -36,6 +36,7 @@ from workbench.app.effects import Effect, Send, StartJob, StopJob, StopSending
 from workbench.app.rights import RIGHTS, ROBOT_LINK, WORKER
 from workbench.app.rules import allowed, staleness
 from workbench.app.state import Phase, State
+from workbench.model.cell import Wishes
 from workbench.model.digest import digest_of
 from workbench.model.errors import CommandRefused, InputError, JobCancelled
 from workbench.model.plan import UNSIGNED
@@ -99,7 +100,7 @@ def test_the_line_goes_from_a_scan_to_a_finished_cycle(line, samples):
     assert line.ended(scan).phase is Phase.SCANNED
     line.do(FindParts(seed=5))
     assert line.ended(detections).phase is Phase.LOCALIZED
-    line.do(MakePlan("right", 0.3, 6, "sbl", 900, "highest"))
+    line.do(MakePlan("right", 0.3, 6, Wishes("sbl", 900, "highest", 0.01, 0.8)))
     result = samples.planned(scan.digest)
     assert line.ended(result).phase is Phase.PLANNED
     assert line.do(Approve(result.plan.digest)).phase is Phase.APPROVED
@@ -118,9 +119,7 @@ def test_the_line_goes_from_a_scan_to_a_finished_cycle(line, samples):
         "scan": scan,
         "strategy": "right",
         "threshold": 0.3,
-        "planner": "sbl",
-        "iterations": 900,
-        "order": "highest",
+        "wishes": Wishes("sbl", 900, "highest", 0.01, 0.8),
         "seed": 6,
     }
     assert isinstance(send, Send)

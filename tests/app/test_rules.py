@@ -25,8 +25,9 @@ from workbench.app.commands import (
     UseDetections,
 )
 from workbench.app.rights import NEXT, RIGHTS, obstacle
-from workbench.app.rules import allowed, approve, staleness
+from workbench.app.rules import STRATEGIES, allowed, approve, staleness
 from workbench.app.state import Job, Phase, State
+from workbench.model.cell import Wishes
 from workbench.model.errors import CommandRefused
 from workbench.model.scan import Detection
 
@@ -132,15 +133,15 @@ def test_thresholds_outside_of_a_metre_are_refused(planned, threshold):
 
 
 def test_an_unknown_strategy_is_refused_with_those_there_are(planned):
-    said = refusal(planned, MakePlan(strategy="both"))
-    assert "auto, alternated, coordinated, right, left" in said
+    said = refusal(planned, MakePlan(strategy="neither"))
+    assert "auto, alternated, coordinated, right, left, both" in said
 
 
 @given(
     seed=st.integers(0, 2**31 - 1),
     parts=st.integers(1, 30),
     threshold=st.floats(0, 1),
-    strategy=st.sampled_from(["auto", "alternated", "coordinated", "right", "left"]),
+    strategy=st.sampled_from(list(STRATEGIES)),
 )
 def test_everything_within_the_ranges_passes(cell, samples, seed, parts, threshold, strategy):
     allowed(State(cell), TakeScan(seed, parts), "ada", NOW)
@@ -248,7 +249,12 @@ def test_a_plan_bent_in_memory_after_approval_is_not_sent(approved):
         ({"iterations": 0}, "iterations must be"),
         ({"iterations": 1.5}, "iterations must be"),
         ({"iterations": 10**9}, "iterations must be"),
+        ({"margin": 0.004}, "margin must lie between 0.005 and 0.2 m"),
+        ({"margin": math.nan}, "margin must lie"),
+        ({"margin": "5"}, "margin must lie"),
+        ({"metric": 0.0}, "metric must lie"),
+        ({"metric": 1.1}, "metric must lie"),
     ],
 )
-def test_a_planner_and_its_effort_are_checked(planned, wish, expected):
-    assert expected in refusal(planned, MakePlan(**wish))
+def test_every_wish_is_checked(planned, wish, expected):
+    assert expected in refusal(planned, MakePlan(wishes=Wishes(**wish)))

@@ -6,6 +6,7 @@ import pytest
 
 from workbench.app.work import JOBS
 from workbench.formats.cells import read_cell
+from workbench.model.cell import Wishes
 from workbench.model.errors import InputError, JobCancelled
 
 
@@ -37,9 +38,7 @@ def test_the_jobs_lead_from_a_seed_to_a_proven_plan(yumi):
         "scan": scan,
         "strategy": "auto",
         "threshold": 0.2,
-        "planner": "sbl",
-        "iterations": None,
-        "order": None,
+        "wishes": Wishes(planner="sbl"),
         "seed": 0,
     }
     result, told = run("plan", yumi, arguments)

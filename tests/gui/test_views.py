@@ -224,3 +224,14 @@ def test_nothing_from_outside_becomes_html(cell, states, view_of):
             assert name != "src"
         seen += reader.text
     assert EVIL in seen
+
+
+def test_the_last_study_speaks_for_the_threshold_nearby(states):
+    cell = states.idle.cell
+    forecasts = (Forecast(0.1, 0.7, 1.0, 0.17, 9.2, 763.2), Forecast(0.2, 0.0, None, None, 9, None))
+    said = views.forecast_line(cell, Predictions(cell.digest, 53, forecasts), 0.12)
+    assert "53 pairs at 100 mm: 70% coordinated, 100% planned, in 170 ms, 763 parts an hour" in said
+    assert "changed" not in said
+    said = views.forecast_line(cell, Predictions("other", 53, forecasts), 0.19)
+    assert "at 200 mm: 0% coordinated; the cell was changed since" in said
+    assert views.forecast_line(cell, None, 0.2) == ""

@@ -6,7 +6,7 @@ import pytest
 from workbench.app.pick import plan_pick
 from workbench.formats.cells import read_cell
 from workbench.model.candidate import Pick
-from workbench.model.cell import ORDER_NAMES
+from workbench.model.cell import ORDER_NAMES, Wishes
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.scan import Detection
 from workbench.planning.dual_arm import pairs_of
@@ -66,7 +66,7 @@ def test_the_thesis_gives_each_arm_its_side_and_the_farther_part_first(world, pi
 
 @pytest.mark.parametrize("order", ORDER_NAMES)
 def test_every_order_leads_to_a_proven_plan(order):
-    result = plan_pick(CELL, DETECTIONS, "test", order=order, seed=0)
+    result = plan_pick(CELL, DETECTIONS, "test", wishes=Wishes(order=order), seed=0)
     assert result.plan is not None and result.proof.holds
     assert len(result.plan.arms) == 2
     if order in ("highest", "walls"):

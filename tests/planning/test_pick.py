@@ -11,6 +11,7 @@ import pytest
 
 from workbench.app.pick import plan_pick
 from workbench.model.candidate import Pick, Reason, Stage
+from workbench.model.cell import Wishes
 from workbench.model.errors import InputError, JobCancelled
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.part import GraspLibrary
@@ -185,8 +186,24 @@ def test_picks_keep_to_limits_and_the_wire(cell, detections):
 def test_nothing_to_plan_and_unknown_strategies_are_clear_errors(cell, detections):
     with pytest.raises(InputError, match="no parts"):
         plan_pick(cell, (), "s")
-    with pytest.raises(InputError, match="'both' is not one of auto"):
-        plan_pick(cell, detections, "s", strategy="both")
+    with pytest.raises(InputError, match="'neither' is not one of auto"):
+        plan_pick(cell, detections, "s", strategy="neither")
+
+
+def test_both_strategies_are_planned_and_what_can_be_sent_is_taken(cell, detections):
+    result = plan_pick(cell, detections, "s", strategy="both")
+    (other,) = result.beside
+    assert (result.plan.strategy, other.plan.strategy) == ("alternated", "coordinated")
+    assert result.proof.holds and other.proof.holds
+    assert other.plan.cycle_seconds < result.plan.cycle_seconds
+    alone = plan_pick(cell, detections, "s", strategy="coordinated")
+    assert other.plan.digest == alone.plan.digest
+
+
+def test_a_wider_margin_is_kept(cell, detections):
+    wide = plan_pick(cell, detections, "s", wishes=Wishes(margin=0.015))
+    usual = plan_pick(cell, detections, "s")
+    assert usual.proof.clearance < 0.015 <= wide.proof.clearance
 
 
 def test_planning_can_be_cancelled(cell, detections):

@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from workbench.app.pick import judge, plan_pick
 from workbench.formats.cells import read_cell
 from workbench.model.candidate import Reason
+from workbench.model.cell import Wishes
 from workbench.model.errors import InputError
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.scan import Detection
@@ -45,7 +46,12 @@ def test_every_plan_holds_when_it_is_looked_at_four_times_as_closely(
     seed, count, strategy, planner, order
 ):
     result = plan_pick(
-        CELL, pile(seed, count), "test", strategy=strategy, planner=planner, order=order, seed=seed
+        CELL,
+        pile(seed, count),
+        "test",
+        strategy=strategy,
+        wishes=Wishes(planner=planner, order=order),
+        seed=seed,
     )
     if result.plan is None:
         assert not result.verdict.is_ok
@@ -97,12 +103,14 @@ def test_the_same_request_gives_the_same_plan_in_other_processes_and_after_other
     code = (
         "import sys; from workbench.app.pick import plan_pick\n"
         "from workbench.formats.cells import read_cell\n"
+        "from workbench.model.cell import Wishes\n"
         "from workbench.model.scan import Detection\n"
         "from workbench.perception.piles import drop_parts\n"
         "cell = read_cell('yumi'); part = cell.parts[0]\n"
         "def digest(s, strategy, planner):\n"
         "    pile = tuple(Detection(part.name, T) for T in drop_parts(part, cell.bin, 2, seed=s))\n"
-        "    r = plan_pick(cell, pile, 'x', strategy=strategy, planner=planner, seed=s)\n"
+        "    w = Wishes(planner=planner)\n"
+        "    r = plan_pick(cell, pile, 'x', strategy=strategy, wishes=w, seed=s)\n"
         "    return r.plan.digest if r.plan else str(r.verdict)\n"
         "for s in map(int, sys.argv[1].split(',')):\n"
         "    for asked in (('auto', 'sbl'), ('coordinated', 'rrtconnect')):\n"

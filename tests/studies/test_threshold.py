@@ -4,7 +4,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from workbench.studies.threshold import Case, Way, planned_case, summary
+from workbench.formats.cells import read_cell
+from workbench.model.prediction import Forecast
+from workbench.studies.threshold import Case, Way, planned_case, predictions, summary
 
 ways = st.builds(
     Way, is_proven=st.booleans(), planning=st.floats(0.01, 2), cycle=st.floats(1, 20)
@@ -38,6 +40,16 @@ def test_unreachable_piles_do_not_count():
     (row,) = summary(found, [0.1])
     assert (row["piles"], row["reachable"], row["coordinated_success"]) == (2, 1, 1.0)
     assert row["parts_per_hour"] == pytest.approx(2 * 3600 / 10)
+
+
+def test_what_the_page_shows_is_what_the_table_says():
+    good, bad = Way(True, 0.1, 9.9), Way(False, 0.3, None)
+    rows = summary([Case(0, 0.2, True, good, good), Case(1, 0.1, True, bad, bad)], [0.15])
+    cell = read_cell("yumi")
+    kept = predictions(cell, rows)
+    assert (kept.cell_digest, kept.piles) == (cell.digest, 2)
+    (forecast,) = kept.forecasts
+    assert forecast == Forecast(0.15, 0.5, 0.5, 0.2, 9.9, pytest.approx(720))
 
 
 def test_a_case_is_the_same_however_often_it_is_planned():

@@ -5,10 +5,10 @@ from the page, the command line or the HTTP interface; machines' commands come f
 process and the robot link and tell what has happened.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from workbench.model.candidate import Candidate, Verdict
-from workbench.model.cell import OrderName, PlannerName
+from workbench.model.cell import PlannerName, Wishes
 from workbench.model.errors import WorkbenchError
 from workbench.model.plan import Plan, Proof
 from workbench.model.release import Receipt
@@ -48,16 +48,13 @@ class UseDetections:
 class MakePlan:
     """Judge all candidates, plan and prove.
 
-    `strategy`: auto, or a `Strategy` value; `planner`, `iterations` and `order` None: as the
-    cell has them.
+    `strategy`: auto, or a `Strategy` value; `threshold` [m].
     """
 
     strategy: str = "auto"
     threshold: float = 0.2
     seed: int = 0
-    planner: PlannerName | None = None
-    iterations: int | None = None
-    order: OrderName | None = None
+    wishes: Wishes = field(default_factory=Wishes)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -102,7 +99,10 @@ class JobEnded:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PlanResult:
-    """What a planning job brings: every candidate judged, and the plan or why there is none."""
+    """What a planning job brings: every candidate judged, and the plan or why there is none.
+
+    `beside` is what the other strategy brought, where both were asked for.
+    """
 
     candidates: tuple[Candidate, ...]
     plan: Plan | None
@@ -111,6 +111,7 @@ class PlanResult:
     seconds: dict[str, float]
     obstacles: tuple[Obstacle, ...] = ()
     planner: PlannerName = "rrtconnect"
+    beside: "tuple[PlanResult, ...]" = ()
 
 
 @dataclass(frozen=True, slots=True, eq=False)

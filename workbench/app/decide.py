@@ -112,9 +112,7 @@ def _make_plan(state: State, command: MakePlan) -> Outcome:
         "scan": state.scan,
         "strategy": command.strategy,
         "threshold": command.threshold,
-        "planner": command.planner,
-        "iterations": command.iterations,
-        "order": command.order,
+        "wishes": command.wishes,
         "seed": command.seed,
     }
     inputs_digest = digest_of((state.scene_digest, state.detections))
@@ -226,7 +224,7 @@ def _with_plan(state: State, result: PlanResult) -> State:
         verdict=result.verdict,
         seconds=tuple(result.seconds.items()),
         obstacles=result.obstacles,
-        outlines=(*state.outlines, _outline(result))[-MOST_OUTLINES:],
+        outlines=(*state.outlines, *map(_outline, (*result.beside, result)))[-MOST_OUTLINES:],
         approval=None,
         receipts=(),
         parts_placed=0,

@@ -1,5 +1,6 @@
 """The line from detections to a proven plan: one function for page, command line and studies."""
 
+import math
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
@@ -8,8 +9,9 @@ from itertools import islice
 import numpy as np
 
 from workbench.app.commands import PlanResult
+from workbench.app.rules import STRATEGIES, can_be_sent
 from workbench.model.candidate import Candidate, Pick, Reason, Stage, Verdict
-from workbench.model.cell import Cell, OrderName, PlannerName
+from workbench.model.cell import Cell, Wishes
 from workbench.model.errors import InputError, JobCancelled
 from workbench.model.plan import Plan, Strategy
 from workbench.model.scan import Detection, Obstacle
@@ -24,7 +26,9 @@ from workbench.planning.world import World
 Report = Callable[[float, str], None]
 """Called with the share done, 0..1, and what is being done."""
 
-STRATEGIES = ("auto", *(str(strategy) for strategy in Strategy))
+BOTH = (Strategy.ALTERNATED, Strategy.COORDINATED)
+
+AS_THE_CELL = Wishes()
 
 SIDE_BY_SIDE = 3
 """Pairs of picks that are planned side by side before one arm follows the other."""
@@ -40,9 +44,7 @@ def plan_pick(
     *,
     strategy: str = "auto",
     threshold: float | None = None,
-    planner: PlannerName | None = None,
-    iterations: int | None = None,
-    order: OrderName | None = None,
+    wishes: Wishes = AS_THE_CELL,
     obstacles: tuple[Obstacle, ...] = (),
     seed: int = 0,
     report: Report = lambda done, note: None,
@@ -54,11 +56,9 @@ def plan_pick(
         cell: with its parts and policy.
         detections: the parts found, at least one.
         scan_digest: what they were found in.
-        strategy: `auto` or a `Strategy` value.
+        strategy: one of `STRATEGIES`.
         threshold: [m] distance between the parts; None takes the cell's policy.
-        planner: of the free legs; None takes the cell's.
-        iterations: that it may use for each; None takes the cell's.
-        order: which part is taken first; None takes the cell's.
+        wishes: what is wanted otherwise than the cell's policy has it.
         obstacles: what the scan shows beside the parts.
         seed: of everything random.
         report: progress.
@@ -82,28 +82,41 @@ def plan_pick(
 
     proposed = propose(cell, detections, obstacles)
     lap("propose")
-    policy = replace(
-        cell.policy,
-        planner=cell.policy.planner if planner is None else planner,
-        iterations=cell.policy.iterations if iterations is None else iterations,
-        order=cell.policy.order if order is None else order,
-    )
+    policy = wishes.on(cell.policy)
     world = World(cell, detections, obstacles, policy)
     world.deadline = time.monotonic() + policy.seconds
     judged, picks = _judged(world, proposed, seed, report, cancelled)
     lap("resolve")
-    plan, verdict = None, _summary(judged)
-    if picks:
-        threshold = cell.policy.threshold if threshold is None else threshold
-        plan, verdict = _planned(world, picks, strategy, threshold, scan_digest, seed, cancelled)
-        lap("route")
-    proof = None
-    if plan is not None:
-        report(0.9, "proving the plan")
-        proof = prove(cell, plan)
-        lap("prove")
-        plan = replace(plan, seconds=seconds)
-    return PlanResult(judged, plan, proof, verdict, seconds, obstacles, policy.planner)
+    threshold = cell.policy.threshold if threshold is None else threshold
+    wanted = BOTH if strategy == "both" else (strategy,)
+    results: list[PlanResult] = []
+    for one in wanted:
+        took = dict(seconds)
+        began = time.perf_counter()
+        plan, verdict, proof = None, _summary(judged), None
+        if picks:
+            plan, verdict = _planned(world, picks, one, threshold, scan_digest, seed, cancelled)
+            took["route"], began = time.perf_counter() - began, time.perf_counter()
+        if plan is not None:
+            report(0.9, "proving the plan")
+            proof = prove(cell, plan)
+            took["prove"] = time.perf_counter() - began
+            plan = replace(plan, seconds=took)
+        results.append(PlanResult(judged, plan, proof, verdict, took, obstacles, policy.planner))
+    return _best(cell, results)
+
+
+def _best(cell: Cell, results: list[PlanResult]) -> PlanResult:
+    """Of several strategies the quickest that holds and can be sent, the others beside it."""
+
+    def rank(result: PlanResult) -> tuple[bool, bool, float]:
+        plan, proof = result.plan, result.proof
+        if plan is None or proof is None:
+            return (True, True, math.inf)
+        return (not proof.holds, not can_be_sent(cell, plan), plan.cycle_seconds)
+
+    best, *others = sorted(results, key=rank)
+    return replace(best, beside=tuple(others))
 
 
 def judge(

@@ -21,7 +21,7 @@ from workbench.app.commands import (
 )
 from workbench.app.rights import MACHINES, RIGHTS, obstacle
 from workbench.app.state import State
-from workbench.model.cell import ORDER_NAMES, PLANNER_NAMES, Cell
+from workbench.model.cell import ORDER_NAMES, PLANNER_NAMES, Cell, Wishes
 from workbench.model.digest import digest_of
 from workbench.model.errors import CommandRefused, InputError
 from workbench.model.plan import UNSIGNED, Plan, Proof, Strategy
@@ -32,7 +32,11 @@ MOST_PARTS = 30
 SEED_LIMIT = 2**31
 LONGEST_NAME = 80
 MOST_ITERATIONS = 100_000
-STRATEGIES = ("auto", *(str(strategy) for strategy in Strategy))
+LARGEST_MARGIN = 0.2
+"""[m]"""
+STRATEGIES = ("auto", *(str(strategy) for strategy in Strategy), "both")
+"""`auto` takes what the controller can run; `both` plans with the arms one after the other and
+at once, and compares."""
 
 
 def allowed(state: State, command: Command, actor: str, now: float) -> None:
@@ -60,20 +64,11 @@ def allowed(state: State, command: Command, actor: str, now: float) -> None:
                 raise CommandRefused("finding parts is not possible now: take a scan first")
         case UseDetections(detections=detections):
             _check_detections(state.cell, detections)
-        case MakePlan(strategy=strategy, threshold=threshold, seed=seed) as wanted:
+        case MakePlan(strategy=strategy, threshold=threshold, seed=seed, wishes=wishes):
             _check_integer("seed", seed, 0, SEED_LIMIT - 1)
-            if wanted.iterations is not None:
-                _check_integer("iterations", wanted.iterations, 1, MOST_ITERATIONS)
-            if wanted.planner not in (None, *PLANNER_NAMES):
-                known = ", ".join(PLANNER_NAMES)
-                raise CommandRefused(f"planner {wanted.planner!r} is not known; there are {known}")
-            if wanted.order not in (None, *ORDER_NAMES):
-                known = ", ".join(ORDER_NAMES)
-                raise CommandRefused(f"order {wanted.order!r} is not known; there are {known}")
+            _check_wishes(state.cell, wishes)
             _check_number("threshold", threshold, 0.0, 1.0, "m")
-            if strategy not in STRATEGIES:
-                known = ", ".join(STRATEGIES)
-                raise CommandRefused(f"strategy {strategy!r} is not known; there are {known}")
+            _check_among("strategy", strategy, STRATEGIES)
         case Approve(plan_digest=digest):
             plan = _named_plan(state, digest)
             _check_scene(state, plan)
@@ -94,6 +89,12 @@ def allowed(state: State, command: Command, actor: str, now: float) -> None:
 
 ONE_ARM = frozenset({"abb-socket"})
 """Protocols that cannot say that two arms move at once."""
+
+
+def can_be_sent(cell: Cell, plan: Plan) -> bool:
+    """Whether the controller's protocol can say what the plan does."""
+    is_one_by_one = all(len(step.runs) == 1 for step in plan.sequence)
+    return is_one_by_one or cell.controller.protocol not in ONE_ARM
 
 
 def approve(cell: Cell, plan: Plan, proof: Proof, actor: str, now: float) -> Approval:
@@ -121,11 +122,10 @@ def approve(cell: Cell, plan: Plan, proof: Proof, actor: str, now: float) -> App
         raise CommandRefused("the proof was made for another cell or scan; make a new plan")
     if not proof.holds:
         raise CommandRefused(f"the proof does not hold: {proof.findings[0]}")
-    protocol = cell.controller.protocol
-    if protocol in ONE_ARM and any(len(step.runs) > 1 for step in plan.sequence):
+    if not can_be_sent(cell, plan):
         raise CommandRefused(
-            f"the controller's protocol {protocol} moves one arm at a time, this plan moves both; "
-            "make an alternated plan to send it"
+            f"the controller's protocol {cell.controller.protocol} moves one arm at a time, "
+            "this plan moves both; make an alternated plan to send it"
         )
     return Approval(
         plan_digest=plan.digest,
@@ -193,6 +193,24 @@ def _check_number(name: str, value: Any, lowest: float, highest: float, unit: st
         raise CommandRefused(
             f"{name} must lie between {lowest} and {highest} {unit}, not {value!r}"
         )
+
+
+def _check_among(name: str, value: Any, known: tuple[str, ...]) -> None:
+    if value not in known:
+        raise CommandRefused(f"{name} {value!r} is not known; there are {', '.join(known)}")
+
+
+def _check_wishes(cell: Cell, wishes: Wishes) -> None:
+    if wishes.planner is not None:
+        _check_among("planner", wishes.planner, PLANNER_NAMES)
+    if wishes.order is not None:
+        _check_among("order", wishes.order, ORDER_NAMES)
+    if wishes.iterations is not None:
+        _check_integer("iterations", wishes.iterations, 1, MOST_ITERATIONS)
+    if wishes.margin is not None:
+        _check_number("margin", wishes.margin, cell.policy.margin, LARGEST_MARGIN, "m")
+    if wishes.metric is not None:
+        _check_number("metric", wishes.metric, 0.05, 1.0, "of the joint before")
 
 
 def _check_detections(cell: Cell, detections: tuple[Detection, ...]) -> None:

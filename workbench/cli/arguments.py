@@ -102,6 +102,10 @@ class Plan:
     order: OrderName | None = None
     """Which part is taken first: least joint travel, highest, best score, nearest to the tool,
     farthest from the walls, or the thesis' rules; the cell's when not given."""
+    margin: float | None = None
+    """Distance [m] kept to everything on free legs, at least the cell's."""
+    metric: float | None = None
+    """How much each joint counts of the one before it when planners measure, 0.05 to 1."""
     seed: int = 0
     """Of everything random."""
     part: str | None = None

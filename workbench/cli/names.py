@@ -2,7 +2,7 @@
 
 from typing import Literal
 
-StrategyName = Literal["auto", "alternated", "coordinated", "right", "left"]
+StrategyName = Literal["auto", "alternated", "coordinated", "right", "left", "both"]
 OrderName = Literal["travel", "highest", "score", "nearest", "walls", "thesis"]
 PlannerName = Literal[
     "rrtconnect",

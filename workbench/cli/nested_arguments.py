@@ -96,6 +96,8 @@ class StudyThreshold:
     """Of the first pile; the others follow."""
     plot: Path | None = None
     """HTML file to draw the comparison in."""
+    keep: bool = False
+    """Keep the result beside the cell, where the page shows it with the threshold."""
     json: bool = False
     """Print one JSON object and nothing else."""
 

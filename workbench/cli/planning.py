@@ -7,7 +7,7 @@ from pathlib import Path
 
 from workbench.app.commands import PlanResult
 from workbench.app.pick import plan_pick
-from workbench.app.rules import MOST_ITERATIONS, SEED_LIMIT
+from workbench.app.rules import LARGEST_MARGIN, MOST_ITERATIONS, SEED_LIMIT
 from workbench.cli import arguments
 from workbench.cli.exits import NO_PLAN, SUCCESS
 from workbench.cli.findings import (
@@ -32,7 +32,7 @@ from workbench.formats.cells import read_cell
 from workbench.formats.clouds import read_cloud
 from workbench.formats.plans import read_plan, write_plan
 from workbench.formats.poses import read_poses
-from workbench.model.cell import Cell
+from workbench.model.cell import Cell, Wishes
 from workbench.model.digest import digest_of
 from workbench.model.errors import InputError
 from workbench.model.geometry import pose_from_rpy
@@ -50,6 +50,11 @@ def plan(typed: arguments.Plan) -> int:
     if typed.iterations is not None:
         check_whole("--iterations", typed.iterations, 1, MOST_ITERATIONS)
     cell = read_cell(typed.cell)
+    if typed.margin is not None:
+        check_number("--margin", typed.margin, cell.policy.margin, LARGEST_MARGIN)
+    if typed.metric is not None:
+        check_number("--metric", typed.metric, 0.05, 1.0)
+    wishes = Wishes(typed.planner, typed.iterations, typed.order, typed.margin, typed.metric)
     detections = detections_from(cell, typed.poses, typed.part)
     with progress("plan") as report:
         report(0.0, "getting ready")
@@ -62,9 +67,7 @@ def plan(typed: arguments.Plan) -> int:
             digest_of(detections),
             strategy=typed.strategy,
             threshold=typed.threshold,
-            planner=typed.planner,
-            iterations=typed.iterations,
-            order=typed.order,
+            wishes=wishes,
             obstacles=obstacles,
             seed=typed.seed,
             report=report,

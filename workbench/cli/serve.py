@@ -17,6 +17,7 @@ from workbench.cli import arguments
 from workbench.cli.simulation import simulated_controller
 from workbench.cli.terminal import check_whole
 from workbench.formats.cells import read_cell
+from workbench.formats.predictions import predictions_path, read_predictions
 from workbench.model.cell import Controller
 
 SESSIONS = Path("sessions")
@@ -29,6 +30,7 @@ def serve(typed: arguments.Serve) -> int:
     check_whole("--port", typed.port, 0, 65535)
     logging.basicConfig(level=logging.WARNING, format="%(asctime)s %(name)s: %(message)s")
     cell = read_cell(typed.cell)
+    predictions = read_predictions(predictions_path(typed.cell))
     with ExitStack() as stack:
         robot = f"robot controller: {_address(cell.controller)}"
         if _is_local(cell.controller) and not _answers(cell.controller):
@@ -41,7 +43,7 @@ def serve(typed: arguments.Serve) -> int:
         # The page takes its time to import; by now the worker imports in parallel.
         from workbench.gui.server import serve as serve_page
 
-        page = serve_page(bench, host=typed.host, port=typed.port)
+        page = serve_page(bench, host=typed.host, port=typed.port, predictions=predictions)
         stack.callback(page.close)
         print(f"Workbench, cell {cell.name}: {page.url}")
         print(robot)

@@ -17,6 +17,7 @@ from workbench.cli.nested_arguments import (
 )
 from workbench.cli.terminal import check_number, check_whole, print_json, print_table, progress
 from workbench.formats.cells import read_cell
+from workbench.formats.predictions import predictions_path, write_predictions
 from workbench.model.errors import InputError
 from workbench.studies import klampt, localization, picks, planners, plots, threshold
 from workbench.studies.cases import run_cases
@@ -173,7 +174,8 @@ def _threshold(typed: StudyThreshold) -> int:
     check_whole("--workers", typed.workers, 1, 1024)
     for value in typed.thresholds:
         check_number("--thresholds", value, 0.0, 10.0)
-    if len(read_cell(typed.cell).arms) < 2:
+    cell = read_cell(typed.cell)
+    if len(cell.arms) < 2:
         raise InputError(f"cell {typed.cell} has one arm; the threshold is about two")
     with progress("threshold") as report:
         cases = run_cases(
@@ -186,15 +188,18 @@ def _threshold(typed: StudyThreshold) -> int:
     rows = threshold.summary(cases, typed.thresholds)
     if typed.plot is not None:
         plots.draw_threshold(typed.plot, cases, rows)
+    if typed.keep:
+        kept = threshold.predictions(cell, rows)
+        write_predictions(predictions_path(typed.cell), kept)
     if typed.json:
         print_json({"cases": [asdict(case) for case in cases], "thresholds": rows})
         return SUCCESS
     reachable = sum(case.is_reachable for case in cases)
     print(f"{len(cases)} piles; in {reachable} each arm can take a part of its own")
-    columns = ("threshold mm", "coordinated", "success", "mean ms", "median ms", "95 % ms")
+    columns = ("threshold mm", "at once", "success", "mean ms", "median ms", "95 % ms")
     print_table(
         "Coordinated at that distance or more, alternated below it",
-        (*columns, "alternated success", "mean ms", "median ms", "cycle s", "parts an hour"),
+        (*columns, "one by one", "mean ms", "median ms", "cycle s", "parts an hour"),
         [_threshold_words(row) for row in rows],
     )
     return SUCCESS

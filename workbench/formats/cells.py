@@ -31,15 +31,23 @@ from workbench.model.robot import Link, Robot
 ARM_NAMES = ("right", "left")
 
 
+def cell_path(name: str | Path) -> Path:
+    """The file of a cell; see `read_cell`.
+
+    Raises:
+        FileError: there is none.
+    """
+    place = find("robots", str(name))
+    return place / "cell.toml" if place.is_dir() else place
+
+
 def read_cell(name: str | Path) -> Cell:
     """A cell by name under `robots/`, or by the path of its folder or `cell.toml`.
 
     Raises:
         FileError: names the file, the key, its value and what was expected.
     """
-    place = find("robots", str(name))
-    path = place / "cell.toml" if place.is_dir() else place
-    table = read_toml(path)
+    table = read_toml(cell_path(name))
     robot_table = table.table("robot")
     robot = _robot(robot_table)
     T_world_robot = read_pose(robot_table)
@@ -265,6 +273,7 @@ def _policy(table: Table) -> Policy:
         iterations=table.whole("iterations", usual.iterations, low=1, high=1_000_000),
         seconds=table.number("seconds", usual.seconds, low=0.01, high=24 * 3600),
         order=table.text("order", usual.order, among=ORDER_NAMES),  # type: ignore[arg-type]
+        metric=table.number("metric", usual.metric, low=0.05, high=1),
         approval_minutes=table.number(
             "approval_minutes", usual.approval_minutes, low=0.1, high=24 * 60
         ),

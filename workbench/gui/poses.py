@@ -54,10 +54,13 @@ class PoseFinder:
     def _on_the_way(self, world: World, pick: Pick) -> tuple[Pose, ...]:
         candidate, opening = pick.candidate, pick.candidate.grasp.opening
         place = np.atleast_2d(pick.place)[-1]
+        part, near = f"part-{candidate.detection + 1}", mm(world.policy.near_margin)
+        keeps = f"clear; straight on the tool keeps {near} from all but {part}"
+        leaves = f"clear; {part} may leave what it lies on, but not come nearer"
         way = [
-            Pose("pre-grasp", np.asarray(pick.approach[0]), opening, "clear"),
-            Pose("grasp", pick.q_grasp, opening, "clear"),
-            Pose("lifted", np.asarray(pick.extract[-1]), candidate.grasp.grip, "clear"),
+            Pose("pre-grasp", np.asarray(pick.approach[0]), opening, keeps),
+            Pose("grasp", pick.q_grasp, opening, f"clear; the tool may touch {part}"),
+            Pose("lifted", np.asarray(pick.extract[-1]), candidate.grasp.grip, leaves),
             Pose("place", place, candidate.grasp.grip, "clear"),
         ]
         world.enter(approach_phase(candidate, world.arm(candidate.arm)))

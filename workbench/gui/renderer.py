@@ -22,6 +22,7 @@ from workbench.gui.poses import PoseFinder
 from workbench.gui.scene import Scene
 from workbench.gui.theme import Theme
 from workbench.gui.visitor import Panel, Visitor
+from workbench.model.prediction import Predictions
 
 log = logging.getLogger(__name__)
 
@@ -53,6 +54,7 @@ class Renderer:
         *,
         style: str,
         most_points: int,
+        predictions: Predictions | None,
     ):
         """Draw the cell and start.
 
@@ -62,11 +64,13 @@ class Renderer:
             theme: of the page.
             style: style sheet of the page.
             most_points: of a scan.
+            predictions: what a study says about the threshold.
         """
         self._server = server
         self._bench = bench
         self._theme = theme
         self._style = style
+        self._predictions = predictions
         self._woken = threading.Event()
         self._closed = threading.Event()
         self._look = SharedLook(self._woken.set)
@@ -197,7 +201,7 @@ class Renderer:
 
     def _welcome(self, client: viser.ClientHandle, view: View) -> None:
         def build() -> None:
-            visitor = Visitor(client, self._bench, self._look)
+            visitor = Visitor(client, self._bench, self._look, self._predictions)
             panels = self._built(visitor)
             for panel in panels:
                 panel.show(None, view)

@@ -7,6 +7,7 @@ from workbench.formats.shipped import find
 from workbench.gui.door import close_door, open_door
 from workbench.gui.renderer import Renderer
 from workbench.gui.theme import Theme
+from workbench.model.prediction import Predictions
 
 PANEL_WIDTH = 440
 """Of the controls beside the scene, in pixels."""
@@ -34,7 +35,12 @@ class Page:
 
 
 def serve(
-    bench: Bench, *, host: str = "127.0.0.1", port: int = 8080, most_points: int = MOST_POINTS
+    bench: Bench,
+    *,
+    host: str = "127.0.0.1",
+    port: int = 8080,
+    most_points: int = MOST_POINTS,
+    predictions: Predictions | None = None,
 ) -> Page:
     """Serve the page of a bench.
 
@@ -45,6 +51,7 @@ def serve(
         host: address to listen on.
         port: 0 takes a free one.
         most_points: of a scan to draw; slow browsers like fewer.
+        predictions: what a study says about the threshold.
 
     Raises:
         InputError: the address cannot be had.
@@ -57,7 +64,9 @@ def serve(
     server.gui.set_panel_label(f"Cell {bench.cell.name}")
     server.gui.main_panel.dock_right()
     server.gui.main_panel.set_width(PANEL_WIDTH)
-    renderer = Renderer(server, bench, theme, style=style, most_points=most_points)
+    renderer = Renderer(
+        server, bench, theme, style=style, most_points=most_points, predictions=predictions
+    )
     shown = "localhost" if host in ("0.0.0.0", "::") else host
     bracketed = f"[{shown}]" if ":" in shown else shown
     return Page(f"http://{bracketed}:{server.get_port()}", server, renderer)

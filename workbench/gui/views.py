@@ -17,6 +17,7 @@ from workbench.gui.look import View
 from workbench.model.candidate import Candidate, Verdict
 from workbench.model.cell import Cell
 from workbench.model.plan import Finding, Plan, Proof
+from workbench.model.prediction import Predictions
 from workbench.model.scan import Detection
 
 STEPS = ("Scan", "Find parts", "Plan", "Approve", "Send")
@@ -155,6 +156,23 @@ def _apart(detections: tuple[Detection, ...], threshold: float) -> str:
     distance = math.dist(first, second)
     side = "nearer than" if distance < threshold else "at least"
     return f", {mm(distance, 0)} apart, {side} the threshold"
+
+
+def forecast_line(cell: Cell, predictions: Predictions | None, threshold: float) -> str:
+    """What the last study says about a threshold [m]; empty when there was none."""
+    forecast = None if predictions is None else predictions.near(threshold)
+    if predictions is None or forecast is None:
+        return ""
+    pieces = [
+        "" if forecast.coordinated is None else f"{forecast.coordinated:.0%} coordinated",
+        "" if forecast.success is None else f"{forecast.success:.0%} planned",
+        "" if forecast.planning is None else f"in {forecast.planning * 1000:.0f} ms",
+        "" if forecast.parts_per_hour is None else f"{forecast.parts_per_hour:.0f} parts an hour",
+    ]
+    said = ", ".join(piece for piece in pieces if piece)
+    changed = "" if predictions.cell_digest == cell.digest else "; the cell was changed since"
+    text = f"Study of {predictions.piles} pairs at {mm(forecast.threshold, 0)}: {said}{changed}"
+    return line(text, kind="hint")
 
 
 def plan_line(state: State) -> str:

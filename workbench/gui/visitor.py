@@ -13,6 +13,7 @@ from workbench.app.rules import allowed
 from workbench.app.state import State
 from workbench.gui.look import SharedLook, View
 from workbench.model.errors import CommandRefused, WorkbenchError
+from workbench.model.prediction import Predictions
 
 log = logging.getLogger(__name__)
 
@@ -30,12 +31,19 @@ class Visitor:
     Concurrency: any thread.
     """
 
-    def __init__(self, client: viser.ClientHandle, bench: Bench, look: SharedLook):
+    def __init__(
+        self,
+        client: viser.ClientHandle,
+        bench: Bench,
+        look: SharedLook,
+        predictions: Predictions | None = None,
+    ):
         """A browser without controls yet."""
         self.client = client
         self.gui = client.gui
         self.bench = bench
         self.look = look
+        self.predictions = predictions
 
     @property
     def number(self) -> int:

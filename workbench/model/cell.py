@@ -1,6 +1,6 @@
 """The cell: robot, arms with their tools, bin, fixtures, scanner, controller, and its policies."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields, replace
 from typing import Literal, get_args
 
 import numpy as np
@@ -170,7 +170,7 @@ class Controller:
     protocol: Literal["abb-socket"] = "abb-socket"
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True)
 class Policy:
     """The numbers by which this cell plans; lengths [m], angles [rad].
 
@@ -183,6 +183,8 @@ class Policy:
     stands: a stop against input that nobody foresaw, not a budget.  `order` says which part is
     taken first: that with the least joint travel, the highest, the best score, the nearest to
     the tool, the farthest from the walls, or by the thesis' rules (see `planning.order`).
+    `metric`: when planners measure, each joint counts so much of the one before it; the first
+    ones move more of the arm.
     """
 
     margin: float = 0.005
@@ -199,7 +201,27 @@ class Policy:
     iterations: int = 500
     seconds: float = 60.0
     order: OrderName = "travel"
+    metric: float = 0.6
     approval_minutes: float = 5.0
+
+
+@dataclass(frozen=True, slots=True)
+class Wishes:
+    """What one request may want otherwise than the cell's policy; None: as the cell has it.
+
+    A `margin` [m] below the cell's would not be proven: it may only be larger.
+    """
+
+    planner: PlannerName | None = None
+    iterations: int | None = None
+    order: OrderName | None = None
+    margin: float | None = None
+    metric: float | None = None
+
+    def on(self, policy: Policy) -> Policy:
+        """The policy with what is wished."""
+        wished = {field.name: getattr(self, field.name) for field in fields(self)}
+        return replace(policy, **{name: v for name, v in wished.items() if v is not None})
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -268,7 +268,7 @@ def _around(world: World, pair: Pair, rng: np.random.Generator) -> Iterator[Pair
             met = first_meeting(world, base, course_of(columns, curves), way)
             return None if met is None else (met.contact, met.q[0])
 
-        chain, weights = world.chains[task.plan.arm], joint_weights(len(columns))
+        chain, weights = world.chains[task.plan.arm], joint_weights(len(columns), world.policy)
         limits = (chain.lower, chain.upper)
         path = searched(
             np.asarray(start),

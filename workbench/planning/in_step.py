@@ -48,7 +48,7 @@ def in_step(
             np.concatenate([chain.lower for chain in chains]),
             np.concatenate([chain.upper for chain in chains]),
         )
-        weights = np.concatenate([joint_weights(len(plan.joints)) for plan in plans])
+        weights = np.concatenate([joint_weights(len(plan.joints), policy) for plan in plans])
         fewer = replace(policy, iterations=min(policy.iterations, ITERATIONS))
         path = searched(start, goal, limits, weights, check, fewer, rng, world.deadline)
         if isinstance(path, Verdict):

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 import pinocchio as pin
 
-from workbench.model.cell import Cell
+from workbench.model.cell import Cell, Policy
 from workbench.model.geometry import Bools, Floats, Ints
 from workbench.planning.bodies import Body, pairs_of
 from workbench.planning.kinematics import Kinematics
@@ -81,10 +81,12 @@ class Pairing:
     Where the parts lie changes nothing in them, so worlds share it: see `pairing_of`.
     """
 
-    def __init__(self, cell: Cell, kinematics: Kinematics, bodies: list[Body]) -> None:
+    def __init__(
+        self, cell: Cell, policy: Policy, kinematics: Kinematics, bodies: list[Body]
+    ) -> None:
         self.meets = pairs_of(cell, kinematics, bodies)
         self.first, self.second = np.nonzero(self.meets)
-        self._policy = cell.policy
+        self._policy = policy
         self._arm = {arm.name: index for index, arm in enumerate(cell.arms)}
         flanges = {arm.flange: index for index, arm in enumerate(cell.arms)}
         self._carrier = np.array([body.arm for body in bodies])
@@ -150,19 +152,19 @@ class Pairing:
         return Checks(np.flatnonzero(counts), margins, carriers, commons)
 
 
-_PAIRINGS: dict[tuple[str, tuple[str, ...], int], Pairing] = {}
+_PAIRINGS: dict[tuple[str, Policy, tuple[str, ...], int], Pairing] = {}
 
 
 def pairing_of(
-    cell: Cell, parts: tuple[str, ...], kinematics: Kinematics, bodies: list[Body]
+    cell: Cell, policy: Policy, parts: tuple[str, ...], kinematics: Kinematics, bodies: list[Body]
 ) -> Pairing:
     """The pairing of all worlds of this cell with found parts of these names, in this order.
 
     Worlds with as many bodies differ in nothing that counts here.
     """
-    key = (cell.digest, parts, len(bodies))
+    key = (cell.digest, policy, parts, len(bodies))
     if key not in _PAIRINGS:
         while len(_PAIRINGS) >= MOST_PAIRINGS:
             del _PAIRINGS[next(iter(_PAIRINGS))]
-        _PAIRINGS[key] = Pairing(cell, kinematics, bodies)
+        _PAIRINGS[key] = Pairing(cell, policy, kinematics, bodies)
     return _PAIRINGS[key]

@@ -158,7 +158,7 @@ def free_path(
         start,
         goal,
         (chain.lower, chain.upper),
-        joint_weights(len(start)),
+        joint_weights(len(start), world.policy),
         check,
         world.policy,
         rng,

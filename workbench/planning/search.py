@@ -39,13 +39,10 @@ PLANNERS: Mapping[PlannerName, Planner] = {
 TRIES = 3
 """Free paths searched before giving up: rounding to the wire and the corners may spoil one."""
 
-METRIC_DECAY = 0.6
-"""Each joint counts this much of the one before: the first ones move more of the arm."""
 
-
-def joint_weights(count: int) -> Floats:
+def joint_weights(count: int, policy: Policy) -> Floats:
     """How much each joint of an arm counts in the metric, shape (count,)."""
-    weights: Floats = np.power(METRIC_DECAY, np.arange(count, dtype=np.float64))
+    weights: Floats = np.power(policy.metric, np.arange(count, dtype=np.float64))
     return weights * math.sqrt(count / float(weights @ weights))
 
 

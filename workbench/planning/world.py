@@ -373,7 +373,7 @@ class World:
 
     def _make_pairs(self) -> None:
         parts = tuple(detection.part for detection in self.detections)
-        self._pairing = pairing_of(self.cell, parts, self.kinematics, self._bodies)
+        self._pairing = pairing_of(self.cell, self.policy, parts, self.kinematics, self._bodies)
         self._geometry.setCollisionPairs(self._pairing.meets, True)
         self._data = pin.GeometryData(self._geometry)
         self._with_part = self._pairing.with_part

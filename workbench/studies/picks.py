@@ -11,7 +11,7 @@ import numpy as np
 
 from workbench.app.pick import plan_pick
 from workbench.formats.cells import read_cell
-from workbench.model.cell import PlannerName
+from workbench.model.cell import PlannerName, Wishes
 from workbench.model.scan import Detection
 from workbench.perception.piles import drop_parts
 
@@ -59,7 +59,7 @@ def measure(
             pile,
             "study",
             strategy=strategy,
-            planner=planner,
+            wishes=Wishes(planner=planner),
             seed=one,
         )
         whole = time.perf_counter() - began

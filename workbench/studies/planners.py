@@ -79,7 +79,7 @@ class Course:
             return None if found is None else found[:2]
 
         chain, is_clear = world.chains[self.arm.name], edge_check(check)
-        weights, rng = joint_weights(len(goal)), np.random.default_rng([number])
+        weights, rng = joint_weights(len(goal), policy), np.random.default_rng([number])
         search = finish = 0.0
         iterations, path = 0, None
         for _ in range(TRIES):

@@ -5,7 +5,7 @@ follows what any threshold would have given: parts that lie at least so far apar
 both arms at once, others one after the other.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
@@ -17,6 +17,7 @@ from workbench.app.pick import plan_pick
 from workbench.formats.cells import read_cell
 from workbench.model.cell import Cell
 from workbench.model.plan import Strategy
+from workbench.model.prediction import Forecast, Predictions
 from workbench.model.scan import Detection
 from workbench.perception.piles import drop_parts
 
@@ -102,6 +103,22 @@ def summary(cases: Sequence[Case], thresholds: Sequence[float]) -> list[dict[str
     return [_row(able, len(cases), threshold) for threshold in thresholds]
 
 
+def predictions(cell: Cell, rows: Sequence[Mapping[str, Any]]) -> Predictions:
+    """The rows of a `summary` as they are kept for the page."""
+    forecasts = [
+        Forecast(
+            row["threshold"],
+            row["coordinated_share"],
+            row["success"],
+            row["planning_median"],
+            row["cycle_mean"],
+            row["parts_per_hour"],
+        )
+        for row in rows
+    ]
+    return Predictions(cell.digest, rows[0]["reachable"] if rows else 0, tuple(forecasts))
+
+
 def _row(cases: Sequence[Case], piles: int, threshold: float) -> dict[str, Any]:
     both = [case.coordinated for case in cases if case.distance >= threshold]
     one = [case.alternated for case in cases if case.distance < threshold]
@@ -116,6 +133,8 @@ def _row(cases: Sequence[Case], piles: int, threshold: float) -> dict[str, Any]:
         "coordinated_planning": _times(both),
         "alternated_success": _success(one),
         "alternated_planning": _times(one),
+        "success": _success(taken),
+        "planning_median": float(np.median([way.planning for way in taken])) if taken else None,
         "cycle_mean": float(np.mean([w.cycle for w in taken if w.cycle is not None]))
         if seconds
         else None,

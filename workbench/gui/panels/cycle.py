@@ -3,19 +3,20 @@
 import viser
 
 from workbench.app.commands import Approve, Command, FindParts, MakePlan, SendPlan, Stop, TakeScan
-from workbench.app.rules import MOST_ITERATIONS, MOST_PARTS, SEED_LIMIT, STRATEGIES
+from workbench.app.rules import MOST_PARTS, SEED_LIMIT, STRATEGIES
 from workbench.app.state import State
 from workbench.gui.approval import ApprovalDialog
 from workbench.gui.look import View
 from workbench.gui.views import (
     approval_line,
+    forecast_line,
     parts_line,
     plan_line,
     scan_line,
     send_line,
 )
 from workbench.gui.visitor import Visitor, refusal, whole
-from workbench.model.cell import ORDER_NAMES, PLANNER_NAMES
+from workbench.gui.wishes import WishesInputs
 
 ROW = '<div class="wb-row"></div>'
 """A mark that has its folder laid out in three columns, see the style sheet."""
@@ -54,7 +55,8 @@ class CyclePanel:
                 "Strategy",
                 STRATEGIES,
                 hint="Which arms work: auto chooses what can be sent, alternated takes one part "
-                "with each arm in turn, coordinated with both at once, right and left use one arm.",
+                "with each arm in turn, coordinated with both at once, right and left use one arm; "
+                "both plans alternated and coordinated and lists them side by side.",
             )
             self._threshold = gui.add_number(
                 "Threshold [mm]",
@@ -65,27 +67,8 @@ class CyclePanel:
                 hint="Parts that lie nearer to each other than this are taken one after the other.",
             )
             self._plan = gui.add_button("Plan", icon=viser.Icon.ROUTE)
-            self._planner = gui.add_dropdown(
-                "Planner",
-                PLANNER_NAMES,
-                initial_value=policy.planner,
-                hint="Searches the free legs; birrt is another name for rrtconnect.",
-            )
-            self._iterations = gui.add_number(
-                "Iterations",
-                policy.iterations,
-                min=1,
-                max=MOST_ITERATIONS,
-                step=1,
-                hint="That the planner may use for each free leg before it gives up.",
-            )
-            self._order = gui.add_dropdown(
-                "First",
-                ORDER_NAMES,
-                initial_value=policy.order,
-                hint="Which part is taken first: least joint travel, highest, best score, nearest "
-                "to the tool, farthest from the walls, or by the rules of the thesis.",
-            )
+            self._wishes = WishesInputs(gui, policy)
+            self._forecast_line = gui.add_html("")
             self._plan_line = gui.add_html("")
         with gui.add_folder("4 · Approve"):
             gui.add_html(ROW)
@@ -127,6 +110,9 @@ class CyclePanel:
         typed = self._threshold.value
         threshold = typed / 1000 if isinstance(typed, int | float) else 0.0
         self._parts_line.content = parts_line(state, threshold)
+        self._forecast_line.content = forecast_line(
+            state.cell, self._visitor.predictions, threshold
+        )
 
     def _react(self) -> None:
         visitor = self._visitor
@@ -152,9 +138,7 @@ class CyclePanel:
             self._strategy.value,
             self._threshold.value / 1000,
             whole(self._seed.value),
-            self._planner.value,
-            whole(self._iterations.value),
-            self._order.value,
+            self._wishes.wishes,
         )
 
 
