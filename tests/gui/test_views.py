@@ -16,6 +16,7 @@ from workbench.gui.tables import COLUMNS, PAGE, Order, candidates_html, funnel_h
 from workbench.model.candidate import Candidate, Reason, Stage, Verdict
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.part import Grasp
+from workbench.model.prediction import Forecast, Predictions
 
 EVIL = "\"'><img src=x onerror=alert(1)><script>alert(2)</script>&amp;"
 TAGS = {"ol", "li", "span", "div", "b", "i", "table", "thead", "tbody", "tr", "th", "td"}
