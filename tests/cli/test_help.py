@@ -34,6 +34,7 @@ NESTED = (
     ("bench", "pick"),
     ("study", "threshold"),
     ("study", "localization"),
+    ("cell", "new"),
     ("cell", "check"),
     ("cell", "show"),
 )

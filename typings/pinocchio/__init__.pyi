@@ -91,6 +91,8 @@ class _JointModels:
 
 class Model:
     name: str
+    lowerPositionLimit: _Floats
+    upperPositionLimit: _Floats
     nq: int
     njoints: int
     parents: _Indices
@@ -132,13 +134,30 @@ class _GeometryObjects:
     def __len__(self) -> int: ...
     def __iter__(self) -> Iterator[GeometryObject]: ...
 
+class _CollisionPairs:
+    def __iter__(self) -> Iterator[CollisionPair]: ...
+    def __len__(self) -> int: ...
+
 class GeometryModel:
     ngeoms: int
+    collisionPairs: _CollisionPairs
     geometryObjects: _GeometryObjects
     def __init__(self) -> None: ...
     def addGeometryObject(self, geometry: GeometryObject, /) -> int: ...
     def addCollisionPair(self, pair: CollisionPair, /) -> None: ...
     def setCollisionPairs(self, collision_map: NDArray[np.bool_], upper: bool = ..., /) -> None: ...
+
+class _CollisionRequest:
+    security_margin: float
+
+class _CollisionRequests:
+    def __iter__(self) -> Iterator[_CollisionRequest]: ...
+
+class _CollisionResult:
+    def isCollision(self) -> bool: ...
+
+class _CollisionResults:
+    def __iter__(self) -> Iterator[_CollisionResult]: ...
 
 class _DistanceRequest:
     enable_nearest_points: bool
@@ -152,6 +171,8 @@ class DistanceResult:
 class GeometryData:
     oMg: _Poses
     distanceRequests: _DistanceRequests
+    collisionRequests: _CollisionRequests
+    collisionResults: _CollisionResults
     def __init__(self, model: GeometryModel, /) -> None: ...
 
 def exp3(w: _Floats, /) -> _Floats: ...
@@ -170,6 +191,15 @@ def updateGeometryPlacements(
     q: _Floats = ...,
     /,
 ) -> None: ...
+def computeCollisions(
+    model: Model,
+    data: Data,
+    geometry_model: GeometryModel,
+    geometry_data: GeometryData,
+    q: _Floats,
+    stop_at_first: bool,
+    /,
+) -> bool: ...
 def computeDistance(
     geometry_model: GeometryModel, geometry_data: GeometryData, pair: int, /
 ) -> DistanceResult: ...

@@ -8,7 +8,8 @@ from typing import assert_never
 import numpy as np
 
 from workbench.cli.exits import NO_PLAN, SUCCESS
-from workbench.cli.nested_arguments import CellCheck, CellCommands, CellShow
+from workbench.cli.nested_arguments import CellCheck, CellCommands, CellNew, CellShow
+from workbench.cli.new_cell import new_cell
 from workbench.cli.terminal import print_json, print_table, progress
 from workbench.formats.cells import read_cell
 from workbench.model.cell import Arm, Cell
@@ -18,6 +19,9 @@ from workbench.studies.targets import Target
 
 SLOW = np.deg2rad(1.0)
 """[rad/s] A joint that turns no faster has probably a limit that was never filled in."""
+
+NO_SPEED = 100.0
+"""[rad/s] A joint that turns faster has probably no limit."""
 
 WIDE = 2 * np.pi
 """[rad] A joint whose range is wider has probably no limits."""
@@ -30,6 +34,8 @@ def cell(typed: CellCommands) -> int:
             return _check(typed.what)
         case CellShow():
             return _show(typed.what)
+        case CellNew():
+            return new_cell(typed.what)
         case _:
             assert_never(typed.what)
 
@@ -139,6 +145,8 @@ def _problems(cell: Cell, arm: Arm, reach: Reach) -> Iterator[str]:
     for joint, low, high, fast in zip(arm.joints, lower, upper, velocity, strict=True):
         if fast <= SLOW:
             yield f"{arm.name} arm: joint {joint} has no speed worth the name ({fast:g} rad/s)"
+        if fast >= NO_SPEED:
+            yield f"{arm.name} arm: joint {joint} has no speed limit ({fast:g} rad/s)"
         if high - low > 2 * WIDE + 1e-6:
             turns = f"turns {np.rad2deg(high - low):.0f} degrees"
             yield f"{arm.name} arm: joint {joint} {turns}: are there no limits?"

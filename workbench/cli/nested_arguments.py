@@ -143,7 +143,46 @@ class CellShow:
 
 
 @dataclass(frozen=True, slots=True)
-class CellCommands:
-    """Look at a cell and whether it can work."""
+class CellNew:
+    """Make a first cell around a robot from its URDF: a start to change, not a cell to trust.
 
-    what: Annotated[CellCheck, subcommand("check")] | Annotated[CellShow, subcommand("show")]
+    Meshes that are checked become convex pieces, pairs of links that need no check are found by
+    trying, a bin, a table, a scanner, homes and places are put where the arms reach them.
+    """
+
+    name: Positional[str]
+    """Of the cell and of its folder."""
+    urdf: Path
+    """URDF or xacro file of the robot, with its meshes beside or above it."""
+    out: Path | None = None
+    """Folder to write to; robots/NAME when not given. It must not be there yet."""
+    flange: tuple[str, ...] = ()
+    """Links that carry the tools, one for each arm, the right arm's first; found by themselves
+    when not given. What hangs on them in the URDF is left out: tools stand in the cell file."""
+    tool: Literal["gripper", "suction"] = "gripper"
+    """What the arms carry to begin with."""
+    part: str = "keyed_cylinder"
+    """Name under parts/, or path of a part's folder."""
+    position_mm: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    """Where the URDF's root link stands in the world."""
+    mesh_unit: Literal["m", "mm"] = "m"
+    """Of the meshes, where the URDF says nothing about it."""
+    xacro: tuple[str, ...] = ()
+    """Arguments for a xacro file, each NAME:=VALUE."""
+    tolerance_mm: float = 20.0
+    """By how much a convex piece may be larger than its mesh before it is divided."""
+    pieces: int = 8
+    """That one mesh may be divided into."""
+    json: bool = False
+    """Print one JSON object and nothing else."""
+
+
+@dataclass(frozen=True, slots=True)
+class CellCommands:
+    """Make a cell, look at it, and see whether it can work."""
+
+    what: (
+        Annotated[CellNew, subcommand("new")]
+        | Annotated[CellCheck, subcommand("check")]
+        | Annotated[CellShow, subcommand("show")]
+    )

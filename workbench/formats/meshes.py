@@ -17,6 +17,8 @@ MOST_FACES = 4_000
 """Of a convex piece: one with more is no simple piece, and slow to check."""
 LARGEST_EXTENT = 20.0
 """[m] Anything larger is taken for millimetres read as metres."""
+SLIVER = 5e-5
+"""[m] A triangle with less height than this has no plane of its own."""
 FLATNESS = 1e-4
 """[m] How far a corner of a convex piece may stand beyond the plane of one of its faces."""
 
@@ -86,7 +88,13 @@ def as_convex(path: Path, mesh: Mesh) -> Mesh:
     a, b, c = mesh.points[mesh.triangles.T]
     outward = np.cross(b - a, c - a)
     length = np.linalg.norm(outward, axis=1, keepdims=True)
-    planes = outward / np.maximum(length, 1e-12)
+    # The plane of a sliver means nothing: rounding a corner turns it as it likes.
+    edges = np.stack([b - a, c - b, a - c])
+    is_sliver = length[:, 0] < SLIVER * np.linalg.norm(edges, axis=2).max(axis=0)
+    a, outward, length = a[~is_sliver], outward[~is_sliver], length[~is_sliver]
+    if len(a) < 4:
+        raise FileError(path, "is called convex, but has fewer than four faces")
+    planes = outward / length
     beyond = mesh.points @ planes.T - np.einsum("nk,nk->n", planes, a)
     if beyond.max() > FLATNESS:
         raise FileError(

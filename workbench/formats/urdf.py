@@ -16,7 +16,8 @@ import numpy as np
 
 from workbench.formats.toml_keys import shown
 from workbench.formats.urdf_geometry import Shapes, read_colours, read_pose
-from workbench.formats.xml_elements import Element, read_xml
+from workbench.formats.xacro_files import is_xacro
+from workbench.formats.xml_elements import Element, parse_xml, read_xml
 from workbench.model.errors import FileError
 from workbench.model.robot import Joint, JointKind, Link, Robot
 
@@ -32,12 +33,19 @@ WIDEST_TURN = 4 * math.pi
 """[rad] Wider joint limits are taken for degrees."""
 FASTEST_TURN = 100.0
 """[rad/s] Faster joints are taken for degrees per second."""
+NO_LIMIT = 1000.0
+"""[rad/s] A joint this fast stands in a file that knows no limit for it."""
 LONGEST_SLIDE = 20.0
 """[m] Longer slides are taken for millimetres."""
 
 
 def read_urdf(
-    path: Path, *, collision: Collision = "as_is", hull_except: tuple[str, ...] = ()
+    path: Path,
+    *,
+    collision: Collision = "as_is",
+    hull_except: tuple[str, ...] = (),
+    mesh_scale: float = 1.0,
+    content: bytes | None = None,
 ) -> Robot:
     """A robot from a URDF file.
 
@@ -45,12 +53,16 @@ def read_urdf(
         path: the file; meshes are looked up beside it and, for `package://`, above it.
         collision: `hull` replaces every collision mesh by its convex hull.
         hull_except: links whose meshes stay as they are.
+        mesh_scale: of all meshes, beside what the file says: 0.001 when they are in mm.
+        content: of the file, where it is not to be read but was expanded from it.
 
     Raises:
         FileError: not XML, a mesh is missing, the links are not one tree, a number is wrong.
     """
-    root = read_xml(path, "robot")
-    shapes = Shapes(read_colours(root))
+    root = read_xml(path, "robot") if content is None else parse_xml(path, content, "robot")
+    if content is None and is_xacro(path):
+        raise FileError(path, "is a xacro file; `workbench cell new` expands it")
+    shapes = Shapes(read_colours(root), mesh_scale)
     links: dict[str, Link] = {}
     for element in root.all("link"):
         name = element.text("name")
@@ -121,7 +133,7 @@ def _limits(element: Element, declared: str) -> tuple[float, float, float]:
     if velocity <= 0:
         raise limit.error(f"velocity={velocity:g}: must be positive")
     turns = declared != "prismatic"
-    if turns and velocity > FASTEST_TURN:
+    if turns and FASTEST_TURN < velocity < NO_LIMIT:
         raise limit.error(f"velocity={velocity:g}: rad/s are expected, this looks like degrees")
     if declared == "continuous":
         return -2 * math.pi, 2 * math.pi, velocity

@@ -48,8 +48,9 @@ def read_colours(root: Element) -> dict[str, Colour]:
 class Shapes:
     """Reads the solids of links; a mesh file that many name is read once."""
 
-    def __init__(self, colours: dict[str, Colour]):
+    def __init__(self, colours: dict[str, Colour], mesh_scale: float = 1.0):
         self._colours = colours
+        self._mesh_scale = mesh_scale
         self._meshes: dict[tuple[Path, tuple[float, ...]], Mesh] = {}
         self._hulls: dict[Mesh, Mesh] = {}
 
@@ -92,7 +93,7 @@ class Shapes:
             raise element.error(f"scale={_listed(scale)}: must be positive")
         key = (file, tuple(scale.tolist()))
         if key not in self._meshes:
-            mesh = read_mesh(file, scale)
+            mesh = read_mesh(file, scale * self._mesh_scale)
             is_piece = file.name.endswith(".convex.obj")
             self._meshes[key] = as_convex(file, mesh) if is_piece else mesh
         return self._meshes[key]

@@ -34,7 +34,7 @@ def write_urdf(path: Path, robot: Robot) -> None:
             geometry = ElementTree.SubElement(ElementTree.SubElement(element, tag), "geometry")
             ElementTree.SubElement(geometry, "mesh", filename=mesh)
     for joint in depth_first(robot):
-        root.append(_joint_element(joint))
+        root.append(joint_element(joint))
     klampt = ElementTree.SubElement(root, "klampt", package_root=".", default_acc_max="4")
     names = {link.name for link in robot.links if link.collision}
     pairs = sorted(pair for pair in robot.disabled_pairs if names.issuperset(pair))
@@ -72,7 +72,8 @@ def numbers(values: Floats) -> str:
     return " ".join(repr(float(value)) for value in values)
 
 
-def _joint_element(joint: Joint) -> ElementTree.Element:
+def joint_element(joint: Joint) -> ElementTree.Element:
+    """A joint as URDF has it."""
     element = ElementTree.Element("joint", name=joint.name, type=joint.kind)
     ElementTree.SubElement(element, "parent", link=joint.parent)
     ElementTree.SubElement(element, "child", link=joint.child)

@@ -101,7 +101,15 @@ def read_xml(path: Path, tag: str) -> Element:
     Raises:
         FileError: not there, too long, not XML, with a document type, or of another tag.
     """
-    content = read_whole(path, LARGEST_FILE)
+    return parse_xml(path, read_whole(path, LARGEST_FILE), tag)
+
+
+def parse_xml(path: Path, content: bytes, tag: str) -> Element:
+    """As `read_xml`, of a text that belongs to `path`.
+
+    Raises:
+        FileError: not XML, with a document type, or of another tag.
+    """
     try:
         root = ElementTree.fromstring(content, ElementTree.XMLParser(target=_Builder()))
     except _Doctype:

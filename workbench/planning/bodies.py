@@ -151,9 +151,9 @@ def arm_of_joint(cell: Cell, kinematics: Kinematics) -> list[int]:
 def pairs_of(cell: Cell, kinematics: Kinematics, bodies: list[Body]) -> Bools:
     """Which bodies can meet in some phase, upper triangle (b, b); the rest is never looked at.
 
-    Left out: bodies on the same joint, pairs that the SRDF disables (the tool of an arm is
-    called `<arm>_tool` there), and still things among themselves, except parts, which may be
-    carried.
+    Left out: bodies of one link or tool, or on the same joint, pairs that the SRDF disables (the
+    tool of an arm is called `<arm>_tool` there), and still things among themselves, except
+    parts, which may be carried.
     """
     owners = [f"{body.owner}_tool" if body.kind == "tool" else body.owner for body in bodies]
     number = {name: k for k, name in enumerate(dict.fromkeys(owners))}
@@ -164,7 +164,8 @@ def pairs_of(cell: Cell, kinematics: Kinematics, bodies: list[Body]) -> Bools:
             disabled[number[a], number[b]] = disabled[number[b], number[a]] = True
     joint = np.array([body.joint for body in bodies])
     part = np.array([int(body.owner) if body.kind == "part" else -1 for body in bodies])
-    meets = (joint[:, None] != joint) & ~disabled[owner[:, None], owner]
+    meets = (joint[:, None] != joint) & (owner[:, None] != owner)
+    meets &= ~disabled[owner[:, None], owner]
     is_part = part >= 0
     meets |= is_part[:, None] | is_part
     meets &= ~((part[:, None] == part) & is_part)

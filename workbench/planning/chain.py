@@ -41,6 +41,13 @@ class Chain:
         _forward(self.R, self.p, self.axes, self.slides, np.asarray(q), R, p, z, o)
         return pin.SE3(R, p)
 
+    def joint_positions(self, q: Floats) -> Floats:
+        """Where the joints are in the world at `q` (n,) [rad], shape (n, 3)."""
+        n = len(self.axes)
+        R, p, z, o = np.empty((3, 3)), np.empty(3), np.empty((n, 3)), np.empty((n, 3))
+        _forward(self.R, self.p, self.axes, self.slides, np.asarray(q), R, p, z, o)
+        return o
+
     def solve(
         self, T_world_tcp: pin.SE3, starts: Floats, *, iterations: int = 40
     ) -> tuple[Floats, Floats]:

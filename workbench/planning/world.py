@@ -125,9 +125,9 @@ class World:
         """The whole configuration (nq,): named arms at `q` (n,), others at home."""
         return self.kinematics.configuration(q)
 
-    def contact(self, q: Floats) -> Contact | None:
-        """The first pair found closer than its margin at this whole configuration (nq,)."""
-        return self.look(q, self._still, None)[0]
+    def contact(self, q: Floats, among: Ints | None = None) -> Contact | None:
+        """The first pair, of those `among` if given, closer than its margin at q (nq,)."""
+        return self.look(q, self._still, among)[0]
 
     def meets(self, q: Floats) -> bool:
         """Whether different arms are too close to each other at this whole configuration (nq,)."""

@@ -8,7 +8,7 @@ import numpy as np
 import pinocchio as pin
 
 from workbench.model.cell import Arm, Bin
-from workbench.model.geometry import Floats, pose_from_rpy
+from workbench.model.geometry import Floats, Ints, pose_from_rpy
 from workbench.planning.chain import is_solution
 from workbench.planning.motion import on_wire
 from workbench.planning.world import World
@@ -47,8 +47,18 @@ def drawn_poses(bin: Bin, count: int, seed: int) -> list[pin.SE3]:
     return poses
 
 
-def judged(world: World, arm: Arm, poses: Sequence[pin.SE3], seed: int) -> list[Target]:
-    """What an arm can make of each pose; the other arms stand at home."""
+def judged(
+    world: World, arm: Arm, poses: Sequence[pin.SE3], seed: int, among: Ints | None = None
+) -> list[Target]:
+    """What an arm can make of each pose; the other arms stand at home.
+
+    Args:
+        world: in the phase that counts.
+        arm: one of its arms.
+        poses: of its TCP in the world.
+        seed: of the starting points of the inverse kinematics.
+        among: pairs of the world that count; all when None.
+    """
     chain = world.chains[arm.name]
     rng = np.random.default_rng([seed, 1])
     starts = np.vstack(
@@ -58,7 +68,9 @@ def judged(world: World, arm: Arm, poses: Sequence[pin.SE3], seed: int) -> list[
     for T_world_tcp in poses:
         answers, residuals = chain.solve(T_world_tcp, starts)
         solutions = [on_wire(q) for q in answers[is_solution(residuals)]]
-        clear = [q for q in solutions if world.contact(world.configuration({arm.name: q})) is None]
+        clear = [
+            q for q in solutions if world.contact(world.configuration({arm.name: q}), among) is None
+        ]
         clear.sort(key=lambda q: float(np.abs(q - arm.home).sum()))
         outcome: Outcome = "clear" if clear else "in collision" if solutions else "out of reach"
         targets.append(Target(T_world_tcp, outcome, clear[0] if clear else None))
