@@ -85,11 +85,11 @@ class Bench:
         self._closing = False
         if journal.count == 0:
             begin(journal, cell, now())
-        self._state = State(cell, number=journal.count)
+        self._state = State(cell, number=journal.count, saved=cell.digest)
         for _, state in replay(journal, cell):
             self._state = state
         self._end_what_was_interrupted()
-        self._effects = effects(cell, self.do, now)
+        self._effects = effects(self._state.cell, self.do, now)
 
     @property
     def state(self) -> State:

@@ -8,7 +8,7 @@ process and the robot link and tell what has happened.
 from dataclasses import dataclass, field
 
 from workbench.model.candidate import Candidate, Verdict
-from workbench.model.cell import PlannerName, Wishes
+from workbench.model.cell import Cell, PlannerName, Wishes
 from workbench.model.errors import WorkbenchError
 from workbench.model.plan import Plan, Proof
 from workbench.model.release import Receipt
@@ -87,6 +87,43 @@ class AcknowledgeFault:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class ChangeCell:
+    """Go on with another cell; `says` tells people what was changed."""
+
+    cell: Cell
+    says: str
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class UndoCell:
+    """Go back to the cell before the last change."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class RedoCell:
+    """Take back the last undo."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SaveCell:
+    """Write the changes of the cell to its file, with a remark of the one who saves."""
+
+    remark: str
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CellRead:
+    """The cell file was read: what it holds now, or why that cannot be used.
+
+    `is_saved`: it was written before, by this session.
+    """
+
+    cell: Cell | None = None
+    problem: str = ""
+    is_saved: bool = False
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class JobEnded:
     """The worker finished job `number`.
 
@@ -140,6 +177,11 @@ Command = (
     | Stop
     | CancelJob
     | AcknowledgeFault
+    | ChangeCell
+    | UndoCell
+    | RedoCell
+    | SaveCell
+    | CellRead
     | JobEnded
     | Sent
     | LinkEnded

@@ -14,28 +14,37 @@ from workbench.app.commands import (
     AcknowledgeFault,
     Approve,
     CancelJob,
+    CellRead,
+    ChangeCell,
     Entry,
     FindParts,
     JobEnded,
     LinkEnded,
     MakePlan,
     PlanResult,
+    RedoCell,
+    SaveCell,
     SendPlan,
     Sent,
     Stop,
     TakeScan,
+    UndoCell,
     UseDetections,
     UseScan,
 )
-from workbench.app.effects import Effect, Send, StartJob, StopJob, StopSending
+from workbench.app.effects import Effect, Send, StartJob, StopJob, StopSending, UseCell, WriteCell
 from workbench.app.rules import approve
 from workbench.app.state import Job, Outline, Phase, State
+from workbench.model.cell import Cell
 from workbench.model.digest import digest_of
 from workbench.model.errors import CommandRefused, JobCancelled, WorkbenchError
 from workbench.model.release import Receipt
 from workbench.model.scan import Detection, Scan
 
 Outcome = tuple[State, tuple[Effect, ...]]
+
+MOST_UNDO = 50
+"""Changes of the cell that can be undone."""
 
 MOST_OUTLINES = 20
 """Plannings for the same parts that are remembered."""
@@ -75,7 +84,24 @@ def decide(state: State, entry: Entry) -> Outcome:
         case AcknowledgeFault():
             # Nobody knows how the bin looks after a fault: only a new scan can tell.
             message = f"fault acknowledged by {entry.actor}; take a new scan"
-            return State(state.cell, number=state.number, message=message), ()
+            return _anew(state, message=message), ()
+        case ChangeCell(cell=cell, says=says):
+            return _changed_cell(state, cell, says)
+        case UndoCell():
+            cell, *before = state.before
+            after, effects = _with_cell(state, cell, "the last change of the cell is undone")
+            undone = (state.cell, *state.undone)[:MOST_UNDO]
+            return replace(after, before=tuple(before), undone=undone), effects
+        case RedoCell():
+            cell, *undone = state.undone
+            after, effects = _with_cell(state, cell, "the change of the cell is made again")
+            before = (state.cell, *state.before)[:MOST_UNDO]
+            return replace(after, before=before, undone=tuple(undone)), effects
+        case SaveCell(remark=remark):
+            write = WriteCell(state.cell, remark, entry.actor, entry.at)
+            return replace(state, message=f"{entry.actor} saves the cell"), (write,)
+        case CellRead():
+            return _cell_read(state, entry.command)
         case JobEnded(number=number, result=result):
             return _job_ended(state, number, result), ()
         case Sent(receipt=receipt):
@@ -166,11 +192,56 @@ def _job_ended(
             return replace(state, message=f"task {job.name!r} failed: it brought a {wrong}")
 
 
-def _with_scan(state: State, scan: Scan) -> State:
+def _anew(state: State, phase: Phase = Phase.IDLE, **fields: Any) -> State:
+    """The state with its cell and all that is about it, and nothing else but what is given."""
     return State(
         state.cell,
-        Phase.SCANNED,
+        phase,
         state.number,
+        before=state.before,
+        undone=state.undone,
+        saved=state.saved,
+        cell_problem=state.cell_problem,
+        **fields,
+    )
+
+
+def _changed_cell(state: State, cell: Cell, says: str) -> Outcome:
+    after, effects = _with_cell(state, cell, says)
+    return replace(after, before=(state.cell, *state.before)[:MOST_UNDO], undone=()), effects
+
+
+def _with_cell(state: State, cell: Cell, message: str) -> Outcome:
+    """Another cell: a scan stays as long as the scanner does, what was made of it does not."""
+    # Where the controller is found is not a matter of the cell file that people write.
+    cell = replace(cell, controller=state.cell.controller)
+    same_view = digest_of(cell.scanner) == digest_of(state.cell.scanner)
+    scan = state.scan if same_view and state.phase is not Phase.DONE else None
+    state = replace(state, cell=cell)
+    if scan is None:
+        return _anew(state, message=message), (UseCell(cell),)
+    after = _anew(state, Phase.SCANNED, scan=scan, scene_digest=scan.digest, message=message)
+    return after, (UseCell(cell),)
+
+
+def _cell_read(state: State, command: CellRead) -> Outcome:
+    cell, problem = command.cell, command.problem
+    if cell is None:
+        message = f"the cell file cannot be used, the cell stays as it was: {problem}"
+        return replace(state, cell_problem=problem, message=message), ()
+    state = replace(state, cell_problem="", saved=cell.digest)
+    if cell.digest == state.cell.digest:
+        return replace(state, message="the cell is as in its file"), ()
+    if command.is_saved:
+        # What a file can hold differs from what was shown by less than anybody can see.
+        return _with_cell(state, cell, "the cell is saved")
+    return _changed_cell(state, cell, "the cell file was changed, and is read again")
+
+
+def _with_scan(state: State, scan: Scan) -> State:
+    return _anew(
+        state,
+        Phase.SCANNED,
         scan=scan,
         scene_digest=scan.digest,
         message=f"scan with {len(scan.points):,} points",
@@ -178,10 +249,9 @@ def _with_scan(state: State, scan: Scan) -> State:
 
 
 def _with_detections(state: State, detections: tuple[Detection, ...]) -> State:
-    return State(
-        state.cell,
+    return _anew(
+        state,
         Phase.LOCALIZED if detections else Phase.SCANNED,
-        state.number,
         scan=state.scan,
         detections=detections,
         scene_digest=state.scan.digest if state.scan is not None else "",
@@ -190,10 +260,9 @@ def _with_detections(state: State, detections: tuple[Detection, ...]) -> State:
 
 
 def _with_outside_detections(state: State, detections: tuple[Detection, ...]) -> State:
-    return State(
-        state.cell,
+    return _anew(
+        state,
         Phase.LOCALIZED,
-        state.number,
         # Poses from another matcher usually belong to this scan, but never to a picked bin.
         scan=None if state.phase is Phase.DONE else state.scan,
         detections=detections,

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from workbench.model.cell import Cell
 from workbench.model.plan import Plan
 from workbench.model.release import Approval
 
@@ -40,4 +41,21 @@ class StopSending:
     """Send nothing more and close the link; answered by the `LinkEnded` of the sending."""
 
 
-Effect = StartJob | StopJob | Send | StopSending
+@dataclass(frozen=True, slots=True, eq=False)
+class UseCell:
+    """Jobs and robot link go on with this cell."""
+
+    cell: Cell
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class WriteCell:
+    """Write a cell to the file that it came from; answered by one `CellRead`."""
+
+    cell: Cell
+    remark: str
+    actor: str
+    at: float
+
+
+Effect = StartJob | StopJob | Send | StopSending | UseCell | WriteCell

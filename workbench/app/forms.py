@@ -10,7 +10,7 @@ import functools
 import hashlib
 import types
 import typing
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, cast
 
 import numpy as np
@@ -48,15 +48,20 @@ def restored(kind: Any, form: Any, read: ReadFile) -> Any:
         return _restored_array(form, read)
     if isinstance(kind, type) and dataclasses.is_dataclass(kind):
         names = {field.name for field in dataclasses.fields(kind) if field.init}
-        if set(form) != names:
+        made = {field.name for field in dataclasses.fields(kind) if not field.init}
+        if set(form) - made != names:
             raise ValueError(f"fields {sorted(form)} where {sorted(names)} were expected")
         hints = _hints(kind)
         return kind(**{name: restored(hints[name], form[name], read) for name in names})
     if isinstance(kind, type) and issubclass(kind, enum.Enum):
         return kind(form)
     if origin is types.UnionType or origin is typing.Union:
-        (present,) = (one for one in arguments if one is not type(None))
-        return None if form is None else restored(present, form, read)
+        present = [one for one in arguments if one is not type(None)]
+        if form is None and len(present) < len(arguments):
+            return None
+        return restored(present[0] if len(present) == 1 else _kind_of(present, form), form, read)
+    if origin is frozenset:
+        return frozenset(restored(arguments[0], item, read) for item in form)
     if origin is tuple:
         kinds = [arguments[0]] * len(form) if arguments[1:] == (...,) else arguments
         return tuple(restored(one, item, read) for one, item in zip(kinds, form, strict=True))
@@ -66,6 +71,17 @@ def restored(kind: Any, form: Any, read: ReadFile) -> Any:
         # A whole number in a float's place stays one: otherwise the digest would differ.
         return form
     raise TypeError(f"no way back from canonical form to {kind}")
+
+
+def _kind_of(kinds: Sequence[Any], form: Any) -> Any:
+    """Which of several dataclasses a form is of: its fields say so, one of them perhaps `kind`."""
+    for one in kinds:
+        fields = {field.name: field for field in dataclasses.fields(one)}
+        if set(fields) - {"digest"} == set(form) and (
+            "kind" not in fields or fields["kind"].default == form["kind"]
+        ):
+            return one
+    raise ValueError(f"fields {sorted(form)} fit none of the values expected")
 
 
 @functools.cache

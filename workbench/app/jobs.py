@@ -74,7 +74,8 @@ class Jobs:
         """
         self._ended = ended
         self._progressed = progressed
-        self._make_worker = lambda: _Worker(packed(cell), module)
+        self._cell = packed(cell)
+        self._make_worker = lambda: _Worker(module)
         self._lock = threading.Lock()
         self._waiting: deque[Request] = deque()
         self._to_cancel: list[int] = []
@@ -93,8 +94,13 @@ class Jobs:
     def start(self, number: int, name: str, arguments: Mapping[str, Any]) -> None:
         """Have a job run as soon as those before it have ended."""
         with self._lock:
-            self._waiting.append(Request(number, name, arguments))
+            self._waiting.append(Request(number, name, arguments, self._cell))
             self._wake()
+
+    def use(self, cell: Cell) -> None:
+        """Have all jobs that start from now on work on another cell."""
+        with self._lock:
+            self._cell = packed(cell)
 
     def cancel(self, number: int) -> None:
         """End that job: by its own will within `GRACE`, else by killing the worker."""
@@ -238,14 +244,14 @@ class Jobs:
 class _Worker:
     """One worker process as its owner sees it; used from one thread."""
 
-    def __init__(self, cell: bytes, module: str) -> None:
+    def __init__(self, module: str) -> None:
         context: SpawnContext = multiprocessing.get_context("spawn")
         self.connection, theirs = context.Pipe()
         self.to_cancel: Flag = context.RawValue("q", 0)
         self.is_ready = False
         self._process = context.Process(
             target=run_worker,
-            args=(theirs, cell, module, self.to_cancel),
+            args=(theirs, module, self.to_cancel),
             name="workbench worker",
             daemon=True,
         )

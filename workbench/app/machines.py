@@ -3,16 +3,19 @@
 import logging
 import threading
 from dataclasses import replace
+from pathlib import Path
 from typing import Any, assert_never
 
-from workbench.app.commands import JobEnded
-from workbench.app.effects import Effect, Send, StartJob, StopJob, StopSending
+from workbench.app.commands import CellRead, JobEnded
+from workbench.app.effects import Effect, Send, StartJob, StopJob, StopSending, UseCell, WriteCell
 from workbench.app.jobs import WORK, Jobs
 from workbench.app.live import Live
-from workbench.app.rights import WORKER
+from workbench.app.rights import CELL_FILE, WORKER
 from workbench.app.robot_link import Clock, Do, RobotLink
+from workbench.formats.cell_edits import log_change, save_cell
+from workbench.formats.cells import read_cell
 from workbench.model.cell import Cell
-from workbench.model.errors import CommandRefused, WorkbenchError
+from workbench.model.errors import CommandRefused, InputError, WorkbenchError
 
 log = logging.getLogger(__name__)
 
@@ -27,7 +30,15 @@ class Machines:
     another, so that a stop never waits for a job.
     """
 
-    def __init__(self, cell: Cell, do: Do, now: Clock, *, module: str = WORK) -> None:
+    def __init__(
+        self,
+        cell: Cell,
+        do: Do,
+        now: Clock,
+        *,
+        module: str = WORK,
+        cell_file: Path | None = None,
+    ) -> None:
         """Start the worker, and the watch over the robot's state.
 
         Args:
@@ -35,9 +46,11 @@ class Machines:
             do: takes what they report.
             now: seconds since the epoch.
             module: the module of the worker's jobs.
+            cell_file: where changes of the cell are written to.
         """
         self._do = do
         self._now = now
+        self._cell_file = cell_file
         self._lock = threading.Lock()
         self._live = Live()
         self._robot = RobotLink(cell, do, now, self._show)
@@ -60,6 +73,13 @@ class Machines:
                 self._robot.send(plan, approval)
             case StopSending():
                 self._robot.stop()
+            case UseCell(cell=cell):
+                self._jobs.use(cell)
+                self._robot.use(cell)
+            case WriteCell():
+                threading.Thread(
+                    target=self._write_cell, args=(effect,), name="cell file", daemon=True
+                ).start()
             case _:
                 assert_never(effect)
 
@@ -67,6 +87,20 @@ class Machines:
         """End the sending first, then the worker; waits until both are gone."""
         self._robot.close()
         self._jobs.close()
+
+    def _write_cell(self, effect: WriteCell) -> None:
+        try:
+            if self._cell_file is None:
+                raise InputError("this session has no cell file")
+            save_cell(self._cell_file, effect.cell)
+            log_change(self._cell_file, effect.cell, effect.actor, effect.at, effect.remark)
+            command = CellRead(read_cell(self._cell_file), is_saved=True)
+        except InputError as error:
+            command = CellRead(problem=str(error))
+        try:
+            self._do(command, CELL_FILE)
+        except CommandRefused as error:
+            log.error("the cell file was written, but that is not recorded: %s", error)
 
     def _show(self, **changes: Any) -> None:
         with self._lock:

@@ -28,7 +28,7 @@ def replay(journal: Journal, cell: Cell) -> Iterator[tuple[Entry, State]]:
     if first is None:
         raise JournalError(f"{journal.folder}: the session is empty")
     check_session(first.kind, first.body, cell)
-    state = State(cell, number=first.number)
+    state = State(cell, number=first.number, saved=cell.digest)
     for row in rows:
         entry, recorded = entry_of(row.number, row.kind, row.body, journal.read)
         try:

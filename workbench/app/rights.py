@@ -7,14 +7,19 @@ from workbench.app.commands import (
     AcknowledgeFault,
     Approve,
     CancelJob,
+    CellRead,
+    ChangeCell,
     FindParts,
     JobEnded,
     LinkEnded,
     MakePlan,
+    RedoCell,
+    SaveCell,
     SendPlan,
     Sent,
     Stop,
     TakeScan,
+    UndoCell,
     UseDetections,
     UseScan,
 )
@@ -22,7 +27,8 @@ from workbench.app.state import Phase, State
 
 WORKER = "worker"
 ROBOT_LINK = "robot link"
-MACHINES = frozenset({WORKER, ROBOT_LINK})
+CELL_FILE = "cell file"
+MACHINES = frozenset({WORKER, ROBOT_LINK, CELL_FILE})
 """Actors that are no persons; only they report what happened, and they may do nothing else."""
 
 EVERY = frozenset(Phase)
@@ -51,6 +57,11 @@ RIGHTS: Mapping[type, Right] = {
     Stop: Right("a stop", frozenset({Phase.SENDING}), "nothing is being sent"),
     CancelJob: Right("cancelling", EVERY, beside_job=True),
     AcknowledgeFault: Right("acknowledging", frozenset({Phase.FAULT}), "there is no fault"),
+    ChangeCell: Right("a change of the cell", SAFE),
+    UndoCell: Right("an undo", SAFE),
+    RedoCell: Right("a redo", SAFE),
+    SaveCell: Right("saving the cell", SAFE),
+    CellRead: Right("a new cell file", SAFE, by_machine=True),
     JobEnded: Right("the end of a task", EVERY, beside_job=True, by_machine=True),
     Sent: Right(
         "a message sent", frozenset({Phase.SENDING}), "nothing is being sent", by_machine=True

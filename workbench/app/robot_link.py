@@ -61,6 +61,10 @@ class RobotLink:
         self._listener = threading.Thread(target=self._listen, name="robot state", daemon=True)
         self._listener.start()
 
+    def use(self, cell: Cell) -> None:
+        """Go on with another cell; not while something is sent."""
+        self._cell = cell
+
     def send(self, plan: Plan, approval: Approval) -> None:
         """Begin to send; each message and the end are given to `do`."""
         self._stopped = threading.Event()
@@ -132,8 +136,8 @@ class RobotLink:
             return self._report
 
     def _listen(self) -> None:
-        controller = self._cell.controller
         while not self._closing.is_set():
+            controller = self._cell.controller
             try:
                 for report in watch_state(
                     controller.host, controller.state_port, self._closing.is_set

@@ -7,15 +7,20 @@ from workbench.app.commands import (
     AcknowledgeFault,
     Approve,
     CancelJob,
+    CellRead,
+    ChangeCell,
     Command,
     FindParts,
     JobEnded,
     LinkEnded,
     MakePlan,
+    RedoCell,
+    SaveCell,
     SendPlan,
     Sent,
     Stop,
     TakeScan,
+    UndoCell,
     UseDetections,
     UseScan,
 )
@@ -31,6 +36,7 @@ from workbench.model.scan import Detection
 MOST_PARTS = 30
 SEED_LIMIT = 2**31
 LONGEST_NAME = 80
+LONGEST_TEXT = 200
 MOST_ITERATIONS = 100_000
 LARGEST_MARGIN = 0.2
 """[m]"""
@@ -79,9 +85,25 @@ def allowed(state: State, command: Command, actor: str, now: float) -> None:
             plan = _named_plan(state, digest)
             if problem := staleness(state.approval, plan, state.cell, state.scene_digest, now):
                 raise CommandRefused(problem)
+        case ChangeCell(cell=cell, says=says):
+            _check_text("says", says)
+            if cell.digest == state.cell.digest:
+                raise CommandRefused("nothing of the cell was changed")
+        case UndoCell():
+            if not state.before:
+                raise CommandRefused("there is no change of the cell to undo")
+        case RedoCell():
+            if not state.undone:
+                raise CommandRefused("there is no change of the cell to redo")
+        case SaveCell(remark=remark):
+            _check_text("remark", remark)
+            if state.saved == state.cell.digest:
+                raise CommandRefused("the cell is saved already")
         case LinkEnded(parts_placed=parts_placed):
             _check_integer("parts_placed", parts_placed, 0, SEED_LIMIT - 1)
         case UseScan() | Stop() | CancelJob() | AcknowledgeFault() | JobEnded() | Sent():
+            pass
+        case CellRead():
             pass
         case _:
             assert_never(command)
@@ -192,6 +214,13 @@ def _check_number(name: str, value: Any, lowest: float, highest: float, unit: st
     if not is_number or not math.isfinite(value) or not lowest <= value <= highest:
         raise CommandRefused(
             f"{name} must lie between {lowest} and {highest} {unit}, not {value!r}"
+        )
+
+
+def _check_text(name: str, value: Any) -> None:
+    if not isinstance(value, str) or len(value) > LONGEST_TEXT or not value.isprintable():
+        raise CommandRefused(
+            f"{name} must be a text of up to {LONGEST_TEXT} printable characters, not {value!r:.80}"
         )
 
 

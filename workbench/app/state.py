@@ -64,6 +64,9 @@ class State:
     have been made from: that of the scan, or of the detections when they came from outside.
     `outlines` are of all plannings for these detections, the latest last.
     `fault` is set exactly in phase fault; `message` tells a person what happened last.
+    `before` are the cells that an undo goes back to, the last one first to be taken, `undone` those
+    of a redo; `saved` is the digest of the cell as its file has it, and `cell_problem` says why
+    the file cannot be used as it is now.
     """
 
     cell: Cell
@@ -85,3 +88,7 @@ class State:
     job: Job | None = None
     fault: str = ""
     message: str = ""
+    before: tuple[Cell, ...] = ()
+    undone: tuple[Cell, ...] = ()
+    saved: str = ""
+    cell_problem: str = ""

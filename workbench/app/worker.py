@@ -38,11 +38,12 @@ class Flag(Protocol):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Request:
-    """Run this job."""
+    """Run this job on a cell, which is packed."""
 
     number: int
     name: str
     arguments: Mapping[str, Any]
+    cell: bytes
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -95,12 +96,11 @@ def packed(message: Message | Request | Cell) -> bytes:
     return pickle.dumps(message, protocol=5)
 
 
-def run_worker(connection: Connection, cell: bytes, module: str, to_cancel: Flag) -> None:
+def run_worker(connection: Connection, module: str, to_cancel: Flag) -> None:
     """The worker process: import everything, then answer requests until the other side ends.
 
     Args:
         connection: to the process that started this one.
-        cell: packed; all jobs work on it.
         module: its `JOBS` maps names to job functions; importing it imports what they need.
         to_cancel: number of the job that somebody has ended.
     """
@@ -110,13 +110,13 @@ def run_worker(connection: Connection, cell: bytes, module: str, to_cancel: Flag
     try:
         # The other side closes the connection: that is how a worker's life ends.
         with contextlib.suppress(EOFError, OSError):
-            _serve(connection, pickle.loads(cell), module, to_cancel)
+            _serve(connection, module, to_cancel)
     finally:
         # Straight out: libraries with C++ destructors have nothing to say here any more.
         os._exit(0)
 
 
-def _serve(connection: Connection, cell: Cell, module: str, to_cancel: Flag) -> None:
+def _serve(connection: Connection, module: str, to_cancel: Flag) -> None:
     try:
         jobs: Mapping[str, JobFunction] = importlib.import_module(module).JOBS
     except Exception as error:
@@ -124,9 +124,13 @@ def _serve(connection: Connection, cell: Cell, module: str, to_cancel: Flag) -> 
         connection.send_bytes(packed(Unable(problem, traceback.format_exc())))
         return
     connection.send_bytes(packed(Ready()))
+    # Whatever is kept for a cell, such as its shapes, is kept for this very object.
+    cell, unpacked = b"", None
     while True:
         request: Request = pickle.loads(connection.recv_bytes())
-        connection.send_bytes(_answer(request, cell, jobs, connection, to_cancel))
+        if unpacked is None or request.cell != cell:
+            cell, unpacked = request.cell, pickle.loads(request.cell)
+        connection.send_bytes(_answer(request, unpacked, jobs, connection, to_cancel))
 
 
 def _answer(

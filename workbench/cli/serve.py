@@ -8,15 +8,18 @@ import threading
 import time
 from contextlib import ExitStack
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from types import FrameType
 
 from workbench.app.bench import Bench
+from workbench.app.machines import Machines
 from workbench.app.sessions import new_session
+from workbench.app.watch import CellWatch
 from workbench.cli import arguments
 from workbench.cli.simulation import simulated_controller
 from workbench.cli.terminal import check_whole
-from workbench.formats.cells import read_cell
+from workbench.formats.cells import cell_path, read_cell
 from workbench.formats.predictions import predictions_path, read_predictions
 from workbench.model.cell import Controller
 
@@ -37,8 +40,10 @@ def serve(typed: arguments.Serve) -> int:
             cell = replace(cell, controller=stack.enter_context(simulated_controller(typed.cell)))
             robot = f"robot controller: simulated, {_address(cell.controller)}"
         journal = new_session(SESSIONS, cell, time.time())
-        bench = Bench(cell, journal)
+        path = cell_path(typed.cell)
+        bench = Bench(cell, journal, effects=partial(Machines, cell_file=path))
         stack.callback(bench.close)
+        stack.callback(CellWatch(path, bench).close)
 
         # The page takes its time to import; by now the worker imports in parallel.
         from workbench.gui.server import serve as serve_page

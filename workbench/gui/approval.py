@@ -40,7 +40,7 @@ class ApprovalDialog:
             modal = visitor.gui.add_modal("Approve this plan")
             self._close = modal.close
             with modal:
-                visitor.gui.add_html(facts_html(visitor.bench.cell, plan, proof))
+                visitor.gui.add_html(facts_html(visitor.cell, plan, proof))
                 name = visitor.gui.add_text(
                     "Your name", "", hint="It is recorded with the plan, the time and the scan."
                 )

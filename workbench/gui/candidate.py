@@ -4,11 +4,11 @@ import numpy as np
 import pinocchio as pin
 import viser
 
-from workbench.formats.triangles import triangles_of
-from workbench.gui.colours import BAD, VERDICTS, rgb_of
+from workbench.gui.colours import VERDICTS, rgb_of
 from workbench.gui.look import Pose, View
+from workbench.gui.meets import draw_meets
 from workbench.gui.robot import DrawnRobot, place
-from workbench.gui.solids import by_colour, with_hard_edges
+from workbench.gui.solids import by_colour
 from workbench.gui.views import candidate_label
 from workbench.model.candidate import Candidate
 from workbench.model.cell import Arm, Cell
@@ -34,6 +34,10 @@ class DrawnCandidates:
         self._kinematics = kinematics
         self._arms: dict[str, DrawnRobot] = {}
         self._shown: Arm | None = None
+
+    def use(self, cell: Cell, kinematics: Kinematics) -> None:
+        """Go on with a cell whose robot and tools are the same."""
+        self._cell, self._kinematics = cell, kinematics
 
     def draw(self, old: View | None, new: View) -> None:
         """Bring the scene from `old` to `new`."""
@@ -115,15 +119,9 @@ class DrawnCandidates:
 
     def _pose(self, pose: Pose | None) -> None:
         """Move the shown arm, and draw in red what it meets there."""
-        self._scene.remove_by_name("/meets")
         arm = self._shown
+        draw_meets(self._scene, "/meets", () if pose is None or arm is None else pose.meets)
         if pose is None or arm is None:
             return
         links = self._kinematics.link_poses(dict(zip(arm.joints, pose.q.tolist(), strict=True)))
         self._arms[arm.name].pose(links, {arm.name: pose.opening})
-        for number, (shape, T) in enumerate(pose.meets):
-            points, triangles = with_hard_edges(triangles_of(shape))
-            node = self._scene.add_mesh_simple(
-                f"/meets/{number}", points, triangles, color=rgb_of(BAD), opacity=0.75
-            )
-            place(node, T)

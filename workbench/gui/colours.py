@@ -50,6 +50,8 @@ UNEXPLAINED_COLOUR = BAD
 """Of what the scan shows and nothing known explains."""
 
 LIVE_ROBOT = (38, 166, 154)
+CHECKED = (253, 150, 68)
+"""Of shapes that are checked for collisions."""
 
 
 def rgb_of(hexadecimal: str) -> Colour:

@@ -1,7 +1,7 @@
 """What is looked at: the part of the picture that no auditor asks for."""
 
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -11,6 +11,7 @@ from workbench.app.live import Live
 from workbench.app.state import State
 from workbench.gui.playback import Run
 from workbench.model.geometry import Floats, Shape
+from workbench.planning.world import Contact
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -20,6 +21,8 @@ class Look:
     `time` [s] on the plan's clock; `candidate` is an index among the state's candidates, `pose`
     one among the poses of its way;
     `by` is the browser that moved the time last, None when nobody did (it plays).
+    `jog` holds the arms that are moved by hand, arm -> configuration (n,) [rad]; `shapes` and
+    `frames` say whether collision shapes and frames are shown.
     """
 
     time: float = 0.0
@@ -27,6 +30,9 @@ class Look:
     candidate: int | None = None
     pose: int = 0
     by: int | None = None
+    jog: Mapping[str, Floats] | None = None
+    shapes: bool = False
+    frames: bool = False
 
 
 Placed = tuple[Shape, pin.SE3]
@@ -48,11 +54,28 @@ class Pose:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class Jogged:
+    """The robot moved by hand.
+
+    `q`: arm -> configuration (n,) [rad]; `contacts` are the pairs nearer than their margins;
+    `clearance` [m] is the least of all, between the bodies of `pair`, if it is small; `meets` are
+    the bodies of the contacts in the world.
+    """
+
+    q: Mapping[str, Floats]
+    contacts: tuple[Contact, ...]
+    clearance: float
+    pair: tuple[str, str] | None
+    meets: tuple[Placed, ...]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class View:
     """Everything that the page shows.
 
     `runs` is the timeline of the state's plan, empty without one; `poses` those of the chosen
-    candidate, and `fix` what would admit it; `at` [s since the epoch] is when it looked like this.
+    candidate, and `fix` what would admit it; `jogged` is set while somebody moves the robot by
+    hand; `at` [s since the epoch] is when it looked like this.
     """
 
     state: State
@@ -62,6 +85,7 @@ class View:
     at: float
     poses: tuple[Pose, ...] = ()
     fix: str = ""
+    jogged: Jogged | None = None
 
     @property
     def pose(self) -> Pose | None:

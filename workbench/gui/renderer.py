@@ -12,8 +12,10 @@ from workbench.app.bench import Bench
 from workbench.app.state import Phase, State
 from workbench.gui.fixes import Fixes
 from workbench.gui.header import Header
-from workbench.gui.look import Look, Pose, SharedLook, View
+from workbench.gui.jog import JogFinder
+from workbench.gui.look import Jogged, Look, Pose, SharedLook, View
 from workbench.gui.panels.candidates import CandidatesPanel
+from workbench.gui.panels.cell import CellPanel
 from workbench.gui.panels.cycle import CyclePanel
 from workbench.gui.panels.plan import PlanPanel
 from workbench.gui.panels.robot import RobotPanel
@@ -22,6 +24,8 @@ from workbench.gui.poses import PoseFinder
 from workbench.gui.scene import Scene
 from workbench.gui.theme import Theme
 from workbench.gui.visitor import Panel, Visitor
+from workbench.model.cell import Cell
+from workbench.model.digest import digest_of
 from workbench.model.prediction import Predictions
 
 log = logging.getLogger(__name__)
@@ -75,9 +79,11 @@ class Renderer:
         self._closed = threading.Event()
         self._look = SharedLook(self._woken.set)
         self._arrivals: queue.SimpleQueue[tuple[viser.ClientHandle, bool]] = queue.SimpleQueue()
+        self._clients: dict[int, viser.ClientHandle] = {}
         self._panels: dict[int, tuple[Panel, ...]] = {}
         self._runs: tuple[Run, ...] = ()
         self._finder = PoseFinder()
+        self._jogger = JogFinder()
         self._fixes = Fixes(self._woken.set)
         self._drawn: View | None = None
         with server.atomic():
@@ -145,9 +151,16 @@ class Renderer:
         old, new = self._drawn, self._view()
         for client, is_here in self._waiting():
             if is_here:
+                self._clients[client.client_id] = client
                 self._welcome(client, new)
             else:
+                self._clients.pop(client.client_id, None)
                 self._panels.pop(client.client_id, None)
+        if old is not None and _needs_other_controls(old.state.cell, new.state.cell):
+            self._server.gui.set_panel_label(f"Cell {new.state.cell.name}")
+            for client in self._clients.values():
+                client.gui.reset()
+                self._welcome(client, new)
         with self._server.atomic():
             _shielded(lambda: self._scene.draw(old, new))
         for panels in self._panels.values():
@@ -164,9 +177,11 @@ class Renderer:
             self._look.change(time=0.0, is_playing=False, candidate=None, pose=0, by=None)
         live = self._bench.live
         if state.phase is Phase.SENDING and live.joints:
-            reached = followed(self._bench.cell, self._runs, live.joints, self._look.now.time)
+            reached = followed(state.cell, self._runs, live.joints, self._look.now.time)
             if reached != self._look.now.time:
                 self._look.change(time=reached, is_playing=False, by=None)
+        if before is not None and before.cell is not state.cell:
+            self._look.change(jog=None)
         look = self._look.now
         return View(
             state,
@@ -176,7 +191,17 @@ class Renderer:
             time.time(),
             self._poses(state, look),
             self._fixes.of(state, look.candidate),
+            self._jogged(state, look),
         )
+
+    def _jogged(self, state: State, look: Look) -> Jogged | None:
+        """What the jogged robot meets, worked out when it has moved."""
+        before = self._drawn
+        if look.jog is None:
+            return None
+        if before is not None and before.look.jog is look.jog and before.state is state:
+            return before.jogged
+        return self._jogger.jogged(state, look.jog)
 
     def _poses(self, state: State, look: Look) -> tuple[Pose, ...]:
         """The poses of the chosen candidate, worked out when another one is chosen."""
@@ -221,7 +246,19 @@ class Renderer:
             plan = PlanPanel(visitor)
         with tabs.add_tab("Robot", viser.Icon.ROBOT):
             robot = RobotPanel(visitor)
-        return header, cycle, candidates, plan, robot
+        with tabs.add_tab("Cell", viser.Icon.BUILDING_FACTORY):
+            cell = CellPanel(visitor)
+        return header, cycle, candidates, plan, robot, cell
+
+
+def _needs_other_controls(before: Cell, now: Cell) -> bool:
+    """Whether controls were made for arms that are not there any more, or for other things."""
+
+    def made_for(cell: Cell) -> str:
+        arms = [(arm.name, arm.joints, cell.robot.limits(arm.joints)) for arm in cell.arms]
+        return digest_of((arms, cell.policy))
+
+    return before is not now and made_for(before) != made_for(now)
 
 
 def _is_other_scene(before: State, state: State) -> bool:

@@ -8,6 +8,7 @@ import viser
 
 from workbench.gui.solids import Colour, by_colour
 from workbench.model.cell import Arm, Cell, Finger
+from workbench.model.errors import InputError
 from workbench.model.geometry import Floats, Solid
 
 
@@ -24,6 +25,7 @@ class DrawnRobot:
         colour: Colour | None = None,
         opacity: float | None = None,
         is_visible: bool = True,
+        as_checked: bool = False,
     ):
         """Add the nodes.
 
@@ -35,6 +37,7 @@ class DrawnRobot:
             colour: of everything; None keeps that of each solid.
             opacity: 0..1; None is solid.
             is_visible: whether to show it now.
+            as_checked: draw what is checked for collisions instead of what it looks like.
         """
         self._scene = scene
         self._colour = colour
@@ -50,7 +53,8 @@ class DrawnRobot:
                 continue
             node = scene.add_frame(f"{name}/{link.name}", show_axes=False)
             self._links[link.name] = node
-            self._add(f"{name}/{link.name}/visual", link.visual)
+            solids = link.collision if as_checked else link.visual
+            self._add(f"{name}/{link.name}/visual", solids)
         for arm in cell.arms if arms is None else arms:
             tool = f"{name}/{arm.flange}/{arm.tool.name}"
             self._add(f"{tool}/body", arm.tool.body)
@@ -128,3 +132,17 @@ def quaternion(T: pin.SE3) -> tuple[float, float, float, float]:
     """The rotation of a pose as w, x, y, z."""
     q = pin.Quaternion(T.rotation)
     return q.w, q.x, q.y, q.z
+
+
+def pose_of_node(node: viser.TransformControlsHandle) -> pin.SE3:
+    """The pose of a gizmo in the world.
+
+    Raises:
+        InputError: a browser has sent numbers that are no pose.
+    """
+    w, x, y, z = (float(value) for value in node.wxyz)
+    length = float(np.sqrt(w * w + x * x + y * y + z * z))
+    if not 0.5 < length < 2.0 or not np.all(np.isfinite(node.position)):
+        raise InputError("the gizmo is nowhere")
+    q = pin.Quaternion(w, x, y, z).normalized()
+    return pin.SE3(q.matrix(), np.array(node.position, dtype=np.float64))

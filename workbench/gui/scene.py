@@ -7,6 +7,7 @@ from workbench.formats.triangles import triangles_of
 from workbench.gui.candidate import DrawnCandidates
 from workbench.gui.colours import (
     BESIDE_BIN,
+    CHECKED,
     HEIGHTS,
     LIVE_ROBOT,
     UNEXPLAINED_COLOUR,
@@ -15,11 +16,19 @@ from workbench.gui.colours import (
     rgb_of,
 )
 from workbench.gui.look import View
-from workbench.gui.playback import Run, joint_values, moments, part_poses, tcp_path
+from workbench.gui.meets import draw_meets
+from workbench.gui.playback import Moment, Run, joint_values, moments, part_poses, tcp_path
 from workbench.gui.robot import DrawnRobot, place
 from workbench.gui.solids import with_hard_edges
-from workbench.gui.surroundings import add_surroundings, aim_camera, paint_background
+from workbench.gui.surroundings import (
+    add_surroundings,
+    aim_camera,
+    paint_background,
+    remove_surroundings,
+    show_frames,
+)
 from workbench.model.cell import Cell
+from workbench.model.digest import digest_of
 from workbench.model.geometry import Floats
 from workbench.model.scan import Detection, Obstacle, Scan
 from workbench.perception.unexplained import UNEXPLAINED, explained_by
@@ -49,16 +58,21 @@ class Scene:
             most_points: of a scan; the others are left out at random.
         """
         self._scene = server.scene
-        self._cell = cell
         self._most_points = most_points
-        self._kinematics = Kinematics(cell)
         self._parts: list[viser.FrameHandle] = []
-        add_surroundings(server.scene, cell)
-        paint_background(server.scene)
         aim_camera(server, cell)
-        self._robot = DrawnRobot(server.scene, "/robot", cell)
+        self._build(cell)
+
+    def _build(self, cell: Cell) -> None:
+        """Add robot and surroundings of a cell to an empty scene."""
+        scene = self._scene
+        self._cell, self._kinematics = cell, Kinematics(cell)
+        paint_background(scene)
+        add_surroundings(scene, cell)
+        self._robot = DrawnRobot(scene, "/robot", cell)
+        self._checked: DrawnRobot | None = None
         self._live_robot = DrawnRobot(
-            server.scene,
+            scene,
             "/robot_now",
             cell,
             arms=cell.arms,
@@ -66,10 +80,25 @@ class Scene:
             opacity=0.35,
             is_visible=False,
         )
-        self._candidates = DrawnCandidates(server.scene, cell, self._kinematics)
+        self._candidates = DrawnCandidates(scene, cell, self._kinematics)
+
+    def _use(self, cell: Cell) -> bool:
+        """Go on with another cell; whether everything has to be drawn anew."""
+        if is_other_robot(self._cell, cell):
+            self._scene.reset()
+            self._parts = []
+            self._build(cell)
+            return True
+        self._cell, self._kinematics = cell, Kinematics(cell)
+        remove_surroundings(self._scene)
+        add_surroundings(self._scene, cell)
+        self._candidates.use(cell, self._kinematics)
+        return False
 
     def draw(self, old: View | None, new: View) -> None:
         """Bring the scene from `old` (None: nothing drawn yet) to `new`."""
+        if self._cell is not new.state.cell and self._use(new.state.cell):
+            old = None
         before, state = old and old.state, new.state
         if (
             before is None
@@ -85,7 +114,19 @@ class Scene:
             self._draw_obstacles(state.obstacles)
         if is_other_plan:
             self._draw_paths(new.runs)
-        is_other_time = old is None or old.look.time != new.look.time
+        is_other_time = (
+            old is None
+            or before is None
+            or old.look.time != new.look.time
+            or old.jogged is not new.jogged
+            or before.cell is not state.cell
+        )
+        if old is None or old.jogged is not new.jogged:
+            draw_meets(self._scene, "/jog_meets", new.jogged.meets if new.jogged else ())
+        if old is None or old.look.shapes != new.look.shapes:
+            self._show_shapes(new.look.shapes)
+        if old is None or old.look.frames != new.look.frames or before.cell is not state.cell:
+            show_frames(self._scene, self._cell, self._kinematics, is_shown=new.look.frames)
         if is_other_plan or are_other_parts or is_other_time:
             self._pose(new)
         if is_other_plan or old is None or is_other_time or old.live.joints is not new.live.joints:
@@ -168,10 +209,28 @@ class Scene:
                 thickness_units="screen",
             )
 
+    def _show_shapes(self, is_shown: bool) -> None:
+        """Show what is checked for collisions in place of what it looks like."""
+        if is_shown and self._checked is None:
+            self._checked = DrawnRobot(
+                self._scene, "/robot_checked", self._cell, colour=CHECKED, as_checked=True
+            )
+        self._robot.show(not is_shown)
+        if self._checked is not None:
+            self._checked.show(is_shown)
+
     def _pose(self, view: View) -> None:
         now = moments(self._cell, view.runs, view.look.time)
+        if view.jogged is not None:
+            now |= {
+                arm: Moment(q, self._cell.arm(arm).tool.stroke[1], None)
+                for arm, q in view.jogged.q.items()
+            }
         links = self._kinematics.link_poses(joint_values(self._cell, now))
-        self._robot.pose(links, {arm: moment.opening for arm, moment in now.items()})
+        openings = {arm: moment.opening for arm, moment in now.items()}
+        for robot in (self._robot, self._checked):
+            if robot is not None:
+                robot.pose(links, openings)
         plan, detections = view.state.plan, view.state.detections or ()
         if plan is not None and len(plan.detections) == len(self._parts):
             poses = part_poses(self._cell, self._kinematics, plan, view.runs, view.look.time)
@@ -189,6 +248,15 @@ class Scene:
         if differs:
             self._live_robot.pose(self._kinematics.link_poses(known), {})
         self._live_robot.show(differs)
+
+
+def is_other_robot(one: Cell, other: Cell) -> bool:
+    """Whether robot, arms or tools are drawn otherwise."""
+    return digest_of((one.robot, [a.tool for a in one.arms])) != digest_of(
+        (other.robot, [a.tool for a in other.arms])
+    ) or [(arm.name, arm.joints) for arm in one.arms] != [
+        (arm.name, arm.joints) for arm in other.arms
+    ]
 
 
 def point_colours(

@@ -4,10 +4,11 @@ import itertools
 import math
 
 import numpy as np
+import pinocchio as pin
 import viser
 
 from workbench.gui.colours import SKY, rgb_of
-from workbench.gui.robot import quaternion
+from workbench.gui.robot import place, quaternion
 from workbench.gui.solids import by_colour
 from workbench.model.cell import Cell
 from workbench.model.geometry import Floats
@@ -73,6 +74,33 @@ def add_surroundings(scene: viser.SceneApi, cell: Cell) -> None:
         cell_color=(233, 236, 239),
         section_color=(206, 212, 218),
     )
+
+
+def remove_surroundings(scene: viser.SceneApi) -> None:
+    """Take away what `add_surroundings` has added."""
+    for name in ("/fixtures", "/bin", "/scanner", "/floor"):
+        scene.remove_by_name(name)
+
+
+def show_frames(
+    scene: viser.SceneApi, cell: Cell, kinematics: Kinematics, *, is_shown: bool
+) -> None:
+    """Show or hide the frames that poses in the cell file are about."""
+    scene.remove_by_name("/frames")
+    if not is_shown:
+        return
+    frames = {"world": pin.SE3.Identity(), "robot": cell.T_world_robot}
+    frames |= {"bin": cell.bin.T_world_bin, "scanner": cell.scanner.T_world_scanner}
+    frames |= {fixture.name: fixture.T_world_fixture for fixture in cell.fixtures}
+    links = kinematics.link_poses({})
+    for arm in cell.arms:
+        frames[f"{arm.name} tcp at home"] = links[arm.flange] * arm.tool.T_flange_tcp
+        for number, T in enumerate(arm.Ts_world_place, start=1):
+            frames[f"{arm.name} place {number}"] = T
+    for number, (label, T) in enumerate(frames.items()):
+        node = scene.add_frame(f"/frames/{number}", axes_length=0.06, axes_radius=0.0015)
+        place(node, T)
+        scene.add_label(f"/frames/{number}/label", label, font_screen_scale=0.7)
 
 
 def paint_background(scene: viser.SceneApi) -> None:

@@ -12,6 +12,7 @@ from workbench.app.commands import Command
 from workbench.app.rules import allowed
 from workbench.app.state import State
 from workbench.gui.look import SharedLook, View
+from workbench.model.cell import Cell
 from workbench.model.errors import CommandRefused, WorkbenchError
 from workbench.model.prediction import Predictions
 
@@ -44,6 +45,11 @@ class Visitor:
         self.bench = bench
         self.look = look
         self.predictions = predictions
+
+    @property
+    def cell(self) -> Cell:
+        """The cell as it is now."""
+        return self.bench.state.cell
 
     @property
     def number(self) -> int:

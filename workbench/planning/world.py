@@ -129,6 +129,22 @@ class World:
         """The first pair, of those `among` if given, closer than its margin at q (nq,)."""
         return self.look(q, self._still, among)[0]
 
+    def contacts(self, q: Floats) -> tuple[Contact, ...]:
+        """Every two bodies nearer than their margin at this whole configuration (nq,).
+
+        Of several pairs with the same two labels the nearest stands; the nearest pair comes first.
+        """
+        pairs, _, _ = self._close(q, self._still, 0.0, None)
+        found: dict[tuple[str, str], Contact] = {}
+        for k in pairs.tolist():
+            contact = self._contact_of(k, self._distance(k))
+            known = found.get(contact.pair)
+            if contact.distance < contact.margin and (
+                known is None or contact.distance < known.distance
+            ):
+                found[contact.pair] = contact
+        return tuple(sorted(found.values(), key=lambda contact: contact.distance))
+
     def meets(self, q: Floats) -> bool:
         """Whether different arms are too close to each other at this whole configuration (nq,)."""
         return self.look(q, self._still, self.between())[0] is not None

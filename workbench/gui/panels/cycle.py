@@ -28,7 +28,7 @@ class CyclePanel:
     def __init__(self, visitor: Visitor):
         """Add the controls."""
         self._visitor = visitor
-        policy = visitor.bench.cell.policy
+        policy = visitor.cell.policy
         gui = visitor.gui
         with gui.add_folder("1 · Scan"):
             gui.add_html(ROW)

@@ -34,7 +34,7 @@ class PlanPanel:
     def __init__(self, visitor: Visitor):
         """Add the controls."""
         self._visitor = visitor
-        self._cell = visitor.bench.cell
+        cell = visitor.cell
         gui = visitor.gui
         self._summary = gui.add_html("")
         self._lanes = gui.add_html("")
@@ -50,7 +50,7 @@ class PlanPanel:
         gui.add_html('<div class="wb-buttons wb-two"></div>')
         self._play = gui.add_button("Play", icon=viser.Icon.PLAYER_PLAY)
         self._start = gui.add_button("To the start", icon=viser.Icon.PLAYER_SKIP_BACK, color="gray")
-        has_two = len(self._cell.arms) > 1
+        has_two = len(cell.arms) > 1
         self._clearance = gui.add_uplot(
             (NOTHING, NOTHING, NOTHING)[: 2 + has_two],
             (
@@ -64,10 +64,10 @@ class PlanPanel:
             visible=False,
         )
         self._speed = gui.add_uplot(
-            (NOTHING, *(NOTHING for _ in self._cell.arms)),
+            (NOTHING, *(NOTHING for _ in cell.arms)),
             (
                 curve("time [s]"),
-                *(curve(arm.name, arm_colour(k)) for k, arm in enumerate(self._cell.arms)),
+                *(curve(arm.name, arm_colour(k)) for k, arm in enumerate(cell.arms)),
             ),
             scales={"x": {"time": False}, "y": {"range": (0.0, 105.0)}},
             axes=(axis("time [s]"), axis("fastest axis [%]")),
@@ -86,7 +86,7 @@ class PlanPanel:
                 height=170,
                 visible=False,
             )
-            for arm in self._cell.arms
+            for arm in cell.arms
         }
         self._react()
 
@@ -102,9 +102,9 @@ class PlanPanel:
                 control.disabled = not is_free
         is_moved = old is None or old.runs is not new.runs or old.look.time != new.look.time
         if is_moved and new.runs:
-            now = doing(self._cell, new.runs, new.look.time)
+            now = doing(new.state.cell, new.runs, new.look.time)
             self._cursor.content = cursor_html(
-                new.look.time, new.plan_seconds, now, len(self._cell.arms)
+                new.look.time, new.plan_seconds, now, len(new.state.cell.arms)
             )
             # The browser that drags knows best where its own slider stands.
             if new.look.by != self._visitor.number:
@@ -117,6 +117,7 @@ class PlanPanel:
 
     def _draw_plan(self, view: View) -> None:
         state, runs, seconds = view.state, view.runs, view.plan_seconds
+        cell = state.cell
         has_plan = state.plan is not None
         for plot in (self._clearance, self._speed, *self._joints.values()):
             plot.visible = has_plan
@@ -126,17 +127,17 @@ class PlanPanel:
             self._lanes.content = self._cursor.content = ""
             self._time.value = 0.0
             return
-        self._summary.content = plan_html(self._cell, state.plan, state.seconds) + outlines_html(
+        self._summary.content = plan_html(cell, state.plan, state.seconds) + outlines_html(
             state.outlines
         )
-        self._lanes.content = lanes_html(self._cell, runs, seconds)
+        self._lanes.content = lanes_html(cell, runs, seconds)
         self._time.max = max(round(seconds, 2), 0.01)
         if state.proof is not None:
             curves = clearance_curves(runs, state.proof)
-            self._clearance.data = curves[: 2 + (len(self._cell.arms) > 1)]
-        speeds = [speed_curve(arm, self._cell, runs, seconds) for arm in self._cell.arms]
+            self._clearance.data = curves[: 2 + (len(cell.arms) > 1)]
+        speeds = [speed_curve(arm, cell, runs, seconds) for arm in cell.arms]
         self._speed.data = (np.linspace(0.0, max(seconds, 1e-3), len(speeds[0])), *speeds)
-        for arm in self._cell.arms:
+        for arm in cell.arms:
             self._joints[arm.name].data = joint_curves(arm, runs, seconds)
 
     def _react(self) -> None:

@@ -10,7 +10,6 @@ class RobotPanel:
 
     def __init__(self, visitor: Visitor):
         """Add the status fields."""
-        self._cell = visitor.bench.cell
         self._link = visitor.gui.add_html("")
         self._joints = visitor.gui.add_html("")
 
@@ -19,4 +18,4 @@ class RobotPanel:
         if old is None or old.state is not new.state or old.live.robot != new.live.robot:
             self._link.content = link_html(new)
         if old is None or old.live.joints is not new.live.joints:
-            self._joints.content = joints_html(self._cell, new.live.joints)
+            self._joints.content = joints_html(new.state.cell, new.live.joints)

@@ -1,0 +1,189 @@
+"""The cell changed by hand in a real browser: jogging, gizmos, undo, save."""
+
+import math
+import shutil
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+import pinocchio as pin
+import pytest
+
+from workbench.app.bench import Bench
+from workbench.app.machines import Machines
+from workbench.formats.cells import read_cell
+from workbench.formats.shipped import find
+from workbench.gui.jogging import GIZMO as TOOL_GIZMO
+from workbench.gui.panels.cell import GIZMO
+from workbench.gui.surroundings import ASPECT, FIELD_OF_VIEW, framed, interesting_points
+from workbench.journal.journal import Journal
+from workbench.model.geometry import pose_from_rpy
+from workbench.planning.chain import chain_of, is_solution
+
+
+@pytest.fixture
+def cell_file(tmp_path):
+    shutil.copytree(find("robots", "yumi"), tmp_path / "yumi")
+    return tmp_path / "yumi" / "cell.toml"
+
+
+@pytest.fixture
+def bench(robot, tmp_path, cell_file):
+    cell = read_cell(cell_file)
+    controller = replace(cell.controller, port=robot.port, state_port=robot.state_port)
+    bench = Bench(
+        replace(cell, controller=controller),
+        Journal(tmp_path / "session"),
+        effects=partial(Machines, cell_file=cell_file),
+    )
+    yield bench
+    bench.close()
+
+
+class Camera:
+    """Where points of the world are on the page, as it looks at first."""
+
+    def __init__(self, page, cell):
+        points = interesting_points(cell)
+        robot, goal = cell.T_world_robot.translation, cell.bin.T_world_bin.translation
+        azimuth = math.atan2(goal[1] - robot[1], goal[0] - robot[0]) - math.radians(38)
+        direction = np.array([math.cos(azimuth), math.sin(azimuth), 0.6])
+        direction /= np.linalg.norm(direction)
+        self.position, target = framed(points, direction, FIELD_OF_VIEW, ASPECT)
+        forward = (target - self.position) / np.linalg.norm(target - self.position)
+        right = np.cross(forward, [0, 0, 1])
+        right /= np.linalg.norm(right)
+        self.axes = np.stack([right, np.cross(forward, right), forward])
+        self.box = page.locator("canvas").first.bounding_box()
+
+    def pixel(self, point) -> tuple[float, float]:
+        x, y, z = self.axes @ (np.asarray(point) - self.position)
+        focal = 0.5 * self.box["height"] / math.tan(FIELD_OF_VIEW / 2)
+        return (
+            self.box["x"] + self.box["width"] / 2 + focal * x / z,
+            self.box["y"] + self.box["height"] / 2 + focal * y / z,
+        )
+
+
+def drag(page, start, end):
+    """As a hand does it: there, down, along, up."""
+    page.mouse.move(*start)
+    page.wait_for_timeout(300)
+    page.mouse.down()
+    page.wait_for_timeout(100)
+    page.mouse.move(*end, steps=12)
+    page.wait_for_timeout(200)
+    page.mouse.up()
+
+
+def field(screen, label: str):
+    """The input beside a label; viser does not tie texts and sliders to theirs."""
+    row = screen.page.locator(
+        f"//label[normalize-space(.)='{label}']/ancestor::*[.//input][1]"
+    ).locator("visible=true")
+    return row.locator("input:visible").last
+
+
+def type_number(screen, label: str, value: float) -> None:
+    """Into the field beside the slider of that label."""
+    box = field(screen, label)
+    box.fill(f"{value:.1f}")
+    box.press("Enter")
+    screen.page.wait_for_timeout(120)
+
+
+def in_the_wall(cell) -> np.ndarray:
+    """A configuration of the right arm with the tool in the bin's front wall."""
+    arm, chain = cell.arms[0], chain_of(cell, cell.arms[0])
+    length, _, height = cell.bin.size
+    rng = np.random.default_rng(0)
+    starts = np.vstack([arm.home, rng.uniform(chain.lower, chain.upper, (60, len(arm.home)))])
+    for turn in (0.0, math.pi / 2, -math.pi / 2):
+        p_bin = (-(length + cell.bin.wall) / 2, -0.05, height - 0.02)
+        T = cell.bin.T_world_bin * pose_from_rpy(p_bin, (math.pi, 0, turn))
+        answers, residuals = chain.solve(T, starts)
+        found = answers[is_solution(residuals)]
+        if len(found):
+            return found[0]
+    raise AssertionError("the arm does not reach the wall")
+
+
+def test_an_arm_jogged_into_the_bin_wall_names_the_pair(screen, bench, wait):
+    cell = bench.state.cell
+    arm, q = cell.arms[0], in_the_wall(bench.state.cell)
+    screen.tab("Cell")
+    screen.press("Jog")
+    screen.wait_for("Clear; nearest are")
+    for axis, (k, sign) in enumerate(zip(arm.wire_order, arm.wire_signs, strict=True)):
+        type_number(screen, f"Axis {axis + 1} [deg]", sign * math.degrees(q[k]))
+    row = screen.page.locator(".wb-contacts tr", has_text="bin_wall_back").first
+    row.wait_for()
+    assert "right " in row.inner_text() and "inside" in row.inner_text()
+    screen.shoot("cell-jogged")
+    screen.press("Go home")
+    screen.wait_for("Clear; nearest are")
+    screen.press("End jogging")
+    assert bench.state.before == (), "jogging changes nothing of the cell"
+    assert screen.errors == []
+
+
+def test_the_tool_follows_its_gizmo_and_is_taught(screen, bench, wait):
+    cell = bench.state.cell
+    T = chain_of(cell, cell.arms[0]).pose(np.asarray(cell.arms[0].home))
+    screen.tab("Cell")
+    screen.press("Jog")
+    screen.wait_for("Clear; nearest are")
+    screen.page.wait_for_timeout(1000)
+    camera = Camera(screen.page, cell)
+    tip = T.translation + 0.9 * TOOL_GIZMO * T.rotation[:, 2]
+    away = tip - 0.06 * T.rotation[:, 2]
+    drag(screen.page, camera.pixel(tip), camera.pixel(away))
+    screen.press("Teach as home")
+    wait(lambda: bench.state.before != (), "another home")
+    changed = bench.state.cell
+    U = chain_of(changed, changed.arms[0]).pose(np.asarray(changed.arms[0].home))
+    moved = T.actInv(U).translation
+    assert -0.075 < moved[2] < -0.045, moved
+    assert np.abs(moved[:2]).max() < 0.002
+    assert np.abs(pin.log3(T.rotation.T @ U.rotation)).max() < 0.01
+    screen.press("Undo")
+    wait(lambda: bench.state.before == (), "the home before")
+    assert bench.state.cell.digest == cell.digest
+
+
+def test_a_bin_moved_by_its_gizmo_is_undone_redone_and_saved(
+    screen, bench, wait, reaches, cell_file
+):
+    screen.press("Scan")
+    reaches("scanned")
+    screen.press("Find parts")
+    reaches("localized")
+    cell = bench.state.cell
+    screen.tab("Cell")
+    screen.press("Show gizmo")
+    screen.page.wait_for_timeout(1000)
+    camera = Camera(screen.page, cell)
+    p = cell.bin.T_world_bin.translation
+    tip = p + [0, 0, 0.9 * GIZMO]
+    drag(screen.page, camera.pixel(tip), camera.pixel(tip + [0, 0, 0.05]))
+    wait(lambda: bench.state.before != (), "the bin moved")
+    moved = bench.state.cell.bin.T_world_bin.translation - p
+    assert 0.035 < moved[2] < 0.065 and np.abs(moved[:2]).max() < 1e-4, moved
+    assert bench.state.phase == "scanned", "what was found was found in another cell"
+    screen.wait_for("Changed and not saved")
+    screen.shoot("cell-moved")
+    there = bench.state.cell.digest
+    screen.press("Undo")
+    wait(lambda: bench.state.cell.digest == cell.digest, "undo")
+    screen.press("Redo")
+    wait(lambda: bench.state.cell.digest == there, "redo")
+    field(screen, "Remark").press_sequentially("higher", delay=60)
+    screen.page.wait_for_timeout(200)
+    screen.press("Save")
+    wait(lambda: bench.state.saved == bench.state.cell.digest, "the file written")
+    screen.wait_for("As in its file")
+    again = read_cell(cell_file)
+    assert again.digest == bench.state.cell.digest
+    np.testing.assert_allclose(again.bin.T_world_bin.translation - p, moved, atol=1e-5)
+    assert "higher" in (cell_file.parent / "changes.log").read_text()
+    assert screen.errors == []

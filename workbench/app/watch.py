@@ -1,0 +1,91 @@
+"""The cell file watched: when somebody has written it, the session goes on with what it says."""
+
+import logging
+import threading
+from pathlib import Path
+
+from workbench.app.bench import Bench
+from workbench.app.commands import CellRead
+from workbench.app.rights import CELL_FILE
+from workbench.formats.cells import read_cell
+from workbench.model.errors import CommandRefused, InputError
+
+log = logging.getLogger(__name__)
+
+EVERY = 0.5
+"""[s] Between two looks at the files."""
+
+KINDS = frozenset({".toml", ".urdf", ".srdf", ".stl", ".obj", ".ply"})
+
+Stamp = tuple[tuple[str, int, int], ...]
+"""Names, times and sizes of the files."""
+
+
+class CellWatch:
+    """Reads the cell again when a file in its folder has changed and is left alone since.
+
+    Lifetime: from construction until `close`, which waits for a reading under way.
+
+    Concurrency: a thread of its own, which gives `CellRead` commands.
+    """
+
+    def __init__(self, path: Path, bench: Bench, *, every: float = EVERY) -> None:
+        """Begin to watch.
+
+        Args:
+            path: of the cell file that the bench has begun with.
+            bench: gets the cell that is read.
+            every: how long [s] between two looks.
+        """
+        self._path = path
+        self._bench = bench
+        self._every = every
+        self._closing = threading.Event()
+        self._read = self._stamp()
+        self._thread = threading.Thread(target=self._run, name="cell file", daemon=True)
+        self._thread.start()
+
+    def close(self) -> None:
+        """Look no more."""
+        self._closing.set()
+        self._thread.join()
+
+    def _run(self) -> None:
+        seen = self._read
+        while not self._closing.wait(self._every):
+            try:
+                now = self._stamp()
+                # A file that still changes is not read: editors write in several steps.
+                if now != self._read and now == seen and self._take():
+                    self._read = now
+                seen = now
+            except Exception:
+                log.exception("the cell file could not be looked at")
+
+    def _stamp(self) -> Stamp:
+        found: list[tuple[str, int, int]] = []
+        for file in sorted(self._path.parent.rglob("*")):
+            if file.suffix in KINDS and not file.name.startswith("."):
+                try:
+                    status = file.stat()
+                except OSError:
+                    continue  # gone in between: the next look tells
+                found.append((str(file), status.st_mtime_ns, status.st_size))
+        return tuple(found)
+
+    def _take(self) -> bool:
+        """Read the cell and hand it over; whether it was taken."""
+        state = self._bench.state
+        try:
+            cell = read_cell(self._path)
+            if cell.digest == state.saved and not state.cell_problem:
+                return True
+            command = CellRead(cell)
+        except InputError as error:
+            command = CellRead(problem=str(error))
+        try:
+            self._bench.do(command, CELL_FILE)
+        except CommandRefused as error:
+            log.info("the cell file is read later: %s", error)
+            return False
+        return True

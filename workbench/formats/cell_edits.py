@@ -1,0 +1,151 @@
+"""Changes of a cell written into the file that people wrote: only what differs, comments stay."""
+
+import json
+import time
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+import tomlkit
+from tomlkit.exceptions import TOMLKitError
+
+from workbench.formats.cells import read_cell
+from workbench.formats.toml_keys import LARGEST_FILE
+from workbench.formats.whole_files import read_whole, write_whole
+from workbench.model.cell import Cell
+from workbench.model.errors import FileError
+from workbench.model.geometry import Floats
+
+LOG = "changes.log"
+
+LOST = 2e-6
+"""[m, rad] That much a number may change by being written with four digits [mm, deg]."""
+
+
+def save_cell(path: Path, cell: Cell) -> None:
+    """Write into a cell file what a cell has otherwise than the file.
+
+    Poses of robot, bin, scanner and fixtures, sizes of the bin, homes and places of the arms can
+    be written; the file is left as it is when anything else differs.
+
+    Args:
+        path: of the cell file, which must be readable as a cell.
+        cell: as it should be read from now on.
+
+    Raises:
+        FileError: the file cannot be read or written, or something else differs.
+    """
+    old = read_cell(path)
+    text = read_whole(path, LARGEST_FILE).decode("utf-8-sig")
+    try:
+        document: Any = tomlkit.parse(text)
+    except TOMLKitError as error:
+        raise FileError(path, f"is not valid TOML: {error}") from None
+    _edit(document, old, cell)
+    written = tomlkit.dumps(document).encode()
+    trial = path.with_name(f".{path.name}.trial")
+    try:
+        write_whole(trial, written)
+        if not _is_same(read_cell(trial), cell):
+            raise FileError(
+                path, "not written: something was changed that cannot be written into the file"
+            )
+    finally:
+        trial.unlink(missing_ok=True)
+    write_whole(path, written)
+
+
+def log_change(path: Path, cell: Cell, actor: str, at: float, remark: str) -> None:
+    """Add a line about a saved change to the log beside the cell file.
+
+    Raises:
+        FileError: it cannot be written.
+    """
+    when = time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime(at))
+    entry = {"at": when, "by": actor, "cell": cell.digest, "remark": remark}
+    log = path.with_name(LOG)
+    try:
+        with log.open("a", encoding="utf-8") as file:
+            file.write(json.dumps(entry, ensure_ascii=False) + "\n")
+    except OSError as error:
+        raise FileError(log, error.strerror or "cannot be written") from None
+
+
+def _is_same(one: Cell, other: Cell) -> bool:
+    """Whether two cells differ by no more than what is lost when numbers are written."""
+    arms = tuple(
+        replace(mine, home=arm.home, Ts_world_place=arm.Ts_world_place)
+        for mine, arm in zip(one.arms, other.arms, strict=True)
+    )
+    fixtures = tuple(
+        replace(mine, T_world_fixture=fixture.T_world_fixture)
+        for mine, fixture in zip(one.fixtures, other.fixtures, strict=True)
+    )
+    alike = replace(
+        one,
+        T_world_robot=other.T_world_robot,
+        bin=replace(one.bin, T_world_bin=other.bin.T_world_bin, size=other.bin.size),
+        scanner=replace(one.scanner, T_world_scanner=other.scanner.T_world_scanner),
+        arms=arms,
+        fixtures=fixtures,
+    )
+    mine, others = _numbers(one), _numbers(other)
+    is_near = len(mine) == len(others) and bool(np.allclose(mine, others, atol=LOST))
+    return is_near and alike.digest == other.digest
+
+
+def _numbers(cell: Cell) -> Floats:
+    """What `_edit` can write, in one row."""
+    Ts = [cell.T_world_robot, cell.bin.T_world_bin, cell.scanner.T_world_scanner]
+    Ts += [fixture.T_world_fixture for fixture in cell.fixtures]
+    Ts += [T for arm in cell.arms for T in arm.Ts_world_place]
+    rows = [T.homogeneous.ravel() for T in Ts] + [np.asarray(arm.home) for arm in cell.arms]
+    return np.concatenate([*rows, np.asarray(cell.bin.size)])
+
+
+def _edit(document: Any, old: Cell, new: Cell) -> None:
+    _edit_pose(document["robot"], old.T_world_robot, new.T_world_robot)
+    _edit_pose(document["bin"], old.bin.T_world_bin, new.bin.T_world_bin)
+    if not np.array_equal(old.bin.size, new.bin.size):
+        document["bin"]["size_mm"] = _millimetres(new.bin.size)
+    _edit_pose(document["scanner"], old.scanner.T_world_scanner, new.scanner.T_world_scanner)
+    for table, one, other in zip(
+        document.get("fixture", []), old.fixtures, new.fixtures, strict=True
+    ):
+        _edit_pose(table, one.T_world_fixture, other.T_world_fixture)
+    for table, one, other in zip(document["arm"], old.arms, new.arms, strict=True):
+        if not np.array_equal(one.home, other.home):
+            home = np.rad2deg(other.home[list(other.wire_order)]) * other.wire_signs
+            table["home_deg"] = [_short(value) for value in home]
+        if len(one.Ts_world_place) == len(other.Ts_world_place):
+            for place, T, U in zip(
+                table.get("place", []), one.Ts_world_place, other.Ts_world_place, strict=True
+            ):
+                _edit_pose(place, T, U)
+        else:
+            places = tomlkit.aot()
+            for T in other.Ts_world_place:
+                places.append(_edit_pose(tomlkit.table(), pin.SE3.Identity(), T))
+            table["place"] = places
+
+
+def _edit_pose(table: Any, old: pin.SE3, new: pin.SE3) -> Any:
+    """Write a pose into a table if it is another one than before; the table."""
+    if not np.array_equal(old.translation, new.translation):
+        table["position_mm"] = _millimetres(new.translation)
+    if not np.array_equal(old.rotation, new.rotation):
+        rpy = np.rad2deg(pin.rpy.matrixToRpy(new.rotation))
+        table["rpy_deg"] = [_short(value) for value in rpy]
+    return table
+
+
+def _millimetres(lengths: Floats) -> list[float | int]:
+    return [_short(value) for value in np.asarray(lengths) * 1000]
+
+
+def _short(value: float) -> float | int:
+    """As people write numbers: no -0, and whole ones without a point."""
+    rounded = round(float(value), 4) + 0.0
+    return int(rounded) if rounded.is_integer() else rounded

@@ -1,0 +1,96 @@
+"""What of a cell a person can move: each by name, with its pose, and the cell with another one."""
+
+from dataclasses import replace
+
+import numpy as np
+import pinocchio as pin
+
+from workbench.model.cell import Cell
+from workbench.model.geometry import Floats, pose_from_rpy
+
+BIN, SCANNER, ROBOT = "bin", "scanner", "robot"
+
+
+def things(cell: Cell) -> tuple[str, ...]:
+    """The names of all that can be moved, as people read them."""
+    places = [
+        f"{arm.name} place {number}"
+        for arm in cell.arms
+        for number in range(1, len(arm.Ts_world_place) + 1)
+    ]
+    return (BIN, SCANNER, ROBOT, *(fixture.name for fixture in cell.fixtures), *places)
+
+
+def pose_of(cell: Cell, thing: str) -> pin.SE3:
+    """`T_world_thing` of one of `things`."""
+    match thing:
+        case "bin":
+            return cell.bin.T_world_bin
+        case "scanner":
+            return cell.scanner.T_world_scanner
+        case "robot":
+            return cell.T_world_robot
+        case _:
+            for fixture in cell.fixtures:
+                if fixture.name == thing:
+                    return fixture.T_world_fixture
+            arm, number = _place(thing)
+            return cell.arm(arm).Ts_world_place[number]
+
+
+def moved(cell: Cell, thing: str, T: pin.SE3) -> Cell:
+    """The cell with one of `things` somewhere else."""
+    match thing:
+        case "bin":
+            return replace(cell, bin=replace(cell.bin, T_world_bin=T))
+        case "scanner":
+            return replace(cell, scanner=replace(cell.scanner, T_world_scanner=T))
+        case "robot":
+            return replace(cell, T_world_robot=T)
+        case _:
+            if any(fixture.name == thing for fixture in cell.fixtures):
+                return replace(
+                    cell,
+                    fixtures=tuple(
+                        replace(one, T_world_fixture=T) if one.name == thing else one
+                        for one in cell.fixtures
+                    ),
+                )
+            arm, number = _place(thing)
+            places = list(cell.arm(arm).Ts_world_place)
+            places[number] = T
+            return with_places(cell, arm, tuple(places))
+
+
+def with_places(cell: Cell, arm: str, places: tuple[pin.SE3, ...]) -> Cell:
+    """The cell with other places for an arm."""
+    return _with_arm(cell, arm, Ts_world_place=places)
+
+
+def with_home(cell: Cell, arm: str, home: Floats) -> Cell:
+    """The cell with another home (n,) [rad] for an arm."""
+    return _with_arm(cell, arm, home=home)
+
+
+def _with_arm(cell: Cell, name: str, **fields: object) -> Cell:
+    arms = tuple(replace(arm, **fields) if arm.name == name else arm for arm in cell.arms)  # type: ignore[arg-type]
+    return replace(cell, arms=arms)
+
+
+def _place(thing: str) -> tuple[str, int]:
+    arm, _, number = thing.split(" ")
+    return arm, int(number) - 1
+
+
+def typed_pose(position_mm: tuple[float, ...], rpy_deg: tuple[float, ...]) -> pin.SE3:
+    """A pose from what a person types, exactly as the cell file reads it."""
+    return pose_from_rpy(np.array(position_mm) / 1000, np.deg2rad(rpy_deg))
+
+
+def shown_pose(T: pin.SE3) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    """Position [mm] and roll, pitch, yaw [deg] of a pose, rounded to what a person would type."""
+    rpy = np.rad2deg(pin.rpy.matrixToRpy(T.rotation))
+    return (
+        tuple(float(v) for v in np.round(T.translation * 1000, 2) + 0.0),
+        tuple(float(v) for v in np.round(rpy, 3) + 0.0),
+    )
