@@ -70,8 +70,10 @@ def test_two_watchers_see_the_parts_placed(controller, at, plan, approval):
     threads = [threading.Thread(target=watch, args=(into,)) for into in seen]
     for thread in threads:
         thread.start()
+    until = time.monotonic() + 60
+    while time.monotonic() < until and not all(seen):
+        time.sleep(0.02)
     list(send(plan, approval, at(one.port)))
-    until = time.monotonic() + 5
     while time.monotonic() < until and not all(s and s[-1].placed == 2 for s in seen):
         time.sleep(0.02)
     over.set()
