@@ -27,6 +27,7 @@ COMMANDS = (
     "bench",
     "study",
     "cell",
+    "import",
 )
 
 NESTED = (

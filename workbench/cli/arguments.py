@@ -5,7 +5,7 @@ Nothing heavy is imported here: this is all that `--help` loads.
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 from tyro.conf import Positional, subcommand
 
@@ -196,6 +196,32 @@ class ExportWorld:
     """JSON file of a plan, for its parts and phases; the bare cell when not given."""
 
 
+@dataclass(frozen=True, slots=True)
+class Import:
+    """Make a cell from another program's world: robot, bin, and the rest as fixtures.
+
+    As `cell new`, for a world file; a start to change, not a cell to trust.
+    """
+
+    program: Positional[Literal["klampt"]]
+    """That has written the file."""
+    world: Positional[Path]
+    """World file (.xml) with one robot (.rob or .urdf), its files beside it."""
+    out: Path
+    """Folder to write to. It must not be there yet."""
+    flange: tuple[str, ...] = ()
+    """Links that carry the tools, one for each arm, the right arm's first; found by themselves
+    when not given. What hangs on them is left out: tools stand in the cell file."""
+    bin: str | None = None
+    """Name of the thing that is the bin; otherwise one is put where the arms reach it."""
+    tool: Literal["gripper", "suction"] = "gripper"
+    """What the arms carry to begin with."""
+    part: str = "keyed_cylinder"
+    """Name under parts/, or path of a part's folder."""
+    json: bool = False
+    """Print one JSON object and nothing else."""
+
+
 Arguments = (
     Annotated[Serve, subcommand("serve")]
     | Annotated[Demo, subcommand("demo")]
@@ -210,4 +236,5 @@ Arguments = (
     | Annotated[Bench, subcommand("bench")]
     | Annotated[Study, subcommand("study")]
     | Annotated[CellCommands, subcommand("cell")]
+    | Annotated[Import, subcommand("import")]
 )

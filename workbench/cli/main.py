@@ -119,6 +119,10 @@ def run(typed: arguments.Arguments) -> int:
             from workbench.cli.cell import cell
 
             return cell(typed)
+        case arguments.Import():
+            from workbench.cli.new_cell import import_world
+
+            return import_world(typed)
         case _:
             assert_never(typed)
 

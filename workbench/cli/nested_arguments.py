@@ -153,12 +153,16 @@ class CellNew:
     name: Positional[str]
     """Of the cell and of its folder."""
     urdf: Path
-    """URDF or xacro file of the robot, with its meshes beside or above it."""
+    """URDF, xacro or Klamp't robot (.rob), with its meshes beside or above it; or a Klamp't world
+    (.xml) with one robot, whose things become fixtures."""
     out: Path | None = None
     """Folder to write to; robots/NAME when not given. It must not be there yet."""
     flange: tuple[str, ...] = ()
     """Links that carry the tools, one for each arm, the right arm's first; found by themselves
     when not given. What hangs on them in the URDF is left out: tools stand in the cell file."""
+    bin: str | None = None
+    """Name of the thing in a Klamp't world that is the bin; otherwise one is put where the arms
+    reach it."""
     tool: Literal["gripper", "suction"] = "gripper"
     """What the arms carry to begin with."""
     part: str = "keyed_cylinder"

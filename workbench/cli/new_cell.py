@@ -7,10 +7,13 @@ from typing import Any
 
 import numpy as np
 
+from workbench.cli import arguments
 from workbench.cli.exits import SUCCESS
 from workbench.cli.nested_arguments import CellNew
 from workbench.cli.terminal import check_number, check_whole, print_json, print_table, progress
 from workbench.formats.cell_writer import write_cell
+from workbench.formats.klampt_robot import read_rob
+from workbench.formats.klampt_world import KlamptWorld, box_around, in_pieces, read_klampt_world
 from workbench.formats.parts import read_part
 from workbench.formats.shipped import find
 from workbench.formats.urdf import read_urdf
@@ -41,7 +44,8 @@ def new_cell(typed: CellNew) -> int:
         raise InputError(f"{folder}: is there already; choose another name or --out")
     with progress("new cell") as report:
         report(0.0, "reading the robot")
-        robot = _read(typed)
+        world = _read(typed)
+        robot = world.robot
         flanges = typed.flange or flanges_of(robot)
         robot, gone = without_hands(robot, flanges)
         robot, excess = simplified(
@@ -51,27 +55,68 @@ def new_cell(typed: CellNew) -> int:
             report=lambda done, link: report(0.1 + 0.5 * done, f"convex pieces: {link}"),
         )
         report(0.6, "finding pairs of links that need no check")
-        cell = _bare(typed, robot, flanges)
+        cell = _standing(typed, _bare(typed, robot, flanges), world)
         unchecked = pairs_without_check(cell)
         cell = replace(cell, robot=replace(robot, disabled_pairs=frozenset(unchecked)))
         report(0.7, "looking for a place for the bin")
-        cell = laid_out(cell)
+        cell = laid_out(cell, moves_bin=typed.bin is None)
         path = write_cell(folder, cell, unchecked)
     _tell(typed, path, cell, gone, excess, unchecked)
     return SUCCESS
 
 
-def _read(typed: CellNew) -> Robot:
-    """The robot with its meshes as they are."""
-    arguments: dict[str, str] = {}
-    for one in typed.xacro:
-        name, sign, value = one.partition(":=")
-        if not name or not sign:
-            raise InputError(f"--xacro {one!r}: NAME:=VALUE is expected")
-        arguments[name] = value
-    content = expanded(typed.urdf, arguments) if is_xacro(typed.urdf) else None
-    scale = 0.001 if typed.mesh_unit == "mm" else 1.0
-    return read_urdf(typed.urdf, mesh_scale=scale, content=content)
+def import_world(typed: arguments.Import) -> int:
+    """Make the folder of a cell from a Klamp't world."""
+    return new_cell(
+        CellNew(
+            re.sub(r"[^A-Za-z0-9_-]", "_", typed.out.name),
+            typed.world,
+            out=typed.out,
+            flange=typed.flange,
+            bin=typed.bin,
+            tool=typed.tool,
+            part=typed.part,
+            json=typed.json,
+        )
+    )
+
+
+def _read(typed: CellNew) -> KlamptWorld:
+    """The robot with its meshes as they are, and what stands around it where the file tells."""
+    if typed.urdf.suffix.lower() == ".xml":
+        return read_klampt_world(typed.urdf)
+    if typed.urdf.suffix.lower() == ".rob":
+        robot = read_rob(typed.urdf)
+    else:
+        arguments: dict[str, str] = {}
+        for one in typed.xacro:
+            name, sign, value = one.partition(":=")
+            if not name or not sign:
+                raise InputError(f"--xacro {one!r}: NAME:=VALUE is expected")
+            arguments[name] = value
+        content = expanded(typed.urdf, arguments) if is_xacro(typed.urdf) else None
+        scale = 0.001 if typed.mesh_unit == "mm" else 1.0
+        robot = read_urdf(typed.urdf, mesh_scale=scale, content=content)
+    T_world_robot = pose_from_rpy(np.array(typed.position_mm) / 1000)
+    return KlamptWorld(robot, T_world_robot, np.empty(0), ())
+
+
+def _standing(typed: CellNew, cell: Cell, world: KlamptWorld) -> Cell:
+    """The cell with the still things of a world, one of them its bin if that is said."""
+    things = {thing.name: thing for thing in world.things}
+    if typed.bin is not None:
+        if typed.bin not in things:
+            known = ", ".join(things) or "nothing"
+            raise InputError(f"--bin {typed.bin!r}: no such thing in the world (there is {known})")
+        cell = replace(cell, bin=box_around(things.pop(typed.bin)))
+    return replace(
+        cell,
+        T_world_robot=world.T_world_robot,
+        fixtures=tuple(
+            in_pieces(thing, tolerance=typed.tolerance_mm / 1000, most=typed.pieces)
+            for thing in things.values()
+        ),
+    )
 
 
 def _bare(typed: CellNew, robot: Robot, flanges: tuple[str, ...]) -> Cell:
@@ -113,7 +158,7 @@ def _bare(typed: CellNew, robot: Robot, flanges: tuple[str, ...]) -> Cell:
     return Cell(
         name=typed.name,
         robot=robot,
-        T_world_robot=pose_from_rpy(np.array(typed.position_mm) / 1000),
+        T_world_robot=pose_from_rpy((0, 0, 0)),
         arms=arms,
         bin=Bin(pose_from_rpy((0, 0, 0)), size),
         scanner=ScannerMount(pose_from_rpy((0, 0, 1))),

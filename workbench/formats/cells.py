@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
+from workbench.formats.dh import read_dh
 from workbench.formats.parts import read_part
 from workbench.formats.shipped import find
 from workbench.formats.solids import read_pose, read_solid
@@ -89,11 +90,14 @@ def _part(table: Table, name: str) -> Part:
 
 def _robot(table: Table) -> Robot:
     folder = table.path.parent
-    robot = read_urdf(
-        folder / table.text("urdf"),
-        collision=table.text("collision", "as_is", among=("as_is", "hull")),  # type: ignore[arg-type]
-        hull_except=table.texts("hull_except", ()),
-    )
+    if table.has("dh"):
+        robot = read_dh(table.table("dh"), folder.name)
+    else:
+        robot = read_urdf(
+            folder / table.text("urdf"),
+            collision=table.text("collision", "as_is", among=("as_is", "hull")),  # type: ignore[arg-type]
+            hull_except=table.texts("hull_except", ()),
+        )
     for name in table.texts("without_geometry", ()):
         if name not in {link.name for link in robot.links}:
             raise table.error("without_geometry", f"{name!r} is no link of the URDF")
@@ -110,7 +114,7 @@ def _robot(table: Table) -> Robot:
         for link in pair:
             if link not in known:
                 raise FileError(srdf, f"names link {link!r}, which the URDF does not have")
-    return replace(robot, disabled_pairs=pairs)
+    return replace(robot, disabled_pairs=robot.disabled_pairs | pairs)
 
 
 def _tool(table: Table) -> Tool:

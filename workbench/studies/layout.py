@@ -98,19 +98,22 @@ def without_hands(robot: Robot, flanges: Sequence[str]) -> tuple[Robot, tuple[st
     return Robot(robot.name, links, joints, robot.disabled_pairs), tuple(gone)
 
 
-def laid_out(cell: Cell) -> Cell:
+def laid_out(cell: Cell, *, moves_bin: bool = True) -> Cell:
     """The cell with its bin where the arms reach it best, homes, places, table and scanner.
 
     Args:
-        cell: with its arms and tools; where the rest is does not matter.
+        cell: with its arms and tools, and fixtures that are kept; a table is added when there
+            are none.
+        moves_bin: False leaves the bin where it is.
 
     Raises:
         InputError: the arms reach no bin before, beside or behind the robot.
     """
-    cell = replace(cell, fixtures=())
+    if not moves_bin:
+        return _with_places(_with_homes(_with_scanner(cell)))
     reach, feet = _reach(cell), _feet(cell)
     before = cell
-    best, cell = -1.0, cell
+    best = -1.0
     for direction, share, height in product(DIRECTIONS, DISTANCES, HEIGHTS):
         out = np.array([np.cos(direction), np.sin(direction), 0.0])
         p = np.round(feet + share * reach * out + [0, 0, height * reach], 2)
@@ -125,8 +128,9 @@ def laid_out(cell: Cell) -> Cell:
             f"robot {cell.robot.name}: no bin of {_sizes(cell)} mm was found that its arms reach "
             "with the tool straight down; is z of the flange the way out of it?"
         )
-    cell = _with_homes(_with_scanner(_with_table(cell)))
-    return _with_places(cell)
+    if not cell.fixtures:
+        cell = _with_table(cell)
+    return _with_places(_with_homes(_with_scanner(cell)))
 
 
 def _sizes(cell: Cell) -> str:
