@@ -187,3 +187,25 @@ def test_a_bin_moved_by_its_gizmo_is_undone_redone_and_saved(
     np.testing.assert_allclose(again.bin.T_world_bin.translation - p, moved, atol=1e-5)
     assert "higher" in (cell_file.parent / "changes.log").read_text()
     assert screen.errors == []
+
+
+def test_two_clicks_measure_a_distance(screen, bench):
+    cell = bench.state.cell
+    screen.tab("Cell")
+    screen.press("Measure")
+    screen.button("Click on two points").wait_for()
+    screen.page.wait_for_timeout(1000)
+    camera = Camera(screen.page, cell)
+    centre = cell.bin.T_world_bin.translation
+    for p in (centre, centre + [0.0, 0.08, 0.0]):
+        screen.page.mouse.move(*camera.pixel(p))
+        screen.page.wait_for_timeout(200)
+        screen.page.mouse.down()
+        screen.page.wait_for_timeout(60)
+        screen.page.mouse.up()
+        screen.page.wait_for_timeout(700)
+    screen.button("Measure").wait_for()
+    said = screen.page.get_by_text(" mm: x ").inner_text()
+    distance = float(said.split(" mm")[0])
+    assert abs(distance - 80.0) < 2.0, said
+    assert screen.errors == []

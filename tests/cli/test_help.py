@@ -38,6 +38,7 @@ NESTED = (
     ("cell", "new"),
     ("cell", "check"),
     ("cell", "show"),
+    ("cell", "schema"),
 )
 
 

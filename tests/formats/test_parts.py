@@ -7,7 +7,9 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from mutations import mutated, only_file_errors
+from scipy.spatial import ConvexHull
 
+from workbench.formats.convex_pieces import cache_folder
 from workbench.formats.parts import read_grasps, read_part
 from workbench.formats.shipped import find
 from workbench.model.errors import FileError
@@ -53,6 +55,21 @@ def test_a_part_is_found_by_name_by_folder_and_by_file(folder: Path) -> None:
 def test_a_part_without_grasps_is_a_part(folder: Path) -> None:
     (folder / "grasps.toml").unlink()
     assert read_part(folder).library.grasps == ()
+
+
+def test_a_part_without_pieces_is_divided(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("XDG_CACHE_HOME", str(folder))
+    cache_folder.cache_clear()
+    whole = read_part(folder)
+    toml = folder / "part.toml"
+    toml.write_text(toml.read_text().partition("[[piece]]")[0])
+    divided = read_part(folder)
+    cache_folder.cache_clear()
+    assert 1 < len(divided.pieces) <= 16
+    assert all(piece.shape.is_convex for piece in divided.pieces)
+    volume = sum(ConvexHull(piece.shape.points).volume for piece in divided.pieces)
+    cylinder, collar = (s.shape.radius**2 * s.shape.length * np.pi for s in whole.pieces[:2])
+    assert 0.9 < volume / (cylinder + 0.4 * collar) < 1.6
 
 
 def test_a_grasp_is_read_in_metres_and_radians(tmp_path: Path) -> None:
@@ -116,12 +133,6 @@ WRONG_PARTS: dict[str, tuple[Callable[[Path], object], str]] = {
         "key mass_g: is missing; a number is expected",
     ),
     "mass": (lambda f: changed(f / "part.toml", "mass_g = 120", "mass_g = 0"), "0 is not between"),
-    "no pieces": (
-        lambda f: (f / "part.toml").write_text(
-            (f / "part.toml").read_text().partition("[[piece]]")[0]
-        ),
-        r"key piece: at least one \[\[piece\]\] is needed",
-    ),
     "shape": (lambda f: changed(f / "part.toml", '"box"', '"cone"'), r"piece\[3\]\.shape: 'cone'"),
     "fold": (lambda f: changed(f / "part.toml", "fold = 1", "fold = -1"), r"symmetry\.fold: -1"),
     "unit": (lambda f: changed(f / "part.toml", '"mm"', '"cm"'), "unit: 'cm' is not one of mm, m"),

@@ -8,10 +8,11 @@ from typing import assert_never
 import numpy as np
 
 from workbench.cli.exits import NO_PLAN, SUCCESS
-from workbench.cli.nested_arguments import CellCheck, CellCommands, CellNew, CellShow
+from workbench.cli.nested_arguments import CellCheck, CellCommands, CellNew, CellSchema, CellShow
 from workbench.cli.new_cell import new_cell
 from workbench.cli.terminal import print_json, print_table, progress
 from workbench.formats.cells import read_cell
+from workbench.formats.schema import schema_text
 from workbench.model.cell import Arm, Cell
 from workbench.model.geometry import Floats
 from workbench.studies.reach import Reach, reach_of
@@ -34,6 +35,9 @@ def cell(typed: CellCommands) -> int:
             return _check(typed.what)
         case CellShow():
             return _show(typed.what)
+        case CellSchema():
+            print(schema_text(), end="")
+            return SUCCESS
         case CellNew():
             return new_cell(typed.what)
         case _:

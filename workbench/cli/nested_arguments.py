@@ -182,6 +182,11 @@ class CellNew:
 
 
 @dataclass(frozen=True, slots=True)
+class CellSchema:
+    """Print the JSON Schema of cell files, for editors that check while one types."""
+
+
+@dataclass(frozen=True, slots=True)
 class CellCommands:
     """Make a cell, look at it, and see whether it can work."""
 
@@ -189,4 +194,5 @@ class CellCommands:
         Annotated[CellNew, subcommand("new")]
         | Annotated[CellCheck, subcommand("check")]
         | Annotated[CellShow, subcommand("show")]
+        | Annotated[CellSchema, subcommand("schema")]
     )

@@ -6,12 +6,16 @@ from pathlib import Path
 import numpy as np
 import pinocchio as pin
 
+from workbench.formats.convex_pieces import pieces_of
 from workbench.formats.shipped import find
 from workbench.formats.solids import read_mesh_entry, read_solid
 from workbench.formats.toml_keys import MISSING, Table, read_toml
 from workbench.model.errors import FileError
-from workbench.model.geometry import Floats
+from workbench.model.geometry import Floats, Mesh, Solid
 from workbench.model.part import Grasp, GraspLibrary, GraspPattern, Part, Symmetry
+
+MOST_PIECES = 16
+"""That a mesh is divided into."""
 
 MOST_GRASPS = 10_000
 """In one library, patterns written out."""
@@ -19,6 +23,9 @@ MOST_GRASPS = 10_000
 
 def read_part(name: str | Path) -> Part:
     """A part by name under `parts/`, or by the path of its folder or `part.toml`.
+
+    Without `[[piece]]` tables its mesh is divided into convex pieces, a hull where that is no more
+    than `tolerance_mm` too large.
 
     Raises:
         FileError: names the file and the key that is wrong.
@@ -32,13 +39,25 @@ def read_part(name: str | Path) -> Part:
     mesh = read_mesh_entry(mesh_table, convex=False)
     mesh_table.finish()
     pieces = tuple(read_solid(piece) for piece in table.tables("piece"))
+    tolerance = table.number("tolerance_mm", 1.0, low=0.01, high=100) / 1000
     if not pieces:
-        raise table.error("piece", "at least one [[piece]] is needed, for collision and physics")
+        pieces = _pieces(table, mesh, tolerance)
     symmetry = _symmetry(table.table("symmetry")) if table.has("symmetry") else Symmetry()
     table.finish()
     grasps = path.parent / "grasps.toml"
     library = read_grasps(grasps) if grasps.is_file() else GraspLibrary()
     return Part(part_name, mesh, pieces, mass, symmetry, library)
+
+
+def _pieces(table: Table, mesh: Mesh, tolerance: float) -> tuple[Solid, ...]:
+    """Convex pieces of the mesh, for collision and physics, where nobody has written any."""
+    found = pieces_of(mesh, tolerance=tolerance, most=MOST_PIECES)
+    if found is None:
+        raise table.error("mesh", "is flat: give at least one [[piece]], for collision and physics")
+    return tuple(
+        Solid(f"piece_{number}", piece, pin.SE3.Identity())
+        for number, piece in enumerate(found.pieces, start=1)
+    )
 
 
 def _symmetry(table: Table) -> Symmetry:

@@ -2,8 +2,10 @@
 
 import difflib
 import math
+import re
 import tomllib
 from collections.abc import Iterator
+from contextvars import ContextVar
 from pathlib import Path
 from typing import Any, cast
 
@@ -17,6 +19,12 @@ LARGEST_FILE = 4 * MB
 """[bytes] Nobody writes a longer cell or grasp file by hand."""
 
 MISSING: Any = object()
+
+Notes = dict[str, dict[str, Any]]
+"""Place of a key, tables in arrays being called `[]` -> what was asked of it, as JSON Schema."""
+
+NOTES: ContextVar[Notes | None] = ContextVar("NOTES", default=None)
+"""Where tables note what they are asked; see `schema`."""
 
 
 def shown(value: object) -> str:
@@ -41,6 +49,7 @@ class Table:
         self._values = values
         self.place = place
         self._asked: set[str] = set()
+        self._notes = NOTES.get()
 
     def names(self) -> tuple[str, ...]:
         """The keys that are given, for tables in which any printable name may stand."""
@@ -69,6 +78,7 @@ class Table:
         empty: bool = False,
     ) -> str:
         """A text, when `among` is given one of those, otherwise a printable one."""
+        self._note(key, default, {"type": "string"} | ({"enum": list(among)} if among else {}))
         value = self._value(key, str, "a text", default)
         if among and value not in among:
             raise self.error(key, f"{shown(value)} is not one of {', '.join(among)}")
@@ -76,10 +86,12 @@ class Table:
 
     def flag(self, key: str, default: Any = MISSING) -> bool:
         """True or false."""
+        self._note(key, default, {"type": "boolean"})
         return self._value(key, bool, "true or false", default)
 
     def whole(self, key: str, default: Any = MISSING, *, low: int, high: int) -> int:
         """A whole number, low <= value <= high."""
+        self._note(key, default, {"type": "integer", "minimum": low, "maximum": high})
         value = self._value(key, int, "a whole number", default)
         if not low <= value <= high:
             raise self.error(key, f"{shown(value)} is not a whole number from {low} to {high}")
@@ -89,6 +101,7 @@ class Table:
         self, key: str, default: Any = MISSING, *, low: float = -math.inf, high: float = math.inf
     ) -> float:
         """A finite number, low <= value <= high."""
+        self._note(key, default, _number_form(low, high))
         value = self._value(key, (int, float), "a number", default)
         return self._checked(key, value, low, high)
 
@@ -102,6 +115,9 @@ class Table:
         high: float = math.inf,
     ) -> Floats:
         """A list of finite numbers, shape (count,); count None: any number of them."""
+        items = {"type": "array", "items": _number_form(low, high)}
+        counted = {} if count is None else {"minItems": count, "maxItems": count}
+        self._note(key, default, items | counted)
         value = self._value(key, (list, np.ndarray), "a list of numbers", default)
         if count is not None and len(value) != count:
             raise self.error(key, f"{count} numbers are expected, {len(value)} are given")
@@ -124,16 +140,19 @@ class Table:
 
     def texts(self, key: str, default: Any = MISSING) -> tuple[str, ...]:
         """A list of printable texts."""
+        self._note(key, default, {"type": "array", "items": {"type": "string"}})
         value = self._value(key, (list, tuple), "a list of texts", default)
         return tuple(self._text_in_list(key, item) for item in value)
 
     def table(self, key: str) -> "Table":
         """A table within this one."""
+        self._note(key, MISSING, {"type": "object"})
         value = self._value(key, dict, "a table", MISSING)
         return Table(self.path, value, f"{self.place}{key}.")
 
     def tables(self, key: str, default: Any = ()) -> Iterator["Table"]:
         """The tables of an array `[[key]]`; none when it is not given."""
+        self._note(key, default, {"type": "array", "items": {"type": "object"}})
         value = self._value(key, list, "an array of tables", default)
         for number, item in enumerate(value, start=1):
             if not isinstance(item, dict):
@@ -165,6 +184,13 @@ class Table:
         if not isinstance(value, kinds) or (isinstance(value, bool) and kinds is not bool):
             raise self.error(key, f"{expected} is expected, {shown(value)} is given")
         return value
+
+    def _note(self, key: str, default: Any, form: dict[str, Any]) -> None:
+        if self._notes is not None:
+            place = re.sub(r"\[\d+\]", "[]", f"{self.place}{key}")
+            known = self._notes.setdefault(place, {**form, "required": True})
+            # A key that only some kinds of a table have is not required of all.
+            known["required"] = known["required"] and default is MISSING
 
     def _rows(self, key: str, columns: int, of: str) -> list[tuple[str, list[Any]]]:
         """The rows of a list of lists, each with its place."""
@@ -206,6 +232,15 @@ class Table:
         if not low <= number <= high:
             raise self.error(key, f"{number:g} is not between {low:g} and {high:g}")
         return number
+
+
+def _number_form(low: float, high: float) -> dict[str, Any]:
+    form: dict[str, Any] = {"type": "number"}
+    if math.isfinite(low):
+        form["minimum"] = low
+    if math.isfinite(high):
+        form["maximum"] = high
+    return form
 
 
 def read_toml(path: Path) -> Table:

@@ -4,7 +4,9 @@ from html import escape
 
 from workbench.app.state import State
 from workbench.gui.look import Jogged
+from workbench.gui.marks import measured_text
 from workbench.gui.views import line, mm
+from workbench.model.geometry import Floats
 
 MOST_CONTACTS = 8
 
@@ -16,6 +18,13 @@ def cell_line(state: State) -> str:
     if state.saved != state.cell.digest:
         return line(f"Changed and not saved; {len(state.before)} changes can be undone.")
     return line(f"As in its file; digest {state.cell.digest[:12]}.", kind="hint")
+
+
+def measured_line(points: tuple[Floats, ...]) -> str:
+    """The distance of two clicked points, or nothing."""
+    if len(points) < 2:
+        return ""
+    return line(measured_text(*points).replace("\n", ": "))
 
 
 def contacts_html(jogged: Jogged | None) -> str:

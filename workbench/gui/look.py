@@ -22,7 +22,8 @@ class Look:
     one among the poses of its way;
     `by` is the browser that moved the time last, None when nobody did (it plays).
     `jog` holds the arms that are moved by hand, arm -> configuration (n,) [rad]; `shapes` and
-    `frames` say whether collision shapes and frames are shown.
+    `frames` say whether collision shapes and frames are shown, `reach` of which arm the reach is;
+    `measured` are the points (3,) [m] that somebody has clicked on, up to two.
     """
 
     time: float = 0.0
@@ -33,6 +34,8 @@ class Look:
     jog: Mapping[str, Floats] | None = None
     shapes: bool = False
     frames: bool = False
+    reach: str = ""
+    measured: tuple[Floats, ...] = ()
 
 
 Placed = tuple[Shape, pin.SE3]
@@ -75,7 +78,8 @@ class View:
 
     `runs` is the timeline of the state's plan, empty without one; `poses` those of the chosen
     candidate, and `fix` what would admit it; `jogged` is set while somebody moves the robot by
-    hand; `at` [s since the epoch] is when it looked like this.
+    hand; `reached` holds places (n, 3) [m] and shares (n,) of the reach that is shown; `at`
+    [s since the epoch] is when it looked like this.
     """
 
     state: State
@@ -86,6 +90,7 @@ class View:
     poses: tuple[Pose, ...] = ()
     fix: str = ""
     jogged: Jogged | None = None
+    reached: tuple[Floats, Floats] | None = None
 
     @property
     def pose(self) -> Pose | None:

@@ -21,6 +21,7 @@ from workbench.gui.panels.plan import PlanPanel
 from workbench.gui.panels.robot import RobotPanel
 from workbench.gui.playback import Run, followed, timeline
 from workbench.gui.poses import PoseFinder
+from workbench.gui.reach import Reaches
 from workbench.gui.scene import Scene
 from workbench.gui.theme import Theme
 from workbench.gui.visitor import Panel, Visitor
@@ -84,6 +85,7 @@ class Renderer:
         self._runs: tuple[Run, ...] = ()
         self._finder = PoseFinder()
         self._jogger = JogFinder()
+        self._reaches = Reaches(self._woken.set)
         self._fixes = Fixes(self._woken.set)
         self._drawn: View | None = None
         with server.atomic():
@@ -103,6 +105,7 @@ class Renderer:
         self._unsubscribe()
         self._thread.join()
         self._fixes.close()
+        self._reaches.close()
         return True
 
     async def _arrived(self, client: viser.ClientHandle) -> None:
@@ -192,6 +195,7 @@ class Renderer:
             self._poses(state, look),
             self._fixes.of(state, look.candidate),
             self._jogged(state, look),
+            self._reaches.of(state.cell, look.reach),
         )
 
     def _jogged(self, state: State, look: Look) -> Jogged | None:

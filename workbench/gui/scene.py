@@ -16,6 +16,7 @@ from workbench.gui.colours import (
     rgb_of,
 )
 from workbench.gui.look import View
+from workbench.gui.marks import draw_measured, draw_reach
 from workbench.gui.meets import draw_meets
 from workbench.gui.playback import Moment, Run, joint_values, moments, part_poses, tcp_path
 from workbench.gui.robot import DrawnRobot, place
@@ -127,6 +128,10 @@ class Scene:
             self._show_shapes(new.look.shapes)
         if old is None or old.look.frames != new.look.frames or before.cell is not state.cell:
             show_frames(self._scene, self._cell, self._kinematics, is_shown=new.look.frames)
+        if old is None or old.reached is not new.reached:
+            draw_reach(self._scene, new.reached)
+        if old is None or old.look.measured is not new.look.measured:
+            draw_measured(self._scene, new.look.measured)
         if is_other_plan or are_other_parts or is_other_time:
             self._pose(new)
         if is_other_plan or old is None or is_other_time or old.live.joints is not new.live.joints:

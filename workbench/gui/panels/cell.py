@@ -2,18 +2,21 @@
 
 from typing import Any
 
+import numpy as np
 import viser
 
 from workbench.app.commands import ChangeCell, Command, RedoCell, SaveCell, UndoCell
 from workbench.app.rights import obstacle
-from workbench.gui.cell_views import cell_line
+from workbench.gui.cell_views import cell_line, measured_line
 from workbench.gui.jogging import JogControls
 from workbench.gui.look import View
+from workbench.gui.measure import met
 from workbench.gui.robot import place, pose_of_node, quaternion
 from workbench.gui.things import moved, pose_of, shown_pose, things, typed_pose
 from workbench.gui.visitor import Visitor
 from workbench.model.cell import Cell
 
+NOBODY = "not shown"
 GIZMO = 0.18
 """[m] Size of the gizmo that moves a thing."""
 
@@ -29,6 +32,7 @@ class CellPanel:
         """Add the controls."""
         self._visitor = visitor
         self._gizmo: viser.TransformControlsHandle | None = None
+        self._clicked: Any = None
         gui, cell = visitor.gui, visitor.cell
         with gui.add_folder("Things in the cell"):
             self._thing = gui.add_dropdown(
@@ -51,6 +55,19 @@ class CellPanel:
             self._frames = gui.add_checkbox(
                 "Frames", False, hint="Show the frames that the cell file is about."
             )
+            self._reach = gui.add_dropdown(
+                "Reach",
+                (NOBODY, *(arm.name for arm in cell.arms)),
+                hint="Where an arm gets its tool pointing straight down, whatever stands there: "
+                "green at any turn of the tool, orange at some.",
+            )
+            self._measure = gui.add_button(
+                "Measure",
+                icon=viser.Icon.RULER,
+                color="gray",
+                hint="Then click on two points in the scene.",
+            )
+            self._measured = gui.add_html("")
         with gui.add_folder("Robot by hand"):
             self._jog = JogControls(visitor)
         with gui.add_folder("Cell file"):
@@ -80,6 +97,10 @@ class CellPanel:
         for box, value in ((self._shapes, new.look.shapes), (self._frames, new.look.frames)):
             if box.value != value:
                 box.value = value
+        if old is None or old.look.measured is not new.look.measured:
+            self._measured.content = measured_line(new.look.measured)
+        if self._reach.value != (new.look.reach or NOBODY):
+            self._reach.value = new.look.reach or NOBODY
         self._jog.show(old, new)
 
     def _show_pose(self, cell: Cell) -> None:
@@ -97,6 +118,13 @@ class CellPanel:
         visitor.on_press(self._redo, RedoCell)
         visitor.on_press(self._save, lambda: SaveCell(self._remark.value))
         self._show_gizmo.on_click(lambda _: self._turn_gizmo())
+        self._measure.on_click(lambda _: self._begin_to_measure())
+
+        @self._reach.on_update
+        async def _(event: Any) -> None:
+            if event.client is not None:
+                chosen = event.target.value
+                look.change(reach="" if chosen == NOBODY else chosen)
 
         @self._shapes.on_update
         async def _(event: Any) -> None:
@@ -107,6 +135,34 @@ class CellPanel:
         async def _(event: Any) -> None:
             if event.client is not None:
                 look.change(frames=bool(event.target.value))
+
+    def _begin_to_measure(self) -> None:
+        """The next two clicks into the scene are points to measure between."""
+        scene, look = self._visitor.client.scene, self._visitor.look
+        if self._clicked is not None:
+            return
+        look.change(measured=())
+        self._measure.label = "Click on two points"
+
+        @scene.on_click()
+        def clicked(event: Any) -> None:
+            state = self._visitor.bench.state
+            points = np.zeros((0, 3)) if state.scan is None else state.scan.points_world
+            p = met(
+                np.array(event.ray_origin),
+                np.array(event.ray_direction),
+                state.cell,
+                look.now.jog or {},
+                points,
+            )
+            if p is None:
+                return
+            look.change(measured=(*look.now.measured, p)[:2])
+            if len(look.now.measured) == 2:
+                scene.remove_click_callback(self._clicked)
+                self._clicked, self._measure.label = None, "Measure"
+
+        self._clicked = clicked
 
     def _wanted_move(self) -> Command:
         thing = self._thing.value

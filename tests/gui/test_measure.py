@@ -1,0 +1,82 @@
+"""What a click means, how distances read, and how far an arm reaches."""
+
+import numpy as np
+import pytest
+
+from workbench.formats.cells import read_cell
+from workbench.gui.cell_views import measured_line
+from workbench.gui.marks import measured_text
+from workbench.gui.measure import met
+from workbench.gui.reach import NOTHING, Reaches
+from workbench.planning.chain import chain_of
+from workbench.planning.reach_map import reach_map
+
+CELL = read_cell("yumi")
+NONE = np.zeros((0, 3))
+DOWN = np.array([0.0, 0.0, -1.0])
+
+
+def test_a_ray_into_the_bin_meets_its_floor():
+    p = met(np.array([0.41, 0.0, 1.0]), DOWN, CELL, {}, NONE)
+    np.testing.assert_allclose(p, CELL.bin.T_world_bin.translation, atol=1e-9)
+
+
+def test_a_scanned_point_in_front_is_what_was_meant():
+    points = np.array([[0.41, 0.001, 0.02], [0.41, 0.1, 0.03]])
+    p = met(np.array([0.41, 0.0, 1.0]), DOWN, CELL, {}, points)
+    np.testing.assert_allclose(p, [0.41, 0.0, 0.02], atol=1e-9)
+
+
+def test_a_ray_into_the_sky_meets_nothing():
+    assert met(np.array([0.41, 0.0, 1.0]), -DOWN, CELL, {}, NONE) is None
+
+
+def test_the_robot_is_met_where_it_is_jogged_to():
+    arm = CELL.arms[0]
+    home = met(np.array([0.0, 0.0, 3.0]), DOWN, CELL, {}, NONE)
+    assert home[2] > 0.3, "the body of the robot"
+    q = np.asarray(arm.home) + [0.5, 0.3, 0, 0, 0, 0, 0]
+    tip = chain_of(CELL, arm).pose(q)
+    aside = tip.translation + 0.5 * tip.rotation[:, 0] - 0.03 * tip.rotation[:, 2]
+    there = met(aside, -tip.rotation[:, 0], CELL, {arm.name: q}, NONE)
+    assert there is not None
+
+
+def test_a_distance_reads_with_its_parts():
+    first, second = np.array([0.1, 0.2, 0.3]), np.array([0.1, 0.23, 0.26])
+    assert measured_text(first, second) == "50.0 mm\nx +0.0  y +30.0  z -40.0 mm"
+    assert "50.0 mm: x +0.0" in measured_line((first, second))
+    assert measured_line((first,)) == ""
+
+
+@pytest.fixture(scope="module")
+def reached():
+    return reach_map(CELL, CELL.arms[0])
+
+
+def test_places_that_are_reached_lie_around_the_arm(reached):
+    places, shares = reached
+    assert len(places) > 500 and len(shares) == len(places)
+    assert np.all((shares > 0) & (shares <= 1))
+    foot = chain_of(CELL, CELL.arms[0]).p[0]
+    assert np.linalg.norm(places - foot, axis=1).max() < 1.0
+    middle = CELL.bin.T_world_bin.translation
+    assert np.linalg.norm(places - middle, axis=1).min() < 0.08
+
+
+def test_the_arm_on_the_other_side_reaches_the_other_side(reached):
+    right, left = reached[0], reach_map(CELL, CELL.arms[1])[0]
+    assert right[:, 1].mean() < 0 < left[:, 1].mean()
+
+
+def test_a_reach_is_found_once_and_remembered():
+    import threading
+
+    found = threading.Event()
+    reaches = Reaches(found.set)
+    assert reaches.of(CELL, "") is NOTHING
+    assert reaches.of(CELL, "right") is NOTHING
+    assert found.wait(60)
+    first = reaches.of(CELL, "right")
+    assert len(first[0]) > 500 and reaches.of(CELL, "right") is first
+    reaches.close()
