@@ -122,9 +122,9 @@ def test_a_scan_comes_back_as_the_same_scan(tmp_path: Path) -> None:
 
 
 BAD = {
-    "empty file": (b"", "is not a PLY file"),
-    "not PLY": (b"solid cube\n" * 10, "is not a PLY file"),
-    "picture": (b"\x89PNG\r\n\x1a\n" + bytes(200), "is not a PLY file"),
+    "empty file": (b"", "is neither a PLY nor a PCD file"),
+    "not PLY": (b"solid cube\n" * 10, "is neither a PLY nor a PCD file"),
+    "picture": (b"\x89PNG\r\n\x1a\n" + bytes(200), "is neither a PLY nor a PCD file"),
     "header without end": (b"ply\nformat ascii 1.0\n" + b"comment\n" * 90_000, "no line `end_head"),
     "unknown format": (ply(POINTS, "binary_middle_endian"), "line 2: .* has no place"),
     "no format": (ply(POINTS).replace(b"format ascii 1.0\n", b""), "names no format"),

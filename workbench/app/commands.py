@@ -39,9 +39,13 @@ class FindParts:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class UseDetections:
-    """Take part poses from outside (a file, another matcher) instead of the localizer."""
+    """Take part poses from outside: a file, another matcher, a person's correction or veto.
+
+    `says` tells people what was done; empty: poses from outside.
+    """
 
     detections: tuple[Detection, ...]
+    says: str = ""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

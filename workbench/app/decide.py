@@ -69,8 +69,9 @@ def decide(state: State, entry: Entry) -> Outcome:
             return _with_scan(state, scan), ()
         case FindParts(seed=seed):
             return _find_parts(state, seed)
-        case UseDetections(detections=detections):
-            return _with_outside_detections(state, detections), ()
+        case UseDetections(detections=detections, says=says):
+            after = _with_outside_detections(state, detections)
+            return replace(after, message=says) if says else after, ()
         case MakePlan() as command:
             return _make_plan(state, command)
         case Approve():

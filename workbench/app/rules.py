@@ -68,7 +68,8 @@ def allowed(state: State, command: Command, actor: str, now: float) -> None:
             _check_integer("seed", seed, 0, SEED_LIMIT - 1)
             if state.scan is None:
                 raise CommandRefused("finding parts is not possible now: take a scan first")
-        case UseDetections(detections=detections):
+        case UseDetections(detections=detections, says=says):
+            _check_text("says", says)
             _check_detections(state.cell, detections)
         case MakePlan(strategy=strategy, threshold=threshold, seed=seed, wishes=wishes):
             _check_integer("seed", seed, 0, SEED_LIMIT - 1)

@@ -6,6 +6,7 @@ from typing import Any
 from workbench.app.commands import PlanResult
 from workbench.app.pick import plan_pick
 from workbench.app.worker import Cancelled, JobFunction, Report
+from workbench.devices.scanners import SCANNERS
 from workbench.model.cell import Cell
 from workbench.model.errors import InputError, JobCancelled
 from workbench.model.scan import Detection, Scan
@@ -16,7 +17,9 @@ from workbench.perception.unexplained import unexplained
 
 
 def scan(cell: Cell, arguments: Mapping[str, Any], report: Report, cancelled: Cancelled) -> Scan:
-    """A scan by the simulated scanner: `parts` copies of the first part, dropped by `seed`."""
+    """A scan by the cell's scanner; a simulated one sees `parts` parts dropped by `seed`."""
+    if cell.scanner.source != "simulated":
+        return SCANNERS[cell.scanner.source](cell.scanner).scan(report, cancelled)
     if not cell.parts:
         raise InputError(f"cell {cell.name} has no part, so there is nothing to drop into its bin")
     part, seed = cell.parts[0], arguments["seed"]

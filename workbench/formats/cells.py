@@ -8,12 +8,13 @@ import numpy as np
 from workbench.formats.dh import read_dh
 from workbench.formats.parts import read_part
 from workbench.formats.shipped import find
-from workbench.formats.solids import read_pose, read_solid
+from workbench.formats.solids import UNITS, read_pose, read_solid
 from workbench.formats.toml_keys import Table, read_toml
 from workbench.formats.urdf import read_srdf, read_urdf
 from workbench.model.cell import (
     ORDER_NAMES,
     PLANNER_NAMES,
+    SCAN_SOURCES,
     Arm,
     Bin,
     Cell,
@@ -223,11 +224,27 @@ def _scanner(table: Table) -> ScannerMount:
         depth_noise=table.number("depth_noise_mm", 0.3, low=0, high=20) / 1000,
         near=table.number("near_mm", 300, low=1, high=20_000) / 1000,
         far=table.number("far_mm", 1500, low=1, high=20_000) / 1000,
+        source=table.text("source", "simulated", among=SCAN_SOURCES),  # type: ignore[arg-type]
+        address=_address(table),
+        unit=table.text("unit", "m", among=tuple(UNITS)),
+        patience=table.number("patience_s", 60, low=0.1, high=3600),
     )
     table.finish()
+    if mount.source != "simulated" and not mount.address:
+        raise table.error("address", f"source {mount.source!r} needs one")
+    if mount.source == "http" and not mount.address.startswith(("http://", "https://")):
+        raise table.error("address", f"{mount.address!r} does not begin with http:// or https://")
     if not mount.near < mount.far:
         raise table.error("near_mm", "must be less than far_mm")
     return mount
+
+
+def _address(table: Table) -> str:
+    """A page as it is; a folder beside the cell file as an absolute path."""
+    address = table.text("address", "", empty=True)
+    if not address or "://" in address:
+        return address
+    return str((table.path.parent / address).resolve())
 
 
 def _controller(table: Table) -> Controller:

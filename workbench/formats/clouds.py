@@ -1,6 +1,6 @@
-"""Point clouds in PLY files to scans and back: ascii or binary of either byte order.
+"""Point clouds in PLY and PCD files to scans, and scans to PLY files.
 
-An organised cloud carries the line `obj_info resolution <columns> <rows>` in its header and
+An organised PLY file carries the line `obj_info resolution <columns> <rows>` in its header and
 the vertex property `pixel`, row * columns + column.
 """
 
@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 import pinocchio as pin
 
+from workbench.formats.pcd import read_pcd
 from workbench.formats.ply_header import Header, read_header
 from workbench.formats.solids import UNITS
 from workbench.formats.toml_keys import shown
@@ -34,23 +35,56 @@ _RESOLUTION = re.compile(r"resolution +([0-9]{1,6}) +([0-9]{1,6})")
 
 
 def read_cloud(path: str | Path, T_world_scanner: pin.SE3, *, unit: str = "m") -> Scan:
-    """A scan from a PLY file; properties besides x, y, z and pixel are passed over.
+    """A scan from a PLY or PCD file; see `parse_cloud`.
+
+    Raises:
+        FileError: it cannot be read, or as `parse_cloud` has it.
+    """
+    path = Path(path)
+    return parse_cloud(path, read_whole(path, LARGEST_FILE), T_world_scanner, unit=unit)
+
+
+def parse_cloud(path: Path, content: bytes, T_world_scanner: pin.SE3, *, unit: str = "m") -> Scan:
+    """A scan from the content of a PLY or PCD file; only where the points are counts.
 
     Points that are not finite, and those at exactly (0, 0, 0), where many scanners put pixels
     without a measurement, are dropped.
 
     Args:
-        path: the file, points in the scanner's frame.
+        path: of the file, for messages.
+        content: of the file, points in the scanner's frame.
         T_world_scanner: where the scanner was.
         unit: of the file: mm, m or inch.
 
     Raises:
-        FileError: not a PLY file, cut off, without points, or of another unit.
+        FileError: neither a PLY nor a PCD file, cut off, without points, or of another unit.
     """
-    path = Path(path)
     if unit not in UNITS:
         raise FileError(path, f"unit {unit!r} is not one of {', '.join(UNITS)}")
-    content = read_whole(path, LARGEST_FILE)
+    if content[:3] == b"ply":
+        values, resolution, has_pixels = _ply(path, content)
+    elif b"FIELDS" not in content[:1024].upper():
+        raise FileError(path, "is neither a PLY nor a PCD file")
+    else:
+        values, resolution = read_pcd(path, content, MOST_POINTS)
+        has_pixels = resolution is not None
+    with np.errstate(over="ignore", invalid="ignore"):
+        points = values[:, :3] * UNITS[unit]
+    measured = np.isfinite(points).all(axis=1) & points.any(axis=1)
+    if not measured.any():
+        raise FileError(path, f"is an empty cloud: none of its {len(points)} points was measured")
+    points = points[measured]
+    _check_distance(path, points, unit)
+    pixels = None
+    if resolution is not None and has_pixels:
+        pixels = _pixels(path, values, resolution)[measured]
+        if len(np.unique(pixels)) != len(pixels):
+            raise FileError(path, "property pixel: two points claim the same pixel")
+    return Scan(points, T_world_scanner, path.name, pixels, resolution)
+
+
+def _ply(path: Path, content: bytes) -> tuple[Floats, tuple[int, int] | None, bool]:
+    """Rows of x, y, z and perhaps the pixel, the image's size, and whether pixels are known."""
     header = read_header(path, content)
     if header.count > MOST_POINTS:
         raise FileError(path, f"declares {header.count} points, at most {MOST_POINTS} are read")
@@ -58,21 +92,8 @@ def read_cloud(path: str | Path, T_world_scanner: pin.SE3, *, unit: str = "m") -
         raise FileError(path, "is an empty cloud: it declares 0 points")
     names = ("x", "y", "z", "pixel") if "pixel" in header.names else ("x", "y", "z")
     columns = _ascii if header.encoding == "ascii" else _binary
-    values = columns(path, content, header, names)
-    with np.errstate(over="ignore", invalid="ignore"):
-        points = values[:, :3] * UNITS[unit]
-    measured = np.isfinite(points).all(axis=1) & points.any(axis=1)
-    if not measured.any():
-        raise FileError(path, f"is an empty cloud: none of its {header.count} points was measured")
-    points = points[measured]
-    _check_distance(path, points, unit)
     resolution = _resolution(path, header.notes)
-    pixels = None
-    if resolution is not None:
-        pixels = _pixels(path, values, resolution)[measured]
-        if len(np.unique(pixels)) != len(pixels):
-            raise FileError(path, "property pixel: two points claim the same pixel")
-    return Scan(points, T_world_scanner, path.name, pixels, resolution)
+    return columns(path, content, header, names), resolution, resolution is not None
 
 
 def write_cloud(path: str | Path, scan: Scan) -> None:

@@ -33,10 +33,20 @@ _REAL = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
 
 
 def read_poses(path: str | Path, part: str) -> tuple[Detection, ...]:
+    """Detections from a file; see `parse_poses`.
+
+    Raises:
+        FileError: it cannot be read, or as `parse_poses` has it.
+    """
+    return parse_poses(Path(path), read_whole(Path(path), LARGEST_FILE), part)
+
+
+def parse_poses(path: Path, content: bytes, part: str) -> tuple[Detection, ...]:
     """Detections from a file of either kind, told apart by content.
 
     Args:
-        path: our JSON (format `workbench-poses/1`, begins with a brace), or the text that
+        path: of the file, for messages.
+        content: our JSON (format `workbench-poses/1`, begins with a brace), or the text that
             HALCON's `write_tuple` makes: the count of numbers, then a line `type value` for
             each (type 1: integer, 2: real); twelve numbers a part, the rows of [R | t] of
             the part in the world frame, millimetres.
@@ -46,8 +56,6 @@ def read_poses(path: str | Path, part: str) -> tuple[Detection, ...]:
     Raises:
         FileError: names the line or key that is wrong, its value and what was expected.
     """
-    path = Path(path)
-    content = read_whole(path, LARGEST_FILE)
     if content.removeprefix(b"\xef\xbb\xbf").lstrip()[:1] == b"{":
         return _from_json(parse_json(path, content, POSES_FORMAT))
     numbers = _halcon_numbers(path, content)

@@ -17,6 +17,7 @@ from workbench.gui.look import Jogged, Look, Pose, SharedLook, View
 from workbench.gui.panels.candidates import CandidatesPanel
 from workbench.gui.panels.cell import CellPanel
 from workbench.gui.panels.cycle import CyclePanel
+from workbench.gui.panels.parts import PartsPanel
 from workbench.gui.panels.plan import PlanPanel
 from workbench.gui.panels.robot import RobotPanel
 from workbench.gui.playback import Run, followed, timeline
@@ -242,17 +243,19 @@ class Renderer:
         """All controls of one browser, from top to bottom and left to right."""
         header = Header(visitor, self._theme, self._style)
         tabs = visitor.gui.add_tab_group()
-        with tabs.add_tab("Cycle", viser.Icon.ROTATE_CLOCKWISE):
+        with tabs.add_tab("Cycle"):
             cycle = CyclePanel(visitor)
-        with tabs.add_tab("Candidates", viser.Icon.LIST_CHECK):
+        with tabs.add_tab("Parts"):
+            parts = PartsPanel(visitor)
+        with tabs.add_tab("Candidates"):
             candidates = CandidatesPanel(visitor, self._woken.set)
-        with tabs.add_tab("Plan", viser.Icon.TIMELINE):
+        with tabs.add_tab("Plan"):
             plan = PlanPanel(visitor)
-        with tabs.add_tab("Robot", viser.Icon.ROBOT):
+        with tabs.add_tab("Robot"):
             robot = RobotPanel(visitor)
-        with tabs.add_tab("Cell", viser.Icon.BUILDING_FACTORY):
+        with tabs.add_tab("Cell"):
             cell = CellPanel(visitor)
-        return header, cycle, candidates, plan, robot, cell
+        return header, cycle, parts, candidates, plan, robot, cell
 
 
 def _needs_other_controls(before: Cell, now: Cell) -> bool:

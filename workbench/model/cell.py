@@ -29,6 +29,10 @@ OrderName = Literal["travel", "highest", "score", "nearest", "walls", "thesis"]
 ORDER_NAMES: tuple[OrderName, ...] = get_args(OrderName)
 
 
+ScanSource = Literal["simulated", "folder", "http"]
+SCAN_SOURCES: tuple[ScanSource, ...] = get_args(ScanSource)
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Finger:
     """A finger: its solid when closed, in the flange frame, moving along `direction` (3,).
@@ -143,7 +147,10 @@ class ScannerMount:
     """Where the scanner hangs and what it sees: camera frame z forward, x right, y down.
 
     `resolution` (columns, rows), `field_of_view` [rad] along the columns, `depth_noise` [m]
-    standard deviation at 1 m, `near` and `far` [m] the range it measures in.
+    standard deviation at 1 m, `near` and `far` [m] the range it measures in.  `source` says where
+    scans come from: from a pile that is made up, from the next file in the folder `address`, or
+    from the page at `address`; `unit` is that of the files, `patience` [s] how long one is waited
+    for.
     """
 
     T_world_scanner: pin.SE3
@@ -152,6 +159,10 @@ class ScannerMount:
     depth_noise: float = 0.0003
     near: float = 0.3
     far: float = 1.5
+    source: ScanSource = "simulated"
+    address: str = ""
+    unit: str = "m"
+    patience: float = 60.0
 
     def __post_init__(self) -> None:
         put(self, T_world_scanner=copied(self.T_world_scanner))

@@ -3,18 +3,18 @@
 from typing import Any
 
 import numpy as np
+import pinocchio as pin
 import viser
 
-from workbench.app.commands import ChangeCell, Command, RedoCell, SaveCell, UndoCell
+from workbench.app.commands import ChangeCell, RedoCell, SaveCell, UndoCell
 from workbench.app.rights import obstacle
 from workbench.gui.cell_views import cell_line, measured_line
 from workbench.gui.jogging import JogControls
 from workbench.gui.look import View
 from workbench.gui.measure import met
-from workbench.gui.robot import place, pose_of_node, quaternion
-from workbench.gui.things import moved, pose_of, shown_pose, things, typed_pose
+from workbench.gui.pose_inputs import PoseInputs
+from workbench.gui.things import moved, pose_of, things
 from workbench.gui.visitor import Visitor
-from workbench.model.cell import Cell
 
 NOBODY = "not shown"
 GIZMO = 0.18
@@ -31,22 +31,13 @@ class CellPanel:
     def __init__(self, visitor: Visitor):
         """Add the controls."""
         self._visitor = visitor
-        self._gizmo: viser.TransformControlsHandle | None = None
         self._clicked: Any = None
         gui, cell = visitor.gui, visitor.cell
         with gui.add_folder("Things in the cell"):
             self._thing = gui.add_dropdown(
                 "Thing", things(cell), hint="What the numbers and the gizmo below move."
             )
-            self._position = gui.add_vector3(
-                "Position [mm]", (0.0, 0.0, 0.0), step=1.0, hint="In the world frame."
-            )
-            self._angles = gui.add_vector3(
-                "Angles [deg]", (0.0, 0.0, 0.0), step=1.0, hint="Roll, pitch, yaw: fixed axes."
-            )
-            gui.add_html('<div class="wb-buttons wb-two"></div>')
-            self._apply = gui.add_button("Move it there", icon=viser.Icon.CHECK)
-            self._show_gizmo = gui.add_button("Show gizmo", color="gray")
+            self._inputs = PoseInputs(visitor, "/cell_gizmo", GIZMO, self._move)
             self._undo = gui.add_button("Undo", icon=viser.Icon.ARROW_BACK_UP, color="gray")
             self._redo = gui.add_button("Redo", icon=viser.Icon.ARROW_FORWARD_UP, color="gray")
             self._shapes = gui.add_checkbox(
@@ -76,7 +67,6 @@ class CellPanel:
             )
             self._save = gui.add_button("Save", icon=viser.Icon.DEVICE_FLOPPY)
             self._line = gui.add_html("")
-        self._show_pose(cell)
         self._react()
 
     def show(self, old: View | None, new: View) -> None:
@@ -86,10 +76,9 @@ class CellPanel:
             names = things(cell)
             if self._thing.options != names:
                 self._thing.options = names
-            self._show_pose(cell)
         if old is None or old.state is not state:
             cannot = bool(obstacle(state, ChangeCell))
-            self._apply.disabled = cannot
+            self._inputs.show(pose_of(cell, self._thing.value), is_enabled=not cannot)
             self._undo.disabled = cannot or not state.before
             self._redo.disabled = cannot or not state.undone
             self._save.disabled = bool(obstacle(state, SaveCell)) or state.saved == cell.digest
@@ -103,21 +92,17 @@ class CellPanel:
             self._reach.value = new.look.reach or NOBODY
         self._jog.show(old, new)
 
-    def _show_pose(self, cell: Cell) -> None:
-        """The pose of the chosen thing in the numbers and the gizmo."""
-        T = pose_of(cell, self._thing.value)
-        self._position.value, self._angles.value = shown_pose(T)
-        if self._gizmo is not None:
-            place(self._gizmo, T)
-
     def _react(self) -> None:
         visitor, look = self._visitor, self._visitor.look
-        self._thing.on_update(lambda _: self._show_pose(visitor.cell))
-        visitor.on_press(self._apply, self._wanted_move)
+        self._thing.on_update(
+            lambda _: self._inputs.show(
+                pose_of(visitor.cell, self._thing.value),
+                is_enabled=not obstacle(visitor.bench.state, ChangeCell),
+            )
+        )
         visitor.on_press(self._undo, UndoCell)
         visitor.on_press(self._redo, RedoCell)
         visitor.on_press(self._save, lambda: SaveCell(self._remark.value))
-        self._show_gizmo.on_click(lambda _: self._turn_gizmo())
         self._measure.on_click(lambda _: self._begin_to_measure())
 
         @self._reach.on_update
@@ -164,38 +149,8 @@ class CellPanel:
 
         self._clicked = clicked
 
-    def _wanted_move(self) -> Command:
+    def _move(self, T: pin.SE3) -> bool:
         thing = self._thing.value
-        T = typed_pose(self._position.value, self._angles.value)
-        return ChangeCell(moved(self._visitor.cell, thing, T), f"the {thing} is moved")
-
-    def _turn_gizmo(self) -> None:
-        """Show the gizmo in this browser, or take it away."""
-        if self._gizmo is not None:
-            self._gizmo.remove()
-            self._gizmo, self._show_gizmo.label = None, "Show gizmo"
-            return
-        T = pose_of(self._visitor.cell, self._thing.value)
-        gizmo = self._visitor.client.scene.add_transform_controls(
-            "/cell_gizmo",
-            GIZMO,
-            position=T.translation,
-            wxyz=quaternion(T),
-            depth_test=False,
+        return self._visitor.ask(
+            lambda: ChangeCell(moved(self._visitor.cell, thing, T), f"the {thing} is moved")
         )
-        self._gizmo, self._show_gizmo.label = gizmo, "Hide gizmo"
-
-        @gizmo.on_update
-        def _(event: Any) -> None:
-            # From the numbers that are shown: what a person reads is what is meant.
-            position, angles = shown_pose(pose_of_node(gizmo))
-            self._position.value, self._angles.value = position, angles
-            if event.phase != "end":
-                return
-            thing = self._thing.value
-            T = typed_pose(position, angles)
-            was_done = self._visitor.ask(
-                lambda: ChangeCell(moved(self._visitor.cell, thing, T), f"the {thing} is moved")
-            )
-            if not was_done:
-                self._show_pose(self._visitor.cell)

@@ -1,0 +1,51 @@
+"""What hands do on the page beside pressing buttons: find a point of the scene, drag, type."""
+
+import math
+
+import numpy as np
+
+from workbench.gui.surroundings import ASPECT, FIELD_OF_VIEW, framed, interesting_points
+
+
+class Camera:
+    """Where points of the world are on the page, as it looks at first."""
+
+    def __init__(self, page, cell):
+        points = interesting_points(cell)
+        robot, goal = cell.T_world_robot.translation, cell.bin.T_world_bin.translation
+        azimuth = math.atan2(goal[1] - robot[1], goal[0] - robot[0]) - math.radians(38)
+        direction = np.array([math.cos(azimuth), math.sin(azimuth), 0.6])
+        direction /= np.linalg.norm(direction)
+        self.position, target = framed(points, direction, FIELD_OF_VIEW, ASPECT)
+        forward = (target - self.position) / np.linalg.norm(target - self.position)
+        right = np.cross(forward, [0, 0, 1])
+        right /= np.linalg.norm(right)
+        self.axes = np.stack([right, np.cross(forward, right), forward])
+        self.box = page.locator("canvas").first.bounding_box()
+
+    def pixel(self, point) -> tuple[float, float]:
+        x, y, z = self.axes @ (np.asarray(point) - self.position)
+        focal = 0.5 * self.box["height"] / math.tan(FIELD_OF_VIEW / 2)
+        return (
+            self.box["x"] + self.box["width"] / 2 + focal * x / z,
+            self.box["y"] + self.box["height"] / 2 + focal * y / z,
+        )
+
+
+def drag(page, start, end):
+    """As a hand does it: there, down, along, up."""
+    page.mouse.move(*start)
+    page.wait_for_timeout(300)
+    page.mouse.down()
+    page.wait_for_timeout(100)
+    page.mouse.move(*end, steps=12)
+    page.wait_for_timeout(200)
+    page.mouse.up()
+
+
+def field(screen, label: str):
+    """The input beside a label; viser does not tie texts and sliders to theirs."""
+    row = screen.page.locator(
+        f"//label[normalize-space(.)='{label}']/ancestor::*[.//input][1]"
+    ).locator("visible=true")
+    return row.locator("input:visible").last

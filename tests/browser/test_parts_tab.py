@@ -1,0 +1,77 @@
+"""A scan from a file in a real browser: parts found, one vetoed, one corrected by gizmo."""
+
+import numpy as np
+import pytest
+from hands import Camera, drag
+
+from workbench.formats.cells import read_cell
+from workbench.formats.clouds import write_cloud
+from workbench.gui.panels.parts import GIZMO
+from workbench.perception.piles import drop_parts
+from workbench.perception.synthesize import synthesize
+
+
+@pytest.fixture(scope="module")
+def scan_file(tmp_path_factory):
+    cell = read_cell("yumi")
+    part = cell.parts[0]
+    scan = synthesize(cell, part, drop_parts(part, cell.bin, 3, seed=2), seed=2)
+    path = tmp_path_factory.mktemp("scan") / "from_elsewhere.ply"
+    write_cloud(path, scan)
+    return path
+
+
+def test_an_uploaded_scan_gives_parts_to_veto_and_correct(screen, bench, wait, reaches, scan_file):
+    screen.tab("Parts")
+    with screen.page.expect_file_chooser() as chooser:
+        screen.press("Scan from file")
+    chooser.value.set_files(scan_file)
+    state = reaches("scanned")
+    assert state.scan.source == "from_elsewhere.ply"
+    screen.tab("Cycle")
+    screen.press("Find parts")
+    found = reaches("localized").detections
+    assert len(found) == 3
+    screen.tab("Parts")
+    rows = screen.page.locator(".wb-parts tbody tr")
+    rows.nth(2).wait_for()
+    assert rows.count() == 3
+    screen.shoot("parts")
+
+    rows.nth(2).click()
+    screen.page.wait_for_timeout(300)
+    screen.press("Veto")
+    wait(lambda: len(bench.state.detections or ()) == 2, "the veto")
+    assert "part-3 (keyed_cylinder) was vetoed" in bench.state.message
+    for one, other in zip(bench.state.detections, found[:2], strict=True):
+        assert one.T_world_part == other.T_world_part and one.score == other.score
+
+    rows.nth(0).click()
+    screen.page.wait_for_timeout(300)
+    screen.press("Show gizmo")
+    screen.page.wait_for_timeout(1000)
+    T = bench.state.detections[0].T_world_part
+    camera = Camera(screen.page, bench.state.cell)
+    axes = T.rotation.T @ camera.axes[2]
+    axis = int(np.argmin(np.abs(axes)))  # the one that is seen best from the side
+    tip = T.translation + 0.9 * GIZMO * T.rotation[:, axis]
+    drag(screen.page, camera.pixel(tip), camera.pixel(tip + 0.02 * T.rotation[:, axis]))
+    wait(lambda: "corrected by hand" in bench.state.message, "the correction")
+    U = bench.state.detections[0].T_world_part
+    moved = T.actInv(U).translation
+    assert 0.014 < moved[axis] < 0.026, moved
+    assert np.abs(np.delete(moved, axis)).max() < 0.001
+    assert bench.state.phase == "localized" and bench.state.scan is not None
+    screen.page.get_by_text("by hand").first.wait_for()
+    screen.shoot("parts-corrected")
+    assert screen.errors == []
+
+
+def test_a_file_that_is_no_scan_is_refused_in_words(screen, bench, tmp_path):
+    (tmp_path / "picture.ply").write_bytes(b"no cloud at all")
+    screen.tab("Parts")
+    with screen.page.expect_file_chooser() as chooser:
+        screen.press("Scan from file")
+    chooser.value.set_files(tmp_path / "picture.ply")
+    screen.wait_for("is neither a PLY nor a PCD file")
+    assert bench.state.phase == "idle"

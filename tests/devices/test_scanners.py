@@ -1,0 +1,136 @@
+"""Scans from a folder and from a page: complete ones only, in time, and a word when not."""
+
+import http.server
+import threading
+import time
+from collections.abc import Callable
+
+import numpy as np
+import pinocchio as pin
+import pytest
+
+from workbench.devices.scanners import FolderScanner, HttpScanner
+from workbench.formats.clouds import write_cloud
+from workbench.model.cell import ScannerMount
+from workbench.model.errors import FileError, JobCancelled, LinkError
+from workbench.model.geometry import pose_from_rpy
+from workbench.model.scan import Scan
+
+T = pose_from_rpy((0.4, 0.0, 0.9), (np.pi, 0, 0))
+SCAN = Scan(np.random.default_rng(0).uniform(0.1, 0.5, (500, 3)), T, "made")
+
+
+def mount(source, address, patience=5.0, unit="m") -> ScannerMount:
+    return ScannerMount(T, source=source, address=str(address), patience=patience, unit=unit)
+
+
+def taken(scanner, cancelled: Callable[[], bool] = lambda: False) -> Scan:
+    return scanner.scan(lambda done, note: None, cancelled)
+
+
+def later(action: Callable[[], object], seconds: float = 0.3) -> None:
+    threading.Timer(seconds, action).start()
+
+
+def test_the_next_file_is_the_scan(tmp_path):
+    write_cloud(tmp_path / "old.ply", SCAN)
+    newer = Scan(SCAN.points + 0.01, T, "newer")
+    later(lambda: write_cloud(tmp_path / "new.ply", newer))
+    assert taken(FolderScanner(mount("folder", tmp_path))).digest == newer.digest
+
+
+def test_a_file_is_read_when_it_is_complete(tmp_path):
+    write_cloud(tmp_path / "whole.bin", SCAN)
+    content = (tmp_path / "whole.bin").read_bytes()
+
+    def dribble() -> None:
+        with (tmp_path / "scan.ply").open("wb") as file:
+            for start in range(0, len(content), 2000):
+                file.write(content[start : start + 2000])
+                file.flush()
+                time.sleep(0.1)
+
+    threading.Thread(target=dribble).start()
+    assert taken(FolderScanner(mount("folder", tmp_path))).digest == SCAN.digest
+
+
+def test_a_file_that_is_renamed_into_place_counts(tmp_path):
+    write_cloud(tmp_path / "scan.part", SCAN)
+    later(lambda: (tmp_path / "scan.part").rename(tmp_path / "scan.ply"))
+    assert taken(FolderScanner(mount("folder", tmp_path))).digest == SCAN.digest
+
+
+def test_millimetres_are_millimetres(tmp_path):
+    in_mm = Scan(SCAN.points * 1000, T, "mm")
+    later(lambda: write_cloud(tmp_path / "scan.ply", in_mm))
+    found = taken(FolderScanner(mount("folder", tmp_path, unit="mm")))
+    np.testing.assert_allclose(found.points, SCAN.points, rtol=1e-12)
+
+
+def test_no_file_no_folder_and_a_broken_file_are_told(tmp_path):
+    write_cloud(tmp_path / "old.ply", SCAN)
+    with pytest.raises(LinkError, match=r"no new PLY or PCD file came .* within 0.4 s"):
+        taken(FolderScanner(mount("folder", tmp_path, patience=0.4)))
+    with pytest.raises(LinkError, match="there is no folder"):
+        taken(FolderScanner(mount("folder", tmp_path / "nowhere")))
+    later(lambda: (tmp_path / "scan.pcd").write_bytes(b"not a cloud"))
+    with pytest.raises(FileError, match="neither a PLY nor a PCD"):
+        taken(FolderScanner(mount("folder", tmp_path)))
+
+
+def test_waiting_can_be_cancelled(tmp_path):
+    over = threading.Event()
+    later(over.set)
+    with pytest.raises(JobCancelled):
+        taken(FolderScanner(mount("folder", tmp_path, patience=60)), over.is_set)
+
+
+@pytest.fixture
+def page(tmp_path):
+    """A page on this machine that gives what it was given."""
+    answers = {"/scan.ply": b""}
+
+    class Page(http.server.BaseHTTPRequestHandler):
+        def do_GET(self):
+            if self.path not in answers:
+                self.send_error(404)
+                return
+            self.send_response(200)
+            self.end_headers()
+            self.wfile.write(answers[self.path])
+
+        def log_message(self, *_):
+            pass
+
+    server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), Page)
+    thread = threading.Thread(target=server.serve_forever)
+    thread.start()
+    yield f"http://127.0.0.1:{server.server_address[1]}", answers
+    server.shutdown()
+    thread.join()
+    server.server_close()
+
+
+def test_a_page_gives_a_scan(page, tmp_path):
+    address, answers = page
+    write_cloud(tmp_path / "scan.ply", SCAN)
+    answers["/scan.ply"] = (tmp_path / "scan.ply").read_bytes()
+    assert taken(HttpScanner(mount("http", f"{address}/scan.ply"))).digest == SCAN.digest
+
+
+def test_a_page_that_has_none_is_told(page):
+    address, answers = page
+    with pytest.raises(LinkError, match="404"):
+        taken(HttpScanner(mount("http", f"{address}/other.ply")))
+    answers["/scan.ply"] = b"ply\nformat"
+    with pytest.raises(FileError):
+        taken(HttpScanner(mount("http", f"{address}/scan.ply")))
+    with pytest.raises(LinkError, match="scanner: http://127"):
+        taken(HttpScanner(mount("http", "http://127.0.0.1:9/scan.ply")))
+
+
+def test_the_scan_stands_where_the_scanner_does(tmp_path):
+    later(lambda: write_cloud(tmp_path / "scan.ply", SCAN))
+    found = taken(FolderScanner(mount("folder", tmp_path)))
+    assert isinstance(found.T_world_scanner, pin.SE3)
+    assert found.T_world_scanner.isApprox(T)

@@ -1,0 +1,130 @@
+"""PCD files: what was written is read, broken ones are refused, nothing hangs or blows up."""
+
+import struct
+from pathlib import Path
+
+import numpy as np
+import pinocchio as pin
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from mutations import mutated, only_file_errors
+
+from workbench.formats.clouds import parse_cloud, read_cloud
+from workbench.model.errors import FileError
+
+HERE = pin.SE3.Identity()
+POINTS = np.random.default_rng(1).uniform(0.2, 0.8, (24, 3)).astype(np.float32)
+REAL = Path(__file__).resolve().parents[3] / "shared" / "data" / "real_scan"
+
+
+def packed(data: bytes) -> bytes:
+    """LZF by hand: runs of one byte as back references, everything else as it is."""
+    out, at = bytearray(), 0
+    while at < len(data):
+        run = 1
+        while at + run < len(data) and data[at + run] == data[at] and run < 260:
+            run += 1
+        if run >= 6:
+            out += bytes([0, data[at]])
+            length = run - 1 - 2
+            if length < 7:
+                out += bytes([length << 5, 0])
+            else:
+                out += bytes([7 << 5, length - 7, 0])
+            at += run
+        else:
+            out += bytes([0, data[at]])
+            at += 1
+    return bytes(out)
+
+
+def pcd(encoding: str, points=POINTS, width=None, height=1) -> bytes:
+    width = len(points) if width is None else width
+    head = (
+        "# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\nFIELDS x y z rgb\n"
+        "SIZE 4 4 4 4\nTYPE F F F U\nCOUNT 1 1 1 1\n"
+        f"WIDTH {width}\nHEIGHT {height}\nVIEWPOINT 0 0 0 1 0 0 0\n"
+        f"POINTS {width * height}\nDATA {encoding}\n"
+    ).encode()
+    rgb = np.zeros(len(points), np.uint32)
+    if encoding == "ascii":
+        rows = (" ".join(f"{v!r}" for v in p.tolist()) + " 0\n" for p in points)
+        return head + "".join(rows).encode()
+    if encoding == "binary":
+        rows = np.zeros(len(points), [("p", "<f4", 3), ("c", "<u4")])
+        rows["p"] = points
+        return head + rows.tobytes()
+    data = b"".join(np.ascontiguousarray(column).tobytes() for column in (*points.T, rgb))
+    body = packed(data)
+    return head + struct.pack("<II", len(body), len(data)) + body
+
+
+def read(path: Path):
+    return read_cloud(path, HERE)
+
+
+encodings = pytest.mark.parametrize("encoding", ["ascii", "binary", "binary_compressed"])
+
+
+@encodings
+def test_what_was_written_is_read(encoding):
+    scan = parse_cloud(Path("a.pcd"), pcd(encoding), HERE)
+    np.testing.assert_allclose(scan.points, POINTS, rtol=1e-6)
+    assert scan.resolution is None
+
+
+@encodings
+def test_an_organised_cloud_keeps_its_pixels(encoding):
+    points = POINTS.copy()
+    points[5] = np.nan
+    scan = parse_cloud(Path("a.pcd"), pcd(encoding, points, 6, 4), HERE)
+    assert scan.resolution == (6, 4)
+    assert scan.pixels.tolist() == [k for k in range(24) if k != 5]
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "expected"),
+    [
+        (b"WIDTH 24", b"WIDTH 9999999999", "WIDTH"),
+        (b"WIDTH 24", b"WIDTH 999999999", "declares 999999999 points"),
+        (b"WIDTH 24", b"WIDTH 48", "cut off"),
+        (b"FIELDS x y z", b"FIELDS x y w", "x, y and z are expected"),
+        (b"SIZE 4", b"SIZE 3", "is not known"),
+        (b"TYPE F F F U", b"TYPE F F F", "4 letters"),
+        (b"DATA binary", b"DATA zip", "ascii, binary"),
+        (b"DATA", b"DUTA", "no line DATA"),
+        (b"COUNT 1 1 1 1", b"COUNT 1 1 1", "COUNT"),
+    ],
+)
+def test_a_broken_file_says_what_is_wrong(old, new, expected):
+    content = pcd("binary")
+    assert old in content
+    with pytest.raises(FileError, match=expected):
+        parse_cloud(Path("a.pcd"), content.replace(old, new, 1), HERE)
+
+
+@pytest.mark.parametrize("cut", [8, 20, 60])
+def test_compressed_data_that_is_cut_or_bent_is_refused(cut, tmp_path):
+    content = pcd("binary_compressed")
+    with pytest.raises(FileError):
+        parse_cloud(Path("a.pcd"), content[:-cut], HERE)
+    bent = bytearray(content)
+    bent[-cut] ^= 0xFF
+    only_file_errors(tmp_path / "a.pcd", bytes(bent), read)
+
+
+@settings(max_examples=200, deadline=None)
+@given(data=st.data(), encoding=st.sampled_from(["ascii", "binary", "binary_compressed"]))
+def test_no_file_is_too_strange(tmp_path_factory, data, encoding):
+    content = data.draw(mutated(pcd(encoding)))
+    path = tmp_path_factory.getbasetemp() / "strange.pcd"
+    only_file_errors(path, b"# FIELDS\n" + content, read)
+
+
+@pytest.mark.skipif(not REAL.exists(), reason="the recording is not here")
+def test_a_real_recording_is_read():
+    scene = parse_cloud(Path("s.pcd"), (REAL / "scene_milk_carton_clorox.pcd").read_bytes(), HERE)
+    assert scene.resolution == (640, 480) and len(scene.points) == 241_407
+    model = parse_cloud(Path("m.pcd"), (REAL / "milk.pcd").read_bytes(), HERE)
+    assert len(model.points) == 12_575

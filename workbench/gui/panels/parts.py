@@ -1,0 +1,138 @@
+"""The tab with the parts found: what speaks for and against each, and a person's word on it."""
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pinocchio as pin
+import viser
+
+from workbench.app.commands import Command, UseDetections, UseScan
+from workbench.app.rights import obstacle
+from workbench.formats.clouds import parse_cloud
+from workbench.formats.poses import parse_poses
+from workbench.gui.door import element_id
+from workbench.gui.look import View
+from workbench.gui.part_views import MOST_ROWS, parts_html
+from workbench.gui.pose_inputs import PoseInputs
+from workbench.gui.views import line
+from workbench.gui.visitor import Visitor
+from workbench.model.errors import InputError
+from workbench.model.geometry import pose_from_rpy
+from workbench.model.scan import Detection
+
+GIZMO = 0.09
+"""[m] Size of the gizmo that corrects a part."""
+
+
+class PartsPanel:
+    """Scans and poses from files, the list of parts, and a part's veto or correction.
+
+    Concurrency: clicks come from viser's threads and replace `_chosen` or give commands; the
+    renderer's thread draws.
+    """
+
+    def __init__(self, visitor: Visitor):
+        """Add the controls."""
+        self._visitor = visitor
+        self._chosen = 0
+        gui = visitor.gui
+        gui.add_html('<div class="wb-buttons wb-two"></div>')
+        self._scan = gui.add_upload_button(
+            "Scan from file",
+            icon=viser.Icon.UPLOAD,
+            hint="A PLY or PCD file in the scanner's frame and the cell's unit.",
+        )
+        self._poses = gui.add_upload_button(
+            "Poses from file",
+            icon=viser.Icon.UPLOAD,
+            color="gray",
+            hint="Our JSON, or a HALCON tuple file: rows of [R|t] in the world frame, mm.",
+        )
+        self._table = gui.add_html("")
+        self._inputs = PoseInputs(visitor, "/part_gizmo", GIZMO, self._correct)
+        self._veto = gui.add_button("Veto", icon=viser.Icon.TRASH, color="red")
+        self._add = gui.add_button("Add a part", icon=viser.Icon.PLUS, color="gray")
+        self._rows = [self._unseen(number) for number in range(MOST_ROWS)]
+        rules = ",".join(f'div:has(> [id="{button}"])' for button in self._rows)
+        gui.add_html(f'<style class="wb-style">{rules}{{display:none}}</style>')
+        self._scan.on_upload(lambda event: self._uploaded(event, self._scan_of))
+        self._poses.on_upload(lambda event: self._uploaded(event, self._poses_of))
+        visitor.on_press(self._veto, self._without)
+        visitor.on_press(self._add, self._with_one_more)
+
+    def show(self, old: View | None, new: View) -> None:
+        """Bring what is shown from `old` to `new`."""
+        state = new.state
+        found = state.detections or ()
+        self._chosen = min(self._chosen, max(len(found) - 1, 0))
+        if old is not None and old.state is state:
+            return
+        can = not obstacle(state, UseDetections)
+        self._scan.disabled = bool(obstacle(state, UseScan))
+        self._poses.disabled = self._add.disabled = not can
+        self._veto.disabled = not can or not found
+        self._draw(found, can)
+
+    def _draw(self, found: tuple[Detection, ...], can: bool) -> None:
+        if found:
+            self._table.content = parts_html(found, self._chosen, self._rows)
+        else:
+            hint = "The parts found appear here; one can be vetoed, corrected, or added."
+            self._table.content = line(hint, kind="hint")
+        T = found[self._chosen].T_world_part if found else None
+        self._inputs.show(T, is_enabled=can)
+
+    def _unseen(self, number: int) -> str:
+        """The id of a button that HTML presses to choose a part."""
+        button = self._visitor.gui.add_button("·")
+        button.on_click(lambda _: self._choose(number))
+        return element_id(button)
+
+    def _choose(self, number: int) -> None:
+        state = self._visitor.bench.state
+        if number < len(state.detections or ()):
+            self._chosen = number
+            self._draw(state.detections or (), not obstacle(state, UseDetections))
+
+    @property
+    def _found(self) -> tuple[Detection, ...]:
+        return self._visitor.bench.state.detections or ()
+
+    def _correct(self, T: pin.SE3) -> bool:
+        """A person knows better where the chosen part is."""
+        found, number = list(self._found), self._chosen
+        if number >= len(found):
+            return False
+        found[number] = Detection(found[number].part, T)
+        says = f"part-{number + 1} was corrected by hand"
+        return self._visitor.ask(lambda: UseDetections(tuple(found), says))
+
+    def _without(self) -> Command:
+        found, number = self._found, self._chosen
+        if number >= len(found):
+            raise InputError("there is no part to veto")
+        rest = found[:number] + found[number + 1 :]
+        if not rest:
+            raise InputError("the last part cannot be vetoed: take a new scan instead")
+        return UseDetections(rest, f"part-{number + 1} ({found[number].part}) was vetoed")
+
+    def _with_one_more(self) -> Command:
+        cell = self._visitor.cell
+        middle = cell.bin.T_world_bin * pose_from_rpy((0, 0, float(cell.bin.size[2]) / 2))
+        one = Detection(cell.parts[0].name, middle)
+        return UseDetections((*self._found, one), "a part was added by hand")
+
+    def _uploaded(self, event: Any, made: Any) -> None:
+        file = event.target.value
+        self._visitor.ask(lambda: made(Path(file.name).name, file.content))
+
+    def _scan_of(self, name: str, content: bytes) -> Command:
+        mount = self._visitor.cell.scanner
+        scan = parse_cloud(Path(name), content, mount.T_world_scanner, unit=mount.unit)
+        return UseScan(replace(scan, source=name))
+
+    def _poses_of(self, name: str, content: bytes) -> Command:
+        cell = self._visitor.cell
+        detections = parse_poses(Path(name), content, cell.parts[0].name)
+        return UseDetections(detections, f"{len(detections)} poses taken from {name}")
