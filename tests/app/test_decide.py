@@ -120,6 +120,7 @@ def test_the_line_goes_from_a_scan_to_a_finished_cycle(line, samples):
         "strategy": "right",
         "threshold": 0.3,
         "wishes": Wishes("sbl", 900, "highest", 0.01, 0.8),
+        "placed": (),
         "seed": 6,
     }
     assert isinstance(send, Send)

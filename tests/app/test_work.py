@@ -39,6 +39,7 @@ def test_the_jobs_lead_from_a_seed_to_a_proven_plan(yumi):
         "strategy": "auto",
         "threshold": 0.2,
         "wishes": Wishes(planner="sbl"),
+        "placed": (),
         "seed": 0,
     }
     result, told = run("plan", yumi, arguments)

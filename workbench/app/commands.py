@@ -109,6 +109,11 @@ class RedoCell:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class EmptyPallets:
+    """What was put down has been taken away."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class SaveCell:
     """Write the changes of the cell to its file, with a remark of the one who saves."""
 
@@ -185,6 +190,7 @@ Command = (
     | UndoCell
     | RedoCell
     | SaveCell
+    | EmptyPallets
     | CellRead
     | JobEnded
     | Sent

@@ -10,12 +10,15 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any, assert_never
 
+import numpy as np
+
 from workbench.app.commands import (
     AcknowledgeFault,
     Approve,
     CancelJob,
     CellRead,
     ChangeCell,
+    EmptyPallets,
     Entry,
     FindParts,
     JobEnded,
@@ -38,8 +41,10 @@ from workbench.app.state import Job, Outline, Phase, State
 from workbench.model.cell import Cell
 from workbench.model.digest import digest_of
 from workbench.model.errors import CommandRefused, JobCancelled, WorkbenchError
+from workbench.model.plan import Plan
 from workbench.model.release import Receipt
 from workbench.model.scan import Detection, Scan
+from workbench.planning.kinematics import Kinematics
 
 Outcome = tuple[State, tuple[Effect, ...]]
 
@@ -98,6 +103,8 @@ def decide(state: State, entry: Entry) -> Outcome:
             after, effects = _with_cell(state, cell, "the change of the cell is made again")
             before = (state.cell, *state.before)[:MOST_UNDO]
             return replace(after, before=before, undone=tuple(undone)), effects
+        case EmptyPallets():
+            return replace(state, placed=(), message="the pallets are empty"), ()
         case SaveCell(remark=remark):
             write = WriteCell(state.cell, remark, entry.actor, entry.at)
             return replace(state, message=f"{entry.actor} saves the cell"), (write,)
@@ -140,6 +147,7 @@ def _make_plan(state: State, command: MakePlan) -> Outcome:
         "strategy": command.strategy,
         "threshold": command.threshold,
         "wishes": command.wishes,
+        "placed": state.placed,
         "seed": command.seed,
     }
     inputs_digest = digest_of((state.scene_digest, state.detections))
@@ -202,6 +210,7 @@ def _anew(state: State, phase: Phase = Phase.IDLE, **fields: Any) -> State:
         before=state.before,
         undone=state.undone,
         saved=state.saved,
+        placed=state.placed,
         cell_problem=state.cell_problem,
         **fields,
     )
@@ -327,7 +336,24 @@ def _sent(state: State, receipt: Receipt) -> State:
     return replace(state, receipts=(*state.receipts, receipt), message=message)
 
 
+def _put_down(cell: Cell, plan: Plan) -> tuple[Detection, ...]:
+    """The parts of a plan where its arms put them, for arms whose places keep them."""
+    kinematics = Kinematics(cell)
+    return tuple(
+        Detection(
+            plan.detections[one.detection].part,
+            kinematics.tcp_pose(cell.arm(one.arm), np.asarray(one.leg("place").q[-1]))
+            * one.T_tcp_part,
+        )
+        for one in plan.arms
+        if cell.arm(one.arm).keeps_parts
+    )
+
+
 def _link_ended(state: State, fault: str, parts_placed: int) -> State:
+    if state.plan is not None:
+        # After a fault nobody knows: where a part may lie, none is put.
+        state = replace(state, placed=(*state.placed, *_put_down(state.cell, state.plan)))
     if fault:
         return replace(
             state,

@@ -18,6 +18,7 @@ from workbench.app.commands import (
     CellRead,
     ChangeCell,
     Command,
+    EmptyPallets,
     Entry,
     FindParts,
     JobEnded,
@@ -61,6 +62,7 @@ COMMANDS: Mapping[str, type] = {
         UndoCell,
         RedoCell,
         SaveCell,
+        EmptyPallets,
         CellRead,
         JobEnded,
         Sent,
@@ -140,6 +142,7 @@ def summary(state: State) -> Mapping[str, Any]:
         "approval": None if state.approval is None else state.approval.digest,
         "receipts": len(state.receipts),
         "parts_placed": state.parts_placed,
+        "on_pallets": len(state.placed),
     }
 
 

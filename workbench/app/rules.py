@@ -10,6 +10,7 @@ from workbench.app.commands import (
     CellRead,
     ChangeCell,
     Command,
+    EmptyPallets,
     FindParts,
     JobEnded,
     LinkEnded,
@@ -96,6 +97,9 @@ def allowed(state: State, command: Command, actor: str, now: float) -> None:
         case RedoCell():
             if not state.undone:
                 raise CommandRefused("there is no change of the cell to redo")
+        case EmptyPallets():
+            if not state.placed:
+                raise CommandRefused("the pallets are empty already")
         case SaveCell(remark=remark):
             _check_text("remark", remark)
             if state.saved == state.cell.digest:

@@ -65,8 +65,9 @@ class State:
     `outlines` are of all plannings for these detections, the latest last.
     `fault` is set exactly in phase fault; `message` tells a person what happened last.
     `before` are the cells that an undo goes back to, the last one first to be taken, `undone` those
-    of a redo; `saved` is the digest of the cell as its file has it, and `cell_problem` says why
-    the file cannot be used as it is now.
+    of a redo; `placed` are parts on pallets, or where they may be since a fault; `saved` is the
+    digest of the cell as its file has it, and `cell_problem` says why the file cannot be used as
+    it is now.
     """
 
     cell: Cell
@@ -91,4 +92,5 @@ class State:
     before: tuple[Cell, ...] = ()
     undone: tuple[Cell, ...] = ()
     saved: str = ""
+    placed: tuple[Detection, ...] = ()
     cell_problem: str = ""

@@ -1,7 +1,10 @@
 """The jobs: what the worker process does.  Importing this imports all the heavy rooms."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
+
+import numpy as np
+import pinocchio as pin
 
 from workbench.app.commands import PlanResult
 from workbench.app.pick import plan_pick
@@ -9,7 +12,7 @@ from workbench.app.worker import Cancelled, JobFunction, Report
 from workbench.devices.scanners import SCANNERS
 from workbench.model.cell import Cell
 from workbench.model.errors import InputError, JobCancelled
-from workbench.model.scan import Detection, Scan
+from workbench.model.scan import Detection, Obstacle, Scan
 from workbench.perception.localize import localize
 from workbench.perception.piles import drop_parts
 from workbench.perception.synthesize import synthesize
@@ -53,12 +56,24 @@ def find_parts(
     return tuple(sorted(found, key=lambda detection: -detection.score))
 
 
+def boxes_around(cell: Cell, placed: Sequence[Detection]) -> tuple[Obstacle, ...]:
+    """Parts that have been put down, as obstacles."""
+    boxes: list[Obstacle] = []
+    for one in placed:
+        points = cell.part(one.part).mesh.points
+        low, high = points.min(axis=0), points.max(axis=0)
+        T_part_box = pin.SE3(np.eye(3), (low + high) / 2)
+        boxes.append(Obstacle(one.T_world_part * T_part_box, high - low))
+    return tuple(boxes)
+
+
 def plan(
     cell: Cell, arguments: Mapping[str, Any], report: Report, cancelled: Cancelled
 ) -> PlanResult:
     """Candidates, plan and proof for `detections` in `scan`, if there is one; see `plan_pick`."""
     scan, detections = arguments["scan"], arguments["detections"]
     report(0.0, "looking for what nobody modelled")
+    seen = () if scan is None else unexplained(cell, scan, detections)
     return plan_pick(
         cell,
         detections,
@@ -66,7 +81,7 @@ def plan(
         strategy=arguments["strategy"],
         threshold=arguments["threshold"],
         wishes=arguments["wishes"],
-        obstacles=() if scan is None else unexplained(cell, scan, detections),
+        obstacles=(*seen, *boxes_around(cell, arguments["placed"])),
         seed=arguments["seed"],
         report=report,
         cancelled=cancelled,

@@ -119,6 +119,11 @@ def _edit(document: Any, old: Cell, new: Cell) -> None:
         if not np.array_equal(one.home, other.home):
             home = np.rad2deg(other.home[list(other.wire_order)]) * other.wire_signs
             table["home_deg"] = [_short(value) for value in home]
+        same = [T.homogeneous.tolist() for T in one.Ts_world_place] == [
+            T.homogeneous.tolist() for T in other.Ts_world_place
+        ]
+        if same or any("grid" in place for place in table.get("place", [])):
+            continue  # places of a grid are changed in the file: the trial will tell
         if len(one.Ts_world_place) == len(other.Ts_world_place):
             for place, T, U in zip(
                 table.get("place", []), one.Ts_world_place, other.Ts_world_place, strict=True

@@ -123,6 +123,8 @@ def _arm(arm: Arm) -> Iterator[str]:
     yield f"signs = {_list(np.array(arm.wire_signs))}"
     yield f"home_deg = {_list(np.round(home, 2))}   # in the controller's order"
     yield f"acceleration_deg = {_number(np.rad2deg(arm.acceleration[0]))}"
+    if arm.keeps_parts:
+        yield "keeps_parts = true        # they stay at their places, as on a pallet"
     for T in arm.Ts_world_place:
         yield from ("", "[[arm.place]]", *_pose(T))
 

@@ -4,6 +4,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import pinocchio as pin
 
 from workbench.formats.dh import read_dh
 from workbench.formats.parts import read_part
@@ -31,6 +32,9 @@ from workbench.model.part import Part
 from workbench.model.robot import Link, Robot
 
 ARM_NAMES = ("right", "left")
+
+MOST_PLACES = 400
+"""On one pallet."""
 
 
 def cell_path(name: str | Path) -> Path:
@@ -175,7 +179,8 @@ def _arm(table: Table, robot: Robot, tools: dict[str, Tool]) -> Arm:
         home=home,
         acceleration=_acceleration(table, count),
         tool=tools[tool],
-        Ts_world_place=tuple(_finished_pose(place) for place in table.tables("place")),
+        Ts_world_place=tuple(T for place in table.tables("place") for T in _places(place)),
+        keeps_parts=table.flag("keeps_parts", False),
     )
     table.finish()
     if len(arm.letter) != 1 or not arm.letter.isascii() or not arm.letter.isalpha():
@@ -183,10 +188,21 @@ def _arm(table: Table, robot: Robot, tools: dict[str, Tool]) -> Arm:
     return arm
 
 
-def _finished_pose(table: Table):  # type: ignore[no-untyped-def]
+def _places(table: Table) -> tuple[pin.SE3, ...]:
+    """One pose, or those of a `grid` of columns along its x and rows along its y."""
     T = read_pose(table)
+    columns, rows = table.numbers("grid", 2, [1, 1], low=1, high=100).astype(int).tolist()
+    pitch = table.numbers("pitch_mm", 2, [0, 0], low=-5000, high=5000) / 1000
     table.finish()
-    return T
+    if columns * rows > MOST_PLACES:
+        raise table.error("grid", f"{columns * rows} places, {MOST_PLACES} are allowed")
+    if (columns > 1 and pitch[0] == 0) or (rows > 1 and pitch[1] == 0):
+        raise table.error("pitch_mm", "must not be 0 where there are several places")
+    return tuple(
+        T * pin.SE3(np.eye(3), np.array([column * pitch[0], row * pitch[1], 0.0]))
+        for row in range(rows)
+        for column in range(columns)
+    )
 
 
 def _acceleration(table: Table, count: int) -> Floats:

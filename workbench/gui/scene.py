@@ -113,6 +113,8 @@ class Scene:
             self._add_parts(state.detections or ())
         if before is None or before.obstacles is not state.obstacles:
             self._draw_obstacles(state.obstacles)
+        if before is None or before.placed is not state.placed:
+            self._draw_placed(state.placed)
         if is_other_plan:
             self._draw_paths(new.runs)
         is_other_time = (
@@ -169,6 +171,15 @@ class Scene:
                 opacity=0.35,
             )
             place(box, obstacle.T_world_box)
+
+    def _draw_placed(self, placed: tuple[Detection, ...]) -> None:
+        self._scene.remove_by_name("/placed")
+        for number, one in enumerate(placed):
+            points, triangles = with_hard_edges(triangles_of(self._cell.part(one.part).mesh))
+            node = self._scene.add_mesh_simple(
+                f"/placed/{number}", points, triangles, color=BESIDE_BIN
+            )
+            place(node, one.T_world_part)
 
     def _add_parts(self, detections: tuple[Detection, ...]) -> None:
         for node in self._parts:

@@ -72,7 +72,8 @@ class Arm:
 
     `joints` are the movable joints from base to flange, chain order; `wire_order[k]` is the
     place in the chain of the k-th axis on the wire and `wire_signs` its sense.  `home` (n,)
-    [rad], chain order.  `places` are TCP poses where a part may be released, tried in order.
+    [rad], chain order.  `places` are TCP poses where a part may be released, tried in order;
+    where the arm `keeps_parts` they stay there, as on a pallet, and the next one goes elsewhere.
     `letter` names the arm on the wire.
     """
 
@@ -86,6 +87,7 @@ class Arm:
     acceleration: Floats
     tool: Tool
     Ts_world_place: tuple[pin.SE3, ...] = ()
+    keeps_parts: bool = False
 
     def __post_init__(self) -> None:
         put(

@@ -1,21 +1,35 @@
 """The tab that shows the robot link: what went out, and what the controller says."""
 
+import viser
+
+from workbench.app.commands import EmptyPallets
+from workbench.app.rights import obstacle
 from workbench.gui.look import View
-from workbench.gui.views import joints_html, link_html
+from workbench.gui.views import joints_html, line, link_html
 from workbench.gui.visitor import Visitor
 
 
 class RobotPanel:
-    """Status only; what acts on the robot is in the cycle."""
+    """Status, and the word that pallets are empty; what acts on the robot is in the cycle."""
 
     def __init__(self, visitor: Visitor):
         """Add the status fields."""
         self._link = visitor.gui.add_html("")
+        self._pallets = visitor.gui.add_html("")
+        self._empty = visitor.gui.add_button("Pallets are empty", icon=viser.Icon.CHECK)
         self._joints = visitor.gui.add_html("")
+        visitor.on_press(self._empty, EmptyPallets)
 
     def show(self, old: View | None, new: View) -> None:
         """Bring what is shown from `old` to `new`."""
         if old is None or old.state is not new.state or old.live.robot != new.live.robot:
             self._link.content = link_html(new)
+        if old is None or old.state is not new.state:
+            count = len(new.state.placed)
+            keeps = any(arm.keeps_parts for arm in new.state.cell.arms)
+            parts = "1 part lies" if count == 1 else f"{count} parts lie"
+            self._pallets.content = line(f"{parts} on the pallets.") if keeps else ""
+            self._empty.visible = keeps
+            self._empty.disabled = not count or bool(obstacle(new.state, EmptyPallets))
         if old is None or old.live.joints is not new.live.joints:
             self._joints.content = joints_html(new.state.cell, new.live.joints)
