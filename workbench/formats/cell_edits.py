@@ -27,8 +27,8 @@ LOST = 2e-6
 def save_cell(path: Path, cell: Cell) -> None:
     """Write into a cell file what a cell has otherwise than the file.
 
-    Poses of robot, bin, scanner and fixtures, sizes of the bin, homes and places of the arms can
-    be written; the file is left as it is when anything else differs.
+    Poses of robot, bin, scanner and fixtures, sizes of the bin, homes, places and the tool of the
+    arms can be written; the file is left as it is when anything else differs.
 
     Args:
         path: of the cell file, which must be readable as a cell.
@@ -116,6 +116,8 @@ def _edit(document: Any, old: Cell, new: Cell) -> None:
     ):
         _edit_pose(table, one.T_world_fixture, other.T_world_fixture)
     for table, one, other in zip(document["arm"], old.arms, new.arms, strict=True):
+        if one.tool.name != other.tool.name:
+            table["tool"] = other.tool.name
         if not np.array_equal(one.home, other.home):
             home = np.rad2deg(other.home[list(other.wire_order)]) * other.wire_signs
             table["home_deg"] = [_short(value) for value in home]

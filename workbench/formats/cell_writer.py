@@ -52,7 +52,7 @@ def _lines(folder: Path, cell: Cell) -> Iterator[str]:
     yield from ("", "[robot]", 'urdf = "robot.urdf"')
     yield 'srdf = "robot.srdf"               # pairs of links that need no check'
     yield from _pose(cell.T_world_robot)
-    tools = {arm.tool.name: arm.tool for arm in cell.arms}
+    tools = {tool.name: tool for arm in cell.arms for tool in (arm.tool, *arm.tools)}
     for tool in tools.values():
         yield from _tool(folder, tool)
     for arm in cell.arms:
@@ -118,6 +118,8 @@ def _arm(arm: Arm) -> Iterator[str]:
     yield from ("", "[[arm]]", f"name = {_text(arm.name)}", f"letter = {_text(arm.letter)}")
     yield f"flange = {_text(arm.flange)}"
     yield f"tool = {_text(arm.tool.name)}"
+    if len(arm.tools) > 1:
+        yield f"tools = [{', '.join(_text(tool.name) for tool in arm.tools)}]"
     yield "# Which axis of the controller each joint of the chain is, and its sense there."
     yield f"axes = {_list(axes)}"
     yield f"signs = {_list(np.array(arm.wire_signs))}"

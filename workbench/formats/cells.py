@@ -150,8 +150,10 @@ def _tool(table: Table) -> Tool:
 def _arm(table: Table, robot: Robot, tools: dict[str, Tool]) -> Arm:
     name = table.text("name", among=ARM_NAMES)
     flange, tool = table.text("flange"), table.text("tool")
-    if tool not in tools:
-        raise table.error("tool", f"{tool!r} is not one of {', '.join(tools) or 'no tools'}")
+    mounted = _known_tool(table, "tool", tool, tools)
+    names = table.texts("tools", (tool,))
+    if tool not in names or len(set(names)) != len(names):
+        raise table.error("tools", f"must hold {tool!r}, which the arm carries, and each once")
     try:
         joints = tuple(j.name for j in robot.chain(flange) if j.kind != "fixed")
     except InputError as error:
@@ -178,14 +180,21 @@ def _arm(table: Table, robot: Robot, tools: dict[str, Tool]) -> Arm:
         wire_signs=tuple(int(sign) for sign in signs),
         home=home,
         acceleration=_acceleration(table, count),
-        tool=tools[tool],
+        tool=mounted,
         Ts_world_place=tuple(T for place in table.tables("place") for T in _places(place)),
         keeps_parts=table.flag("keeps_parts", False),
+        tools=tuple(_known_tool(table, "tools", one, tools) for one in names),
     )
     table.finish()
     if len(arm.letter) != 1 or not arm.letter.isascii() or not arm.letter.isalpha():
         raise table.error("letter", f"{arm.letter!r} is not one letter")
     return arm
+
+
+def _known_tool(table: Table, key: str, name: str, tools: dict[str, Tool]) -> Tool:
+    if name not in tools:
+        raise table.error(key, f"{name!r} is not one of {', '.join(tools) or 'no tools'}")
+    return tools[name]
 
 
 def _places(table: Table) -> tuple[pin.SE3, ...]:

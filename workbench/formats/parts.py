@@ -101,6 +101,7 @@ def _entry(table: Table) -> Grasp | GraspPattern:
         priority=table.whole("priority", 0, low=-1000, high=1000),
         is_enabled=table.flag("enabled", True),
         arms=table.texts("arms", ()),
+        tool=table.text("tool", "", empty=True),
         free_rotation=float(np.deg2rad(table.number("free_rotation_deg", 0, low=0, high=180))),
     )
     if grasp.grip > grasp.opening:

@@ -72,6 +72,12 @@ def with_home(cell: Cell, arm: str, home: Floats) -> Cell:
     return _with_arm(cell, arm, home=home)
 
 
+def with_tool(cell: Cell, arm: str, tool: str) -> Cell:
+    """The cell with another of an arm's tools mounted."""
+    mounted = next(one for one in cell.arm(arm).tools if one.name == tool)
+    return _with_arm(cell, arm, tool=mounted)
+
+
 def _with_arm(cell: Cell, name: str, **fields: object) -> Cell:
     arms = tuple(replace(arm, **fields) if arm.name == name else arm for arm in cell.arms)  # type: ignore[arg-type]
     return replace(cell, arms=arms)

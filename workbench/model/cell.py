@@ -74,7 +74,7 @@ class Arm:
     place in the chain of the k-th axis on the wire and `wire_signs` its sense.  `home` (n,)
     [rad], chain order.  `places` are TCP poses where a part may be released, tried in order;
     where the arm `keeps_parts` they stay there, as on a pallet, and the next one goes elsewhere.
-    `letter` names the arm on the wire.
+    `letter` names the arm on the wire.  `tool` is what it carries, `tools` all that it can carry.
     """
 
     name: str
@@ -88,6 +88,7 @@ class Arm:
     tool: Tool
     Ts_world_place: tuple[pin.SE3, ...] = ()
     keeps_parts: bool = False
+    tools: tuple[Tool, ...] = ()
 
     def __post_init__(self) -> None:
         put(

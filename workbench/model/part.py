@@ -32,7 +32,7 @@ class Grasp:
     `retreat` is None the extraction follows the cell's policy (lift, leaning to the bin
     centre).  `opening` [m] is the finger distance on arrival, `grip` [m] when closed on the
     part.  `arms` empty means any arm.  `free_rotation` [rad] is how far the tool may turn
-    about its own z either way.
+    about its own z either way.  `tool` is the one it is for; empty means any.
     """
 
     name: str
@@ -47,6 +47,7 @@ class Grasp:
     is_enabled: bool = True
     arms: tuple[str, ...] = ()
     free_rotation: float = 0.0
+    tool: str = ""
 
     def __post_init__(self) -> None:
         put(

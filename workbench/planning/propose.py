@@ -153,6 +153,10 @@ def _first_verdict(
         return Verdict(Reason.DISABLED, Stage.PROPOSE)
     if grasp.arms and arm.name not in grasp.arms:
         return Verdict(Reason.ARM_NOT_ALLOWED, Stage.PROPOSE, note=f"only {', '.join(grasp.arms)}")
+    if grasp.tool and grasp.tool != arm.tool.name:
+        can = "can carry it" if grasp.tool in {one.name for one in arm.tools} else "cannot"
+        note = f"is for {grasp.tool}; the arm carries {arm.tool.name} and {can}"
+        return Verdict(Reason.ARM_NOT_ALLOWED, Stage.PROPOSE, note=note)
     low, high = arm.tool.stroke
     if arm.tool.fingers and not low <= grasp.opening <= high:
         return Verdict(

@@ -13,7 +13,7 @@ from workbench.gui.jogging import JogControls
 from workbench.gui.look import View
 from workbench.gui.measure import met
 from workbench.gui.pose_inputs import PoseInputs
-from workbench.gui.things import moved, pose_of, things
+from workbench.gui.things import moved, pose_of, things, with_tool
 from workbench.gui.visitor import Visitor
 
 NOBODY = "not shown"
@@ -61,6 +61,16 @@ class CellPanel:
             self._measured = gui.add_html("")
         with gui.add_folder("Robot by hand"):
             self._jog = JogControls(visitor)
+            self._tools = {
+                arm.name: gui.add_dropdown(
+                    f"Tool, {arm.name}",
+                    tuple(tool.name for tool in arm.tools),
+                    initial_value=arm.tool.name,
+                    hint="What the arm carries now: change it here when you have changed it there.",
+                )
+                for arm in cell.arms
+                if len(arm.tools) > 1
+            }
         with gui.add_folder("Cell file"):
             self._remark = gui.add_text(
                 "Remark", "", hint="Why the cell was changed; kept in changes.log beside it."
@@ -83,6 +93,10 @@ class CellPanel:
             self._redo.disabled = cannot or not state.undone
             self._save.disabled = bool(obstacle(state, SaveCell)) or state.saved == cell.digest
             self._line.content = cell_line(state)
+            for name, dropdown in self._tools.items():
+                dropdown.disabled = cannot
+                if dropdown.value != cell.arm(name).tool.name:
+                    dropdown.value = cell.arm(name).tool.name
         for box, value in ((self._shapes, new.look.shapes), (self._frames, new.look.frames)):
             if box.value != value:
                 box.value = value
@@ -103,6 +117,8 @@ class CellPanel:
         visitor.on_press(self._undo, UndoCell)
         visitor.on_press(self._redo, RedoCell)
         visitor.on_press(self._save, lambda: SaveCell(self._remark.value))
+        for name, dropdown in self._tools.items():
+            dropdown.on_update(lambda event, name=name: self._mounted(event, name))
         self._measure.on_click(lambda _: self._begin_to_measure())
 
         @self._reach.on_update
@@ -148,6 +164,17 @@ class CellPanel:
                 self._clicked, self._measure.label = None, "Measure"
 
         self._clicked = clicked
+
+    def _mounted(self, event: Any, arm: str) -> None:
+        """A person has put another tool on an arm."""
+        tool = event.target.value
+        if event.client is None or tool == self._visitor.cell.arm(arm).tool.name:
+            return
+        self._visitor.ask(
+            lambda: ChangeCell(
+                with_tool(self._visitor.cell, arm, tool), f"the {arm} arm carries {tool}"
+            )
+        )
 
     def _move(self, T: pin.SE3) -> bool:
         thing = self._thing.value
