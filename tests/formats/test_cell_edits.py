@@ -23,6 +23,9 @@ def path(tmp_path):
     return tmp_path / "yumi" / "cell.toml"
 
 
+SHIPPED = read_cell("yumi")
+
+
 def near(T: pin.SE3, U: pin.SE3) -> bool:
     return np.allclose(T.homogeneous, U.homogeneous, atol=5e-6)
 
@@ -60,7 +63,7 @@ def test_whatever_can_be_moved_comes_back(path, xyz, rpy, turn):
         scanner=replace(cell.scanner, T_world_scanner=T),
         fixtures=(replace(cell.fixtures[0], T_world_fixture=T), *cell.fixtures[1:]),
         arms=(
-            replace(right, home=np.asarray(right.home) + turn),
+            replace(right, home=np.asarray(SHIPPED.arms[0].home) + turn),
             replace(left, Ts_world_place=(*left.Ts_world_place[1:], T, T)),
         ),
     )

@@ -6,8 +6,9 @@ import numpy as np
 import trimesh
 from scipy.spatial import QhullError
 
+from workbench.formats.pcd import read_pcd
 from workbench.formats.toml_keys import shown
-from workbench.formats.whole_files import MB
+from workbench.formats.whole_files import MB, read_whole
 from workbench.model.errors import FileError
 from workbench.model.geometry import Floats, Mesh
 
@@ -26,6 +27,9 @@ FLATNESS = 1e-4
 def read_mesh(path: Path, scale: Floats | float = 1.0) -> Mesh:
     """The triangles of an STL, OBJ, PLY, GLB or DAE file, multiplied by `scale`.
 
+    A PCD file is a part taught by scanning it: its convex hull, in a frame in the middle of its
+    points.
+
     Raises:
         FileError: not there, too large, not a mesh, empty, not finite, or of a size that
             speaks for another unit.
@@ -34,6 +38,8 @@ def read_mesh(path: Path, scale: Floats | float = 1.0) -> Mesh:
         raise FileError(path, "there is no such mesh file")
     if path.stat().st_size > LARGEST_MESH:
         raise FileError(path, f"is larger than {LARGEST_MESH / MB:g} MB")
+    if path.suffix.lower() == ".pcd":
+        return _taught(path, scale)
     try:
         loaded = trimesh.load_mesh(path, process=False)
     except Exception as error:  # the loaders behind trimesh raise whatever they like
@@ -54,6 +60,20 @@ def read_mesh(path: Path, scale: Floats | float = 1.0) -> Mesh:
             path, f"would be {size:.0f} m large; if it is in millimetres, scale it by 0.001"
         )
     return Mesh(points, triangles)
+
+
+def _taught(path: Path, scale: Floats | float) -> Mesh:
+    points, _ = read_pcd(path, read_whole(path, LARGEST_MESH), MOST_TRIANGLES)
+    points = points[np.isfinite(points).all(axis=1)] * scale
+    if len(points) < 4:
+        raise FileError(path, "holds fewer than four points")
+    hull = convex_hull(Mesh(points - points.mean(axis=0), np.empty((0, 3), np.int32)))
+    if hull is None:
+        raise FileError(path, "its points lie in one plane")
+    size = float(np.ptp(hull.points, axis=0).max())
+    if size > LARGEST_EXTENT:
+        raise FileError(path, f"would be {size:.0f} m large; if it is in millimetres, say so")
+    return Mesh(hull.points, hull.triangles)
 
 
 def is_file(path: Path) -> bool:

@@ -1,0 +1,72 @@
+"""A real recording: a carton taught by a point cloud is found on a table with other things.
+
+Data: PointCloudLibrary/data, tutorials/correspondence_grouping (BSD); a Kinect, some 2 mm of noise.
+"""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pinocchio as pin
+import pytest
+from scipy.spatial import KDTree
+
+from workbench.formats.cells import read_cell
+from workbench.formats.clouds import read_cloud
+from workbench.formats.parts import read_part
+from workbench.model.cell import Bin
+from workbench.model.geometry import pose_from_rpy
+from workbench.model.scan import Scan
+from workbench.perception.localize import localize
+
+DATA = Path(__file__).resolve().parents[3] / "shared" / "data" / "real_scan"
+pytestmark = pytest.mark.skipif(not DATA.exists(), reason="the recording is not here")
+
+# The recording looks along -z; a scanner here looks along z.
+TURN = pose_from_rpy((0, 0, 0), (np.pi, 0, 0)).rotation
+
+PART = f"""
+name = "carton"
+mass_g = 500
+[mesh]
+file = "{DATA / "milk.pcd"}"
+unit = "m"
+"""
+
+
+@pytest.fixture(scope="module")
+def part(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("carton")
+    (folder / "part.toml").write_text(PART)
+    return read_part(folder)
+
+
+@pytest.fixture(scope="module")
+def scene() -> Scan:
+    found = read_cloud(DATA / "scene_milk_carton_clorox.pcd", pin.SE3.Identity())
+    points = found.points @ TURN.T
+    return Scan(points, pin.SE3.Identity(), found.source, found.pixels, found.resolution)
+
+
+def test_a_taught_part_is_the_hull_of_its_points(part):
+    assert len(part.pieces) == 1 and part.pieces[0].shape.is_convex
+    assert np.ptp(part.mesh.points, axis=0).min() > 0.1
+    assert np.abs(part.mesh.points).max() < 0.2
+
+
+@pytest.mark.parametrize("seed", [0, 1, 2])
+def test_the_carton_is_found_where_it_stands(part, scene, seed):
+    cell = read_cell("yumi")
+    bin = Bin(pose_from_rpy((0, 0, 1.1), (np.pi, 0, 0)), np.array([2.4, 2.4, 0.7]))
+    mount = replace(
+        cell.scanner, T_world_scanner=pin.SE3.Identity(), depth_noise=0.0015, near=0.3, far=3.0
+    )
+    cell = replace(cell, parts=(part,), bin=bin, scanner=mount)
+    best = localize(scene, part, cell, seed=seed)[0]
+    taught = read_cloud(DATA / "milk.pcd", pin.SE3.Identity()).points
+    points = taught - taught.mean(axis=0)
+    there = points @ best.T_world_part.rotation.T + best.T_world_part.translation
+    distances = KDTree(scene.points).query(there)[0]
+    assert np.mean(distances < 0.010) > 0.95
+    assert np.median(distances) < 0.004
+    assert best.residual < 0.003
