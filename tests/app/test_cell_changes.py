@@ -17,6 +17,7 @@ from workbench.app.commands import (
     SaveCell,
     SendPlan,
     UndoCell,
+    UseDetections,
 )
 from workbench.app.decide import MOST_UNDO, decide
 from workbench.app.effects import UseCell, WriteCell
@@ -33,6 +34,7 @@ from workbench.model.digest import canonical
 from workbench.model.errors import CommandRefused
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.release import Approval
+from workbench.model.scan import Detection
 
 
 def with_bin_at(cell: Cell, x: float) -> Cell:
@@ -145,6 +147,24 @@ def test_a_broken_file_leaves_the_cell_and_says_why(approved):
     assert state.cell_problem == "key bin: is missing" and "stays as it was" in state.message
     mended, _ = after(state, CellRead(approved.cell), CELL_FILE)
     assert mended.cell_problem == ""
+
+
+def test_what_is_moved_out_of_the_room_is_refused(approved):
+    cell = approved.cell
+    far = pose_from_rpy((0, 0, 21))
+    (arm, *arms) = cell.arms
+    for changed, named in (
+        (with_bin_at(cell, 1e300), "bin"),
+        (replace(cell, scanner=replace(cell.scanner, T_world_scanner=far)), "scanner"),
+        (replace(cell, T_world_robot=far), "robot"),
+        (replace(cell, arms=(replace(arm, Ts_world_place=(far,)), *arms)), "a place of the"),
+        (replace(cell, arms=(replace(arm, home=np.asarray(arm.home) + 99), *arms)), "its limits"),
+    ):
+        with pytest.raises(CommandRefused, match=named):
+            allowed(approved, ChangeCell(changed, "x"), "ada", 1.0)
+    gone = (Detection(cell.parts[0].name, far),)
+    with pytest.raises(CommandRefused, match="part-1: 21 m away"):
+        allowed(approved, UseDetections(gone), "ada", 1.0)
 
 
 @pytest.mark.parametrize("says", ["x" * 201, "a\nb", 7])

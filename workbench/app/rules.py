@@ -3,6 +3,9 @@
 import math
 from typing import Any, assert_never
 
+import numpy as np
+import pinocchio as pin
+
 from workbench.app.commands import (
     AcknowledgeFault,
     Approve,
@@ -38,6 +41,8 @@ MOST_PARTS = 30
 SEED_LIMIT = 2**31
 LONGEST_NAME = 80
 LONGEST_TEXT = 200
+FARTHEST = 20.0
+"""[m] Nothing of a cell stands further from its origin."""
 MOST_ITERATIONS = 100_000
 LARGEST_MARGIN = 0.2
 """[m]"""
@@ -89,6 +94,7 @@ def allowed(state: State, command: Command, actor: str, now: float) -> None:
                 raise CommandRefused(problem)
         case ChangeCell(cell=cell, says=says):
             _check_text("says", says)
+            _check_cell(cell)
             if cell.digest == state.cell.digest:
                 raise CommandRefused("nothing of the cell was changed")
         case UndoCell():
@@ -250,11 +256,33 @@ def _check_wishes(cell: Cell, wishes: Wishes) -> None:
 def _check_detections(cell: Cell, detections: tuple[Detection, ...]) -> None:
     if not 1 <= len(detections) <= MOST_PARTS:
         raise CommandRefused(f"1 to {MOST_PARTS} poses are needed, not {len(detections)}")
-    for detection in detections:
+    for number, detection in enumerate(detections, start=1):
+        _check_near(f"part-{number}", detection.T_world_part)
         try:
             cell.part(detection.part)
         except InputError as error:
             raise CommandRefused(str(error)) from error
+
+
+def _check_near(thing: str, T_world_thing: pin.SE3) -> None:
+    far = float(np.abs(T_world_thing.translation).max())
+    if not far <= FARTHEST:
+        raise CommandRefused(f"{thing}: {far:g} m away; {FARTHEST:g} m are allowed")
+
+
+def _check_cell(cell: Cell) -> None:
+    """What a person moves stays in the room, and homes within the limits."""
+    _check_near("bin", cell.bin.T_world_bin)
+    _check_near("scanner", cell.scanner.T_world_scanner)
+    _check_near("robot", cell.T_world_robot)
+    for fixture in cell.fixtures:
+        _check_near(fixture.name, fixture.T_world_fixture)
+    for arm in cell.arms:
+        for T in arm.Ts_world_place:
+            _check_near(f"a place of the {arm.name} arm", T)
+        lower, upper, _ = cell.robot.limits(arm.joints)
+        if not np.all((arm.home >= lower) & (arm.home <= upper)):
+            raise CommandRefused(f"the home of the {arm.name} arm lies outside its limits")
 
 
 def _named_plan(state: State, digest: str) -> Plan:

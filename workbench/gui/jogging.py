@@ -166,7 +166,7 @@ class JogControls:
     ) -> None:
         """Move the chosen arm to `q` (n,), as far as its limits let it."""
         arm, look = self._chosen, self._visitor.look
-        if look.now.jog is None:
+        if look.now.jog is None or not np.all(np.isfinite(q)):
             return
         lower, upper, _ = self._visitor.cell.robot.limits(arm.joints)
         jog = {**look.now.jog, arm.name: np.clip(q, lower, upper)}
