@@ -1,5 +1,7 @@
 """The robot moved by hand: what it meets, how the tool is led, what can be moved and taught."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -7,7 +9,7 @@ from hypothesis import strategies as st
 
 from workbench.app.state import State
 from workbench.formats.cells import read_cell
-from workbench.gui.cell_views import cell_line, contacts_html
+from workbench.gui.cell_views import cell_line, contacts_html, tree_html
 from workbench.gui.jog import JogFinder, led
 from workbench.gui.things import (
     moved,
@@ -106,3 +108,11 @@ def test_no_jog_is_explained():
 @pytest.mark.parametrize("thing", ["bin", "scanner", "robot"])
 def test_a_moved_thing_makes_another_cell(thing):
     assert moved(CELL, thing, pose_from_rpy((0.4, 0.1, 0.2))).digest != CELL.digest
+
+
+def test_the_tree_names_everything_and_escapes_it():
+    said = tree_html(CELL)
+    for name in ("robot yumi", "right arm, 7 axes", "part keyed_cylinder", "tray_left", "bin"):
+        assert name in said
+    evil = replace(CELL, fixtures=(replace(CELL.fixtures[0], name="<script>"),))
+    assert "<script>" not in tree_html(evil)

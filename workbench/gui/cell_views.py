@@ -6,7 +6,9 @@ from workbench.app.state import State
 from workbench.gui.look import Jogged
 from workbench.gui.marks import measured_text
 from workbench.gui.views import line, mm
+from workbench.model.cell import Cell
 from workbench.model.geometry import Floats
+from workbench.model.robot import Link
 
 MOST_CONTACTS = 8
 
@@ -18,6 +20,64 @@ def cell_line(state: State) -> str:
     if state.saved != state.cell.digest:
         return line(f"Changed and not saved; {len(state.before)} changes can be undone.")
     return line(f"As in its file; digest {state.cell.digest[:12]}.", kind="hint")
+
+
+def tree_html(cell: Cell) -> str:
+    """What the cell is made of, to be unfolded."""
+    arms = [
+        _branch(
+            f"{arm.name} arm, {len(arm.joints)} axes to {arm.flange}",
+            [
+                f"carries {arm.tool.name}"
+                + (f", can carry {', '.join(t.name for t in arm.tools)}" if arm.tools[1:] else ""),
+                f"{len(arm.Ts_world_place)} places"
+                + (", parts stay there" if arm.keeps_parts else ""),
+                *(f"axis {k + 1} is {arm.joints[j]}" for k, j in enumerate(arm.wire_order)),
+            ],
+        )
+        for arm in cell.arms
+    ]
+    parts = [
+        _branch(
+            f"part {part.name}, {part.mass * 1000:g} g",
+            [
+                f"{len(part.library.grasps)} grasps",
+                f"{len(part.pieces)} convex pieces",
+                f"{len(part.mesh.triangles)} triangles",
+            ],
+        )
+        for part in cell.parts
+    ]
+    fixtures = _branch(
+        f"{len(cell.fixtures)} fixtures",
+        [f"{one.name}, {len(one.solids)} solids" for one in cell.fixtures],
+    )
+    robot = _branch(
+        f"robot {cell.robot.name}",
+        [
+            f"{len(cell.robot.links)} links, {sum(map(_solids, cell.robot.links))} shapes checked",
+            f"{len(cell.robot.disabled_pairs)} pairs of links not checked",
+        ],
+    )
+    length, width, height = (mm(float(size), 0) for size in cell.bin.size)
+    scanner = f"scanner, {cell.scanner.source}"
+    address = [cell.scanner.address] if cell.scanner.address else []
+    where = f"{cell.controller.host} port {cell.controller.port}"
+    rest = [
+        _branch("bin", [f"{length} x {width} x {height} inside"]),
+        _branch(scanner, [*address, "{} x {} pixels".format(*cell.scanner.resolution)]),
+        _branch(f"controller, {cell.controller.protocol}", [where]),
+    ]
+    return f'<div class="wb-tree">{"".join([robot, *arms, *parts, fixtures, *rest])}</div>'
+
+
+def _solids(link: Link) -> int:
+    return len(link.collision)
+
+
+def _branch(title: str, leaves: list[str]) -> str:
+    items = "".join(f"<li>{escape(leaf)}</li>" for leaf in leaves)
+    return f"<details><summary>{escape(title)}</summary><ul>{items}</ul></details>"
 
 
 def measured_line(points: tuple[Floats, ...]) -> str:

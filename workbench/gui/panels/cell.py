@@ -8,7 +8,7 @@ import viser
 
 from workbench.app.commands import ChangeCell, RedoCell, SaveCell, UndoCell
 from workbench.app.rights import obstacle
-from workbench.gui.cell_views import cell_line, measured_line
+from workbench.gui.cell_views import cell_line, measured_line, tree_html
 from workbench.gui.jogging import JogControls
 from workbench.gui.look import View
 from workbench.gui.measure import met
@@ -33,6 +33,8 @@ class CellPanel:
         self._visitor = visitor
         self._clicked: Any = None
         gui, cell = visitor.gui, visitor.cell
+        with gui.add_folder("What is there", expand_by_default=False):
+            self._tree = gui.add_html("")
         with gui.add_folder("Things in the cell"):
             self._thing = gui.add_dropdown(
                 "Thing", things(cell), hint="What the numbers and the gizmo below move."
@@ -83,6 +85,7 @@ class CellPanel:
         """Bring what is shown from `old` to `new`."""
         state, cell = new.state, new.state.cell
         if old is None or old.state.cell is not cell:
+            self._tree.content = tree_html(cell)
             names = things(cell)
             if self._thing.options != names:
                 self._thing.options = names
