@@ -28,6 +28,7 @@ COMMANDS = (
     "study",
     "cell",
     "import",
+    "session",
 )
 
 NESTED = (
@@ -39,6 +40,10 @@ NESTED = (
     ("cell", "check"),
     ("cell", "show"),
     ("cell", "schema"),
+    ("session", "list"),
+    ("session", "show"),
+    ("session", "verify"),
+    ("session", "replay"),
 )
 
 

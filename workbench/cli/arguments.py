@@ -10,7 +10,7 @@ from typing import Annotated, Literal
 from tyro.conf import Positional, subcommand
 
 from workbench.cli.names import OrderName, PlannerName, StrategyName
-from workbench.cli.nested_arguments import Bench, CellCommands, Study
+from workbench.cli.nested_arguments import Bench, CellCommands, SessionCommands, Study
 
 
 @dataclass(frozen=True, slots=True)
@@ -237,4 +237,5 @@ Arguments = (
     | Annotated[Study, subcommand("study")]
     | Annotated[CellCommands, subcommand("cell")]
     | Annotated[Import, subcommand("import")]
+    | Annotated[SessionCommands, subcommand("session")]
 )

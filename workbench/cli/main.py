@@ -119,6 +119,10 @@ def run(typed: arguments.Arguments) -> int:
             from workbench.cli.cell import cell
 
             return cell(typed)
+        case arguments.SessionCommands():
+            from workbench.cli.session import session
+
+            return session(typed)
         case arguments.Import():
             from workbench.cli.new_cell import import_world
 

@@ -196,3 +196,57 @@ class CellCommands:
         | Annotated[CellShow, subcommand("show")]
         | Annotated[CellSchema, subcommand("schema")]
     )
+
+
+@dataclass(frozen=True, slots=True)
+class SessionList:
+    """List the sessions: cell, entries, how each ended."""
+
+    sessions: Path = Path("sessions")
+    """Folder that holds them."""
+    json: bool = False
+    """Print one JSON object and nothing else."""
+
+
+@dataclass(frozen=True, slots=True)
+class SessionShow:
+    """Tell what happened in a session, entry by entry: when, who, what, and what followed."""
+
+    session: Positional[Path]
+    """Folder of the session."""
+    json: bool = False
+    """Print one JSON object and nothing else."""
+
+
+@dataclass(frozen=True, slots=True)
+class SessionVerify:
+    """Look whether a session was changed after it was written: its chain of hashes and its files.
+
+    Ends with 3 when it was.
+    """
+
+    session: Positional[Path]
+    """Folder of the session."""
+
+
+@dataclass(frozen=True, slots=True)
+class SessionReplay:
+    """Compute a session again, its scans, parts, plans and proofs from the same inputs and seeds.
+
+    Ends with 3 when a result differs.
+    """
+
+    session: Positional[Path]
+    """Folder of the session."""
+
+
+@dataclass(frozen=True, slots=True)
+class SessionCommands:
+    """Look into recorded sessions, check them, compute them again."""
+
+    what: (
+        Annotated[SessionList, subcommand("list")]
+        | Annotated[SessionShow, subcommand("show")]
+        | Annotated[SessionVerify, subcommand("verify")]
+        | Annotated[SessionReplay, subcommand("replay")]
+    )

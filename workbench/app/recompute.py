@@ -1,0 +1,97 @@
+"""A session's results computed again from what it has kept: equal, or where they differ."""
+
+import json
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+from workbench.app.commands import JobEnded, PlanResult
+from workbench.app.decide import decide
+from workbench.app.effects import StartJob
+from workbench.app.forms import restored
+from workbench.app.record import SESSION
+from workbench.app.replay import replay
+from workbench.app.state import State
+from workbench.app.work import JOBS
+from workbench.journal.journal import Journal
+from workbench.model.cell import Cell
+from workbench.model.digest import digest_of
+from workbench.model.errors import JournalError, WorkbenchError
+
+
+@dataclass(frozen=True, slots=True)
+class Comparison:
+    """One task computed again: the number of the entry that began it, and what came of it."""
+
+    number: int
+    task: str
+    is_equal: bool
+    says: str
+
+
+def cell_of(journal: Journal) -> Cell:
+    """The cell that a session began with, as its first entry has kept it.
+
+    Raises:
+        JournalError: the session is empty, or its beginning cannot be read.
+    """
+    first = next(journal.entries(), None)
+    if first is None:
+        raise JournalError(f"{journal.folder}: the session is empty")
+    try:
+        content: Any = json.loads(first.body) if first.kind == SESSION else None
+        return restored(Cell, content["value"], journal.read)
+    except (KeyError, TypeError, ValueError, WorkbenchError) as error:
+        raise JournalError(f"{journal.folder}: its beginning cannot be read: {error}") from error
+
+
+def recomputed(journal: Journal) -> Iterator[Comparison]:
+    """Every task of a session that ended well, run again on the same inputs.
+
+    A scan of a real scanner cannot be taken again and is passed over; a simulated one is.
+
+    Raises:
+        JournalError: the session cannot be computed again at all; see `replay`.
+    """
+    cell = cell_of(journal)
+    before = State(cell, number=1, saved=cell.digest)
+    begun: dict[int, tuple[Cell, StartJob]] = {}
+    for entry, after in replay(journal, cell):
+        if isinstance(entry.command, JobEnded):
+            if entry.command.number in begun:
+                comparison = _compared(*begun.pop(entry.command.number), entry.command.result)
+                if comparison is not None:
+                    yield comparison
+        else:
+            for effect in decide(before, entry)[1]:
+                if isinstance(effect, StartJob):
+                    begun[effect.number] = (before.cell, effect)
+        before = after
+
+
+def _compared(cell: Cell, job: StartJob, kept: object) -> Comparison | None:
+    if isinstance(kept, WorkbenchError) or (
+        job.name == "scan" and cell.scanner.source != "simulated"
+    ):
+        return None
+    try:
+        again = JOBS[job.name](cell, job.arguments, lambda done, note: None, lambda: False)
+    except WorkbenchError as error:
+        return Comparison(job.number, job.name, False, f"failed: {error}")
+    says = _difference(kept, again)
+    return Comparison(job.number, job.name, not says, says or "equal")
+
+
+def _difference(kept: object, again: object) -> str:
+    """In words, empty when both are the same; times that something took do not count."""
+    if isinstance(kept, PlanResult) and isinstance(again, PlanResult):
+        pairs = (
+            ("candidates", kept.candidates, again.candidates),
+            ("plan", kept.plan and kept.plan.digest, again.plan and again.plan.digest),
+            ("proof", kept.proof and kept.proof.digest, again.proof and again.proof.digest),
+            ("verdict", str(kept.verdict), str(again.verdict)),
+        )
+        return ", ".join(
+            f"another {name}" for name, one, other in pairs if digest_of(one) != digest_of(other)
+        )
+    return "" if digest_of(kept) == digest_of(again) else "another result"

@@ -1,0 +1,149 @@
+"""`workbench session`: what sessions there are, what happened, and whether it can be trusted."""
+
+import json
+import time
+from pathlib import Path
+from typing import Any, assert_never
+
+from workbench.app.recompute import recomputed
+from workbench.cli.exits import NO_PLAN, SUCCESS
+from workbench.cli.nested_arguments import (
+    SessionCommands,
+    SessionList,
+    SessionReplay,
+    SessionShow,
+    SessionVerify,
+)
+from workbench.cli.terminal import print_json, print_table
+from workbench.journal.journal import Journal
+from workbench.model.errors import InputError, JournalError
+
+FILE = "journal.sqlite"
+
+
+def session(typed: SessionCommands) -> int:
+    """Carry out a command about sessions."""
+    match typed.what:
+        case SessionList():
+            return _list(typed.what)
+        case SessionShow():
+            return _show(typed.what)
+        case SessionVerify():
+            return _verify(typed.what)
+        case SessionReplay():
+            return _replay(typed.what)
+        case _:
+            assert_never(typed.what)
+
+
+def _list(typed: SessionList) -> int:
+    rows: list[tuple[str, ...]] = []
+    if typed.sessions.is_dir():
+        for folder in sorted(typed.sessions.iterdir()):
+            if (folder / FILE).exists():
+                rows.append(_summary(folder))
+    if typed.json:
+        keys = ("session", "cell", "entries", "ended", "message")
+        print_json({"sessions": [dict(zip(keys, row, strict=True)) for row in rows]})
+        return SUCCESS
+    columns = ("session", "cell", "entries", "ended in", "what happened last")
+    print_table(f"Sessions in {typed.sessions}", columns, rows)
+    return SUCCESS
+
+
+def _summary(folder: Path) -> tuple[str, ...]:
+    try:
+        journal = Journal(folder)
+    except JournalError as error:
+        return (folder.name, "", "", "", str(error))
+    try:
+        entries = list(journal.entries())
+        first: Any = json.loads(entries[0].body) if entries else {}
+        last: Any = json.loads(entries[-1].body).get("after", {}) if len(entries) > 1 else {}
+        count = str(journal.count)
+        return (
+            folder.name,
+            first.get("cell", ""),
+            count,
+            last.get("phase", "idle"),
+            last.get("message", ""),
+        )
+    except (JournalError, ValueError) as error:
+        return (folder.name, "", str(journal.count), "", str(error))
+    finally:
+        journal.close()
+
+
+def _opened(folder: Path) -> Journal:
+    if not (folder / FILE).exists():
+        raise InputError(f"{folder}: is not the folder of a session (there is no {FILE})")
+    return Journal(folder)
+
+
+def _show(typed: SessionShow) -> int:
+    journal = _opened(typed.session)
+    try:
+        told: list[dict[str, Any]] = []
+        for row in journal.entries():
+            body: Any = json.loads(row.body)
+            after = body.get("after", {})
+            told.append(
+                {
+                    "number": row.number,
+                    "at": body.get("at"),
+                    "actor": body.get("actor", ""),
+                    "kind": row.kind,
+                    "phase": after.get("phase", ""),
+                    "message": after.get("message", f"cell {body.get('cell', '')}"),
+                    "files": len(row.files),
+                }
+            )
+    finally:
+        journal.close()
+    if typed.json:
+        print_json({"entries": told})
+        return SUCCESS
+    print_table(
+        str(typed.session),
+        ("#", "at (UTC)", "who", "what", "then", "says"),
+        [
+            (
+                str(one["number"]),
+                time.strftime("%Y-%m-%d %H:%M:%S", time.gmtime(one["at"] or 0)),
+                one["actor"],
+                one["kind"],
+                one["phase"],
+                one["message"],
+            )
+            for one in told
+        ],
+    )
+    return SUCCESS
+
+
+def _verify(typed: SessionVerify) -> int:
+    journal = _opened(typed.session)
+    try:
+        problems = journal.verify()
+        head, count = journal.head, journal.count
+    finally:
+        journal.close()
+    for problem in problems:
+        print(problem)
+    if not problems:
+        print(f"{typed.session}: {count} entries, unchanged since they were written; head {head}")
+    return NO_PLAN if problems else SUCCESS
+
+
+def _replay(typed: SessionReplay) -> int:
+    journal = _opened(typed.session)
+    differ = 0
+    try:
+        for one in recomputed(journal):
+            differ += not one.is_equal
+            print(f"entry {one.number}, {one.task}: {one.says}", flush=True)
+    finally:
+        journal.close()
+    said = "every result is the same" if not differ else f"{differ} results differ"
+    print(f"{typed.session}: computed again, {said}")
+    return NO_PLAN if differ else SUCCESS
