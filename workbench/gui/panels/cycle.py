@@ -67,7 +67,6 @@ class CyclePanel:
                 hint="Parts that lie nearer to each other than this are taken one after the other.",
             )
             self._plan = gui.add_button("Plan", icon=viser.Icon.ROUTE)
-            self._wishes = WishesInputs(gui, policy)
             self._forecast_line = gui.add_html("")
             self._plan_line = gui.add_html("")
         with gui.add_folder("4 · Approve"):
@@ -79,6 +78,9 @@ class CyclePanel:
             self._send_line = gui.add_html("")
             self._stop = gui.add_button("Stop", icon=viser.Icon.HAND_STOP, color="red")
             self._send = gui.add_button("Send", icon=viser.Icon.SEND)
+        with gui.add_folder("How it is planned", expand_by_default=False):
+            gui.add_html(ROW)
+            self._wishes = WishesInputs(gui, policy)
         self._dialog = ApprovalDialog(visitor)
         self._react()
 
