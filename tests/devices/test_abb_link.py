@@ -60,7 +60,8 @@ def test_what_arrives_is_the_approved_plan(controller, at, plan, approval, tmp_p
 
 
 def test_two_watchers_see_the_parts_placed(controller, at, plan, approval):
-    one = controller(speed=60.0)
+    # Slow enough that a busy machine does not miss a whole arm between two reports.
+    one = controller(speed=12.0)
     seen: list[list] = [[], []]
     over = threading.Event()
 

@@ -159,12 +159,9 @@ def _divided(mesh: Mesh, most: int) -> tuple[Mesh, ...]:
     for array in content:
         key.update(array.tobytes())
     path = cache_folder() / f"{key.hexdigest()}.npz"
-    try:
-        with np.load(BytesIO(read_whole(path, LARGEST_CACHED))) as kept:
-            count = len(kept.files) // 2
-            return tuple(Mesh(kept[f"p{k}"], kept[f"t{k}"], True) for k in range(count))
-    except (FileError, ValueError, KeyError, OSError):
-        pass  # never divided before, or what is there was not written by this program
+    kept = _kept(path)
+    if kept is not None:
+        return kept
     pieces = _by_coacd(mesh, most)
     arrays = {f"p{k}": piece.points for k, piece in enumerate(pieces)}
     arrays |= {f"t{k}": piece.triangles for k, piece in enumerate(pieces)}
@@ -173,6 +170,16 @@ def _divided(mesh: Mesh, most: int) -> tuple[Mesh, ...]:
     path.parent.mkdir(parents=True, exist_ok=True)
     write_whole(path, buffer.getvalue())
     return pieces
+
+
+def _kept(path: Path) -> tuple[Mesh, ...] | None:
+    """Pieces from the cache; None when there are none, or what is there is none of ours."""
+    try:
+        with np.load(BytesIO(read_whole(path, LARGEST_CACHED))) as found:
+            count = len(found.files) // 2
+            return tuple(Mesh(found[f"p{k}"], found[f"t{k}"], True) for k in range(count))
+    except (FileError, ValueError, KeyError, OSError):
+        return None
 
 
 @lru_cache(maxsize=1)
