@@ -174,6 +174,8 @@ def collisions(robot: Robot, q: dict[str, float]) -> list[list[str]]:
 def test_an_exported_world_comes_back_as_a_cell(tmp_path):
     cell = read_cell("yumi")
     assert main(["export-world", "yumi", "--out", str(tmp_path)]) == 0
+    robot = read_rob(tmp_path / "robot.rob")
+    assert {"right_tool", "left_tool"} <= {link.name for link in robot.links}
     path = tmp_path / "cell" / "world.xml"
     world = read_klampt_world(path)
     assert {thing.name for thing in world.things} == {"bin", "table", "tray_right", "tray_left"}

@@ -7,7 +7,8 @@ import numpy as np
 from workbench.cli import arguments
 from workbench.cli.exits import SUCCESS
 from workbench.formats.cells import read_cell
-from workbench.formats.klampt import PlacedPart, Snapshot, write_world
+from workbench.formats.klampt import PlacedPart, Snapshot, robot_with_tools, write_world
+from workbench.formats.klampt_robot_writer import write_rob
 from workbench.formats.plans import read_plan
 from workbench.model.cell import Cell
 from workbench.model.errors import InputError
@@ -19,7 +20,7 @@ from workbench.planning.walk import at
 
 
 def export_world(typed: arguments.ExportWorld) -> int:
-    """Write one Klamp't world for the bare cell and one for every leg of a plan."""
+    """Write one Klamp't world for the bare cell, one for every leg of a plan, and the robot."""
     cell = read_cell(typed.cell)
     snapshots = [("cell", Snapshot())]
     if typed.plan is not None:
@@ -30,6 +31,9 @@ def export_world(typed: arguments.ExportWorld) -> int:
         snapshots += _snapshots(cell, plan)
     for name, snapshot in snapshots:
         print(write_world(typed.out, name, cell, snapshot))
+    path = typed.out / "robot.rob"
+    write_rob(path, robot_with_tools(cell, Snapshot()))
+    print(path)
     return SUCCESS
 
 

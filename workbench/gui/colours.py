@@ -1,6 +1,5 @@
 """The colours of the page and the scene: each means one thing everywhere."""
 
-from workbench.app.state import Phase
 from workbench.gui.solids import Colour
 from workbench.model.candidate import Reason
 
@@ -32,12 +31,6 @@ ARMS = ("#1971c2", "#c2255c")
 
 PARTS = ("#f59f00", "#12b886", "#5c7cfa", "#ff6b6b", "#9775fa", "#94d82d", "#22b8cf", "#f783ac")
 """By place among the detections, over again after the last."""
-
-PHASES: dict[Phase, str] = {phase: BRAND for phase in Phase} | {
-    Phase.SENDING: BUSY,
-    Phase.DONE: GOOD,
-    Phase.FAULT: BAD,
-}
 
 HEIGHTS = ((62, 74, 137), (38, 130, 142), (80, 180, 120), (250, 205, 70))
 """Of scanned points from the bin's floor to its rim."""

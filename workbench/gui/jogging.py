@@ -36,6 +36,7 @@ class JogControls:
         self._visitor = visitor
         self._gizmo: viser.TransformControlsHandle | None = None
         self._is_dragged = False
+        self._key: tuple[object, ...] = (None, None, None)
         self._drawn: Mapping[str, Floats] | None = None
         # What this browser has made of it: the whole, and whether it was by the axes' sliders.
         self._mine: Mapping[str, Floats] | None = None
@@ -84,6 +85,10 @@ class JogControls:
             self._contacts.content = contacts_html(new.jogged)
         jog = new.look.jog
         is_on, name = jog is not None, self._arm.value
+        key = (jog, name, new.state.cell)
+        if all(one is other for one, other in zip(key, self._key, strict=True)):
+            return
+        self._key = key
         arm = new.state.cell.arm(name)
         has_spare = len(arm.joints) > 6
         self._switch.label = "End jogging" if is_on else "Jog"
