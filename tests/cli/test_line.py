@@ -106,7 +106,10 @@ def test_worlds_are_exported_for_every_leg(line, say, tmp_path):
     said = say("export-world", "yumi", "--out", tmp_path / "worlds", "--plan", line.plan)
     assert said.code == 0
     plan, _ = read_plan(line.plan)
-    names = {Path(word).parent.name for word in said.out.split()}
+    *worlds, robot = map(Path, said.out.split())
+    assert robot == tmp_path / "worlds" / "robot.rob"
+    assert {world.name for world in worlds} == {"world.xml"}
+    names = {world.parent.name for world in worlds}
     assert len(names) == 1 + sum(len(arm.legs) for arm in plan.arms)
     assert all(Path(word).is_file() for word in said.out.split())
 
