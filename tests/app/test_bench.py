@@ -21,6 +21,7 @@ from workbench.app.commands import (
     TakeScan,
     UseDetections,
     UseScan,
+    WatchPlan,
 )
 from workbench.app.effects import Send, StartJob, StopSending
 from workbench.app.live import Live
@@ -93,6 +94,7 @@ def approved(bench, samples):
     state = bench.do(MakePlan(), "ada")
     result = samples.planned(state.scene_digest)
     bench.do(JobEnded(state.number, result), "worker")
+    bench.do(WatchPlan(result.plan.digest), "ada")
     bench.do(Approve(result.plan.digest), "ada")
     return result.plan.digest
 

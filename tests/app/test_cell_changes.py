@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from workbench.app.bench import Bench
+from workbench.app.cell_changes import MOST_UNDO
 from workbench.app.commands import (
     Approve,
     CellRead,
@@ -19,7 +20,7 @@ from workbench.app.commands import (
     UndoCell,
     UseDetections,
 )
-from workbench.app.decide import MOST_UNDO, decide
+from workbench.app.decide import decide
 from workbench.app.effects import UseCell, WriteCell
 from workbench.app.forms import large_arrays, restored
 from workbench.app.replay import replay

@@ -3,6 +3,7 @@
 import dataclasses
 from typing import Any, ClassVar
 
+import numpy as np
 import pytest
 from hypothesis import settings
 from hypothesis import strategies as st
@@ -13,60 +14,42 @@ from hypothesis.stateful import (
     rule,
     run_state_machine_as_test,
 )
+from line import NOW, Line
 
 from workbench.app.commands import (
     AcknowledgeFault,
     Approve,
     CancelJob,
+    ChangeCell,
     Command,
-    Entry,
     FindParts,
+    ForgetAvoided,
     JobEnded,
     LinkEnded,
     MakePlan,
+    ReportPick,
     SendPlan,
     Sent,
     Stop,
     TakeScan,
     UseDetections,
     UseScan,
+    WantThreshold,
+    WatchPlan,
 )
-from workbench.app.decide import decide
-from workbench.app.effects import Effect, Send, StartJob, StopJob, StopSending
-from workbench.app.rights import RIGHTS, ROBOT_LINK, WORKER
-from workbench.app.rules import allowed, staleness
+from workbench.app.effects import Send, StartJob, StopJob, StopSending
+from workbench.app.rights import ROBOT_LINK
+from workbench.app.rules import staleness
 from workbench.app.state import Phase, State
 from workbench.model.cell import Wishes
 from workbench.model.digest import digest_of
 from workbench.model.errors import CommandRefused, InputError, JobCancelled
+from workbench.model.geometry import pose_from_rpy
 from workbench.model.plan import UNSIGNED
 from workbench.model.release import Receipt
+from workbench.model.search import SearchWishes
 
-NOW = 1_000_000.0
 RECEIPT = Receipt(NOW, "right", "start", "startR#", 1, 4)
-
-
-class Line:
-    """A state with the effects it has set in motion: rules, then decisions."""
-
-    def __init__(self, cell):
-        self.state = State(cell)
-        self.now = NOW
-        self.effects: list[Effect] = []
-
-    def do(self, command: Command, actor: str = "") -> State:
-        machine = WORKER if isinstance(command, JobEnded) else ROBOT_LINK
-        actor = actor or (machine if RIGHTS[type(command)].by_machine else "ada")
-        allowed(self.state, command, actor, self.now)
-        entry = Entry(self.state.number + 1, self.now, actor, command)
-        self.state, effects = decide(self.state, entry)
-        self.effects.extend(effects)
-        return self.state
-
-    def ended(self, result: Any) -> State:
-        """The running job brings this."""
-        assert self.state.job is not None
-        return self.do(JobEnded(self.state.job.number, result))
 
 
 @pytest.fixture
@@ -82,7 +65,8 @@ def planned(line, samples) -> Line:
     line.do(FindParts())
     line.ended(samples.detections())
     line.do(MakePlan())
-    line.ended(samples.planned(scan.digest))
+    digest = line.ended(samples.planned(scan.digest)).plan.digest
+    line.do(WatchPlan(digest))
     return line
 
 
@@ -103,6 +87,7 @@ def test_the_line_goes_from_a_scan_to_a_finished_cycle(line, samples):
     line.do(MakePlan("right", 0.3, 6, Wishes("sbl", 900, "highest", 0.01, 0.8)))
     result = samples.planned(scan.digest)
     assert line.ended(result).phase is Phase.PLANNED
+    assert line.do(WatchPlan(result.plan.digest)).watched == ("ada",)
     assert line.do(Approve(result.plan.digest)).phase is Phase.APPROVED
     assert line.do(SendPlan(result.plan.digest)).phase is Phase.SENDING
     assert line.do(Sent(RECEIPT)).receipts == (RECEIPT,)
@@ -111,7 +96,8 @@ def test_the_line_goes_from_a_scan_to_a_finished_cycle(line, samples):
     assert done.message == "cycle finished, 1 of 1 part reported placed"
     scanning, finding, planning, send = line.effects
     assert (scanning.name, dict(scanning.arguments)) == ("scan", {"seed": 4, "parts": 3})
-    assert (finding.name, dict(finding.arguments)) == ("localize", {"scan": scan, "seed": 5})
+    wanted = {"scan": scan, "seed": 5, "wishes": SearchWishes()}
+    assert (finding.name, dict(finding.arguments)) == ("localize", wanted)
     assert planning.name == "plan"
     assert dict(planning.arguments) == {
         "detections": detections,
@@ -121,6 +107,7 @@ def test_the_line_goes_from_a_scan_to_a_finished_cycle(line, samples):
         "threshold": 0.3,
         "wishes": Wishes("sbl", 900, "highest", 0.01, 0.8),
         "placed": (),
+        "avoided": (),
         "seed": 6,
     }
     assert isinstance(send, Send)
@@ -252,10 +239,16 @@ class AnySequence(RuleBasedStateMachine):
 
     samples: ClassVar[Any]
 
-    @initialize(steps=st.integers(0, 8))
-    def begin(self, steps):
-        self.line = Line(self.samples.cell)
+    @initialize(steps=st.integers(0, 9), people=st.sampled_from([1, 1, 2, 3]))
+    def begin(self, steps, people):
+        self.people = people
+        self.line = Line(dataclasses.replace(self.samples.cell, approvers=people))
         self.sent: set[str] = set()
+        # What was said and shown for each plan, kept by this test alone.
+        self.said: list[tuple[str, str, float]] = []
+        self.shown: set[str] = set()
+        self.threshold_of: dict[str, float] = {}
+        self.threshold = self.asked = 0.2
         # Pure chance seldom gets far: some sequences begin where a good cycle has led.
         scan = self.samples.scan()
         result = self.samples.planned(scan.digest)
@@ -265,6 +258,7 @@ class AnySequence(RuleBasedStateMachine):
             JobEnded(2, self.samples.detections()),
             MakePlan(),
             JobEnded(4, result),
+            WatchPlan(result.plan.digest),
             Approve(result.plan.digest),
             SendPlan(result.plan.digest),
             LinkEnded("", 1),
@@ -281,6 +275,7 @@ class AnySequence(RuleBasedStateMachine):
         except CommandRefused:
             assert self.line.state is before
             return
+        self.note(before, after, command, actor or "ada")
         self.check_results(before, after, command)
         if after.approval is not None and after.approval is not before.approval:
             self.check_approval(before, after, command, actor)
@@ -288,6 +283,27 @@ class AnySequence(RuleBasedStateMachine):
         assert (after.phase is Phase.SENDING and before.phase is not Phase.SENDING) == bool(sends)
         for send in sends:
             self.check_sending(before, command, send)
+
+    def note(self, before: State, after: State, command: Command, actor: str) -> None:
+        match command:
+            case WatchPlan(plan_digest=digest):
+                self.shown.add(digest)
+            case Approve(plan_digest=digest):
+                self.said.append((digest, actor.casefold(), self.line.now))
+            case MakePlan(threshold=threshold):
+                self.threshold = self.asked = threshold
+                self.said.clear()
+            case WantThreshold(threshold=threshold):
+                self.threshold = threshold
+            case TakeScan() | FindParts():
+                self.said.clear()
+            case _:
+                pass
+        if after.plan is not None and after.plan is not before.plan:
+            # The same plan made again is another one: it has to be looked at again.
+            self.threshold_of[after.plan.digest] = self.asked
+            self.shown.discard(after.plan.digest)
+            self.said.clear()
 
     # What must never be otherwise, said without the code under test.
 
@@ -301,7 +317,9 @@ class AnySequence(RuleBasedStateMachine):
 
     def check_approval(self, before: State, after: State, command: Command, actor: str) -> None:
         assert isinstance(command, Approve)
-        assert (actor or "ada") == after.approval.actor == "ada"
+        assert (actor or "ada") == after.approval.actor
+        assert len({name.casefold() for name in after.approval.people}) == self.people
+        assert command.plan_digest in self.shown
         assert before.proof.holds
         assert before.proof.plan_digest == before.plan.digest == command.plan_digest
         assert before.plan.scan_digest == before.scene_digest
@@ -317,6 +335,13 @@ class AnySequence(RuleBasedStateMachine):
         assert approval.plan_digest == digest_of(send.plan, without=UNSIGNED)
         assert approval.scan_digest == before.scene_digest == send.plan.scan_digest
         assert before.proof.holds
+        now, digest = self.line.now, send.plan.digest
+        gave = {name for plan, name, at in self.said if plan == digest and at <= now < at + 300}
+        assert len(gave) >= self.people, "everybody's word is for this plan, and has not lapsed"
+        assert gave >= {name.casefold() for name in approval.people}
+        assert abs(self.line.joints.get("joint_1", 0.0)) <= np.deg2rad(1.0)
+        assert self.threshold == self.threshold_of[digest]
+        assert send.plan.cell_digest == before.cell.digest
         assert approval.digest not in self.sent, "one approval, one sending"
         self.sent.add(approval.digest)
 
@@ -333,14 +358,54 @@ class AnySequence(RuleBasedStateMachine):
                 Phase.IDLE: TakeScan(seed),
                 Phase.SCANNED: FindParts(seed),
                 Phase.LOCALIZED: MakePlan(seed=seed),
-                Phase.PLANNED: Approve(digest),
+                Phase.PLANNED: Approve(digest) if state.watched else WatchPlan(digest),
                 Phase.APPROVED: SendPlan(digest),
                 Phase.SENDING: LinkEnded("" if holds else "lost", 1),
                 Phase.DONE: TakeScan(seed),
                 Phase.FAULT: AcknowledgeFault(),
             }
             command = sensible[state.phase]
-            self.attempt(command, ROBOT_LINK if isinstance(command, LinkEnded) else "ada")
+            people = ("ada", "bob", "eve")
+            actor = people[len(state.words) % 3] if isinstance(command, Approve) else "operator"
+            self.attempt(command, ROBOT_LINK if isinstance(command, LinkEnded) else actor)
+
+    @rule(
+        meddle=st.sampled_from(
+            ["nothing", "robot", "threshold", "cell", "scan", "plan", "time", "late"]
+        ),
+        pause=st.sampled_from([0.0, 150.0]),
+        seed=SEEDS,
+    )
+    def hurry(self, meddle, pause, seed):
+        """Get to an approved plan, let one thing go wrong, and send all the same."""
+        for _ in range(12):
+            if self.line.state.phase is Phase.APPROVED:
+                break
+            if self.line.state.words:
+                self.line.now += pause
+            self.go_on(1, True, seed)
+        match meddle:
+            case "robot":
+                self.robot_moves(5.0)
+            case "threshold":
+                self.want_threshold(0.3)
+            case "cell":
+                self.change_cell(1)
+            case "scan":
+                self.use_scan(seed + 1)
+            case "plan":
+                self.plan(seed + 1, 0.2)
+            case "time":
+                self.line.now += 151.0
+            case "late":
+                self.line.now += 301.0
+            case _:
+                pass
+        self.insist_on_sending()
+
+    def insist_on_sending(self):
+        plan = self.line.state.plan
+        self.attempt(SendPlan(plan.digest if plan is not None else "0" * 64), "ada")
 
     @rule(seed=SEEDS, parts=st.integers(0, 3))
     def scan(self, seed, parts):
@@ -358,7 +423,7 @@ class AnySequence(RuleBasedStateMachine):
     def use_detections(self, seed):
         self.attempt(UseDetections(self.samples.detections(seed)))
 
-    @rule(seed=SEEDS, threshold=st.sampled_from([0.2, float("nan")]))
+    @rule(seed=SEEDS, threshold=st.sampled_from([0.2, 0.3, float("nan")]))
     def plan(self, seed, threshold):
         self.attempt(MakePlan("auto", threshold, seed))
 
@@ -389,7 +454,8 @@ class AnySequence(RuleBasedStateMachine):
                 self.attempt(JobEnded(number, InputError("no")))
 
     @rule(
-        actor=st.sampled_from(["ada", "ada", "ada", "", "worker"]), wrong=st.sampled_from([0, 0, 1])
+        actor=st.sampled_from(["ada", "ADA", "bob", "eve", "", "worker"]),
+        wrong=st.sampled_from([0, 0, 1]),
     )
     def approve(self, actor, wrong):
         plan = self.line.state.plan
@@ -405,6 +471,30 @@ class AnySequence(RuleBasedStateMachine):
         self.line.now += wait
         plan = self.line.state.plan
         self.attempt(SendPlan(plan.digest if plan is not None else "0" * 64), actor)
+
+    @rule(actor=st.sampled_from(["ada", "bob", "operator", "worker"]))
+    def watch(self, actor):
+        plan = self.line.state.plan
+        self.attempt(WatchPlan(plan.digest if plan is not None else "0" * 64), actor)
+
+    @rule(threshold=st.sampled_from([0.2, 0.2, 0.3, -1.0]))
+    def want_threshold(self, threshold):
+        self.attempt(WantThreshold(threshold))
+
+    @rule(degrees=st.sampled_from([None, 0.0, 0.0, 0.5, 5.0]))
+    def robot_moves(self, degrees):
+        self.line.joints = {} if degrees is None else {"joint_1": np.deg2rad(degrees)}
+
+    @rule(millimetres=st.integers(0, 2))
+    def change_cell(self, millimetres):
+        cell = self.line.state.cell
+        away = pose_from_rpy((millimetres / 1000, 0.0, 0.0))
+        moved = dataclasses.replace(cell.bin, T_world_bin=away)
+        self.attempt(ChangeCell(dataclasses.replace(cell, bin=moved), "the bin is moved"))
+
+    @rule(detection=st.integers(0, 1), is_picked=st.booleans())
+    def outcome(self, detection, is_picked):
+        self.attempt(ReportPick(detection, is_picked))
 
     @rule()
     def insist(self):
@@ -423,7 +513,7 @@ class AnySequence(RuleBasedStateMachine):
     def link_ends(self, fault, actor):
         self.attempt(LinkEnded(fault, 1), actor)
 
-    @rule(command=st.sampled_from([Stop(), CancelJob(), AcknowledgeFault()]))
+    @rule(command=st.sampled_from([Stop(), CancelJob(), AcknowledgeFault(), ForgetAvoided()]))
     def interrupt(self, command):
         self.attempt(command)
 

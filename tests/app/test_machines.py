@@ -28,6 +28,7 @@ from workbench.app.commands import (
     TakeScan,
     UseDetections,
     UseScan,
+    WatchPlan,
 )
 from workbench.app.live import Live
 from workbench.app.machines import Machines
@@ -36,6 +37,7 @@ from workbench.app.state import Phase
 from workbench.devices.abb_simulated import SimulatedController
 from workbench.journal.journal import Journal
 from workbench.model.cell import Controller
+from workbench.model.digest import digest_of
 from workbench.model.errors import CommandRefused
 
 HERE = Path(__file__).parent
@@ -94,6 +96,7 @@ def bench_at(tmp_path, machines, samples):
         state = first.do(MakePlan(), "ada")
         result = samples.planned(state.scene_digest)
         first.do(JobEnded(state.number, result), "worker")
+        first.do(WatchPlan(result.plan.digest), "ada")
         first.do(Approve(result.plan.digest), "ada")
         first.close()
         # Continued with machines, as a session is after a restart.
@@ -316,3 +319,18 @@ def test_a_plan_is_not_sent_twice_even_by_two_people_at_once(cell, controller, b
     bench.wait(lambda state: state.phase is Phase.DONE, PATIENCE)
     assert sorted(outcomes) == ["refused", "refused", "sent"]
     assert simulated.state()["received"] == 4
+
+
+def test_what_a_search_discarded_is_shown_and_not_recorded(cell, tmp_path, machines, samples):
+    bench = Bench(cell, Journal(tmp_path / "session"), effects=machines)
+    try:
+        bench.do(UseScan(samples.scan()), "ada")
+        bench.do(FindParts(seed=14), "ada")
+        state = bench.wait(lambda state: state.detections is not None, PATIENCE)
+        findings = bench.live.findings
+        assert findings is not None and findings.detections is state.detections
+        assert [one.words for one in findings.discarded] == ["reaches into part-1"]
+    finally:
+        bench.close()
+    *_, (_, last) = replay(Journal(tmp_path / "session"), cell)
+    assert digest_of(last.detections) == digest_of(findings.detections)

@@ -17,15 +17,19 @@ from workbench.app.commands import (
     CancelJob,
     Entry,
     FindParts,
+    ForgetAvoided,
     JobEnded,
     LinkEnded,
     MakePlan,
+    ReportPick,
     SendPlan,
     Sent,
     Stop,
     TakeScan,
     UseDetections,
     UseScan,
+    WantThreshold,
+    WatchPlan,
 )
 from workbench.app.decide import decide
 from workbench.app.forms import large_arrays, restored
@@ -51,9 +55,13 @@ def commands(samples):
         FindParts(5),
         UseDetections(samples.detections()),
         MakePlan("right", 0.25, 6),
+        WantThreshold(0.15),
+        WatchPlan("d" * 64),
         Approve("d" * 64),
         SendPlan("d" * 64),
         Stop(),
+        ReportPick(1, False, "slipped"),
+        ForgetAvoided(),
         CancelJob(),
         AcknowledgeFault(),
         JobEnded(1, scan),
@@ -91,6 +99,7 @@ def cycle(samples):
         JobEnded(4, samples.detections()),
         MakePlan(),
         JobEnded(6, planned),
+        WatchPlan(digest),
         Approve(digest),
         SendPlan(digest),
         Sent(Receipt(NOW, "right", "start", "startR#", 1, 2)),
@@ -163,6 +172,7 @@ def test_a_session_computed_again_goes_through_the_same_states(journal, cell, sa
         "localized",
         "localized",
         "planned",
+        "planned",
         "approved",
         "sending",
         "sending",
@@ -193,8 +203,8 @@ def test_people_can_read_scan_plan_proof_and_approval_from_the_folder(journal, c
     text = json.dumps(unsigned, sort_keys=True, separators=(",", ":"), ensure_ascii=False)
     assert hashlib.sha256(text.encode()).hexdigest() == last.plan.digest
     assert bodies[7]["command"]["result"]["plan"]["proof"]["plan_digest"] == last.plan.digest
-    assert bodies[8]["approval"]["actor"] == "ada"
-    assert bodies[8]["approval"]["plan_digest"] == last.plan.digest
+    assert bodies[9]["approval"]["actor"] == "ada"
+    assert bodies[9]["approval"]["plan_digest"] == last.plan.digest
 
 
 def test_a_session_of_another_cell_is_not_computed_with_this_one(journal, samples, make_cell):
@@ -204,15 +214,15 @@ def test_a_session_of_another_cell_is_not_computed_with_this_one(journal, sample
 
 
 def test_an_entry_that_the_rules_refuse_ends_the_replay(journal, cell, samples):
-    *most, _ = cycle(samples)[:8]
+    *most, _ = cycle(samples)[:9]
     state = run(journal, cell, most)
     approval = dataclasses.replace(state.approval, plan_digest="0" * 64)
-    entry = Entry(9, NOW + 9, "ada", SendPlan(state.plan.digest))
+    entry = Entry(10, NOW + 9, "ada", SendPlan(state.plan.digest))
     forged = dataclasses.replace(state, phase=Phase.SENDING, approval=approval)
     late = dataclasses.replace(entry, at=NOW + 1000)
     record = entry_record(late, command_form(entry.command), forged)
     journal.append(record.kind, record.body, record.files)
-    with pytest.raises(JournalError, match=r"entry 9 \(SendPlan\) was not in order.*run out"):
+    with pytest.raises(JournalError, match=r"entry 10 \(SendPlan\) was not in order.*run out"):
         list(replay(journal, cell))
 
 

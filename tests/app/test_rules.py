@@ -19,10 +19,13 @@ from workbench.app.commands import (
     JobEnded,
     LinkEnded,
     MakePlan,
+    PosesRefused,
+    ReportPick,
     SendPlan,
     Stop,
     TakeScan,
     UseDetections,
+    WantThreshold,
 )
 from workbench.app.rights import NEXT, RIGHTS, obstacle
 from workbench.app.rules import STRATEGIES, allowed, approve, staleness
@@ -56,6 +59,7 @@ def planned(cell, samples) -> State:
         plan=result.plan,
         proof=result.proof,
         verdict=result.verdict,
+        watched=("ada",),
     )
 
 
@@ -83,20 +87,25 @@ def test_every_obstacle_is_a_sentence_and_no_obstacle_means_the_table_says_so(ce
 def test_nothing_but_reports_passes_beside_a_running_task_except_to_cancel_it(planned):
     busy = dataclasses.replace(planned, job=Job(3, "plan", "digest"))
     free = {command for command in RIGHTS if not obstacle(busy, command)}
-    assert free == {CancelJob, JobEnded}
+    assert free == {CancelJob, JobEnded, PosesRefused, WantThreshold}
     assert "'plan' ends or is cancelled" in refusal(busy, Approve(planned.plan.digest))
 
 
 def test_a_fault_lets_pass_only_its_acknowledgement_and_late_results(cell):
     state = State(cell, Phase.FAULT, fault="the controller closed the connection")
-    assert {c for c in RIGHTS if not obstacle(state, c)} == {AcknowledgeFault, JobEnded}
+    assert {c for c in RIGHTS if not obstacle(state, c)} == {
+        AcknowledgeFault,
+        JobEnded,
+        PosesRefused,
+        ReportPick,
+    }
     assert "the controller closed the connection" in refusal(state, TakeScan())
 
 
 def test_while_sending_only_a_stop_and_reports_pass(approved):
     state = dataclasses.replace(approved, phase=Phase.SENDING)
     people = {c for c in RIGHTS if not obstacle(state, c) and not RIGHTS[c].by_machine}
-    assert people == {Stop}
+    assert people == {Stop, ReportPick}
 
 
 @pytest.mark.parametrize(

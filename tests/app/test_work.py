@@ -27,7 +27,8 @@ def test_the_jobs_lead_from_a_seed_to_a_proven_plan(yumi):
     assert [note for _, note in told] == ["parts fall into the bin", "the scanner looks"]
     again, _ = run("scan", yumi, {"seed": 0, "parts": 2})
     assert again.digest == scan.digest
-    detections, _ = run("localize", yumi, {"scan": scan, "seed": 0})
+    findings, _ = run("localize", yumi, {"scan": scan, "seed": 0})
+    detections = findings.detections
     assert len(detections) == 2
     assert [one.score for one in detections] == sorted(
         (one.score for one in detections), reverse=True
@@ -40,6 +41,7 @@ def test_the_jobs_lead_from_a_seed_to_a_proven_plan(yumi):
         "threshold": 0.2,
         "wishes": Wishes(planner="sbl"),
         "placed": (),
+        "avoided": (),
         "seed": 0,
     }
     result, told = run("plan", yumi, arguments)

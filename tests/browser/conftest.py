@@ -79,7 +79,7 @@ class Screen:
 
     def shoot(self, name: str) -> None:
         """Keep a picture for people to look at."""
-        self.page.screenshot(path=self.shots / f"{name}.png")
+        self.page.screenshot(path=self.shots / f"{name}.png", timeout=PATIENCE * 1000)
 
 
 @pytest.fixture(scope="session")
@@ -159,9 +159,9 @@ def open_screen(browser: Browser, url: str, shots: Path) -> Iterator[Callable[[]
         screen.page.goto(url)
         screen.button("Scan").wait_for(timeout=PATIENCE * 1000)
         # viser warns about slow drawing; the warning covers what is to be pressed.
-        warning = screen.page.locator(".mantine-Notification-closeButton")
-        if warning.count():
-            warning.first.click()
+        # It may go by itself meanwhile, so it is not waited for.
+        close = "document.querySelector('.mantine-Notification-closeButton')?.click()"
+        screen.page.evaluate(close)
         return screen
 
     yield open_one

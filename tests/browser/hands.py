@@ -8,15 +8,10 @@ from workbench.gui.surroundings import ASPECT, FIELD_OF_VIEW, framed, interestin
 
 
 class Camera:
-    """Where points of the world are on the page, as it looks at first."""
+    """Where points of the world are on the page."""
 
-    def __init__(self, page, cell):
-        points = interesting_points(cell)
-        robot, goal = cell.T_world_robot.translation, cell.bin.T_world_bin.translation
-        azimuth = math.atan2(goal[1] - robot[1], goal[0] - robot[0]) - math.radians(38)
-        direction = np.array([math.cos(azimuth), math.sin(azimuth), 0.6])
-        direction /= np.linalg.norm(direction)
-        self.position, target = framed(points, direction, FIELD_OF_VIEW, ASPECT)
+    def __init__(self, page, position, target):
+        self.position = np.asarray(position)
         forward = (target - self.position) / np.linalg.norm(target - self.position)
         right = np.cross(forward, [0, 0, 1])
         right /= np.linalg.norm(right)
@@ -30,6 +25,16 @@ class Camera:
             self.box["x"] + self.box["width"] / 2 + focal * x / z,
             self.box["y"] + self.box["height"] / 2 + focal * y / z,
         )
+
+
+def first_look(page, cell) -> Camera:
+    """The camera as the page looks at first."""
+    points = interesting_points(cell)
+    robot, goal = cell.T_world_robot.translation, cell.bin.T_world_bin.translation
+    azimuth = math.atan2(goal[1] - robot[1], goal[0] - robot[0]) - math.radians(38)
+    direction = np.array([math.cos(azimuth), math.sin(azimuth), 0.6])
+    direction /= np.linalg.norm(direction)
+    return Camera(page, *framed(points, direction, FIELD_OF_VIEW, ASPECT))
 
 
 def drag(page, start, end):

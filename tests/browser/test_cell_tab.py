@@ -8,7 +8,7 @@ from functools import partial
 import numpy as np
 import pinocchio as pin
 import pytest
-from hands import Camera, drag, field
+from hands import drag, field, first_look
 
 from workbench.app.bench import Bench
 from workbench.app.machines import Machines
@@ -90,7 +90,7 @@ def test_the_tool_follows_its_gizmo_and_is_taught(screen, bench, wait):
     screen.press("Jog")
     screen.wait_for("Clear; nearest are")
     screen.page.wait_for_timeout(1000)
-    camera = Camera(screen.page, cell)
+    camera = first_look(screen.page, cell)
     tip = T.translation + 0.9 * TOOL_GIZMO * T.rotation[:, 2]
     away = tip - 0.06 * T.rotation[:, 2]
     drag(screen.page, camera.pixel(tip), camera.pixel(away))
@@ -118,7 +118,7 @@ def test_a_bin_moved_by_its_gizmo_is_undone_redone_and_saved(
     screen.tab("Cell")
     screen.press("Show gizmo")
     screen.page.wait_for_timeout(1000)
-    camera = Camera(screen.page, cell)
+    camera = first_look(screen.page, cell)
     p = cell.bin.T_world_bin.translation
     tip = p + [0, 0, 0.9 * GIZMO]
     drag(screen.page, camera.pixel(tip), camera.pixel(tip + [0, 0, 0.05]))
@@ -151,7 +151,7 @@ def test_two_clicks_measure_a_distance(screen, bench):
     screen.press("Measure")
     screen.button("Click on two points").wait_for()
     screen.page.wait_for_timeout(1000)
-    camera = Camera(screen.page, cell)
+    camera = first_look(screen.page, cell)
     centre = cell.bin.T_world_bin.translation
     for p in (centre, centre + [0.0, 0.08, 0.0]):
         screen.page.mouse.move(*camera.pixel(p))

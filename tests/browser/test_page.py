@@ -4,9 +4,9 @@ import re
 
 import numpy as np
 import pytest
+from hands import field
 
 from workbench.app.state import Phase
-from workbench.devices.abb_messages import messages
 from workbench.gui.tables import Order, ordered
 
 MARKED = """() => {
@@ -25,6 +25,13 @@ def run_to_plan(screen, reaches):
     return reaches("planned")
 
 
+def watch(screen, bench, wait) -> None:
+    """Play the plan to its end."""
+    screen.page.mouse.move(200, 400)
+    screen.page.keyboard.press("k")
+    wait(lambda: bench.state.watched, "the end of the plan")
+
+
 def approve(screen, name: str) -> None:
     """Approve in the dialog, as a person of that name."""
     screen.press("Approve")
@@ -41,6 +48,8 @@ def test_a_cycle_by_clicking_sends_exactly_the_approved_plan(screen, bench, robo
     assert len(state.detections) == 2
     assert state.proof.holds
     screen.wait_for("plan ready")
+    screen.wait_for("The plan has not been played to its end; play it first.")
+    assert screen.button("Approve").is_disabled()
     screen.shoot("2-planned")
 
     screen.tab("Candidates")
@@ -53,7 +62,7 @@ def test_a_cycle_by_clicking_sends_exactly_the_approved_plan(screen, bench, robo
     screen.press("Play")
     screen.button("Pause").wait_for()
     screen.shoot("4-playing")
-    screen.press("Pause")
+    wait(lambda: bench.state.watched, "the end of the plan")
 
     screen.tab("Cycle")
     screen.press("Approve")
@@ -77,13 +86,32 @@ def test_a_cycle_by_clicking_sends_exactly_the_approved_plan(screen, bench, robo
     assert done.parts_placed == 2
     screen.wait_for("2 of 2 parts reported placed")
     screen.tab("Robot")
+    for text in ("speaks abb-socket/2", "part-1 picked", "part-2 picked", "not a safety function"):
+        screen.wait_for(text)
     screen.shoot("7-done")
+    screen.tab("Cycle")
+    field(screen, "Why it failed").press_sequentially("slipped", delay=100)
+    screen.press("Failed, left")
+    wait(lambda: len(bench.state.outcomes) == 2, "both outcomes")
+    assert {one.is_picked for one in bench.state.outcomes} == {True, False}
+    screen.wait_for("failed, says operator: slipped")
+    screen.shoot("7b-outcomes")
+    screen.tab("Parts")
+    screen.wait_for("for 3 more scans")
+    screen.shoot("7c-avoided")
+    screen.press("Avoid no more")
+    wait(lambda: not bench.state.avoided, "nothing avoided")
 
-    expected = [message for message in messages(bench.cell, state.plan) if message.q is not None]
+    expected = [
+        (arm, q)
+        for step in state.plan.sequence
+        for arm, leg in step.runs
+        for q in np.asarray(state.plan.arm(arm).leg(leg).q)[1:]
+    ]
     arrived = robot.configurations
-    assert [(line["arm"], line["kind"]) for line in arrived] == [(m.arm, m.kind) for m in expected]
+    assert [line["arm"] for line in arrived] == [arm for arm, _ in expected]
     np.testing.assert_allclose(
-        [line["q"] for line in arrived], [m.q for m in expected], atol=np.deg2rad(0.0051)
+        [line["q"] for line in arrived], [q for _, q in expected], atol=np.deg2rad(0.0051)
     )
     assert screen.errors == []
 
@@ -131,10 +159,11 @@ def test_what_the_rules_would_refuse_cannot_be_pressed(screen, reaches):
 
 
 def test_a_refusal_is_told_in_the_browser_that_asked_and_nowhere_else(
-    screen, open_screen, bench, reaches
+    screen, open_screen, bench, reaches, wait
 ):
     other = open_screen()
     run_to_plan(screen, reaches)
+    watch(screen, bench, wait)
     screen.press("Approve")
     dialog = screen.page.get_by_role("dialog")
     dialog.locator("input").press_sequentially("worker", delay=100)
@@ -146,9 +175,10 @@ def test_a_refusal_is_told_in_the_browser_that_asked_and_nowhere_else(
     assert other.page.get_by_text("is the name of a machine").count() == 0
 
 
-def test_a_new_plan_closes_an_open_approval(screen, open_screen, bench, reaches):
+def test_a_new_plan_closes_an_open_approval(screen, open_screen, bench, reaches, wait):
     other = open_screen()
     run_to_plan(screen, reaches)
+    watch(screen, bench, wait)
     screen.press("Approve")
     screen.page.get_by_role("dialog").wait_for()
     other.press("Scan")
@@ -157,17 +187,28 @@ def test_a_new_plan_closes_an_open_approval(screen, open_screen, bench, reaches)
     screen.page.get_by_role("dialog").wait_for(state="detached")
 
 
-@pytest.mark.parametrize("speed", [1.0])
+@pytest.mark.parametrize("speed", [0.1])
 def test_a_stop_ends_the_sending_and_waits_for_a_person(screen, bench, robot, reaches, wait):
     run_to_plan(screen, reaches)
+    watch(screen, bench, wait)
     approve(screen, "Bo")
     reaches("approved")
     screen.press("Send")
-    wait(lambda: len(bench.state.receipts) > 5, "messages on the wire")
+    wait(lambda: bench.live.link.step > 0, "the robot to move")
+    screen.tab("Robot")
+    screen.wait_for("s ago")
+    screen.shoot("8-moving")
+    screen.tab("Cycle")
     screen.press("Stop")
     fault = reaches("fault")
-    assert len(robot.configurations) < len(messages(bench.cell, fault.plan))
+    assert "the controller acknowledged the stop after" in fault.fault
+    assert fault.parts_placed == 0
+    wait(lambda: bench.live.robot == "fault: stopped by the client", "the robot to stand")
     screen.wait_for("Fault:")
+    screen.tab("Robot")
+    screen.wait_for("acknowledged the stop after")
+    screen.shoot("9-stopped")
+    screen.tab("Cycle")
     assert screen.button("Scan").is_disabled()
     screen.shoot("9-fault")
     screen.press("Acknowledge")
@@ -175,8 +216,7 @@ def test_a_stop_ends_the_sending_and_waits_for_a_person(screen, bench, robot, re
     screen.page.locator('.wb-strip[data-phase="idle"]').wait_for()
 
 
-def test_a_coordinated_plan_is_played_and_not_approved(screen, bench, reaches):
-    """What the controller cannot do is planned and shown, and the page says why no more."""
+def test_a_coordinated_plan_is_played_approved_and_run(screen, bench, reaches):
     screen.page.get_by_label("Seed").fill("28")
     screen.press("Scan")
     reaches("scanned")
@@ -188,12 +228,16 @@ def test_a_coordinated_plan_is_played_and_not_approved(screen, bench, reaches):
     state = reaches("planned")
     assert state.plan.strategy == "coordinated"
     assert state.proof.holds
-    screen.wait_for("moves one arm at a time")
-    assert screen.button("Approve").is_disabled()
     screen.tab("Plan")
     screen.press("Play")
     screen.button("Pause").wait_for()
     screen.shoot("10-coordinated")
+    screen.tab("Cycle")
+    approve(screen, "Cleo")
+    reaches("approved")
+    screen.press("Send")
+    done = reaches("done")
+    assert [part.is_picked for part in done.part_reports] == [True, True]
 
 
 def test_a_task_can_be_cancelled(screen, bench, wait):

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hands import Camera, drag
+from hands import drag, first_look
 
 from workbench.formats.cells import read_cell
 from workbench.formats.clouds import write_cloud
@@ -37,6 +37,15 @@ def test_an_uploaded_scan_gives_parts_to_veto_and_correct(screen, bench, wait, r
     rows.nth(2).wait_for()
     assert rows.count() == 3
     screen.shoot("parts")
+    screen.page.locator(".wb-discarded summary").click()
+    screen.page.locator(".wb-discarded li").first.wait_for()
+    box = screen.page.locator("input[type=checkbox]:visible").first
+    box.click()
+    screen.page.wait_for_timeout(1500)
+    screen.shoot("parts-discarded")
+    assert box.is_checked()
+    box.click()
+    screen.page.locator(".wb-discarded summary").click()
 
     rows.nth(2).click()
     screen.page.wait_for_timeout(300)
@@ -51,7 +60,7 @@ def test_an_uploaded_scan_gives_parts_to_veto_and_correct(screen, bench, wait, r
     screen.press("Show gizmo")
     screen.page.wait_for_timeout(1000)
     T = bench.state.detections[0].T_world_part
-    camera = Camera(screen.page, bench.state.cell)
+    camera = first_look(screen.page, bench.state.cell)
     axes = T.rotation.T @ camera.axes[2]
     axis = int(np.argmin(np.abs(axes)))  # the one that is seen best from the side
     tip = T.translation + 0.9 * GIZMO * T.rotation[:, axis]

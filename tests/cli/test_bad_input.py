@@ -358,11 +358,21 @@ def sends_garbage(link: socket.socket) -> None:
     link.recv(200)
 
 
-@pytest.mark.parametrize("talks", [closes_after_five, resets_at_once, sends_garbage])
-def test_a_controller_that_breaks_off(line, say, talks):
+@pytest.mark.parametrize(
+    ("talks", "protocol"),
+    [
+        (closes_after_five, "abb-socket"),
+        (resets_at_once, "abb-socket"),
+        (resets_at_once, "abb-socket/2"),
+        (sends_garbage, "abb-socket"),
+        (sends_garbage, "abb-socket/2"),
+    ],
+)
+def test_a_controller_that_breaks_off(line, say, talks, protocol):
     server, thread = one_that(talks)
     port = server.getsockname()[1]
-    said = say("send", line.plan, "--host", "127.0.0.1", "--port", port, "--approve-as", "Ada")
+    address = ["--host", "127.0.0.1", "--port", port, "--protocol", protocol]
+    said = say("send", line.plan, *address, "--approve-as", "Ada")
     thread.join(20)
     assert said.code == 4
     assert said.problem

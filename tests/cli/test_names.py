@@ -4,10 +4,11 @@ import typing
 
 from workbench.app.rules import STRATEGIES
 from workbench.cli import names
-from workbench.model.cell import ORDER_NAMES, PLANNER_NAMES
+from workbench.model.cell import ORDER_NAMES, PLANNER_NAMES, PROTOCOL_NAMES
 
 
 def test_the_choices_are_the_same():
     assert typing.get_args(names.PlannerName) == PLANNER_NAMES
     assert typing.get_args(names.OrderName) == ORDER_NAMES
+    assert typing.get_args(names.ProtocolName) == PROTOCOL_NAMES
     assert typing.get_args(names.StrategyName) == STRATEGIES

@@ -7,7 +7,7 @@ import time
 import pytest
 
 from workbench.app.bench import Bench
-from workbench.app.commands import Approve, ChangeCell, FindParts, MakePlan, TakeScan
+from workbench.app.commands import Approve, ChangeCell, FindParts, MakePlan, TakeScan, WatchPlan
 from workbench.app.sessions import new_session
 from workbench.formats.cells import read_cell
 from workbench.gui.things import moved
@@ -31,6 +31,7 @@ def folder(tmp_path_factory):
         step(TakeScan(seed=1), "scanned")
         step(FindParts(seed=1), "localized")
         step(MakePlan(seed=1), "planned")
+        bench.do(WatchPlan(bench.state.plan.digest), "Ada")
         step(Approve(bench.state.plan.digest), "approved")
         away = pose_from_rpy(bench.state.cell.bin.T_world_bin.translation + [0.005, 0, 0])
         bench.do(ChangeCell(moved(bench.state.cell, "bin", away), "the bin is moved"), "Ada")

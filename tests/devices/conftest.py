@@ -12,7 +12,7 @@ import pytest
 from workbench.app.pick import plan_pick
 from workbench.devices.abb_simulated import SimulatedController
 from workbench.formats.cells import read_cell
-from workbench.model.cell import Cell
+from workbench.model.cell import Cell, Controller, ProtocolName
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.plan import Plan
 from workbench.model.release import Approval
@@ -67,7 +67,7 @@ def controller(cell: Cell, tmp_path: Path) -> Iterator[Callable[..., SimulatedCo
 def at(cell: Cell) -> Callable[..., Cell]:
     """The cell with its controller at another address."""
 
-    def moved(port: int, state_port: int = 1) -> Cell:
-        return replace(cell, controller=replace(cell.controller, port=port, state_port=state_port))
+    def moved(port: int, state_port: int = 1, protocol: ProtocolName = "abb-socket") -> Cell:
+        return replace(cell, controller=Controller("127.0.0.1", port, state_port, protocol))
 
     return moved

@@ -11,8 +11,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from workbench.devices.abb_link import send, watch_state
+from workbench.devices.abb_link import send
 from workbench.devices.abb_messages import messages
+from workbench.devices.abb_reports import watch_state
 from workbench.model.errors import CommandRefused, JobCancelled, LinkError, ProtocolError
 
 

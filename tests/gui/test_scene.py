@@ -11,6 +11,7 @@ from workbench.gui.look import Look, Pose
 from workbench.gui.playback import part_poses
 from workbench.gui.scene import Scene, height_colours
 from workbench.model.geometry import Box, pose_from_rpy
+from workbench.model.scan import Discarded, Findings, Objection
 from workbench.planning.kinematics import Kinematics
 
 
@@ -115,6 +116,24 @@ def test_the_robot_that_the_controller_reports_is_a_second_one(
     )
     scene.draw(heard, quiet)
     assert not node(server, "/robot_now").visible
+
+
+def test_discarded_poses_are_drawn_when_asked_for_and_of_this_search_only(
+    server, scene, cell, states, view_of
+):
+    T = states.localized.detections[0].T_world_part
+    one = Discarded(cell.parts[0].name, T, 0.4, Objection.TWIN, 0)
+    live = Live(findings=Findings(states.localized.detections, (one,)))
+    hidden, shown = (
+        view_of(states.localized, Look(discarded=asked), live) for asked in (False, True)
+    )
+    scene.draw(None, hidden)
+    assert node(server, "/discarded/1") is None
+    scene.draw(hidden, shown)
+    np.testing.assert_allclose(node(server, "/discarded/1").position, T.translation)
+    vetoed = replace(states.localized, detections=states.localized.detections[:1])
+    scene.draw(shown, replace(shown, state=vetoed))
+    assert node(server, "/discarded/1") is None
 
 
 def test_a_chosen_candidate_shows_its_tool_and_goes_with_the_choice(server, scene, states, view_of):

@@ -8,16 +8,22 @@ import numpy as np
 import pytest
 
 from workbench.app.live import Live
-from workbench.app.state import Phase
-from workbench.gui import views
+from workbench.app.state import Avoided, Phase
+from workbench.devices.abb_status import LinkStatus
+from workbench.gui import link_views, views
+from workbench.gui.approval_views import approval_line, facts_html
 from workbench.gui.charts import cursor_html, lanes_html
 from workbench.gui.look import View
+from workbench.gui.part_views import avoided_html, discarded_html
 from workbench.gui.tables import COLUMNS, PAGE, Order, candidates_html, funnel_html
 from workbench.model.candidate import Candidate, Reason, Stage, Verdict
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.part import Grasp
 from workbench.model.prediction import Forecast, Predictions
+from workbench.model.release import PartReport, Word
+from workbench.model.scan import Discarded, Objection
 
+NOW = 1_760_000_000.0
 EVIL = "\"'><img src=x onerror=alert(1)><script>alert(2)</script>&amp;"
 TAGS = {"ol", "li", "span", "div", "b", "i", "table", "thead", "tbody", "tr", "th", "td"}
 
@@ -42,6 +48,19 @@ class Reader(HTMLParser):
 
 def classes_of_steps(html: str) -> list[str]:
     return re.findall(r'<li class="wb-(\w+)"', html)
+
+
+def test_discarded_poses_are_listed_with_score_and_reason():
+    T = pose_from_rpy((0, 0, 0))
+    some = (
+        Discarded(EVIL, T, 0.61, Objection.TWIN, 1),
+        Discarded("bolt", T, 0.2, Objection.FREE_SPACE),
+    )
+    listed = Reader(discarded_html(some))
+    assert set(listed.tags) <= TAGS | {"details", "summary", "ul"}
+    for word in ("2 poses discarded", "0.61", "a twin with a worse score of part-2", "0.20"):
+        assert word in listed.text
+    assert EVIL in listed.text
 
 
 @pytest.mark.parametrize(
@@ -114,13 +133,13 @@ def test_without_a_plan_the_verdict_stands_in_its_place(states):
 
 def test_an_approval_names_the_person_and_its_end(states, view_of):
     approval = states.approved.approval
-    assert "By Anna until 08:58:20" in views.approval_line(states.approved, approval.at, "")
-    assert "run out" in views.approval_line(states.approved, approval.until, "")
+    assert "By Anna until 08:58:20" in approval_line(states.approved, approval.at, "")
+    assert "run out" in approval_line(states.approved, approval.until, "")
 
 
 def test_what_is_approved_is_told_in_full(cell, states):
     plan, proof = states.planned.plan, states.planned.proof
-    text = Reader(views.facts_html(cell, plan, proof)).text
+    text = Reader(facts_html(states.planned, plan, proof, {}, 0.0)).text
     for expected in (
         plan.digest[:12],
         str(plan.strategy),
@@ -132,6 +151,51 @@ def test_what_is_approved_is_told_in_full(cell, states):
         *(f"part-{arm.detection + 1}" for arm in plan.arms),
     ):
         assert expected in text
+
+
+def test_who_is_missing_is_told(states):
+    two = replace(states.planned, cell=replace(states.planned.cell, approvers=2))
+    assert "Waiting for 2 people." in approval_line(two, 0.0, "")
+    word = Word(two.plan.digest, "Anna", 1_760_000_000.0)
+    one_more = replace(two, words=(word,))
+    text = approval_line(one_more, word.at + 60, "")
+    assert "By Anna until 08:58:20, waiting for another person." in text
+    assert "so far Anna" in facts_html(one_more, two.plan, two.proof, {}, word.at)
+    assert "Waiting for 2 people." in approval_line(one_more, word.at + 300, "")
+
+
+def test_an_approved_plan_that_is_stale_says_so(states):
+    text = approval_line(states.approved, states.approved.approval.at, "the robot has moved: ...")
+    assert "wb-bad" in text and "The robot has moved" in text
+    gone = replace(states.scanned, stale="plan a1 is stale: the bin was moved by 5.0 mm")
+    assert "Plan a1 is stale: the bin was moved by 5.0 mm." in views.plan_line(gone)
+
+
+def test_where_the_robot_stands_is_among_the_facts(cell, states):
+    state = states.planned
+    home = {j: q for arm in cell.arms for j, q in zip(arm.joints, arm.home, strict=True)}
+
+    def facts(joints):
+        return facts_html(state, state.plan, state.proof, joints, 0.0)
+
+    assert "stands where the plan starts" in facts(home)
+    away = home | {cell.arms[0].joints[0]: home[cell.arms[0].joints[0]] + np.deg2rad(3)}
+    assert "axis 1 of the right arm stands 3.0 degrees" in facts(away)
+    assert "see for yourself" in facts({})
+
+
+def test_what_is_avoided_is_told_with_what_remains(states):
+    marks = (
+        Avoided("peg", (0.01, -0.02, 0.0), 600.0, 2, "slipped"),
+        Avoided("peg", (0.0, 0.0, 0.0), 10.0, 2),
+        Avoided(EVIL, (0.0, 0.0, 0.0), 600.0, 0, EVIL),
+    )
+    html = avoided_html(replace(states.scanned, avoided=marks), 100.0)
+    reader = Reader(html)
+    assert "peg at 10, -20 mm in the bin" in reader.text
+    assert "avoided for 2 more scans, at most 9 min (slipped)" in reader.text
+    assert "in this scan" in reader.text and set(reader.tags) <= TAGS
+    assert reader.text.count("avoided") == 2
 
 
 def test_joints_are_told_in_degrees_in_the_order_of_the_controller(cell):
@@ -182,7 +246,16 @@ def hostile(states, view_of) -> View:
         fault=EVIL,
         message=EVIL,
     )
-    return view_of(bad, live=Live(job=0, note=EVIL, robot=EVIL, joints={EVIL: 1.0}))
+    return view_of(
+        bad,
+        live=Live(
+            job=0,
+            note=EVIL,
+            robot=EVIL,
+            joints={EVIL: 1.0},
+            link=LinkStatus(EVIL, EVIL, 1, 2, EVIL, 1.0, 1.0, 0.1, EVIL),
+        ),
+    )
 
 
 def test_nothing_from_outside_becomes_html(cell, states, view_of):
@@ -197,11 +270,11 @@ def test_nothing_from_outside_becomes_html(cell, states, view_of):
         views.parts_line(state, 0.2),
         views.plan_line(state),
         views.plan_line(replace(state, plan=None)),
-        views.approval_line(state, view.at, ""),
+        approval_line(state, view.at, ""),
         views.send_line(state),
-        views.facts_html(cell, state.plan, state.proof),
+        facts_html(state, state.plan, state.proof, {}, view.at),
         views.plan_html(cell, state.plan, state.seconds),
-        views.link_html(view),
+        link_views.link_html(view),
         views.joints_html(cell, view.live.joints),
         lanes_html(cell, view.runs, view.plan_seconds),
         cursor_html(1.0, 2.0, EVIL, 2),
@@ -236,3 +309,24 @@ def test_the_last_study_speaks_for_the_threshold_nearby(states):
     said = views.forecast_line(cell, Predictions("other", 53, forecasts), 0.19)
     assert "at 200 mm: 0% coordinated; the cell was changed since" in said
     assert views.forecast_line(cell, None, 0.2) == ""
+
+
+def test_the_link_tells_protocol_state_acknowledgement_and_stop(states, view_of):
+    link = LinkStatus(
+        "abb-socket/2", "running", 3, 12, "0007 ok 0005 ABCD", NOW, NOW - 1.5, 0.25, "after 0.25 s"
+    )
+    parts = (PartReport("right", 0, True), PartReport("left", 1, False, "closed to 0.0 mm"))
+    state = replace(states.sending, part_reports=parts)
+    view = replace(view_of(state, live=Live(link=link)), at=NOW)
+    text = Reader(link_views.link_html(view)).text
+    for expected in (
+        "abb-socket/2 (speaks abb-socket/2)",
+        "running, step 3 of 12",
+        "0007 ok 0005 ABCD",
+        "1.5 s ago",
+        "after 0.25 s",
+        "part-1 picked",
+        "part-2 failed: closed to 0.0 mm",
+        "It is not a safety function",
+    ):
+        assert expected in text, expected

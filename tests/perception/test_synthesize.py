@@ -7,6 +7,7 @@ import pytest
 
 from workbench.model.errors import InputError
 from workbench.model.geometry import pose_from_rpy
+from workbench.perception.scan_noise import FINE
 from workbench.perception.synthesize import synthesize
 
 
@@ -41,7 +42,8 @@ def test_every_point_is_finite_in_range_and_in_its_pixel(cell, scan):
 
 def test_parts_are_seen_and_an_empty_bin_is_flat(cell, part, scan):
     assert len(above_floor(cell, scan)) > 3000
-    assert len(above_floor(cell, synthesize(cell, part, (), seed=0))) == 0
+    # But for the few points that are decoded wrongly.
+    assert len(above_floor(cell, synthesize(cell, part, (), seed=0))) < 100
 
 
 def test_what_lies_under_something_is_not_seen(cell, part):
@@ -50,14 +52,16 @@ def test_what_lies_under_something_is_not_seen(cell, part):
     both = above_floor(cell, synthesize(cell, part, (low, high), seed=0))
     alone = above_floor(cell, synthesize(cell, part, (low,), seed=0))
     middle = np.abs(both[:, 1]) < 0.008
-    assert both[middle, 2].min() > 0.04
-    assert alone[:, 2].max() < 0.04
+    # But for some in a hundred: flying pixels, and what is decoded wrongly.
+    assert np.quantile(both[middle, 2], 0.05) > 0.035
+    assert np.quantile(alone[:, 2], 0.99) < 0.035
 
 
 def test_noise_is_as_declared(cell, part):
     quiet = replace(cell, scanner=replace(cell.scanner, depth_noise=0.0))
     noisy = replace(cell, scanner=replace(cell.scanner, depth_noise=0.001))
-    scans = [synthesize(one, part, (), seed=3) for one in (quiet, noisy)]
+    steady = replace(FINE, outliers=0.0, flying=0.0)
+    scans = [synthesize(one, part, (), seed=3, noise=steady) for one in (quiet, noisy)]
     common, first, second = np.intersect1d(scans[0].pixels, scans[1].pixels, return_indices=True)
     difference = scans[1].points[second, 2] - scans[0].points[first, 2]
     depth = scans[0].points[first, 2]

@@ -142,6 +142,7 @@ def test_legs_in_step_are_proven_in_step_only(cell, apart, coordinated):
 
 
 def test_what_the_controller_cannot_do_is_not_approved(cell, coordinated):
+    cell = replace(cell, controller=replace(cell.controller, protocol="abb-socket"))
     with pytest.raises(CommandRefused, match="moves one arm at a time"):
         approve(cell, coordinated.plan, coordinated.proof, "Ada", 0.0)
 

@@ -5,6 +5,7 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
+import pinocchio as pin
 import pytest
 
 from workbench.app.pick import plan_pick
@@ -12,28 +13,49 @@ from workbench.model.candidate import Pick
 from workbench.model.cell import Cell
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.part import Grasp, GraspLibrary
-from workbench.planning.legs import FREE_STEP, grip_turns, stretches
+from workbench.planning.legs import FREE_STEP, SLIDE_STEP, TILT_STEP, grips, stretches
 from workbench.planning.propose import propose
 from workbench.planning.prove import prove
 from workbench.planning.resolve import resolve
 from workbench.planning.world import World
 
 
+def turns_of(arm, **free):
+    """Turns about z, tilts about y [rad] and moves along x [m] of the grips of an arm."""
+    grasp = Grasp("g", pin.SE3.Identity(), opening=0.02, grip=0.01, **free)
+    poses = grips(arm, grasp)
+    return [
+        (math.atan2(T.rotation[1, 0], T.rotation[1, 1]), math.asin(T.rotation[0, 2]), x)
+        for T, x in ((T, float(T.translation[0])) for T in poses)
+    ]
+
+
 def test_two_fingers_can_change_places_and_a_sucker_cannot(cell):
     arm = cell.arms[0]
-    assert grip_turns(arm) == [0.0, math.pi]
+    assert [abs(turn) for turn, _, _ in turns_of(arm)] == pytest.approx([0.0, math.pi])
     sucker = replace(arm, tool=replace(arm.tool, fingers=()))
-    assert grip_turns(sucker) == [0.0]
+    assert turns_of(sucker) == [(0.0, 0.0, 0.0)]
 
 
 @pytest.mark.parametrize("free", [0.1, math.radians(30), math.radians(100), math.pi])
 def test_free_rotation_is_covered_in_steps_both_ways(cell, free):
-    turns = sorted(turn for turn in grip_turns(cell.arms[0], free) if turn <= free)
-    inside = [turn for turn in turns if turn >= -free]
-    assert min(inside) == pytest.approx(-free)
-    assert max(inside) == pytest.approx(free)
-    assert np.diff(sorted(set(inside))).max() <= FREE_STEP + 1e-9
-    assert grip_turns(cell.arms[0], free)[0] == 0.0
+    sucker = replace(cell.arms[0], tool=replace(cell.arms[0].tool, fingers=()))
+    turns = [turn for turn, _, _ in turns_of(sucker, free_rotation=free)]
+    assert turns[0] == 0.0
+    assert max(turns) == pytest.approx(free)
+    assert np.diff(sorted(turns)).max() <= FREE_STEP + 1e-9
+
+
+def test_tilt_and_slide_are_covered_in_steps_the_authored_pose_first(cell):
+    sucker = replace(cell.arms[0], tool=replace(cell.arms[0].tool, fingers=()))
+    found = turns_of(sucker, tilt=0.4, slide=0.015)
+    assert found[0] == (0.0, 0.0, 0.0)
+    tilts, slides = (sorted({round(one[k], 9) for one in found}) for k in (1, 2))
+    assert (tilts[0], tilts[-1]) == pytest.approx((-0.4, 0.4))
+    assert (slides[0], slides[-1]) == pytest.approx((-0.015, 0.015))
+    assert np.diff(tilts).max() <= TILT_STEP
+    assert np.diff(slides).max() <= SLIDE_STEP
+    assert len(found) == len(tilts) * len(slides)
 
 
 def test_the_stretches_a_plan_tell_where_each_part_is(result):

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from workbench.app.pick import plan_pick
+from workbench.app.rules import can_be_sent
 from workbench.model.candidate import Pick, Reason, Stage
 from workbench.model.cell import Wishes
 from workbench.model.errors import InputError, JobCancelled
@@ -85,6 +86,7 @@ def test_another_process_gives_the_same_plan(cell, detections, result):
 import json, sys
 import numpy as np
 from workbench.app.pick import plan_pick
+from workbench.app.rules import can_be_sent
 from workbench.formats.cells import read_cell
 from workbench.model.geometry import pose_from_matrix
 from workbench.model.scan import Detection
@@ -191,9 +193,12 @@ def test_nothing_to_plan_and_unknown_strategies_are_clear_errors(cell, detection
 
 
 def test_both_strategies_are_planned_and_what_can_be_sent_is_taken(cell, detections):
-    result = plan_pick(cell, detections, "s", strategy="both")
+    one_arm = replace(cell, controller=replace(cell.controller, protocol="abb-socket"))
+    result = plan_pick(one_arm, detections, "s", strategy="both")
     (other,) = result.beside
     assert (result.plan.strategy, other.plan.strategy) == ("alternated", "coordinated")
+    quicker = plan_pick(cell, detections, "s", strategy="both")
+    assert quicker.plan.digest == other.plan.digest
     assert result.proof.holds and other.proof.holds
     assert other.plan.cycle_seconds < result.plan.cycle_seconds
     alone = plan_pick(cell, detections, "s", strategy="coordinated")
@@ -209,3 +214,25 @@ def test_a_wider_margin_is_kept(cell, detections):
 def test_planning_can_be_cancelled(cell, detections):
     with pytest.raises(JobCancelled):
         plan_pick(cell, detections, "s", cancelled=lambda: True)
+
+
+@pytest.mark.parametrize(
+    ("protocol", "threshold", "strategy"),
+    [
+        ("abb-socket/2", 0.1, "coordinated"),
+        ("abb-socket/2", 0.2, "alternated"),
+        ("abb-socket", 0.1, "alternated"),
+    ],
+)
+def test_auto_takes_both_arms_where_they_lie_apart_and_the_controller_can(
+    cell, detections, protocol, threshold, strategy
+):
+    other = replace(cell, controller=replace(cell.controller, protocol=protocol))
+    result = plan_pick(other, detections, "s", threshold=threshold)
+    assert (result.plan.strategy, result.proof.holds) == (strategy, True)
+    assert result.plan.cell_digest == cell.digest
+    assert "mm apart" in result.plan.note
+    if strategy == "coordinated":
+        assert can_be_sent(other, result.plan)
+        behind = replace(cell, controller=replace(cell.controller, protocol="abb-socket"))
+        assert not can_be_sent(behind, result.plan)

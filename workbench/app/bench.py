@@ -3,10 +3,10 @@
 import logging
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import Protocol
 
-from workbench.app.commands import Command, Entry, JobEnded, LinkEnded, Stop
+from workbench.app.commands import Approve, Command, Entry, JobEnded, LinkEnded, SendPlan, Stop
 from workbench.app.decide import decide
 from workbench.app.effects import Effect
 from workbench.app.live import Live
@@ -15,10 +15,10 @@ from workbench.app.record import command_form, entry_record
 from workbench.app.replay import replay
 from workbench.app.rights import MACHINES, ROBOT_LINK, WORKER
 from workbench.app.robot_link import Clock, Do
-from workbench.app.rules import allowed
+from workbench.app.rules import NOT_REPORTED, allowed
 from workbench.app.sessions import begin
 from workbench.app.state import Phase, State
-from workbench.journal.journal import Journal
+from workbench.journal.journal import Journal, Row
 from workbench.model.cell import Cell
 from workbench.model.errors import CommandRefused, JournalError, WorkbenchError
 
@@ -114,16 +114,18 @@ class Bench:
         Raises:
             CommandRefused: the rules do not admit it, or it could not be recorded.
         """
+        # How the robot stands counts where a plan is let out, and is on record there.
+        joints = self.live.joints if isinstance(command, Approve | SendPlan) else NOT_REPORTED
         # Looked at before anything is made of its content, which may be anything.
-        allowed(self._state, command, actor, self._now())
+        allowed(self._state, command, actor, self._now(), joints)
         # A scan takes a while to become bytes: nobody else should wait for that.
         form = command_form(command)
         with self._changed:
             if self._closing and actor not in MACHINES:
                 raise CommandRefused("the workbench is closing")
             before, now = self._state, self._now()
-            allowed(before, command, actor, now)
-            entry = Entry(before.number + 1, now, actor, command)
+            allowed(before, command, actor, now, joints)
+            entry = Entry(before.number + 1, now, actor, command, joints)
             after, effects = decide(before, entry)
             record = entry_record(entry, form, after)
             try:
@@ -142,6 +144,14 @@ class Bench:
             self._publish(after)
             self._run(effects)
         return after
+
+    def entries(self, after: int = 0) -> Iterator[Row]:
+        """What is on record after the entry with that number, in order.
+
+        Raises:
+            JournalError: the journal cannot be read.
+        """
+        return self._journal.entries(after)
 
     def wait(self, until: Callable[[State], bool], seconds: float) -> State:
         """The state as soon as `until` holds for it, or as it is after `seconds`."""

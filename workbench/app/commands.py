@@ -5,14 +5,20 @@ from the page, the command line or the HTTP interface; machines' commands come f
 process and the robot link and tell what has happened.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+from workbench.model.calibration import BallPlate, PlateSighting
 from workbench.model.candidate import Candidate, Verdict
 from workbench.model.cell import Cell, PlannerName, Wishes
 from workbench.model.errors import WorkbenchError
+from workbench.model.geometry import Floats, frozen, put
+from workbench.model.part import Entry as GraspEntry
+from workbench.model.part import GraspPair, Symmetry
 from workbench.model.plan import Plan, Proof
-from workbench.model.release import Receipt
+from workbench.model.release import PartReport, Receipt
 from workbench.model.scan import Detection, Obstacle, Scan
+from workbench.model.search import SearchWishes
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -35,6 +41,7 @@ class FindParts:
     """Localize parts in the current scan."""
 
     seed: int = 0
+    wishes: SearchWishes = field(default_factory=SearchWishes)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -49,6 +56,33 @@ class UseDetections:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class SightPlate:
+    """Scan the reference plate that an arm at `q` (n,) [rad], chain order, holds.
+
+    `seed` is that of the simulated scanner's noise.
+    """
+
+    arm: str
+    q: Floats
+    plate: BallPlate
+    seed: int = 0
+
+    def __post_init__(self) -> None:
+        put(self, q=frozen(self.q))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class UseSightings:
+    """Go on with these sightings of the plate: some removed, or left out of the calibration.
+
+    `says` tells people what was done.
+    """
+
+    sightings: tuple[PlateSighting, ...]
+    says: str
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class MakePlan:
     """Judge all candidates, plan and prove.
 
@@ -59,6 +93,20 @@ class MakePlan:
     threshold: float = 0.2
     seed: int = 0
     wishes: Wishes = field(default_factory=Wishes)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class WantThreshold:
+    """A threshold [m] is wanted; while it is not that of the plan, the plan is stale."""
+
+    threshold: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class WatchPlan:
+    """The plan with this digest was played to its end before somebody's eyes."""
+
+    plan_digest: str
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -78,6 +126,23 @@ class SendPlan:
 @dataclass(frozen=True, slots=True, eq=False)
 class Stop:
     """Stop sending and close the link."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ReportPick:
+    """What became of a part of the plan, as a person saw it or a gripper felt it.
+
+    `detection` is the part's index in the plan, `why` what is known about a failure.
+    """
+
+    detection: int
+    is_picked: bool
+    why: str = ""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ForgetAvoided:
+    """No part is avoided any more because its pick has failed."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -109,13 +174,36 @@ class RedoCell:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class EditPart:
+    """Change the grasps of a part, or its symmetry; undone and redone with the cell.
+
+    `was` are the entries as the one who edits has seen them, `now` what shall stand in their
+    place: who edits something that was changed meanwhile is refused.  None: as it is.
+    """
+
+    part: str
+    was: tuple[GraspEntry, ...] = ()
+    now: tuple[GraspEntry, ...] = ()
+    pairs: tuple[GraspPair, ...] | None = None
+    symmetry: Symmetry | None = None
+    says: str = ""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class DropDraft:
+    """Forget the changes of a part's grasps that an earlier session has not saved."""
+
+    part: str
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class EmptyPallets:
     """What was put down has been taken away."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SaveCell:
-    """Write the changes of the cell to its file, with a remark of the one who saves."""
+    """Write the changes of the cell and its parts to their files, with a remark of who saves."""
 
     remark: str
 
@@ -133,14 +221,22 @@ class CellRead:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class PosesRefused:
+    """A file that came into the watched folder cannot be used; `problem` says why."""
+
+    problem: str
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class JobEnded:
     """The worker finished job `number`.
 
-    `result` is a `Scan`, a tuple of `Detection`, a `PlanResult`, or the error that ended it.
+    `result` is a `Scan`, a tuple of `Detection`, a `PlanResult`, a `PlateSighting`, or the error
+    that ended it.
     """
 
     number: int
-    result: "Scan | tuple[Detection, ...] | PlanResult | WorkbenchError"
+    result: "Scan | tuple[Detection, ...] | PlanResult | PlateSighting | WorkbenchError"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -169,10 +265,14 @@ class Sent:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LinkEnded:
-    """The robot link is closed.  `fault` is empty when the controller reported the end."""
+    """The robot link is closed.  `fault` is empty when the controller reported the end.
+
+    `parts` says of each part of the plan what the controller told of it.
+    """
 
     fault: str = ""
     parts_placed: int = 0
+    parts: tuple[PartReport, ...] = ()
 
 
 Command = (
@@ -180,18 +280,27 @@ Command = (
     | UseScan
     | FindParts
     | UseDetections
+    | SightPlate
+    | UseSightings
     | MakePlan
+    | WantThreshold
+    | WatchPlan
     | Approve
     | SendPlan
     | Stop
+    | ReportPick
+    | ForgetAvoided
     | CancelJob
     | AcknowledgeFault
     | ChangeCell
     | UndoCell
     | RedoCell
+    | EditPart
+    | DropDraft
     | SaveCell
     | EmptyPallets
     | CellRead
+    | PosesRefused
     | JobEnded
     | Sent
     | LinkEnded
@@ -202,10 +311,13 @@ Command = (
 class Entry:
     """A command with its number, its time [s since the epoch] and who gave it.
 
-    The only place where clock and user enter: what follows from an entry is computed.
+    The only place where clock, user and the robot's pose enter: what follows from an entry is
+    computed.  `joints` (name -> rad) is how the robot stood by its own report when a plan was
+    approved or sent, empty for other commands and where nothing was reported.
     """
 
     number: int
     at: float
     actor: str
     command: Command
+    joints: Mapping[str, float] = field(default_factory=dict[str, float])

@@ -12,44 +12,68 @@ from typing import Any, assert_never
 
 import numpy as np
 
+from workbench.app.cell_changes import cell_read, changed_cell, edited_cell, redone, undone
 from workbench.app.commands import (
     AcknowledgeFault,
     Approve,
     CancelJob,
     CellRead,
     ChangeCell,
+    DropDraft,
+    EditPart,
     EmptyPallets,
     Entry,
     FindParts,
+    ForgetAvoided,
     JobEnded,
     LinkEnded,
     MakePlan,
     PlanResult,
+    PosesRefused,
     RedoCell,
+    ReportPick,
     SaveCell,
     SendPlan,
     Sent,
+    SightPlate,
     Stop,
     TakeScan,
     UndoCell,
     UseDetections,
     UseScan,
+    UseSightings,
+    WantThreshold,
+    WatchPlan,
 )
-from workbench.app.effects import Effect, Send, StartJob, StopJob, StopSending, UseCell, WriteCell
+from workbench.app.effects import (
+    Effect,
+    RemoveDraft,
+    Send,
+    StartJob,
+    StopJob,
+    StopSending,
+    WriteCell,
+)
+from workbench.app.outcomes import after_one_more_scan, avoided_parts, escalated, with_outcome
+from workbench.app.release import without_approval, words_of_others
+from workbench.app.rights import ROBOT_LINK
 from workbench.app.rules import approve
-from workbench.app.state import Job, Outline, Phase, State
+from workbench.app.state import Job, Outline, Phase, State, anew, overtaken_by
+from workbench.model.calibration import PlateSighting
 from workbench.model.cell import Cell
 from workbench.model.digest import digest_of
 from workbench.model.errors import CommandRefused, JobCancelled, WorkbenchError
 from workbench.model.plan import Plan
-from workbench.model.release import Receipt
+from workbench.model.release import Receipt, Word
 from workbench.model.scan import Detection, Scan
+from workbench.model.search import Remark, Search
+from workbench.perception.bin_check import check_bin
 from workbench.planning.kinematics import Kinematics
 
 Outcome = tuple[State, tuple[Effect, ...]]
 
-MOST_UNDO = 50
-"""Changes of the cell that can be undone."""
+MOST_SEARCHES, MOST_REMARKS = 6, 30
+"""In one scan, that are remembered."""
 
 MOST_OUTLINES = 20
 """Plannings for the same parts that are remembered."""
@@ -69,16 +93,23 @@ def decide(state: State, entry: Entry) -> Outcome:
     match entry.command:
         case TakeScan(seed=seed, parts=parts):
             arguments = {"seed": seed, "parts": parts}
-            return _begin(state, "scan", arguments, digest_of(arguments), "scanning")
+            return _begin(state, entry, "scan", arguments, digest_of(arguments), "scanning")
         case UseScan(scan=scan):
-            return _with_scan(state, scan), ()
-        case FindParts(seed=seed):
-            return _find_parts(state, seed)
-        case UseDetections(detections=detections, says=says):
-            after = _with_outside_detections(state, detections)
-            return replace(after, message=says) if says else after, ()
+            return _with_scan(state, scan, entry.at), ()
+        case FindParts() as command:
+            return _find_parts(state, entry, command)
+        case UseDetections() as command:
+            return _with_outside_detections(state, entry, command), ()
+        case SightPlate() as command:
+            return _sight_plate(state, entry, command)
+        case UseSightings(sightings=sightings, says=says):
+            return replace(state, sightings=sightings, message=says), ()
         case MakePlan() as command:
-            return _make_plan(state, command)
+            return _make_plan(state, entry, command)
+        case WantThreshold(threshold=threshold):
+            return replace(state, wanted_threshold=threshold), ()
+        case WatchPlan():
+            return _watched(state, entry.actor), ()
         case Approve():
             return _approved(state, entry), ()
         case SendPlan():
@@ -90,54 +121,84 @@ def decide(state: State, entry: Entry) -> Outcome:
         case AcknowledgeFault():
             # Nobody knows how the bin looks after a fault: only a new scan can tell.
             message = f"fault acknowledged by {entry.actor}; take a new scan"
-            return _anew(state, message=message), ()
+            return anew(replace(state, failures=0), message=message), ()
+        case ReportPick() as command:
+            return with_outcome(state, command, entry.actor, entry.at), ()
+        case ForgetAvoided():
+            return replace(state, avoided=(), message="no part is avoided any more"), ()
         case ChangeCell(cell=cell, says=says):
-            return _changed_cell(state, cell, says)
+            return changed_cell(state, cell, says)
         case UndoCell():
-            cell, *before = state.before
-            after, effects = _with_cell(state, cell, "the last change of the cell is undone")
-            undone = (state.cell, *state.undone)[:MOST_UNDO]
-            return replace(after, before=tuple(before), undone=undone), effects
+            return undone(state)
         case RedoCell():
-            cell, *undone = state.undone
-            after, effects = _with_cell(state, cell, "the change of the cell is made again")
-            before = (state.cell, *state.before)[:MOST_UNDO]
-            return replace(after, before=before, undone=tuple(undone)), effects
+            return redone(state)
+        case EditPart() as edit:
+            return edited_cell(state, edit)
+        case DropDraft(part=part):
+            return replace(state, message=f"the draft of {part} is dropped"), (RemoveDraft(part),)
         case EmptyPallets():
             return replace(state, placed=(), message="the pallets are empty"), ()
         case SaveCell(remark=remark):
             write = WriteCell(state.cell, remark, entry.actor, entry.at)
             return replace(state, message=f"{entry.actor} saves the cell"), (write,)
         case CellRead():
-            return _cell_read(state, entry.command)
-        case JobEnded(number=number, result=result):
-            return _job_ended(state, number, result), ()
+            return cell_read(state, entry.command)
+        case PosesRefused(problem=problem):
+            return replace(state, message=f"poses from outside cannot be used: {problem}"), ()
+        case JobEnded():
+            return _job_ended(state, entry.command, entry.at), ()
         case Sent(receipt=receipt):
             return _sent(state, receipt), ()
-        case LinkEnded(fault=fault, parts_placed=parts_placed):
-            return _link_ended(state, fault, parts_placed), ()
+        case LinkEnded():
+            return _link_ended(state, entry.command, entry.at), ()
         case _:
             assert_never(entry.command)
 
 
 def _begin(
-    state: State, name: str, arguments: Mapping[str, Any], inputs_digest: str, message: str
+    state: State,
+    entry: Entry,
+    name: str,
+    arguments: Mapping[str, Any],
+    inputs_digest: str,
+    message: str,
+    **about: Any,
 ) -> Outcome:
-    job = Job(state.number, name, inputs_digest)
-    # Whoever asks for something newer has taken back the word for what is there.
-    phase = Phase.PLANNED if state.phase is Phase.APPROVED else state.phase
-    after = replace(state, phase=phase, approval=None, job=job, message=message)
+    """A job begins; `about` goes into the `Job`, for when it ends."""
+    job = Job(state.number, name, inputs_digest, entry.at, **about)
+    after = replace(without_approval(state), job=job, message=message)
     return after, (StartJob(job.number, name, arguments),)
 
 
-def _find_parts(state: State, seed: int) -> Outcome:
+def _watched(state: State, actor: str) -> State:
+    watched = state.watched if actor in state.watched else (*state.watched, actor)
+    return replace(state, watched=watched, message="the plan was played to its end")
+
+
+def _find_parts(state: State, entry: Entry, command: FindParts) -> Outcome:
     if state.scan is None:
         raise CommandRefused("there is no scan to find parts in")
-    arguments = {"scan": state.scan, "seed": seed}
-    return _begin(state, "localize", arguments, state.scan.digest, "finding parts")
+    arguments = {"scan": state.scan, "seed": command.seed, "wishes": command.wishes}
+    about = {"seed": command.seed, "wishes": command.wishes}
+    digest = state.scan.digest
+    return _begin(state, entry, "localize", arguments, digest, "finding parts", **about)
 
 
-def _make_plan(state: State, command: MakePlan) -> Outcome:
+def _sight_plate(state: State, entry: Entry, command: SightPlate) -> Outcome:
+    numbers = (one.name.rpartition(" ")[2] for one in state.sightings)
+    last = max((int(number) for number in numbers if number.isdecimal()), default=0)
+    arguments = {
+        "name": f"pose {last + 1}",
+        "arm": command.arm,
+        "q": command.q,
+        "plate": command.plate,
+        "seed": command.seed,
+    }
+    inputs_digest = digest_of((state.cell.digest, arguments))
+    return _begin(state, entry, "sight", arguments, inputs_digest, "looking at the plate")
+
+
+def _make_plan(state: State, entry: Entry, command: MakePlan) -> Outcome:
     if not state.detections:
         raise CommandRefused("there are no parts to plan for")
     arguments = {
@@ -148,25 +209,41 @@ def _make_plan(state: State, command: MakePlan) -> Outcome:
         "threshold": command.threshold,
         "wishes": command.wishes,
         "placed": state.placed,
+        "avoided": avoided_parts(state, entry.at),
         "seed": command.seed,
     }
     inputs_digest = digest_of((state.scene_digest, state.detections))
-    return _begin(state, "plan", arguments, inputs_digest, "planning")
+    state = replace(state, wanted_threshold=command.threshold)
+    about = {"threshold": command.threshold}
+    return _begin(state, entry, "plan", arguments, inputs_digest, "planning", **about)
 
 
 def _approved(state: State, entry: Entry) -> State:
     if state.plan is None or state.proof is None:
         raise CommandRefused("there is no proven plan to approve")
-    approval = approve(state.cell, state.plan, state.proof, entry.actor, entry.at)
-    message = f"plan {state.plan.digest[:12]} approved by {entry.actor}"
-    return replace(state, phase=Phase.APPROVED, approval=approval, message=message)
+    before = words_of_others(state, entry.actor, entry.at)
+    words = (*before, Word(state.plan.digest, entry.actor, entry.at))
+    wanted = state.cell.approvers
+    if len(words) < wanted:
+        message = f"approved by {_names(words)}, {len(words)} of {wanted} people"
+        state = replace(state, phase=Phase.PLANNED, approval=None)
+    else:
+        approval = approve(state.cell, state.plan, state.proof, entry.actor, entry.at, before)
+        message = f"plan {state.plan.digest[:12]} approved by {_names(words)}"
+        state = replace(state, phase=Phase.APPROVED, approval=approval)
+    return replace(state, words=words, message=message)
+
+
+def _names(words: tuple[Word, ...]) -> str:
+    return " and ".join(word.actor for word in words)
 
 
 def _send(state: State, entry: Entry) -> Outcome:
     if state.plan is None or state.approval is None:
         raise CommandRefused("there is no approved plan to send")
     message = f"{entry.actor} sends plan {state.plan.digest[:12]}"
-    after = replace(state, phase=Phase.SENDING, receipts=(), parts_placed=0, message=message)
+    after = replace(state, phase=Phase.SENDING, receipts=(), outcomes=(), message=message)
+    after = replace(after, parts_placed=0, part_reports=())
     return after, (Send(state.plan, state.approval),)
 
 
@@ -178,11 +255,9 @@ def _cancel(state: State, entry: Entry) -> Outcome:
     return replace(state, job=None, message=message), (StopJob(state.job.number),)
 
 
-def _job_ended(
-    state: State, number: int, result: Scan | tuple[Detection, ...] | PlanResult | WorkbenchError
-) -> State:
-    job = state.job
-    if job is None or job.number != number:
+def _job_ended(state: State, ended: JobEnded, at: float) -> State:
+    job, result = state.job, ended.result
+    if job is None or job.number != ended.number:
         return state
     state = replace(state, job=None)
     match (job.name, result):
@@ -191,93 +266,65 @@ def _job_ended(
         case (_, WorkbenchError()):
             return replace(state, message=f"task {job.name!r} failed: {result}")
         case ("scan", Scan()):
-            return _with_scan(state, result)
+            return _with_scan(state, result, at)
         case ("localize", tuple()):
-            return _with_detections(state, result)
+            search = Search(job.number, job.seed, job.wishes, result, max(0.0, at - job.at))
+            return _with_detections(state, search)
+        case ("sight", PlateSighting()):
+            sightings = (*state.sightings, result)
+            message = f"{result.name}: the plate is seen, {len(sightings)} so far"
+            return replace(state, sightings=sightings, message=message)
         case ("plan", PlanResult()):
-            return _with_plan(state, result)
+            return replace(_with_plan(state, result), planned_threshold=job.threshold)
         case _:
             wrong = type(result).__name__
             return replace(state, message=f"task {job.name!r} failed: it brought a {wrong}")
 
 
-def _anew(state: State, phase: Phase = Phase.IDLE, **fields: Any) -> State:
-    """The state with its cell and all that is about it, and nothing else but what is given."""
-    return State(
-        state.cell,
-        phase,
-        state.number,
-        before=state.before,
-        undone=state.undone,
-        saved=state.saved,
-        placed=state.placed,
-        cell_problem=state.cell_problem,
-        **fields,
-    )
-
-
-def _changed_cell(state: State, cell: Cell, says: str) -> Outcome:
-    after, effects = _with_cell(state, cell, says)
-    return replace(after, before=(state.cell, *state.before)[:MOST_UNDO], undone=()), effects
-
-
-def _with_cell(state: State, cell: Cell, message: str) -> Outcome:
-    """Another cell: a scan stays as long as the scanner does, what was made of it does not."""
-    # Where the controller is found is not a matter of the cell file that people write.
-    cell = replace(cell, controller=state.cell.controller)
-    same_view = digest_of(cell.scanner) == digest_of(state.cell.scanner)
-    scan = state.scan if same_view and state.phase is not Phase.DONE else None
-    state = replace(state, cell=cell)
-    if scan is None:
-        return _anew(state, message=message), (UseCell(cell),)
-    after = _anew(state, Phase.SCANNED, scan=scan, scene_digest=scan.digest, message=message)
-    return after, (UseCell(cell),)
-
-
-def _cell_read(state: State, command: CellRead) -> Outcome:
-    cell, problem = command.cell, command.problem
-    if cell is None:
-        message = f"the cell file cannot be used, the cell stays as it was: {problem}"
-        return replace(state, cell_problem=problem, message=message), ()
-    state = replace(state, cell_problem="", saved=cell.digest)
-    if cell.digest == state.cell.digest:
-        return replace(state, message="the cell is as in its file"), ()
-    if command.is_saved:
-        # What a file can hold differs from what was shown by less than anybody can see.
-        return _with_cell(state, cell, "the cell is saved")
-    return _changed_cell(state, cell, "the cell file was changed, and is read again")
-
-
-def _with_scan(state: State, scan: Scan) -> State:
-    return _anew(
-        state,
+def _with_scan(state: State, scan: Scan, at: float) -> State:
+    return anew(
+        replace(state, avoided=after_one_more_scan(state.avoided, at)),
         Phase.SCANNED,
         scan=scan,
         scene_digest=scan.digest,
+        bin_check=check_bin(scan, state.cell.bin),
+        stale="" if state.phase is Phase.DONE else overtaken_by(state, "there is a newer scan"),
         message=f"scan with {len(scan.points):,} points",
     )
 
 
-def _with_detections(state: State, detections: tuple[Detection, ...]) -> State:
-    return _anew(
+def _with_detections(state: State, search: Search) -> State:
+    detections = search.detections
+    return anew(
         state,
         Phase.LOCALIZED if detections else Phase.SCANNED,
         scan=state.scan,
+        bin_check=state.bin_check,
+        searches=(*state.searches, search)[-MOST_SEARCHES:],
         detections=detections,
         scene_digest=state.scan.digest if state.scan is not None else "",
+        stale=overtaken_by(state, "parts were looked for again"),
         message=f"{_counted(len(detections), 'part')} found",
     )
 
 
-def _with_outside_detections(state: State, detections: tuple[Detection, ...]) -> State:
-    return _anew(
+def _with_outside_detections(state: State, entry: Entry, command: UseDetections) -> State:
+    detections = command.detections
+    says = command.says or f"{_counted(len(detections), 'pose')} taken from outside"
+    remark = Remark(entry.at, entry.actor, says)
+    # Poses from another matcher usually belong to this scan, but never to a picked bin.
+    is_picked = state.phase is Phase.DONE
+    return anew(
         state,
         Phase.LOCALIZED,
-        # Poses from another matcher usually belong to this scan, but never to a picked bin.
-        scan=None if state.phase is Phase.DONE else state.scan,
+        scan=None if is_picked else state.scan,
+        bin_check=None if is_picked else state.bin_check,
+        searches=() if is_picked else state.searches,
+        remarks=(*(() if is_picked else state.remarks), remark)[-MOST_REMARKS:],
         detections=detections,
         scene_digest=digest_of(detections),
-        message=f"{_counted(len(detections), 'pose')} taken from outside",
+        stale="" if is_picked else overtaken_by(state, "the parts are others"),
+        message=f"{says}, by {entry.actor}",
     )
 
 
@@ -305,8 +352,13 @@ def _with_plan(state: State, result: PlanResult) -> State:
         obstacles=result.obstacles,
         outlines=(*state.outlines, *map(_outline, (*result.beside, result)))[-MOST_OUTLINES:],
         approval=None,
+        stale="",
+        watched=(),
+        words=(),
+        outcomes=(),
         receipts=(),
         parts_placed=0,
+        part_reports=(),
         message=message,
     )
 
@@ -350,21 +402,26 @@ def _put_down(cell: Cell, plan: Plan) -> tuple[Detection, ...]:
     )
 
 
-def _link_ended(state: State, fault: str, parts_placed: int) -> State:
+def _link_ended(state: State, ended: LinkEnded, at: float) -> State:
     if state.plan is not None:
         # After a fault nobody knows: where a part may lie, none is put.
         state = replace(state, placed=(*state.placed, *_put_down(state.cell, state.plan)))
-    if fault:
-        return replace(
-            state,
-            phase=Phase.FAULT,
-            fault=fault,
-            parts_placed=parts_placed,
-            message=f"fault while sending: {fault}",
-        )
+    for part in ended.parts:
+        if part.is_picked is not None:
+            said = ReportPick(part.detection, part.is_picked, part.why)
+            state = with_outcome(state, said, ROBOT_LINK, at)
+    state = replace(state, parts_placed=ended.parts_placed, part_reports=ended.parts)
+    if ended.fault:
+        message = f"fault while sending: {ended.fault}"
+        return replace(state, phase=Phase.FAULT, fault=ended.fault, message=message)
     expected = len(state.plan.arms) if state.plan is not None else 0
-    message = f"cycle finished, {parts_placed} of {_counted(expected, 'part')} reported placed"
-    return replace(state, phase=Phase.DONE, parts_placed=parts_placed, message=message)
+    message = (
+        f"cycle finished, {ended.parts_placed} of {_counted(expected, 'part')} reported placed"
+    )
+    for part in ended.parts:
+        if part.is_picked is False:
+            message += f"; {part.arm} arm failed: {part.why}"
+    return escalated(replace(state, phase=Phase.DONE, message=message))
 
 
 def _counted(number: int, noun: str) -> str:

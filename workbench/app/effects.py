@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from workbench.model.cell import Cell
+from workbench.model.part import Part
 from workbench.model.plan import Plan
 from workbench.model.release import Approval
 
@@ -58,4 +59,18 @@ class WriteCell:
     at: float
 
 
-Effect = StartJob | StopJob | Send | StopSending | UseCell | WriteCell
+@dataclass(frozen=True, slots=True, eq=False)
+class KeepDrafts:
+    """Keep the grasps of parts that differ from their files, in case nobody saves them."""
+
+    parts: tuple[Part, ...]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class RemoveDraft:
+    """Remove what was kept of a part."""
+
+    part: str
+
+
+Effect = StartJob | StopJob | Send | StopSending | UseCell | WriteCell | KeepDrafts | RemoveDraft

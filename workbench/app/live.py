@@ -1,7 +1,14 @@
-"""What goes on at this moment: for looking at, never recorded, and it decides nothing."""
+"""What goes on at this moment: for looking at, and not recorded.
+
+It decides nothing, but for the joints: the bench writes them into the entry of an approval and of
+a sending, where the rules compare them with the start of the plan.
+"""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+
+from workbench.devices.abb_status import LinkStatus
+from workbench.model.scan import Findings
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -10,7 +17,10 @@ class Live:
 
     `job` is the number of the job that `done` (0..1), `note` and `started` [s since the epoch]
     belong to, 0 before the first.  `joints` (name -> rad) is what the controller reported
-    last, `robot` its own word for what it does; both are empty while it reports nothing.
+    last, `robot` its own word for what it does; both are empty while it reports nothing.  `link`
+    is how the last connection for motion stands, or how it ended.
+    `findings` are of the last search for parts, with what it discarded: the journal keeps the
+    parts alone, since the rest decides nothing and can be computed again.
     """
 
     job: int = 0
@@ -19,3 +29,5 @@ class Live:
     started: float = 0.0
     joints: Mapping[str, float] = field(default_factory=dict[str, float])
     robot: str = ""
+    link: LinkStatus = field(default_factory=LinkStatus)
+    findings: Findings | None = None

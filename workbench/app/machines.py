@@ -2,20 +2,33 @@
 
 import logging
 import threading
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, assert_never
 
 from workbench.app.commands import CellRead, JobEnded
-from workbench.app.effects import Effect, Send, StartJob, StopJob, StopSending, UseCell, WriteCell
+from workbench.app.effects import (
+    Effect,
+    KeepDrafts,
+    RemoveDraft,
+    Send,
+    StartJob,
+    StopJob,
+    StopSending,
+    UseCell,
+    WriteCell,
+)
 from workbench.app.jobs import WORK, Jobs
 from workbench.app.live import Live
 from workbench.app.rights import CELL_FILE, WORKER
 from workbench.app.robot_link import Clock, Do, RobotLink
 from workbench.formats.cell_edits import log_change, save_cell
-from workbench.formats.cells import read_cell
+from workbench.formats.cells import part_folders, read_cell
+from workbench.formats.part_saves import drop_draft, save_part, write_draft
 from workbench.model.cell import Cell
 from workbench.model.errors import CommandRefused, InputError, WorkbenchError
+from workbench.model.scan import Findings
 
 log = logging.getLogger(__name__)
 
@@ -80,6 +93,14 @@ class Machines:
                 threading.Thread(
                     target=self._write_cell, args=(effect,), name="cell file", daemon=True
                 ).start()
+            case KeepDrafts(parts=parts):
+                self._drafts(
+                    lambda folders: [
+                        write_draft(folders[part.name], part.library) for part in parts
+                    ]
+                )
+            case RemoveDraft(part=part):
+                self._drafts(lambda folders: drop_draft(folders[part]))
             case _:
                 assert_never(effect)
 
@@ -88,10 +109,29 @@ class Machines:
         self._robot.close()
         self._jobs.close()
 
+    def _drafts(self, change: Callable[[Mapping[str, Path]], object]) -> None:
+        """Change drafts beside the parts; a draft that cannot be kept stops nobody."""
+        if self._cell_file is None:
+            return
+        try:
+            change(part_folders(self._cell_file))
+        except InputError as error:
+            log.warning("a draft could not be changed: %s", error)
+
     def _write_cell(self, effect: WriteCell) -> None:
         try:
             if self._cell_file is None:
                 raise InputError("this session has no cell file")
+            old, folders = read_cell(self._cell_file), part_folders(self._cell_file)
+            for part in effect.cell.parts:
+                save_part(
+                    folders[part.name],
+                    old.part(part.name),
+                    part,
+                    actor=effect.actor,
+                    at=effect.at,
+                    remark=effect.remark,
+                )
             save_cell(self._cell_file, effect.cell)
             log_change(self._cell_file, effect.cell, effect.actor, effect.at, effect.remark)
             command = CellRead(read_cell(self._cell_file), is_saved=True)
@@ -111,6 +151,9 @@ class Machines:
             self._show(done=done, note=note)
 
     def _job_ended(self, number: int, result: Any) -> None:
+        if isinstance(result, Findings):
+            self._show(findings=result)
+            result = result.detections
         try:
             self._do(JobEnded(number, result), WORKER)
         except CommandRefused as error:

@@ -2,14 +2,15 @@
 
 import math
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import islice
+from types import MappingProxyType
 
 import numpy as np
 
 from workbench.app.commands import PlanResult
-from workbench.app.rules import STRATEGIES, can_be_sent
+from workbench.app.rules import STRATEGIES, can_be_sent, moves_both_arms
 from workbench.model.candidate import Candidate, Pick, Reason, Stage, Verdict
 from workbench.model.cell import Cell, Wishes
 from workbench.model.errors import InputError, JobCancelled
@@ -30,6 +31,8 @@ BOTH = (Strategy.ALTERNATED, Strategy.COORDINATED)
 
 AS_THE_CELL = Wishes()
 
+NOTHING: Mapping[int, str] = MappingProxyType({})
+
 SIDE_BY_SIDE = 3
 """Pairs of picks that are planned side by side before one arm follows the other."""
 
@@ -46,6 +49,7 @@ def plan_pick(
     threshold: float | None = None,
     wishes: Wishes = AS_THE_CELL,
     obstacles: tuple[Obstacle, ...] = (),
+    avoided: Mapping[int, str] = NOTHING,
     seed: int = 0,
     report: Report = lambda done, note: None,
     cancelled: Callable[[], bool] = lambda: False,
@@ -60,6 +64,7 @@ def plan_pick(
         threshold: [m] distance between the parts; None takes the cell's policy.
         wishes: what is wanted otherwise than the cell's policy has it.
         obstacles: what the scan shows beside the parts.
+        avoided: indices of parts that are left alone for now, and why; they are in the way still.
         seed: of everything random.
         report: progress.
         cancelled: asked between candidates; True ends the work.
@@ -80,7 +85,7 @@ def plan_pick(
         now = time.perf_counter()
         seconds[stage], began = now - began, now
 
-    proposed = propose(cell, detections, obstacles)
+    proposed = _without(avoided, propose(cell, detections, obstacles))
     lap("propose")
     policy = wishes.on(cell.policy)
     world = World(cell, detections, obstacles, policy)
@@ -104,6 +109,18 @@ def plan_pick(
             plan = replace(plan, seconds=took)
         results.append(PlanResult(judged, plan, proof, verdict, took, obstacles, policy.planner))
     return _best(cell, results)
+
+
+def _without(
+    avoided: Mapping[int, str], candidates: tuple[Candidate, ...]
+) -> tuple[Candidate, ...]:
+    """The candidates, those of avoided parts refused."""
+    return tuple(
+        replace(one, verdict=Verdict(Reason.DISABLED, Stage.PROPOSE, note=avoided[one.detection]))
+        if one.detection in avoided
+        else one
+        for one in candidates
+    )
 
 
 def _best(cell: Cell, results: list[PlanResult]) -> PlanResult:
@@ -175,12 +192,13 @@ def _summary(candidates: tuple[Candidate, ...]) -> Verdict:
 
 
 def _assignments(
-    picks: list[Pick], strategy: str, cost: Cost
+    world: World, picks: list[Pick], strategy: str, cost: Cost
 ) -> Iterator[tuple[Strategy, tuple[Pick, ...]]]:
     """Ways to give parts to arms, best first: two arms where possible, then one.
 
-    For each arm and part the pick with the least joint travel stands; pairs are ordered by
-    the sum of their costs, and the arm with the less goes first.
+    For each arm and part the pick with the least joint travel stands, or all of them where the
+    grasps of a part go by pairs; pairs are ordered by the sum of their costs, and the arm with the
+    less goes first.
     """
     best: dict[tuple[str, int], Pick] = {}
     for pick in picks:
@@ -193,7 +211,8 @@ def _assignments(
             best[key] = pick
     ordered = sorted(best.values(), key=lambda pick: (cost(pick), pick.travel))
     if strategy in ("auto", Strategy.ALTERNATED, Strategy.COORDINATED):
-        for pair in pairs_of(ordered, cost):
+        has_pairs = any(part.library.pairs for part in world.cell.parts)
+        for pair in pairs_of(world, picks if has_pairs else ordered, cost):
             yield Strategy.ALTERNATED, pair
     for pick in ordered:
         alone = Strategy(pick.candidate.arm)
@@ -210,21 +229,31 @@ def _planned(
     seed: int,
     cancelled: Callable[[], bool],
 ) -> tuple[Plan | None, Verdict]:
-    """The first assignment for which a plan comes out; coordinated ones fall back to alternated."""
+    """The first assignment for which a plan comes out; coordinated ones fall back to alternated.
+
+    `auto` lets both arms work at once on parts that lie at least `threshold` [m] apart, where the
+    controller can move them so.
+    """
     verdict = Verdict(Reason.NO_PATH, Stage.ROUTE, note=f"no two picks fit strategy {strategy}")
     refused, cost = "", cost_of(world, world.policy.order)
-    if strategy == Strategy.COORDINATED:
+    is_auto = strategy == "auto"
+    if strategy == Strategy.COORDINATED or (is_auto and moves_both_arms(world.cell)):
         for offsets, pair in _side_by_side_or_behind(world, picks, cost):
             if cancelled():
                 raise JobCancelled("planning was cancelled")
+            if is_auto and _apart(world, pair) < threshold:
+                continue
             result = coordinate(world, pair, scan_digest=scan_digest, seed=seed, offsets=offsets)
             if isinstance(result, Plan):
+                if is_auto:
+                    note = f"{_note(world, pair, threshold)}: {result.note}"
+                    result = replace(result, note=note)
                 return result, Verdict(Reason.OK, Stage.ROUTE)
             refused = f"the arms cannot work at once: {result}"
-    for chosen, assigned in islice(_assignments(picks, strategy, cost), ATTEMPTS):
+    for chosen, assigned in islice(_assignments(world, picks, strategy, cost), ATTEMPTS):
         if cancelled():
             raise JobCancelled("planning was cancelled")
-        note = _note(world, assigned, threshold) if strategy == "auto" else refused
+        note = _note(world, assigned, threshold) if is_auto else refused
         result = route(world, assigned, chosen, scan_digest=scan_digest, seed=seed, note=note)
         if isinstance(result, Plan):
             return result, Verdict(Reason.OK, Stage.ROUTE)
@@ -240,20 +269,25 @@ def _side_by_side_or_behind(
     """Pairs for coordinated plans, with the offsets to try: side by side first."""
     for pair in side_by_side(world, picks, cost)[:SIDE_BY_SIDE]:
         yield (0,), pair
-    for _, pair in islice(_assignments(picks, Strategy.COORDINATED, cost), ATTEMPTS):
+    for _, pair in islice(_assignments(world, picks, Strategy.COORDINATED, cost), ATTEMPTS):
         yield OFFSETS[1:], pair
 
 
-def _note(world: World, picks: tuple[Pick, ...], threshold: float) -> str:
+def _apart(world: World, picks: Sequence[Pick]) -> float:
+    """How far two parts lie from each other [m]."""
+    first, second = (
+        world.detections[pick.candidate.detection].T_world_part.translation for pick in picks
+    )
+    return float(np.linalg.norm(first - second))
+
+
+def _note(world: World, picks: Sequence[Pick], threshold: float) -> str:
     """Why this strategy was taken, for people."""
     if len(world.cell.arms) < 2:
         return ""
     if len(picks) < 2:
         return "one arm: no second part can be taken by the other arm"
-    first, second = (
-        world.detections[pick.candidate.detection].T_world_part.translation for pick in picks
-    )
-    distance = float(np.linalg.norm(first - second))
+    distance = _apart(world, picks)
     relation = "nearer than" if distance < threshold else "at least"
     return (
         f"the parts lie {distance * 1000:.0f} mm apart, {relation} the threshold of "

@@ -17,6 +17,7 @@ from workbench.journal.journal import Journal
 from workbench.model.cell import Cell
 from workbench.model.digest import digest_of
 from workbench.model.errors import JournalError, WorkbenchError
+from workbench.model.scan import Findings
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,13 +72,15 @@ def recomputed(journal: Journal) -> Iterator[Comparison]:
 
 def _compared(cell: Cell, job: StartJob, kept: object) -> Comparison | None:
     if isinstance(kept, WorkbenchError) or (
-        job.name == "scan" and cell.scanner.source != "simulated"
+        job.name in ("scan", "sight") and cell.scanner.source != "simulated"
     ):
         return None
     try:
         again = JOBS[job.name](cell, job.arguments, lambda done, note: None, lambda: False)
     except WorkbenchError as error:
         return Comparison(job.number, job.name, False, f"failed: {error}")
+    if isinstance(again, Findings):
+        again = again.detections
     says = _difference(kept, again)
     return Comparison(job.number, job.name, not says, says or "equal")
 

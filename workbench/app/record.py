@@ -18,29 +18,41 @@ from workbench.app.commands import (
     CellRead,
     ChangeCell,
     Command,
+    DropDraft,
+    EditPart,
     EmptyPallets,
     Entry,
     FindParts,
+    ForgetAvoided,
     JobEnded,
     LinkEnded,
     MakePlan,
     PlanResult,
+    PosesRefused,
     RedoCell,
+    ReportPick,
     SaveCell,
     SendPlan,
     Sent,
+    SightPlate,
     Stop,
     TakeScan,
     UndoCell,
     UseDetections,
     UseScan,
+    UseSightings,
+    WantThreshold,
+    WatchPlan,
 )
 from workbench.app.forms import ReadFile, large_arrays, restored
 from workbench.app.state import State
+from workbench.model.calibration import PlateSighting
 from workbench.model.cell import Cell
 from workbench.model.digest import canonical
 from workbench.model.errors import JobCancelled, JournalError, WorkbenchError
 from workbench.model.scan import Detection, Scan
+
+Result = Scan | tuple[Detection, ...] | PlanResult | PlateSighting | WorkbenchError
 
 SESSION = "Session"
 SESSION_FORMAT = "workbench-session/1"
@@ -52,18 +64,27 @@ COMMANDS: Mapping[str, type] = {
         UseScan,
         FindParts,
         UseDetections,
+        SightPlate,
+        UseSightings,
         MakePlan,
+        WantThreshold,
+        WatchPlan,
         Approve,
         SendPlan,
         Stop,
+        ReportPick,
+        ForgetAvoided,
         CancelJob,
         AcknowledgeFault,
         ChangeCell,
         UndoCell,
         RedoCell,
+        EditPart,
+        DropDraft,
         SaveCell,
         EmptyPallets,
         CellRead,
+        PosesRefused,
         JobEnded,
         Sent,
         LinkEnded,
@@ -126,6 +147,8 @@ def entry_record(entry: Entry, command: CommandForm, after: State) -> Record:
         "after": summary(after),
         "approval": None if after.approval is None else canonical(after.approval),
     }
+    if entry.joints:
+        body["joints"] = dict(entry.joints)
     return Record(command.kind, _json(body), command.files)
 
 
@@ -143,6 +166,10 @@ def summary(state: State) -> Mapping[str, Any]:
         "receipts": len(state.receipts),
         "parts_placed": state.parts_placed,
         "on_pallets": len(state.placed),
+        "watched": list(state.watched),
+        "words": [word.actor for word in state.words],
+        "failures": state.failures,
+        "avoided": len(state.avoided),
     }
 
 
@@ -166,7 +193,9 @@ def entry_of(
     try:
         content = json.loads(body)
         command = _command(kind, content["command"], read)
-        return Entry(number, content["at"], content["actor"], command), content["after"]
+        joints = content.get("joints", {})
+        entry = Entry(number, content["at"], content["actor"], command, joints)
+        return entry, content["after"]
     except (KeyError, TypeError, ValueError, WorkbenchError) as error:
         raise JournalError(f"entry {number} ({kind}) cannot be read: {error}") from error
 
@@ -191,12 +220,14 @@ def check_session(kind: str, body: bytes, cell: Cell) -> None:
         )
 
 
-def _result_form(result: Scan | tuple[Detection, ...] | PlanResult | WorkbenchError) -> Any:
+def _result_form(result: Result) -> Any:
     match result:
         case Scan():
             return {"scan": canonical(result)}
         case PlanResult():
             return {"plan": canonical(result)}
+        case PlateSighting():
+            return {"sighting": canonical(result)}
         case WorkbenchError():
             return {"error": {"type": type(result).__name__, "text": str(result)}}
         case _:
@@ -209,9 +240,7 @@ def _command(kind: str, form: Any, read: ReadFile) -> Command:
     return restored(COMMANDS[kind], form, read)
 
 
-def _result(
-    form: Mapping[str, Any], read: ReadFile
-) -> Scan | tuple[Detection, ...] | PlanResult | WorkbenchError:
+def _result(form: Mapping[str, Any], read: ReadFile) -> Result:
     ((kind, content),) = form.items()
     match kind:
         case "scan":
@@ -220,6 +249,8 @@ def _result(
             return restored(tuple[Detection, ...], content, read)
         case "plan":
             return restored(PlanResult, content, read)
+        case "sighting":
+            return restored(PlateSighting, content, read)
         case "error":
             cancelled = content["type"] == JobCancelled.__name__
             return (JobCancelled if cancelled else WorkbenchError)(content["text"])

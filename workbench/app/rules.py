@@ -1,6 +1,8 @@
 """What may happen now: pure checks; every refusal says what to do instead."""
 
 import math
+from collections.abc import Mapping
+from types import MappingProxyType
 from typing import Any, assert_never
 
 import numpy as np
@@ -13,28 +15,41 @@ from workbench.app.commands import (
     CellRead,
     ChangeCell,
     Command,
+    DropDraft,
+    EditPart,
     EmptyPallets,
     FindParts,
+    ForgetAvoided,
     JobEnded,
     LinkEnded,
     MakePlan,
+    PosesRefused,
     RedoCell,
+    ReportPick,
     SaveCell,
     SendPlan,
     Sent,
+    SightPlate,
     Stop,
     TakeScan,
     UndoCell,
     UseDetections,
     UseScan,
+    UseSightings,
+    WantThreshold,
+    WatchPlan,
 )
+from workbench.app.outcomes import outcome_problem
+from workbench.app.part_rules import check_edit, part_of
+from workbench.app.release import lacks_people, overtaken, said_already, unwatched
 from workbench.app.rights import MACHINES, RIGHTS, obstacle
 from workbench.app.state import State
 from workbench.model.cell import ORDER_NAMES, PLANNER_NAMES, Cell, Wishes
 from workbench.model.digest import digest_of
 from workbench.model.errors import CommandRefused, InputError
+from workbench.model.geometry import Floats
 from workbench.model.plan import UNSIGNED, Plan, Proof, Strategy
-from workbench.model.release import Approval
+from workbench.model.release import Approval, Word
 from workbench.model.scan import Detection
 
 MOST_PARTS = 30
@@ -43,6 +58,9 @@ LONGEST_NAME = 80
 LONGEST_TEXT = 200
 FARTHEST = 20.0
 """[m] Nothing of a cell stands further from its origin."""
+DETAIL = (0.3, 2.0)
+"""Share of the usual detail that a search may have."""
+MOST_SIGHTINGS = 60
 MOST_ITERATIONS = 100_000
 LARGEST_MARGIN = 0.2
 """[m]"""
@@ -51,7 +69,16 @@ STRATEGIES = ("auto", *(str(strategy) for strategy in Strategy), "both")
 at once, and compares."""
 
 
-def allowed(state: State, command: Command, actor: str, now: float) -> None:
+NOT_REPORTED: Mapping[str, float] = MappingProxyType({})
+
+
+def allowed(
+    state: State,
+    command: Command,
+    actor: str,
+    now: float,
+    joints: Mapping[str, float] = NOT_REPORTED,
+) -> None:
     """Let a command pass, or say why not.
 
     Args:
@@ -59,6 +86,7 @@ def allowed(state: State, command: Command, actor: str, now: float) -> None:
         command: what is asked for.
         actor: who asks: a person's name, or one of `MACHINES`.
         now: seconds since the epoch.
+        joints: how the robot stands by its own report, name -> [rad]; empty when it reports none.
 
     Raises:
         CommandRefused: with a sentence for the one who asked.
@@ -70,13 +98,25 @@ def allowed(state: State, command: Command, actor: str, now: float) -> None:
         case TakeScan(seed=seed, parts=parts):
             _check_integer("seed", seed, 0, SEED_LIMIT - 1)
             _check_integer("parts", parts, 1, MOST_PARTS)
-        case FindParts(seed=seed):
+        case FindParts(seed=seed, wishes=wishes):
             _check_integer("seed", seed, 0, SEED_LIMIT - 1)
+            _check_number("detail", wishes.detail, *DETAIL, "of the usual")
+            _check_number("least score", wishes.least_score, 0.0, 1.0, "")
             if state.scan is None:
                 raise CommandRefused("finding parts is not possible now: take a scan first")
         case UseDetections(detections=detections, says=says):
             _check_text("says", says)
             _check_detections(state.cell, detections)
+        case SightPlate(arm=arm, q=q, seed=seed):
+            _check_integer("seed", seed, 0, SEED_LIMIT - 1)
+            _check_configuration(state.cell, arm, q)
+        case UseSightings(sightings=sightings, says=says):
+            _check_text("says", says)
+            if len(sightings) > MOST_SIGHTINGS:
+                raise CommandRefused(f"up to {MOST_SIGHTINGS} poses are taken")
+            for one in sightings:
+                _check_text("name", one.name)
+                _check_configuration(state.cell, one.arm, one.q)
         case MakePlan(strategy=strategy, threshold=threshold, seed=seed, wishes=wishes):
             _check_integer("seed", seed, 0, SEED_LIMIT - 1)
             _check_wishes(state.cell, wishes)
@@ -87,11 +127,23 @@ def allowed(state: State, command: Command, actor: str, now: float) -> None:
             _check_scene(state, plan)
             if state.proof is None:
                 raise CommandRefused("the plan has no proof, so it cannot be approved")
-            approve(state.cell, plan, state.proof, actor, now)
+            check_approvable(state.cell, plan, state.proof, actor)
+            _refuse(overtaken(state, plan, joints))
+            _refuse(unwatched(state, actor) or said_already(state, actor, now))
         case SendPlan(plan_digest=digest):
             plan = _named_plan(state, digest)
-            if problem := staleness(state.approval, plan, state.cell, state.scene_digest, now):
-                raise CommandRefused(problem)
+            _refuse(staleness(state.approval, plan, state.cell, state.scene_digest, now))
+            _refuse(overtaken(state, plan, joints))
+        case WatchPlan(plan_digest=digest):
+            _named_plan(state, digest)
+        case WantThreshold(threshold=threshold):
+            _check_number("threshold", threshold, 0.0, 1.0, "m")
+        case ReportPick():
+            _check_text("why", command.why)
+            _refuse(outcome_problem(state, command))
+        case ForgetAvoided():
+            if not state.avoided:
+                raise CommandRefused("nothing is avoided")
         case ChangeCell(cell=cell, says=says):
             _check_text("says", says)
             _check_cell(cell)
@@ -103,6 +155,11 @@ def allowed(state: State, command: Command, actor: str, now: float) -> None:
         case RedoCell():
             if not state.undone:
                 raise CommandRefused("there is no change of the cell to redo")
+        case EditPart() as edit:
+            _check_text("says", edit.says)
+            check_edit(state.cell, edit)
+        case DropDraft(part=part):
+            part_of(state.cell, part)
         case EmptyPallets():
             if not state.placed:
                 raise CommandRefused("the pallets are empty already")
@@ -114,7 +171,7 @@ def allowed(state: State, command: Command, actor: str, now: float) -> None:
             _check_integer("parts_placed", parts_placed, 0, SEED_LIMIT - 1)
         case UseScan() | Stop() | CancelJob() | AcknowledgeFault() | JobEnded() | Sent():
             pass
-        case CellRead():
+        case CellRead() | PosesRefused():
             pass
         case _:
             assert_never(command)
@@ -124,13 +181,24 @@ ONE_ARM = frozenset({"abb-socket"})
 """Protocols that cannot say that two arms move at once."""
 
 
+def moves_both_arms(cell: Cell) -> bool:
+    """Whether the cell has two arms, and a controller that can move them at once."""
+    return len(cell.arms) > 1 and cell.controller.protocol not in ONE_ARM
+
+
 def can_be_sent(cell: Cell, plan: Plan) -> bool:
     """Whether the controller's protocol can say what the plan does."""
-    is_one_by_one = all(len(step.runs) == 1 for step in plan.sequence)
-    return is_one_by_one or cell.controller.protocol not in ONE_ARM
+    return moves_both_arms(cell) or all(len(step.runs) == 1 for step in plan.sequence)
 
 
-def approve(cell: Cell, plan: Plan, proof: Proof, actor: str, now: float) -> Approval:
+def approve(
+    cell: Cell,
+    plan: Plan,
+    proof: Proof,
+    actor: str,
+    now: float,
+    before: tuple[Word, ...] = (),
+) -> Approval:
     """A person's word for exactly this plan, valid as long as the cell's policy says.
 
     Args:
@@ -139,10 +207,32 @@ def approve(cell: Cell, plan: Plan, proof: Proof, actor: str, now: float) -> App
         proof: of this plan, in this cell.
         actor: the name of the person.
         now: seconds since the epoch.
+        before: the words of others that count along; the first of all words decides the end.
 
     Raises:
-        CommandRefused: nobody is named, the proof does not hold, or plan, proof and cell do
-            not belong together.
+        CommandRefused: nobody is named, the proof does not hold, plan, proof and cell do not
+            belong together, or too few people have given a word.
+    """
+    check_approvable(cell, plan, proof, actor)
+    approval = Approval(
+        plan_digest=plan.digest,
+        proof_digest=proof.digest,
+        cell_digest=cell.digest,
+        scan_digest=plan.scan_digest,
+        actor=actor,
+        at=now,
+        until=min((now, *(word.at for word in before))) + cell.policy.approval_minutes * 60.0,
+        before=before,
+    )
+    _refuse(lacks_people(cell, approval))
+    return approval
+
+
+def check_approvable(cell: Cell, plan: Plan, proof: Proof, actor: str) -> None:
+    """Look whether a person may give a word for a plan in this cell.
+
+    Raises:
+        CommandRefused: see `approve`, which asks this, too.
     """
     _check_person(actor)
     if digest_of(plan, without=UNSIGNED) != plan.digest:
@@ -158,17 +248,9 @@ def approve(cell: Cell, plan: Plan, proof: Proof, actor: str, now: float) -> App
     if not can_be_sent(cell, plan):
         raise CommandRefused(
             f"the controller's protocol {cell.controller.protocol} moves one arm at a time, "
-            "this plan moves both; make an alternated plan to send it"
+            "this plan moves both; make an alternated plan to send it, or use a controller that "
+            "speaks abb-socket/2"
         )
-    return Approval(
-        plan_digest=plan.digest,
-        proof_digest=proof.digest,
-        cell_digest=cell.digest,
-        scan_digest=plan.scan_digest,
-        actor=actor,
-        at=now,
-        until=now + cell.policy.approval_minutes * 60.0,
-    )
 
 
 def staleness(
@@ -193,14 +275,20 @@ def staleness(
             f"the approval by {approval.actor} was valid for "
             f"{(approval.until - approval.at) / 60:.0f} minutes and has run out; approve again"
         )
-    return ""
+    return lacks_people(cell, approval)
+
+
+def _refuse(problem: str) -> None:
+    if problem:
+        raise CommandRefused(problem)
 
 
 def _check_actor(command: Command, actor: str) -> None:
     right = RIGHTS[type(command)]
     if right.by_machine and actor not in MACHINES:
         raise CommandRefused(f"{right.says} is reported by a machine, not by {actor!r}")
-    if not right.by_machine:
+    is_allowed = (right.by_anybody and actor in MACHINES) or actor == right.also_by
+    if not right.by_machine and not is_allowed:
         _check_person(actor)
 
 
@@ -262,6 +350,18 @@ def _check_detections(cell: Cell, detections: tuple[Detection, ...]) -> None:
             cell.part(detection.part)
         except InputError as error:
             raise CommandRefused(str(error)) from error
+
+
+def _check_configuration(cell: Cell, arm: str, q: Floats) -> None:
+    """See that an arm can stand there; what a controller reports may be off by its resolution."""
+    try:
+        joints = cell.arm(arm).joints
+    except InputError as error:
+        raise CommandRefused(str(error)) from error
+    lower, upper, _ = cell.robot.limits(joints)
+    q = np.asarray(q)
+    if q.shape != lower.shape or not np.all((q >= lower - 1e-3) & (q <= upper + 1e-3)):
+        raise CommandRefused(f"{len(joints)} joint values within the limits of {arm} are needed")
 
 
 def _check_near(thing: str, T_world_thing: pin.SE3) -> None:

@@ -7,7 +7,8 @@ from pathlib import Path
 from workbench.app.bench import Bench
 from workbench.app.commands import CellRead
 from workbench.app.rights import CELL_FILE
-from workbench.formats.cells import read_cell
+from workbench.formats.cells import part_folders, read_cell
+from workbench.formats.part_saves import DRAFT, VERSIONS
 from workbench.model.errors import CommandRefused, InputError
 
 log = logging.getLogger(__name__)
@@ -64,8 +65,9 @@ class CellWatch:
 
     def _stamp(self) -> Stamp:
         found: list[tuple[str, int, int]] = []
-        for file in sorted(self._path.parent.rglob("*")):
-            if file.suffix in KINDS and not file.name.startswith("."):
+        files = [file for folder in self._folders() for file in sorted(folder.rglob("*"))]
+        for file in files:
+            if file.suffix in KINDS and not file.name.startswith(".") and not _is_kept(file):
                 try:
                     status = file.stat()
                 except OSError:
@@ -73,12 +75,21 @@ class CellWatch:
                 found.append((str(file), status.st_mtime_ns, status.st_size))
         return tuple(found)
 
+    def _folders(self) -> list[Path]:
+        """Where the files lie: beside the cell file, and those of its parts."""
+        try:
+            parts = part_folders(self._path).values()
+        except InputError:
+            parts = ()  # the file is broken: what it names is looked for when it is whole again
+        return [self._path.parent, *parts]
+
     def _take(self) -> bool:
         """Read the cell and hand it over; whether it was taken."""
         state = self._bench.state
         try:
             cell = read_cell(self._path)
-            if cell.digest == state.saved and not state.cell_problem:
+            is_known = cell.digest == state.saved and cell.approvers == state.cell.approvers
+            if is_known and not state.cell_problem:
                 return True
             command = CellRead(cell)
         except InputError as error:
@@ -89,3 +100,8 @@ class CellWatch:
             log.info("the cell file is read later: %s", error)
             return False
         return True
+
+
+def _is_kept(file: Path) -> bool:
+    """Whether a file is a draft or an older version, which a cell does not hold."""
+    return file.name == DRAFT or file.parent.name == VERSIONS

@@ -1,19 +1,24 @@
 """The jobs: what the worker process does.  Importing this imports all the heavy rooms."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pinocchio as pin
 
+from workbench.app.calibration import simulated_sight
 from workbench.app.commands import PlanResult
 from workbench.app.pick import plan_pick
 from workbench.app.worker import Cancelled, JobFunction, Report
 from workbench.devices.scanners import SCANNERS
+from workbench.model.calibration import PlateSighting
 from workbench.model.cell import Cell
 from workbench.model.errors import InputError, JobCancelled
-from workbench.model.scan import Detection, Obstacle, Scan
-from workbench.perception.localize import localize
+from workbench.model.scan import Detection, Findings, Obstacle, Scan
+from workbench.model.search import SearchWishes
+from workbench.perception.balls import sight_plate
+from workbench.perception.localize import merged, search
 from workbench.perception.piles import drop_parts
 from workbench.perception.synthesize import synthesize
 from workbench.perception.unexplained import unexplained
@@ -36,24 +41,46 @@ def scan(cell: Cell, arguments: Mapping[str, Any], report: Report, cancelled: Ca
 
 def find_parts(
     cell: Cell, arguments: Mapping[str, Any], report: Report, cancelled: Cancelled
-) -> tuple[Detection, ...]:
+) -> Findings:
     """All parts of the cell, each kind found in `scan` with `seed`, the surest first."""
-    found: list[Detection] = []
+    brought: list[Findings] = []
+    wishes: SearchWishes = arguments.get("wishes", SearchWishes())
     for number, part in enumerate(cell.parts):
         before = number / len(cell.parts)
 
         def report_share(done: float, note: str, before: float = before) -> None:
             report(before + done / len(cell.parts), note)
 
-        found += localize(
-            arguments["scan"],
-            part,
-            cell,
-            seed=arguments["seed"],
-            report=report_share,
-            cancelled=cancelled,
+        brought.append(
+            search(
+                arguments["scan"],
+                part,
+                cell,
+                seed=arguments["seed"],
+                detail=wishes.detail,
+                report=report_share,
+                cancelled=cancelled,
+            )
         )
-    return tuple(sorted(found, key=lambda detection: -detection.score))
+    found = merged(brought)
+    sure = tuple(one for one in found.detections if one.score >= wishes.least_score)
+    return replace(found, detections=sure)
+
+
+def sight(
+    cell: Cell, arguments: Mapping[str, Any], report: Report, cancelled: Cancelled
+) -> PlateSighting:
+    """The reference plate, held by `arm` at `q`, in a scan of the cell's scanner."""
+    arm, q, plate = cell.arm(arguments["arm"]), arguments["q"], arguments["plate"]
+    report(0.1, "the scanner looks at the plate")
+    if cell.scanner.source == "simulated":
+        scan = simulated_sight(cell, arm, q, plate, seed=arguments["seed"])
+    else:
+        scan = SCANNERS[cell.scanner.source](cell.scanner).scan(report, cancelled)
+    if cancelled():
+        raise JobCancelled("the scan of the plate was cancelled")
+    report(0.5, "looking for the balls")
+    return sight_plate(scan, plate, arguments["name"], arm.name, q)
 
 
 def boxes_around(cell: Cell, placed: Sequence[Detection]) -> tuple[Obstacle, ...]:
@@ -82,11 +109,17 @@ def plan(
         threshold=arguments["threshold"],
         wishes=arguments["wishes"],
         obstacles=(*seen, *boxes_around(cell, arguments["placed"])),
+        avoided=dict(arguments["avoided"]),
         seed=arguments["seed"],
         report=report,
         cancelled=cancelled,
     )
 
 
-JOBS: Mapping[str, JobFunction] = {"scan": scan, "localize": find_parts, "plan": plan}
+JOBS: Mapping[str, JobFunction] = {
+    "scan": scan,
+    "localize": find_parts,
+    "sight": sight,
+    "plan": plan,
+}
 """By the names that `decide` gives them."""

@@ -9,8 +9,9 @@ from typing import Annotated, Literal
 
 from tyro.conf import Positional, subcommand
 
-from workbench.cli.names import OrderName, PlannerName, StrategyName
+from workbench.cli.names import OrderName, PlannerName, ProtocolName, StrategyName
 from workbench.cli.nested_arguments import Bench, CellCommands, SessionCommands, Study
+from workbench.cli.part_arguments import Grasps, PartCommands
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,8 +76,41 @@ class Localize:
     """PLY file, points in metres in the scanner's frame."""
     out: Path
     """JSON file of poses to write."""
+    discarded: bool = False
+    """Tell also which poses were thought possible and discarded, and why."""
     seed: int = 0
     """Of everything random."""
+    detail: float = 1.0
+    """How fine the scan is looked at, 0.3 to 2; finer sees smaller features and takes longer."""
+    least_score: float = 0.0
+    """Parts with a lower score are left out, 0 to 1."""
+
+
+@dataclass(frozen=True, slots=True)
+class Calibrate:
+    """Find out where the scanner hangs, from scans of a three-ball plate that the robot holds.
+
+    The folder holds scans and calibration.toml, which says where the arm stood for each; see
+    docs/integrator.md. Poses that do not agree with the others are named and left out.
+    """
+
+    cell: Positional[str]
+    """Name under robots/, or path of a cell.toml."""
+    poses: Path
+    """Folder with the scans and calibration.toml."""
+    save: bool = False
+    """Write the scanner's pose into the cell file, with date, author and accuracy."""
+    by: str = ""
+    """Name of the person who answers for it; needed to save."""
+    simulate: bool = False
+    """Make the folder first: scans by the simulated scanner, hanging some 20 mm and 2 degrees from
+    where the cell has it."""
+    count: int = 8
+    """How many poses to simulate."""
+    seed: int = 0
+    """Of the simulated poses and noise."""
+    json: bool = False
+    """Print one JSON object and nothing else."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -158,13 +192,15 @@ class Send:
     """Name of the person who has looked at the plan and answers for it."""
     cell: str | None = None
     """Name under robots/, or path of a cell.toml; the name in the plan when not given."""
+    protocol: ProtocolName | None = None
+    """Spoken with the controller; that of the cell when not given."""
     json: bool = False
     """Print one JSON object and nothing else."""
 
 
 @dataclass(frozen=True, slots=True)
 class Controller:
-    """Run the simulated robot controller until it is interrupted."""
+    """Run the simulated robot controller until it is interrupted; it speaks both protocols."""
 
     cell: str = "yumi"
     """Name under robots/, or path of a cell.toml."""
@@ -178,6 +214,10 @@ class Controller:
     """Of the robot: 1 is real time."""
     record: Path | None = None
     """File to which every configuration that arrives is appended, one JSON object a line."""
+    trace: Path | None = None
+    """File to which every state that the arms go through is."""
+    fault: tuple[str, ...] = ()
+    """What goes wrong, each once: NAME or NAME:n, as in `drop:3 garbage:9`; n counts messages."""
     until_eof: bool = False
     """End when standard input ends, too."""
     json: bool = False
@@ -194,6 +234,41 @@ class ExportWorld:
     """Folder to write to; made when missing."""
     plan: Path | None = None
     """JSON file of a plan, for its parts and phases; the bare cell when not given."""
+
+
+@dataclass(frozen=True, slots=True)
+class Statistics:
+    """Tell what sessions have brought: parts per hour, success, times, causes of refusal."""
+
+    sessions: Positional[tuple[Path, ...]] = ()
+    """Folders of sessions; all of those in sessions/ when none is given."""
+    csv: Path | None = None
+    """CSV file to write, a row for each part that was sent for."""
+    json: bool = False
+    """Print one JSON object and nothing else."""
+
+
+@dataclass(frozen=True, slots=True)
+class Backup:
+    """Write the cells and parts below the working directory into one zip file."""
+
+    out: Positional[Path]
+    """Zip file to write."""
+    with_sessions: bool = False
+    """The sessions as well; they are large."""
+
+
+@dataclass(frozen=True, slots=True)
+class Restore:
+    """Put back what a backup holds, once every cell, part and session in it could be read.
+
+    What has the same name is replaced, but for sessions, which stay; all else is left alone.
+    """
+
+    file: Positional[Path]
+    """Zip file that `backup` has written."""
+    dry_run: bool = False
+    """Only tell what would be new and what replaced."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -227,6 +302,7 @@ Arguments = (
     | Annotated[Demo, subcommand("demo")]
     | Annotated[Scan, subcommand("scan")]
     | Annotated[Localize, subcommand("localize")]
+    | Annotated[Calibrate, subcommand("calibrate")]
     | Annotated[Plan, subcommand("plan")]
     | Annotated[Explain, subcommand("explain")]
     | Annotated[Verify, subcommand("verify")]
@@ -236,6 +312,11 @@ Arguments = (
     | Annotated[Bench, subcommand("bench")]
     | Annotated[Study, subcommand("study")]
     | Annotated[CellCommands, subcommand("cell")]
+    | Annotated[PartCommands, subcommand("part")]
+    | Annotated[Grasps, subcommand("grasps")]
     | Annotated[Import, subcommand("import")]
     | Annotated[SessionCommands, subcommand("session")]
+    | Annotated[Statistics, subcommand("statistics")]
+    | Annotated[Backup, subcommand("backup")]
+    | Annotated[Restore, subcommand("restore")]
 )

@@ -5,7 +5,15 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from workbench.app.bench import Bench
-from workbench.app.commands import Approve, Command, FindParts, MakePlan, SendPlan, TakeScan
+from workbench.app.commands import (
+    Approve,
+    Command,
+    FindParts,
+    MakePlan,
+    SendPlan,
+    TakeScan,
+    WatchPlan,
+)
 from workbench.app.rules import SEED_LIMIT
 from workbench.app.sessions import new_session
 from workbench.app.state import Phase, State
@@ -61,14 +69,16 @@ def demo(typed: arguments.Demo) -> int:
     rows: list[StageRow] = []
     cycles: list[dict[str, Any]] = []
     code, why = SUCCESS, ""
-    with simulated_controller(typed.cell, speed=typed.speed) as controller:
+    with simulated_controller(
+        typed.cell, cell.controller.protocol, speed=typed.speed
+    ) as controller:
         cell = replace(cell, controller=controller)
         journal = new_session(typed.sessions, cell, time.time())
         bench = Bench(cell, journal)
         try:
             with progress("demo") as report:
                 for number in range(typed.cycles):
-                    _Cycle(bench, number + 1, rows, report).run(typed.seed + number)
+                    Cycle(bench, number + 1, rows, report).run(typed.seed + number)
                     cycles.append(_cycle_form(typed.seed + number, bench.state))
         except NoPlan as error:
             code, why = NO_PLAN, str(error)
@@ -111,7 +121,7 @@ def demo(typed: arguments.Demo) -> int:
     return code
 
 
-class _Cycle:
+class Cycle:
     """One cycle: gives the commands that a person would click, and keeps what came of them."""
 
     def __init__(self, bench: Bench, number: int, rows: list[StageRow], report: Report) -> None:
@@ -136,6 +146,8 @@ class _Cycle:
         plan, proof = state.plan, state.proof
         if plan is None or proof is None or not proof.holds:
             raise NoPlan(state.message)
+        # Nobody looks: the record says who has let this plan out, a demonstration.
+        self._bench.do(WatchPlan(plan.digest), ACTOR)
         self._stage("approve", Approve(plan.digest), Phase.APPROVED)
         state = self._stage("send", SendPlan(plan.digest), Phase.DONE, Phase.FAULT)
         if state.phase is Phase.FAULT:

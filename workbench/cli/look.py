@@ -1,13 +1,15 @@
 """`workbench scan` and `workbench localize`: from a bin to a cloud, from a cloud to poses."""
 
-from workbench.app.rules import MOST_PARTS, SEED_LIMIT
+from workbench.app.rules import DETAIL, MOST_PARTS, SEED_LIMIT
 from workbench.app.work import find_parts
 from workbench.cli import arguments
-from workbench.cli.terminal import check_whole, print_table, progress
+from workbench.cli.terminal import check_number, check_whole, print_table, progress
 from workbench.formats.cells import read_cell
 from workbench.formats.clouds import read_cloud, write_cloud
 from workbench.formats.poses import write_poses
-from workbench.model.scan import Detection
+from workbench.model.scan import Detection, Discarded
+from workbench.model.search import SearchWishes
+from workbench.perception.bin_check import check_bin
 from workbench.perception.piles import drop_parts
 from workbench.perception.synthesize import synthesize
 
@@ -33,12 +35,15 @@ def scan(typed: arguments.Scan) -> int:
 def localize(typed: arguments.Localize) -> int:
     """Find all parts that the cell knows in a scan, and write their poses."""
     check_whole("--seed", typed.seed, 0, SEED_LIMIT - 1)
+    check_number("--detail", typed.detail, *DETAIL)
+    check_number("--least-score", typed.least_score, 0.0, 1.0)
+    wishes = SearchWishes(typed.detail, typed.least_score)
     cell = read_cell(typed.cell)
     cloud = read_cloud(typed.scan, cell.scanner.T_world_scanner)
     with progress("localize") as report:
-        found = find_parts(
-            cell, {"scan": cloud, "seed": typed.seed}, report, cancelled=lambda: False
-        )
+        arguments = {"scan": cloud, "seed": typed.seed, "wishes": wishes}
+        findings = find_parts(cell, arguments, report, cancelled=lambda: False)
+    found = findings.detections
     write_poses(typed.out, found)
     rows = (
         (
@@ -52,4 +57,14 @@ def localize(typed: arguments.Localize) -> int:
     )
     columns = ("#", "part", "x mm", "y mm", "z mm", "score", "visible")
     print_table(f"{typed.out}: {len(found)} found", columns, rows)
+    if typed.discarded:
+        columns = ("part", "x mm", "y mm", "z mm", "score", "why it is none")
+        print_table("Discarded", columns, [_discarded_words(one) for one in findings.discarded])
+    check = check_bin(cloud, cell.bin)
+    print(f"bin, {check.light}: {check.says}")
     return 0
+
+
+def _discarded_words(one: Discarded) -> tuple[str, ...]:
+    place = (f"{p * 1000:.1f}" for p in one.T_world_part.translation)
+    return (one.part, *place, f"{one.score:.2f}", one.words)

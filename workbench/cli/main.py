@@ -83,6 +83,10 @@ def run(typed: arguments.Arguments) -> int:
             from workbench.cli.look import localize
 
             return localize(typed)
+        case arguments.Calibrate():
+            from workbench.cli.calibrate import calibrate
+
+            return calibrate(typed)
         case arguments.Plan():
             from workbench.cli.planning import plan
 
@@ -119,10 +123,30 @@ def run(typed: arguments.Arguments) -> int:
             from workbench.cli.cell import cell
 
             return cell(typed)
+        case arguments.PartCommands():
+            from workbench.cli.part import part
+
+            return part(typed)
+        case arguments.Grasps():
+            from workbench.cli.grasps import grasps
+
+            return grasps(typed)
         case arguments.SessionCommands():
             from workbench.cli.session import session
 
             return session(typed)
+        case arguments.Statistics():
+            from workbench.cli.statistics import tell_statistics
+
+            return tell_statistics(typed)
+        case arguments.Backup():
+            from workbench.cli.backup import backup
+
+            return backup(typed)
+        case arguments.Restore():
+            from workbench.cli.backup import restore
+
+            return restore(typed)
         case arguments.Import():
             from workbench.cli.new_cell import import_world
 

@@ -60,17 +60,46 @@ class BenchPick:
 
 
 @dataclass(frozen=True, slots=True)
+class BenchSoak:
+    """Run very many whole cycles against a simulated controller: none may be lost, nothing grow.
+
+    Ends with 1 when a cycle was lost or the journal is not whole.
+    """
+
+    cell: str = "yumi"
+    """Name under robots/, or path of a cell.toml."""
+    cycles: int = 1000
+    """How many."""
+    piles: int = 20
+    """How many different piles, again and again: the scan of each is kept once."""
+    speed: float = 1000.0
+    """Of the simulated robot: 1 is real time."""
+    seed: int = 0
+    """Of the first pile; the others follow."""
+    sessions: Path = Path("sessions")
+    """Folder for the folder of this session."""
+    json: bool = False
+    """Print one JSON object and nothing else."""
+
+
+@dataclass(frozen=True, slots=True)
 class StudyLocalization:
     """Find the parts of seeded piles in simulated scans and compare with where they lie."""
 
     cell: str = "yumi"
     """Name under robots/, or path of a cell.toml."""
-    scenes: int = 40
-    """How many piles."""
-    parts: int = 2
-    """How many parts in each."""
+    scenes: int = 10
+    """How many piles for each part, count and noise."""
+    parts: tuple[str, ...] = ("keyed_cylinder", "bracket", "bolt")
+    """Names under parts/, or paths, one after the other."""
+    counts: tuple[int, ...] = (2, 8)
+    """Parts in a pile."""
+    noise: tuple[Literal["fine", "rough"], ...] = ("fine", "rough")
+    """Builds of scanner: that of the cell, and one with twice its noise and many flaws."""
     seed: int = 0
     """Of the first pile; the others follow."""
+    plot: Path | None = None
+    """HTML file to draw it in."""
     json: bool = False
     """Print one JSON object and nothing else."""
 
@@ -107,7 +136,9 @@ class Bench:
     """Measure how fast and how reliable planning is."""
 
     what: (
-        Annotated[BenchPlanners, subcommand("planners")] | Annotated[BenchPick, subcommand("pick")]
+        Annotated[BenchPlanners, subcommand("planners")]
+        | Annotated[BenchPick, subcommand("pick")]
+        | Annotated[BenchSoak, subcommand("soak")]
     )
 
 
@@ -241,12 +272,68 @@ class SessionReplay:
 
 
 @dataclass(frozen=True, slots=True)
+class SessionExport:
+    """Write a session into one zip file that anybody can open.
+
+    What happened as text, JSON and CSV, a page that plays the last plan without a network, and all
+    that `session import` needs.
+    """
+
+    session: Positional[Path]
+    """Folder of the session; it may still be going on."""
+    out: Path
+    """Zip file to write."""
+    no_scene: bool = False
+    """Leave the page out: it takes a few seconds."""
+
+
+@dataclass(frozen=True, slots=True)
+class SessionImport:
+    """Take a session from a zip file, provided that nothing in it was changed."""
+
+    file: Positional[Path]
+    """Zip file that `session export` has written."""
+    sessions: Path = Path("sessions")
+    """Folder for the session's folder, which gets the name of the zip file."""
+
+
+@dataclass(frozen=True, slots=True)
+class SessionPrune:
+    """Remove old sessions, after telling which and what that frees."""
+
+    sessions: Path = Path("sessions")
+    """Folder that holds them; folders without a time in their name are left alone."""
+    keep: int | None = None
+    """Keep so many of the newest."""
+    older_than_days: float | None = None
+    """Keep those that are younger."""
+    yes: bool = False
+    """Do not ask."""
+
+
+@dataclass(frozen=True, slots=True)
+class SessionOpen:
+    """Serve the page on a recorded session, to look at each moment of it; nothing can be sent."""
+
+    session: Positional[Path]
+    """Folder of the session."""
+    host: str = "127.0.0.1"
+    """Address to listen on."""
+    port: int = 8081
+    """Port to listen on; 0 takes a free one."""
+
+
+@dataclass(frozen=True, slots=True)
 class SessionCommands:
-    """Look into recorded sessions, check them, compute them again."""
+    """Look into recorded sessions, check them, compute them again, take them along."""
 
     what: (
         Annotated[SessionList, subcommand("list")]
         | Annotated[SessionShow, subcommand("show")]
         | Annotated[SessionVerify, subcommand("verify")]
         | Annotated[SessionReplay, subcommand("replay")]
+        | Annotated[SessionOpen, subcommand("open")]
+        | Annotated[SessionExport, subcommand("export")]
+        | Annotated[SessionImport, subcommand("import")]
+        | Annotated[SessionPrune, subcommand("prune")]
     )

@@ -14,11 +14,14 @@ from workbench.cli import arguments
 from workbench.cli.planning import cell_of
 from workbench.cli.terminal import check_number, check_whole, print_json, progress
 from workbench.devices import abb_link, abb_simulated
+from workbench.devices.abb_faults import parse_fault
 from workbench.devices.abb_simulated import SimulatedController
 from workbench.formats.cells import read_cell
 from workbench.formats.plans import read_plan
 from workbench.model.cell import Controller
+from workbench.model.digest import canonical
 from workbench.model.errors import FileError
+from workbench.model.release import PartReport
 from workbench.planning.prove import prove
 
 HIGHEST_PORT = 65535
@@ -35,24 +38,32 @@ def send(typed: arguments.Send) -> int:
             f"has {plan.digest[:12]}; make a new plan",
         )
     cell = cell_of(plan, typed.cell)
-    cell = replace(cell, controller=Controller(typed.host, typed.port))
+    protocol = typed.protocol or cell.controller.protocol
+    cell = replace(cell, controller=Controller(typed.host, typed.port, protocol=protocol))
     began = time.monotonic()
     with progress("send") as report:
         report(0.0, "proving the plan")
         proof = prove(cell, plan)
         approval = approve(cell, plan, proof, typed.approve_as, time.time())
         sent: Counter[str] = Counter()
+        parts: list[PartReport] = []
         for receipt in abb_link.send(plan, approval, cell):
-            sent[receipt.arm] += 1
-            report(receipt.done / receipt.total, f"arm {receipt.arm}, {receipt.kind}")
+            if receipt.sent:
+                sent[receipt.arm or "both"] += 1
+            if receipt.part is not None:
+                parts.append(receipt.part)
+            report(receipt.done / receipt.total, f"{receipt.arm} {receipt.sent or receipt.heard}")
     seconds = time.monotonic() - began
     if typed.json:
         form = {"ok": True, "digest": plan.digest, "approved_by": approval.actor}
-        print_json({**form, "messages": dict(sent), "seconds": round(seconds, 3)})
+        form |= {"protocol": protocol, "messages": dict(sent), "parts": canonical(parts)}
+        print_json({**form, "seconds": round(seconds, 3)})
     else:
-        counts = ", ".join(f"{count} for arm {arm}" for arm, count in sent.items())
+        counts = ", ".join(f"{count} for {arm}" for arm, count in sent.items())
         print(f"plan {plan.digest[:12]} approved by {approval.actor} and sent in {seconds:.1f} s")
-        print(f"messages: {counts}; the controller has ended the last motion")
+        print(f"messages by {protocol}: {counts}; the controller has ended the last motion")
+        for part in parts:
+            print(f"arm {part.arm}: {'picked' if part.is_picked else f'failed, {part.why}'}")
     return 0
 
 
@@ -92,6 +103,8 @@ def controller(typed: arguments.Controller) -> int:
         state_port=state_port,
         speed=typed.speed,
         record=typed.record,
+        trace=typed.trace,
+        faults=[parse_fault(text) for text in typed.fault],
         ready=ready,
     )
     return 0

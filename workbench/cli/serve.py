@@ -16,10 +16,11 @@ from workbench.app.bench import Bench
 from workbench.app.machines import Machines
 from workbench.app.sessions import new_session
 from workbench.app.watch import CellWatch
+from workbench.app.watch_poses import PosesWatch
 from workbench.cli import arguments
 from workbench.cli.simulation import simulated_controller
 from workbench.cli.terminal import check_whole
-from workbench.formats.cells import cell_path, read_cell
+from workbench.formats.cells import cell_path, part_folders, read_cell
 from workbench.formats.predictions import predictions_path, read_predictions
 from workbench.model.cell import Controller
 
@@ -37,27 +38,36 @@ def serve(typed: arguments.Serve) -> int:
     with ExitStack() as stack:
         robot = f"robot controller: {_address(cell.controller)}"
         if _is_local(cell.controller) and not _answers(cell.controller):
-            cell = replace(cell, controller=stack.enter_context(simulated_controller(typed.cell)))
+            simulated = simulated_controller(typed.cell, cell.controller.protocol)
+            cell = replace(cell, controller=stack.enter_context(simulated))
             robot = f"robot controller: simulated, {_address(cell.controller)}"
         journal = new_session(SESSIONS, cell, time.time())
         path = cell_path(typed.cell)
         bench = Bench(cell, journal, effects=partial(Machines, cell_file=path))
         stack.callback(bench.close)
         stack.callback(CellWatch(path, bench).close)
+        stack.callback(PosesWatch(bench).close)
 
         # The page takes its time to import; by now the worker imports in parallel.
         from workbench.gui.server import serve as serve_page
 
-        page = serve_page(bench, host=typed.host, port=typed.port, predictions=predictions)
+        page = serve_page(
+            bench,
+            host=typed.host,
+            port=typed.port,
+            predictions=predictions,
+            folders=part_folders(path),
+        )
         stack.callback(page.close)
         print(f"Workbench, cell {cell.name}: {page.url}")
         print(robot)
         print(f"session: {journal.folder}", flush=True)
-        _wait_for_the_end()
+        wait_for_the_end()
     return 0
 
 
-def _wait_for_the_end() -> None:
+def wait_for_the_end() -> None:
+    """Return at SIGINT or SIGTERM."""
     ended = threading.Event()
 
     def end(signum: int, frame: FrameType | None) -> None:

@@ -6,10 +6,15 @@ from pathlib import Path
 from typing import Any, assert_never
 
 from workbench.app.recompute import recomputed
+from workbench.app.session_archive import DATABASE, told
 from workbench.cli.exits import NO_PLAN, SUCCESS
 from workbench.cli.nested_arguments import (
     SessionCommands,
+    SessionExport,
+    SessionImport,
     SessionList,
+    SessionOpen,
+    SessionPrune,
     SessionReplay,
     SessionShow,
     SessionVerify,
@@ -17,8 +22,6 @@ from workbench.cli.nested_arguments import (
 from workbench.cli.terminal import print_json, print_table
 from workbench.journal.journal import Journal
 from workbench.model.errors import InputError, JournalError
-
-FILE = "journal.sqlite"
 
 
 def session(typed: SessionCommands) -> int:
@@ -32,6 +35,22 @@ def session(typed: SessionCommands) -> int:
             return _verify(typed.what)
         case SessionReplay():
             return _replay(typed.what)
+        case SessionOpen():
+            from workbench.cli.open_session import open_session
+
+            return open_session(typed.what)
+        case SessionExport():
+            from workbench.cli.session_files import export
+
+            return export(typed.what)
+        case SessionImport():
+            from workbench.cli.session_files import import_
+
+            return import_(typed.what)
+        case SessionPrune():
+            from workbench.cli.session_files import prune
+
+            return prune(typed.what)
         case _:
             assert_never(typed.what)
 
@@ -40,7 +59,7 @@ def _list(typed: SessionList) -> int:
     rows: list[tuple[str, ...]] = []
     if typed.sessions.is_dir():
         for folder in sorted(typed.sessions.iterdir()):
-            if (folder / FILE).exists():
+            if (folder / DATABASE).exists():
                 rows.append(_summary(folder))
     if typed.json:
         keys = ("session", "cell", "entries", "ended", "message")
@@ -74,34 +93,25 @@ def _summary(folder: Path) -> tuple[str, ...]:
         journal.close()
 
 
-def _opened(folder: Path) -> Journal:
-    if not (folder / FILE).exists():
-        raise InputError(f"{folder}: is not the folder of a session (there is no {FILE})")
+def opened(folder: Path) -> Journal:
+    """The journal of a session's folder.
+
+    Raises:
+        InputError: the folder holds none.
+    """
+    if not (folder / DATABASE).exists():
+        raise InputError(f"{folder}: is not the folder of a session (there is no {DATABASE})")
     return Journal(folder)
 
 
 def _show(typed: SessionShow) -> int:
-    journal = _opened(typed.session)
+    journal = opened(typed.session)
     try:
-        told: list[dict[str, Any]] = []
-        for row in journal.entries():
-            body: Any = json.loads(row.body)
-            after = body.get("after", {})
-            told.append(
-                {
-                    "number": row.number,
-                    "at": body.get("at"),
-                    "actor": body.get("actor", ""),
-                    "kind": row.kind,
-                    "phase": after.get("phase", ""),
-                    "message": after.get("message", f"cell {body.get('cell', '')}"),
-                    "files": len(row.files),
-                }
-            )
+        entries = told(journal).entries
     finally:
         journal.close()
     if typed.json:
-        print_json({"entries": told})
+        print_json({"entries": entries})
         return SUCCESS
     print_table(
         str(typed.session),
@@ -115,14 +125,14 @@ def _show(typed: SessionShow) -> int:
                 one["phase"],
                 one["message"],
             )
-            for one in told
+            for one in entries
         ],
     )
     return SUCCESS
 
 
 def _verify(typed: SessionVerify) -> int:
-    journal = _opened(typed.session)
+    journal = opened(typed.session)
     try:
         problems = journal.verify()
         head, count = journal.head, journal.count
@@ -136,7 +146,7 @@ def _verify(typed: SessionVerify) -> int:
 
 
 def _replay(typed: SessionReplay) -> int:
-    journal = _opened(typed.session)
+    journal = opened(typed.session)
     differ = 0
     try:
         for one in recomputed(journal):

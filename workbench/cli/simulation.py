@@ -5,8 +5,9 @@ import subprocess
 import sys
 from collections.abc import Generator
 from contextlib import contextmanager
+from dataclasses import replace
 
-from workbench.model.cell import Controller
+from workbench.model.cell import Controller, ProtocolName
 from workbench.model.errors import LinkError
 
 PATIENCE = 5.0
@@ -14,7 +15,9 @@ PATIENCE = 5.0
 
 
 @contextmanager
-def simulated_controller(cell: str, *, speed: float = 1.0) -> Generator[Controller]:
+def simulated_controller(
+    cell: str, protocol: ProtocolName, *, speed: float = 1.0
+) -> Generator[Controller]:
     """Run `workbench controller` on free ports of this machine for as long as the block runs.
 
     It also ends when this process does, however that comes: its standard input is a pipe that
@@ -22,6 +25,7 @@ def simulated_controller(cell: str, *, speed: float = 1.0) -> Generator[Controll
 
     Args:
         cell: name or path, as typed.
+        protocol: to speak with it; it understands all.
         speed: 1 is real time.
 
     Raises:
@@ -40,7 +44,7 @@ def simulated_controller(cell: str, *, speed: float = 1.0) -> Generator[Controll
         if process.stdin is None or process.stdout is None:
             raise LinkError("the simulated controller has no pipes")
         try:
-            yield _address(process.stdout.readline())
+            yield replace(_address(process.stdout.readline()), protocol=protocol)
         finally:
             process.stdin.close()
             try:

@@ -11,6 +11,7 @@ from workbench.cli.nested_arguments import (
     Bench,
     BenchPick,
     BenchPlanners,
+    BenchSoak,
     Study,
     StudyLocalization,
     StudyThreshold,
@@ -32,6 +33,10 @@ def bench(typed: Bench) -> int:
             return _planners(typed.what)
         case BenchPick():
             return _pick(typed.what)
+        case BenchSoak():
+            from workbench.cli.soak import soak
+
+            return soak(typed.what)
         case _:
             assert_never(typed.what)
 
@@ -146,27 +151,50 @@ def _pick(typed: BenchPick) -> int:
 
 def _localization(typed: StudyLocalization) -> int:
     check_whole("--scenes", typed.scenes, 1, MOST)
-    check_whole("--parts", typed.parts, 1, 30)
+    if not typed.parts or not typed.counts or not typed.noise:
+        raise InputError("--parts, --counts and --noise need at least one value each")
+    for count in typed.counts:
+        check_whole("--counts", count, 1, 30)
+    tasks = [
+        localization.Task(typed.cell, part, build, count, seed)
+        for part in typed.parts
+        for build in typed.noise
+        for count in typed.counts
+        for seed in range(typed.seed, typed.seed + typed.scenes)
+    ]
     with progress("localization") as report:
-        measured = localization.measure(
-            typed.cell, scenes=typed.scenes, parts=typed.parts, seed=typed.seed, report=report
-        )
+        scenes = run_cases(localization.localized_scene, tasks, report=report)
+    rows = localization.summary(scenes)
+    if typed.plot is not None:
+        plots.draw_localization(typed.plot, rows)
     if typed.json:
-        print_json(measured)
+        print_json({"scenes": [asdict(scene) for scene in scenes], "rows": rows})
         return SUCCESS
-    rows: list[tuple[str, ...]] = []
-    for name, key, factor in (
-        ("position, mm", "distance", 1e3),
-        ("axis, degrees", "tilt", np.rad2deg(1.0)),
-        ("roll where known, degrees", "roll", np.rad2deg(1.0)),
-        ("time a scene, ms", "seconds", 1e3),
-    ):
-        if measured[key]:
-            values = np.percentile(np.array(measured[key]) * factor, [50, 90, 100])
-            rows.append((name, *(f"{value:.2f}" for value in values)))
-    print_table("Localization", ("what", "median", "90 %", "worst"), rows)
-    print(", ".join(f"{count} {name}" for name, count in measured["counts"].items()))
+    columns = ("part", "noise", "count", "best two", "precision", "recall", "no roll")
+    print_table(
+        f"Localization, {typed.scenes} piles a row; median / worst",
+        (*columns, "mm", "degrees", "ms"),
+        [_localization_words(row) for row in rows],
+    )
     return SUCCESS
+
+
+def _localization_words(row: dict[str, Any]) -> tuple[str, ...]:
+    def two(key: str, factor: float, digits: int) -> str:
+        if row[key] is None:
+            return ""
+        return " / ".join(f"{row[key][k] * factor:.{digits}f}" for k in ("median", "worst"))
+
+    return (
+        row["part"],
+        row["build"],
+        str(row["count"]),
+        *("" if row[k] is None else f"{row[k]:.1%}" for k in ("best_right", "precision", "recall")),
+        str(row["roll_unknown"]),
+        two("distance", 1e3, 2),
+        two("turn", float(np.rad2deg(1.0)), 2),
+        two("seconds", 1e3, 0),
+    )
 
 
 def _threshold(typed: StudyThreshold) -> int:

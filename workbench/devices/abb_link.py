@@ -1,41 +1,28 @@
 """Our end of the robot link: an approved plan goes out, message by message, or nothing does."""
 
-import json
 import socket
 import time
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
-from typing import Any
+from contextlib import suppress
 
 from workbench.devices.abb_messages import Requests, messages
+from workbench.devices.abb_program import program_of
+from workbench.devices.abb_reports import CONNECT_SECONDS, POLL_SECONDS
+from workbench.devices.abb_sending import Sending
+from workbench.devices.abb_status import LinkStatus
 from workbench.model.cell import Cell
-from workbench.model.errors import CommandRefused, JobCancelled, LinkError, ProtocolError
+from workbench.model.errors import CommandRefused, JobCancelled, LinkError, WorkbenchError
 from workbench.model.plan import Plan
 from workbench.model.release import Approval, Receipt
 
-CONNECT_SECONDS = 3.0
 ANSWER_SECONDS = 30.0
-"""The robot moves between two requests; longer than this and something is wrong."""
+"""`abb-socket` only: the robot moves between two requests; longer than this is too long."""
 
-POLL_SECONDS = 0.05
-LONGEST_LINE = 64 * 1024
+STOP_SECONDS = 2.0
+"""How long a controller may take to acknowledge a stop."""
 
-
-@dataclass(frozen=True, slots=True)
-class ControllerState:
-    """What a controller reports of itself.
-
-    `joints` [rad], chain order, and `openings` [m] by arm; `moving` the arm in motion or "";
-    `received` counts messages and `placed` the parts put down since it started.  `fault` is
-    empty when there is none.
-    """
-
-    joints: dict[str, tuple[float, ...]]
-    openings: dict[str, float]
-    moving: str
-    received: int
-    placed: int
-    fault: str
+KEEPALIVE = {"TCP_KEEPIDLE": 1, "TCP_KEEPINTVL": 1, "TCP_KEEPCNT": 3, "TCP_USER_TIMEOUT": 5000}
+"""[s, s, times, ms] So that the system, too, notices a machine that is gone."""
 
 
 def check_approval(plan: Plan, approval: Approval, cell: Cell, now: float) -> None:
@@ -66,23 +53,60 @@ def send(
     *,
     now: Callable[[], float] = time.time,
     cancelled: Callable[[], bool] = lambda: False,
-    answer_seconds: float = ANSWER_SECONDS,
+    show: Callable[[LinkStatus], None] = lambda status: None,
+    answer_seconds: float | None = None,
 ) -> Iterator[Receipt]:
-    """Send a plan to the controller of the cell; one receipt for each message that went out.
+    """Send a plan to the controller of the cell, in the protocol of the cell.
 
-    Nothing is sent twice: after any error the link is closed, and what was sent stands in the
-    receipts.  The iterator ends when the controller has asked once more after the last message,
-    which says that the last motion has ended.
+    One receipt for each message that went out, and for each that says something new.  Nothing is
+    sent twice: after any error the link is closed, and what was sent stands in the receipts.  The
+    iterator ends when the controller has reported the end of the last motion, by asking once more
+    (`abb-socket`) or in so many words (`abb-socket/2`).
+
+    Args:
+        plan: what is sent.
+        approval: that lets it out.
+        cell: as it is now.
+        now: seconds since the epoch.
+        cancelled: asked all the time; True stops the robot as far as the protocol can.
+        show: takes how the link stands, when that changes.
+        answer_seconds: [s] see `ANSWER_SECONDS`.
 
     Raises:
-        CommandRefused: the approval is not for this, or has run out; nothing was sent.
+        CommandRefused: the approval is not for this, or has run out; nothing has moved.
         InputError: the plan cannot be said in this protocol; nothing was sent.
-        LinkError: no connection, no request in time, or the controller closed the link.
-        ProtocolError: the controller said something unknown.
-        JobCancelled: `cancelled` said so; the link is closed at once.
+        LinkError: no connection, silence, a refusal, or the controller closed the link.
+        ProtocolError: the controller said or does something that cannot be.
+        JobCancelled: `cancelled` said so; the link is closed.
     """
     check_approval(plan, approval, cell, now())
+
+    def check() -> None:
+        check_approval(plan, approval, cell, now())
+
+    if cell.controller.protocol == "abb-socket/2":
+        program = program_of(cell, plan, approval)
+        talk = Sending(cell, plan, program, now=now, released=check)
+        with _connected(cell) as link:
+            yield from _converse(link, talk, cancelled, show)
+        return
     ready = messages(cell, plan)
+    seconds = ANSWER_SECONDS if answer_seconds is None else answer_seconds
+    with _connected(cell) as link:
+        requests, total = Requests(), len(ready)
+        for number, message in enumerate(ready, start=1):
+            _await_request(link, requests, f"message {number} of {total}", cancelled, seconds)
+            if number == 1:
+                # The connection may have waited; the approval must hold when motion begins.
+                check()
+            show(LinkStatus("abb-socket", "sending", number, total, "send", now(), now()))
+            _say(link, message.text.encode("ascii"), f"message {number} of {total}")
+            yield Receipt(now(), message.arm, message.kind, message.text, number, total)
+        _await_request(link, requests, "the end of the last motion", cancelled, seconds)
+        show(LinkStatus("abb-socket", "done", total, total, "send", now(), now()))
+
+
+def _connected(cell: Cell) -> socket.socket:
     address = (cell.controller.host, cell.controller.port)
     try:
         link = socket.create_connection(address, CONNECT_SECONDS)
@@ -90,21 +114,85 @@ def send(
         raise LinkError(
             f"no controller answers at {address[0]}:{address[1]} ({error.strerror or error})"
         ) from None
-    with link:
-        link.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-        requests = Requests()
-        for number, message in enumerate(ready, start=1):
-            where = f"message {number} of {len(ready)}"
-            _await_request(link, requests, where, cancelled, answer_seconds)
-            if number == 1:
-                # The connection may have waited; the approval must hold when motion begins.
-                check_approval(plan, approval, cell, now())
-            try:
-                link.sendall(message.text.encode("ascii"))
-            except OSError as error:
-                raise LinkError(f"the link broke at {where}: {error.strerror or error}") from None
-            yield Receipt(now(), message.arm, message.kind, message.text, number, len(ready))
-        _await_request(link, requests, "the end of the last motion", cancelled, answer_seconds)
+    link.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+    link.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
+    for option, value in KEEPALIVE.items():
+        if hasattr(socket, option):  # not every system has all of them
+            link.setsockopt(socket.IPPROTO_TCP, getattr(socket, option), value)
+    link.settimeout(POLL_SECONDS)
+    return link
+
+
+def _converse(
+    link: socket.socket,
+    talk: Sending,
+    cancelled: Callable[[], bool],
+    show: Callable[[LinkStatus], None],
+) -> Iterator[Receipt]:
+    """Say and hear until the end; whatever else happens, the robot is told to stop."""
+    try:
+        while not talk.is_over:
+            if cancelled():
+                yield from _stop(link, talk, show)
+            if data := talk.say(time.monotonic()):
+                _say(link, data, talk.where)
+            before = talk.status
+            yield from _heard(link, talk)
+            talk.check(time.monotonic())
+            if talk.status is not before:
+                show(talk.status)
+    except WorkbenchError:
+        yield from talk.unanswered()
+        raise
+    finally:
+        if talk.is_begun and not talk.is_over and not talk.has_stopped:
+            # The controller stops by itself when the link ends; this is quicker.
+            with suppress(OSError):
+                link.sendall(talk.abort(time.monotonic()))
+
+
+def _stop(
+    link: socket.socket, talk: Sending, show: Callable[[LinkStatus], None]
+) -> Iterator[Receipt]:
+    """Ask the controller to stop, and wait for its word.
+
+    Raises:
+        JobCancelled: always; it tells what came of it.
+    """
+    where = f"sending was stopped at {talk.where}"
+    if not talk.is_begun:
+        raise JobCancelled(f"{where}, before the controller was spoken to")
+    yield from talk.unanswered()
+    missing = "the controller did not acknowledge the stop: use the emergency stop"
+    try:
+        _say(link, talk.abort(time.monotonic()), talk.where)
+        until = time.monotonic() + STOP_SECONDS
+        while not talk.has_stopped and time.monotonic() < until:
+            yield from _heard(link, talk)
+    except LinkError as error:
+        raise JobCancelled(f"{where}; {missing} ({error})") from None
+    show(talk.status)
+    raise JobCancelled(f"{where}; {talk.status.stop or missing}")
+
+
+def _heard(link: socket.socket, talk: Sending) -> Iterator[Receipt]:
+    try:
+        data = link.recv(4096)
+    except TimeoutError:
+        return
+    except OSError as error:
+        raise LinkError(f"the link broke at {talk.where}: {error.strerror or error}") from None
+    if not data:
+        hint = "" if talk.status.version else "; perhaps it speaks abb-socket alone"
+        raise LinkError(f"the controller closed the link at {talk.where}{hint}")
+    yield from talk.hear(data, time.monotonic())
+
+
+def _say(link: socket.socket, data: bytes, where: str) -> None:
+    try:
+        link.sendall(data)
+    except OSError as error:
+        raise LinkError(f"the link broke at {where}: {error.strerror or error}") from None
 
 
 def _await_request(
@@ -114,7 +202,6 @@ def _await_request(
     cancelled: Callable[[], bool],
     seconds: float,
 ) -> None:
-    link.settimeout(POLL_SECONDS)
     until = time.monotonic() + seconds
     while True:
         if cancelled():
@@ -133,53 +220,3 @@ def _await_request(
             raise LinkError(f"the controller closed the link at {where}")
         if requests.hear(data):
             return
-
-
-def watch_state(
-    host: str, port: int, cancelled: Callable[[], bool] = lambda: False
-) -> Iterator[ControllerState]:
-    """The states that a controller reports, as they come: one JSON object a line.
-
-    Raises:
-        LinkError: nobody answers, or the report broke off.
-        ProtocolError: a line is not a state.
-    """
-    try:
-        link = socket.create_connection((host, port), CONNECT_SECONDS)
-    except OSError as error:
-        raise LinkError(
-            f"no controller reports its state at {host}:{port} ({error.strerror or error})"
-        ) from None
-    with link:
-        link.settimeout(POLL_SECONDS)
-        heard = b""
-        while not cancelled():
-            try:
-                data = link.recv(65536)
-            except TimeoutError:
-                continue
-            except OSError as error:
-                raise LinkError(f"the state report broke off: {error.strerror or error}") from None
-            if not data:
-                raise LinkError("the controller closed its state report")
-            heard += data
-            *lines, heard = heard.split(b"\n")
-            if len(heard) > LONGEST_LINE:
-                raise ProtocolError("a state report is too long")
-            for line in lines:
-                yield _state(line)
-
-
-def _state(line: bytes) -> ControllerState:
-    try:
-        report: dict[str, Any] = json.loads(line)
-        return ControllerState(
-            joints={str(a): tuple(float(v) for v in q) for a, q in report["joints"].items()},
-            openings={str(a): float(v) for a, v in report["openings"].items()},
-            moving=str(report["moving"]),
-            received=int(report["received"]),
-            placed=int(report["placed"]),
-            fault=str(report["fault"]),
-        )
-    except (ValueError, KeyError, TypeError, AttributeError) as error:
-        raise ProtocolError(f"{line[:60]!r} is no state report ({error})") from None

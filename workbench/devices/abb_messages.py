@@ -15,6 +15,7 @@ the longest message has 62.
 """
 
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -66,12 +67,47 @@ def encode(arm: Arm, kind: Kind, q: Floats | None = None) -> Message:
         raise InputError(
             f"an {kind} message to arm {arm.name} needs {len(arm.joints)} finite joints"
         )
-    degrees = np.rad2deg(np.asarray(q)[list(arm.wire_order)]) * np.array(arm.wire_signs)
-    numbers = (f"{value + 0.0:.2f}" for value in np.round(degrees, 2))
-    text = head + "*" + "*".join(numbers) + "*"
+    text = head + "*" + "*".join(in_degrees(arm, q)) + "*"
     if len(text) > LONGEST:
         raise InputError(f"a message of {len(text)} characters does not fit a RAPID string")
     return Message(arm.name, kind, text, q)
+
+
+def in_degrees(arm: Arm, q: Floats) -> list[str]:
+    """A configuration (n,) [rad], chain order, as it travels: axes 1 to n in degrees."""
+    degrees = np.rad2deg(np.asarray(q)[list(arm.wire_order)]) * np.array(arm.wire_signs)
+    return [f"{value + 0.0:.2f}" for value in np.round(degrees, 2)]
+
+
+def angles_of(arm: Arm, words: Sequence[str]) -> Floats:
+    """The configuration (n,) [rad], chain order, that travelled so; see `in_degrees`.
+
+    Raises:
+        ProtocolError: not as many numbers as the arm has joints, each with two decimals.
+    """
+    if len(words) != len(arm.joints):
+        raise ProtocolError(f"{len(words)} numbers came for the {len(arm.joints)} axes of an arm")
+    for word in words:
+        if not NUMBER.fullmatch(word):
+            raise ProtocolError(f"{word!r} is not a number with two decimals")
+    degrees = np.array([float(word) for word in words]) * np.array(arm.wire_signs)
+    q = np.empty(len(degrees))
+    q[list(arm.wire_order)] = np.deg2rad(degrees)
+    return q
+
+
+def angles_within_limits(cell: Cell, arm: Arm, words: Sequence[str]) -> Floats:
+    """As `angles_of`, for a configuration that the arm is to go to.
+
+    Raises:
+        ProtocolError: it is none, or outside the limits of a joint.
+    """
+    q = angles_of(arm, words)
+    try:
+        check_limits(cell, arm, q)
+    except InputError as error:
+        raise ProtocolError(str(error)) from None
+    return q
 
 
 def messages(cell: Cell, plan: Plan) -> tuple[Message, ...]:
@@ -206,17 +242,7 @@ class Commands:
         words = rest.split("*")
         if words[0] or words[-1] or len(words) != len(arm.joints) + 2:
             raise ProtocolError(f"{rest!r} is not {len(arm.joints)} numbers between stars")
-        for word in words[1:-1]:
-            if not NUMBER.fullmatch(word):
-                raise ProtocolError(f"{word!r} is not a number with two decimals")
-        degrees = np.array([float(word) for word in words[1:-1]]) * np.array(arm.wire_signs)
-        q = np.empty(len(degrees))
-        q[list(arm.wire_order)] = np.deg2rad(degrees)
-        try:
-            check_limits(self._cell, arm, q)
-        except InputError as error:
-            raise ProtocolError(str(error)) from None
-        return q
+        return angles_within_limits(self._cell, arm, words[1:-1])
 
     def _follow(self, arm: Arm, kind: Kind) -> None:
         """The order: start, any in, any out, stop; one arm at a time."""

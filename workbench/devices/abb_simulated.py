@@ -1,39 +1,35 @@
-"""A simulated robot controller: speaks the protocol strictly, moves in time, reports its state."""
+"""A simulated robot controller: speaks both protocols, moves in time, reports its state."""
 
 import json
 import logging
 import select
 import socket
 import threading
-import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
-from workbench.devices.abb_messages import REQUEST, Commands, Message
-from workbench.model.cell import Arm, Cell
-from workbench.model.errors import LinkError, ProtocolError
-from workbench.model.geometry import Floats
+from workbench.devices.abb_body import Body
+from workbench.devices.abb_faults import Fault, Faults
+from workbench.devices.abb_messages import REQUEST
+from workbench.devices.abb_serve_program import TICK, ProgramClient, Station
+from workbench.devices.abb_serve_requests import RequestClient
+from workbench.model.cell import Cell
+from workbench.model.errors import LinkError
 
 log = logging.getLogger(__name__)
-
-TICK = 0.02
-"""[s] Between two steps of a motion."""
 
 REPORT = 0.05
 """[s] Between two state reports while something changes."""
 
 MOST_WATCHERS = 32
-ANSWER_SECONDS = 30.0
-
-IN_THE_HAND = "the client left in the middle of a sequence"
 
 
 class SimulatedController:
     """Two TCP servers: one takes motion, one client at a time; the other reports state to many.
+
+    The first byte of a client says which protocol it speaks: `abb-socket/2` begins with a digit.
 
     Lifetime: the ports are open from construction; `run` serves until `stop` is called, and
     ends within a tick.
@@ -50,6 +46,9 @@ class SimulatedController:
         *,
         speed: float = 1.0,
         record: Path | None = None,
+        trace: Path | None = None,
+        faults: Sequence[Fault] = (),
+        paces: Mapping[str, float] | None = None,
     ) -> None:
         """Open the ports.
 
@@ -60,20 +59,16 @@ class SimulatedController:
             state_port: for state reports; 0 takes any free one.
             speed: 1 is real time, 20 twenty times as fast.
             record: file to which every configuration that arrives is appended as a JSON line.
+            trace: file to which every state that the arms go through is.
+            faults: that are to happen, each once.
+            paces: arms that run legs slower than told, or faster, where they may; 1 is as told.
 
         Raises:
             LinkError: a port is taken.
         """
-        self._cell = cell
-        self._speed = speed
-        self._record = record
         self._stop = threading.Event()
-        self._lock = threading.Lock()
-        self._q = {arm.name: np.array(arm.home) for arm in cell.arms}
-        self._opening = {arm.name: 0.0 for arm in cell.arms}
-        self._holds: dict[str, bool] = {}
-        self._moving, self._fault = "", ""
-        self._received, self._placed = 0, 0
+        self._body = Body(cell, speed, record, trace, Faults(faults))
+        self._station = Station(self._body, self._stop.is_set, self._refuse_others, paces or {})
         self._motion = _listening(host, port)
         try:
             self._states = _listening(host, state_port)
@@ -93,15 +88,7 @@ class SimulatedController:
 
     def state(self) -> dict[str, Any]:
         """The present state as it is reported."""
-        with self._lock:
-            return {
-                "joints": {arm: q.tolist() for arm, q in self._q.items()},
-                "openings": dict(self._opening),
-                "moving": self._moving,
-                "received": self._received,
-                "placed": self._placed,
-                "fault": self._fault,
-            }
+        return self._body.state()
 
     def stop(self) -> None:
         """End `run`."""
@@ -128,98 +115,30 @@ class SimulatedController:
 
     def _serve(self, client: socket.socket) -> None:
         client.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-        self._set(_fault="")
-        commands = Commands(self._cell)
-        last: Message | None = None
+        self._body.halt("")
         try:
-            while not self._stop.is_set():
-                client.sendall(REQUEST)
-                message = self._next(client, commands)
-                if message is None:
-                    break
-                self._execute(client, message, last)
-                last = message
-        except (ProtocolError, LinkError, OSError) as error:
+            client.sendall(REQUEST)
+            first = self._first_byte(client)
+            if first:
+                talk = ProgramClient if first.isdigit() else RequestClient
+                talk(client, self._station).serve()
+        except (LinkError, OSError) as error:
             log.warning("fault: %s", error)
-            self._set(_fault=str(error), _moving="")
+            self._body.halt(str(error))
 
-    def _next(self, client: socket.socket, commands: Commands) -> Message | None:
-        """The next message; None when the client leaves between two sequences."""
-        until = time.monotonic() + ANSWER_SECONDS
+    def _first_byte(self, client: socket.socket) -> bytes:
+        """By which the protocol is known; empty when the client leaves before."""
         while not self._stop.is_set():
             self._refuse_others()
-            if not select.select([client], [], [], TICK)[0]:
-                # Between sequences a client may wait as long as it likes.
-                if time.monotonic() > until and not commands.is_between:
-                    raise LinkError(f"no message for {ANSWER_SECONDS:.0f} s within a sequence")
-                continue
-            data = client.recv(256)
-            if not data:
-                if commands.is_between:
-                    return None
-                raise LinkError(IN_THE_HAND)
-            message = commands.hear(data)
-            if message is not None:
-                return message
-        return None
+            if select.select([client], [], [], TICK)[0]:
+                return client.recv(1, socket.MSG_PEEK)
+        return b""
 
     def _refuse_others(self) -> None:
         if select.select([self._motion], [], [], 0)[0]:
             other, address = self._motion.accept()
             log.warning("client %s refused: another one is connected", address)
             other.close()
-
-    def _execute(self, client: socket.socket, message: Message, last: Message | None) -> None:
-        arm = self._cell.arm(message.arm)
-        self._set(_received=self._received + 1)
-        if self._record is not None and message.q is not None:
-            line = {"arm": message.arm, "kind": message.kind, "q": np.asarray(message.q).tolist()}
-            with self._record.open("a") as file:
-                file.write(json.dumps(line) + "\n")
-        match message.kind:
-            case "start":
-                self._holds[arm.name] = False
-            case "in" | "out":
-                if message.kind == "out" and last is not None and last.kind == "in":
-                    self._grip(arm, 0.0)
-                    self._holds[arm.name] = True
-                elif message.kind == "in" and last is not None and last.kind == "start":
-                    self._grip(arm, arm.tool.stroke[1])
-                if message.q is not None:
-                    self._move(client, arm, np.asarray(message.q))
-            case "stop":
-                if self._holds.pop(arm.name, False):
-                    self._grip(arm, arm.tool.stroke[1])
-                    self._set(_placed=self._placed + 1)
-
-    def _grip(self, arm: Arm, opening: float) -> None:
-        with self._lock:
-            self._opening[arm.name] = opening
-
-    def _move(self, client: socket.socket, arm: Arm, goal: Floats) -> None:
-        """All joints linearly, as fast as the slowest of them may."""
-        _, _, velocity = self._cell.robot.limits(arm.joints)
-        start = self._q[arm.name]
-        seconds = float((np.abs(goal - start) / (velocity * self._cell.policy.speed)).max())
-        seconds /= self._speed
-        began = time.monotonic()
-        self._set(_moving=arm.name)
-        while (passed := time.monotonic() - began) < seconds and not self._stop.is_set():
-            with self._lock:
-                self._q[arm.name] = start + (goal - start) * (passed / seconds)
-            # A client that has gone must not be obeyed to the end of its last word.
-            if select.select([client], [], [], min(TICK, seconds - passed))[0]:
-                if not client.recv(1, socket.MSG_PEEK):
-                    raise LinkError(IN_THE_HAND)
-                raise ProtocolError("a message came before it was asked for")
-        with self._lock:
-            self._q[arm.name] = goal
-        self._set(_moving="")
-
-    def _set(self, **fields: Any) -> None:
-        with self._lock:
-            for name, value in fields.items():
-                setattr(self, name, value)
 
     # -- state reports ---------------------------------------------------------------------
 
@@ -267,12 +186,16 @@ def serve(
     state_port: int = 0,
     speed: float = 1.0,
     record: Path | None = None,
+    trace: Path | None = None,
+    faults: Sequence[Fault] = (),
     ready: Callable[[SimulatedController], None] = lambda controller: None,
 ) -> None:
     """Run a simulated controller in this thread until it is stopped; see `SimulatedController`.
 
     `ready` is called once the ports are open.
     """
-    controller = SimulatedController(cell, host, port, state_port, speed=speed, record=record)
+    controller = SimulatedController(
+        cell, host, port, state_port, speed=speed, record=record, trace=trace, faults=faults
+    )
     ready(controller)
     controller.run()

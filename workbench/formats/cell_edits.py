@@ -11,10 +11,13 @@ import pinocchio as pin
 import tomlkit
 from tomlkit.exceptions import TOMLKitError
 
+from workbench.formats.calibrations import record_table
 from workbench.formats.cells import read_cell
+from workbench.formats.grasp_files import are_written_alike
 from workbench.formats.toml_keys import LARGEST_FILE
 from workbench.formats.whole_files import read_whole, write_whole
 from workbench.model.cell import Cell
+from workbench.model.digest import digest_of
 from workbench.model.errors import FileError
 from workbench.model.geometry import Floats
 
@@ -27,8 +30,9 @@ LOST = 2e-6
 def save_cell(path: Path, cell: Cell) -> None:
     """Write into a cell file what a cell has otherwise than the file.
 
-    Poses of robot, bin, scanner and fixtures, sizes of the bin, homes, places and the tool of the
-    arms can be written; the file is left as it is when anything else differs.
+    Poses of robot, bin, scanner and fixtures, the scanner's calibration, sizes of the bin, homes,
+    places and the tool of the arms can be written; the file is left as it is when anything else
+    differs.
 
     Args:
         path: of the cell file, which must be readable as a cell.
@@ -75,6 +79,15 @@ def log_change(path: Path, cell: Cell, actor: str, at: float, remark: str) -> No
 
 def _is_same(one: Cell, other: Cell) -> bool:
     """Whether two cells differ by no more than what is lost when numbers are written."""
+    if [part.name for part in one.parts] != [part.name for part in other.parts]:
+        return False
+    parts = tuple(
+        replace(mine, library=part.library, symmetry=part.symmetry)
+        if are_written_alike(mine.library, part.library)
+        and mine.symmetry.fold == part.symmetry.fold
+        else mine
+        for mine, part in zip(one.parts, other.parts, strict=True)
+    )
     arms = tuple(
         replace(mine, home=arm.home, Ts_world_place=arm.Ts_world_place)
         for mine, arm in zip(one.arms, other.arms, strict=True)
@@ -83,13 +96,20 @@ def _is_same(one: Cell, other: Cell) -> bool:
         replace(mine, T_world_fixture=fixture.T_world_fixture)
         for mine, fixture in zip(one.fixtures, other.fixtures, strict=True)
     )
+    mount, other_mount = one.scanner, other.scanner
+    calibration, record = mount.calibration, other_mount.calibration
+    if calibration is not None and record is not None:
+        calibration = replace(calibration, rms=record.rms)
     alike = replace(
         one,
         T_world_robot=other.T_world_robot,
         bin=replace(one.bin, T_world_bin=other.bin.T_world_bin, size=other.bin.size),
-        scanner=replace(one.scanner, T_world_scanner=other.scanner.T_world_scanner),
+        scanner=replace(
+            mount, T_world_scanner=other_mount.T_world_scanner, calibration=calibration
+        ),
         arms=arms,
         fixtures=fixtures,
+        parts=parts,
     )
     mine, others = _numbers(one), _numbers(other)
     is_near = len(mine) == len(others) and bool(np.allclose(mine, others, atol=LOST))
@@ -102,7 +122,8 @@ def _numbers(cell: Cell) -> Floats:
     Ts += [fixture.T_world_fixture for fixture in cell.fixtures]
     Ts += [T for arm in cell.arms for T in arm.Ts_world_place]
     rows = [T.homogeneous.ravel() for T in Ts] + [np.asarray(arm.home) for arm in cell.arms]
-    return np.concatenate([*rows, np.asarray(cell.bin.size)])
+    record = cell.scanner.calibration
+    return np.concatenate([*rows, np.asarray(cell.bin.size), [record.rms if record else 0.0]])
 
 
 def _edit(document: Any, old: Cell, new: Cell) -> None:
@@ -111,6 +132,11 @@ def _edit(document: Any, old: Cell, new: Cell) -> None:
     if not np.array_equal(old.bin.size, new.bin.size):
         document["bin"]["size_mm"] = _millimetres(new.bin.size)
     _edit_pose(document["scanner"], old.scanner.T_world_scanner, new.scanner.T_world_scanner)
+    record = new.scanner.calibration
+    if record is None:
+        document["scanner"].pop("calibration", None)
+    elif old.scanner.calibration is None or digest_of(record) != digest_of(old.scanner.calibration):
+        document["scanner"]["calibration"] = record_table(record)
     for table, one, other in zip(
         document.get("fixture", []), old.fixtures, new.fixtures, strict=True
     ):

@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 import pinocchio as pin
 
+from workbench.formats.calibrations import record_table
 from workbench.formats.meshes import convex_hull
 from workbench.formats.triangles import stl_of, surface_of
 from workbench.formats.urdf_package import write_package, write_srdf
@@ -86,6 +87,7 @@ def _policy(cell: Cell) -> Iterator[str]:
     yield f"planner = {_text(policy.planner)}"
     yield f"iterations = {policy.iterations}"
     yield f"order = {_text(policy.order)}"
+    yield f"approvers = {cell.approvers}             # different people who approve each plan"
 
 
 def _scanner(cell: Cell) -> Iterator[str]:
@@ -97,6 +99,11 @@ def _scanner(cell: Cell) -> Iterator[str]:
     yield f"depth_noise_mm = {_number(scanner.depth_noise * 1000)}"
     yield f"near_mm = {_number(scanner.near * 1000)}"
     yield f"far_mm = {_number(scanner.far * 1000)}"
+    yield f"calibration_days = {_number(scanner.calibration_days)}"
+    if scanner.calibration is not None:
+        record = record_table(scanner.calibration)
+        yield from ("", "[scanner.calibration]")
+        yield from (f"{key} = {json.dumps(value)}" for key, value in record.items())
 
 
 def _tool(folder: Path, tool: Tool) -> Iterator[str]:

@@ -2,10 +2,12 @@
 
 from dataclasses import replace
 from pathlib import Path
+from typing import cast
 
 import numpy as np
 import pinocchio as pin
 
+from workbench.formats.calibrations import read_record
 from workbench.formats.dh import read_dh
 from workbench.formats.parts import read_part
 from workbench.formats.shipped import find
@@ -15,6 +17,7 @@ from workbench.formats.urdf import read_srdf, read_urdf
 from workbench.model.cell import (
     ORDER_NAMES,
     PLANNER_NAMES,
+    PROTOCOL_NAMES,
     SCAN_SOURCES,
     Arm,
     Bin,
@@ -23,6 +26,8 @@ from workbench.model.cell import (
     Finger,
     Fixture,
     Policy,
+    PosesFolder,
+    ProtocolName,
     ScannerMount,
     Tool,
 )
@@ -34,6 +39,8 @@ from workbench.model.robot import Link, Robot
 ARM_NAMES = ("right", "left")
 
 MOST_PLACES = 400
+
+MOST_APPROVERS = 4
 """On one pallet."""
 
 
@@ -63,6 +70,7 @@ def read_cell(name: str | Path) -> Cell:
     names = [arm.name for arm in arms]
     if not arms or len(set(names)) != len(names):
         raise table.error("arm", "one or two [[arm]] tables with different names are needed")
+    policy, approvers = _policy(table.table("policy")) if table.has("policy") else (Policy(), 1)
     cell = Cell(
         name=table.text("name"),
         robot=robot,
@@ -75,22 +83,44 @@ def read_cell(name: str | Path) -> Cell:
         else Controller(),
         parts=tuple(_part(table, name) for name in table.texts("parts")),
         fixtures=tuple(_fixture(fixture) for fixture in table.tables("fixture")),
-        policy=_policy(table.table("policy")) if table.has("policy") else Policy(),
+        poses_folder=read_poses_folder(table.table("detections"))
+        if table.has("detections")
+        else None,
+        policy=policy,
+        approvers=approvers,
     )
     if not cell.parts:
         raise table.error("parts", "names no part; at least one is needed")
+    names = [part.name for part in cell.parts]
+    if cell.poses_folder is not None and cell.poses_folder.part not in ("", *names):
+        raise table.error("detections.part", f"is not one of {', '.join(names)}")
     table.finish()
     return cell
 
 
+def part_folders(path: Path) -> dict[str, Path]:
+    """Where the parts of a cell file lie, by their names.
+
+    Raises:
+        FileError: the file, or that of a part, cannot be read.
+    """
+    table = read_toml(path)
+    places = [_place(table, name) for name in table.texts("parts")]
+    files = [place / "part.toml" if place.is_dir() else place for place in places]
+    return {read_toml(file).text("name"): file.parent for file in files}
+
+
 def _part(table: Table, name: str) -> Part:
+    return read_part(_place(table, name))
+
+
+def _place(table: Table, name: str) -> Path:
     """A part named in a cell file: a path beside it, or a name under `parts/`."""
     beside = table.path.parent / name
     try:
-        place = beside if beside.exists() else find("parts", name)
+        return beside if beside.exists() else find("parts", name)
     except FileError as error:
         raise table.error("parts", str(error)) from None
-    return read_part(place)
 
 
 def _robot(table: Table) -> Robot:
@@ -253,6 +283,8 @@ def _scanner(table: Table) -> ScannerMount:
         address=_address(table),
         unit=table.text("unit", "m", among=tuple(UNITS)),
         patience=table.number("patience_s", 60, low=0.1, high=3600),
+        calibration=read_record(table.table("calibration")) if table.has("calibration") else None,
+        calibration_days=table.number("calibration_days", 90, low=0.1, high=3650),
     )
     table.finish()
     if mount.source != "simulated" and not mount.address:
@@ -272,13 +304,23 @@ def _address(table: Table) -> str:
     return str((table.path.parent / address).resolve())
 
 
+def read_poses_folder(table: Table) -> PosesFolder:
+    """The folder `path`, beside the cell file when it is not absolute."""
+    table.text("source", "folder", among=("folder",))
+    path = str((table.path.parent / table.text("path")).resolve())
+    folder = PosesFolder(path, table.text("part", "", empty=True))
+    table.finish()
+    return folder
+
+
 def _controller(table: Table) -> Controller:
-    table.text("protocol", "abb-socket", among=("abb-socket",))
+    protocol = cast(ProtocolName, table.text("protocol", "abb-socket", among=PROTOCOL_NAMES))
     port = table.whole("port", 1025, low=1, high=65535)
     controller = Controller(
         table.text("host", "127.0.0.1"),
         port,
         table.whole("state_port", min(port + 1, 65535), low=1, high=65535),
+        protocol,
     )
     table.finish()
     return controller
@@ -295,7 +337,8 @@ def _fixture(table: Table) -> Fixture:
     return fixture
 
 
-def _policy(table: Table) -> Policy:
+def _policy(table: Table) -> tuple[Policy, int]:
+    """The policy, and how many people have to approve."""
     usual = Policy()
 
     def length(key: str, default: float, high: float) -> float:
@@ -324,5 +367,6 @@ def _policy(table: Table) -> Policy:
             "approval_minutes", usual.approval_minutes, low=0.1, high=24 * 60
         ),
     )
+    approvers = table.whole("approvers", 1, low=1, high=MOST_APPROVERS)
     table.finish()
-    return policy
+    return policy, approvers

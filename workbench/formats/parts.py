@@ -9,16 +9,31 @@ import pinocchio as pin
 from workbench.formats.convex_pieces import pieces_of
 from workbench.formats.shipped import find
 from workbench.formats.solids import read_mesh_entry, read_solid
-from workbench.formats.toml_keys import MISSING, Table, read_toml
+from workbench.formats.toml_keys import MISSING, Table, read_toml, shown
 from workbench.model.errors import FileError
 from workbench.model.geometry import Floats, Mesh, Solid
-from workbench.model.part import Grasp, GraspLibrary, GraspPattern, Part, Symmetry
+from workbench.model.part import (
+    TURNED,
+    Entry,
+    Grasp,
+    GraspLibrary,
+    GraspPair,
+    GraspPattern,
+    Part,
+    Symmetry,
+)
 
 MOST_PIECES = 16
 """That a mesh is divided into."""
 
 MOST_GRASPS = 10_000
 """In one library, patterns written out."""
+
+LONGEST_NAME = 60
+"""Characters in the name of a grasp."""
+
+ROUNDED = 1e-5
+"""What two directions may lack to a right angle: they are written with six digits."""
 
 
 def read_part(name: str | Path) -> Part:
@@ -72,25 +87,46 @@ def read_grasps(path: Path) -> GraspLibrary:
     Raises:
         FileError: names the file and the key that is wrong.
     """
-    table = read_toml(path)
+    return library_of(read_toml(path))
+
+
+def library_of(table: Table) -> GraspLibrary:
+    """The library in the top table of a grasp file.
+
+    Raises:
+        FileError: names the file and the key that is wrong.
+    """
+    path = table.path
     entries = tuple(_entry(entry) for entry in table.tables("grasp"))
+    names = tuple(entry.name for entry in entries)
+    pairs = tuple(_pair(pair, names) for pair in table.tables("pair"))
     table.finish()
     if sum(map(_copies, entries)) > MOST_GRASPS:
         raise FileError(path, f"stands for more than {MOST_GRASPS} grasps")
-    library = GraspLibrary(entries)
+    for name, times in Counter(names).items():
+        if times > 1:
+            raise FileError(path, f"the grasp name {name!r} is used {times} times")
+    library = GraspLibrary(entries, pairs)
     for name, times in Counter(grasp.name for grasp in library.grasps).items():
         if times > 1:
             raise FileError(path, f"the grasp name {name!r} is used {times} times")
     return library
 
 
-def _copies(entry: Grasp | GraspPattern) -> int:
-    return len(entry.angles) * len(entry.offsets) if isinstance(entry, GraspPattern) else 1
+def _copies(entry: Entry) -> int:
+    return entry.count if isinstance(entry, GraspPattern) else 1
 
 
-def _entry(table: Table) -> Grasp | GraspPattern:
+def _pair(table: Table, names: tuple[str, ...]) -> GraspPair:
+    first, second = (table.text(key, among=names) for key in ("first", "second"))
+    pair = GraspPair(first, second, table.flag("ordered", False))
+    table.finish()
+    return pair
+
+
+def _entry(table: Table) -> Entry:
     grasp = Grasp(
-        name=table.text("name"),
+        name=_name(table),
         T_part_tcp=_tcp_pose(table),
         opening=table.number("opening_mm", low=0, high=1000) / 1000,
         grip=table.number("grip_mm", low=0, high=1000) / 1000,
@@ -103,6 +139,8 @@ def _entry(table: Table) -> Grasp | GraspPattern:
         arms=table.texts("arms", ()),
         tool=table.text("tool", "", empty=True),
         free_rotation=float(np.deg2rad(table.number("free_rotation_deg", 0, low=0, high=180))),
+        tilt=float(np.deg2rad(table.number("tilt_deg", 0, low=0, high=90))),
+        slide=table.number("slide_mm", 0, low=0, high=1000) / 1000,
     )
     if grasp.grip > grasp.opening:
         raise table.error("grip_mm", "is wider than opening_mm: the fingers could not close")
@@ -111,13 +149,24 @@ def _entry(table: Table) -> Grasp | GraspPattern:
     return pattern or grasp
 
 
+def _name(table: Table) -> str:
+    name = table.text("name")
+    if len(name) > LONGEST_NAME or TURNED in name:
+        problem = f"must be up to {LONGEST_NAME} characters without {TURNED}, not {shown(name)}"
+        raise table.error("name", problem)
+    return name
+
+
 def _tcp_pose(table: Table) -> pin.SE3:
     """TCP in the part frame from where it is, where z points, and where the fingers close (y)."""
     position = table.numbers("position_mm", 3, low=-10_000, high=10_000) / 1000
     z = _direction(table, "points_along")
     y = _direction(table, "closes_along")
-    if abs(float(y @ z)) > 1e-6:
+    across = float(y @ z)
+    if abs(across) > ROUNDED:
         raise table.error("closes_along", "must be perpendicular to points_along")
+    y = y - across * z
+    y /= np.linalg.norm(y)
     return pin.SE3(np.column_stack([np.cross(y, z), y, z]), position)
 
 
@@ -140,8 +189,17 @@ def _pattern(table: Table, grasp: Grasp) -> GraspPattern:
         offsets=tuple(
             (table.numbers("offsets_mm", None, [0.0], low=-10_000, high=10_000) / 1000).tolist()
         ),
+        through=table.numbers("through_mm", 3, [0.0] * 3, low=-10_000, high=10_000) / 1000,
+        across=_direction(table, "across", [1, 0, 0]),
+        across_offsets=tuple(
+            (table.numbers("across_mm", None, [0.0], low=-10_000, high=10_000) / 1000).tolist()
+        ),
     )
-    for key, values in (("angles_deg", pattern.angles), ("offsets_mm", pattern.offsets)):
+    for key, values in (
+        ("angles_deg", pattern.angles),
+        ("offsets_mm", pattern.offsets),
+        ("across_mm", pattern.across_offsets),
+    ):
         if not values:
             raise table.error(key, "is an empty list, so the pattern would hold no grasp")
     table.finish()

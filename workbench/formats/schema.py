@@ -8,7 +8,8 @@ import json
 from pathlib import Path
 from typing import Any
 
-from workbench.formats.cells import read_cell
+from workbench.formats.calibrations import read_record
+from workbench.formats.cells import read_cell, read_poses_folder
 from workbench.formats.dh import read_dh
 from workbench.formats.toml_keys import NOTES, Notes, Table
 
@@ -31,6 +32,9 @@ A_TABLE = {
 """A Denavit-Hartenberg table with a joint of each kind: no shipped cell has one."""
 
 
+A_RECORD = {"at": "2026-01-31T12:00:00Z", "by": "somebody", "poses": 8, "rms_mm": 0.1}
+
+
 def cell_schema() -> dict[str, Any]:
     """The schema, draft 2020-12."""
     notes: Notes = {}
@@ -38,11 +42,15 @@ def cell_schema() -> dict[str, Any]:
     try:
         for name in ("yumi", "tx2_90"):
             read_cell(name)
-        read_dh(Table(Path("cell.toml"), A_TABLE, "robot.dh."), "robot")
+        file = Path("cell.toml")
+        read_dh(Table(file, A_TABLE, "robot.dh."), "robot")
+        read_record(Table(file, A_RECORD, "scanner.calibration."))
+        read_poses_folder(Table(file, {"path": "poses"}, "detections."))
     finally:
         NOTES.reset(token)
     notes = {place: form for place, form in notes.items() if not _is_foreign(place)}
-    notes["robot.dh"] = {"type": "object", "required": False}
+    for place in ("robot.dh", "scanner.calibration", "detections"):
+        notes[place] = {"type": "object", "required": False}
     return {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         "title": "A cell of Workbench: lengths in mm, angles in degrees",
@@ -72,6 +80,7 @@ TOP = (
     "controller",
     "policy",
     "fixture",
+    "detections",
 )
 
 

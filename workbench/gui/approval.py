@@ -1,14 +1,15 @@
 """The dialog in which a person approves a plan."""
 
 import threading
+import time
 from collections.abc import Callable
 from typing import Any
 
 import viser
 
 from workbench.app.commands import Approve
+from workbench.gui.approval_views import facts_html
 from workbench.gui.look import View
-from workbench.gui.views import facts_html
 from workbench.gui.visitor import Visitor, refusal
 
 
@@ -40,7 +41,8 @@ class ApprovalDialog:
             modal = visitor.gui.add_modal("Approve this plan")
             self._close = modal.close
             with modal:
-                visitor.gui.add_html(facts_html(visitor.cell, plan, proof))
+                joints, now = visitor.bench.live.joints, time.time()
+                visitor.gui.add_html(facts_html(state, plan, proof, joints, now))
                 name = visitor.gui.add_text(
                     "Your name", "", hint="It is recorded with the plan, the time and the scan."
                 )
@@ -62,7 +64,9 @@ class ApprovalDialog:
         """Close when what is shown is no longer what would be approved."""
         with self._lock:
             is_open = self._close is not None
-        if is_open and (problem := refusal(new.state, Approve(self._digest), new.at)):
+        if is_open and (
+            problem := refusal(new.state, Approve(self._digest), new.at, joints=new.live.joints)
+        ):
             self.close()
             self._visitor.tell("Approval closed", problem)
 

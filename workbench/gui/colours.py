@@ -42,6 +42,9 @@ SKY = ("#d3deea", "#f8fafc")
 UNEXPLAINED_COLOUR = BAD
 """Of what the scan shows and nothing known explains."""
 
+COMPARED = (217, 70, 239)
+"""Of the parts of another search."""
+
 LIVE_ROBOT = (38, 166, 154)
 CHECKED = (253, 150, 68)
 """Of shapes that are checked for collisions."""

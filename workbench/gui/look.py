@@ -8,9 +8,14 @@ from typing import Any
 import pinocchio as pin
 
 from workbench.app.live import Live
+from workbench.app.rights import NOBODY
 from workbench.app.state import State
+from workbench.app.statistics import Statistics
+from workbench.gui.calibrating import Overlay
 from workbench.gui.playback import Run
+from workbench.model.calibration import Calibration
 from workbench.model.geometry import Floats, Shape
+from workbench.model.scan import Discarded
 from workbench.planning.world import Contact
 
 
@@ -20,10 +25,14 @@ class Look:
 
     `time` [s] on the plan's clock; `candidate` is an index among the state's candidates, `pose`
     one among the poses of its way;
-    `by` is the browser that moved the time last, None when nobody did (it plays).
+    `by` is the browser that moved the time last, None when nobody did (it plays); `player` is who
+    let it play.
     `jog` holds the arms that are moved by hand, arm -> configuration (n,) [rad]; `shapes` and
     `frames` say whether collision shapes and frames are shown, `reach` of which arm the reach is;
-    `measured` are the points (3,) [m] that somebody has clicked on, up to two.
+    `measured` are the points (3,) [m] that somebody has clicked on, up to two.  `sighting` is the
+    pose of a calibration that is laid over the robot, `is_calibrated` says with which pose of the
+    scanner; `search` is a search whose parts are drawn beside those found, by its number;
+    `discarded` says whether the poses that the last search discarded are shown.
     """
 
     time: float = 0.0
@@ -36,7 +45,14 @@ class Look:
     frames: bool = False
     reach: str = ""
     measured: tuple[Floats, ...] = ()
+    player: str = NOBODY
+    sighting: int | None = None
+    is_calibrated: bool = True
+    search: int | None = None
+    discarded: bool = False
 
+
+NOT_COUNTED = Statistics()
 
 Placed = tuple[Shape, pin.SE3]
 
@@ -78,7 +94,8 @@ class View:
 
     `runs` is the timeline of the state's plan, empty without one; `poses` those of the chosen
     candidate, and `fix` what would admit it; `jogged` is set while somebody moves the robot by
-    hand; `reached` holds places (n, 3) [m] and shares (n,) of the reach that is shown; `at`
+    hand; `reached` holds places (n, 3) [m] and shares (n,) of the reach that is shown;
+    `statistics` are those of the session; `at`
     [s since the epoch] is when it looked like this.
     """
 
@@ -91,11 +108,22 @@ class View:
     fix: str = ""
     jogged: Jogged | None = None
     reached: tuple[Floats, Floats] | None = None
+    statistics: Statistics = NOT_COUNTED
+    calibration: Calibration | str = ""
+    overlay: Overlay | None = None
 
     @property
     def pose(self) -> Pose | None:
         """The pose of the chosen candidate that is looked at."""
         return self.poses[min(self.look.pose, len(self.poses) - 1)] if self.poses else None
+
+    @property
+    def discarded(self) -> tuple[Discarded, ...]:
+        """What the search discarded that brought the detections as they are now."""
+        findings = self.live.findings
+        if findings is None or findings.detections is not self.state.detections:
+            return ()
+        return findings.discarded
 
     @property
     def plan_seconds(self) -> float:

@@ -3,8 +3,13 @@
 import numpy as np
 import viser
 
-from workbench.gui.colours import BRAND, BUSY, GOOD, rgb_of
+from workbench.formats.triangles import triangles_of
+from workbench.gui.colours import BAD, BRAND, BUSY, GOOD, rgb_of
+from workbench.gui.robot import place
+from workbench.gui.solids import with_hard_edges
+from workbench.model.cell import Cell
 from workbench.model.geometry import Floats
+from workbench.model.scan import Discarded
 
 
 def draw_reach(scene: viser.SceneApi, reached: tuple[Floats, Floats] | None) -> None:
@@ -22,6 +27,17 @@ def draw_reach(scene: viser.SceneApi, reached: tuple[Floats, Floats] | None) -> 
         point_shape="circle",
         precision="float32",
     )
+
+
+def draw_discarded(scene: viser.SceneApi, cell: Cell, discarded: tuple[Discarded, ...]) -> None:
+    """Poses that a search has discarded, red and translucent."""
+    scene.remove_by_name("/discarded")
+    for number, one in enumerate(discarded):
+        points, triangles = with_hard_edges(triangles_of(cell.part(one.part).mesh))
+        node = scene.add_mesh_simple(
+            f"/discarded/{number + 1}", points, triangles, color=rgb_of(BAD), opacity=0.25
+        )
+        place(node, one.T_world_part)
 
 
 def draw_measured(scene: viser.SceneApi, points: tuple[Floats, ...]) -> None:

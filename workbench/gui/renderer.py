@@ -4,30 +4,32 @@ import logging
 import queue
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from pathlib import Path
 
 import viser
 
 from workbench.app.bench import Bench
+from workbench.app.commands import WatchPlan
+from workbench.app.history import History
 from workbench.app.state import Phase, State
+from workbench.gui.calibrating import Overlay, overlay, solved
 from workbench.gui.fixes import Fixes
 from workbench.gui.header import Header
 from workbench.gui.jog import JogFinder
 from workbench.gui.look import Jogged, Look, Pose, SharedLook, View
-from workbench.gui.panels.candidates import CandidatesPanel
-from workbench.gui.panels.cell import CellPanel
-from workbench.gui.panels.cycle import CyclePanel
-from workbench.gui.panels.parts import PartsPanel
-from workbench.gui.panels.plan import PlanPanel
-from workbench.gui.panels.robot import RobotPanel
 from workbench.gui.playback import Run, followed, timeline
 from workbench.gui.poses import PoseFinder
 from workbench.gui.reach import Reaches
 from workbench.gui.scene import Scene
+from workbench.gui.statistics import Counted
+from workbench.gui.tabs import tabs_of
 from workbench.gui.theme import Theme
 from workbench.gui.visitor import Panel, Visitor
+from workbench.model.calibration import Calibration
 from workbench.model.cell import Cell
 from workbench.model.digest import digest_of
+from workbench.model.errors import WorkbenchError
 from workbench.model.prediction import Predictions
 
 log = logging.getLogger(__name__)
@@ -55,28 +57,31 @@ class Renderer:
     def __init__(
         self,
         server: viser.ViserServer,
-        bench: Bench,
+        bench: Bench | History,
         theme: Theme,
         *,
         style: str,
         most_points: int,
         predictions: Predictions | None,
+        folders: Mapping[str, Path],
     ):
         """Draw the cell and start.
 
         Args:
             server: to draw on.
-            bench: whose state is drawn.
+            bench: whose state is drawn, or a recorded session.
             theme: of the page.
             style: style sheet of the page.
             most_points: of a scan.
             predictions: what a study says about the threshold.
+            folders: where the parts lie, by name.
         """
         self._server = server
         self._bench = bench
         self._theme = theme
         self._style = style
         self._predictions = predictions
+        self._folders = folders
         self._woken = threading.Event()
         self._closed = threading.Event()
         self._look = SharedLook(self._woken.set)
@@ -84,10 +89,12 @@ class Renderer:
         self._clients: dict[int, viser.ClientHandle] = {}
         self._panels: dict[int, tuple[Panel, ...]] = {}
         self._runs: tuple[Run, ...] = ()
+        self._played = 0.0
         self._finder = PoseFinder()
         self._jogger = JogFinder()
         self._reaches = Reaches(self._woken.set)
         self._fixes = Fixes(self._woken.set)
+        self._counted = Counted(bench, self._woken.set)
         self._drawn: View | None = None
         with server.atomic():
             self._scene = Scene(server, bench.cell, most_points=most_points)
@@ -107,6 +114,7 @@ class Renderer:
         self._thread.join()
         self._fixes.close()
         self._reaches.close()
+        self._counted.close()
         return True
 
     async def _arrived(self, client: viser.ClientHandle) -> None:
@@ -150,6 +158,19 @@ class Renderer:
         begin = 0.0 if look.time >= end else look.time
         moved = min(begin + elapsed, end)
         self._look.change(time=moved, is_playing=moved < end, by=None)
+        # What was skipped by the scrubber was not played.
+        if begin <= self._played:
+            self._played = max(self._played, moved)
+        if self._played >= end and view.state.plan is not None:
+            self._tell_watched(view.state.plan.digest, look.player)
+
+    def _tell_watched(self, digest: str, player: str) -> None:
+        if player in self._bench.state.watched:
+            return
+        try:
+            self._bench.do(WatchPlan(digest), player)
+        except WorkbenchError as error:
+            log.info("that the plan was watched is not taken: %s", error)
 
     def _draw(self) -> None:
         old, new = self._drawn, self._view()
@@ -177,6 +198,7 @@ class Renderer:
         before = self._drawn.state if self._drawn is not None else None
         if before is None or before.plan is not state.plan:
             self._runs = timeline(state.plan) if state.plan is not None else ()
+            self._played = 0.0
         if before is not None and _is_other_scene(before, state):
             self._look.change(time=0.0, is_playing=False, candidate=None, pose=0, by=None)
         live = self._bench.live
@@ -187,6 +209,7 @@ class Renderer:
         if before is not None and before.cell is not state.cell:
             self._look.change(jog=None)
         look = self._look.now
+        calibration = self._calibration(state)
         return View(
             state,
             live,
@@ -197,7 +220,35 @@ class Renderer:
             self._fixes.of(state, look.candidate),
             self._jogged(state, look),
             self._reaches.of(state.cell, look.reach),
+            self._counted.of(state),
+            calibration,
+            self._overlay(state, look, calibration),
         )
+
+    def _calibration(self, state: State) -> Calibration | str:
+        """The answer of the poses scanned so far, worked out when they have changed."""
+        before = self._drawn
+        if (
+            before is not None
+            and before.state.sightings is state.sightings
+            and before.state.cell is state.cell
+        ):
+            return before.calibration
+        return solved(state)
+
+    def _overlay(self, state: State, look: Look, found: Calibration | str) -> Overlay | None:
+        """The chosen pose over the robot, worked out when another one is chosen."""
+        if look.sighting is None or look.sighting >= len(state.sightings):
+            return None
+        before, sighting = self._drawn, state.sightings[look.sighting]
+        if before is not None and before.overlay is not None:
+            number = before.look.sighting
+            is_same = number is not None and before.state.sightings[number] is sighting
+            is_alike = before.look.is_calibrated == look.is_calibrated
+            if is_same and is_alike and before.calibration is found:
+                return before.overlay
+        is_after = look.is_calibrated and isinstance(found, Calibration)
+        return overlay(state, sighting, found if is_after else None)  # type: ignore[arg-type]
 
     def _jogged(self, state: State, look: Look) -> Jogged | None:
         """What the jogged robot meets, worked out when it has moved."""
@@ -231,31 +282,14 @@ class Renderer:
 
     def _welcome(self, client: viser.ClientHandle, view: View) -> None:
         def build() -> None:
-            visitor = Visitor(client, self._bench, self._look, self._predictions)
-            panels = self._built(visitor)
+            visitor = Visitor(client, self._bench, self._look, self._predictions, self._folders)
+            header = Header(visitor, self._theme, self._style)
+            panels = (header, *tabs_of(visitor, self._woken.set))
             for panel in panels:
                 panel.show(None, view)
             self._panels[client.client_id] = panels
 
         _shielded(build)
-
-    def _built(self, visitor: Visitor) -> tuple[Panel, ...]:
-        """All controls of one browser, from top to bottom and left to right."""
-        header = Header(visitor, self._theme, self._style)
-        tabs = visitor.gui.add_tab_group()
-        with tabs.add_tab("Cycle"):
-            cycle = CyclePanel(visitor)
-        with tabs.add_tab("Parts"):
-            parts = PartsPanel(visitor)
-        with tabs.add_tab("Candidates"):
-            candidates = CandidatesPanel(visitor, self._woken.set)
-        with tabs.add_tab("Plan"):
-            plan = PlanPanel(visitor)
-        with tabs.add_tab("Robot"):
-            robot = RobotPanel(visitor)
-        with tabs.add_tab("Cell"):
-            cell = CellPanel(visitor)
-        return header, cycle, parts, candidates, plan, robot, cell
 
 
 def _needs_other_controls(before: Cell, now: Cell) -> bool:
@@ -263,7 +297,8 @@ def _needs_other_controls(before: Cell, now: Cell) -> bool:
 
     def made_for(cell: Cell) -> str:
         arms = [(arm.name, arm.joints, cell.robot.limits(arm.joints)) for arm in cell.arms]
-        return digest_of((arms, cell.policy))
+        parts = [part.name for part in cell.parts]
+        return digest_of((arms, parts, cell.policy))
 
     return before is not now and made_for(before) != made_for(now)
 

@@ -4,6 +4,7 @@ import numpy as np
 import viser
 
 from workbench.formats.triangles import triangles_of
+from workbench.gui.calibrating import draw_overlay
 from workbench.gui.candidate import DrawnCandidates
 from workbench.gui.colours import (
     BESIDE_BIN,
@@ -16,10 +17,11 @@ from workbench.gui.colours import (
     rgb_of,
 )
 from workbench.gui.look import View
-from workbench.gui.marks import draw_measured, draw_reach
+from workbench.gui.marks import draw_discarded, draw_measured, draw_reach
 from workbench.gui.meets import draw_meets
 from workbench.gui.playback import Moment, Run, joint_values, moments, part_poses, tcp_path
 from workbench.gui.robot import DrawnRobot, place
+from workbench.gui.searches import draw_search
 from workbench.gui.solids import with_hard_edges
 from workbench.gui.surroundings import (
     add_surroundings,
@@ -31,7 +33,7 @@ from workbench.gui.surroundings import (
 from workbench.model.cell import Cell
 from workbench.model.digest import digest_of
 from workbench.model.geometry import Floats
-from workbench.model.scan import Detection, Obstacle, Scan
+from workbench.model.scan import Detection, Discarded, Obstacle, Scan
 from workbench.perception.unexplained import UNEXPLAINED, explained_by
 from workbench.planning.bodies import obstacle_label
 from workbench.planning.kinematics import Kinematics
@@ -61,6 +63,7 @@ class Scene:
         self._scene = server.scene
         self._most_points = most_points
         self._parts: list[viser.FrameHandle] = []
+        self._discarded: tuple[Discarded, ...] = ()
         aim_camera(server, cell)
         self._build(cell)
 
@@ -88,6 +91,7 @@ class Scene:
         if is_other_robot(self._cell, cell):
             self._scene.reset()
             self._parts = []
+            self._discarded = ()
             self._build(cell)
             return True
         self._cell, self._kinematics = cell, Kinematics(cell)
@@ -122,8 +126,11 @@ class Scene:
             or before is None
             or old.look.time != new.look.time
             or old.jogged is not new.jogged
+            or old.overlay is not new.overlay
             or before.cell is not state.cell
         )
+        if old is None or old.overlay is not new.overlay:
+            draw_overlay(self._scene, new.overlay)
         if old is None or old.jogged is not new.jogged:
             draw_meets(self._scene, "/jog_meets", new.jogged.meets if new.jogged else ())
         if old is None or old.look.shapes != new.look.shapes:
@@ -132,8 +139,15 @@ class Scene:
             show_frames(self._scene, self._cell, self._kinematics, is_shown=new.look.frames)
         if old is None or old.reached is not new.reached:
             draw_reach(self._scene, new.reached)
+        is_other_search = old is None or old.look.search != new.look.search
+        if is_other_search or before.searches is not state.searches:
+            draw_search(self._scene, state, new.look.search)
         if old is None or old.look.measured is not new.look.measured:
             draw_measured(self._scene, new.look.measured)
+        shown = new.discarded if new.look.discarded else ()
+        if shown is not self._discarded:
+            draw_discarded(self._scene, self._cell, shown)
+            self._discarded = shown
         if is_other_plan or are_other_parts or is_other_time:
             self._pose(new)
         if is_other_plan or old is None or is_other_time or old.live.joints is not new.live.joints:
@@ -242,6 +256,8 @@ class Scene:
                 arm: Moment(q, self._cell.arm(arm).tool.stroke[1], None)
                 for arm, q in view.jogged.q.items()
             }
+        if view.overlay is not None:
+            now[view.overlay.arm] = Moment(view.overlay.q, 0.0, None)
         links = self._kinematics.link_poses(joint_values(self._cell, now))
         openings = {arm: moment.opening for arm, moment in now.items()}
         for robot in (self._robot, self._checked):

@@ -1,8 +1,12 @@
 """The page: one server, one thread that draws, a set of controls for each browser."""
 
+from collections.abc import Mapping
+from pathlib import Path
+
 import viser
 
 from workbench.app.bench import Bench
+from workbench.app.history import History
 from workbench.formats.shipped import find
 from workbench.gui.door import close_door, open_door
 from workbench.gui.renderer import Renderer
@@ -35,23 +39,25 @@ class Page:
 
 
 def serve(
-    bench: Bench,
+    bench: Bench | History,
     *,
     host: str = "127.0.0.1",
     port: int = 8080,
     most_points: int = MOST_POINTS,
     predictions: Predictions | None = None,
+    folders: Mapping[str, Path] | None = None,
 ) -> Page:
     """Serve the page of a bench.
 
     Returns at once; the page lives in threads of its own.
 
     Args:
-        bench: whose state is shown, and which takes the commands.
+        bench: whose state is shown, and which takes the commands; or a recorded session.
         host: address to listen on.
         port: 0 takes a free one.
         most_points: of a scan to draw; slow browsers like fewer.
         predictions: what a study says about the threshold.
+        folders: where the parts lie, by name.
 
     Raises:
         InputError: the address cannot be had.
@@ -65,7 +71,13 @@ def serve(
     server.gui.main_panel.dock_right()
     server.gui.main_panel.set_width(PANEL_WIDTH)
     renderer = Renderer(
-        server, bench, theme, style=style, most_points=most_points, predictions=predictions
+        server,
+        bench,
+        theme,
+        style=style,
+        most_points=most_points,
+        predictions=predictions,
+        folders=folders or {},
     )
     shown = "localhost" if host in ("0.0.0.0", "::") else host
     bracketed = f"[{shown}]" if ":" in shown else shown

@@ -44,7 +44,9 @@ def moved(cell: Cell, thing: str, T: pin.SE3) -> Cell:
         case "bin":
             return replace(cell, bin=replace(cell.bin, T_world_bin=T))
         case "scanner":
-            return replace(cell, scanner=replace(cell.scanner, T_world_scanner=T))
+            # Nobody has measured that it hangs there.
+            mount = replace(cell.scanner, T_world_scanner=T, calibration=None)
+            return replace(cell, scanner=mount)
         case "robot":
             return replace(cell, T_world_robot=T)
         case _:

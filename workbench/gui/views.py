@@ -16,7 +16,7 @@ from workbench.gui.colours import arm_colour
 from workbench.gui.look import View
 from workbench.model.candidate import Candidate, Verdict
 from workbench.model.cell import Cell
-from workbench.model.plan import Finding, Plan, Proof
+from workbench.model.plan import Plan
 from workbench.model.prediction import Predictions
 from workbench.model.scan import Detection
 
@@ -181,6 +181,8 @@ def plan_line(state: State) -> str:
     if state.plan is None:
         if state.verdict is not None:
             return line(f"No plan: {state.verdict}", kind="bad", tip=purpose)
+        if state.stale:
+            return line(f"{sentence(state.stale)}.", kind="bad", tip=purpose)
         return hint(state, MakePlan, purpose, 3)
     plan, proof = state.plan, state.proof
     if proof is None or not proof.holds:
@@ -193,22 +195,6 @@ def plan_line(state: State) -> str:
     return line(text, tip=text)
 
 
-def approval_line(state: State, now: float, problem: str) -> str:
-    """Who has approved, and until when that holds; or the `problem` that an approval meets."""
-    purpose = "A person looks at the facts of this plan and gives a name for it."
-    if state.approval is None and state.phase is Phase.PLANNED and problem:
-        return line(f"{sentence(problem)}.", kind="bad", span=2, tip=purpose)
-    if state.approval is None:
-        kind = "result" if state.phase is Phase.PLANNED else "hint"
-        text = "Waiting for a person." if state.phase is Phase.PLANNED else purpose
-        return line(text, kind=kind, span=2, tip=purpose)
-    approval = state.approval
-    text = f"By {approval.actor} until {clock(approval.until)}"
-    if now >= approval.until and state.phase is Phase.APPROVED:
-        return line(f"{text}, run out", kind="bad", span=2, tip=purpose)
-    return line(text, span=2, tip=purpose)
-
-
 def send_line(state: State) -> str:
     """How far the plan has gone out."""
     purpose = "Sends the approved plan to the robot controller."
@@ -216,42 +202,6 @@ def send_line(state: State) -> str:
         return line("Nothing sent.", kind="hint", span=1, tip=purpose)
     last = state.receipts[-1]
     return line(f"{last.done} of {last.total} messages sent", span=1, tip=purpose)
-
-
-def facts_html(cell: Cell, plan: Plan, proof: Proof) -> str:
-    """What a person approves: values that the server holds, nothing typed in a browser."""
-    rows = [
-        ("Strategy", f"{plan.strategy}" + (f" ({plan.note})" if plan.note else "")),
-        ("Guarantee", str(plan.guarantee)),
-    ]
-    for arm in plan.arms:
-        part = plan.detections[arm.detection].part
-        rows.append(
-            (f"{arm.arm.capitalize()} arm", f"part-{arm.detection + 1} ({part}), grasp {arm.grasp}")
-        )
-    rows += [
-        ("Smallest clearance", mm(proof.clearance) + _where(proof.nearest)),
-        ("Proof", f"holds, {proof.checks:,} states checked, down to {mm(proof.resolution, 2)}"),
-        ("Kept clear of", _kept_clear(plan)),
-        ("Cycle time", f"{plan.cycle_seconds:.1f} s"),
-        ("Controller", f"{cell.controller.host} port {cell.controller.port}"),
-        ("Valid for", f"{cell.policy.approval_minutes:g} min after the approval"),
-        ("Plan", short(plan.digest)),
-    ]
-    return table_html(rows, title=plan.digest)
-
-
-def _kept_clear(plan: Plan) -> str:
-    parts, seen = len(plan.detections), len(plan.obstacles)
-    unknown = f", {seen} unknown things in the scan" if seen else ""
-    return f"cell, {parts} {'part' if parts == 1 else 'parts'}{unknown}"
-
-
-def _where(finding: Finding | None) -> str:
-    if finding is None:
-        return ""
-    where = f" on free legs: {finding.arm} arm, leg {finding.leg}"
-    return where + (f", {' · '.join(finding.pair)}" if finding.pair is not None else "")
 
 
 def table_html(rows: list[tuple[str, str]], *, title: str = "") -> str:
@@ -343,36 +293,6 @@ def _outline_row(outline: Outline, is_latest: bool) -> str:
         f'<tr{chosen} title="{title}"><td>{escape(what)}</td>'
         f"<td>{escape(outline.planner)}</td>{numbers}</tr>"
     )
-
-
-def link_html(view: View) -> str:
-    """The robot link: address, what went out last, what came of it."""
-    state, cell = view.state, view.state.cell
-    says = {
-        Phase.SENDING: "sending",
-        Phase.DONE: "the controller has reported the end",
-        Phase.FAULT: "fault",
-    }
-    rows = [
-        ("Controller", f"{cell.controller.host} port {cell.controller.port}"),
-        ("Link", says.get(state.phase, "closed")),
-        ("Robot says", view.live.robot or "nothing (no state report)"),
-    ]
-    if state.receipts:
-        last = state.receipts[-1]
-        rows += [
-            ("Messages", f"{last.done} of {last.total}"),
-            ("Last message", last.sent),
-            ("Sent at", f"{clock(last.at)}, {last.arm} arm"),
-        ]
-    if state.plan is not None:
-        rows.append(("Parts", parts_placed(state)))
-    rows.append(("Fault", state.fault or "none"))
-    bar = ""
-    if state.receipts:
-        share = 100 * state.receipts[-1].done / state.receipts[-1].total
-        bar = f'<div class="wb-bar"><i style="width:{share:.1f}%"></i></div>'
-    return table_html(rows) + bar
 
 
 def joints_html(cell: Cell, joints: Mapping[str, float]) -> str:

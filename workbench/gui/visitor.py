@@ -1,7 +1,8 @@
 """One browser: whose it is, what it may ask, and how it hears that something is refused."""
 
 import logging
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from pathlib import Path
 from typing import Any, Protocol
 
 import viser
@@ -9,7 +10,9 @@ from viser._messages import HotkeyKey
 
 from workbench.app.bench import Bench
 from workbench.app.commands import Command
-from workbench.app.rules import allowed
+from workbench.app.history import History
+from workbench.app.rights import NOBODY
+from workbench.app.rules import NOT_REPORTED, allowed
 from workbench.app.state import State
 from workbench.gui.look import SharedLook, View
 from workbench.model.cell import Cell
@@ -17,9 +20,6 @@ from workbench.model.errors import CommandRefused, WorkbenchError
 from workbench.model.prediction import Predictions
 
 log = logging.getLogger(__name__)
-
-NOBODY = "operator"
-"""Who acts in a browser without a login; an approval always has a name of its own."""
 
 SECONDS_TO_READ = 8.0
 
@@ -35,9 +35,10 @@ class Visitor:
     def __init__(
         self,
         client: viser.ClientHandle,
-        bench: Bench,
+        bench: Bench | History,
         look: SharedLook,
         predictions: Predictions | None = None,
+        folders: Mapping[str, Path] | None = None,
     ):
         """A browser without controls yet."""
         self.client = client
@@ -45,6 +46,7 @@ class Visitor:
         self.bench = bench
         self.look = look
         self.predictions = predictions
+        self.folders: Mapping[str, Path] = folders or {}
 
     @property
     def cell(self) -> Cell:
@@ -73,6 +75,14 @@ class Visitor:
         def _(_: Any) -> None:
             pressed()
 
+    def give(self, command: Command, actor: str = NOBODY) -> None:
+        """Give a command.
+
+        Raises:
+            CommandRefused: the rules do not allow it.
+        """
+        self.bench.do(command, actor)
+
     def ask(self, command: Callable[[], Command], actor: str = NOBODY) -> bool:
         """Make a command and give it; a refusal is told in this browser only.
 
@@ -80,7 +90,7 @@ class Visitor:
             Whether it was carried out.
         """
         try:
-            self.bench.do(command(), actor)
+            self.give(command(), actor)
         except WorkbenchError as error:
             self.tell("Refused", str(error))
         except Exception as error:
@@ -104,10 +114,16 @@ class Panel(Protocol):
         ...
 
 
-def refusal(state: State, command: Command, now: float, actor: str = NOBODY) -> str:
+def refusal(
+    state: State,
+    command: Command,
+    now: float,
+    actor: str = NOBODY,
+    joints: Mapping[str, float] = NOT_REPORTED,
+) -> str:
     """Why the rules would refuse a command now; empty when they would not."""
     try:
-        allowed(state, command, actor, now)
+        allowed(state, command, actor, now, joints)
     except CommandRefused as error:
         return str(error)
     return ""

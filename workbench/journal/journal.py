@@ -172,6 +172,20 @@ class Journal:
             problems.append(f"the entries {expected_number} to {highest} are missing at the end")
         return tuple(problems)
 
+    def save_copy(self, path: Path) -> None:
+        """Write the database as it is now into a new file, whoever else writes to it.
+
+        Raises:
+            JournalError: it cannot be read or written.
+        """
+        try:
+            with closing(self._reader()) as source, closing(sqlite3.connect(path)) as target:
+                source.backup(target)
+                # A file alone, without a log beside it.
+                target.execute("PRAGMA journal_mode = DELETE")
+        except sqlite3.Error as error:
+            raise JournalError(f"{path}: cannot be written: {error}") from error
+
     def close(self) -> None:
         """End writing; closing twice does no harm."""
         with self._lock:

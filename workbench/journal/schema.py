@@ -1,6 +1,8 @@
 """The tables of a journal, and the way from any older version to the newest."""
 
 import sqlite3
+from contextlib import closing
+from pathlib import Path
 
 from workbench.model.errors import JournalError
 
@@ -30,6 +32,26 @@ MIGRATIONS: tuple[str, ...] = (
     """,
 )
 """Script number n leads from `user_version` n to n + 1; scripts are added, never edited."""
+
+
+def is_foreign(path: Path) -> bool:
+    """Whether a database has other tables, triggers or views than a journal of any version.
+
+    One from outside may hold triggers that act when it is opened for writing.
+
+    Raises:
+        JournalError: it is no database.
+    """
+    known: set[tuple[str, str]] = set()
+    with closing(sqlite3.connect(":memory:")) as ours:
+        migrate(ours)
+        known.update(ours.execute("SELECT name, sql FROM sqlite_master WHERE sql IS NOT NULL"))
+    try:
+        with closing(sqlite3.connect(f"{path.absolute().as_uri()}?mode=ro", uri=True)) as theirs:
+            found = set(theirs.execute("SELECT name, sql FROM sqlite_master WHERE sql IS NOT NULL"))
+    except sqlite3.Error as error:
+        raise JournalError(f"{path}: is no journal: {error}") from error
+    return not found <= known
 
 
 def migrate(connection: sqlite3.Connection) -> None:

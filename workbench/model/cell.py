@@ -6,6 +6,7 @@ from typing import Literal, get_args
 import numpy as np
 import pinocchio as pin
 
+from workbench.model.calibration import CalibrationRecord
 from workbench.model.digest import digest_of
 from workbench.model.errors import InputError
 from workbench.model.geometry import Box, Floats, Solid, copied, frozen, pose_from_rpy, put
@@ -28,6 +29,9 @@ PLANNER_NAMES: tuple[PlannerName, ...] = get_args(PlannerName)
 OrderName = Literal["travel", "highest", "score", "nearest", "walls", "thesis"]
 ORDER_NAMES: tuple[OrderName, ...] = get_args(OrderName)
 
+
+ProtocolName = Literal["abb-socket", "abb-socket/2"]
+PROTOCOL_NAMES: tuple[ProtocolName, ...] = get_args(ProtocolName)
 
 ScanSource = Literal["simulated", "folder", "http"]
 SCAN_SOURCES: tuple[ScanSource, ...] = get_args(ScanSource)
@@ -153,7 +157,8 @@ class ScannerMount:
     standard deviation at 1 m, `near` and `far` [m] the range it measures in.  `source` says where
     scans come from: from a pile that is made up, from the next file in the folder `address`, or
     from the page at `address`; `unit` is that of the files, `patience` [s] how long one is waited
-    for.
+    for.  `calibration` says who has measured the pose and when, None when nobody has; after
+    `calibration_days` it is old.
     """
 
     T_world_scanner: pin.SE3
@@ -166,9 +171,22 @@ class ScannerMount:
     address: str = ""
     unit: str = "m"
     patience: float = 60.0
+    calibration: CalibrationRecord | None = None
+    calibration_days: float = 90.0
 
     def __post_init__(self) -> None:
         put(self, T_world_scanner=copied(self.T_world_scanner))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PosesFolder:
+    """A folder into which another program puts poses of parts.
+
+    `part` names what poses are of whose file does not say it.
+    """
+
+    path: str
+    part: str
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -181,7 +199,7 @@ class Controller:
     host: str = "127.0.0.1"
     port: int = 1025
     state_port: int = 1026
-    protocol: Literal["abb-socket"] = "abb-socket"
+    protocol: ProtocolName = "abb-socket"
 
 
 @dataclass(frozen=True, slots=True)
@@ -242,7 +260,8 @@ class Wishes:
 class Cell:
     """Everything that a plan depends on besides the scan: one digest covers it all.
 
-    The controller's address is not in the digest: where a plan is sent changes nothing in it.
+    Neither the controller's address nor `approvers` is in the digest: where a plan is sent, and
+    how many different people have to approve it, changes nothing in it.
     """
 
     name: str
@@ -254,12 +273,14 @@ class Cell:
     controller: Controller
     parts: tuple[Part, ...]
     fixtures: tuple[Fixture, ...] = ()
+    poses_folder: PosesFolder | None = None
     policy: Policy = field(default_factory=Policy)
+    approvers: int = 1
     digest: str = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         put(self, T_world_robot=copied(self.T_world_robot))
-        put(self, digest=digest_of(self, without=frozenset({"controller"})))
+        put(self, digest=digest_of(self, without=frozenset({"controller", "approvers"})))
 
     def arm(self, name: str) -> Arm:
         """The arm of that name.

@@ -1,5 +1,6 @@
 """A part to be picked, and the grasps that people put on it."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -7,6 +8,12 @@ import pinocchio as pin
 
 from workbench.model.digest import digest_of
 from workbench.model.geometry import Floats, Mesh, Solid, copied, frozen, put
+
+ANY_TURN = np.deg2rad(30.0)
+"""[rad] A part that looks alike at any turn is taken at turns this far apart."""
+
+SAME_PLACE, SAME_TURN = 5e-4, np.deg2rad(0.5)
+"""[m, rad] Grips that differ by less are one."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -22,6 +29,15 @@ class Symmetry:
     def __post_init__(self) -> None:
         put(self, axis=frozen(self.axis))
 
+    @property
+    def turns(self) -> tuple[float, ...]:
+        """Angles [rad] about the axis that change nothing, besides none at all.
+
+        Where any angle does, they stand for all of them, `ANY_TURN` apart.
+        """
+        count = self.fold or round(2 * np.pi / ANY_TURN)
+        return tuple(2 * np.pi * k / count for k in range(1, count))
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Grasp:
@@ -32,7 +48,8 @@ class Grasp:
     `retreat` is None the extraction follows the cell's policy (lift, leaning to the bin
     centre).  `opening` [m] is the finger distance on arrival, `grip` [m] when closed on the
     part.  `arms` empty means any arm.  `free_rotation` [rad] is how far the tool may turn
-    about its own z either way.  `tool` is the one it is for; empty means any.
+    about its own z either way, `tilt` [rad] how far about its closing axis y, `slide` [m] how far
+    it may be moved along its x.  `tool` is the one it is for; empty means any.
     """
 
     name: str
@@ -48,6 +65,8 @@ class Grasp:
     arms: tuple[str, ...] = ()
     free_rotation: float = 0.0
     tool: str = ""
+    tilt: float = 0.0
+    slide: float = 0.0
 
     def __post_init__(self) -> None:
         put(
@@ -60,59 +79,116 @@ class Grasp:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class GraspPattern:
-    """One grasp repeated around and along an axis of the part, kept editable as one thing.
+    """One grasp repeated around and along an axis and across it, kept editable as one thing.
 
-    `axis` (3,) runs through the part's origin; the copies are turned by each of `angles` [rad]
-    about it and moved by each of `offsets` [m] along it.
+    The axis runs along `axis` (3,) through `through` (3,) [m].  The copies are moved by each of
+    `offsets` [m] along it and each of `across_offsets` [m] along `across` (3,), and then turned
+    by each of `angles` [rad] about it.
     """
 
     grasp: Grasp
     axis: Floats
-    angles: tuple[float, ...]
-    offsets: tuple[float, ...]
+    angles: tuple[float, ...] = (0.0,)
+    offsets: tuple[float, ...] = (0.0,)
+    through: Floats = field(default_factory=lambda: np.zeros(3))
+    across: Floats = field(default_factory=lambda: np.array([1.0, 0.0, 0.0]))
+    across_offsets: tuple[float, ...] = (0.0,)
 
     def __post_init__(self) -> None:
-        put(self, axis=frozen(self.axis))
+        put(self, axis=frozen(self.axis), through=frozen(self.through), across=frozen(self.across))
+
+    @property
+    def name(self) -> str:
+        """That of the grasp which is repeated."""
+        return self.grasp.name
+
+    @property
+    def count(self) -> int:
+        """How many grasps it stands for."""
+        return len(self.angles) * len(self.offsets) * len(self.across_offsets)
 
     @property
     def grasps(self) -> tuple[Grasp, ...]:
-        """The copies, named `<name>-<row>-<column>` by offset and angle, counted from 1."""
+        """The copies, named `<name>-<row>-<column>` by offset and angle, counted from 1.
+
+        With several offsets across, their number comes third.
+        """
         return tuple(
             replace(
                 self.grasp,
-                name=f"{self.grasp.name}-{row}-{column}",
-                T_part_tcp=pin.SE3(
-                    pin.AngleAxis(angle, np.array(self.axis)).matrix(), offset * self.axis
-                )
+                name=f"{self.grasp.name}-{row}-{column}{f'-{third}' if third else ''}",
+                T_part_tcp=turned(self.axis, angle, self.through)
+                * pin.SE3(np.eye(3), offset * self.axis + beside * self.across)
                 * self.grasp.T_part_tcp,
             )
             for row, offset in enumerate(self.offsets, start=1)
             for column, angle in enumerate(self.angles, start=1)
+            for third, beside in self._across()
         )
+
+    def _across(self) -> Iterator[tuple[int, float]]:
+        is_one = len(self.across_offsets) == 1
+        yield from ((0 if is_one else k, d) for k, d in enumerate(self.across_offsets, start=1))
+
+
+Entry = Grasp | GraspPattern
+"""What is authored as one thing."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class GraspPair:
+    """While one arm takes a part by `first`, the other takes one by `second`: names of entries.
+
+    `is_ordered`: the arm with `first` goes first.
+    """
+
+    first: str
+    second: str
+    is_ordered: bool = False
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class GraspLibrary:
     """All grasps of a part, as authored: single ones and patterns.
 
+    `pairs`: where there are any, two arms take parts of this kind by these pairs only.
     `grasps` holds every single one, patterns written out, in authored order.
     """
 
-    entries: tuple[Grasp | GraspPattern, ...] = ()
+    entries: tuple[Entry, ...] = ()
+    pairs: tuple[GraspPair, ...] = ()
     grasps: tuple[Grasp, ...] = field(init=False, repr=False, metadata={"derived": True})
 
     def __post_init__(self) -> None:
-        grasps = [
-            grasp
-            for entry in self.entries
-            for grasp in (entry.grasps if isinstance(entry, GraspPattern) else (entry,))
-        ]
-        put(self, grasps=tuple(grasps))
+        put(self, grasps=tuple(grasp for entry in self.entries for grasp in grasps_of(entry)))
+
+    def allows(self, first: str, second: str) -> bool:
+        """Whether two arms may take parts by these grasps, the first one going first."""
+        if not self.pairs:
+            return True
+        one, other = self._entry_name(first), self._entry_name(second)
+        return any(
+            (pair.first, pair.second) == (one, other)
+            or (not pair.is_ordered and (pair.second, pair.first) == (one, other))
+            for pair in self.pairs
+        )
+
+    def _entry_name(self, grasp: str) -> str:
+        """The entry that a grasp, or what a symmetry makes of one, comes from."""
+        authored = grasp.split(TURNED)[0]
+        return next((e.name for e in self.entries for g in grasps_of(e) if g.name == authored), "")
+
+
+TURNED = "@"
+"""In a grasp's name, before the turn of the part's symmetry that it comes from."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Part:
-    """A part: its surface, convex solids for collision and physics, symmetry and grasps."""
+    """A part: its surface, convex solids for collision and physics, symmetry and grasps.
+
+    `grasps` are those of the library and what the symmetry makes of them, no grip twice.
+    """
 
     name: str
     mesh: Mesh
@@ -121,6 +197,42 @@ class Part:
     symmetry: Symmetry
     library: GraspLibrary
     digest: str = field(init=False, repr=False)
+    grasps: tuple[Grasp, ...] = field(init=False, repr=False, metadata={"derived": True})
 
     def __post_init__(self) -> None:
-        put(self, digest=digest_of(self))
+        put(self, digest=digest_of(self), grasps=_with_symmetry(self.library, self.symmetry))
+
+
+def grasps_of(entry: Entry) -> tuple[Grasp, ...]:
+    """The grasps that an entry stands for."""
+    return entry.grasps if isinstance(entry, GraspPattern) else (entry,)
+
+
+def turned(axis: Floats, angle: float, through: Floats | None = None) -> pin.SE3:
+    """The turn by `angle` [rad] about an axis (3,) through a point (3,) [m], or the origin."""
+    R = pin.AngleAxis(angle, np.array(axis)).matrix()
+    return pin.SE3(R, np.zeros(3) if through is None else through - R @ through)
+
+
+def _with_symmetry(library: GraspLibrary, symmetry: Symmetry) -> tuple[Grasp, ...]:
+    found = list(library.grasps)
+    for grasp in library.grasps:
+        for angle in symmetry.turns:
+            T = turned(symmetry.axis, angle) * grasp.T_part_tcp
+            name = f"{grasp.name}{TURNED}{np.rad2deg(angle):.0f}"
+            copy = replace(grasp, name=name, T_part_tcp=T)
+            if not any(is_same_grip(known, copy) for known in found):
+                found.append(copy)
+    return tuple(found)
+
+
+def is_same_grip(grasp: Grasp, other: Grasp) -> bool:
+    """Whether another grasp takes the part as this one does, its free rotation included."""
+    T = grasp.T_part_tcp.actInv(other.T_part_tcp)
+    if np.abs(T.translation).max() > SAME_PLACE or T.rotation[2, 2] < np.cos(SAME_TURN):
+        return False
+    # Fingers that close on something can change places.
+    half = np.pi if grasp.grip > 0 else 2 * np.pi
+    turn = np.arctan2(T.rotation[1, 0], T.rotation[0, 0]) % half
+    is_turned = min(turn, half - turn) <= grasp.free_rotation + SAME_TURN
+    return bool(is_turned) and (grasp.arms, grasp.tool) == (other.arms, other.tool)

@@ -1,10 +1,11 @@
 """A plan: what each arm does, leg by leg, exactly as it will be sent; and its proof."""
 
 import enum
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Literal
 
+import numpy as np
 import pinocchio as pin
 
 from workbench.model.digest import digest_of
@@ -60,6 +61,11 @@ class Leg:
     def seconds(self) -> float:
         """How long the leg takes."""
         return float(self.t[-1])
+
+
+def are_in_step(legs: Sequence[Leg]) -> bool:
+    """Whether all legs pass their waypoints at the same times."""
+    return all(np.array_equal(leg.t, legs[0].t) for leg in legs[1:])
 
 
 @dataclass(frozen=True, slots=True, eq=False)

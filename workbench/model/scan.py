@@ -1,5 +1,6 @@
 """What the scanner saw, and the parts found in it."""
 
+import enum
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -78,6 +79,48 @@ class Detection:
             gap=None if self.gap is None else float(self.gap),
             residual=None if self.residual is None else float(self.residual),
         )
+
+
+class Objection(enum.StrEnum):
+    """Why a pose that was thought possible is not among the parts found."""
+
+    OUTSIDE = "outside the bin"
+    TOO_LITTLE = "explains too little of the visible surface"
+    FREE_SPACE = "free space violated"
+    NOT_HELD = "a small shift would be explained as well"
+    CLAIMED = "surface claimed by"
+    TWIN = "a twin with a worse score of"
+    REACHES_INTO = "reaches into"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Discarded:
+    """A pose that was thought possible, and why it is not among the detections.
+
+    `score` as that of a detection; `rival` counts the detections from 0: the one that it lost to.
+    """
+
+    part: str
+    T_world_part: pin.SE3
+    score: float
+    reason: Objection
+    rival: int | None = None
+
+    def __post_init__(self) -> None:
+        put(self, T_world_part=copied(self.T_world_part), score=float(self.score))
+
+    @property
+    def words(self) -> str:
+        """The reason, as a person reads it."""
+        return self.reason if self.rival is None else f"{self.reason} part-{self.rival + 1}"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Findings:
+    """What a search brought: the parts, best first, and the best of what was discarded."""
+
+    detections: tuple[Detection, ...]
+    discarded: tuple[Discarded, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, eq=False)

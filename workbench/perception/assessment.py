@@ -3,33 +3,35 @@
 from dataclasses import dataclass
 
 import numpy as np
-import pinocchio as pin
 
 from workbench.model.geometry import Floats, frozen, put
-from workbench.perception.hypotheses import NARROW_GATES, SAME_ANGLE, SAME_DISTANCE
+from workbench.perception.hypotheses import SAME_ANGLE, SAME_DISTANCE
 from workbench.perception.maps import DepthMap
 from workbench.perception.part_surface import PartSurface
 from workbench.perception.poses import distinct
-from workbench.perception.registration import refine
-from workbench.perception.sightings import Sighting, look
+from workbench.perception.settling import is_held, roll_error, settled
+from workbench.perception.sightings import Sighting, closeness, gains, look, tally
 
 RIVALS = 4
-"""Near-symmetric poses that are fitted and polished before the best of them is taken."""
+"""Near-symmetric poses that are polished before the best of them is taken."""
+
+MOST_SWITCHES = 3
+"""How often a pose gives way to one that its near-symmetries lead to."""
 
 CLOSE = 0.02
-"""Rivals whose gain is smaller by more than this share are not polished."""
+"""Rivals that are worse by more than this share after a rough polish get no fine one."""
 
-STEPS_OVER_TOLERANCE = (1.0, 0.5, 0.25)
+STEPS_OVER_TOLERANCE = (2.0, 1.0, 0.5, 0.25, 0.125)
 """Lengths of the polishing steps."""
-
-WEAK = 3
-"""Directions along which a pose is polished: those that the fit holds least."""
 
 TELLING = 0.008
 """Share of the explained pixels by which a pose must be better than another to exclude it."""
 
 FEWEST_TELLING = 8.0
 """[pixels] And by no less than this."""
+
+ROLL_ERROR = float(np.deg2rad(1.0))
+"""[rad] A roll whose standard error is larger counts as unknown."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -38,33 +40,69 @@ class Assessment:
 
     `gap` is by how much of the shown surface more it is explained than the best different pose
     of the same object, None when the part has no near-symmetry.  `roll_known` is False when
-    turning the part about its axis changes nothing that the scan shows.
+    turning the part about its axis changes nothing that the scan shows, `is_held` when the same is
+    true of any other small motion.
     """
 
     pose: Floats
     sighting: Sighting
     gap: float | None
     roll_known: bool
+    is_held: bool
 
     def __post_init__(self) -> None:
         put(self, pose=frozen(self.pose))
 
 
-def assess(maps: DepthMap, surface: PartSurface, pose: Floats, tolerance: float) -> Assessment:
+def assess(
+    maps: DepthMap, glance: DepthMap, surface: PartSurface, pose: Floats, tolerance: float
+) -> Assessment:
     """Look at all near-symmetric poses of one that was found, and take the best.
 
     Args:
         maps: the scan.
+        glance: the same, coarser.
         surface: the part.
         pose: (4, 4) found for it.
         tolerance: [m] see `look`.
     """
-    pose, sighting = _best_of(maps, surface, pose @ surface.symmetry.motions, tolerance)
-    others = pose @ surface.symmetry.motions
-    sightings = look(maps, surface, others, tolerance)
-    gains = np.array([other.gain for other in sightings])
-    order = np.argsort(-gains, kind="stable")
-    kept = (
+    motions = surface.symmetry.motions
+    pose = _best_of(maps, glance, surface, pose @ motions, tolerance)
+    others = _different(glance, surface, pose, tolerance)
+    for _ in range(MOST_SWITCHES):
+        tallies = tally(maps, surface, pose @ motions[[0, *others[:RIVALS]]], tolerance)
+        best = int(closeness(tallies).argmax())
+        if best == 0:
+            break
+        # Turns of a pose that lies well are seen better than those of one that did not.
+        rival = pose @ motions[others[[best - 1]]]
+        pose = _best_of(maps, glance, surface, rival, tolerance)
+        others = _different(glance, surface, pose, tolerance)
+    turns = others[others < len(surface.symmetry.turns)][:RIVALS]
+    sighting = look(maps, surface, pose, tolerance)
+    own, *rest = tally(maps, surface, pose @ motions[[0, *others[:1], *turns]], tolerance)
+    gap = None
+    if rest:
+        gap = max(0.0, float(gains(own[None])[0] - gains(np.array(rest)).max()))
+        gap /= max(sighting.shown, 1)
+    return Assessment(
+        pose=pose,
+        sighting=sighting,
+        gap=gap,
+        roll_known=len(turns) == 0
+        or _is_roll_known(maps, surface, pose, sighting, own, np.array(rest[1:]), tolerance),
+        is_held=is_held(maps, surface, pose, tolerance),
+    )
+
+
+def _different(
+    glance: DepthMap, surface: PartSurface, pose: Floats, tolerance: float
+) -> np.ndarray:
+    """Which near-symmetries (k,) make a different pose of one, the best at a glance first."""
+    motions = surface.symmetry.motions
+    others = pose @ motions
+    order = np.argsort(-closeness(tally(glance, surface, others, tolerance)), kind="stable")
+    return (
         distinct(
             np.concatenate([pose[None], others]),
             np.concatenate([[0], order + 1]),
@@ -76,74 +114,44 @@ def assess(maps: DepthMap, surface: PartSurface, pose: Floats, tolerance: float)
         )[1:]
         - 1
     )
+
+
+def _is_roll_known(
+    maps: DepthMap,
+    surface: PartSurface,
+    pose: Floats,
+    sighting: Sighting,
+    own: Floats,
+    turned: Floats,
+    tolerance: float,
+) -> bool:
+    """Whether the tallies (k, 4) of other turns are clearly worse, and the fit holds this one."""
+    if len(sighting.explained) == 0:
+        return False
     margin = max(FEWEST_TELLING, TELLING * len(sighting.explained))
-    turned = kept[kept < len(surface.symmetry.turns)]
-    return Assessment(
-        pose=pose,
-        sighting=sighting,
-        gap=None if len(kept) == 0 else max(0.0, sighting.gain - gains[kept[0]]) / sighting.shown,
-        roll_known=len(turned) == 0 or bool(gains[turned].max() < sighting.gain - margin),
-    )
+    if closeness(own[None])[0] - closeness(turned).max() < margin:
+        return False
+    deviation = float(np.sqrt(np.mean(sighting.off**2)))
+    return roll_error(maps, surface, pose, tolerance, deviation) < ROLL_ERROR
 
 
 def _best_of(
-    maps: DepthMap, surface: PartSurface, poses: Floats, tolerance: float
-) -> tuple[Floats, Sighting]:
-    """The best of the poses (k, 4, 4), after fitting and polishing the few that look best."""
-    glances = look(maps, surface, poses, tolerance)
-    gains = np.array([sighting.gain for sighting in glances])
+    maps: DepthMap, glance: DepthMap, surface: PartSurface, poses: Floats, tolerance: float
+) -> Floats:
+    """The best of the poses (k, 4, 4), after polishing the few that look best."""
+    glances = closeness(tally(glance, surface, poses, tolerance))
     kept = distinct(
         poses,
-        np.argsort(-gains, kind="stable"),
+        np.argsort(-glances, kind="stable"),
         surface.stated,
         surface.middle,
         distance=SAME_DISTANCE * surface.diameter,
         angle=SAME_ANGLE,
         most=RIVALS,
     )
-    fitted, _ = refine(maps, poses[kept], surface.fine, NARROW_GATES * tolerance)
-    gains = np.array([sighting.gain for sighting in look(maps, surface, fitted, tolerance)])
-    close = gains >= gains.max() - CLOSE * abs(gains.max())
-    polished = [_polished(maps, surface, pose, tolerance) for pose in fitted[close]]
-    sightings = look(maps, surface, np.array(polished), tolerance)
-    best = int(np.argmax([sighting.gain for sighting in sightings]))
-    return polished[best], sightings[best]
-
-
-def _polished(maps: DepthMap, surface: PartSurface, pose: Floats, tolerance: float) -> Floats:
-    """The pose after a search along the directions that the fit of surfaces leaves loose.
-
-    A cylinder slides along its axis without leaving its surface; where it ends is seen by
-    which pixels show it, which no distance between points and planes expresses.
-    """
-    seen = look(maps, surface, pose[None], tolerance)[0]
-    for move in _weak_directions(maps, surface, seen, pose):
-        for step in STEPS_OVER_TOLERANCE:
-            tried = np.array(
-                [_moved(surface, pose, k * step * tolerance * move) for k in range(-2, 3)]
-            )
-            values = [s.closeness(tolerance) for s in look(maps, surface, tried, tolerance)]
-            pose = tried[int(np.argmax(values))]
-    return pose
-
-
-def _weak_directions(
-    maps: DepthMap, surface: PartSurface, sighting: Sighting, pose: Floats
-) -> Floats:
-    """Small motions (WEAK, 6): turn about the middle over the radius, and shift."""
-    centre = pose[:3, :3] @ surface.middle + pose[:3, 3]
-    pixels = sighting.explained
-    points = maps.rays.reshape(-1, 3)[pixels] * maps.depth.ravel()[pixels, None]
-    normals = maps.normals.reshape(-1, 3)[pixels]
-    arms = (points - centre) / (surface.diameter / 2)
-    rows = np.concatenate([np.cross(arms, normals), normals], axis=1)
-    return np.linalg.eigh(rows.T @ rows)[1][:, :WEAK].T
-
-
-def _moved(surface: PartSurface, pose: Floats, move: Floats) -> Floats:
-    centre = pose[:3, :3] @ surface.middle + pose[:3, 3]
-    turn = pin.exp3(move[:3] / (surface.diameter / 2))
-    moved = pose.copy()
-    moved[:3, :3] = turn @ pose[:3, :3]
-    moved[:3, 3] = turn @ (pose[:3, 3] - centre) + centre + move[3:]
-    return moved
+    steps = tuple(step * tolerance for step in STEPS_OVER_TOLERANCE)
+    rough = settled(glance, surface, poses[kept], tolerance, steps[:3])
+    values = closeness(tally(maps, surface, rough, tolerance))
+    close = values >= values.max() - CLOSE * abs(values.max())
+    polished = settled(maps, surface, rough[close], tolerance, steps)
+    return polished[int(np.argmax(closeness(tally(maps, surface, polished, tolerance))))]

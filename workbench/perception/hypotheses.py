@@ -1,5 +1,8 @@
 """Poses worth a closer look: voted for, fitted, and thinned out under near-symmetry."""
 
+from collections.abc import Callable
+from typing import NamedTuple
+
 import numpy as np
 
 from workbench.model.geometry import Floats
@@ -9,30 +12,88 @@ from workbench.perception.part_surface import PartSurface
 from workbench.perception.point_pairs import vote
 from workbench.perception.poses import distinct
 from workbench.perception.registration import quick_scores, refine
+from workbench.perception.settling import settled
+from workbench.perception.sightings import closeness, tally
 
 SPACING = 0.055
 """Distance between the points of the scan that vote, over the part's diameter."""
 
-REFERENCES, FEWEST_REFERENCES, PEAKS = 0.3, 100, 6
-"""Share of the points that collect votes, their least number, and poses that each proposes."""
+MOST_VOTED, MOST_FITTED = 60, 30
+"""Poses that are followed after voting and after the first fit."""
 
-MOST_VOTED, MOST_FITTED, MOST_VARIANTS = 60, 30, 3
-"""Poses that are followed after voting and after the first fit, and near-symmetric ones each."""
+MOST_UNFITTED = 10
+"""The best voted poses are also followed as they are: the fit may lead narrow surfaces astray."""
 
 NEARBY, MOST_NEARBY = 0.4, 8
 """Within this share of the diameter no more are followed, so that one clear part does not
 crowd out the others."""
 
 WIDE_GATES = np.array([4.0, 4.0, 3.0, 3.0, 2.0, 2.0])
-NARROW_GATES = np.array([4.0, 3.0, 2.0, 2.0, 1.5, 1.5])
-"""Largest distances of pairs in the iterations of the two fits, over the tolerance."""
+"""Largest distances of pairs in the iterations of the first fit, over the tolerance."""
+
+WIDE_STEPS = (0.06, 0.03, 0.015)
+"""Lengths of the steps by which they are brought to rest, over the diameter."""
 
 SAME_DISTANCE, SAME_ANGLE = 0.08, float(np.deg2rad(15.0))
 """Poses nearer than this share of the diameter and this angle are one."""
 
 
-def voted_poses(maps: DepthMap, surface: PartSurface, tolerance: float, *, seed: int) -> Floats:
-    """Poses (k, 4, 4) that point pairs of the scan vote for, best first.
+class Effort(NamedTuple):
+    """How thoroughly is voted.
+
+    The share of the points that collect votes, their least number, and how many poses each
+    proposes.
+    """
+
+    references: float
+    fewest: int
+    peaks: int
+
+
+EFFORTS = (Effort(0.1, 80, 6), Effort(0.5, 150, 24), Effort(1.0, 300, 80))
+"""At first, and for what is then left: clear parts are found at once, hidden ones with patience."""
+
+
+def hypotheses(
+    maps: DepthMap,
+    glance: DepthMap,
+    surface: PartSurface,
+    tolerance: float,
+    is_possible: Callable[[Floats], np.ndarray],
+    effort: Effort,
+    *,
+    seed: tuple[int, int],
+) -> tuple[Floats, Floats]:
+    """Poses worth a closer look, best first, and those that are not possible after the fit.
+
+    Args:
+        maps: the scan; its foreground is what votes.
+        glance: the same, coarser.
+        surface: the part.
+        tolerance: [m] see `sightings.look`.
+        is_possible: which of poses (k, 4, 4) may be at all, (k,).
+        effort: see there.
+        seed: of the choice of points that vote.
+
+    Returns:
+        Poses (k, 4, 4) brought to rest, and (m, 4, 4).
+    """
+    voted = _voted(maps, surface, tolerance, is_possible, effort, seed)
+    fitted = _fitted(maps, surface, voted, tolerance)
+    poses = np.concatenate([fitted, voted[:MOST_UNFITTED]])
+    possible = is_possible(poses)
+    return _at_rest(glance, surface, poses[possible], tolerance), poses[~possible]
+
+
+def _voted(
+    maps: DepthMap,
+    surface: PartSurface,
+    tolerance: float,
+    is_possible: Callable[[Floats], np.ndarray],
+    effort: Effort,
+    seed: tuple[int, int],
+) -> Floats:
+    """Poses (k, 4, 4) that point pairs vote for, best first.
 
     Of poses that are one under near-symmetry the best is returned.
     """
@@ -41,9 +102,10 @@ def voted_poses(maps: DepthMap, surface: PartSurface, tolerance: float, *, seed:
         return np.empty((0, 4, 4))
     seen = OrientedPoints((maps.rays * maps.depth[..., None])[chosen], maps.normals[chosen])
     seen = seen.thinned(SPACING * surface.diameter)
-    count = max(FEWEST_REFERENCES, round(REFERENCES * len(seen)))
+    count = max(effort.fewest, round(effort.references * len(seen)))
     references = np.random.default_rng(seed).permutation(len(seen))[:count]
-    poses, _ = vote(surface.table, seen, references, PEAKS)
+    poses, _ = vote(surface.table, seen, references, effort.peaks)
+    poses = poses[is_possible(poses)]
     values = _values(maps, poses, surface.table.model, 2 * tolerance)
     kept = distinct(
         poses,
@@ -59,7 +121,7 @@ def voted_poses(maps: DepthMap, surface: PartSurface, tolerance: float, *, seed:
     return poses[kept]
 
 
-def fitted_poses(maps: DepthMap, surface: PartSurface, poses: Floats, tolerance: float) -> Floats:
+def _fitted(maps: DepthMap, surface: PartSurface, poses: Floats, tolerance: float) -> Floats:
     """The poses (k, 4, 4) after a first fit, best first, those that became one only once."""
     poses, errors = refine(maps, poses, surface.coarse, WIDE_GATES * tolerance)
     poses = poses[np.isfinite(errors)]
@@ -76,20 +138,19 @@ def fitted_poses(maps: DepthMap, surface: PartSurface, poses: Floats, tolerance:
     return poses[kept]
 
 
-def variants(maps: DepthMap, surface: PartSurface, pose: Floats, tolerance: float) -> Floats:
-    """The best few near-symmetric poses (k, 4, 4) of one pose, each fitted closely."""
-    poses = pose @ surface.symmetry.motions
-    values = _values(maps, poses, surface.fine, tolerance)
-    kept = distinct(
-        poses,
-        np.argsort(-values, kind="stable"),
-        surface.stated,
-        surface.middle,
-        distance=np.inf,
-        angle=SAME_ANGLE,
-        most=MOST_VARIANTS,
-    )
-    return refine(maps, poses[kept], surface.fine, NARROW_GATES * tolerance)[0]
+def _at_rest(glance: DepthMap, surface: PartSurface, poses: Floats, tolerance: float) -> Floats:
+    """The best near-symmetric pose of each of the poses (k, 4, 4), settled.
+
+    Of turns about an axis one stands for all: they are told apart at the close look.
+    """
+    motions = surface.symmetry.motions
+    if surface.symmetry.axis is not None:
+        motions = motions[:: len(surface.symmetry.turns)]
+    variants = (poses[:, None] @ motions).reshape(-1, 4, 4)
+    values = closeness(tally(glance, surface, variants, 2 * tolerance))
+    best = values.reshape(len(poses), len(motions)).argmax(axis=1)
+    steps = tuple(step * surface.diameter for step in WIDE_STEPS)
+    return settled(glance, surface, poses @ motions[best], 2 * tolerance, steps)
 
 
 def _values(maps: DepthMap, poses: Floats, model: OrientedPoints, tolerance: float) -> Floats:

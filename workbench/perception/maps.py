@@ -55,6 +55,19 @@ class DepthMap:
         """Focal length [pixels], and column and row of the optical axis."""
         return self.camera.focal, float(self.camera.centre[0]), float(self.camera.centre[1])
 
+    def halved(self) -> "DepthMap":
+        """Every second pixel of every second row: for a glance, four times as fast."""
+        rays = self.rays[::2, ::2]
+        camera = Pinhole(self.camera.focal / 2, self.camera.centre / 2, rays.shape[:2])
+        return DepthMap(
+            camera,
+            rays,
+            self.depth[::2, ::2],
+            self.normals[::2, ::2],
+            self.foreground[::2, ::2],
+            2 * self.pitch,
+        )
+
 
 def make_map(scan: Scan, bin: Bin, *, size: float, pitch: float) -> DepthMap | None:
     """Project a scan, organised or not, into a camera that sees just the bin.

@@ -12,7 +12,7 @@ from workbench.model.part import Symmetry
 NEAR = 0.02
 """Mean distance of the moved surface from itself, over the diameter, that still counts."""
 
-STEPS = 36
+STEPS = 18
 """Turns tried about the main axis."""
 
 ACROSS = 12

@@ -23,6 +23,9 @@ DIRECTIONS = 80
 VOTING, COARSE, FINE = 0.08, 0.055, 0.03
 """Distance of the points for voting and for the first and the last fit, over the diameter."""
 
+MOST_DRAWN = 4000
+"""Triangles of what is drawn at a pose; finer meshes are simplified."""
+
 MOST_KEPT = 8
 """Prepared parts remembered at a time."""
 
@@ -31,15 +34,18 @@ MOST_KEPT = 8
 class PartSurface:
     """A part's outer surface, in the part's frame.
 
-    `diameter` [m] and `middle` (3,) are those of a ball around it.  `coarse` and `fine` are
-    points on it, `table` holds the pair features of still fewer; `scene` answers rays and
-    distances; `is_closed` says that it knows inside from outside.  `symmetry` is what the
+    `diameter` [m] and `middle` (3,) are those of a ball around it.  `vertices` (n, 3) [m] and
+    `triangles` (m, 3) are drawn; `coarse` and `fine` are points on it, `table` holds the pair
+    features of still fewer; `scene` answers distances; `is_closed` says that it knows inside from
+    outside.  `symmetry` is what the
     localizer may mix up, `stated` (k, 4, 4) the motions after which the part counts as the
     same by its author's word.
     """
 
     diameter: float
     middle: Floats
+    vertices: Floats
+    triangles: np.ndarray
     coarse: OrientedPoints
     fine: OrientedPoints
     table: PairTable
@@ -49,7 +55,13 @@ class PartSurface:
     stated: Floats
 
     def __post_init__(self) -> None:
-        put(self, middle=frozen(self.middle), stated=frozen(self.stated))
+        put(
+            self,
+            middle=frozen(self.middle),
+            vertices=frozen(self.vertices),
+            triangles=frozen(self.triangles, np.int64),
+            stated=frozen(self.stated),
+        )
 
 
 _kept: dict[str, PartSurface] = {}
@@ -80,9 +92,12 @@ def _prepare(part: Part) -> PartSurface:
     points, triangles = trimesh.sample.sample_surface(mesh, DENSE, seed=0)
     dense = OrientedPoints(np.asarray(points), np.asarray(mesh.face_normals[triangles]))
     outer = dense[_can_be_seen(scene, dense, diameter)]
+    drawn = mesh if len(mesh.faces) <= MOST_DRAWN else _simplified(mesh)
     return PartSurface(
         diameter=diameter,
         middle=middle,
+        vertices=drawn.vertices,
+        triangles=drawn.faces,
         coarse=outer.thinned(COARSE * diameter),
         fine=outer.thinned(FINE * diameter),
         table=make_table(outer.thinned(VOTING * diameter), diameter),
@@ -91,6 +106,16 @@ def _prepare(part: Part) -> PartSurface:
         symmetry=find_near_symmetry(scene, outer.points, diameter),
         stated=stated_symmetry(part.symmetry),
     )
+
+
+def _simplified(mesh: trimesh.Trimesh) -> trimesh.Trimesh:
+    """The mesh with fewer triangles: by quadrics, which keeps edges."""
+    fine = o3d.geometry.TriangleMesh(
+        o3d.utility.Vector3dVector(np.asarray(mesh.vertices)),
+        o3d.utility.Vector3iVector(np.asarray(mesh.faces)),
+    )
+    few = fine.simplify_quadric_decimation(MOST_DRAWN)
+    return trimesh.Trimesh(np.asarray(few.vertices), np.asarray(few.triangles), process=False)
 
 
 def directions(count: int) -> Floats:

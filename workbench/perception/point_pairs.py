@@ -11,7 +11,7 @@ is and by which angle the model is turned about its normal.
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
+from numba import njit, prange
 
 from workbench.model.geometry import Floats, frozen, put
 from workbench.perception.oriented import OrientedPoints
@@ -20,6 +20,8 @@ DISTANCES = 20
 ANGLES = 15
 TURNS = 30
 """Bins for the distance up to the diameter, for each angle, and for the turn."""
+
+FEWEST_VOTES = 3.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -62,12 +64,12 @@ def vote(
         table: the model's pairs.
         scene: points of the scan.
         references: indices of the points that collect votes.
-        peaks: how many poses each of them proposes at most.
+        peaks: how many poses each of them proposes at most, each with another point of the model.
 
     Returns:
         Poses (m, 4, 4) of the model in the frame of the scene, and their votes (m,).
     """
-    return _vote(
+    poses, votes = _vote(
         table.model.points,
         table.model.normals,
         table.diameter,
@@ -79,6 +81,7 @@ def vote(
         np.ascontiguousarray(references, dtype=np.int64),
         peaks,
     )
+    return poses[votes > 0], votes[votes > 0]
 
 
 @njit(cache=True)
@@ -144,7 +147,7 @@ def _pairs(points, normals, diameter):  # pragma: no cover (compiled)
     return features[:n], firsts[:n], turns[:n]
 
 
-@njit(cache=True)
+@njit(cache=True, parallel=True)
 def _vote(
     model_points,
     model_normals,
@@ -157,43 +160,53 @@ def _vote(
     references,
     peaks,
 ):  # pragma: no cover (compiled)
-    poses = np.empty((len(references) * peaks, 4, 4))
-    votes = np.empty(len(references) * peaks)
-    found = 0
-    counts = np.empty((len(model_points), TURNS), np.float32)
-    per_turn = TURNS / (2.0 * np.pi)
-    for reference in references:
-        counts[:] = 0.0
-        point, normal = points[reference], normals[reference]
+    poses = np.empty((len(references), peaks, 4, 4))
+    votes = np.zeros((len(references), peaks))
+    for number in prange(len(references)):
+        point, normal = points[references[number]], normals[references[number]]
         frame = _frame(normal)
-        for other in range(len(points)):
-            feature = _feature(point, normal, points[other], normals[other], diameter)
-            if feature < 0:
-                continue
-            turn = _turn(frame, point, points[other])
-            for entry in range(starts[feature], starts[feature + 1]):
-                place = (turn - turns[entry]) * per_turn
-                lower = int(np.floor(place))
-                share = place - lower
-                counts[firsts[entry], lower % TURNS] += 1.0 - share
-                counts[firsts[entry], (lower + 1) % TURNS] += share
-        for _ in range(peaks):
-            best = counts.argmax()
-            first, number = best // TURNS, best % TURNS
-            height = counts[first, number]
-            if height < 3.0:
+        counts = _counts(
+            len(model_points), point, normal, frame, diameter, starts, firsts, turns,
+            points, normals,
+        )  # fmt: skip
+        best, heights = np.empty(len(counts), np.int64), np.empty(len(counts))
+        for first in range(len(counts)):
+            best[first] = counts[first].argmax()
+            heights[first] = counts[first, best[first]]
+        order = np.argsort(-heights, kind="mergesort")
+        for peak in range(min(peaks, len(order))):
+            first = order[peak]
+            turn, height = best[first], heights[first]
+            if height < FEWEST_VOTES:
                 break
-            before, after = counts[first, number - 1], counts[first, (number + 1) % TURNS]
-            total = before + height + after
-            angle = (number + (max(after, 0.0) - max(before, 0.0)) / total) / per_turn
+            before, after = counts[first, turn - 1], counts[first, (turn + 1) % TURNS]
+            angle = (turn + (after - before) / (before + height + after)) / TURNS * 2.0 * np.pi
             c, s = np.cos(angle), np.sin(angle)
             turned = np.array([[1.0, 0.0, 0.0], [0.0, c, -s], [0.0, s, c]])
             rotation = frame @ turned @ _frame(model_normals[first]).T
-            poses[found] = np.eye(4)
-            poses[found, :3, :3] = rotation
-            poses[found, :3, 3] = point - rotation @ model_points[first]
-            votes[found] = height
-            found += 1
-            for side in range(-1, 2):
-                counts[first, (number + side) % TURNS] = -1.0
-    return poses[:found], votes[:found]
+            poses[number, peak] = np.eye(4)
+            poses[number, peak, :3, :3] = rotation
+            poses[number, peak, :3, 3] = point - rotation @ model_points[first]
+            votes[number, peak] = height
+    return poses, votes
+
+
+@njit(cache=True)
+def _counts(
+    size, point, normal, frame, diameter, starts, firsts, turns, points, normals
+):  # pragma: no cover (compiled)
+    """Votes (size, TURNS) of one reference point: which point of the model, and which turn."""
+    counts = np.zeros((size, TURNS), np.float32)
+    per_turn = TURNS / (2.0 * np.pi)
+    for other in range(len(points)):
+        feature = _feature(point, normal, points[other], normals[other], diameter)
+        if feature < 0:
+            continue
+        turn = _turn(frame, point, points[other])
+        for entry in range(starts[feature], starts[feature + 1]):
+            place = (turn - turns[entry]) * per_turn
+            lower = int(np.floor(place))
+            share = place - lower
+            counts[firsts[entry], lower % TURNS] += 1.0 - share
+            counts[firsts[entry], (lower + 1) % TURNS] += share
+    return counts

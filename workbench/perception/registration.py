@@ -68,7 +68,8 @@ def refine(
 
 
 @njit(cache=True)
-def _moved(T, p):  # pragma: no cover (compiled)
+def transformed(T, p):  # pragma: no cover (compiled)
+    """The point `p` (3,) moved by the pose `T` (4, 4), as a tuple."""
     return (
         T[0, 0] * p[0] + T[0, 1] * p[1] + T[0, 2] * p[2] + T[0, 3],
         T[1, 0] * p[0] + T[1, 1] * p[1] + T[1, 2] * p[2] + T[1, 3],
@@ -106,7 +107,7 @@ def _quick_scores(
     for k in range(len(poses)):
         total = 0.0
         for m in range(len(points)):
-            p, n = _moved(poses[k], points[m]), _turned(poses[k], normals[m])
+            p, n = transformed(poses[k], points[m]), _turned(poses[k], normals[m])
             cosine = -_dot(n, p) / np.sqrt(_dot(p, p))
             if cosine < FACING or p[2] <= 0.0:
                 continue
@@ -142,12 +143,12 @@ def _refine(
     for k in range(len(poses)):
         T = refined[k]
         for gate in gates:
-            centre = _moved(T, middle)
+            centre = transformed(T, middle)
             A[:] = 0.0
             b[:] = 0.0
             pairs, square = 0, 0.0
             for m in range(len(points)):
-                p, n = _moved(T, points[m]), _turned(T, normals[m])
+                p, n = transformed(T, points[m]), _turned(T, normals[m])
                 if _dot(n, p) > -FACING * p[2] or p[2] <= 0.0:
                     continue
                 v, u = _pixel(p, focal, column, row, depth.shape)
@@ -173,13 +174,13 @@ def _refine(
                 errors[k] = np.inf
                 break
             errors[k] = np.sqrt(square / pairs)
-            _solve(A, b, x)
-            _move(T, centre, x, size)
+            solved(A, b, x)
+            move(T, centre, x, size)
     return refined, errors
 
 
 @njit(cache=True)
-def _solve(A, b, x):  # pragma: no cover (compiled)
+def solved(A, b, x):  # pragma: no cover (compiled)
     """Solve A x = b by Cholesky's method in place; only the lower half of A is given.
 
     The diagonal is raised a little, so that what the scan does not show does not drift.
@@ -208,7 +209,7 @@ def _solve(A, b, x):  # pragma: no cover (compiled)
 
 
 @njit(cache=True)
-def _move(T, centre, x, size):  # pragma: no cover (compiled)
+def move(T, centre, x, size):  # pragma: no cover (compiled)
     """Turn the pose `T` by x[:3] / size about `centre` and shift it by x[3:]."""
     w0, w1, w2 = x[0] / size, x[1] / size, x[2] / size
     angle = np.sqrt(w0 * w0 + w1 * w1 + w2 * w2)

@@ -1,14 +1,16 @@
 """What a pose predicts the scanner to see, pixel by pixel, held against what it saw."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
-import open3d as o3d
 from numba import njit
 
 from workbench.model.geometry import Floats, frozen, put
 from workbench.perception.maps import DepthMap
 from workbench.perception.part_surface import PartSurface
+from workbench.perception.registration import transformed
+from workbench.perception.rendering import rendered
 
 AGREEING = 0.5
 """Cosine between predicted and measured normal above which a pixel is explained."""
@@ -16,8 +18,12 @@ AGREEING = 0.5
 AGAINST = 2.0
 """What a pixel where the scan looks through the part counts against one that it explains."""
 
-MISSED, EXPLAINED, VIOLATED, HIDDEN = 0, 1, 2, 3
-"""What a ray says of a pose; see `Sighting`."""
+EXPLAINED, VIOLATED, HIDDEN = 1, 2, 3
+"""What a pixel says of a pose; see `Sighting`."""
+
+SQUARES = 0
+"""Column of a tally that sums the squares of the distances of explained points; the others count
+the pixels of each state."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -63,127 +69,181 @@ class Sighting:
         """The gain over all pixels that the pose shows, 0..1."""
         return max(self.gain, 0.0) / max(self.shown, 1)
 
-    def closeness(self, tolerance: float) -> float:
-        """The gain, with explained pixels counting less the further they are off [m]."""
-        return self.gain - float(np.sum((self.off / tolerance) ** 2))
 
-
-def look(maps: DepthMap, surface: PartSurface, poses: Floats, tolerance: float) -> list[Sighting]:
-    """Cast a ray through each pixel near each of `poses` (k, 4, 4) onto the part's mesh.
+def look(maps: DepthMap, surface: PartSurface, pose: Floats, tolerance: float) -> Sighting:
+    """Render the part at `pose` (4, 4) in the scanner's frame, and compare pixel by pixel.
 
     Args:
         maps: the scan.
         surface: the part.
-        poses: (k, 4, 4) in the scanner's frame.
+        pose: where it is thought to be.
         tolerance: [m] how far from the predicted surface a measured point may lie.
     """
-    if len(poses) == 0:
-        return []
-    poses = np.ascontiguousarray(poses)
-    windows = _windows(maps.camera.shape, *maps.view, poses, surface.coarse.points)
-    pixels, ends, rays = _rays_in_part(maps.rays, poses, windows)
-    hits = surface.scene.cast_rays(o3d.core.Tensor(rays))
-    states, off = _states(
-        maps.rays, maps.depth, maps.normals, maps.foreground, poses, pixels, ends,
-        hits["t_hit"].numpy(), hits["primitive_normals"].numpy(), tolerance,
-    )  # fmt: skip
-    sightings: list[Sighting] = []
-    for start, end in zip([0, *ends[:-1]], ends, strict=True):
-        state, pixel = states[start:end], pixels[start:end]
-        explained = state == EXPLAINED
-        sightings.append(
-            Sighting(
-                pixel[explained],
-                off[start:end][explained],
-                pixel[state == VIOLATED],
-                pixel[state == HIDDEN],
-            )
-        )
-    return sightings
+    pixels, states, off = _look(*drawing(maps, surface, tolerance), np.ascontiguousarray(pose))
+    explained = states == EXPLAINED
+    return Sighting(
+        pixels[explained], off[explained], pixels[states == VIOLATED], pixels[states == HIDDEN]
+    )
 
 
-@njit(cache=True)
-def _windows(shape, focal, column, row, poses, points):  # pragma: no cover (compiled)
-    """First and last (exclusive) row and column (k, 4) around the part at each pose."""
-    windows = np.empty((len(poses), 4), np.int64)
-    for k in range(len(poses)):
-        T = poses[k]
-        low_u, high_u, low_v, high_v = np.inf, -np.inf, np.inf, -np.inf
-        for p in points:
-            z = T[2, 0] * p[0] + T[2, 1] * p[1] + T[2, 2] * p[2] + T[2, 3]
-            if z <= 0.0:
-                continue
-            x = (T[0, 0] * p[0] + T[0, 1] * p[1] + T[0, 2] * p[2] + T[0, 3]) / z
-            y = (T[1, 0] * p[0] + T[1, 1] * p[1] + T[1, 2] * p[2] + T[1, 3]) / z
-            low_u, high_u = min(low_u, x), max(high_u, x)
-            low_v, high_v = min(low_v, y), max(high_v, y)
-        if low_u > high_u:  # wholly behind the scanner
-            windows[k] = 0
-            continue
-        windows[k, 0] = min(max(int(low_v * focal + row) - 2, 0), shape[0])
-        windows[k, 1] = min(max(int(high_v * focal + row) + 4, 0), shape[0])
-        windows[k, 2] = min(max(int(low_u * focal + column) - 2, 0), shape[1])
-        windows[k, 3] = min(max(int(high_u * focal + column) + 4, 0), shape[1])
-    return windows
+def tally(maps: DepthMap, surface: PartSurface, poses: Floats, tolerance: float) -> Floats:
+    """The same for many poses (k, 4, 4), counted only: (k, 4).
 
-
-@njit(cache=True)
-def _rays_in_part(rays, poses, windows):  # pragma: no cover (compiled)
-    """For all windows one after the other: pixels (n,), ends of windows (k,), rays (n, 6).
-
-    Rays have origin and direction in the part's frame; their parameter is the depth.
+    Columns are `EXPLAINED`, `VIOLATED`, `HIDDEN` [pixels], and `SQUARES`, the sum of the squares
+    of the distances of the explained points over the tolerance.
     """
-    ends = np.empty(len(poses), np.int64)
-    total = 0
-    for k in range(len(poses)):
-        high = max(0, windows[k, 1] - windows[k, 0])
-        wide = max(0, windows[k, 3] - windows[k, 2])
-        total += high * wide
-        ends[k] = total
-    pixels = np.empty(total, np.int64)
-    out = np.empty((total, 6), np.float32)
-    n = 0
-    for k in range(len(poses)):
-        T = poses[k]
-        for v in range(windows[k, 0], windows[k, 1]):
-            for u in range(windows[k, 2], windows[k, 3]):
-                pixels[n] = v * rays.shape[1] + u
-                for i in range(3):
-                    out[n, i] = -(T[0, i] * T[0, 3] + T[1, i] * T[1, 3] + T[2, i] * T[2, 3])
-                    out[n, 3 + i] = T[0, i] * rays[v, u, 0] + T[1, i] * rays[v, u, 1] + T[2, i]
-                n += 1
-    return pixels, ends, out
+    return _tally(*drawing(maps, surface, tolerance), np.ascontiguousarray(poses))
+
+
+def pull(
+    maps: DepthMap, surface: PartSurface, pose: Floats, tolerance: float
+) -> tuple[Floats, Floats]:
+    """How the explained points pull at the part: A x = b of a point-to-plane fit.
+
+    The unknowns x (6,) [m] are turns about the part's middle times its radius, and shifts.
+    Points count less the further they are off (Tukey's biweight).
+
+    Returns:
+        A (6, 6) and b (6,) [m].
+    """
+    centre = transformed(pose, surface.middle)
+    arguments = drawing(maps, surface, tolerance)
+    return pulled(*arguments, np.ascontiguousarray(pose), centre, surface.diameter / 2)
+
+
+def gains(tallies: Floats) -> Floats:
+    """`Sighting.gain` of each tally (k, 4)."""
+    return tallies[:, EXPLAINED] - AGAINST * tallies[:, VIOLATED]
+
+
+def closeness(tallies: Floats) -> Floats:
+    """The gains, with explained pixels counting less the further they are off, (k,)."""
+    return gains(tallies) - tallies[:, SQUARES]
+
+
+def drawing(maps: DepthMap, surface: PartSurface, tolerance: float) -> tuple[Any, ...]:
+    """What compiled code takes first to hold a pose against the scan."""
+    return (
+        maps.rays, maps.depth, maps.normals, maps.foreground, *maps.view,
+        surface.vertices, surface.triangles, surface.is_closed, tolerance,
+    )  # fmt: skip
 
 
 @njit(cache=True)
-def _states(
-    rays, depth, scan_normals, foreground, poses, pixels, ends, predicted, normals, tolerance
+def _look(
+    rays, depth, scan_normals, foreground, focal, column, row, vertices, triangles, is_closed,
+    tolerance, T,
+):  # fmt: skip  # pragma: no cover (compiled)
+    """Pixels (n,) that show the part, what each says, and how far off it is [m]."""
+    first_v, first_u, predicted, hit, normals = rendered(
+        T, vertices, triangles, is_closed, rays, focal, column, row
+    )
+    high, wide = predicted.shape
+    pixels = np.empty(high * wide, np.int64)
+    states = np.empty(high * wide, np.int8)
+    off = np.empty(high * wide)
+    n = 0
+    for j in range(high):
+        for i in range(wide):
+            if predicted[j, i] < np.inf:
+                v, u = first_v + j, first_u + i
+                pixels[n] = v * depth.shape[1] + u
+                states[n], off[n] = _says(
+                    rays, depth, scan_normals, foreground, v, u,
+                    predicted[j, i], normals, hit[j, i], tolerance,
+                )  # fmt: skip
+                n += 1
+    return pixels[:n], states[:n], off[:n]
+
+
+@njit(cache=True)
+def _tally(
+    rays, depth, scan_normals, foreground, focal, column, row, vertices, triangles, is_closed,
+    tolerance, poses,
+):  # fmt: skip  # pragma: no cover (compiled)
+    tallies = np.empty((len(poses), 4))
+    for k in range(len(poses)):
+        tallies[k] = counted(
+            rays, depth, scan_normals, foreground, focal, column, row, vertices, triangles,
+            is_closed, tolerance, poses[k],
+        )  # fmt: skip
+    return tallies
+
+
+@njit(cache=True)
+def counted(
+    rays, depth, scan_normals, foreground, focal, column, row, vertices, triangles, is_closed,
+    tolerance, T,
+):  # fmt: skip  # pragma: no cover (compiled)
+    """The tally (4,) of one pose (4, 4)."""
+    tally = np.zeros(4)
+    first_v, first_u, predicted, hit, normals = rendered(
+        T, vertices, triangles, is_closed, rays, focal, column, row
+    )
+    for j in range(predicted.shape[0]):
+        for i in range(predicted.shape[1]):
+            if predicted[j, i] == np.inf:
+                continue
+            state, off = _says(
+                rays, depth, scan_normals, foreground, first_v + j, first_u + i,
+                predicted[j, i], normals, hit[j, i], tolerance,
+            )  # fmt: skip
+            tally[state] += 1.0
+            if state == EXPLAINED:
+                tally[SQUARES] += (off / tolerance) ** 2
+    return tally
+
+
+@njit(cache=True)
+def pulled(
+    rays, depth, scan_normals, foreground, focal, column, row, vertices, triangles, is_closed,
+    tolerance, T, centre, radius,
+):  # fmt: skip  # pragma: no cover (compiled)
+    """See `pull`; `centre` (3,) [m] is the part's middle, `radius` [m] its radius."""
+    A, b, x = np.zeros((6, 6)), np.zeros(6), np.empty(6)
+    first_v, first_u, predicted, hit, normals = rendered(
+        T, vertices, triangles, is_closed, rays, focal, column, row
+    )
+    for j in range(predicted.shape[0]):
+        for i in range(predicted.shape[1]):
+            if predicted[j, i] == np.inf:
+                continue
+            v, u = first_v + j, first_u + i
+            state, off = _says(
+                rays, depth, scan_normals, foreground, v, u,
+                predicted[j, i], normals, hit[j, i], tolerance,
+            )  # fmt: skip
+            if state != EXPLAINED:
+                continue
+            n0, n1, n2 = normals[hit[j, i], 0], normals[hit[j, i], 1], normals[hit[j, i], 2]
+            a0 = rays[v, u, 0] * depth[v, u] - centre[0]
+            a1 = rays[v, u, 1] * depth[v, u] - centre[1]
+            a2 = depth[v, u] - centre[2]
+            x[0], x[1] = (a1 * n2 - a2 * n1) / radius, (a2 * n0 - a0 * n2) / radius
+            x[2], x[3], x[4], x[5] = (a0 * n1 - a1 * n0) / radius, n0, n1, n2
+            weight = (1.0 - (off / tolerance) ** 2) ** 2
+            for k in range(6):
+                b[k] += weight * x[k] * off
+                for m in range(6):
+                    A[k, m] += weight * x[k] * x[m]
+    return A, b
+
+
+@njit(cache=True)
+def _says(
+    rays, depth, scan_normals, foreground, v, u, predicted, normals, hit, tolerance
 ):  # pragma: no cover (compiled)
-    """What each ray says (n,), and how far off the surface its measurement is (n,) [m]."""
-    states = np.full(len(pixels), MISSED, np.int8)
-    off = np.zeros(len(pixels))
-    k = 0
-    for n in range(len(pixels)):
-        while n >= ends[k]:
-            k += 1
-        if not np.isfinite(predicted[n]):
-            continue
-        v, u = pixels[n] // depth.shape[1], pixels[n] % depth.shape[1]
-        states[n] = HIDDEN
-        if depth[v, u] == 0.0:
-            continue
-        along, agreement = 0.0, 0.0
-        for i in range(3):
-            turned = 0.0
-            for j in range(3):
-                turned += poses[k, i, j] * normals[n, j]
-            along += turned * rays[v, u, i]
-            agreement += turned * scan_normals[v, u, i]
-        facing = 1.0 if along < 0.0 else -1.0
-        # Along the normal that faces the scanner; negative is behind the surface.
-        off[n] = -abs(along) * (depth[v, u] - predicted[n])
-        if off[n] < -tolerance:
-            states[n] = VIOLATED
-        elif off[n] <= tolerance and foreground[v, u] and facing * agreement > AGREEING:
-            states[n] = EXPLAINED
-    return states, off
+    """What pixel (v, u) says, and how far off the surface its measurement is [m]."""
+    if depth[v, u] == 0.0:
+        return HIDDEN, 0.0
+    along, agreement = 0.0, 0.0
+    for i in range(3):
+        along += normals[hit, i] * rays[v, u, i]
+        agreement += normals[hit, i] * scan_normals[v, u, i]
+    # Along the normal, which faces the scanner; negative is behind the surface.
+    off = along * (depth[v, u] - predicted)
+    if off < -tolerance:
+        return VIOLATED, off
+    if off <= tolerance and foreground[v, u] and agreement > AGREEING:
+        return EXPLAINED, off
+    return HIDDEN, off

@@ -12,54 +12,46 @@ from workbench.model.geometry import Floats, Solid
 from workbench.model.part import Part
 from workbench.model.scan import Scan
 from workbench.perception.camera import Pinhole
+from workbench.perception.scan_noise import FINE, NoiseModel, noisy
 from workbench.perception.surfaces import add_surface, surface_of
 
-GRAZING = 0.26
-"""Cosine of incidence (75 degrees) below which too little of the pattern comes back."""
-
-FADING = 0.42
-"""Cosine (65 degrees) at which measurements begin to fail now and then."""
-
-DROP_OUT = 0.01
-"""Share of pixels that fail anywhere: dust, gloss, decoding errors."""
+LIT = 0.9995
+"""Share of the way from projector to surface that must be free, short of the surface itself."""
 
 
-def synthesize(cell: Cell, part: Part, Ts_world_part: Sequence[pin.SE3], *, seed: int) -> Scan:
+def synthesize(
+    cell: Cell,
+    part: Part,
+    Ts_world_part: Sequence[pin.SE3],
+    *,
+    seed: int,
+    noise: NoiseModel = FINE,
+) -> Scan:
     """The organised cloud of the parts in their bin, seen by the cell's scanner.
 
-    Rays through all pixels meet parts, bin and fixtures (the robot waits outside the view).
-    The error lies along the ray and is Gaussian; its standard deviation grows with the square
-    of the depth, as for every triangulating sensor, and with the inverse cosine of incidence,
-    as the pattern is smeared over the surface.  Pixels fail at random, more often on surfaces
-    seen at a grazing angle.
+    Rays through all pixels meet parts, bin and fixtures (the robot waits outside the view).  What
+    the projector, beside the camera, does not light is not measured: the shadows of stereo.  How
+    the rest is measured is told in `scan_noise`.
 
     Args:
         cell: bin, fixtures and scanner.
         part: what the poses belong to.
         Ts_world_part: the true poses; may be empty.
         seed: of noise and failures.
+        noise: the build of scanner; the mount's `depth_noise` says how large its deviation is.
 
     Raises:
         InputError: the scanner sees nothing within its range.
     """
-    scene = o3d.t.geometry.RaycastingScene()
-    surface = surface_of(part.mesh)
-    for T_world_part in Ts_world_part:
-        add_surface(scene, surface, T_world_part)
-    _add_solids(scene, cell.bin.solids, cell.bin.T_world_bin)
-    for fixture in cell.fixtures:
-        _add_solids(scene, fixture.solids, fixture.T_world_fixture)
-
+    scene = _scene(cell, part, Ts_world_part)
     camera = Pinhole.of_scanner(cell.scanner)
     rays = camera.rays().reshape(-1, 3)
-    depth, cosine = _cast(scene, rays, cell.scanner.T_world_scanner)
+    depth, cosine = _cast(scene, rays, cell.scanner.T_world_scanner, noise.baseline)
     generator = np.random.default_rng(seed)
-    depth = depth + _errors(depth, cosine, rays, cell.scanner.depth_noise, generator)
-    measured = (
-        (depth >= cell.scanner.near)
-        & (depth <= cell.scanner.far)
-        & ~_fails(cosine, generator.random(len(rays)))
-    )
+    deviation = cell.scanner.depth_noise
+    image = (depth.reshape(camera.shape), cosine.reshape(camera.shape))
+    depth = noisy(*image, deviation, noise, generator).ravel()
+    measured = (depth >= cell.scanner.near) & (depth <= cell.scanner.far)
     pixels = np.flatnonzero(measured)
     if len(pixels) == 0:
         raise InputError(
@@ -75,6 +67,36 @@ def synthesize(cell: Cell, part: Part, Ts_world_part: Sequence[pin.SE3], *, seed
     )
 
 
+def visible_shares(cell: Cell, part: Part, Ts_world_part: Sequence[pin.SE3]) -> tuple[float, ...]:
+    """How much of each part the camera sees of what it would see were the part alone, 0..1."""
+    camera = Pinhole.of_scanner(cell.scanner)
+    directions = camera.rays().reshape(-1, 3) @ cell.scanner.T_world_scanner.rotation.T
+    origins = np.broadcast_to(cell.scanner.T_world_scanner.translation, directions.shape)
+    rays = _rays(origins, directions)
+    hit = _scene(cell, part, Ts_world_part).cast_rays(rays)["geometry_ids"].numpy()
+    shares: list[float] = []
+    for number, T_world_part in enumerate(Ts_world_part):
+        alone = o3d.t.geometry.RaycastingScene()
+        add_surface(alone, surface_of(part.mesh), T_world_part)
+        shown = int(np.count_nonzero(np.isfinite(alone.cast_rays(rays)["t_hit"].numpy())))
+        shares.append(np.count_nonzero(hit == number) / shown if shown else 0.0)
+    return tuple(shares)
+
+
+def _scene(
+    cell: Cell, part: Part, Ts_world_part: Sequence[pin.SE3]
+) -> o3d.t.geometry.RaycastingScene:
+    """All that stands still, after the parts in their order."""
+    scene = o3d.t.geometry.RaycastingScene()
+    surface = surface_of(part.mesh)
+    for T_world_part in Ts_world_part:
+        add_surface(scene, surface, T_world_part)
+    _add_solids(scene, cell.bin.solids, cell.bin.T_world_bin)
+    for fixture in cell.fixtures:
+        _add_solids(scene, fixture.solids, fixture.T_world_fixture)
+    return scene
+
+
 def _add_solids(
     scene: o3d.t.geometry.RaycastingScene, solids: Iterable[Solid], T_world_owner: pin.SE3
 ) -> None:
@@ -83,35 +105,32 @@ def _add_solids(
 
 
 def _cast(
-    scene: o3d.t.geometry.RaycastingScene, rays: Floats, T_world_scanner: pin.SE3
+    scene: o3d.t.geometry.RaycastingScene, rays: Floats, T_world_scanner: pin.SE3, baseline: float
 ) -> tuple[Floats, Floats]:
-    """Depth along z (infinite where nothing is hit) and cosine of incidence, each (n,)."""
+    """Depth along z (infinite where nothing is hit) and cosine of incidence, each (n,).
+
+    The cosine is the smaller one of camera and projector, and zero where the projector's light is
+    blocked or falls on the back.
+    """
     directions = rays @ T_world_scanner.rotation.T
     origins = np.broadcast_to(T_world_scanner.translation, directions.shape)
-    hits = scene.cast_rays(
-        o3d.core.Tensor(np.concatenate([origins, directions], axis=1).astype(np.float32))
-    )
+    hits = scene.cast_rays(_rays(origins, directions))
     depth = hits["t_hit"].numpy().astype(np.float64)
     normals = hits["primitive_normals"].numpy().astype(np.float64)
-    cosine = np.abs(np.sum(normals * directions, axis=1)) / np.linalg.norm(directions, axis=1)
+    seen = np.sum(normals * directions, axis=1)
+    # Normals look at the camera, whichever way round the triangle was written.
+    normals *= -np.sign(seen)[:, None]
+    cosine = np.abs(seen) / np.linalg.norm(directions, axis=1)
+
+    hit = np.flatnonzero(np.isfinite(depth))
+    projector = T_world_scanner.act(np.array([baseline, 0.0, 0.0]))
+    beams = origins[hit] + depth[hit, None] * directions[hit] - projector
+    starts = np.broadcast_to(projector, beams.shape)
+    is_dark = scene.test_occlusions(_rays(starts, beams), tfar=LIT).numpy()
+    lit = -np.sum(normals[hit] * beams, axis=1) / np.linalg.norm(beams, axis=1)
+    cosine[hit] = np.where(is_dark, 0.0, np.clip(lit, 0.0, cosine[hit]))
     return depth, cosine
 
 
-def _errors(
-    depth: Floats,
-    cosine: Floats,
-    rays: Floats,
-    noise: float,
-    generator: np.random.Generator,
-) -> Floats:
-    """Errors of the depth [m], (n,); `noise` is their deviation at 1 m, met head-on."""
-    seen = np.isfinite(depth)
-    deviation = np.zeros_like(depth)
-    deviation[seen] = noise * depth[seen] ** 2 / np.maximum(cosine[seen], GRAZING)
-    return deviation * generator.standard_normal(len(depth)) / np.linalg.norm(rays, axis=1)
-
-
-def _fails(cosine: Floats, chance: Floats) -> np.ndarray:
-    """Which pixels give no measurement; `chance` (n,) is uniform in 0..1."""
-    fading = np.clip((FADING - cosine) / (FADING - GRAZING), 0.0, 1.0)
-    return chance < DROP_OUT + (1.0 - DROP_OUT) * fading
+def _rays(origins: Floats, directions: Floats) -> o3d.core.Tensor:
+    return o3d.core.Tensor(np.concatenate([origins, directions], axis=1).astype(np.float32))

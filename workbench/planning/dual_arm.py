@@ -61,10 +61,11 @@ class Task:
 Pair = tuple[Task, Task]
 
 
-def pairs_of(picks: Sequence[Pick], cost: Cost) -> list[tuple[Pick, Pick]]:
+def pairs_of(world: World, picks: Sequence[Pick], cost: Cost) -> list[tuple[Pick, Pick]]:
     """Picks of different arms and parts, by two; least cost first, in and among them.
 
-    What costs the same goes by joint travel.
+    What costs the same goes by joint travel.  Where the library of the parts has pairs of grasps,
+    only these are taken, in their order.
     """
 
     def rank(pick: Pick) -> tuple[float, float]:
@@ -78,9 +79,19 @@ def pairs_of(picks: Sequence[Pick], cost: Cost) -> list[tuple[Pick, Pick]]:
         for a, b in permutations(picks, 2)
         if a.candidate.arm != b.candidate.arm
         and a.candidate.detection != b.candidate.detection
-        and rank(a) <= rank(b)
+        and _may_go_first(world, a, b, is_cheaper=rank(a) <= rank(b))
     ]
     return sorted(pairs, key=total)
+
+
+def _may_go_first(world: World, a: Pick, b: Pick, *, is_cheaper: bool) -> bool:
+    """Whether two arms may take parts by these grasps with `a` going first."""
+    one, other = (world.cell.part(world.detections[p.candidate.detection].part) for p in (a, b))
+    if one.name != other.name or not one.library.pairs:
+        return is_cheaper
+    first, second = a.candidate.grasp.name, b.candidate.grasp.name
+    allows = one.library.allows
+    return allows(first, second) and (is_cheaper or not allows(second, first))
 
 
 def side_by_side(world: World, picks: Sequence[Pick], cost: Cost) -> list[tuple[Pick, Pick]]:
@@ -88,7 +99,7 @@ def side_by_side(world: World, picks: Sequence[Pick], cost: Cost) -> list[tuple[
 
     They are worth a plan in which both arms do the same at the same time.
     """
-    return [pair for pair in pairs_of(picks, cost) if _ends_are_clear(world, pair)]
+    return [pair for pair in pairs_of(world, picks, cost) if _ends_are_clear(world, pair)]
 
 
 def _ends_are_clear(world: World, pair: tuple[Pick, Pick]) -> bool:

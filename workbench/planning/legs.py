@@ -3,11 +3,14 @@
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
+import pinocchio as pin
 
 from workbench.model.cell import Arm
-from workbench.model.geometry import Floats
+from workbench.model.geometry import Floats, pose_from_rpy
+from workbench.model.part import Grasp
 from workbench.model.plan import ArmPlan, Leg, LegName, Plan
 from workbench.planning.pairing import Phase
 
@@ -17,24 +20,43 @@ STRAIGHT: frozenset[LegName] = frozenset({"approach", "extract"})
 HOLDING: frozenset[LegName] = frozenset({"extract", "return", "place"})
 """Legs with the part in the hand; after `place` it is released."""
 
-FREE_STEP = math.radians(30.0)
-"""[rad] Grasps that may turn about the hand's axis are tried this far apart, or closer."""
+FREE_STEP, TILT_STEP, SLIDE_STEP = math.radians(30.0), math.radians(15.0), 0.01
+"""[rad, rad, m] What a grasp leaves free is tried this far apart, or closer."""
 
 TARGETED: frozenset[LegName] = frozenset({"approach"})
 """Legs on which the tool goes around the part that it takes."""
 
 
-def grip_turns(arm: Arm, free_rotation: float = 0.0) -> list[float]:
-    """Turns of the hand about its own z [rad] that are the same grip, the authored one first.
-
-    Two fingers can change places; `free_rotation` [rad] either way is covered in steps.
-    """
-    count = math.ceil(free_rotation / FREE_STEP - 1e-9)
-    free = [0.0]
-    for k in range(1, count + 1):
-        free += [free_rotation * k / count, -free_rotation * k / count]
+def hand_turns(arm: Arm) -> list[pin.SE3]:
+    """Turns of the hand that change nothing, none at all first: two fingers can change places."""
     halves = (0.0, math.pi) if len(arm.tool.fingers) == 2 else (0.0,)
-    return [turn + half for turn in free for half in halves]
+    return [pose_from_rpy((0.0, 0.0, 0.0), (0.0, 0.0, half)) for half in halves]
+
+
+def grips(arm: Arm, grasp: Grasp) -> list[pin.SE3]:
+    """Poses of the hand that are the same grip, in the authored TCP frame, that one first.
+
+    What is left free is covered in steps, the least of it first.
+    """
+    ways = product(
+        _steps(grasp.free_rotation, FREE_STEP),
+        _steps(grasp.tilt, TILT_STEP),
+        _steps(grasp.slide, SLIDE_STEP),
+    )
+    return [
+        pose_from_rpy((slide, 0.0, 0.0), (0.0, tilt, 0.0))
+        * pose_from_rpy((0.0, 0.0, 0.0), (0.0, 0.0, turn))
+        * T_hand_turned
+        for (_, turn), (_, tilt), (_, slide) in sorted(ways, key=lambda way: sum(n for n, _ in way))
+        for T_hand_turned in hand_turns(arm)
+    ]
+
+
+def _steps(most: float, step: float) -> list[tuple[int, float]]:
+    """0, and values up to `most` either way no more than `step` apart, each with its rank."""
+    count = math.ceil(most / step - 1e-9)
+    values = [(k, sign * most * k / count) for k in range(1, count + 1) for sign in (1, -1)]
+    return [(0, 0.0), *values]
 
 
 Run = tuple[ArmPlan, LegName, float]

@@ -6,12 +6,12 @@ import pinocchio as pin
 
 from workbench.model.candidate import Candidate, Reason, Stage, Verdict
 from workbench.model.cell import Arm, Cell
-from workbench.model.geometry import Box, Floats, Solid, pose_from_rpy
+from workbench.model.geometry import Box, Floats, Solid
 from workbench.model.part import Grasp
 from workbench.model.scan import Detection, Obstacle
 from workbench.planning.bodies import coal_shape, extent, obstacle_label, part_label
 from workbench.planning.chain import chain_of
-from workbench.planning.legs import grip_turns
+from workbench.planning.legs import grips
 
 TURN_WEIGHT = 0.1
 """[m/rad] What a turn of the hand counts against its way in the SE(3) index."""
@@ -118,7 +118,7 @@ def propose(
     candidates = [
         candidate_of(check, number, detection, grasp, arm, homes[arm.name])
         for number, detection in enumerate(detections)
-        for grasp in cell.part(detection.part).library.grasps
+        for grasp in cell.part(detection.part).grasps
         for arm in cell.arms
     ]
     return tuple(
@@ -166,9 +166,8 @@ def _first_verdict(
             f"{low * 1e3:.0f}-{high * 1e3:.0f} mm",
         )
     refusal: Verdict | None = None
-    for turn in grip_turns(arm, grasp.free_rotation):
-        turned = T_world_tcp * pose_from_rpy((0.0, 0.0, 0.0), (0.0, 0.0, turn))
-        verdict = _tool_verdict(check, number, grasp, arm, turned)
+    for T_tcp_hand in grips(arm, grasp):
+        verdict = _tool_verdict(check, number, grasp, arm, T_world_tcp * T_tcp_hand)
         if verdict.is_ok:
             return verdict
         refusal = refusal or verdict

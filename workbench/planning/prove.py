@@ -11,10 +11,10 @@ import numpy as np
 import pinocchio as pin
 
 from workbench.model.cell import Arm, Cell
-from workbench.model.geometry import Floats, pose_from_rpy
+from workbench.model.geometry import Floats
 from workbench.model.plan import LEG_NAMES, ArmPlan, Finding, Guarantee, Leg, LegName, Plan, Proof
 from workbench.planning.chain import chain_of
-from workbench.planning.legs import HOLDING, STRAIGHT, grip_turns, stretches
+from workbench.planning.legs import HOLDING, STRAIGHT, grips, stretches
 from workbench.planning.motion import RESOLUTION, WIRE_STEP
 from workbench.planning.walk import walk
 from workbench.planning.world import World
@@ -144,14 +144,13 @@ def _arm_form(cell: Cell, plan: Plan, arm_plan: ArmPlan) -> Iterator[Finding]:
             yield Finding("does not start where the arm stands", name, leg_name)
             return
     T_world_part = plan.detections[arm_plan.detection].T_world_part
-    grasps = {g.name: g for g in cell.part(plan.detections[arm_plan.detection].part).library.grasps}
+    grasps = {g.name: g for g in cell.part(plan.detections[arm_plan.detection].part).grasps}
     grasp = grasps.get(arm_plan.grasp)
     if grasp is None:
         yield Finding(f"the part has no grasp {arm_plan.grasp!r}", name)
         return
     T_tcp_grasp = arm_plan.T_tcp_part * grasp.T_part_tcp
-    turns = grip_turns(arm, grasp.free_rotation)
-    if not any(_same(T_tcp_grasp, pose_from_rpy((0, 0, 0), (0, 0, -turn))) for turn in turns):
+    if not any(_same(T_tcp_grasp, T_tcp_hand.inverse()) for T_tcp_hand in grips(arm, grasp)):
         yield Finding(f"the part is not in the hand as grasp {grasp.name} takes it", name)
     for leg in arm_plan.legs:
         wanted = grasp.grip if leg.name in HOLDING else grasp.opening

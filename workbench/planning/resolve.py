@@ -1,6 +1,5 @@
 """From a candidate to configurations: grasp, the straight ways in and out, and the place."""
 
-from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -8,9 +7,9 @@ import pinocchio as pin
 
 from workbench.model.candidate import Candidate, Pick, Reason, Stage, Verdict
 from workbench.model.cell import Arm
-from workbench.model.geometry import Floats, pose_from_rpy
+from workbench.model.geometry import Floats
 from workbench.planning.chain import Chain, is_solution
-from workbench.planning.legs import grip_turns
+from workbench.planning.legs import grips, hand_turns
 from workbench.planning.motion import on_wire, path_contact
 from workbench.planning.pairing import Phase
 from workbench.planning.straight import follow
@@ -68,12 +67,6 @@ def _starts(chain: Chain, arm: Arm, seed: int) -> Floats:
     return np.vstack([arm.home, (chain.lower + chain.upper) / 2, random])
 
 
-def _hand_poses(arm: Arm, T_world_tcp: pin.SE3, free_rotation: float = 0.0) -> Iterator[pin.SE3]:
-    """The TCP pose, and what is the same grip."""
-    for turn in grip_turns(arm, free_rotation):
-        yield T_world_tcp * pose_from_rpy((0.0, 0.0, 0.0), (0.0, 0.0, turn))
-
-
 def _grasp_solutions(
     world: World, candidate: Candidate, arm: Arm, seed: int
 ) -> tuple[list[tuple[Floats, pin.SE3, float]], Verdict | None]:
@@ -82,8 +75,8 @@ def _grasp_solutions(
     starts = _starts(chain, arm, seed)
     found: list[tuple[Floats, pin.SE3]] = []
     nearest, q_nearest = np.inf, starts[0]
-    free_rotation = candidate.grasp.free_rotation
-    for T_world_tcp in _hand_poses(arm, candidate.T_world_tcp, free_rotation):
+    for T_tcp_hand in grips(arm, candidate.grasp):
+        T_world_tcp = candidate.T_world_tcp * T_tcp_hand
         answers, residuals = chain.solve(T_world_tcp, starts)
         for q, residual, solved in zip(answers, residuals, is_solution(residuals), strict=True):
             if solved and not any(np.abs(q - known).max() < SAME for known, _ in found):
@@ -244,7 +237,7 @@ def _place(
     world.enter(holding_phase(candidate, arm, T_tcp_part, straight=False))
     refusal = Verdict(Reason.NO_PLACE, Stage.PLACE, note="the cell has no place for this arm")
     for T_world_place in arm.Ts_world_place:
-        for T_world_tcp in _hand_poses(arm, T_world_place):
+        for T_world_tcp in (T_world_place * T for T in hand_turns(arm)):
             answers, residuals = chain.solve(T_world_tcp, np.vstack([q_from, arm.home]))
             for q in answers[is_solution(residuals)]:
                 above = pin.SE3(T_world_tcp.rotation, T_world_tcp.translation + PLACE_LIFT * UP)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from workbench.model.geometry import Floats
-from workbench.model.plan import Finding, Guarantee, Leg
+from workbench.model.plan import Finding, Guarantee, Leg, are_in_step
 from workbench.planning.legs import Stretch
 from workbench.planning.meeting import course_of, first_meeting
 from workbench.planning.motion import curves_of, path_contact
@@ -50,20 +50,15 @@ def walk(
     starts = {plan.arm: np.asarray(leg.q[0]) for plan, leg in stretch.runs}
     if any(leg.name == "extract" for _, leg in stretch.runs):
         world.allow_start_contacts(world.configuration({**stretch.standing, **starts}))
-    if len(stretch.runs) == 1:
+    legs = [leg for _, leg in stretch.runs]
+    if len(legs) == 1:
         finding = _alone(world, stretch, resolution)
-    elif guarantee is Guarantee.SYNCHRONISED and runs_in_step(stretch):
+    elif guarantee is Guarantee.SYNCHRONISED and are_in_step(legs):
         finding = _in_step(world, stretch, resolution)
     else:
         finding = _at_any_speed(world, stretch, resolution)
     clearances, closest = _clearances(world, stretch, sight)
     return Walked(finding, clearances, closest, _apart(world, stretch, far_sight))
-
-
-def runs_in_step(stretch: Stretch) -> bool:
-    """Whether all legs of a step pass their waypoints at the same times."""
-    _, leg = stretch.runs[0]
-    return all(np.array_equal(other.t, leg.t) for _, other in stretch.runs[1:])
 
 
 def _alone(world: World, stretch: Stretch, resolution: float) -> Finding | None:

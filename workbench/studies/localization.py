@@ -1,103 +1,196 @@
 """How well and how fast parts are found: seeded piles, simulated scans, true poses to compare."""
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 import pinocchio as pin
 
 from workbench.formats.cells import read_cell
+from workbench.formats.parts import read_part
+from workbench.model.cell import Cell
 from workbench.model.part import Part
 from workbench.model.scan import Detection
 from workbench.perception.localize import localize
+from workbench.perception.near_symmetry import stated_symmetry
 from workbench.perception.piles import drop_parts
-from workbench.perception.synthesize import synthesize
+from workbench.perception.scan_noise import FINE, ROUGH, NoiseModel
+from workbench.perception.synthesize import synthesize, visible_shares
 
-NEAR = 0.02
-"""[m] A detection belongs to the true part whose origin is nearest, up to here."""
+NEAR, TURNED = 0.002, float(np.deg2rad(3.0))
+"""[m], [rad] A detection that is further from a true pose is wrong."""
 
-WRONG = np.deg2rad(5.0)
-"""[rad] A detection that is turned by more is not merely imprecise, it is wrong."""
+CLEAR = 0.6
+"""Parts of which more than this share can be seen are expected to be found."""
+
+BEST = 2
+"""Detections at the head of the list on which the robot acts first."""
 
 
-def measure(
-    cell_name: str,
-    *,
-    scenes: int,
-    parts: int = 2,
-    seed: int = 0,
-    report: Callable[[float, str], None] = lambda done, note: None,
-) -> dict[str, Any]:
-    """Scan and localize every pile once.
+@dataclass(frozen=True, slots=True)
+class Build:
+    """A scanner: the noise that its mount declares [m], None for the cell's own, and the rest."""
 
-    One scene is localized before the clock starts, so that compiled code is loaded.
+    deviation: float | None
+    noise: NoiseModel
 
-    Args:
-        cell_name: name or path of a cell.
-        scenes: how many piles.
-        parts: how many parts in each.
-        seed: of the first pile; the others follow.
-        report: progress.
 
-    Returns:
-        `counts` by name, and lists: `distance` [m], `tilt` and `roll` [rad] of what was found
-        right (roll only where it is said to be known), `seconds` a scene.
+BUILDS: Mapping[str, Build] = MappingProxyType(
+    {"fine": Build(None, FINE), "rough": Build(0.0006, ROUGH)}
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Task:
+    """One scene: whose pile it is, how large, and which build of scanner sees it."""
+
+    cell: str
+    part: str
+    build: str
+    count: int
+    seed: int
+
+
+@dataclass(frozen=True, slots=True)
+class Found:
+    """A detection against the truth, in the order of the scores.
+
+    `distance` [m] of the part's middle and `turn` [rad] from the nearest true pose that no better
+    detection has taken; None when none is left.  Where the roll is said to be unknown it does not
+    count.  `is_right`: both are within the limits.
     """
-    cell = read_cell(cell_name)
-    part = cell.parts[0]
-    counts = dict.fromkeys(("parts", "missed", "ghosts", "wrong", "roll unknown"), 0)
-    errors: dict[str, list[float]] = {"distance": [], "tilt": [], "roll": [], "seconds": []}
-    for number in range(scenes):
-        report(number / scenes, f"pile {seed + number}")
-        one = seed + number
-        truth = drop_parts(part, cell.bin, parts, seed=one)
-        scan = synthesize(cell, part, truth, seed=one)
-        if number == 0:
-            localize(scan, part, cell, seed=one)
-        began = time.perf_counter()
-        found = localize(scan, part, cell, seed=one)
-        errors["seconds"].append(time.perf_counter() - began)
-        compare(part, truth, found, counts, errors)
-    return {"counts": counts, **errors}
+
+    distance: float | None
+    turn: float | None
+    roll_known: bool
+    is_right: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Scene:
+    """What came of a task: `visible` and `is_found` of each true part, and the time [s]."""
+
+    task: Task
+    found: tuple[Found, ...]
+    visible: tuple[float, ...]
+    is_found: tuple[bool, ...]
+    seconds: float
+
+
+def localized_scene(task: Task) -> Scene:
+    """Drop parts, scan them, find them, and compare."""
+    cell = _warm(task.cell, task.part, task.build)
+    part, noise = cell.parts[0], BUILDS[task.build].noise
+    truth = drop_parts(part, cell.bin, task.count, seed=task.seed)
+    scan = synthesize(cell, part, truth, seed=task.seed, noise=noise)
+    began = time.perf_counter()
+    detections = localize(scan, part, cell, seed=task.seed)
+    seconds = time.perf_counter() - began
+    found, is_found = compare(part, truth, detections)
+    return Scene(task, found, visible_shares(cell, part, truth), is_found, seconds)
+
+
+@lru_cache(maxsize=12)
+def _warm(name: str, part_name: str, build: str) -> Cell:
+    """The cell with that part and scanner, after a search: code and part are prepared."""
+    part, deviation = read_part(part_name), BUILDS[build].deviation
+    cell = read_cell(name)
+    scanner = cell.scanner if deviation is None else replace(cell.scanner, depth_noise=deviation)
+    cell = replace(cell, parts=(part,), scanner=scanner)
+    pile = drop_parts(part, cell.bin, 1, seed=0)
+    localize(synthesize(cell, part, pile, seed=0), part, cell, seed=0)
+    return cell
 
 
 def compare(
-    part: Part,
-    truth: Sequence[pin.SE3],
-    found: Sequence[Detection],
-    counts: dict[str, int],
-    errors: dict[str, list[float]],
-) -> None:
-    """Add one scene to the counts and errors of `measure`."""
-    left = list(truth)
-    counts["parts"] += len(truth)
-    for detection in found:
-        T = detection.T_world_part
-        off = [float(np.linalg.norm(one.translation - T.translation)) for one in left]
-        if not off or min(off) > NEAR:
-            counts["ghosts"] += 1
+    part: Part, truth: Sequence[pin.SE3], detections: Sequence[Detection]
+) -> tuple[tuple[Found, ...], tuple[bool, ...]]:
+    """Each detection against the truth, and whether each true part is found rightly."""
+    left = list(range(len(truth)))
+    right: set[int] = set()
+    found: list[Found] = []
+    for detection in detections:
+        errors = [_error(part, truth[k], detection) for k in left]
+        if not errors:
+            found.append(Found(None, None, detection.roll_known, False))
             continue
-        nearest = left.pop(int(np.argmin(off)))
-        tilt, roll = _turns(part, nearest.rotation.T @ T.rotation)
-        if tilt > WRONG or (detection.roll_known and roll > WRONG):
-            counts["wrong"] += 1
-            continue
-        errors["distance"].append(min(off))
-        errors["tilt"].append(tilt)
-        if detection.roll_known:
-            errors["roll"].append(roll)
-        else:
-            counts["roll unknown"] += 1
-    counts["missed"] += len(left)
+        fits = [d <= NEAR and turn <= TURNED for d, turn in errors]
+        best = min(range(len(left)), key=lambda k: (not fits[k], errors[k]))
+        found.append(Found(*errors[best], detection.roll_known, fits[best]))
+        if fits[best]:
+            right.add(left.pop(best))
+    return tuple(found), tuple(k in right for k in range(len(truth)))
 
 
-def _turns(part: Part, R: np.ndarray) -> tuple[float, float]:
-    """By how much the part's axis is tilted, and the part turned about it [rad]."""
+def _error(part: Part, T_world_true: pin.SE3, detection: Detection) -> tuple[float, float]:
+    """Distance of the middle [m] and turn [rad] between two poses, under the stated symmetry."""
+    T = T_world_true.actInv(detection.T_world_part)
     axis = np.asarray(part.symmetry.axis)
-    tilt = float(np.arccos(np.clip(axis @ R @ axis, -1.0, 1.0)))
-    roll = 2 * np.arctan2(float(axis @ pin.Quaternion(R).coeffs()[:3]), pin.Quaternion(R).w)
-    step = 2 * np.pi / part.symmetry.fold if part.symmetry.fold else np.inf
-    if not np.isfinite(step):
-        return tilt, 0.0
-    return tilt, float(abs((roll + step / 2) % step - step / 2))
+    middle = (part.mesh.points.min(axis=0) + part.mesh.points.max(axis=0)) / 2
+    if part.symmetry.fold == 0 or not detection.roll_known:
+        on_axis = axis * float(axis @ middle)
+        tilt = float(np.arccos(np.clip(axis @ T.rotation @ axis, -1.0, 1.0)))
+        return float(np.linalg.norm(T.act(on_axis) - on_axis)), tilt
+    motions = stated_symmetry(part.symmetry)
+    turns = [float(np.linalg.norm(pin.log3(T.rotation @ M[:3, :3].T))) for M in motions]
+    best = motions[int(np.argmin(turns))]
+    return float(np.linalg.norm(T.act(middle) - best[:3, :3] @ middle)), min(turns)
+
+
+def summary(scenes: Sequence[Scene]) -> list[dict[str, Any]]:
+    """One row for each part, build and count, in the order in which they come.
+
+    Shares are None when nothing is there to be counted.  `clear` are the parts that are expected
+    to be found, `missed` those of them that are not; `roll_unknown` are right detections that
+    claim no roll.
+    """
+    groups: dict[tuple[str, str, int], list[Scene]] = {}
+    for scene in scenes:
+        task = scene.task
+        groups.setdefault((task.part, task.build, task.count), []).append(scene)
+    return [_row(*key, group) for key, group in groups.items()]
+
+
+def _row(part: str, build: str, count: int, scenes: Sequence[Scene]) -> dict[str, Any]:
+    found = [one for scene in scenes for one in scene.found]
+    best = [one for scene in scenes for one in scene.found[:BEST]]
+    right = [one for one in found if one.is_right]
+    clear = [
+        is_found
+        for scene in scenes
+        for visible, is_found in zip(scene.visible, scene.is_found, strict=True)
+        if visible > CLEAR
+    ]
+    return {
+        "part": part,
+        "build": build,
+        "count": count,
+        "scenes": len(scenes),
+        "parts": sum(len(scene.visible) for scene in scenes),
+        "clear": len(clear),
+        "found": len(found),
+        "best_right": _share([one.is_right for one in best]),
+        "precision": _share([one.is_right for one in found]),
+        "recall": _share(clear),
+        "wrong": len(found) - len(right),
+        "missed": clear.count(False),
+        "roll_unknown": sum(not one.roll_known for one in right),
+        "distance": _percentiles([one.distance for one in right if one.distance is not None]),
+        "turn": _percentiles([one.turn for one in right if one.turn is not None]),
+        "seconds": _percentiles([scene.seconds for scene in scenes]),
+    }
+
+
+def _share(flags: Sequence[bool]) -> float | None:
+    return sum(flags) / len(flags) if flags else None
+
+
+def _percentiles(values: Sequence[float]) -> dict[str, float] | None:
+    if not values:
+        return None
+    median, p90, worst = np.percentile(values, [50, 90, 100])
+    return {"median": float(median), "p90": float(p90), "worst": float(worst)}

@@ -90,6 +90,37 @@ def draw_threshold(path: Path, cases: Sequence[Case], rows: Rows) -> None:
     _write(path, figure, "Two parts at random: the distance from which both arms work at once")
 
 
+def draw_localization(path: Path, rows: Rows) -> None:
+    """What is right of the best two and of all, what is found, and how long it takes.
+
+    Raises:
+        FileError: the file cannot be written.
+    """
+    titles = ("Right or found [%]", "Time of a search [ms]")
+    figure = make_subplots(2, 1, subplot_titles=titles, vertical_spacing=0.2)
+    x = [f"{row['part']}<br>{row['count']} parts<br>{row['build']}" for row in rows]
+    kinds = (("best_right", "best two right"), ("precision", "precision"), ("recall", "recall"))
+    for number, (key, name) in enumerate(kinds):
+        shares = [None if row[key] is None else 100 * row[key] for row in rows]
+        figure.add_trace(
+            go.Scatter(
+                x=x,
+                y=shares,
+                name=name,
+                mode="markers",
+                marker={"size": 13, "symbol": number, "color": COLOURS[number]},
+            ),
+            1,
+            1,
+        )
+    for number, (key, name) in enumerate((("median", "median time"), ("p90", "90 %"))):
+        times = [None if row["seconds"] is None else 1000 * row["seconds"][key] for row in rows]
+        colour = COLOURS[3 + number]
+        figure.add_trace(go.Bar(x=x, y=times, name=name, marker={"color": colour}), 2, 1)
+    figure.update_yaxes(rangemode="tozero", row=2, col=1)
+    _write(path, figure, "Parts in seeded piles: how many are found, and found rightly")
+
+
 def _write(path: Path, figure: go.Figure, title: str) -> None:
     figure.update_layout(title=title, template="plotly_white", height=760)
     try:

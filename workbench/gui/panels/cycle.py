@@ -2,13 +2,29 @@
 
 import viser
 
-from workbench.app.commands import Approve, Command, FindParts, MakePlan, SendPlan, Stop, TakeScan
+from workbench.app.commands import (
+    Approve,
+    ChangeCell,
+    Command,
+    FindParts,
+    MakePlan,
+    SendPlan,
+    Stop,
+    TakeScan,
+    WantThreshold,
+)
+from workbench.app.release import moved_away, standing_words
+from workbench.app.rights import obstacle
 from workbench.app.rules import MOST_PARTS, SEED_LIMIT, STRATEGIES
-from workbench.app.state import State
+from workbench.app.state import Phase, State
 from workbench.gui.approval import ApprovalDialog
+from workbench.gui.approval_views import approval_line
+from workbench.gui.calibration_views import bin_html
+from workbench.gui.link_views import NO_SAFETY
 from workbench.gui.look import View
+from workbench.gui.outcomes import OutcomeInputs
+from workbench.gui.things import BIN, moved
 from workbench.gui.views import (
-    approval_line,
     forecast_line,
     parts_line,
     plan_line,
@@ -17,6 +33,7 @@ from workbench.gui.views import (
 )
 from workbench.gui.visitor import Visitor, refusal, whole
 from workbench.gui.wishes import WishesInputs
+from workbench.model.errors import InputError
 
 ROW = '<div class="wb-row"></div>'
 """A mark that has its folder laid out in three columns, see the style sheet."""
@@ -45,6 +62,14 @@ class CyclePanel:
             )
             self._scan = gui.add_button("Scan", icon=viser.Icon.SCAN)
             self._scan_line = gui.add_html("")
+            self._bin_line = gui.add_html("")
+            self._move_bin = gui.add_button(
+                "Move bin",
+                icon=viser.Icon.ARROWS_MOVE,
+                color="gray",
+                visible=False,
+                hint="Moves the bin of the cell to where it is seen; Undo is in the Cell tab.",
+            )
         with gui.add_folder("2 · Find parts"):
             gui.add_html(ROW)
             self._parts_line = gui.add_html("")
@@ -76,8 +101,11 @@ class CyclePanel:
         with gui.add_folder("5 · Send to the robot"):
             gui.add_html(ROW)
             self._send_line = gui.add_html("")
-            self._stop = gui.add_button("Stop", icon=viser.Icon.HAND_STOP, color="red")
+            self._stop = gui.add_button(
+                "Stop", icon=viser.Icon.HAND_STOP, color="red", hint=NO_SAFETY
+            )
             self._send = gui.add_button("Send", icon=viser.Icon.SEND)
+        self._outcomes = OutcomeInputs(visitor, ROW)
         with gui.add_folder("How it is planned", expand_by_default=False):
             gui.add_html(ROW)
             self._wishes = WishesInputs(gui, policy)
@@ -87,13 +115,18 @@ class CyclePanel:
     def show(self, old: View | None, new: View) -> None:
         """Bring what is shown from `old` to `new`."""
         state = new.state
-        expired = _has_run_out(new)
-        if old is not None and old.state is state and _has_run_out(old) == expired:
+        self._outcomes.show(old, new)
+        if old is not None and old.state is state and _passing(old) == _passing(new):
             return
         self._scan_line.content = scan_line(state)
+        self._bin_line.content = bin_html(state, new.at)
+        check = state.bin_check
+        self._move_bin.visible = check is not None and check.is_elsewhere
+        self._move_bin.disabled = bool(obstacle(state, ChangeCell))
         self._draw_parts(state)
         self._plan_line.content = plan_line(state)
-        problem = refusal(state, Approve(_digest(state)), new.at)
+        joints = new.live.joints
+        problem = refusal(state, Approve(_digest(state)), new.at, joints=joints)
         self._approval_line.content = approval_line(state, new.at, problem)
         self._send_line.content = send_line(state)
         buttons = (
@@ -105,7 +138,7 @@ class CyclePanel:
             (self._stop, Stop()),
         )
         for button, command in buttons:
-            button.disabled = bool(refusal(state, command, new.at))
+            button.disabled = bool(refusal(state, command, new.at, joints=joints))
         self._dialog.show(new)
 
     def _draw_parts(self, state: State) -> None:
@@ -118,9 +151,10 @@ class CyclePanel:
 
     def _react(self) -> None:
         visitor = self._visitor
-        self._threshold.on_update(lambda _: self._draw_parts(visitor.bench.state))
+        self._threshold.on_update(lambda _: self._threshold_typed())
         visitor.on_press(self._scan, self._wanted_scan)
         visitor.on_press(self._find, self._wanted_parts)
+        visitor.on_press(self._move_bin, self._wanted_bin)
         visitor.on_press(self._plan, self._wanted_plan)
         visitor.on_key("S", "Scan", lambda: visitor.ask(self._wanted_scan))
         visitor.on_key("F", "Find parts", lambda: visitor.ask(self._wanted_parts))
@@ -129,8 +163,23 @@ class CyclePanel:
         visitor.on_press(self._stop, Stop)
         self._approve.on_click(lambda _: self._dialog.open())
 
+    def _threshold_typed(self) -> None:
+        """Show what it would give; a plan that was made with another one is stale now."""
+        state, typed = self._visitor.bench.state, self._threshold.value
+        self._draw_parts(state)
+        if state.plan is not None and not obstacle(state, WantThreshold):
+            self._visitor.ask(lambda: WantThreshold(typed / 1000))
+
     def _wanted_scan(self) -> Command:
         return TakeScan(whole(self._seed.value), whole(self._parts.value))
+
+    def _wanted_bin(self) -> Command:
+        state = self._visitor.bench.state
+        check = state.bin_check
+        if check is None or check.T_world_bin is None:
+            raise InputError("the bin is not seen anywhere")
+        says = f"the bin is moved by {check.shift * 1000:.1f} mm to where it is seen"
+        return ChangeCell(moved(state.cell, BIN, check.T_world_bin), says)
 
     def _wanted_parts(self) -> Command:
         return FindParts(whole(self._seed.value))
@@ -148,6 +197,10 @@ def _digest(state: State) -> str:
     return state.plan.digest if state.plan is not None else ""
 
 
-def _has_run_out(view: View) -> bool:
-    approval = view.state.approval
-    return approval is not None and view.at >= approval.until
+def _passing(view: View) -> tuple[bool, int, str]:
+    """What changes while the state stays: approval and words lapse, the robot is moved."""
+    state, approval = view.state, view.state.approval
+    moved = moved_away(state.cell, state.plan, view.live.joints) if state.plan is not None else ""
+    has_run_out = approval is not None and view.at >= approval.until
+    is_let_out = state.phase in (Phase.PLANNED, Phase.APPROVED)
+    return has_run_out, len(standing_words(state, view.at)), moved if is_let_out else ""

@@ -7,14 +7,21 @@ from typing import Any
 import pinocchio as pin
 import viser
 
-from workbench.app.commands import Command, UseDetections, UseScan
+from workbench.app.commands import Command, ForgetAvoided, UseDetections, UseScan
 from workbench.app.rights import obstacle
 from workbench.formats.clouds import parse_cloud
 from workbench.formats.poses import parse_poses
 from workbench.gui.door import element_id
 from workbench.gui.look import View
-from workbench.gui.part_views import MOST_ROWS, parts_html
+from workbench.gui.part_views import (
+    MOST_ROWS,
+    avoided_html,
+    discarded_html,
+    parts_html,
+    remarks_html,
+)
 from workbench.gui.pose_inputs import PoseInputs
+from workbench.gui.searches import SearchInputs
 from workbench.gui.views import line
 from workbench.gui.visitor import Visitor
 from workbench.model.errors import InputError
@@ -50,9 +57,21 @@ class PartsPanel:
             hint="Our JSON, or a HALCON tuple file: rows of [R|t] in the world frame, mm.",
         )
         self._table = gui.add_html("")
+        self._discarded = gui.add_html("", visible=False)
+        self._show_discarded = gui.add_checkbox(
+            "Show discarded poses",
+            False,
+            visible=False,
+            hint="Red and translucent in the scene, for everybody.",
+        )
         self._inputs = PoseInputs(visitor, "/part_gizmo", GIZMO, self._correct)
         self._veto = gui.add_button("Veto", icon=viser.Icon.TRASH, color="red")
         self._add = gui.add_button("Add a part", icon=viser.Icon.PLUS, color="gray")
+        self._avoided = gui.add_html("")
+        self._forget = gui.add_button("Avoid no more", icon=viser.Icon.REFRESH, color="gray")
+        self._remarks = gui.add_html("")
+        with gui.add_folder("Search again in this scan", expand_by_default=False):
+            self._searches = SearchInputs(visitor)
         self._rows = [self._unseen(number) for number in range(MOST_ROWS)]
         rules = ",".join(f'div:has(> [id="{button}"])' for button in self._rows)
         gui.add_html(f'<style class="wb-style">{rules}{{display:none}}</style>')
@@ -60,19 +79,38 @@ class PartsPanel:
         self._poses.on_upload(lambda event: self._uploaded(event, self._poses_of))
         visitor.on_press(self._veto, self._without)
         visitor.on_press(self._add, self._with_one_more)
+        visitor.on_press(self._forget, ForgetAvoided)
+
+        @self._show_discarded.on_update
+        def _(event: Any) -> None:
+            if event.client is not None:
+                visitor.look.change(discarded=bool(event.target.value))
 
     def show(self, old: View | None, new: View) -> None:
         """Bring what is shown from `old` to `new`."""
+        self._draw_discarded(old, new)
         state = new.state
         found = state.detections or ()
+        self._searches.show(old, new)
         self._chosen = min(self._chosen, max(len(found) - 1, 0))
+        self._avoided.content = avoided_html(state, new.at)
         if old is not None and old.state is state:
             return
+        self._forget.visible = bool(state.avoided)
+        self._forget.disabled = bool(obstacle(state, ForgetAvoided))
         can = not obstacle(state, UseDetections)
         self._scan.disabled = bool(obstacle(state, UseScan))
         self._poses.disabled = self._add.disabled = not can
         self._veto.disabled = not can or not found
+        self._remarks.content = remarks_html(state.remarks, state.cell.poses_folder)
         self._draw(found, can)
+
+    def _draw_discarded(self, old: View | None, new: View) -> None:
+        if old is None or old.discarded is not new.discarded:
+            self._discarded.content = discarded_html(new.discarded)
+            self._discarded.visible = self._show_discarded.visible = bool(new.discarded)
+        if self._show_discarded.value != new.look.discarded:
+            self._show_discarded.value = new.look.discarded
 
     def _draw(self, found: tuple[Detection, ...], can: bool) -> None:
         if found:

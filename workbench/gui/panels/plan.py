@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 import viser
 
+from workbench.app.rights import NOBODY
 from workbench.app.state import Phase
 from workbench.gui.charts import (
     JOINTS,
@@ -156,4 +157,4 @@ class PlanPanel:
     def _play_or_pause(self) -> None:
         look = self._visitor.look
         if not self._play.disabled:
-            look.change(is_playing=not look.now.is_playing, by=None)
+            look.change(is_playing=not look.now.is_playing, by=None, player=NOBODY)

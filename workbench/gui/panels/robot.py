@@ -4,8 +4,10 @@ import viser
 
 from workbench.app.commands import EmptyPallets
 from workbench.app.rights import obstacle
+from workbench.app.state import Phase
+from workbench.gui.link_views import link_html
 from workbench.gui.look import View
-from workbench.gui.views import joints_html, line, link_html
+from workbench.gui.views import joints_html, line
 from workbench.gui.visitor import Visitor
 
 
@@ -22,7 +24,7 @@ class RobotPanel:
 
     def show(self, old: View | None, new: View) -> None:
         """Bring what is shown from `old` to `new`."""
-        if old is None or old.state is not new.state or old.live.robot != new.live.robot:
+        if old is None or _link_shown(old) != _link_shown(new):
             self._link.content = link_html(new)
         if old is None or old.state is not new.state:
             count = len(new.state.placed)
@@ -33,3 +35,9 @@ class RobotPanel:
             self._empty.disabled = not count or bool(obstacle(new.state, EmptyPallets))
         if old is None or old.live.joints is not new.live.joints:
             self._joints.content = joints_html(new.state.cell, new.live.joints)
+
+
+def _link_shown(view: View) -> tuple[object, ...]:
+    """What the link's table is made from; while something is sent, the time belongs to it."""
+    seconds = round(view.at, 1) if view.state.phase is Phase.SENDING else 0.0
+    return id(view.state), id(view.live.link), view.live.robot, seconds

@@ -1,0 +1,56 @@
+MODULE WbShared
+    ! Data that the tasks share; loaded into all three.
+    ! Arms are counted: 1 is the right one, 2 the left one.
+
+    CONST num WB_RIGHT:=1;
+    CONST num WB_LEFT:=2;
+    CONST num WB_MOST_POINTS:=400;
+    CONST num WB_MOST_LEGS:=24;
+
+    PERS tasks wb_both{2}:=[["T_ROB_R"],["T_ROB_L"]];
+
+    ! An order is given by counting wb_order up, and is done when wb_ended has
+    ! the same number.
+    CONST num WB_PROGRAM:=1;
+    CONST num WB_SINGLE:=2;
+    PERS num wb_order:=0;
+    PERS num wb_kind:=0;
+    PERS num wb_ended{2}:=[0,0];
+    PERS bool wb_restarted{2}:=[FALSE,FALSE];
+
+    ! A program of abb-socket/2. The first point of an arm is where it starts.
+    CONST num WB_ALONE:=1;
+    CONST num WB_FREE:=2;
+    CONST num WB_SYNC:=3;
+    CONST num WB_KEEP:=0;
+    CONST num WB_OPEN:=1;
+    CONST num WB_GRIP:=2;
+    PERS num wb_steps:=0;
+    PERS num wb_legs{2}:=[0,0];
+    PERS num wb_points{2}:=[0,0];
+    PERS num wb_leg_step{2,24};
+    PERS num wb_leg_first{2,24};
+    PERS num wb_leg_last{2,24};
+    PERS num wb_leg_zone{2,24};
+    PERS num wb_leg_hand{2,24};
+    PERS num wb_leg_opening{2,24};
+    PERS num wb_leg_mode{2,24};
+    PERS jointtarget wb_point{2,400};
+    PERS num wb_seconds{2,400};
+
+    ! A single motion of abb-socket.
+    PERS num wb_mover:=1;
+    PERS bool wb_moves:=FALSE;
+    PERS num wb_hand:=0;
+    PERS jointtarget wb_target;
+
+    ! What the arms report.
+    CONST num WB_UNTOLD:=0;
+    CONST num WB_PICKED:=1;
+    CONST num WB_FAILED:=2;
+    PERS num wb_step{2}:=[0,0];
+    PERS num wb_at{2}:=[0,0];
+    PERS num wb_part{2}:=[0,0];
+    PERS num wb_width{2}:=[0,0];
+    PERS num wb_expected{2}:=[0,0];
+ENDMODULE

@@ -1,0 +1,52 @@
+"""Makes `sessions/example` anew: one cycle of the YuMi cell against a simulated controller.
+
+    .venv/bin/python sessions/make_example.py
+
+The scanner sees less than that of the cell file, so that the session stays small.
+"""
+
+import shutil
+import threading
+import time
+from dataclasses import replace
+from pathlib import Path
+
+from workbench.app.bench import Bench
+from workbench.app.commands import ReportPick
+from workbench.cli.demo import Cycle
+from workbench.devices.abb_simulated import SimulatedController
+from workbench.formats.cells import read_cell
+from workbench.journal.journal import Journal
+from workbench.model.cell import Controller
+
+FOLDER = Path(__file__).parent / "example"
+SEED = 0
+RESOLUTION = (160, 120)
+
+
+def main() -> None:
+    """Write the session."""
+    cell = read_cell("yumi")
+    cell = replace(cell, scanner=replace(cell.scanner, resolution=RESOLUTION))
+    simulated = SimulatedController(cell, speed=500)
+    thread = threading.Thread(target=simulated.run)
+    thread.start()
+    shutil.rmtree(FOLDER, ignore_errors=True)
+    controller = Controller(port=simulated.port, state_port=simulated.state_port)
+    bench = Bench(replace(cell, controller=controller), Journal(FOLDER))
+    try:
+        time.sleep(1.0)  # until the controller's first report is there
+        Cycle(bench, 1, [], lambda done, note: None).run(SEED)
+        plan = bench.state.plan
+        for arm in plan.arms if plan is not None else ():
+            bench.do(ReportPick(arm.detection, True), "Ada")
+    finally:
+        bench.close()
+        simulated.stop()
+        thread.join()
+    size = sum(file.stat().st_size for file in FOLDER.rglob("*") if file.is_file())
+    print(f"{FOLDER}: {size / 1024:.0f} kB")
+
+
+if __name__ == "__main__":
+    main()

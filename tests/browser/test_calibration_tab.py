@@ -1,0 +1,84 @@
+"""A calibration on the page: poses suggested and scanned, a wrong mount found and put right."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hands import field
+
+from workbench.app.commands import ChangeCell, UseScan
+from workbench.gui.things import BIN, moved
+from workbench.model.geometry import pose_from_rpy
+from workbench.perception.synthesize import synthesize
+
+WRONG = pose_from_rpy((0.012, -0.008, 0.015), np.deg2rad((1.2, -0.8, 1.5)))
+
+
+def test_a_scanner_that_hangs_elsewhere_is_found_and_put_right(screen, bench, wait):
+    truth = bench.state.cell.scanner.T_world_scanner
+    screen.tab("Calibration")
+    for count in range(1, 6):
+        screen.press("Suggest a pose")
+        # The first suggestion takes its time: the planner's compiled code is loaded.
+        screen.page.wait_for_timeout(800)
+        screen.wait_for("as it is jogged on the page")
+        screen.press("Scan the plate")
+        wait(lambda count=count: len(bench.state.sightings) == count, f"pose {count}")
+    assert {one.arm for one in bench.state.sightings} == {"right"}
+    assert len({tuple(one.q) for one in bench.state.sightings}) == 5
+
+    # Somebody has knocked against the scanner, or typed a wrong pose.
+    cell = bench.state.cell
+    mount = replace(cell.scanner, T_world_scanner=truth * WRONG)
+    bench.do(ChangeCell(replace(cell, scanner=mount), "knocked"), "anna")
+    screen.shoot("calibration-solved")
+    screen.wait_for("from where the cell has it")
+    said = screen.page.get_by_text("from where the cell has it").first.inner_text()
+    assert 20 < float(said.split(" mm")[0]) < 22, said
+    rows = screen.page.locator(".wb-poses tbody tr")
+    assert rows.count() == 5
+    rows.nth(1).click()
+    screen.wait_for("Points near the robot: in the middle")
+    screen.page.wait_for_timeout(1500)
+    screen.shoot("calibration")
+    screen.page.get_by_text("As calibrated").click()
+    screen.page.wait_for_timeout(1500)
+    screen.shoot("calibration-before")
+    screen.press("Leave out")
+    wait(lambda: not bench.state.sightings[1].is_used, "the pose to be left out")
+    screen.wait_for("left out by a person")
+
+    screen.press("Apply")
+    screen.wait_for("type your name")
+    field(screen, "Your name").fill("Anna")
+    screen.page.wait_for_timeout(300)
+    screen.press("Apply")
+    wait(lambda: bench.state.cell.scanner.calibration is not None, "the calibration")
+    after = bench.state.cell.scanner
+    off = truth.actInv(after.T_world_scanner)
+    assert np.linalg.norm(off.translation) < 0.001
+    assert after.calibration.by == "Anna" and after.calibration.poses == 4
+    screen.wait_for("by Anna: 4 poses")
+    assert screen.errors == []
+
+
+@pytest.fixture
+def moved_scan(bench):
+    """A scan of the bin 15 mm from where the cell has it."""
+    cell = bench.state.cell
+    T = cell.bin.T_world_bin * pose_from_rpy((0.015, 0.0, 0.0), (0.0, 0.0, np.deg2rad(3)))
+    return synthesize(moved(cell, BIN, T), cell.parts[0], (), seed=0), T
+
+
+def test_a_moved_bin_is_told_and_the_cell_follows(screen, bench, wait, moved_scan):
+    scan, T = moved_scan
+    bench.do(UseScan(scan), "anna")
+    screen.wait_for("The bin is 15.0 mm and 3.0 degrees from where the cell has it")
+    screen.shoot("bin-moved")
+    screen.press("Move bin")
+    wait(lambda: bench.state.before != (), "the bin to be moved")
+    off = T.actInv(bench.state.cell.bin.T_world_bin)
+    assert np.linalg.norm(off.translation) < 0.0005
+    screen.wait_for("The bin is empty")
+    assert bench.state.bin_check.is_empty and not bench.state.bin_check.is_elsewhere
+    assert screen.errors == []

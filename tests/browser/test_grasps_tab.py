@@ -1,0 +1,196 @@
+"""Grasps put on the part in a real browser: clicked, dragged, repeated, undone, saved, used."""
+
+import os
+import shutil
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hands import Camera, drag, field
+
+from workbench.app.bench import Bench
+from workbench.app.machines import Machines
+from workbench.formats.cells import cell_path, part_folders, read_cell
+from workbench.formats.part_saves import DRAFT, versions
+from workbench.formats.parts import read_part
+from workbench.formats.shipped import find
+from workbench.gui.grasp_pose import GIZMO
+from workbench.gui.server import serve
+from workbench.gui.stage import T_WORLD_STAGE, size_of, view_of
+from workbench.journal.journal import Journal
+from workbench.model.part import GraspPattern
+
+PART = "keyed_cylinder"
+
+
+@pytest.fixture
+def own(tmp_path, monkeypatch) -> Path:
+    """A working directory with its own robots and parts, that may be written to."""
+    for kind in ("robots", "parts", "static"):
+        shutil.copytree(find("robots", "yumi").parent.parent / kind, tmp_path / kind)
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.fixture
+def bench(own):
+    cell = read_cell("yumi")
+    machines = partial(Machines, cell_file=cell_path("yumi"))
+    bench = Bench(cell, Journal(own / "session"), effects=machines)
+    yield bench
+    bench.close()
+
+
+@pytest.fixture
+def url(bench):
+    page = serve(bench, port=0, most_points=4000, folders=part_folders(cell_path("yumi")))
+    yield page.url
+    page.close()
+
+
+def library(bench):
+    return bench.state.cell.part(PART).library
+
+
+def grasp(bench, name: str):
+    return next(entry for entry in library(bench).entries if entry.name == name)
+
+
+def stage_camera(screen, bench) -> Camera:
+    screen.page.wait_for_timeout(1500)
+    return Camera(screen.page, *view_of(bench.state.cell.part(PART)))
+
+
+def unfold(screen, title: str) -> None:
+    screen.page.get_by_text(title, exact=True).click()
+    screen.page.wait_for_timeout(400)
+
+
+def fill(screen, label: str, text: str) -> None:
+    """Type as people do: not all at once, and done before the next thing is touched."""
+    box = field(screen, label)
+    box.fill(text)
+    box.press("Tab")
+    screen.page.wait_for_timeout(200)
+
+
+def test_a_grasp_is_made_with_the_mouse_and_picks_a_part(screen, bench, wait, reaches, own):
+    screen.tab("Grasps")
+    screen.press("Open part")
+    camera = stage_camera(screen, bench)
+
+    # On the side of the body that faces the camera, between its end and the key.
+    aim = np.array([0.65, -0.76, 0.0]) / np.linalg.norm([0.65, -0.76])
+    point = np.array([0.0, 0.0, -0.012]) + 0.015 * aim
+    screen.press("Add grasp")
+    screen.page.wait_for_timeout(300)
+    screen.page.mouse.click(*camera.pixel(T_WORLD_STAGE.act(point)))
+    wait(lambda: len(library(bench).entries) == 2, "the grasp that was clicked")
+    made = grasp(bench, "grasp")
+    z = made.T_part_tcp.rotation[:, 2]
+    assert -z @ aim > np.cos(np.deg2rad(10)), "the tool comes in against the normal"
+    tip = made.T_part_tcp.translation
+    assert abs(tip[2] - point[2]) < 0.002
+    assert 0.029 < made.grip < 0.031 and made.opening > made.grip
+    screen.shoot("grasps-added")
+
+    # Dragged along its own x, which lies along the part.
+    x = made.T_part_tcp.rotation[:, 0]
+    assert abs(x[2]) > 0.99
+    size = size_of(bench.state.cell.part(PART))
+    handle = T_WORLD_STAGE.act(tip + 0.9 * GIZMO * size * x)
+    away = handle - np.array([0.0, 0.0, 0.01])
+    drag(screen.page, camera.pixel(handle), camera.pixel(away))
+    wait(lambda: "moved by gizmo" in bench.state.message, "the drag")
+    moved = grasp(bench, "grasp").T_part_tcp.translation - tip
+    assert -0.013 < moved[2] < -0.007, moved
+    assert np.abs(moved[:2]).max() < 0.0005
+    assert np.allclose(grasp(bench, "grasp").T_part_tcp.rotation, made.T_part_tcp.rotation)
+
+    # The thesis' 5 x 3 as one pattern, which stays editable.
+    unfold(screen, "Copies and patterns")
+    fill(screen, "Around [deg]", "5 x 72")
+    fill(screen, "Along [mm]", "3 x 6 from -6")
+    screen.press("Repeat")
+    wait(lambda: isinstance(grasp(bench, "grasp"), GraspPattern), "the pattern")
+    assert grasp(bench, "grasp").count == 15
+    assert np.allclose(np.rad2deg(grasp(bench, "grasp").angles), [0, 72, 144, 216, 288])
+    screen.wait_for("× 15")
+    screen.shoot("grasps-pattern")
+
+    screen.press("Undo")
+    wait(lambda: not isinstance(grasp(bench, "grasp"), GraspPattern), "the undo")
+    screen.press("Redo")
+    wait(lambda: isinstance(grasp(bench, "grasp"), GraspPattern), "the redo")
+    folder = own / "parts" / PART
+    assert (folder / DRAFT).is_file()
+
+    # The authored pattern is left out, so that what is planned is what was made here.
+    screen.page.locator(".wb-list tbody tr").first.click()
+    screen.page.wait_for_timeout(400)
+    screen.press("Delete")
+    wait(lambda: [e.name for e in library(bench).entries] == ["grasp"], "the deletion")
+
+    unfold(screen, "Saved and not saved")
+    fill(screen, "Remark", "made with the mouse")
+    screen.press("Save")
+    wait(lambda: bench.state.saved == bench.state.cell.digest, "the saving")
+    assert not (folder / DRAFT).exists()
+    assert [one.remark for one in versions(folder)] == ["as it was before", "made with the mouse"]
+    again = read_part(folder).library
+    assert [(entry.name, entry.count) for entry in again.entries] == [("grasp", 15)]
+
+    screen.page.reload()
+    screen.button("Scan").wait_for()
+    screen.press("Scan")
+    reaches("scanned")
+    screen.press("Find parts")
+    reaches("localized")
+    screen.press("Plan")
+    state = reaches("planned")
+    assert state.proof.holds
+    assert {arm.grasp.split("-")[0] for arm in state.plan.arms} == {"grasp"}
+    assert screen.errors == []
+
+
+def test_two_browsers_edit_the_same_grasp_and_nothing_is_lost(open_screen, bench, wait):
+    one, other = open_screen(), open_screen()
+    for screen in (one, other):
+        screen.tab("Grasps")
+        unfold(screen, "How it takes the part")
+    fill(one, "Opening [mm]", "44")
+    fill(other, "Opening [mm]", "42")
+    other.press("Apply")
+    wait(lambda: "edited" in bench.state.message, "the quicker one")
+    assert grasp(bench, "side").grasp.opening == pytest.approx(0.042)
+    one.page.wait_for_timeout(500)
+    one.press("Apply")
+    one.wait_for("was changed by somebody else meanwhile")
+    one.press("Keep mine")
+    wait(lambda: len(library(bench).entries) == 2, "the copy")
+    assert grasp(bench, "side").grasp.opening == pytest.approx(0.042)
+    assert library(bench).entries[1].grasp.opening == pytest.approx(0.044)
+    assert one.errors == other.errors == []
+
+
+def test_what_a_tool_cannot_do_is_said_and_suggestions_are_taken(screen, bench, wait):
+    screen.tab("Grasps")
+    screen.wait_for("the smart_gripper can take it")
+    unfold(screen, "How it takes the part")
+    fill(screen, "Opening [mm]", "31")
+    fill(screen, "Grip [mm]", "20")
+    screen.press("Apply")
+    wait(lambda: "edited" in bench.state.message, "the edit")
+    screen.wait_for("the part is 30.0 mm wide between the fingers, the grip 20.0 mm")
+    fill(screen, "Approach [mm]", "99999")
+    screen.press("Apply")
+    screen.wait_for("approach_length_mm: 99999 is not between 1 and 1000")
+    unfold(screen, "Suggestions")
+    screen.press("Suggest")
+    screen.wait_for("suggested-1")
+    screen.press("Take")
+    wait(lambda: len(library(bench).entries) == 2, "the suggestion")
+    screen.shoot("grasps-suggested")
+    assert os.path.exists("parts")
+    assert screen.errors == []

@@ -1,0 +1,62 @@
+"""What may be edited about a part: what its files can hold, and nobody has changed meanwhile."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from workbench.app.commands import EditPart
+from workbench.formats.grasp_files import as_written
+from workbench.model.cell import Cell
+from workbench.model.errors import CommandRefused, InputError
+from workbench.model.part import GraspLibrary, Part
+from workbench.model.part_edits import edited
+
+MOST_FOLD = 360
+
+
+def part_of(cell: Cell, name: str) -> Part:
+    """The part of that name.
+
+    Raises:
+        CommandRefused: there is none.
+    """
+    try:
+        return cell.part(name)
+    except InputError as error:
+        raise CommandRefused(str(error)) from error
+
+
+def check_edit(cell: Cell, edit: EditPart) -> None:
+    """What is edited is there, and what comes of it can be kept in files.
+
+    Raises:
+        CommandRefused: it is not, or cannot.
+    """
+    part = part_of(cell, edit.part)
+    try:
+        after = edited_part(part, edit)
+    except InputError as error:
+        raise CommandRefused(str(error)) from error
+    if after.digest == part.digest:
+        raise CommandRefused(f"nothing of part {part.name} was changed")
+
+
+def edited_part(part: Part, edit: EditPart) -> Part:
+    """The part after an edit, its numbers as files hold them.
+
+    Raises:
+        InputError: what was edited is not there any more, or cannot be kept in a file.
+    """
+    library = part.library
+    if edit.was or edit.now:
+        library = edited(library, edit.was, as_written(GraspLibrary(edit.now)).entries)
+    if edit.pairs is not None:
+        library = as_written(replace(library, pairs=edit.pairs))
+    symmetry = edit.symmetry or part.symmetry
+    length = float(np.linalg.norm(symmetry.axis))
+    if not 0 <= symmetry.fold <= MOST_FOLD or abs(length - 1.0) > 1e-6:
+        raise InputError(
+            f"symmetry: a unit axis and 0 to {MOST_FOLD} turns are needed, "
+            f"not {symmetry.fold} about {symmetry.axis}"
+        )
+    return replace(part, library=library, symmetry=symmetry)

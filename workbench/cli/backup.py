@@ -1,0 +1,181 @@
+"""`workbench backup` and `workbench restore`: cells, parts and sessions as one file."""
+
+import contextlib
+import json
+import tempfile
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+from workbench import __version__
+from workbench.app.session_archive import DATABASE, check_journal
+from workbench.cli import arguments
+from workbench.cli.exits import SUCCESS
+from workbench.cli.terminal import print_table
+from workbench.formats.archives import unpacked_beside, write_archive
+from workbench.formats.cells import read_cell
+from workbench.formats.parts import read_part
+from workbench.formats.whole_files import read_whole
+from workbench.journal.journal import Journal
+from workbench.model.errors import FileError, InputError
+
+FORMAT = "workbench-backup/1"
+MANIFEST = "backup.json"
+KINDS = ("robots", "parts", "sessions")
+"""Folders below the working directory that are kept; each thing is a folder or a file in them."""
+
+LARGEST = 10 * 2**20
+"""[bytes] Of the manifest, and of anything that is compared as a whole."""
+
+Fate = Literal["new", "replaced", "the same", "left as it is"]
+
+
+@dataclass(frozen=True, slots=True)
+class Thing:
+    """One cell, part or session in a backup, and what restoring does about it."""
+
+    kind: str
+    name: str
+    fate: Fate
+
+
+def backup(typed: arguments.Backup) -> int:
+    """Write all of it into one zip file."""
+    root = Path.cwd()
+    kinds = KINDS if typed.with_sessions else KINDS[:-1]
+    content: dict[str, Path | bytes] = {}
+    with contextlib.ExitStack() as stack:
+        for kind in kinds:
+            for thing in _things(root / kind):
+                if kind == "sessions":
+                    content |= _session(thing, stack)
+                else:
+                    content |= {_name(root, file): file for file in _files(thing)}
+        if not any(name.startswith(("robots/", "parts/")) for name in content):
+            raise InputError(f"{root}: has neither cells in robots/ nor parts in parts/ to keep")
+        head = {"format": FORMAT, "workbench": __version__}
+        write_archive(typed.out, {MANIFEST: json.dumps(head).encode(), **content})
+    print(f"{typed.out}: {len(content)} files, {typed.out.stat().st_size / 1024:,.0f} kB")
+    return SUCCESS
+
+
+def _session(folder: Path, stack: contextlib.ExitStack) -> dict[str, Path | bytes]:
+    """The files of a session, its database as it is at this moment."""
+    if not (folder / DATABASE).is_file():
+        return {}
+    place = Path(stack.enter_context(tempfile.TemporaryDirectory()))
+    journal = Journal(folder)
+    try:
+        journal.save_copy(place / DATABASE)
+    finally:
+        journal.close()
+    root = folder.parents[1]
+    files = {_name(root, file): file for file in _files(folder / "files")}
+    return {f"sessions/{folder.name}/{DATABASE}": place / DATABASE, **files}
+
+
+def _things(folder: Path) -> Iterator[Path]:
+    if folder.is_dir():
+        yield from sorted(one for one in folder.iterdir() if not _is_hidden(one))
+
+
+def _files(thing: Path) -> Iterator[Path]:
+    if thing.is_file():
+        yield thing
+        return
+    for file in sorted(thing.rglob("*")):
+        if file.is_file() and not any(
+            _is_hidden(Path(part)) for part in file.relative_to(thing).parts
+        ):
+            yield file
+
+
+def _is_hidden(path: Path) -> bool:
+    return path.name.startswith(".") or path.name == "__pycache__" or path.suffix == ".partial"
+
+
+def _name(root: Path, file: Path) -> str:
+    return file.relative_to(root).as_posix()
+
+
+def restore(typed: arguments.Restore) -> int:
+    """Read everything in the backup, and only then put it in place of what is there."""
+    root = Path.cwd()
+    with unpacked_beside(typed.file, root) as place:
+        _check(typed.file, place)
+        things = [
+            Thing(kind, thing.name, _fate(root / kind / thing.name, thing))
+            for kind in KINDS
+            for thing in _things(place / kind)
+        ]
+        if not typed.dry_run:
+            _put_in_place(root, place, things)
+    does = "would be" if typed.dry_run else "is"
+    rows = [(thing.kind, thing.name, thing.fate) for thing in things]
+    print_table(f"What {does} restored from {typed.file}", ("of", "name", "it is"), rows)
+    return SUCCESS
+
+
+def _check(path: Path, place: Path) -> None:
+    """Read every cell, part and session of an unpacked backup.
+
+    Raises:
+        FileError: it is no backup, or something in it cannot be used.
+        JournalError: a session was changed.
+    """
+    try:
+        stated = json.loads(read_whole(place / MANIFEST, LARGEST))["format"]
+    except (FileError, KeyError, TypeError, ValueError):
+        raise FileError(path, "is no backup of a workbench") from None
+    if stated != FORMAT:
+        raise FileError(path, f"has format {stated!r}, expected {FORMAT!r}")
+    strange = {one.name for one in place.iterdir()} - {MANIFEST, *KINDS}
+    if strange:
+        raise FileError(path, f"holds {sorted(strange)[0]!r}, which no backup does")
+    # Cells name parts, which are looked for below the working directory.
+    with contextlib.chdir(place):
+        for part in sorted(Path("parts").glob("*/part.toml")):
+            read_part(part.parent)
+        for cell in sorted(Path("robots").glob("*/cell.toml")):
+            read_cell(str(cell))
+    for session in _things(place / "sessions"):
+        check_journal(path, session)
+
+
+def _fate(there: Path, thing: Path) -> Fate:
+    if not there.exists():
+        return "new"
+    # A session is only ever appended to: an older copy never replaces one that is there.
+    if there.parent.name == "sessions":
+        return "left as it is"
+    return "the same" if _content(there) == _content(thing) else "replaced"
+
+
+def _content(thing: Path) -> dict[str, bytes]:
+    return {
+        file.relative_to(thing).as_posix(): read_whole(file, 2**30) for file in _files(thing)
+    }  # fmt: skip
+
+
+def _put_in_place(root: Path, place: Path, things: list[Thing]) -> None:
+    """Move new things in and old ones out; when that fails midway, all is as it was."""
+    moved: list[tuple[Path, Path]] = []
+    out = place / ".replaced"
+    try:
+        for thing in things:
+            if thing.fate not in ("new", "replaced"):
+                continue
+            target = root / thing.kind / thing.name
+            target.parent.mkdir(parents=True, exist_ok=True)
+            if target.exists():
+                old = out / thing.kind / thing.name
+                old.parent.mkdir(parents=True, exist_ok=True)
+                target.rename(old)
+                moved.append((old, target))
+            (place / thing.kind / thing.name).rename(target)
+            moved.append((target, place / thing.kind / thing.name))
+    except OSError as error:
+        for now, before in reversed(moved):
+            now.rename(before)
+        raise FileError(error.filename or root, f"not restored: {error.strerror}") from None

@@ -1,0 +1,166 @@
+"""`workbench part`: from a CAD file to a part, and whether it is fit for picking."""
+
+from typing import Any, assert_never
+
+import numpy as np
+
+from workbench.cli.exits import SUCCESS
+from workbench.cli.part_arguments import PartCheck, PartCommands, PartImport, PartList
+from workbench.cli.part_check import check, counted, millimetres
+from workbench.cli.terminal import check_number, print_json, print_table, progress
+from workbench.formats.part_import import (
+    Imported,
+    WrittenPart,
+    check_name,
+    import_mesh,
+    write_part,
+)
+from workbench.formats.parts import read_part
+from workbench.formats.shipped import folders
+from workbench.model.errors import FileError
+from workbench.planning.part_symmetry import (
+    FoundSymmetry,
+    proposed_symmetry,
+)
+
+
+def part(typed: PartCommands) -> int:
+    """Carry out a command about parts."""
+    match typed.what:
+        case PartImport():
+            return _import(typed.what)
+        case PartCheck():
+            return check(typed.what)
+        case PartList():
+            return _list(typed.what)
+        case _:
+            assert_never(typed.what)
+
+
+def _import(typed: PartImport) -> int:
+    """Make the folder of a part and tell what was found."""
+    check_name(typed.name)
+    check_number("--density", typed.density, 10, 25_000)
+    if typed.mass_g is not None:
+        check_number("--mass-g", typed.mass_g, 0.001, 1e6)
+    if (typed.into / typed.name).exists():
+        raise FileError(typed.into / typed.name, "is there already; choose another name")
+    with progress("import") as report:
+        report(0.0, "reading")
+        imported = import_mesh(typed.file, typed.unit, repair=typed.repair)
+        report(0.2, "symmetry")
+        found = proposed_symmetry(imported.mesh)
+        mass = imported.surface.volume * typed.density
+        if typed.mass_g is not None:
+            mass = typed.mass_g / 1000
+        written = write_part(
+            typed.into,
+            typed.name,
+            imported,
+            mass=mass,
+            symmetry=found.symmetry if found is not None and typed.accept_symmetry else None,
+            proposal="" if found is None else symmetry_words(found),
+            report=lambda done, note: report(0.3 + 0.7 * done, note),
+        )
+    if typed.json:
+        print_json(_import_form(typed, imported, written, found))
+    else:
+        _print_import(typed, imported, written, found)
+    return SUCCESS
+
+
+def _import_form(
+    typed: PartImport, imported: Imported, written: WrittenPart, found: FoundSymmetry | None
+) -> dict[str, Any]:
+    surface = imported.surface
+    return {
+        "ok": True,
+        "folder": str(written.folder),
+        "unit": imported.cad.unit or "as the file says",
+        "unit_assumed": imported.cad.is_assumed,
+        "size_mm": np.round(surface.size * 1000, 3).tolist(),
+        "triangles": surface.triangles,
+        "volume_cm3": round(surface.volume * 1e6, 4),
+        "components": surface.components,
+        "mass_g": round(written.part.mass * 1000, 3),
+        "done": list(imported.done),
+        "pieces": len(written.part.pieces),
+        "excess_mm": round(written.excess * 1000, 2),
+        "symmetry": None if found is None else symmetry_words(found),
+        "symmetry_stated": found is not None and typed.accept_symmetry,
+    }
+
+
+def _print_import(
+    typed: PartImport, imported: Imported, written: WrittenPart, found: FoundSymmetry | None
+) -> None:
+    surface, cad, part = imported.surface, imported.cad, written.part
+    assumed = " (assumed: no other gives the size of a part)" if cad.is_assumed else ""
+    print(f"{typed.file.name}: read in {cad.unit or 'its own unit'}{assumed}")
+    print(
+        f"size {millimetres(surface.size)} mm, {surface.volume * 1e6:.4g} cm3, "
+        f"{surface.triangles} triangles, watertight, {counted(surface.components, 'body')}"
+    )
+    for line in imported.done:
+        print(f"mended: {line}")
+    how = "given" if typed.mass_g is not None else f"at {typed.density:g} kg/m3"
+    print(f"mass {part.mass * 1000:.4g} g ({how})")
+    large = f"at most about {written.excess * 1000:.1f} mm too large"
+    print(f"{counted(len(part.pieces), 'convex piece')}, {large}")
+    if found is not None:
+        only = "a comment only: --accept-symmetry states it"
+        print(f"symmetry: {symmetry_words(found)} ({'stated' if typed.accept_symmetry else only})")
+    print(f"written to {written.folder}")
+
+
+def symmetry_words(found: FoundSymmetry) -> str:
+    """A symmetry in a sentence."""
+    symmetry = found.symmetry
+    axis = ", ".join(f"{value + 0.0:g}" for value in np.round(symmetry.axis, 4))
+    turns = "any turn" if symmetry.fold == 0 else f"turns of {360 / symmetry.fold:g} degrees"
+    return f"{turns} about [{axis}], {found.deviation * 1000:.2f} mm off at most"
+
+
+def _list(typed: PartList) -> int:
+    """Print name, size and grasps of every part that is found by name."""
+    rows: list[dict[str, Any]] = []
+    seen: set[str] = set()
+    for folder in folders("parts"):
+        for place in sorted(folder.iterdir()):
+            if place.name in seen or not (place / "part.toml").is_file():
+                continue
+            seen.add(place.name)
+            try:
+                one = read_part(place)
+            except FileError as error:
+                rows.append({"name": place.name, "problem": str(error)})
+                continue
+            size = np.ptp(one.mesh.points, axis=0)
+            rows.append(
+                {
+                    "name": place.name,
+                    "size_mm": np.round(size * 1000, 2).tolist(),
+                    "mass_g": round(one.mass * 1000, 3),
+                    "grasps": len(one.library.grasps),
+                    "folder": str(place),
+                }
+            )
+    if typed.json:
+        print_json({"ok": True, "parts": rows})
+        return SUCCESS
+    print_table(
+        "Parts",
+        ("part", "size mm", "grasps", "folder"),
+        [
+            (row["name"], "cannot be read", "", row["problem"])
+            if "problem" in row
+            else (
+                row["name"],
+                ", ".join(f"{value:g}" for value in row["size_mm"]),
+                str(row["grasps"]),
+                row["folder"],
+            )
+            for row in rows
+        ],
+    )
+    return SUCCESS

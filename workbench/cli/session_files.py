@@ -1,0 +1,112 @@
+"""`workbench session export|import|prune`: sessions taken along, brought back, and removed."""
+
+import re
+import shutil
+import sys
+import time
+from datetime import UTC, datetime
+from pathlib import Path
+
+from workbench.app.recompute import cell_of
+from workbench.app.replay import replay
+from workbench.app.session_archive import DATABASE, export_session, import_session
+from workbench.app.state import State
+from workbench.cli.exits import SUCCESS
+from workbench.cli.nested_arguments import SessionExport, SessionImport, SessionPrune
+from workbench.cli.session import opened
+from workbench.cli.terminal import check_number, check_whole
+from workbench.journal.journal import Journal
+from workbench.model.errors import InputError, JournalError
+
+BY_TIME = re.compile(r"(\d{8}-\d{6})-.+", re.ASCII)
+"""What `app.sessions` calls a folder."""
+
+MEGABYTE = 2**20
+
+
+def export(typed: SessionExport) -> int:
+    """Write the zip file."""
+    journal = opened(typed.session)
+    try:
+        scene = None
+        if not typed.no_scene and (state := _worth_seeing(journal)) is not None:
+            # The page takes its time to import.
+            from workbench.gui.recording import scene_html
+
+            scene = scene_html(state)
+        export_session(journal, typed.out, scene)
+    finally:
+        journal.close()
+    print(f"{typed.out}: {typed.out.stat().st_size / MEGABYTE:.1f} MB")
+    return SUCCESS
+
+
+def _worth_seeing(journal: Journal) -> State | None:
+    """The last state with a plan; without one the last with a scan, or none."""
+    best: State | None = None
+    for _, state in replay(journal, cell_of(journal)):
+        has_plan = best is not None and best.plan is not None
+        if state.plan is not None or (state.scan is not None and not has_plan):
+            best = state
+    return best
+
+
+def import_(typed: SessionImport) -> int:
+    """Take the zip file, once it was checked."""
+    folder = import_session(typed.file, typed.sessions)
+    print(f"{folder}: whole, as it was exported")
+    return SUCCESS
+
+
+def prune(typed: SessionPrune) -> int:
+    """Remove what is too old, when that is wanted."""
+    if typed.keep is None and typed.older_than_days is None:
+        raise InputError("say what to keep: --keep NUMBER, --older-than-days DAYS, or both")
+    if typed.keep is not None:
+        check_whole("--keep", typed.keep, 0, 1_000_000)
+    if typed.older_than_days is not None:
+        check_number("--older-than-days", typed.older_than_days, 0, 1e6)
+    old = _old(typed, time.time())
+    if not old:
+        print("there is nothing to remove")
+        return SUCCESS
+    total = 0
+    for folder in old:
+        size = sum(file.stat().st_size for file in folder.rglob("*") if file.is_file())
+        total += size
+        print(f"{folder}: {size / MEGABYTE:.1f} MB")
+    question = f"remove {len(old)} sessions and free {total / MEGABYTE:.1f} MB?"
+    if not typed.yes:
+        if not sys.stdin.isatty():
+            raise InputError(f"{question} Nobody can be asked here: say --yes")
+        if input(f"{question} [y/N] ").strip().lower() not in ("y", "yes"):
+            print("nothing was removed")
+            return SUCCESS
+    for folder in old:
+        shutil.rmtree(folder)
+    print(f"{len(old)} sessions removed, {total / MEGABYTE:.1f} MB freed")
+    return SUCCESS
+
+
+def _old(typed: SessionPrune, now: float) -> list[Path]:
+    """The sessions that are neither among the newest, nor young enough, nor going on."""
+    found: list[tuple[float, Path]] = []
+    for file in typed.sessions.glob(f"*/{DATABASE}"):
+        match = BY_TIME.fullmatch(file.parent.name)
+        if match is not None:
+            at = datetime.strptime(match[1], "%Y%m%d-%H%M%S").replace(tzinfo=UTC).timestamp()
+            found.append((at, file.parent))
+    found.sort(reverse=True)
+    old = found[typed.keep or 0 :] if typed.keep is not None else found
+    if typed.older_than_days is not None:
+        old = [(at, folder) for at, folder in old if at < now - typed.older_than_days * 86400]
+    return [folder for _, folder in sorted(old) if not _goes_on(folder)]
+
+
+def _goes_on(folder: Path) -> bool:
+    """Whether another program has the session open: then its log stays when we close ours."""
+    try:
+        Journal(folder).close()
+    except JournalError:
+        return True
+    return (folder / f"{DATABASE}-wal").exists()

@@ -1,0 +1,38 @@
+"""The states of a controller that speaks `abb-socket/2`: one table for all who keep to it.
+
+The simulated controller looks the next state up here, the RAPID module carries the same rows, and
+`docs/protocol.md` shows them; tests compare the three.
+"""
+
+from collections.abc import Mapping
+from typing import Literal
+
+ControllerPhase = Literal["greeted", "ready", "loading", "loaded", "running", "fault", "stopped"]
+
+NEXT: Mapping[tuple[ControllerPhase, str], ControllerPhase] = {
+    ("greeted", "hello"): "ready",
+    ("ready", "plan"): "loading",
+    ("loading", "ticket"): "loading",
+    ("loading", "start"): "loading",
+    ("loading", "leg"): "loading",
+    ("loading", "to"): "loading",
+    ("loading", "end"): "loaded",
+    ("loaded", "run"): "running",
+    ("running", "done"): "ready",
+    ("running", "fault"): "fault",
+    ("ready", "ping"): "ready",
+    ("loading", "ping"): "loading",
+    ("loaded", "ping"): "loaded",
+    ("running", "ping"): "running",
+    ("fault", "ping"): "fault",
+    ("ready", "abort"): "stopped",
+    ("loading", "abort"): "stopped",
+    ("loaded", "abort"): "stopped",
+    ("running", "abort"): "stopped",
+    ("fault", "abort"): "stopped",
+}
+"""State and what comes, to the state after it.
+
+`done` and `fault` come from the robot, all else from the workbench.  What has no row is refused,
+the robot stops if it moves, and the link is closed.
+"""

@@ -1,0 +1,40 @@
+"""A plan as one page of HTML that plays it: no server, no network, all in the file."""
+
+from dataclasses import replace
+
+from workbench.app.live import Live
+from workbench.app.state import State
+from workbench.gui.door import close_door, open_door
+from workbench.gui.look import Look, View
+from workbench.gui.playback import timeline
+from workbench.gui.scene import Scene
+
+FRAME = 1 / 15
+"""[s] Between two pictures of a recording."""
+
+MOST_POINTS = 20_000
+"""Of a scan in a recording."""
+
+
+def scene_html(state: State) -> bytes:
+    """The cell, the scan and the parts of a state, and its plan, played once.
+
+    Args:
+        state: with or without a plan.
+    """
+    server = open_door("127.0.0.1", 0)
+    try:
+        runs = timeline(state.plan) if state.plan is not None else ()
+        # Who stands where does not matter any more: the robot is shown where the plan has it.
+        view = View(state, Live(), Look(), runs, 0.0)
+        scene = Scene(server, state.cell, most_points=MOST_POINTS)
+        scene.draw(None, view)
+        recording = server.get_scene_serializer()
+        for frame in range(1, int(view.plan_seconds / FRAME) + 1):
+            recording.insert_sleep(FRAME)
+            after = replace(view, look=replace(view.look, time=frame * FRAME))
+            scene.draw(view, after)
+            view = after
+        return recording.as_html().encode()
+    finally:
+        close_door(server)

@@ -1,0 +1,162 @@
+"""Searches for parts in one scan, side by side: with other wishes, in a table and in the scene."""
+
+from collections.abc import Sequence
+from html import escape
+from typing import Any
+
+import numpy as np
+import viser
+
+from workbench.app.commands import Command, FindParts, UseDetections
+from workbench.app.rights import obstacle
+from workbench.app.rules import DETAIL, SEED_LIMIT
+from workbench.app.state import State
+from workbench.formats.triangles import triangles_of
+from workbench.gui.colours import COMPARED
+from workbench.gui.door import element_id
+from workbench.gui.look import View
+from workbench.gui.robot import place
+from workbench.gui.solids import with_hard_edges
+from workbench.gui.tables import clickable
+from workbench.gui.views import line
+from workbench.gui.visitor import Visitor, whole
+from workbench.model.errors import InputError
+from workbench.model.search import Search, SearchWishes
+
+MOST_ROWS = 6
+
+
+class SearchInputs:
+    """What the next search does otherwise, the table of all, and which of them is taken.
+
+    Concurrency: as `PartsPanel`.
+    """
+
+    def __init__(self, visitor: Visitor):
+        """Add the controls to the folder that is open."""
+        self._visitor = visitor
+        gui = visitor.gui
+        self._detail = gui.add_slider(
+            "Detail [%]",
+            min=DETAIL[0] * 100,
+            max=DETAIL[1] * 100,
+            step=10,
+            initial_value=100,
+            hint="How fine the scan is looked at: more finds small features and takes longer.",
+        )
+        self._least = gui.add_slider(
+            "Least score",
+            min=0.0,
+            max=1.0,
+            step=0.05,
+            initial_value=0.0,
+            hint="Parts that explain less of what is seen are left out.",
+        )
+        self._seed = gui.add_number(
+            "Seed",
+            1,
+            min=0,
+            max=SEED_LIMIT - 1,
+            step=1,
+            hint="Another one looks from other points: parts found by every seed are sure.",
+        )
+        gui.add_html('<div class="wb-buttons wb-two"></div>')
+        self._search = gui.add_button("Search again", icon=viser.Icon.SEARCH)
+        self._take = gui.add_button("Take this one", icon=viser.Icon.CHECK, color="gray")
+        self._table = gui.add_html("")
+        self._rows = [self._unseen(place) for place in range(MOST_ROWS)]
+        rules = ",".join(f'div:has(> [id="{button}"])' for button in self._rows)
+        gui.add_html(f'<style class="wb-style">{rules}{{display:none}}</style>')
+        visitor.on_press(self._search, self._wanted)
+        visitor.on_press(self._take, self._taken)
+
+    def show(self, old: View | None, new: View) -> None:
+        """Bring what is shown from `old` to `new`."""
+        chosen = new.look.search
+        if old is not None and old.state is new.state and old.look.search == chosen:
+            return
+        state = new.state
+        self._search.disabled = state.scan is None or bool(obstacle(state, FindParts))
+        is_there = searched(state, chosen) is not None
+        self._take.disabled = not is_there or bool(obstacle(state, UseDetections))
+        self._table.content = searches_html(state.searches, chosen, self._rows)
+
+    def _unseen(self, place: int) -> str:
+        """The id of a button that HTML presses to look at a search, and again to look away."""
+        button, look = self._visitor.gui.add_button("·"), self._visitor.look
+
+        @button.on_click
+        def _(_: Any) -> None:
+            searches = self._visitor.bench.state.searches
+            if place < len(searches):
+                number = searches[place].number
+                look.change(search=None if look.now.search == number else number)
+
+        return element_id(button)
+
+    def _wanted(self) -> Command:
+        wishes = SearchWishes(float(self._detail.value) / 100, float(self._least.value))
+        return FindParts(whole(self._seed.value), wishes)
+
+    def _taken(self) -> Command:
+        state = self._visitor.bench.state
+        search = searched(state, self._visitor.look.now.search)
+        if search is None:
+            raise InputError("choose a search in the table first")
+        self._visitor.look.change(search=None)
+        place = state.searches.index(search) + 1
+        return UseDetections(search.detections, f"search {place} is taken")
+
+
+def searched(state: State, number: int | None) -> Search | None:
+    """The search with that number, if it is one of this scan."""
+    return next((one for one in state.searches if one.number == number), None)
+
+
+def searches_html(searches: Sequence[Search], chosen: int | None, rows: Sequence[str]) -> str:
+    """A row for each search in this scan."""
+    if not searches:
+        return line("Each search in this scan appears here, to be compared.", kind="hint")
+    heads = ("Search", "Detail", "Seed", "Parts", "Score", "Gap", "Time")
+    head = "".join(f'<th class="wb-number">{title}</th>' for title in heads)
+    body = "".join(
+        _row(place, search, search.number == chosen, rows[place])
+        for place, search in enumerate(searches[: len(rows)])
+    )
+    return (
+        f'<div class="wb-rows wb-poses"><table class="wb-table wb-searches"><thead><tr>{head}</tr>'
+        f"</thead><tbody>{body}</tbody></table></div>"
+        + line("A row that is clicked draws its parts beside the others.", kind="hint")
+    )
+
+
+def _row(place: int, search: Search, is_chosen: bool, button: str) -> str:
+    mark = ' style="background:var(--wb-chosen)"' if is_chosen else ""
+    found = search.detections
+    gaps = [one.gap for one in found if one.gap is not None]
+    values = (
+        str(place + 1),
+        f"{search.wishes.detail:.0%}",
+        str(search.seed),
+        str(len(found)),
+        f"{np.mean([one.score for one in found]):.2f}" if found else "",
+        f"{np.mean(gaps):.2f}" if gaps else "",
+        f"{search.seconds:.2f} s",
+    )
+    cells = "".join(f'<td class="wb-number">{escape(value)}</td>' for value in values)
+    tip = f"scores {', '.join(f'{one.score:.2f}' for one in found)}" if found else "no part"
+    if search.wishes.least_score > 0:
+        tip += f"; none below {search.wishes.least_score:.2f}"
+    return f'<tr{mark} title="{escape(tip)}" {clickable(button)}>{cells}</tr>'
+
+
+def draw_search(scene: viser.SceneApi, state: State, number: int | None) -> None:
+    """The parts of a search beside those found, in a colour of their own."""
+    scene.remove_by_name("/searched")
+    search = searched(state, number)
+    for k, one in enumerate(search.detections if search is not None else ()):
+        points, triangles = with_hard_edges(triangles_of(state.cell.part(one.part).mesh))
+        node = scene.add_mesh_simple(
+            f"/searched/{k}", points, triangles, color=COMPARED, opacity=0.55
+        )
+        place(node, one.T_world_part)

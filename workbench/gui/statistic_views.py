@@ -1,0 +1,78 @@
+"""Statistics as HTML: a few numbers, and bars; see `views` for how."""
+
+from html import escape
+
+from workbench.app.statistics import GROUPS, Rate, Statistics
+from workbench.gui.colours import BRAND
+from workbench.gui.views import clock, line, table_html
+
+FAILED = "#c92a2a"
+
+MOST_BARS = 12
+"""Of one chart; a part may have very many grasps."""
+
+
+def statistics_html(counted: Statistics) -> str:
+    """What a session has brought so far."""
+    if not counted.cycles:
+        return line("Once a cycle was planned, what came of it is counted here.", kind="hint")
+    rate = counted.picks_per_hour
+    failed = sum(pick.result == "failed" for _, pick in counted.picks)
+    rows = [
+        ("Cycles", f"{len(counted.cycles)}"),
+        ("Parts taken", f"{counted.picked}, {failed} failed"),
+        ("Parts per hour", "" if rate is None else f"{rate:.0f} of the time that cycles took"),
+    ]
+    charts = [
+        *(_success(f"Success by {name}", counted.rates(of)) for name, of in GROUPS.items()),
+        _bars(
+            "Parts taken in each hour",
+            [(clock(at)[:5], picked, f"{picked}") for at, picked, _ in counted.by_hour()],
+        ),
+        _bars(
+            "Median time of each stage",
+            [
+                (stage, usual, f"{usual:.2f} s, most {most:.1f} s")
+                for stage, usual, most in counted.stage_medians()
+            ],
+        ),
+        _bars(
+            "Why candidates were refused",
+            [(reason, count, f"{count:,}") for reason, count in counted.refusals],
+        ),
+    ]
+    return table_html(rows) + "".join(charts)
+
+
+def _success(title: str, rates: tuple[Rate, ...]) -> str:
+    """A bar for each, its length the share that was taken."""
+    known = [rate for rate in rates if rate.picked + rate.failed]
+    bars = [
+        _bar(rate.name, 100 * rate.share, f"{rate.picked} of {rate.picked + rate.failed}", FAILED)
+        for rate in known[:MOST_BARS]
+    ]
+    return _chart(title, bars)
+
+
+def _bars(title: str, values: list[tuple[str, float, str]]) -> str:
+    """A bar for each name, its length in proportion to the largest value."""
+    largest = max((value for _, value, _ in values), default=0.0) or 1.0
+    return _chart(
+        title,
+        [_bar(name, 100 * value / largest, text) for name, value, text in values[-MOST_BARS:]],
+    )
+
+
+def _bar(name: str, percent: float, text: str, rest: str = "transparent") -> str:
+    return (
+        f'<div class="wb-lane"><span class="wb-stat-name" title="{escape(name)}">{escape(name)}'
+        f'</span><div class="wb-stat-track" style="background:{rest}"><i style="width:'
+        f'{percent:.1f}%;background:{BRAND}"></i></div>'
+        f'<span class="wb-stat-value">{escape(text)}</span></div>'
+    )
+
+
+def _chart(title: str, bars: list[str]) -> str:
+    if not bars:
+        return ""
+    return f'<div class="wb-stat"><b>{escape(title)}</b>{"".join(bars)}</div>'

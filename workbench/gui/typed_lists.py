@@ -1,0 +1,52 @@
+"""Lists of numbers as people type them: `0, 72, 144`, or `5 x 72`, or `3 x 13 from -28`."""
+
+import re
+
+from workbench.model.errors import InputError
+
+MOST = 1000
+"""Numbers in one list."""
+
+_NUMBER = r"(?:[-+]?\d{1,9}(?:\.\d{0,9})?|[-+]?\.\d{1,9})"
+_STEPS = re.compile(rf"(\d{{1,6}})\s*x\s*({_NUMBER})(?:\s+from\s+({_NUMBER}))?")
+
+
+def numbers_in(text: str, name: str) -> tuple[float, ...]:
+    """The numbers that a text stands for.
+
+    Args:
+        text: numbers with commas or blanks between them, or a count, `x` and a step.
+        name: of the field, for the message.
+
+    Raises:
+        InputError: it is neither, or stands for more than `MOST` numbers.
+    """
+    steps = _STEPS.fullmatch(text.strip())
+    if steps:
+        count, step, start = int(steps[1]), float(steps[2]), float(steps[3] or 0.0)
+        _check(count, name)
+        return tuple(start + k * step for k in range(count))
+    words = text.replace(",", " ").split()
+    _check(len(words), name)
+    if not all(re.fullmatch(_NUMBER, word) for word in words):
+        raise InputError(
+            f"{name}: numbers are expected, as 0, 72, 144, or a count and a step, "
+            f"as 5 x 72 or 3 x 13 from -28, not {text[:60]!r}"
+        )
+    return tuple(float(word) for word in words)
+
+
+def _check(count: int, name: str) -> None:
+    if not 1 <= count <= MOST:
+        raise InputError(f"{name}: 1 to {MOST} numbers are expected, not {count}")
+
+
+def shown_numbers(values: tuple[float, ...]) -> str:
+    """The numbers as a person would type them, even steps as such."""
+    short = [round(value, 4) + 0.0 for value in values]
+    if len(short) > 2:
+        step = round(short[1] - short[0], 4)
+        if step and all(abs(short[0] + k * step - v) < 1e-3 for k, v in enumerate(short)):
+            start = f" from {short[0]:g}" if short[0] else ""
+            return f"{len(short)} x {step:g}{start}"
+    return ", ".join(f"{value:g}" for value in short)

@@ -1,0 +1,140 @@
+"""Where the scanner hangs, measured: the reference, what was seen of it, and what came of it."""
+
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+import pinocchio as pin
+
+from workbench.model.errors import InputError
+from workbench.model.geometry import Floats, copied, frozen, put
+
+Light = Literal["good", "warning", "bad"]
+"""A traffic light: green, amber, red."""
+
+LEAST_DIFFERENCE = 0.008
+"""[m] By which the sides of a plate differ, so that each ball can be told from the others."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class BallPlate:
+    """Three equal balls that stay where they are relative to each other: the reference object.
+
+    `radius` [m]; `sides` (3,) [m] the distances of the centres: of the first ball to the second,
+    of the second to the third, of the third to the first.  A ball looks alike from everywhere, and
+    its centre is found more exactly than any point on it.
+    """
+
+    radius: float = 0.015
+    sides: Floats = field(default_factory=lambda: np.array([0.08, 0.1, 0.12]))
+
+    def __post_init__(self) -> None:
+        sides = frozen(self.sides)
+        if not (0.002 <= self.radius <= 0.2 and sides.shape == (3,)):
+            raise InputError("a plate needs balls of 4 to 400 mm in diameter, and three distances")
+        if not np.all(np.isfinite(sides)) or sides.min() <= 2 * self.radius or sides.max() > 2.0:
+            raise InputError(
+                "the distances of the balls must be longer than their diameter, and up to 2 m"
+            )
+        if np.diff(np.sort(sides)).min() < LEAST_DIFFERENCE:
+            raise InputError(
+                f"the three distances of the balls must differ by {LEAST_DIFFERENCE * 1000:g} mm "
+                "each, so that one ball can be told from the others"
+            )
+        if sides.max() > 0.95 * (sides.sum() - sides.max()):
+            raise InputError("the three balls lie nearly on one line; a triangle is needed")
+        put(self, sides=sides)
+
+    @property
+    def centres(self) -> Floats:
+        """The centres (3, 3) [m] in the plate's frame: the first at 0, the second along x."""
+        first, second, third = self.sides
+        x = (first**2 + third**2 - second**2) / (2 * first)
+        return np.array([[0, 0, 0], [first, 0, 0], [x, np.sqrt(third**2 - x**2), 0]])
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PlateSighting:
+    """The plate, held by an arm, as one scan shows it.
+
+    `q` (n,) [rad], chain order; `balls` (3, 3) [m] their centres in the scanner's frame, in the
+    plate's order; `spread` [m] how far the points lie from the balls, RMS.  `points` (m, 3) [m] are
+    some of the scan, in the scanner's frame, to be looked at.  `is_used` False: a person has left
+    it out.
+    """
+
+    name: str
+    arm: str
+    q: Floats
+    plate: BallPlate
+    balls: Floats
+    spread: float
+    points: Floats
+    is_used: bool = True
+
+    def __post_init__(self) -> None:
+        put(self, q=frozen(self.q), balls=frozen(self.balls), points=frozen(self.points))
+        if self.balls.shape != (3, 3) or not np.all(np.isfinite(self.balls)):
+            raise InputError(f"sighting {self.name}: three centres of balls are needed")
+        if self.points.ndim != 2 or self.points.shape[1] != 3:
+            raise InputError(f"sighting {self.name}: points of shape (n, 3) are needed")
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PoseResidual:
+    """How well one pose fits the calibration: RMS of the balls [m], and the plate's turn [rad].
+
+    `left_out` says why the pose was not used; empty when it was.
+    """
+
+    name: str
+    distance: float
+    angle: float
+    light: Light
+    left_out: str = ""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CalibrationRecord:
+    """What a cell remembers of its calibration.
+
+    `at` whole seconds since the epoch, `by` whom, from how many `poses`, `rms` [m] of the balls.
+    """
+
+    at: float
+    by: str
+    poses: int
+    rms: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Calibration:
+    """The scanner's pose in the world, and what speaks for it.
+
+    `T_flange_plate` is how the plate was held.  `rms` [m] over the balls of the poses used;
+    `position_error` [m] and `angle_error` [rad] are the standard errors in the direction that the
+    poses tell least of.
+    """
+
+    T_world_scanner: pin.SE3
+    T_flange_plate: pin.SE3
+    residuals: tuple[PoseResidual, ...]
+    rms: float
+    position_error: float
+    angle_error: float
+
+    def __post_init__(self) -> None:
+        put(
+            self,
+            T_world_scanner=copied(self.T_world_scanner),
+            T_flange_plate=copied(self.T_flange_plate),
+        )
+
+    @property
+    def used(self) -> int:
+        """How many poses were used."""
+        return sum(not one.left_out for one in self.residuals)
+
+    def record(self, at: float, by: str) -> CalibrationRecord:
+        """What is to be remembered of it: `at` [s since the epoch] somebody has taken it."""
+        return CalibrationRecord(float(round(at)), by, self.used, self.rms)

@@ -1,0 +1,146 @@
+"""Balls of a known size in a cloud, and three of them as the reference plate.
+
+Each point lies one radius in front of the centre of its ball, along its normal.  So every point
+votes for the place one radius behind it: the votes of a ball fall together, those of planes and
+edges do not (Hough's transform for spheres of one size).
+"""
+
+from itertools import permutations
+
+import numpy as np
+import open3d as o3d
+from scipy.spatial import cKDTree
+
+from workbench.model.calibration import BallPlate, PlateSighting
+from workbench.model.errors import InputError
+from workbench.model.geometry import Floats
+from workbench.model.scan import Scan
+from workbench.perception.rigid import fitted_motion
+
+GRAIN = 0.12
+"""Distance of the points that vote, over the radius."""
+
+NEAR = 0.2
+"""Votes this near to each other, over the radius, are for one ball."""
+
+FEWEST = 25
+"""Points on a ball that is believed."""
+
+MOST_BALLS = 24
+"""Balls that are looked at, those with the most votes."""
+
+TOLERANCE = 0.08
+"""Distance from a ball's surface, over the radius, within which points belong to it."""
+
+ROUND = 0.015
+"""Least variance of the normals on a ball; some 0.04 on the half that is seen."""
+
+OFF = 0.003
+"""[m] By which distances between balls may differ from those of the plate."""
+
+KEPT = 15_000
+"""Points of a scan that are kept with a sighting."""
+
+
+def find_balls(points: Floats, radius: float) -> tuple[Floats, Floats]:
+    """Centres of all balls of a radius that a cloud shows.
+
+    Args:
+        points: (n, 3) [m], scanner frame, the scanner at 0.
+        radius: [m].
+
+    Returns:
+        Centres (k, 3) [m], those with the most points first, and the RMS distance of their points
+        from the surface (k,) [m].
+    """
+    cloud = o3d.geometry.PointCloud(o3d.utility.Vector3dVector(np.array(points)))
+    cloud = cloud.voxel_down_sample(GRAIN * radius)
+    seen = np.asarray(cloud.points)
+    if len(seen) < FEWEST:
+        return np.empty((0, 3)), np.empty(0)
+    cloud.estimate_normals(o3d.geometry.KDTreeSearchParamHybrid(0.5 * radius, 30))
+    cloud.orient_normals_towards_camera_location(np.zeros(3))
+    normals = np.asarray(cloud.normals)
+    votes = seen - radius * normals
+    tree, votes_tree = cKDTree(seen), cKDTree(votes)
+    counts = votes_tree.query_ball_point(votes, NEAR * radius, return_length=True)
+    centres: list[Floats] = []
+    spreads: list[float] = []
+    numbers: list[int] = []
+    for number in np.argsort(-counts, kind="stable"):
+        if counts[number] < FEWEST or len(centres) >= MOST_BALLS:
+            break
+        start = np.median(votes[votes_tree.query_ball_point(votes[number], NEAR * radius)], axis=0)
+        if any(np.linalg.norm(start - centre) < radius for centre in centres):
+            continue
+        fit = _fitted(tree, normals, start, radius)
+        if fit is not None and all(np.linalg.norm(fit[0] - c) > radius for c in centres):
+            centres.append(fit[0])
+            spreads.append(fit[1])
+            numbers.append(fit[2])
+    order = np.argsort([-n for n in numbers], kind="stable")
+    return np.array(centres).reshape(-1, 3)[order], np.array(spreads)[order]
+
+
+def _fitted(
+    tree: cKDTree, normals: Floats, centre: Floats, radius: float
+) -> tuple[Floats, float, int] | None:
+    """The centre by least squares, the spread [m] and the number of its points, if it is a ball."""
+    for gate in (4 * TOLERANCE, 2 * TOLERANCE, TOLERANCE, TOLERANCE):
+        shell = np.array(tree.query_ball_point(centre, (1 + gate) * radius), dtype=np.int64)
+        offsets = tree.data[shell] - centre
+        lengths = np.linalg.norm(offsets, axis=1)
+        # What is further from the scanner than the centre is no part of the surface it sees.
+        facing = -offsets @ centre > 0.1 * radius * np.linalg.norm(centre)
+        on = (np.abs(lengths - radius) < gate * radius) & facing
+        if np.count_nonzero(on) < FEWEST:
+            return None
+        rows = -offsets[on] / lengths[on, None]
+        move = np.linalg.lstsq(rows, radius - lengths[on], rcond=1e-6)[0]
+        if not np.linalg.norm(move) < radius:
+            return None
+        centre = centre + move
+    # Normals of a ball differ in all directions, those of a cylinder are across its axis.
+    if np.linalg.eigvalsh(np.cov(normals[shell[on]].T))[0] < ROUND:
+        return None
+    left = lengths[on] - radius
+    return centre, float(np.sqrt(np.mean(left**2))), len(rows)
+
+
+def sight_plate(scan: Scan, plate: BallPlate, name: str, arm: str, q: Floats) -> PlateSighting:
+    """The plate in a scan.
+
+    Args:
+        scan: organised or not; the robot, the bin and anything else may be in it.
+        plate: what to look for.
+        name: of the sighting, for people.
+        arm: that holds the plate, at `q` (n,) [rad].
+        q: see there.
+
+    Raises:
+        InputError: fewer than three balls are seen, or none that are as far from each other.
+    """
+    centres, spreads = find_balls(scan.points, plate.radius)
+    best: tuple[float, tuple[int, ...]] | None = None
+    for chosen in permutations(range(len(centres)), 3):
+        three = centres[list(chosen)]
+        sides = np.linalg.norm(three - np.roll(three, -1, axis=0), axis=1)
+        off = float(np.abs(sides - plate.sides).max())
+        if best is None or off < best[0]:
+            best = off, chosen
+    if best is None or best[0] > OFF:
+        near = "" if best is None else f"; the nearest three are {best[0] * 1000:.1f} mm off"
+        raise InputError(
+            f"{name}: the plate is not seen: {len(centres)} balls of {plate.radius * 2000:g} mm "
+            f"are found, three at distances of "
+            f"{', '.join(f'{side * 1000:g}' for side in plate.sides)} mm are needed{near}"
+        )
+    three = list(best[1])
+    spread = float(np.sqrt(np.mean(spreads[three] ** 2)))
+    points = scan.points[:: -(-len(scan.points) // KEPT)]
+    return PlateSighting(name, arm, q, plate, centres[three], spread, points)
+
+
+def plate_pose(plate: BallPlate, balls: Floats) -> tuple[Floats, Floats]:
+    """Rotation (3, 3) and position (3,) [m] of the plate in the frame of its balls (3, 3)."""
+    return fitted_motion(plate.centres, balls)

@@ -1,0 +1,252 @@
+"""Whether the bin is where the cell says, and how full it is: a look at its rim and its inside.
+
+The rim is a rectangular ring of known size.  Points at about its height are fitted to it by
+Gauss-Newton steps with ever narrower weights (iteratively reweighted least squares), from the
+place in the cell and, when too little of the rim is found there, from others around it.
+"""
+
+import numpy as np
+import pinocchio as pin
+
+from workbench.model.bin_check import BinCheck
+from workbench.model.calibration import Light
+from workbench.model.cell import Bin
+from workbench.model.geometry import Bools, Floats, pose_from_rpy
+from workbench.model.scan import Scan
+
+REACH = 0.08
+"""[m] Around the bin that the rim is looked for."""
+
+BAND = 0.02
+"""[m] Above and below its height."""
+
+ENOUGH, RIM_POINTS = 60_000, 1500
+"""Points of the scan, and of the rim, that are looked at; of more every second, third, ..."""
+
+SCALES = (0.04, 0.04, 0.03, 0.02, 0.02, 0.01, 0.01, 0.006, 0.004, 0.004)
+"""[m] Distances at which points stop to pull, step by step."""
+
+NARROW = 5
+"""From this step on only what is near pulls."""
+
+ON_RIM = 0.003
+"""[m] So near to the middle of the rim a point shows it."""
+
+OUTSIDE = (0.005, 0.013)
+"""[m] Outside of the middle of a rim there is nothing as high as itself; on a heap there is."""
+
+STEP = 0.01
+"""[m] Pieces of the rim, each seen or not."""
+
+SEEN, SURE, BETTER = 0.4, 0.75, 0.2
+"""Share of the rim that must be seen; beyond which no other place is tried; and by which another
+place must show more of it than where the bin should be."""
+
+SHIFTED, TURNED = 0.003, np.deg2rad(1.0)
+"""[m, rad] More than this the bin is somewhere else."""
+
+GRID = 0.005
+"""[m] Of the inside seen from above."""
+
+LOW = 0.004
+"""[m] What is no higher above the floor is floor."""
+
+OVER, OVER_CELLS = 0.01, 4
+"""[m] Above the rim, over so many pieces of the grid, the bin is too full."""
+
+EMPTY = 0.004
+"""Share of the floor that may be covered in an empty bin: noise."""
+
+LEAST_INSIDE = 0.3
+"""Share of the inside that must be seen to say how full the bin is."""
+
+
+def check_bin(scan: Scan, bin: Bin) -> BinCheck:
+    """Look at the bin in a scan.
+
+    Args:
+        scan: organised or not, the robot out of the picture.
+        bin: as the cell has it.
+    """
+    T_bin_scanner = bin.T_world_bin.actInv(scan.T_world_scanner)
+    points = scan.points[:: -(-len(scan.points) // ENOUGH)]
+    p_bin = points @ T_bin_scanner.rotation.T + T_bin_scanner.translation
+    T = _found(p_bin, bin)
+    if T is None:
+        _, above, _ = _filled(p_bin, bin)
+        hidden = f"something is {above * 1000:.0f} mm above it" if above > OVER else ""
+        finding = (
+            f"the rim of the bin is not seen where the cell has it, nor within "
+            f"{REACH * 1000:.0f} mm: {hidden or 'is the bin there?'}"
+        )
+        return BinCheck(None, 0.0, 0.0, None, above, "bad", (finding,), is_overfull=above > OVER)
+    shift, turn = float(np.linalg.norm(T.translation)), float(np.linalg.norm(pin.log3(T.rotation)))
+    is_elsewhere = shift > SHIFTED or turn > TURNED
+    fill, above, covered = _filled((p_bin - T.translation) @ T.rotation, bin)
+    is_empty, is_overfull = fill is not None and covered < EMPTY, above > OVER
+    findings: list[str] = []
+    if is_overfull:
+        findings.append(f"the bin is too full: something is {above * 1000:.0f} mm above its rim")
+    if is_elsewhere:
+        x, y, z = np.round(T.translation * 1000, 1) + 0.0
+        findings.append(
+            f"the bin is {shift * 1000:.1f} mm and {np.rad2deg(turn):.1f} degrees from where the "
+            f"cell has it (x {x:+.1f}, y {y:+.1f}, z {z:+.1f} mm): it was moved, or the scanner "
+            "is not calibrated"
+        )
+    if is_empty:
+        findings.append("the bin is empty")
+    if fill is None:
+        findings.append("the inside of the bin is hardly seen")
+    light: Light = "warning" if findings else "good"
+    return BinCheck(
+        bin.T_world_bin * T,
+        shift,
+        turn,
+        fill,
+        above,
+        light,
+        tuple(findings),
+        is_elsewhere,
+        is_empty,
+        is_overfull,
+    )
+
+
+def _found(p_bin: Floats, bin: Bin) -> pin.SE3 | None:
+    """Where the bin is in its own frame as the cell has it; None where no rim is seen."""
+    height, half = float(bin.size[2]), _half(bin)
+    near = (np.abs(p_bin[:, :2]) < half + REACH).all(axis=1) & (abs(p_bin[:, 2] - height) < BAND)
+    rim = p_bin[near]
+    rim = rim[:: -(-len(rim) // RIM_POINTS)] if len(rim) else rim
+    best = (0.0, np.zeros(3))
+    for number, start in enumerate(_starts()):
+        # First only near where it should be: a heap pulls at whatever looks further.
+        place = _fitted(rim[:, :2], half, start, SCALES[NARROW:] if number == 0 else SCALES)
+        share = _share_seen(rim[:, :2], half, place)
+        # What is nearest to where it should be is preferred: a heap has edges, too.
+        if share > best[0] + (BETTER if best[0] >= SEEN else 0.0):
+            best = share, place
+        if best[0] > SURE:
+            break
+    share, place = best
+    if share < SEEN:
+        return None
+    plane = _plane(rim, half, place)
+    # What belongs to the walls below the rim pulls inwards: now that its height is known, it is
+    # left out.
+    level = plane[0] * p_bin[:, 0] + plane[1] * p_bin[:, 1] + plane[2]
+    top = p_bin[near & (np.abs(p_bin[:, 2] - level) < ON_RIM)]
+    place = _fitted(top[:, :2], half, place, SCALES[-3:])
+    dx, dy, yaw = place
+    turned = pose_from_rpy((0, 0, 0), (plane[1], -plane[0], 0)).rotation @ _yaw(yaw)
+    rim_middle = np.array([dx, dy, plane[0] * dx + plane[1] * dy + plane[2]])
+    return pin.SE3(turned, rim_middle - turned @ np.array([0.0, 0.0, height]))
+
+
+def _half(bin: Bin) -> Floats:
+    """Half the sizes (2,) [m] of the rectangle along the middle of the walls."""
+    return (np.asarray(bin.size[:2]) + bin.wall) / 2
+
+
+def _yaw(angle: float) -> Floats:
+    return pin.rpy.rpyToMatrix(0.0, 0.0, float(angle))
+
+
+def _starts() -> list[Floats]:
+    """Shift [m] and turn [rad] from which the fit begins."""
+    turns = [np.array([0.0, 0.0, angle]) for angle in (0.0, 0.0, 0.12, -0.12)]
+    sides = [np.array([x, y, 0.0]) for x in (-0.04, 0.0, 0.04) for y in (-0.04, 0.0, 0.04)]
+    return [*turns, *(side for side in sides if side.any())]
+
+
+def _off(points: Floats, half: Floats, place: Floats) -> tuple[Floats, Bools, Floats]:
+    """Signed distances (n,) to the nearest side, whether that is one across x, and its signs.
+
+    Positive is outside.
+    """
+    local = _local(points, place)
+    beyond = np.abs(local) - half
+    is_x = beyond[:, 0] > beyond[:, 1]
+    off = np.where(is_x, beyond[:, 0], beyond[:, 1])
+    return off, is_x, np.sign(local)
+
+
+def _local(points: Floats, place: Floats) -> Floats:
+    return (points - place[:2]) @ _yaw(place[2])[:2, :2]
+
+
+def _fitted(points: Floats, half: Floats, start: Floats, scales: tuple[float, ...]) -> Floats:
+    """The place (dx, dy, turn) at which points (n, 2) lie on the rectangle."""
+    place = start.copy()
+    if len(points) < 3:
+        return place
+    for scale in scales:
+        off, is_x, signs = _off(points, half, place)
+        weights = np.clip(1 - (off / scale) ** 2, 0, None)  # Tukey's, its root
+        local = _local(points, place)
+        sign = np.where(is_x, signs[:, 0], signs[:, 1])
+        # By how much a side goes outwards when the rectangle moves along x, y, and turns.
+        rows = np.stack(
+            [
+                np.where(is_x, sign, 0.0),
+                np.where(is_x, 0.0, sign),
+                np.where(is_x, -sign * local[:, 1], sign * local[:, 0]),
+            ],
+            axis=1,
+        )
+        weighted = rows * (weights**2)[:, None]
+        step = np.linalg.solve(weighted.T @ rows + 1e-9 * np.eye(3), weighted.T @ off)
+        place[:2] += _yaw(place[2])[:2, :2] @ step[:2]
+        place[2] += step[2]
+    return place
+
+
+def _share_seen(points: Floats, half: Floats, place: Floats) -> float:
+    """Which share of the rim is seen; 0 when the sides in one direction are not seen at all."""
+    off, is_x, signs = _off(points, half, place)
+    local = _local(points, place)
+    on, outside = np.abs(off) < ON_RIM, (off > OUTSIDE[0]) & (off < OUTSIDE[1])
+    seen, total = 0, 0
+    for along, across in ((1, 0), (0, 1)):
+        pieces = max(1, int(2 * half[along] / STEP))
+        at = np.clip((local[:, along] / (2 * half[along]) + 0.5) * pieces, 0, pieces - 1)
+        piece = at.astype(int) + pieces * (signs[:, across] > 0)
+        side = is_x if across == 0 else ~is_x
+        shown = np.setdiff1d(piece[side & on], piece[side & outside])
+        if len(shown) < SEEN * pieces:
+            return 0.0
+        seen, total = seen + len(shown), total + 2 * pieces
+    return seen / total
+
+
+def _plane(rim: Floats, half: Floats, place: Floats) -> Floats:
+    """Slopes along x and y, and height, of the plane through the rim."""
+    off, _, _ = _off(rim[:, :2], half, place)
+    on = rim[np.abs(off) < ON_RIM]
+    # The walls below the rim are seen, too: it is the highest of them.
+    level = np.percentile(on[:, 2], 85)
+    for gate in (0.006, ON_RIM):
+        kept = on[np.abs(on[:, 2] - level) < gate]
+        rows = np.column_stack([kept[:, :2], np.ones(len(kept))])
+        plane = np.linalg.lstsq(rows, kept[:, 2], rcond=None)[0]
+        level = plane[0] * on[:, 0] + plane[1] * on[:, 1] + plane[2]
+    return plane
+
+
+def _filled(p_bin: Floats, bin: Bin) -> tuple[float | None, float, float]:
+    """Share of the room taken or None, what sticks out [m], and share of the floor covered."""
+    inner, height = np.asarray(bin.size[:2]) / 2 - GRID, float(bin.size[2])
+    inside = p_bin[(np.abs(p_bin[:, :2]) < inner).all(axis=1) & (p_bin[:, 2] < 4 * height + 0.2)]
+    shape = tuple(np.maximum(1, np.ceil(2 * inner / GRID).astype(int)))
+    index = np.minimum(((inside[:, :2] + inner) / GRID).astype(int), np.array(shape) - 1)
+    flat = index[:, 0] * shape[1] + index[:, 1]
+    total, count = int(np.prod(shape)), np.bincount(flat, minlength=int(np.prod(shape)))
+    # The mean of a piece does not jump with one stray point, as its highest would.
+    heights = np.bincount(flat, inside[:, 2], total)[count > 0] / count[count > 0]
+    if len(heights) < LEAST_INSIDE * total:
+        return None, 0.0, 0.0
+    over = np.sort(heights[heights > height])
+    above = float(over[-OVER_CELLS] - height) if len(over) >= OVER_CELLS else 0.0
+    taken = np.where(heights > LOW, np.clip(heights, 0.0, height), 0.0)
+    return float(taken.mean() / height), above, float(np.mean(heights > LOW))

@@ -1,0 +1,247 @@
+"""Rays against the surface of a part, and the nearest point on it: compiled, without a tree.
+
+A part has some thousand triangles and is asked about in batches; going through all of them is
+quicker than building and walking a tree, and gives the same answer every time.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numba import njit
+
+from workbench.model.geometry import Floats, Ints, Mesh
+
+NOTHING = -1
+"""The triangle that a ray without a hit met."""
+
+ON_EDGE = 1e-9
+"""Barycentric coordinates this far below zero are on the edge: no ray slips between two."""
+
+
+@dataclass(frozen=True, slots=True)
+class Grid:
+    """Parallel rays: cell (i, k) stands at `u + i * step`, `v + k * step` [m]."""
+
+    u: float
+    v: float
+    step: float
+    shape: tuple[int, int]
+
+    @property
+    def centres(self) -> tuple[Floats, Floats]:
+        """U and v of the cells, each of the grid's shape."""
+        us = self.u + self.step * np.arange(self.shape[0])
+        vs = self.v + self.step * np.arange(self.shape[1])
+        return tuple(np.meshgrid(us, vs, indexing="ij"))  # type: ignore[return-value]
+
+
+def normals_of(mesh: Mesh) -> tuple[Floats, Floats]:
+    """Outward unit normals (m, 3) and areas (m,) [m2]; the normal of a flat triangle is 0."""
+    a, b, c = mesh.points[mesh.triangles.T]
+    across = np.cross(b - a, c - a)
+    length = np.linalg.norm(across, axis=1)
+    return across / np.maximum(length, 1e-30)[:, None], length / 2
+
+
+def samples_of(mesh: Mesh, count: int, rng: np.random.Generator) -> tuple[Floats, Ints]:
+    """Points (count, 3) [m] spread evenly over a surface, and the triangle of each."""
+    _, areas = normals_of(mesh)
+    # Strata instead of independent draws: small faces are not missed by chance.
+    shares = (np.arange(count) + rng.uniform(size=count)) / count
+    ends = np.cumsum(areas)
+    triangles = np.minimum(np.searchsorted(ends, shares * ends[-1]), len(areas) - 1)
+    s, t = rng.uniform(size=(2, count))
+    s, t = np.where(s + t > 1, 1 - s, s), np.where(s + t > 1, 1 - t, t)
+    a, b, c = mesh.points[mesh.triangles[triangles].T]
+    return a + s[:, None] * (b - a) + t[:, None] * (c - a), triangles
+
+
+def first_hits(mesh: Mesh, origins: Floats, directions: Floats) -> tuple[Floats, Ints]:
+    """Where rays first meet the surface.
+
+    Args:
+        mesh: the surface.
+        origins: (n, 3) [m].
+        directions: (n, 3), unit.
+
+    Returns:
+        Distances (n,) [m], infinite without a hit, and triangles (n,), `NOTHING` without one.
+    """
+    return _first_hits(
+        np.asarray(mesh.points),
+        np.asarray(mesh.triangles),
+        np.ascontiguousarray(origins),
+        np.ascontiguousarray(directions),
+    )
+
+
+def nearest_points(mesh: Mesh, points: Floats) -> tuple[Floats, Floats, Ints]:
+    """The points (n, 3) of a surface nearest to others (n, 3), distances and triangles (n,)."""
+    corners = mesh.points[mesh.triangles]
+    centres = corners.mean(axis=1)
+    radii = np.linalg.norm(corners - centres[:, None], axis=2).max(axis=1)
+    return _nearest(
+        np.ascontiguousarray(corners), centres, radii, np.ascontiguousarray(points, np.float64)
+    )
+
+
+def tops(
+    points: Floats, triangles: Ints, grid: Grid, limits: Floats, sense: float
+) -> tuple[Floats, Ints]:
+    """What something that comes down each ray of a grid, from its limit on, meets first.
+
+    A limit inside of the part counts from where the ray leaves it further up, so that what is met
+    may lie beyond it.
+
+    Args:
+        points: (n, 3) [m] of the surface, in a frame whose third axis the rays are parallel to.
+        triangles: (m, 3).
+        grid: of the rays, along the first two axes.
+        limits: of the grid's shape [m], times `sense`; NaN where there is no ray.
+        sense: 1.0 when rays come down the third axis, -1.0 when they come up it.
+
+    Returns:
+        Heights times `sense` [m], NaN where nothing is met, and the triangles met.
+    """
+    return _tops(points, triangles, grid.u, grid.v, grid.step, limits, sense)
+
+
+@njit(cache=True)
+def _tops(
+    P: Floats, triangles: Ints, u: float, v: float, step: float, limits: Floats, sense: float
+) -> tuple[Floats, Ints]:
+    rows, columns = limits.shape
+    below, above = np.full((rows, columns), -np.inf), np.full((rows, columns), np.inf)
+    at_below = np.full((rows, columns), NOTHING)
+    at_above = np.full((rows, columns), NOTHING)
+    leaves = np.zeros((rows, columns), np.bool_)
+    for t in range(len(triangles)):
+        a, b, c = triangles[t, 0], triangles[t, 1], triangles[t, 2]
+        au, av, bu, bv, cu, cv = P[a, 0], P[a, 1], P[b, 0], P[b, 1], P[c, 0], P[c, 1]
+        twice = (bu - au) * (cv - av) - (cu - au) * (bv - av)
+        if abs(twice) < 1e-18:
+            continue  # seen from its edge
+        i0 = max(0, int(np.ceil((min(au, bu, cu) - u) / step - 1e-6)))
+        i1 = min(rows - 1, int(np.floor((max(au, bu, cu) - u) / step + 1e-6)))
+        k0 = max(0, int(np.ceil((min(av, bv, cv) - v) / step - 1e-6)))
+        k1 = min(columns - 1, int(np.floor((max(av, bv, cv) - v) / step + 1e-6)))
+        faces = twice * sense > 0
+        for i in range(i0, i1 + 1):
+            x = u + i * step
+            for k in range(k0, k1 + 1):
+                if np.isnan(limits[i, k]):
+                    continue
+                y = v + k * step
+                s = ((cu - bu) * (y - bv) - (x - bu) * (cv - bv)) / twice
+                r = ((au - cu) * (y - cv) - (x - cu) * (av - cv)) / twice
+                if s < -ON_EDGE or r < -ON_EDGE or s + r > 1 + ON_EDGE:
+                    continue
+                h = sense * (s * P[a, 2] + r * P[b, 2] + (1 - s - r) * P[c, 2])
+                if h <= limits[i, k]:
+                    if faces and h > below[i, k]:
+                        below[i, k], at_below[i, k] = h, t
+                elif h < above[i, k]:
+                    above[i, k], at_above[i, k], leaves[i, k] = h, t, faces
+    for i in range(rows):
+        for k in range(columns):
+            if leaves[i, k]:
+                below[i, k], at_below[i, k] = above[i, k], at_above[i, k]
+            if at_below[i, k] == NOTHING:
+                below[i, k] = np.nan
+    return below, at_below
+
+
+@njit(cache=True)
+def _first_hits(
+    P: Floats, triangles: Ints, origins: Floats, directions: Floats
+) -> tuple[Floats, Ints]:
+    """Moeller and Trumbore, "Fast, minimum storage ray/triangle intersection" (1997)."""
+    distances = np.full(len(origins), np.inf)
+    met = np.full(len(origins), NOTHING)
+    for t in range(len(triangles)):
+        a, b, c = triangles[t, 0], triangles[t, 1], triangles[t, 2]
+        ex, ey, ez = P[b, 0] - P[a, 0], P[b, 1] - P[a, 1], P[b, 2] - P[a, 2]
+        fx, fy, fz = P[c, 0] - P[a, 0], P[c, 1] - P[a, 1], P[c, 2] - P[a, 2]
+        for n in range(len(origins)):
+            dx, dy, dz = directions[n, 0], directions[n, 1], directions[n, 2]
+            px, py, pz = dy * fz - dz * fy, dz * fx - dx * fz, dx * fy - dy * fx
+            det = ex * px + ey * py + ez * pz
+            if abs(det) < 1e-20:
+                continue
+            x, y, z = origins[n, 0] - P[a, 0], origins[n, 1] - P[a, 1], origins[n, 2] - P[a, 2]
+            s = (x * px + y * py + z * pz) / det
+            if s < -ON_EDGE or s > 1 + ON_EDGE:
+                continue
+            qx, qy, qz = y * ez - z * ey, z * ex - x * ez, x * ey - y * ex
+            r = (dx * qx + dy * qy + dz * qz) / det
+            if r < -ON_EDGE or s + r > 1 + ON_EDGE:
+                continue
+            distance = (fx * qx + fy * qy + fz * qz) / det
+            if 0.0 <= distance < distances[n]:
+                distances[n], met[n] = distance, t
+    return distances, met
+
+
+@njit(cache=True)
+def _nearest(
+    corners: Floats, centres: Floats, radii: Floats, points: Floats
+) -> tuple[Floats, Floats, Ints]:
+    found, distances = np.empty((len(points), 3)), np.full(len(points), np.inf)
+    triangles = np.full(len(points), NOTHING)
+    q = np.empty(3)
+    for n in range(len(points)):
+        best = np.inf
+        for t in range(len(corners)):
+            x = points[n, 0] - centres[t, 0]
+            y = points[n, 1] - centres[t, 1]
+            z = points[n, 2] - centres[t, 2]
+            room = best + radii[t]
+            if x * x + y * y + z * z > room * room:
+                continue
+            _on_triangle(corners, t, points, n, q)
+            d = 0.0
+            for i in range(3):
+                d += (q[i] - points[n, i]) ** 2
+            d = np.sqrt(d)
+            if d < best:
+                best = d
+                triangles[n] = t
+                for i in range(3):
+                    found[n, i] = q[i]
+        distances[n] = best
+    return found, distances, triangles
+
+
+@njit(cache=True)
+def _on_triangle(corners: Floats, t: int, points: Floats, n: int, q: Floats) -> None:
+    """Write the nearest point; regions after Ericson, "Real-Time Collision Detection", 5.1.5."""
+    d1, d2, d3, d4, d5, d6 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    for i in range(3):
+        a, b, c, p = corners[t, 0, i], corners[t, 1, i], corners[t, 2, i], points[n, i]
+        ab, ac = b - a, c - a
+        d1 += ab * (p - a)
+        d2 += ac * (p - a)
+        d3 += ab * (p - b)
+        d4 += ac * (p - b)
+        d5 += ab * (p - c)
+        d6 += ac * (p - c)
+    vc, vb, va = d1 * d4 - d3 * d2, d5 * d2 - d1 * d6, d3 * d6 - d5 * d4
+    if d1 <= 0 and d2 <= 0:
+        s, r = 0.0, 0.0
+    elif d3 >= 0 and d4 <= d3:
+        s, r = 1.0, 0.0
+    elif d6 >= 0 and d5 <= d6:
+        s, r = 0.0, 1.0
+    elif vc <= 0 and d1 >= 0 and d3 <= 0:
+        s, r = d1 / (d1 - d3), 0.0
+    elif vb <= 0 and d2 >= 0 and d6 <= 0:
+        s, r = 0.0, d2 / (d2 - d6)
+    elif va <= 0 and d4 - d3 >= 0 and d5 - d6 >= 0:
+        r = (d4 - d3) / ((d4 - d3) + (d5 - d6))
+        s = 1.0 - r
+    else:
+        whole = va + vb + vc
+        s, r = (vb / whole, vc / whole) if whole > 0 else (0.0, 0.0)
+    for i in range(3):
+        a = corners[t, 0, i]
+        q[i] = a + s * (corners[t, 1, i] - a) + r * (corners[t, 2, i] - a)
