@@ -1,0 +1,1 @@
+"""What browsers and programs reach: logins, the relay to the page, the HTTP interface."""
