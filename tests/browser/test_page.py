@@ -93,7 +93,7 @@ def test_a_cycle_by_clicking_sends_exactly_the_approved_plan(screen, bench, robo
     screen.shoot("7-done")
     screen.tab("Cycle")
     field(screen, "Why it failed").press_sequentially("slipped", delay=100)
-    screen.press("Failed, left")
+    screen.press("Left failed")
     wait(lambda: len(bench.state.outcomes) == 2, "both outcomes")
     assert {one.is_picked for one in bench.state.outcomes} == {True, False}
     screen.wait_for("failed, says operator: slipped")

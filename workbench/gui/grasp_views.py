@@ -66,7 +66,7 @@ def _row(entry: Entry, is_chosen: bool, check: GraspCheck | None, button: str) -
     kind = f" <small>× {entry.count}</small>" if isinstance(entry, GraspPattern) else ""
     return (
         f'<tr{mark} title="{escape(tip)}" {clickable(button)}>'
-        f'<td><i class="wb-light" style="background:{light}"></i></td>'
+        f'<td><i class="wb-dot" style="background:{light}"></i></td>'
         f"<td>{escape(grasp.name)}{kind}</td>"
         f'<td class="wb-number">{grasp.priority}</td>'
         f'<td class="wb-number">{escape(mm(grasp.opening))}</td>'

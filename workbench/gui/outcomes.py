@@ -38,8 +38,8 @@ class OutcomeInputs:
     ) -> tuple[viser.GuiHtmlHandle, viser.GuiButtonHandle, viser.GuiButtonHandle]:
         gui, visitor = self._visitor.gui, self._visitor
         text = gui.add_html("")
-        picked = gui.add_button(f"Picked, {arm}", icon=viser.Icon.CHECK, color="green")
-        failed = gui.add_button(f"Failed, {arm}", icon=viser.Icon.X, color="red")
+        picked = gui.add_button(f"{arm.capitalize()} picked", color="green")
+        failed = gui.add_button(f"{arm.capitalize()} failed", color="red")
         visitor.on_press(picked, lambda: self._word(arm, True))
         visitor.on_press(failed, lambda: self._word(arm, False))
         return text, picked, failed

@@ -13,7 +13,7 @@ from workbench.gui.renderer import Renderer
 from workbench.gui.theme import Theme
 from workbench.model.prediction import Predictions
 
-PANEL_WIDTH = 440
+PANEL_WIDTH = 460
 """Of the controls beside the scene, in pixels."""
 
 MOST_POINTS = 60_000
