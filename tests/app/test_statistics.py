@@ -18,8 +18,10 @@ from workbench.app.commands import (
     SendPlan,
     Sent,
     TakeScan,
+    UseDetections,
     WatchPlan,
 )
+from workbench.app.grasp_use import GraspUse
 from workbench.app.record import command_form, entry_record
 from workbench.app.statistics import GROUPS, Count, Statistics, csv_text, statistics, together
 from workbench.journal.journal import Row
@@ -124,6 +126,23 @@ def test_causes_of_refusal_are_counted_and_no_plan_is_an_end(written, samples):
     assert counted.refusals == (("in collision", 1),)
     assert [cycle.end for cycle in counted.cycles] == ["no plan", ""]
     assert counted.picks == (), "a plan that was not sent has taken nothing"
+
+
+def test_each_grasp_is_counted_as_tried_possible_planned_and_taken(written, samples):
+    written.plan(samples, is_possible=False)
+    written.cycle(samples)
+    written.do(ReportPick(0, False, "slipped"))
+    counted = statistics(written.rows)
+    assert counted.grasps() == {("peg", "top"): GraspUse(2, 1, 1, 0, 1)}
+    twice = together([counted, counted])
+    assert twice.grasps()["peg", "top"] == GraspUse(4, 2, 2, 0, 2)
+
+
+def test_poses_from_outside_say_of_which_part_a_grasp_is(written, samples):
+    written.do(UseDetections(samples.detections()))
+    written.do(MakePlan())
+    written.ended(samples.refused())
+    assert statistics(written.rows).grasps() == {("peg", "top"): GraspUse(tried=1)}
 
 
 def test_a_cancelled_task_takes_no_time(written, samples):

@@ -22,8 +22,10 @@ from workbench.app.commands import (
     ReportPick,
     SendPlan,
     TakeScan,
+    UseDetections,
     UseScan,
 )
+from workbench.app.grasp_use import NO_USES, Uses, added, judged, taken
 from workbench.journal.journal import Row
 from workbench.model.errors import JournalError
 
@@ -33,7 +35,8 @@ SCANS = frozenset({TakeScan.__name__, UseScan.__name__})
 """A cycle begins with one of these."""
 
 COUNTED = SCANS | {
-    kind.__name__ for kind in (FindParts, MakePlan, JobEnded, SendPlan, LinkEnded, ReportPick)
+    kind.__name__
+    for kind in (FindParts, UseDetections, MakePlan, JobEnded, SendPlan, LinkEnded, ReportPick)
 }
 
 STAGES = ("scan", "find parts", "plan", "approve", "send")
@@ -85,10 +88,15 @@ class Rate:
 
 @dataclass(frozen=True, slots=True)
 class Statistics:
-    """All cycles of one or more sessions, and how often each reason refused a candidate."""
+    """All cycles of one or more sessions, and what is counted beside them.
+
+    `refusals` are reasons and how often each refused a candidate; `judged` how often each grasp
+    was tried and would have worked.
+    """
 
     cycles: tuple[CycleRecord, ...] = ()
     refusals: tuple[tuple[str, int], ...] = ()
+    judged: Uses = field(default_factory=lambda: NO_USES)
 
     @property
     def picks(self) -> tuple[tuple[CycleRecord, PickRecord], ...]:
@@ -113,6 +121,10 @@ class Statistics:
             counted[of(cycle, pick)][pick.result] += 1
         rates = [Rate(name, one["picked"], one["failed"]) for name, one in counted.items()]
         return tuple(sorted(rates, key=lambda rate: (-rate.picked - rate.failed, rate.name)))
+
+    def grasps(self) -> Uses:
+        """How each grasp of each part has done."""
+        return added(self.judged, taken((one.part, one.grasp, one.result) for _, one in self.picks))
 
     def stage_medians(self) -> tuple[tuple[str, float, float], ...]:
         """Stage, its median and its largest time [s], for stages that there were."""
@@ -152,6 +164,8 @@ class Count:
         self._cycles: list[CycleRecord] = []
         self._refusals: Counter[str] = Counter()
         self._begun: tuple[str, float] = ("", 0.0)
+        self._parts: tuple[str, ...] = ()
+        self._judged: Uses = NO_USES
 
     def add(self, rows: Iterable[Row]) -> None:
         """Count entries, in their order.
@@ -174,7 +188,7 @@ class Count:
     @property
     def value(self) -> Statistics:
         """What has been counted so far."""
-        return Statistics(tuple(self._cycles), tuple(self._refusals.most_common()))
+        return Statistics(tuple(self._cycles), tuple(self._refusals.most_common()), self._judged)
 
     def _take(self, kind: str, number: int, at: float, command: Any) -> None:
         if kind in SCANS:
@@ -187,6 +201,8 @@ class Count:
         match kind:
             case FindParts.__name__:
                 self._begun = ("find parts", at)
+            case UseDetections.__name__:
+                self._found(command["detections"])
             case MakePlan.__name__:
                 self._begun = ("plan", at)
             case JobEnded.__name__:
@@ -207,10 +223,16 @@ class Count:
         if "error" in result:
             return
         self._took(stage, began, at)
+        if "detections" in result:
+            self._found(result["detections"])
         if "plan" in result:
             self._planned(at, result["plan"])
 
+    def _found(self, detections: Any) -> None:
+        self._parts = tuple(one["part"] for one in detections)
+
     def _planned(self, at: float, result: Any) -> None:
+        self._judged = added(self._judged, judged(self._parts, result["candidates"]))
         self._refusals.update(
             reason for one in result["candidates"] if (reason := one["verdict"]["reason"]) != "ok"
         )
@@ -280,11 +302,13 @@ def together(parts: Iterable[Statistics]) -> Statistics:
     """Several sessions as one."""
     cycles: list[CycleRecord] = []
     refusals: Counter[str] = Counter()
+    uses: Uses = NO_USES
     for one in parts:
         cycles += one.cycles
         refusals.update(dict(one.refusals))
+        uses = added(uses, one.judged)
     return Statistics(
-        tuple(sorted(cycles, key=lambda cycle: cycle.at)), tuple(refusals.most_common())
+        tuple(sorted(cycles, key=lambda cycle: cycle.at)), tuple(refusals.most_common()), uses
     )
 
 

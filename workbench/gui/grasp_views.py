@@ -3,11 +3,12 @@
 from collections.abc import Mapping, Sequence
 from html import escape
 
+from workbench.app.grasp_use import NO_USES, GraspUse, Uses
 from workbench.formats.part_saves import Version
 from workbench.gui.colours import BAD, BUSY, GOOD, MUTED
 from workbench.gui.tables import clickable
 from workbench.gui.views import line, mm, sentence
-from workbench.model.part import Entry, GraspPair, GraspPattern, Part, Symmetry
+from workbench.model.part import Entry, GraspPair, GraspPattern, Part, Symmetry, grasps_of
 from workbench.model.part_edits import grasp_of
 from workbench.planning.grasp_check import GraspCheck
 from workbench.planning.grasp_suggestions import Suggestion
@@ -23,11 +24,17 @@ HEADS = (
     ("Prio", "wb-number", "Higher ones are tried first"),
     ("Opens", "wb-number", "Between the fingers on arrival"),
     ("Arms", "", "Which arms may use it"),
+    ("Works", "wb-number", "Of the times it was tried for a part in the bin"),
+    ("Taken", "wb-number", "Of the plans that went by it"),
 )
 
 
 def grasps_html(
-    part: Part, chosen: str, checks: Mapping[str, GraspCheck | None], rows: Sequence[str]
+    part: Part,
+    chosen: str,
+    checks: Mapping[str, GraspCheck | None],
+    rows: Sequence[str],
+    uses: Uses = NO_USES,
 ) -> str:
     """A table with a row for each entry of a part's library.
 
@@ -36,6 +43,7 @@ def grasps_html(
         chosen: entry that is marked.
         checks: what was found about each entry; None while nobody has looked.
         rows: ids of the unseen buttons, by row.
+        uses: how grasps have done in this session.
     """
     if not part.library.entries:
         return line("No grasps yet: press Add grasp, then click on the part.", kind="hint")
@@ -43,7 +51,13 @@ def grasps_html(
         f'<th class="{style}" title="{escape(tip)}">{title}</th>' for title, style, tip in HEADS
     )
     body = "".join(
-        _row(entry, entry.name == chosen, checks.get(entry.name), rows[number])
+        _row(
+            entry,
+            entry.name == chosen,
+            checks.get(entry.name),
+            rows[number],
+            use_of(part.name, entry, uses),
+        )
         for number, entry in enumerate(part.library.entries[:MOST_ROWS])
     )
     more = len(part.library.entries) - MOST_ROWS
@@ -54,7 +68,15 @@ def grasps_html(
     )
 
 
-def _row(entry: Entry, is_chosen: bool, check: GraspCheck | None, button: str) -> str:
+def use_of(part: str, entry: Entry, uses: Uses) -> GraspUse:
+    """How a grasp has done, or all grasps of a pattern together."""
+    names = {grasp.name for grasp in grasps_of(entry)}
+    return sum((uses.get((part, name), GraspUse()) for name in sorted(names)), GraspUse())
+
+
+def _row(
+    entry: Entry, is_chosen: bool, check: GraspCheck | None, button: str, use: GraspUse
+) -> str:
     grasp = grasp_of(entry)
     mark = ' style="background:var(--wb-chosen)"' if is_chosen else ""
     if not grasp.is_enabled:
@@ -70,8 +92,16 @@ def _row(entry: Entry, is_chosen: bool, check: GraspCheck | None, button: str) -
         f"<td>{escape(grasp.name)}{kind}</td>"
         f'<td class="wb-number">{grasp.priority}</td>'
         f'<td class="wb-number">{escape(mm(grasp.opening))}</td>'
-        f"<td>{escape(', '.join(grasp.arms) or 'all')}</td></tr>"
+        f"<td>{escape(', '.join(grasp.arms) or 'all')}</td>"
+        f'<td class="wb-number" title="worked for {use.possible} of {use.tried} parts and arms">'
+        f"{_share(use.possible, use.tried)}</td>"
+        f'<td class="wb-number" title="planned {use.planned}, taken {use.picked}, '
+        f'failed {use.failed}">{f"{use.picked}/{use.planned}" if use.planned else ""}</td></tr>'
     )
+
+
+def _share(count: int, of: int) -> str:
+    return f"{100 * count / of:.0f} %" if of else ""
 
 
 def findings_text(check: GraspCheck) -> str:

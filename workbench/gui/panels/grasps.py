@@ -8,6 +8,7 @@ import pinocchio as pin
 import viser
 
 from workbench.app.commands import EditPart, RedoCell, UndoCell
+from workbench.app.grasp_use import NO_USES, Uses
 from workbench.app.rights import obstacle
 from workbench.gui.door import element_id
 from workbench.gui.editing import Editing
@@ -48,6 +49,7 @@ class GraspsPanel:
         self._is_adding = False
         self._checks: dict[str, GraspCheck | None] = {}
         self._checked = ""
+        self._uses: Uses = NO_USES
         self._drawing = threading.RLock()
         self._looker = ThreadPoolExecutor(1, thread_name_prefix="grasp checks")
         gui, editing = visitor.gui, self._editing
@@ -98,7 +100,10 @@ class GraspsPanel:
 
     def show(self, old: View | None, new: View) -> None:
         """Bring what is shown from `old` to `new`."""
-        if old is None or old.state is not new.state:
+        is_counted = old is None or old.statistics is not new.statistics
+        if is_counted:
+            self._uses = new.statistics.grasps()
+        if is_counted or old is None or old.state is not new.state:
             self._draw()
 
     def _react(self) -> None:
@@ -144,7 +149,7 @@ class GraspsPanel:
         can = not obstacle(state, EditPart)
         name = entry.name if entry is not None else ""
         self._look_at_all(part)
-        self._table.content = grasps_html(part, name, self._checks, self._rows)
+        self._table.content = grasps_html(part, name, self._checks, self._rows, self._uses)
         self._line.content = check_line(name, self._checks.get(name))
         self._add.disabled = not can
         self._duplicate.disabled = self._delete.disabled = not can or entry is None

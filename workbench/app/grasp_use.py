@@ -1,0 +1,81 @@
+"""How each grasp of a part has done: tried, planned with, taken by, failed with."""
+
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Any
+
+SYMMETRIC = "@"
+"""What stands between the name of a grasp and the turn that the part's symmetry gives it."""
+
+
+@dataclass(frozen=True, slots=True)
+class GraspUse:
+    """Of one grasp, or of several together.
+
+    `tried` is how often it was judged for a part in the bin, `possible` how often it would have
+    worked, `planned` how often a plan went by it; `picked` and `failed` are what became of that.
+    """
+
+    tried: int = 0
+    possible: int = 0
+    planned: int = 0
+    picked: int = 0
+    failed: int = 0
+
+    def __add__(self, other: "GraspUse") -> "GraspUse":
+        """Both together."""
+        return GraspUse(
+            self.tried + other.tried,
+            self.possible + other.possible,
+            self.planned + other.planned,
+            self.picked + other.picked,
+            self.failed + other.failed,
+        )
+
+
+Uses = Mapping[tuple[str, str], GraspUse]
+"""By part and grasp, the turns of a symmetry together."""
+
+NO_USES: Uses = MappingProxyType({})
+
+
+def judged(parts: Sequence[str], candidates: Iterable[Mapping[str, Any]]) -> Uses:
+    """How often each grasp was tried and would have worked, from recorded candidates.
+
+    Args:
+        parts: the part of each detection, by its index.
+        candidates: in canonical form.
+    """
+    tried: Counter[tuple[str, str]] = Counter()
+    possible: Counter[tuple[str, str]] = Counter()
+    for one in candidates:
+        number: int = one["detection"]
+        key = (parts[number], one["grasp"]["name"].partition(SYMMETRIC)[0])
+        tried[key] += 1
+        possible[key] += one["verdict"]["reason"] == "ok"
+    return {key: GraspUse(count, possible[key]) for key, count in tried.items()}
+
+
+def taken(picks: Iterable[tuple[str, str, str]]) -> Uses:
+    """How often plans went by each grasp, and what became of it.
+
+    Args:
+        picks: part, grasp, and picked, failed or anything else.
+    """
+    uses: dict[tuple[str, str], GraspUse] = {}
+    for part, grasp, result in picks:
+        one = GraspUse(planned=1, picked=result == "picked", failed=result == "failed")
+        key = (part, grasp.partition(SYMMETRIC)[0])
+        uses[key] = uses.get(key, GraspUse()) + one
+    return uses
+
+
+def added(*several: Uses) -> dict[tuple[str, str], GraspUse]:
+    """All of them together."""
+    sums: dict[tuple[str, str], GraspUse] = {}
+    for uses in several:
+        for key, use in uses.items():
+            sums[key] = sums.get(key, GraspUse()) + use
+    return sums
