@@ -37,8 +37,14 @@ def first_look(page, cell) -> Camera:
     return Camera(page, *framed(points, direction, FIELD_OF_VIEW, ASPECT))
 
 
+FRAMES = "() => new Promise(done => {let n = 0; (function next() {"
+FRAMES += "if (++n > 4) done(); else requestAnimationFrame(next);})();})"
+"""Resolved when the page has drawn itself some times more: what was sent is where it is seen."""
+
+
 def drag(page, start, end):
     """As a hand does it: there, down, along, up."""
+    page.evaluate(FRAMES)
     page.mouse.move(*start)
     page.wait_for_timeout(300)
     page.mouse.down()

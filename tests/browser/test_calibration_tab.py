@@ -32,9 +32,8 @@ def test_a_scanner_that_hangs_elsewhere_is_found_and_put_right(screen, bench, wa
     mount = replace(cell.scanner, T_world_scanner=truth * WRONG)
     bench.do(ChangeCell(replace(cell, scanner=mount), "knocked"), "anna")
     screen.shoot("calibration-solved")
-    screen.wait_for("from where the cell has it")
-    said = screen.page.get_by_text("from where the cell has it").first.inner_text()
-    assert 20 < float(said.split(" mm")[0]) < 22, said
+    said = screen.page.get_by_text("from where the cell has it").first
+    wait(lambda: 20 < float(said.inner_text().split(" mm")[0]) < 22, "how far the scanner is off")
     rows = screen.page.locator(".wb-poses tbody tr")
     assert rows.count() == 5
     rows.nth(1).click()

@@ -8,6 +8,7 @@ import pinocchio as pin
 import viser
 
 from workbench.gui.editing import Editing
+from workbench.gui.gizmo_drag import NOT_BELIEVED, GizmoDrag
 from workbench.gui.robot import place, pose_of_node, quaternion
 from workbench.gui.things import shown_pose, typed_pose
 from workbench.gui.visitor import Visitor
@@ -146,10 +147,16 @@ class GraspPose:
         )
         self._gizmo = gizmo
         self._place_gizmo()
+        drag = GizmoDrag()
 
         @gizmo.on_update
         def _(event: Any) -> None:
             node = pose_of_node(gizmo)
+            if not drag.is_believed(event.phase, self._T, node):
+                if event.phase == "end":
+                    self._put(self._T)
+                    self._visitor.tell(*NOT_BELIEVED)
+                return
             T = pin.SE3(node.rotation @ self._R_off, node.translation)
             if self._steps.value:
                 T = in_steps(self._T, T)

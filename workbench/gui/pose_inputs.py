@@ -7,6 +7,7 @@ import numpy as np
 import pinocchio as pin
 import viser
 
+from workbench.gui.gizmo_drag import NOT_BELIEVED, GizmoDrag
 from workbench.gui.robot import place, pose_of_node, quaternion
 from workbench.gui.things import shown_pose, typed_pose
 from workbench.gui.visitor import Visitor
@@ -87,8 +88,15 @@ class PoseInputs:
         )
         self._gizmo, self._switch.label = gizmo, "Hide gizmo"
 
+        drag = GizmoDrag()
+
         @gizmo.on_update
         def _(event: Any) -> None:
+            if not drag.is_believed(event.phase, self._T, pose_of_node(gizmo)):
+                if event.phase == "end":
+                    self._put(self._T)
+                    self._visitor.tell(*NOT_BELIEVED)
+                return
             # From the numbers that are shown: what a person reads is what is meant.
             self._position.value, self._angles.value = shown_pose(pose_of_node(gizmo))
             if event.phase == "end":
