@@ -18,6 +18,7 @@ from workbench.app.state import State
 from workbench.formats.cells import read_cell
 from workbench.gui.server import serve
 from workbench.journal.journal import Journal
+from workbench.model.cell import Controller
 
 ROOT = Path(__file__).resolve().parents[2]
 PATIENCE = 120.0
@@ -42,6 +43,10 @@ class Robot:
     port: int
     state_port: int
     record: Path
+
+    def controller(self, usual: Controller) -> Controller:
+        """Where a cell finds it."""
+        return replace(usual, port=self.port, state_port=self.state_port)
 
     @property
     def configurations(self) -> list[dict]:
@@ -127,10 +132,13 @@ def robot(tmp_path: Path, speed: float) -> Iterator[Robot]:
 
 
 @pytest.fixture
-def bench(robot: Robot, tmp_path: Path) -> Iterator[Bench]:
+def bench(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[Bench]:
+    """With a robot for the tests that ask for one; the others need none."""
     cell = read_cell("yumi")
-    controller = replace(cell.controller, port=robot.port, state_port=robot.state_port)
-    bench = Bench(replace(cell, controller=controller), Journal(tmp_path / "session"))
+    if "robot" in request.fixturenames:
+        robot = request.getfixturevalue("robot")
+        cell = replace(cell, controller=robot.controller(cell.controller))
+    bench = Bench(cell, Journal(tmp_path / "session"))
     yield bench
     bench.close()
 

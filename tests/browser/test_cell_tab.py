@@ -2,7 +2,6 @@
 
 import math
 import shutil
-from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -28,14 +27,9 @@ def cell_file(tmp_path):
 
 
 @pytest.fixture
-def bench(robot, tmp_path, cell_file):
-    cell = read_cell(cell_file)
-    controller = replace(cell.controller, port=robot.port, state_port=robot.state_port)
-    bench = Bench(
-        replace(cell, controller=controller),
-        Journal(tmp_path / "session"),
-        effects=partial(Machines, cell_file=cell_file),
-    )
+def bench(tmp_path, cell_file):
+    machines = partial(Machines, cell_file=cell_file)
+    bench = Bench(read_cell(cell_file), Journal(tmp_path / "session"), effects=machines)
     yield bench
     bench.close()
 

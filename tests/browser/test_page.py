@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 from hands import field
 
+from workbench.app.commands import WatchPlan
+from workbench.app.rights import NOBODY
 from workbench.app.state import Phase
 from workbench.gui.tables import Order, ordered
 
@@ -30,6 +32,11 @@ def watch(screen, bench, wait) -> None:
     screen.page.mouse.move(200, 400)
     screen.page.keyboard.press("k")
     wait(lambda: bench.state.watched, "the end of the plan")
+
+
+def seen(bench) -> None:
+    """The plan was played to its end, in some other browser."""
+    bench.do(WatchPlan(bench.state.plan.digest), NOBODY)
 
 
 def approve(screen, name: str) -> None:
@@ -161,11 +168,11 @@ def test_what_the_rules_would_refuse_cannot_be_pressed(screen, reaches):
 
 
 def test_a_refusal_is_told_in_the_browser_that_asked_and_nowhere_else(
-    screen, open_screen, bench, reaches, wait
+    screen, open_screen, bench, reaches
 ):
-    other = open_screen()
     run_to_plan(screen, reaches)
-    watch(screen, bench, wait)
+    seen(bench)
+    other = open_screen()
     screen.press("Approve")
     dialog = screen.page.get_by_role("dialog")
     dialog.locator("input").press_sequentially("worker", delay=100)
@@ -177,10 +184,10 @@ def test_a_refusal_is_told_in_the_browser_that_asked_and_nowhere_else(
     assert other.page.get_by_text("is the name of a machine").count() == 0
 
 
-def test_a_new_plan_closes_an_open_approval(screen, open_screen, bench, reaches, wait):
-    other = open_screen()
+def test_a_new_scan_closes_an_open_approval(screen, open_screen, bench, reaches):
     run_to_plan(screen, reaches)
-    watch(screen, bench, wait)
+    seen(bench)
+    other = open_screen()
     screen.press("Approve")
     screen.page.get_by_role("dialog").wait_for()
     other.press("Scan")
@@ -218,7 +225,7 @@ def test_a_stop_ends_the_sending_and_waits_for_a_person(screen, bench, robot, re
     screen.page.locator('.wb-strip[data-phase="idle"]').wait_for()
 
 
-def test_a_coordinated_plan_is_played_approved_and_run(screen, bench, reaches):
+def test_a_coordinated_plan_is_played_approved_and_run(screen, bench, robot, reaches):
     screen.page.get_by_label("Seed").fill("28")
     screen.press("Scan")
     reaches("scanned")
@@ -280,8 +287,8 @@ def test_the_table_is_sorted_and_filtered_by_clicking(screen, bench, reaches):
 
 
 def test_scrubbing_moves_the_shared_picture_and_the_sliders_of_others(screen, open_screen, reaches):
-    other = open_screen()
     state = run_to_plan(screen, reaches)
+    other = open_screen()
     for each in (screen, other):
         each.tab("Plan")
         each.page.locator(".wb-now").wait_for()
