@@ -174,3 +174,8 @@ def anew(state: State, phase: Phase = Phase.IDLE, **fields: Any) -> State:
 def overtaken_by(state: State, by: str) -> str:
     """What to tell about the plan that goes, if there was one."""
     return f"plan {state.plan.digest[:12]} is stale: {by}" if state.plan is not None else ""
+
+
+def counted(number: int, noun: str) -> str:
+    """So many of something, as sentences have it."""
+    return f"{number} {noun}" if number == 1 else f"{number} {noun}s"

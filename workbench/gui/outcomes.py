@@ -4,8 +4,8 @@ import viser
 
 from workbench.app.commands import Command, ReportPick
 from workbench.app.rights import obstacle
-from workbench.app.rules import LONGEST_TEXT
 from workbench.app.state import State
+from workbench.app.value_checks import LONGEST_TEXT
 from workbench.gui.look import View
 from workbench.gui.views import line
 from workbench.gui.visitor import Visitor

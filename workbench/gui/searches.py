@@ -9,8 +9,8 @@ import viser
 
 from workbench.app.commands import Command, FindParts, UseDetections
 from workbench.app.rights import obstacle
-from workbench.app.rules import DETAIL, SEED_LIMIT
 from workbench.app.state import State
+from workbench.app.value_checks import DETAIL, SEED_LIMIT
 from workbench.formats.triangles import triangles_of
 from workbench.gui.colours import COMPARED
 from workbench.gui.door import element_id

@@ -15,8 +15,9 @@ from workbench.app.commands import (
 )
 from workbench.app.release import moved_away, standing_words
 from workbench.app.rights import obstacle
-from workbench.app.rules import MOST_PARTS, SEED_LIMIT, STRATEGIES
+from workbench.app.rules import STRATEGIES
 from workbench.app.state import Phase, State
+from workbench.app.value_checks import MOST_PARTS, SEED_LIMIT
 from workbench.gui.approval import ApprovalDialog
 from workbench.gui.approval_views import approval_line
 from workbench.gui.calibration_views import bin_html
