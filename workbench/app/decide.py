@@ -14,27 +14,32 @@ from workbench.app.cell_changes import cell_read, changed_cell, edited_cell, red
 from workbench.app.commands import (
     AcknowledgeFault,
     Approve,
+    AskForControl,
     CancelJob,
     CellRead,
     ChangeCell,
+    DenyControl,
     DropDraft,
     EditPart,
     EmptyPallets,
     Entry,
     FindParts,
     ForgetAvoided,
+    GiveControl,
     JobEnded,
     LinkEnded,
     MakePlan,
     PlanResult,
     PosesRefused,
     RedoCell,
+    ReleaseControl,
     ReportPick,
     SaveCell,
     SendPlan,
     Sent,
     SightPlate,
     Stop,
+    TakeControl,
     TakeScan,
     UndoCell,
     UseDetections,
@@ -43,6 +48,7 @@ from workbench.app.commands import (
     WantThreshold,
     WatchPlan,
 )
+from workbench.app.control import with_control
 from workbench.app.effects import (
     Effect,
     RemoveDraft,
@@ -134,6 +140,10 @@ def decide(state: State, entry: Entry) -> Outcome:
         case SaveCell(remark=remark):
             write = WriteCell(state.cell, remark, entry.actor, entry.at)
             return replace(state, message=f"{entry.actor} saves the cell"), (write,)
+        case (
+            AskForControl() | TakeControl() | GiveControl() | DenyControl() | ReleaseControl()
+        ) as word:
+            return with_control(state, word, entry.actor), ()
         case CellRead():
             return cell_read(state, entry.command)
         case PosesRefused(problem=problem):

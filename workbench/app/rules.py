@@ -7,26 +7,31 @@ from typing import assert_never
 from workbench.app.commands import (
     AcknowledgeFault,
     Approve,
+    AskForControl,
     CancelJob,
     CellRead,
     ChangeCell,
     Command,
+    DenyControl,
     DropDraft,
     EditPart,
     EmptyPallets,
     FindParts,
     ForgetAvoided,
+    GiveControl,
     JobEnded,
     LinkEnded,
     MakePlan,
     PosesRefused,
     RedoCell,
+    ReleaseControl,
     ReportPick,
     SaveCell,
     SendPlan,
     Sent,
     SightPlate,
     Stop,
+    TakeControl,
     TakeScan,
     UndoCell,
     UseDetections,
@@ -35,10 +40,12 @@ from workbench.app.commands import (
     WantThreshold,
     WatchPlan,
 )
+from workbench.app.control import control_problem
 from workbench.app.outcomes import outcome_problem
 from workbench.app.part_rules import check_edit, part_of
+from workbench.app.people import Role
 from workbench.app.release import lacks_people, overtaken, said_already, unwatched
-from workbench.app.rights import MACHINES, RIGHTS, obstacle
+from workbench.app.rights import MACHINES, RIGHTS, lacks_right, obstacle
 from workbench.app.state import State
 from workbench.app.value_checks import (
     DETAIL,
@@ -75,6 +82,7 @@ def allowed(
     actor: str,
     now: float,
     joints: Mapping[str, float] = NOT_REPORTED,
+    role: Role = Role.ENGINEER,
 ) -> None:
     """Let a command pass, or say why not.
 
@@ -84,11 +92,13 @@ def allowed(
         actor: who asks: a person's name, or one of `MACHINES`.
         now: seconds since the epoch.
         joints: how the robot stands by its own report, name -> [rad]; empty when it reports none.
+        role: of the person who asks; that of somebody at the machine's own shell is engineer.
 
     Raises:
         CommandRefused: with a sentence for the one who asked.
     """
     _check_actor(command, actor)
+    _refuse(lacks_right(state, type(command), actor, role))
     if problem := obstacle(state, type(command)):
         raise CommandRefused(problem)
     match command:
@@ -164,6 +174,10 @@ def allowed(
             check_text("remark", remark)
             if state.saved == state.cell.digest:
                 raise CommandRefused("the cell is saved already")
+        case (
+            AskForControl() | TakeControl() | GiveControl() | DenyControl() | ReleaseControl()
+        ) as word:
+            _refuse(control_problem(state, word, actor, role))
         case LinkEnded(parts_placed=parts_placed):
             check_integer("parts_placed", parts_placed, 0, SEED_LIMIT - 1)
         case UseScan() | Stop() | CancelJob() | AcknowledgeFault() | JobEnded() | Sent():
@@ -291,6 +305,7 @@ def _check_actor(command: Command, actor: str) -> None:
 
 def _named_plan(state: State, digest: str) -> Plan:
     """The current plan, provided that it is the one meant."""
+    check_text("plan", digest)
     if state.plan is None:
         raise CommandRefused("there is no plan; make a plan first")
     if state.plan.digest != digest:
