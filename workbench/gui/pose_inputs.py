@@ -7,6 +7,7 @@ import numpy as np
 import pinocchio as pin
 import viser
 
+from workbench.gui.look import Held
 from workbench.gui.robot import place, pose_of_node, quaternion
 from workbench.gui.things import shown_pose, typed_pose
 from workbench.gui.visitor import Visitor
@@ -91,5 +92,9 @@ class PoseInputs:
         def _(event: Any) -> None:
             # From the numbers that are shown: what a person reads is what is meant.
             self._position.value, self._angles.value = shown_pose(pose_of_node(gizmo))
-            if event.phase == "end":
+            is_over = event.phase == "end"
+            look, client = self._visitor.look, self._visitor.client
+            held = Held(self._visitor.person.name, client.client_id, self._typed())
+            look.change(held=None if is_over else held)
+            if is_over:
                 self._end(self._typed())
