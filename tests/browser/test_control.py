@@ -2,11 +2,15 @@
 
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
+from hands import first_look
 
 import workbench.gui.renderer
 import workbench.gui.visitor
 from workbench.app.people import Person, Role
+from workbench.gui.held import DrawnHeld
+from workbench.gui.panels.cell import GIZMO
 
 ADA = Person("Ada", Role.ENGINEER)
 BOB = Person("Bob", Role.OPERATOR)
@@ -27,6 +31,20 @@ def next_to_come(monkeypatch):
     return come
 
 
+@pytest.fixture
+def shown(monkeypatch):
+    """What the scene was told last about what is dragged."""
+    told = SimpleNamespace(held=None)
+    draw = DrawnHeld.draw
+
+    def noted(self, held):
+        told.held = held
+        draw(self, held)
+
+    monkeypatch.setattr(DrawnHeld, "draw", noted)
+    return told
+
+
 def test_control_is_asked_for_handed_over_and_taken_back(next_to_come, open_screen, bench, wait):
     next_to_come.person = BOB
     bob = open_screen()
@@ -39,7 +57,7 @@ def test_control_is_asked_for_handed_over_and_taken_back(next_to_come, open_scre
     assert ada.button("Take over").is_visible()
     assert bob.button("Scan").is_enabled()
 
-    ada.press("Ask for control")
+    ada.press("Ask")
     bob.wait_for("Ada asks for control")
     bob.shoot("control-asked")
     bob.press("Hand over to Ada")
@@ -58,7 +76,7 @@ def test_control_is_asked_for_handed_over_and_taken_back(next_to_come, open_scre
 
 
 def test_a_viewer_looks_and_a_watcher_sees_what_is_dragged(
-    next_to_come, open_screen, bench, url, wait
+    next_to_come, open_screen, bench, shown, wait
 ):
     ada = open_screen()
     ada.wait_for("You are in control.")
@@ -69,14 +87,25 @@ def test_a_viewer_looks_and_a_watcher_sees_what_is_dragged(
     assert vic.button("Scan").is_disabled()
     for tab in ("Grasps", "Calibration"):
         assert vic.page.get_by_role("tab", name=tab).count() == 0
-    assert not vic.button("Ask for control").is_visible()
-    # What the scene shows to all is what the gizmo of one is at.
+    assert not vic.button("Ask").is_visible()
     ada.tab("Cell")
     ada.press("Show gizmo")
     ada.shoot("control-gizmo")
     vic.tab("Cell")
-    assert vic.button("Show gizmo").is_disabled()
+    for name in ("Show gizmo", "Jog"):
+        assert vic.button(name).is_disabled()
+    camera = first_look(ada.page, bench.state.cell)
+    origin = bench.state.cell.bin.T_world_bin.translation
+    along = origin + np.array([0.0, GIZMO * 0.9, 0.0])
+    ada.page.mouse.move(*camera.pixel(along))
+    ada.page.wait_for_timeout(300)
+    ada.page.mouse.down()
+    ada.page.mouse.move(*camera.pixel(along + np.array([0.0, 0.05, 0.0])), steps=12)
+    wait(lambda: shown.held is not None and shown.held.name == "Ada", "what Ada drags")
+    vic.page.wait_for_timeout(1000)
     vic.shoot("control-viewer")
+    ada.page.mouse.up()
+    wait(lambda: shown.held is None and bench.state.before != (), "the end of the drag")
     assert vic.errors == ada.errors == []
 
 

@@ -17,6 +17,9 @@ from workbench.gui.views import line
 from workbench.gui.visitor import Visitor
 from workbench.model.errors import InputError
 
+STYLE = "div:has(> div > .wb-head) > div:has(> .wb-control) { grid-column: span 1; }"
+"""One line beside one button, as the status above it has it."""
+
 
 class ControlStrip:
     """One line and the buttons that mean something now; unseen where nobody needs control.
@@ -30,10 +33,11 @@ class ControlStrip:
         """Add the controls, unseen."""
         self._visitor, self._told = visitor, ""
         gui = visitor.gui
+        gui.add_html(f'<style class="wb-style">{STYLE}</style>')
         self._line = gui.add_html("", visible=False)
-        self._take = gui.add_button("Take control", icon=viser.Icon.HAND_GRAB, visible=False)
-        self._ask = gui.add_button("Ask for control", icon=viser.Icon.HAND_CLICK, visible=False)
+        self._ask = gui.add_button("Ask", icon=viser.Icon.HAND_CLICK, visible=False)
         self._back = gui.add_button("Give back", color="gray", visible=False)
+        self._take = gui.add_button("Take control", icon=viser.Icon.HAND_GRAB, visible=False)
         self._give = gui.add_button("Hand over", icon=viser.Icon.CHECK, visible=False)
         self._keep = gui.add_button("Keep", icon=viser.Icon.X, color="gray", visible=False)
         visitor.on_press(self._take, TakeControl)
@@ -51,7 +55,8 @@ class ControlStrip:
         acts = self._visitor.is_known and me.role.covers(Role.OPERATOR)
         is_mine = acts and state.control == me.name
         is_free = not state.control
-        self._line.content = line(control_words(state, me.name), span=2)
+        words = line(control_words(state, me.name), span=1)
+        self._line.content = f'<div class="wb-control">{words}</div>'
         self._line.visible = self._visitor.is_known or not is_free
         self._take.visible = acts and not is_mine and (is_free or me.role.covers(Role.ENGINEER))
         self._take.label = "Take control" if is_free else "Take over"
@@ -85,7 +90,8 @@ def control_words(state: State, me: str) -> str:
     if not state.control:
         return "Nobody is in control."
     if state.control == me:
-        return "You are in control."
+        asks = f" {state.asking[0]} asks for it." if state.asking else ""
+        return f"You are in control.{asks}"
     waits = ", you have asked" if me in state.asking else ""
     return f"{state.control} is in control{waits}."
 

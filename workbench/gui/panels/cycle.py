@@ -141,6 +141,9 @@ class CyclePanel:
         for button, command in buttons:
             button.disabled = bool(visitor.refusal(state, command, new.at, joints))
             visitor.explain(button, visitor.lacks(state, type(command)))
+        follows = bool(visitor.lacks(state, TakeScan))
+        for field in (self._parts, self._seed, self._strategy, self._threshold):
+            field.disabled = follows
         self._dialog.show(new)
 
     def _draw_parts(self, state: State) -> None:
