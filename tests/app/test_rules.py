@@ -27,6 +27,7 @@ from workbench.app.commands import (
     UseDetections,
     WantThreshold,
 )
+from workbench.app.control import ControlCommand
 from workbench.app.rights import NEXT, RIGHTS, obstacle
 from workbench.app.rules import STRATEGIES, allowed, approve, staleness
 from workbench.app.state import Job, Phase, State
@@ -35,6 +36,7 @@ from workbench.model.errors import CommandRefused
 from workbench.model.scan import Detection
 
 NOW = 1_000_000.0
+CONTROL = set(typing.get_args(ControlCommand))
 
 
 def refusal(state, command, actor="ada", now=NOW) -> str:
@@ -87,7 +89,7 @@ def test_every_obstacle_is_a_sentence_and_no_obstacle_means_the_table_says_so(ce
 def test_nothing_but_reports_passes_beside_a_running_task_except_to_cancel_it(planned):
     busy = dataclasses.replace(planned, job=Job(3, "plan", "digest"))
     free = {command for command in RIGHTS if not obstacle(busy, command)}
-    assert free == {CancelJob, JobEnded, PosesRefused, WantThreshold}
+    assert free == {CancelJob, JobEnded, PosesRefused, WantThreshold} | CONTROL
     assert "'plan' ends or is cancelled" in refusal(busy, Approve(planned.plan.digest))
 
 
@@ -98,14 +100,14 @@ def test_a_fault_lets_pass_only_its_acknowledgement_and_late_results(cell):
         JobEnded,
         PosesRefused,
         ReportPick,
-    }
+    } | CONTROL
     assert "the controller closed the connection" in refusal(state, TakeScan())
 
 
 def test_while_sending_only_a_stop_and_reports_pass(approved):
     state = dataclasses.replace(approved, phase=Phase.SENDING)
     people = {c for c in RIGHTS if not obstacle(state, c) and not RIGHTS[c].by_machine}
-    assert people == {Stop, ReportPick}
+    assert people == {Stop, ReportPick} | CONTROL
 
 
 @pytest.mark.parametrize(

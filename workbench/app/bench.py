@@ -11,6 +11,7 @@ from workbench.app.decide import decide
 from workbench.app.effects import Effect
 from workbench.app.live import Live
 from workbench.app.machines import Machines
+from workbench.app.people import Role
 from workbench.app.record import command_form, entry_record
 from workbench.app.replay import replay
 from workbench.app.rights import MACHINES, ROBOT_LINK, WORKER
@@ -101,12 +102,13 @@ class Bench:
         """What goes on at this moment: it is not recorded and decides nothing."""
         return self._effects.live
 
-    def do(self, command: Command, actor: str) -> State:
+    def do(self, command: Command, actor: str, role: Role = Role.ENGINEER) -> State:
         """Carry out a command, or refuse it and change nothing.
 
         Args:
             command: what is asked for, or what a machine reports.
             actor: the person's name, or one of `rights.MACHINES`.
+            role: the person's; who works at this machine's own shell may do everything.
 
         Returns:
             The state right after it.
@@ -117,15 +119,15 @@ class Bench:
         # How the robot stands counts where a plan is let out, and is on record there.
         joints = self.live.joints if isinstance(command, Approve | SendPlan) else NOT_REPORTED
         # Looked at before anything is made of its content, which may be anything.
-        allowed(self._state, command, actor, self._now(), joints)
+        allowed(self._state, command, actor, self._now(), joints, role)
         # A scan takes a while to become bytes: nobody else should wait for that.
         form = command_form(command)
         with self._changed:
             if self._closing and actor not in MACHINES:
                 raise CommandRefused("the workbench is closing")
             before, now = self._state, self._now()
-            allowed(before, command, actor, now, joints)
-            entry = Entry(before.number + 1, now, actor, command, joints)
+            allowed(before, command, actor, now, joints, role)
+            entry = Entry(before.number + 1, now, actor, command, joints, role)
             after, effects = decide(before, entry)
             record = entry_record(entry, form, after)
             try:

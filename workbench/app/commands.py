@@ -8,6 +8,7 @@ process and the robot link and tell what has happened.
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+from workbench.app.people import Role
 from workbench.model.calibration import BallPlate, PlateSighting
 from workbench.model.candidate import Candidate, Verdict
 from workbench.model.cell import Cell, PlannerName, Wishes
@@ -209,6 +210,41 @@ class SaveCell:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class AskForControl:
+    """A person would like to be in control; who is may hand it over, or keep it."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class TakeControl:
+    """A person is in control from now on: nobody was, or an engineer takes it over."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class GiveControl:
+    """Hand control over to somebody who has asked for it."""
+
+    to: str
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class DenyControl:
+    """Keep control: what `to` has asked for is answered with no."""
+
+    to: str
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ReleaseControl:
+    """Nobody is in control any more.
+
+    `of` is whose it was when that person's last browser has gone, as the front door saw it;
+    empty: of the one who gives this.
+    """
+
+    of: str = ""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class CellRead:
     """The cell file was read: what it holds now, or why that cannot be used.
 
@@ -299,6 +335,11 @@ Command = (
     | DropDraft
     | SaveCell
     | EmptyPallets
+    | AskForControl
+    | TakeControl
+    | GiveControl
+    | DenyControl
+    | ReleaseControl
     | CellRead
     | PosesRefused
     | JobEnded
@@ -309,11 +350,12 @@ Command = (
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Entry:
-    """A command with its number, its time [s since the epoch] and who gave it.
+    """A command with its number, its time [s since the epoch] and who gave it, in which role.
 
     The only place where clock, user and the robot's pose enter: what follows from an entry is
     computed.  `joints` (name -> rad) is how the robot stood by its own report when a plan was
-    approved or sent, empty for other commands and where nothing was reported.
+    approved or sent, empty for other commands and where nothing was reported.  A machine's `role`
+    says nothing.
     """
 
     number: int
@@ -321,3 +363,4 @@ class Entry:
     actor: str
     command: Command
     joints: Mapping[str, float] = field(default_factory=dict[str, float])
+    role: Role = Role.ENGINEER

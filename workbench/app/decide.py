@@ -10,33 +10,36 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any, assert_never
 
-import numpy as np
-
 from workbench.app.cell_changes import cell_read, changed_cell, edited_cell, redone, undone
 from workbench.app.commands import (
     AcknowledgeFault,
     Approve,
+    AskForControl,
     CancelJob,
     CellRead,
     ChangeCell,
+    DenyControl,
     DropDraft,
     EditPart,
     EmptyPallets,
     Entry,
     FindParts,
     ForgetAvoided,
+    GiveControl,
     JobEnded,
     LinkEnded,
     MakePlan,
     PlanResult,
     PosesRefused,
     RedoCell,
+    ReleaseControl,
     ReportPick,
     SaveCell,
     SendPlan,
     Sent,
     SightPlate,
     Stop,
+    TakeControl,
     TakeScan,
     UndoCell,
     UseDetections,
@@ -45,6 +48,7 @@ from workbench.app.commands import (
     WantThreshold,
     WatchPlan,
 )
+from workbench.app.control import with_control
 from workbench.app.effects import (
     Effect,
     RemoveDraft,
@@ -54,29 +58,24 @@ from workbench.app.effects import (
     StopSending,
     WriteCell,
 )
-from workbench.app.outcomes import after_one_more_scan, avoided_parts, escalated, with_outcome
+from workbench.app.outcomes import after_one_more_scan, avoided_parts, with_outcome
+from workbench.app.planned import with_plan
 from workbench.app.release import without_approval, words_of_others
-from workbench.app.rights import ROBOT_LINK
 from workbench.app.rules import approve
-from workbench.app.state import Job, Outline, Phase, State, anew, overtaken_by
+from workbench.app.sent import after_sending, with_receipt
+from workbench.app.state import Job, Phase, State, anew, counted, overtaken_by
 from workbench.model.calibration import PlateSighting
-from workbench.model.cell import Cell
 from workbench.model.digest import digest_of
 from workbench.model.errors import CommandRefused, JobCancelled, WorkbenchError
-from workbench.model.plan import Plan
-from workbench.model.release import Receipt, Word
-from workbench.model.scan import Detection, Scan
+from workbench.model.release import Word
+from workbench.model.scan import Scan
 from workbench.model.search import Remark, Search
 from workbench.perception.bin_check import check_bin
-from workbench.planning.kinematics import Kinematics
 
 Outcome = tuple[State, tuple[Effect, ...]]
 
 MOST_SEARCHES, MOST_REMARKS = 6, 30
 """In one scan, that are remembered."""
-
-MOST_OUTLINES = 20
-"""Plannings for the same parts that are remembered."""
 
 
 def decide(state: State, entry: Entry) -> Outcome:
@@ -141,6 +140,10 @@ def decide(state: State, entry: Entry) -> Outcome:
         case SaveCell(remark=remark):
             write = WriteCell(state.cell, remark, entry.actor, entry.at)
             return replace(state, message=f"{entry.actor} saves the cell"), (write,)
+        case (
+            AskForControl() | TakeControl() | GiveControl() | DenyControl() | ReleaseControl()
+        ) as word:
+            return with_control(state, word, entry.actor), ()
         case CellRead():
             return cell_read(state, entry.command)
         case PosesRefused(problem=problem):
@@ -148,9 +151,9 @@ def decide(state: State, entry: Entry) -> Outcome:
         case JobEnded():
             return _job_ended(state, entry.command, entry.at), ()
         case Sent(receipt=receipt):
-            return _sent(state, receipt), ()
+            return with_receipt(state, receipt), ()
         case LinkEnded():
-            return _link_ended(state, entry.command, entry.at), ()
+            return after_sending(state, entry.command, entry.at), ()
         case _:
             assert_never(entry.command)
 
@@ -275,7 +278,7 @@ def _job_ended(state: State, ended: JobEnded, at: float) -> State:
             message = f"{result.name}: the plate is seen, {len(sightings)} so far"
             return replace(state, sightings=sightings, message=message)
         case ("plan", PlanResult()):
-            return replace(_with_plan(state, result), planned_threshold=job.threshold)
+            return replace(with_plan(state, result), planned_threshold=job.threshold)
         case _:
             wrong = type(result).__name__
             return replace(state, message=f"task {job.name!r} failed: it brought a {wrong}")
@@ -304,13 +307,13 @@ def _with_detections(state: State, search: Search) -> State:
         detections=detections,
         scene_digest=state.scan.digest if state.scan is not None else "",
         stale=overtaken_by(state, "parts were looked for again"),
-        message=f"{_counted(len(detections), 'part')} found",
+        message=f"{counted(len(detections), 'part')} found",
     )
 
 
 def _with_outside_detections(state: State, entry: Entry, command: UseDetections) -> State:
     detections = command.detections
-    says = command.says or f"{_counted(len(detections), 'pose')} taken from outside"
+    says = command.says or f"{counted(len(detections), 'pose')} taken from outside"
     remark = Remark(entry.at, entry.actor, says)
     # Poses from another matcher usually belong to this scan, but never to a picked bin.
     is_picked = state.phase is Phase.DONE
@@ -326,103 +329,3 @@ def _with_outside_detections(state: State, entry: Entry, command: UseDetections)
         stale="" if is_picked else overtaken_by(state, "the parts are others"),
         message=f"{says}, by {entry.actor}",
     )
-
-
-def _with_plan(state: State, result: PlanResult) -> State:
-    if result.plan is None:
-        phase, message = Phase.LOCALIZED, f"no plan: {result.verdict}"
-    elif result.proof is None or not result.proof.holds:
-        phase = Phase.PLANNED
-        finding = result.proof.findings[0] if result.proof is not None else "there is none"
-        message = f"a plan was found, but its proof does not hold: {finding}"
-    else:
-        phase = Phase.PLANNED
-        message = (
-            f"plan ready: {result.plan.strategy}, {result.plan.cycle_seconds:.1f} s, "
-            f"smallest clearance {result.proof.clearance * 1000:.1f} mm"
-        )
-    return replace(
-        state,
-        phase=phase,
-        candidates=result.candidates,
-        plan=result.plan,
-        proof=result.proof,
-        verdict=result.verdict,
-        seconds=tuple(result.seconds.items()),
-        obstacles=result.obstacles,
-        outlines=(*state.outlines, *map(_outline, (*result.beside, result)))[-MOST_OUTLINES:],
-        approval=None,
-        stale="",
-        watched=(),
-        words=(),
-        outcomes=(),
-        receipts=(),
-        parts_placed=0,
-        part_reports=(),
-        message=message,
-    )
-
-
-def _outline(result: PlanResult) -> Outline:
-    planning = sum(result.seconds.values())
-    plan, proof = result.plan, result.proof
-    if plan is None or proof is None:
-        return Outline(result.planner, planning, verdict=str(result.verdict))
-    distances = [float(d.min()) for _, _, d in proof.apart if len(d)]
-    return Outline(
-        result.planner,
-        planning,
-        str(plan.strategy),
-        str(plan.guarantee),
-        len(plan.arms),
-        plan.cycle_seconds,
-        proof.clearance,
-        min(distances, default=None),
-        plan.digest,
-        "" if proof.holds else str(proof.findings[0]),
-    )
-
-
-def _sent(state: State, receipt: Receipt) -> State:
-    message = f"{receipt.done} of {receipt.total} messages sent"
-    return replace(state, receipts=(*state.receipts, receipt), message=message)
-
-
-def _put_down(cell: Cell, plan: Plan) -> tuple[Detection, ...]:
-    """The parts of a plan where its arms put them, for arms whose places keep them."""
-    kinematics = Kinematics(cell)
-    return tuple(
-        Detection(
-            plan.detections[one.detection].part,
-            kinematics.tcp_pose(cell.arm(one.arm), np.asarray(one.leg("place").q[-1]))
-            * one.T_tcp_part,
-        )
-        for one in plan.arms
-        if cell.arm(one.arm).keeps_parts
-    )
-
-
-def _link_ended(state: State, ended: LinkEnded, at: float) -> State:
-    if state.plan is not None:
-        # After a fault nobody knows: where a part may lie, none is put.
-        state = replace(state, placed=(*state.placed, *_put_down(state.cell, state.plan)))
-    for part in ended.parts:
-        if part.is_picked is not None:
-            said = ReportPick(part.detection, part.is_picked, part.why)
-            state = with_outcome(state, said, ROBOT_LINK, at)
-    state = replace(state, parts_placed=ended.parts_placed, part_reports=ended.parts)
-    if ended.fault:
-        message = f"fault while sending: {ended.fault}"
-        return replace(state, phase=Phase.FAULT, fault=ended.fault, message=message)
-    expected = len(state.plan.arms) if state.plan is not None else 0
-    message = (
-        f"cycle finished, {ended.parts_placed} of {_counted(expected, 'part')} reported placed"
-    )
-    for part in ended.parts:
-        if part.is_picked is False:
-            message += f"; {part.arm} arm failed: {part.why}"
-    return escalated(replace(state, phase=Phase.DONE, message=message))
-
-
-def _counted(number: int, noun: str) -> str:
-    return f"{number} {noun}" if number == 1 else f"{number} {noun}s"

@@ -8,6 +8,7 @@ from typing import Never
 
 from workbench.app.commands import Command
 from workbench.app.live import Live
+from workbench.app.people import Role
 from workbench.app.recompute import cell_of
 from workbench.app.replay import replay
 from workbench.app.state import State
@@ -80,7 +81,7 @@ class History:
         for observer in observers:
             observer(before, self.state)
 
-    def do(self, command: Command, actor: str) -> Never:
+    def do(self, command: Command, actor: str, role: Role = Role.ENGINEER) -> Never:
         """Refuse.
 
         Raises:

@@ -14,6 +14,11 @@ class Role(StrEnum):
     ENGINEER = "engineer"
     """Edits cell, parts and grasps too, and takes control over from others."""
 
+    @property
+    def said(self) -> str:
+        """With its article, as sentences have it."""
+        return f"{'a' if self is Role.VIEWER else 'an'} {self}"
+
     def covers(self, other: "Role") -> bool:
         """Whether who has this role may do what the other one may."""
         order = tuple(Role)

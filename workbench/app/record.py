@@ -8,43 +8,13 @@ program and `replay` can check that it still computes the same.
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, get_args
 
 from workbench import __version__
-from workbench.app.commands import (
-    AcknowledgeFault,
-    Approve,
-    CancelJob,
-    CellRead,
-    ChangeCell,
-    Command,
-    DropDraft,
-    EditPart,
-    EmptyPallets,
-    Entry,
-    FindParts,
-    ForgetAvoided,
-    JobEnded,
-    LinkEnded,
-    MakePlan,
-    PlanResult,
-    PosesRefused,
-    RedoCell,
-    ReportPick,
-    SaveCell,
-    SendPlan,
-    Sent,
-    SightPlate,
-    Stop,
-    TakeScan,
-    UndoCell,
-    UseDetections,
-    UseScan,
-    UseSightings,
-    WantThreshold,
-    WatchPlan,
-)
+from workbench.app.commands import Command, Entry, JobEnded, PlanResult
 from workbench.app.forms import ReadFile, large_arrays, restored
+from workbench.app.people import Role
+from workbench.app.rights import MACHINES
 from workbench.app.state import State
 from workbench.model.calibration import PlateSighting
 from workbench.model.cell import Cell
@@ -57,39 +27,7 @@ Result = Scan | tuple[Detection, ...] | PlanResult | PlateSighting | WorkbenchEr
 SESSION = "Session"
 SESSION_FORMAT = "workbench-session/1"
 
-COMMANDS: Mapping[str, type] = {
-    kind.__name__: kind
-    for kind in (
-        TakeScan,
-        UseScan,
-        FindParts,
-        UseDetections,
-        SightPlate,
-        UseSightings,
-        MakePlan,
-        WantThreshold,
-        WatchPlan,
-        Approve,
-        SendPlan,
-        Stop,
-        ReportPick,
-        ForgetAvoided,
-        CancelJob,
-        AcknowledgeFault,
-        ChangeCell,
-        UndoCell,
-        RedoCell,
-        EditPart,
-        DropDraft,
-        SaveCell,
-        EmptyPallets,
-        CellRead,
-        PosesRefused,
-        JobEnded,
-        Sent,
-        LinkEnded,
-    )
-}
+COMMANDS: Mapping[str, type] = {kind.__name__: kind for kind in get_args(Command)}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -147,6 +85,8 @@ def entry_record(entry: Entry, command: CommandForm, after: State) -> Record:
         "after": summary(after),
         "approval": None if after.approval is None else canonical(after.approval),
     }
+    if entry.actor not in MACHINES:
+        body["role"] = str(entry.role)
     if entry.joints:
         body["joints"] = dict(entry.joints)
     return Record(command.kind, _json(body), command.files)
@@ -170,6 +110,9 @@ def summary(state: State) -> Mapping[str, Any]:
         "words": [word.actor for word in state.words],
         "failures": state.failures,
         "avoided": len(state.avoided),
+        # Nobody is written as nothing at all: sessions from before there was control say as much.
+        "control": state.control or None,
+        "asking": list(state.asking) or None,
     }
 
 
@@ -194,7 +137,9 @@ def entry_of(
         content = json.loads(body)
         command = _command(kind, content["command"], read)
         joints = content.get("joints", {})
-        entry = Entry(number, content["at"], content["actor"], command, joints)
+        # Sessions from before there were roles: whoever acted could do everything.
+        role = Role(content.get("role", Role.ENGINEER))
+        entry = Entry(number, content["at"], content["actor"], command, joints, role)
         return entry, content["after"]
     except (KeyError, TypeError, ValueError, WorkbenchError) as error:
         raise JournalError(f"entry {number} ({kind}) cannot be read: {error}") from error

@@ -32,7 +32,7 @@ def replay(journal: Journal, cell: Cell) -> Iterator[tuple[Entry, State]]:
     for row in rows:
         entry, recorded = entry_of(row.number, row.kind, row.body, journal.read)
         try:
-            allowed(state, entry.command, entry.actor, entry.at, entry.joints)
+            allowed(state, entry.command, entry.actor, entry.at, entry.joints, entry.role)
             state, _ = decide(state, entry)
         except CommandRefused as error:
             raise JournalError(

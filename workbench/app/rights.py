@@ -1,4 +1,4 @@
-"""When each command is in order: one table, phase by command."""
+"""When each command is in order, and whose it is: one table."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -6,25 +6,30 @@ from dataclasses import dataclass
 from workbench.app.commands import (
     AcknowledgeFault,
     Approve,
+    AskForControl,
     CancelJob,
     CellRead,
     ChangeCell,
+    DenyControl,
     DropDraft,
     EditPart,
     EmptyPallets,
     FindParts,
     ForgetAvoided,
+    GiveControl,
     JobEnded,
     LinkEnded,
     MakePlan,
     PosesRefused,
     RedoCell,
+    ReleaseControl,
     ReportPick,
     SaveCell,
     SendPlan,
     Sent,
     SightPlate,
     Stop,
+    TakeControl,
     TakeScan,
     UndoCell,
     UseDetections,
@@ -33,13 +38,15 @@ from workbench.app.commands import (
     WantThreshold,
     WatchPlan,
 )
+from workbench.app.people import Role
 from workbench.app.state import Phase, State
 
 WORKER = "worker"
 ROBOT_LINK = "robot link"
 CELL_FILE = "cell file"
 POSES_FOLDER = "poses folder"
-MACHINES = frozenset({WORKER, ROBOT_LINK, CELL_FILE, POSES_FOLDER})
+FRONT_DOOR = "front door"
+MACHINES = frozenset({WORKER, ROBOT_LINK, CELL_FILE, POSES_FOLDER, FRONT_DOOR})
 """Actors that are no persons; only they report what happened, and they may do nothing else."""
 
 NOBODY = "operator"
@@ -54,7 +61,9 @@ class Right:
     """When a command is in order; `says` names it in refusals, `otherwise` what is missing.
 
     Commands are people's, but for those `by_machine` alone and those by anybody who knows.
-    `also_by` is a machine that may give a command of people.
+    `also_by` is a machine that may give a command of people.  `role` is the least one that a
+    person needs.  While somebody is in control, a command is theirs alone unless it passes
+    `without_control`.
     """
 
     says: str
@@ -64,6 +73,8 @@ class Right:
     by_machine: bool = False
     by_anybody: bool = False
     also_by: str | None = None
+    role: Role = Role.OPERATOR
+    without_control: bool = False
 
 
 RIGHTS: Mapping[type, Right] = {
@@ -71,30 +82,40 @@ RIGHTS: Mapping[type, Right] = {
     UseScan: Right("using a scan from a file", SAFE),
     FindParts: Right("finding parts", SAFE - {Phase.IDLE, Phase.DONE}),
     UseDetections: Right("using poses from outside", SAFE, also_by=POSES_FOLDER),
-    SightPlate: Right("a scan of the plate", SAFE),
-    UseSightings: Right("a change of the calibration's poses", SAFE),
     MakePlan: Right("planning", frozenset({Phase.LOCALIZED, Phase.PLANNED, Phase.APPROVED})),
     WantThreshold: Right("another threshold", SAFE, beside_job=True),
-    WatchPlan: Right("a preview", frozenset({Phase.PLANNED, Phase.APPROVED})),
-    Approve: Right("an approval", frozenset({Phase.PLANNED, Phase.APPROVED})),
+    # Several people may have to approve, each of whom has to see the plan: only one is in control.
+    WatchPlan: Right("a preview", frozenset({Phase.PLANNED, Phase.APPROVED}), without_control=True),
+    Approve: Right("an approval", frozenset({Phase.PLANNED, Phase.APPROVED}), without_control=True),
     SendPlan: Right("sending", frozenset({Phase.APPROVED})),
-    Stop: Right("a stop", frozenset({Phase.SENDING}), "nothing is being sent"),
+    # Nobody who sees that something goes wrong has to ask first.
+    Stop: Right(
+        "a stop", frozenset({Phase.SENDING}), "nothing is being sent", without_control=True
+    ),
     ReportPick: Right(
         "the outcome of a pick",
         frozenset({Phase.SENDING, Phase.DONE, Phase.FAULT}),
         "nothing was sent",
         by_anybody=True,
+        without_control=True,
     ),
     ForgetAvoided: Right("forgetting what is avoided", SAFE),
     CancelJob: Right("cancelling", EVERY, beside_job=True),
     AcknowledgeFault: Right("acknowledging", frozenset({Phase.FAULT}), "there is no fault"),
-    ChangeCell: Right("a change of the cell", SAFE),
-    UndoCell: Right("an undo", SAFE),
-    RedoCell: Right("a redo", SAFE),
-    EditPart: Right("a change of grasps", SAFE),
-    DropDraft: Right("dropping a draft", SAFE),
     EmptyPallets: Right("emptying the pallets", SAFE),
-    SaveCell: Right("saving the cell", SAFE),
+    SightPlate: Right("a scan of the plate", SAFE, role=Role.ENGINEER),
+    UseSightings: Right("a change of the calibration's poses", SAFE, role=Role.ENGINEER),
+    ChangeCell: Right("a change of the cell", SAFE, role=Role.ENGINEER),
+    UndoCell: Right("an undo", SAFE, role=Role.ENGINEER),
+    RedoCell: Right("a redo", SAFE, role=Role.ENGINEER),
+    EditPart: Right("a change of grasps", SAFE, role=Role.ENGINEER),
+    DropDraft: Right("dropping a draft", SAFE, role=Role.ENGINEER),
+    SaveCell: Right("saving the cell", SAFE, role=Role.ENGINEER),
+    AskForControl: Right("asking for control", EVERY, beside_job=True, without_control=True),
+    TakeControl: Right("taking control", EVERY, beside_job=True, without_control=True),
+    GiveControl: Right("handing control over", EVERY, beside_job=True),
+    DenyControl: Right("keeping control", EVERY, beside_job=True),
+    ReleaseControl: Right("giving control back", EVERY, beside_job=True, also_by=FRONT_DOOR),
     CellRead: Right("a new cell file", SAFE, by_machine=True),
     PosesRefused: Right("a problem with poses", EVERY, beside_job=True, by_machine=True),
     JobEnded: Right("the end of a task", EVERY, beside_job=True, by_machine=True),
@@ -105,7 +126,7 @@ RIGHTS: Mapping[type, Right] = {
         "the end of sending", frozenset({Phase.SENDING}), "nothing is being sent", by_machine=True
     ),
 }
-"""Phase by command: whatever is not here does not happen."""
+"""Phase, role and control by command: whatever is not here does not happen."""
 
 NEXT: Mapping[Phase, str] = {
     Phase.IDLE: "take a scan first",
@@ -142,3 +163,24 @@ def what_is_missing(state: State, command: type) -> str:
     if state.phase is Phase.FAULT and state.fault:
         missing += f" ({state.fault})"
     return missing
+
+
+def lacks_right(state: State, command: type, actor: str, role: Role) -> str:
+    """Why a command of this type is not this person's now; empty when it is.
+
+    Like `obstacle` it looks at nothing but the type, so the page can ask it for every button.
+
+    Args:
+        state: says who is in control.
+        command: its type.
+        actor: the person's name; machines are not asked for a role, nor for control.
+        role: the person's.
+    """
+    if actor in MACHINES:
+        return ""
+    right = RIGHTS[command]
+    if not role.covers(right.role):
+        return f"{right.says} is for {right.role}s; you are {role.said}"
+    if state.control in ("", actor) or right.without_control:
+        return ""
+    return f"{state.control} is in control; ask for control first"

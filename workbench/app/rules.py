@@ -1,36 +1,37 @@
 """What may happen now: pure checks; every refusal says what to do instead."""
 
-import math
 from collections.abc import Mapping
 from types import MappingProxyType
-from typing import Any, assert_never
-
-import numpy as np
-import pinocchio as pin
+from typing import assert_never
 
 from workbench.app.commands import (
     AcknowledgeFault,
     Approve,
+    AskForControl,
     CancelJob,
     CellRead,
     ChangeCell,
     Command,
+    DenyControl,
     DropDraft,
     EditPart,
     EmptyPallets,
     FindParts,
     ForgetAvoided,
+    GiveControl,
     JobEnded,
     LinkEnded,
     MakePlan,
     PosesRefused,
     RedoCell,
+    ReleaseControl,
     ReportPick,
     SaveCell,
     SendPlan,
     Sent,
     SightPlate,
     Stop,
+    TakeControl,
     TakeScan,
     UndoCell,
     UseDetections,
@@ -39,31 +40,34 @@ from workbench.app.commands import (
     WantThreshold,
     WatchPlan,
 )
+from workbench.app.control import control_problem
 from workbench.app.outcomes import outcome_problem
 from workbench.app.part_rules import check_edit, part_of
+from workbench.app.people import Role
 from workbench.app.release import lacks_people, overtaken, said_already, unwatched
-from workbench.app.rights import MACHINES, RIGHTS, obstacle
+from workbench.app.rights import MACHINES, RIGHTS, lacks_right, obstacle
 from workbench.app.state import State
-from workbench.model.cell import ORDER_NAMES, PLANNER_NAMES, Cell, Wishes
+from workbench.app.value_checks import (
+    DETAIL,
+    MOST_PARTS,
+    MOST_SIGHTINGS,
+    SEED_LIMIT,
+    check_among,
+    check_cell,
+    check_configuration,
+    check_detections,
+    check_integer,
+    check_number,
+    check_person,
+    check_text,
+    check_wishes,
+)
+from workbench.model.cell import Cell
 from workbench.model.digest import digest_of
-from workbench.model.errors import CommandRefused, InputError
-from workbench.model.geometry import Floats
+from workbench.model.errors import CommandRefused
 from workbench.model.plan import UNSIGNED, Plan, Proof, Strategy
 from workbench.model.release import Approval, Word
-from workbench.model.scan import Detection
 
-MOST_PARTS = 30
-SEED_LIMIT = 2**31
-LONGEST_NAME = 80
-LONGEST_TEXT = 200
-FARTHEST = 20.0
-"""[m] Nothing of a cell stands further from its origin."""
-DETAIL = (0.3, 2.0)
-"""Share of the usual detail that a search may have."""
-MOST_SIGHTINGS = 60
-MOST_ITERATIONS = 100_000
-LARGEST_MARGIN = 0.2
-"""[m]"""
 STRATEGIES = ("auto", *(str(strategy) for strategy in Strategy), "both")
 """`auto` takes what the controller can run; `both` plans with the arms one after the other and
 at once, and compares."""
@@ -78,6 +82,7 @@ def allowed(
     actor: str,
     now: float,
     joints: Mapping[str, float] = NOT_REPORTED,
+    role: Role = Role.ENGINEER,
 ) -> None:
     """Let a command pass, or say why not.
 
@@ -87,41 +92,43 @@ def allowed(
         actor: who asks: a person's name, or one of `MACHINES`.
         now: seconds since the epoch.
         joints: how the robot stands by its own report, name -> [rad]; empty when it reports none.
+        role: of the person who asks; that of somebody at the machine's own shell is engineer.
 
     Raises:
         CommandRefused: with a sentence for the one who asked.
     """
     _check_actor(command, actor)
+    _refuse(lacks_right(state, type(command), actor, role))
     if problem := obstacle(state, type(command)):
         raise CommandRefused(problem)
     match command:
         case TakeScan(seed=seed, parts=parts):
-            _check_integer("seed", seed, 0, SEED_LIMIT - 1)
-            _check_integer("parts", parts, 1, MOST_PARTS)
+            check_integer("seed", seed, 0, SEED_LIMIT - 1)
+            check_integer("parts", parts, 1, MOST_PARTS)
         case FindParts(seed=seed, wishes=wishes):
-            _check_integer("seed", seed, 0, SEED_LIMIT - 1)
-            _check_number("detail", wishes.detail, *DETAIL, "of the usual")
-            _check_number("least score", wishes.least_score, 0.0, 1.0, "")
+            check_integer("seed", seed, 0, SEED_LIMIT - 1)
+            check_number("detail", wishes.detail, *DETAIL, "of the usual")
+            check_number("least score", wishes.least_score, 0.0, 1.0, "")
             if state.scan is None:
                 raise CommandRefused("finding parts is not possible now: take a scan first")
         case UseDetections(detections=detections, says=says):
-            _check_text("says", says)
-            _check_detections(state.cell, detections)
+            check_text("says", says)
+            check_detections(state.cell, detections)
         case SightPlate(arm=arm, q=q, seed=seed):
-            _check_integer("seed", seed, 0, SEED_LIMIT - 1)
-            _check_configuration(state.cell, arm, q)
+            check_integer("seed", seed, 0, SEED_LIMIT - 1)
+            check_configuration(state.cell, arm, q)
         case UseSightings(sightings=sightings, says=says):
-            _check_text("says", says)
+            check_text("says", says)
             if len(sightings) > MOST_SIGHTINGS:
                 raise CommandRefused(f"up to {MOST_SIGHTINGS} poses are taken")
             for one in sightings:
-                _check_text("name", one.name)
-                _check_configuration(state.cell, one.arm, one.q)
+                check_text("name", one.name)
+                check_configuration(state.cell, one.arm, one.q)
         case MakePlan(strategy=strategy, threshold=threshold, seed=seed, wishes=wishes):
-            _check_integer("seed", seed, 0, SEED_LIMIT - 1)
-            _check_wishes(state.cell, wishes)
-            _check_number("threshold", threshold, 0.0, 1.0, "m")
-            _check_among("strategy", strategy, STRATEGIES)
+            check_integer("seed", seed, 0, SEED_LIMIT - 1)
+            check_wishes(state.cell, wishes)
+            check_number("threshold", threshold, 0.0, 1.0, "m")
+            check_among("strategy", strategy, STRATEGIES)
         case Approve(plan_digest=digest):
             plan = _named_plan(state, digest)
             _check_scene(state, plan)
@@ -137,16 +144,16 @@ def allowed(
         case WatchPlan(plan_digest=digest):
             _named_plan(state, digest)
         case WantThreshold(threshold=threshold):
-            _check_number("threshold", threshold, 0.0, 1.0, "m")
+            check_number("threshold", threshold, 0.0, 1.0, "m")
         case ReportPick():
-            _check_text("why", command.why)
+            check_text("why", command.why)
             _refuse(outcome_problem(state, command))
         case ForgetAvoided():
             if not state.avoided:
                 raise CommandRefused("nothing is avoided")
         case ChangeCell(cell=cell, says=says):
-            _check_text("says", says)
-            _check_cell(cell)
+            check_text("says", says)
+            check_cell(cell)
             if cell.digest == state.cell.digest:
                 raise CommandRefused("nothing of the cell was changed")
         case UndoCell():
@@ -156,7 +163,7 @@ def allowed(
             if not state.undone:
                 raise CommandRefused("there is no change of the cell to redo")
         case EditPart() as edit:
-            _check_text("says", edit.says)
+            check_text("says", edit.says)
             check_edit(state.cell, edit)
         case DropDraft(part=part):
             part_of(state.cell, part)
@@ -164,11 +171,15 @@ def allowed(
             if not state.placed:
                 raise CommandRefused("the pallets are empty already")
         case SaveCell(remark=remark):
-            _check_text("remark", remark)
+            check_text("remark", remark)
             if state.saved == state.cell.digest:
                 raise CommandRefused("the cell is saved already")
+        case (
+            AskForControl() | TakeControl() | GiveControl() | DenyControl() | ReleaseControl()
+        ) as word:
+            _refuse(control_problem(state, word, actor, role))
         case LinkEnded(parts_placed=parts_placed):
-            _check_integer("parts_placed", parts_placed, 0, SEED_LIMIT - 1)
+            check_integer("parts_placed", parts_placed, 0, SEED_LIMIT - 1)
         case UseScan() | Stop() | CancelJob() | AcknowledgeFault() | JobEnded() | Sent():
             pass
         case CellRead() | PosesRefused():
@@ -234,7 +245,7 @@ def check_approvable(cell: Cell, plan: Plan, proof: Proof, actor: str) -> None:
     Raises:
         CommandRefused: see `approve`, which asks this, too.
     """
-    _check_person(actor)
+    check_person(actor)
     if digest_of(plan, without=UNSIGNED) != plan.digest:
         raise CommandRefused("the plan was changed after it was made; make a new one")
     if plan.cell_digest != cell.digest:
@@ -289,104 +300,12 @@ def _check_actor(command: Command, actor: str) -> None:
         raise CommandRefused(f"{right.says} is reported by a machine, not by {actor!r}")
     is_allowed = (right.by_anybody and actor in MACHINES) or actor == right.also_by
     if not right.by_machine and not is_allowed:
-        _check_person(actor)
-
-
-def _check_person(actor: str) -> None:
-    if not actor.strip() or len(actor) > LONGEST_NAME or not actor.isprintable():
-        raise CommandRefused(
-            f"a person's name is needed, 1 to {LONGEST_NAME} printable characters, not {actor!r}"
-        )
-    if actor in MACHINES:
-        raise CommandRefused(f"{actor!r} is the name of a machine; a person has to ask for this")
-
-
-def _check_integer(name: str, value: Any, lowest: int, highest: int) -> None:
-    if not isinstance(value, int) or isinstance(value, bool) or not lowest <= value <= highest:
-        raise CommandRefused(
-            f"{name} must be a whole number from {lowest} to {highest}, not {value!r}"
-        )
-
-
-def _check_number(name: str, value: Any, lowest: float, highest: float, unit: str) -> None:
-    is_number = isinstance(value, int | float) and not isinstance(value, bool)
-    if not is_number or not math.isfinite(value) or not lowest <= value <= highest:
-        raise CommandRefused(
-            f"{name} must lie between {lowest} and {highest} {unit}, not {value!r}"
-        )
-
-
-def _check_text(name: str, value: Any) -> None:
-    if not isinstance(value, str) or len(value) > LONGEST_TEXT or not value.isprintable():
-        raise CommandRefused(
-            f"{name} must be a text of up to {LONGEST_TEXT} printable characters, not {value!r:.80}"
-        )
-
-
-def _check_among(name: str, value: Any, known: tuple[str, ...]) -> None:
-    if value not in known:
-        raise CommandRefused(f"{name} {value!r} is not known; there are {', '.join(known)}")
-
-
-def _check_wishes(cell: Cell, wishes: Wishes) -> None:
-    if wishes.planner is not None:
-        _check_among("planner", wishes.planner, PLANNER_NAMES)
-    if wishes.order is not None:
-        _check_among("order", wishes.order, ORDER_NAMES)
-    if wishes.iterations is not None:
-        _check_integer("iterations", wishes.iterations, 1, MOST_ITERATIONS)
-    if wishes.margin is not None:
-        _check_number("margin", wishes.margin, cell.policy.margin, LARGEST_MARGIN, "m")
-    if wishes.metric is not None:
-        _check_number("metric", wishes.metric, 0.05, 1.0, "of the joint before")
-
-
-def _check_detections(cell: Cell, detections: tuple[Detection, ...]) -> None:
-    if not 1 <= len(detections) <= MOST_PARTS:
-        raise CommandRefused(f"1 to {MOST_PARTS} poses are needed, not {len(detections)}")
-    for number, detection in enumerate(detections, start=1):
-        _check_near(f"part-{number}", detection.T_world_part)
-        try:
-            cell.part(detection.part)
-        except InputError as error:
-            raise CommandRefused(str(error)) from error
-
-
-def _check_configuration(cell: Cell, arm: str, q: Floats) -> None:
-    """See that an arm can stand there; what a controller reports may be off by its resolution."""
-    try:
-        joints = cell.arm(arm).joints
-    except InputError as error:
-        raise CommandRefused(str(error)) from error
-    lower, upper, _ = cell.robot.limits(joints)
-    q = np.asarray(q)
-    if q.shape != lower.shape or not np.all((q >= lower - 1e-3) & (q <= upper + 1e-3)):
-        raise CommandRefused(f"{len(joints)} joint values within the limits of {arm} are needed")
-
-
-def _check_near(thing: str, T_world_thing: pin.SE3) -> None:
-    far = float(np.abs(T_world_thing.translation).max())
-    if not far <= FARTHEST:
-        raise CommandRefused(f"{thing}: {far:g} m away; {FARTHEST:g} m are allowed")
-
-
-def _check_cell(cell: Cell) -> None:
-    """What a person moves stays in the room, and homes within the limits."""
-    _check_near("bin", cell.bin.T_world_bin)
-    _check_near("scanner", cell.scanner.T_world_scanner)
-    _check_near("robot", cell.T_world_robot)
-    for fixture in cell.fixtures:
-        _check_near(fixture.name, fixture.T_world_fixture)
-    for arm in cell.arms:
-        for T in arm.Ts_world_place:
-            _check_near(f"a place of the {arm.name} arm", T)
-        lower, upper, _ = cell.robot.limits(arm.joints)
-        if not np.all((arm.home >= lower) & (arm.home <= upper)):
-            raise CommandRefused(f"the home of the {arm.name} arm lies outside its limits")
+        check_person(actor)
 
 
 def _named_plan(state: State, digest: str) -> Plan:
     """The current plan, provided that it is the one meant."""
+    check_text("plan", digest)
     if state.plan is None:
         raise CommandRefused("there is no plan; make a plan first")
     if state.plan.digest != digest:

@@ -112,6 +112,8 @@ class State:
     `bin_check` is what the scan says about the bin of this cell; `searches` are those in this scan,
     the latest last, and `remarks` what people have done to what was found.  `sightings` are those
     of a calibration that is being made.
+    `control` is the name of who is in control, empty while nobody is; `asking` are those who have
+    asked for it, the first one first.
     """
 
     cell: Cell
@@ -151,10 +153,12 @@ class State:
     searches: tuple[Search, ...] = ()
     remarks: tuple[Remark, ...] = ()
     sightings: tuple[PlateSighting, ...] = ()
+    control: str = ""
+    asking: tuple[str, ...] = ()
 
 
 def anew(state: State, phase: Phase = Phase.IDLE, **fields: Any) -> State:
-    """The state with its cell and all that is about it, and nothing else but what is given."""
+    """The state with its cell, all that is about it, who is in control, and what is given."""
     return State(
         state.cell,
         phase,
@@ -167,6 +171,8 @@ def anew(state: State, phase: Phase = Phase.IDLE, **fields: Any) -> State:
         failures=state.failures,
         avoided=state.avoided,
         sightings=state.sightings,
+        control=state.control,
+        asking=state.asking,
         **fields,
     )
 
@@ -174,3 +180,8 @@ def anew(state: State, phase: Phase = Phase.IDLE, **fields: Any) -> State:
 def overtaken_by(state: State, by: str) -> str:
     """What to tell about the plan that goes, if there was one."""
     return f"plan {state.plan.digest[:12]} is stale: {by}" if state.plan is not None else ""
+
+
+def counted(number: int, noun: str) -> str:
+    """So many of something, as sentences have it."""
+    return f"{number} {noun}" if number == 1 else f"{number} {noun}s"

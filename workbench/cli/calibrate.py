@@ -14,7 +14,7 @@ from workbench.app.calibration import (
     suggested_poses,
     with_calibration,
 )
-from workbench.app.rules import SEED_LIMIT
+from workbench.app.value_checks import SEED_LIMIT
 from workbench.cli import arguments
 from workbench.cli.exits import SUCCESS
 from workbench.cli.terminal import check_whole, print_json, print_table, progress

@@ -14,9 +14,9 @@ from workbench.app.commands import (
     TakeScan,
     WatchPlan,
 )
-from workbench.app.rules import SEED_LIMIT
 from workbench.app.sessions import new_session
 from workbench.app.state import Phase, State
+from workbench.app.value_checks import SEED_LIMIT
 from workbench.cli import arguments
 from workbench.cli.exits import NO_PLAN, SUCCESS
 from workbench.cli.findings import candidate_form, plan_form, print_candidates, proof_form

@@ -3,7 +3,7 @@
 from collections import Counter
 
 from workbench.app.pick import judge
-from workbench.app.rules import SEED_LIMIT
+from workbench.app.value_checks import SEED_LIMIT
 from workbench.cli import arguments
 from workbench.cli.exits import NO_PLAN, SUCCESS
 from workbench.cli.findings import candidate_form, print_candidates

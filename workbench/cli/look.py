@@ -1,6 +1,6 @@
 """`workbench scan` and `workbench localize`: from a bin to a cloud, from a cloud to poses."""
 
-from workbench.app.rules import DETAIL, MOST_PARTS, SEED_LIMIT
+from workbench.app.value_checks import DETAIL, MOST_PARTS, SEED_LIMIT
 from workbench.app.work import find_parts
 from workbench.cli import arguments
 from workbench.cli.terminal import check_number, check_whole, print_table, progress

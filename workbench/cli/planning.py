@@ -7,7 +7,7 @@ from pathlib import Path
 
 from workbench.app.commands import PlanResult
 from workbench.app.pick import plan_pick
-from workbench.app.rules import LARGEST_MARGIN, MOST_ITERATIONS, SEED_LIMIT
+from workbench.app.value_checks import LARGEST_MARGIN, MOST_ITERATIONS, SEED_LIMIT
 from workbench.cli import arguments
 from workbench.cli.exits import NO_PLAN, SUCCESS
 from workbench.cli.findings import (

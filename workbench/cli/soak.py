@@ -13,9 +13,9 @@ import numpy as np
 
 from workbench.app.bench import Bench
 from workbench.app.commands import AcknowledgeFault
-from workbench.app.rules import SEED_LIMIT
 from workbench.app.sessions import new_session
 from workbench.app.state import Phase
+from workbench.app.value_checks import SEED_LIMIT
 from workbench.cli.demo import ACTOR, Cycle, NoPlan, StageRow
 from workbench.cli.exits import FAILURE, SUCCESS
 from workbench.cli.nested_arguments import BenchSoak

@@ -10,15 +10,16 @@ import viser
 from workbench.app.commands import Approve
 from workbench.gui.approval_views import facts_html
 from workbench.gui.look import View
-from workbench.gui.visitor import Visitor, refusal
+from workbench.gui.visitor import Visitor
 
 
 class ApprovalDialog:
-    """Facts of the plan as the server holds them, a field for the name, and the word itself.
+    """Facts of the plan as the server holds them, whose word it is, and the word itself.
 
-    The button carries the name as the server has received it: viser sends a field at most
-    every 50 ms and may keep the last letters (`docs/architecture.md`), so what is shown there,
-    and not what stands in the field, is what will be recorded.
+    Without a login there is a field for the name, and the button carries it as the server has
+    received it: viser sends a field at most every 50 ms and may keep the last letters
+    (`docs/architecture.md`), so what is shown there, and not what stands in the field, is what
+    will be recorded.
 
     Concurrency: `open` from viser's threads, `show` from the renderer's.
     """
@@ -43,30 +44,43 @@ class ApprovalDialog:
             with modal:
                 joints, now = visitor.bench.live.joints, time.time()
                 visitor.gui.add_html(facts_html(state, plan, proof, joints, now))
-                name = visitor.gui.add_text(
-                    "Your name", "", hint="It is recorded with the plan, the time and the scan."
-                )
-                visitor.gui.add_html('<div class="wb-buttons wb-two"></div>')
-                back = visitor.gui.add_button("Back", color="gray")
-                confirm = visitor.gui.add_button(
-                    "Type your name to approve", icon=viser.Icon.USER_CHECK, disabled=True
-                )
-        back.on_click(lambda _: self.close())
-        confirm.on_click(lambda _: self._approve(plan.digest, name.value.strip()))
+                self._add_word(plan.digest)
 
-        @name.on_update
+    def _add_word(self, digest: str) -> None:
+        """The name, the way back and the word; who is logged in has a name already."""
+        visitor, gui = self._visitor, self._visitor.gui
+        name: viser.GuiTextHandle | None = None
+        if not visitor.is_known:
+            hint = "It is recorded with the plan, the time and the scan."
+            name = gui.add_text("Your name", "", hint=hint)
+        gui.add_html('<div class="wb-buttons wb-two"></div>')
+        back = gui.add_button("Back", color="gray")
+        confirm = gui.add_button(
+            _word_of(visitor.person.name if visitor.is_known else ""),
+            icon=viser.Icon.USER_CHECK,
+            disabled=name is not None,
+        )
+        back.on_click(lambda _: self.close())
+        if name is None:
+            confirm.on_click(lambda _: self._approve(digest, ""))
+            return
+        field = name
+        confirm.on_click(lambda _: self._approve(digest, field.value.strip()))
+
+        @field.on_update
         async def _(event: Any) -> None:
             typed = str(event.target.value).strip()
             confirm.disabled = not typed
-            confirm.label = f"Approve as {typed}" if typed else "Type your name to approve"
+            confirm.label = _word_of(typed)
 
     def show(self, new: View) -> None:
         """Close when what is shown is no longer what would be approved."""
         with self._lock:
             is_open = self._close is not None
-        if is_open and (
-            problem := refusal(new.state, Approve(self._digest), new.at, joints=new.live.joints)
-        ):
+        if not is_open:
+            return
+        command, joints = Approve(self._digest), new.live.joints
+        if problem := self._visitor.refusal(new.state, command, new.at, joints):
             self.close()
             self._visitor.tell("Approval closed", problem)
 
@@ -80,3 +94,8 @@ class ApprovalDialog:
     def _approve(self, digest: str, name: str) -> None:
         if self._visitor.ask(lambda: Approve(digest), name):
             self.close()
+
+
+def _word_of(name: str) -> str:
+    """What the button says."""
+    return f"Approve as {name}" if name else "Type your name to approve"

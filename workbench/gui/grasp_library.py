@@ -5,7 +5,6 @@ from pathlib import Path
 import viser
 
 from workbench.app.commands import DropDraft, SaveCell
-from workbench.app.rights import obstacle
 from workbench.app.state import State
 from workbench.formats.grasp_words import changes_in_words
 from workbench.formats.part_saves import Version, draft_of, versions
@@ -94,7 +93,8 @@ class LibraryControls:
 
     def show(self, state: State, part: Part, *, is_enabled: bool) -> None:
         """The part is this one now."""
-        self._save.disabled = bool(obstacle(state, SaveCell)) or state.saved == state.cell.digest
+        is_changed = state.saved != state.cell.digest
+        self._visitor.admit(self._save, state, SaveCell, is_ready=is_changed)
         folder = self._folder
         draft: GraspLibrary | None = None
         try:

@@ -1,9 +1,10 @@
-"""What stands above the tabs: the steps, what goes on, and what ends it."""
+"""What stands above the tabs: the steps, what goes on, what ends it, and who is in control."""
 
 import viser
 
 from workbench.app.commands import AcknowledgeFault, CancelJob
 from workbench.app.state import Phase
+from workbench.gui.control import ControlStrip
 from workbench.gui.look import View
 from workbench.gui.theme import Theme
 from workbench.gui.views import status_html, strip_html
@@ -11,7 +12,7 @@ from workbench.gui.visitor import Visitor
 
 
 class Header:
-    """Steps, status, progress; Cancel while a task runs, Acknowledge while there is a fault."""
+    """Steps, status, progress, control; Cancel while a task runs, Acknowledge after a fault."""
 
     def __init__(self, visitor: Visitor, theme: Theme, style: str):
         """Add the controls.
@@ -21,7 +22,7 @@ class Header:
             theme: of the page, which this browser may turn dark.
             style: style sheet of the whole page.
         """
-        gui = visitor.gui
+        self._visitor, gui = visitor, visitor.gui
         gui.add_html(f'<style class="wb-style">{style}</style>')
         gui.add_html('<div class="wb-head"></div>')
         self._strip = gui.add_html("")
@@ -32,6 +33,7 @@ class Header:
         )
         self._progress = gui.add_progress_bar(0.0)
         self._theme, self._gui, self._is_dark = theme, gui, False
+        self._control = ControlStrip(visitor)
         visitor.on_press(self._cancel, CancelJob)
         visitor.on_key("D", "Dark or light page", self._turn)
         visitor.on_press(self._acknowledge, AcknowledgeFault)
@@ -39,12 +41,14 @@ class Header:
     def show(self, old: View | None, new: View) -> None:
         """Bring what is shown from `old` to `new`."""
         state, live = new.state, new.live
+        self._control.show(old, new)
         if old is None or old.state is not state:
             self._strip.content = strip_html(state)
             self._progress.animated = state.job is not None or state.phase is Phase.SENDING
             # One place for both, so that nothing below moves.
             self._cancel.visible = state.phase is not Phase.FAULT
-            self._cancel.disabled = state.job is None
+            self._visitor.admit(self._cancel, state, CancelJob)
+            self._visitor.admit(self._acknowledge, state, AcknowledgeFault)
             self._acknowledge.visible = state.phase is Phase.FAULT
         self._status.content = status_html(new)
         if state.job is not None:

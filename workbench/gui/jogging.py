@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import viser
 
-from workbench.app.commands import ChangeCell, Command
+from workbench.app.commands import ChangeCell, Command, TakeScan
 from workbench.gui.cell_views import contacts_html
 from workbench.gui.jog import led
 from workbench.gui.look import View
@@ -36,7 +36,7 @@ class JogControls:
         self._visitor = visitor
         self._gizmo: viser.TransformControlsHandle | None = None
         self._is_dragged = False
-        self._key: tuple[object, ...] = (None, None, None)
+        self._key: tuple[object, ...] = (None, None, None, None)
         self._drawn: Mapping[str, Floats] | None = None
         # What this browser has made of it: the whole, and whether it was by the axes' sliders.
         self._mine: Mapping[str, Floats] | None = None
@@ -85,18 +85,24 @@ class JogControls:
             self._contacts.content = contacts_html(new.jogged)
         jog = new.look.jog
         is_on, name = jog is not None, self._arm.value
-        key = (jog, name, new.state.cell)
+        key = (jog, name, new.state.cell, new.state.control)
         if all(one is other for one, other in zip(key, self._key, strict=True)):
             return
         self._key = key
         arm = new.state.cell.arm(name)
         has_spare = len(arm.joints) > 6
         self._switch.label = "End jogging" if is_on else "Jog"
+        # Others look at what is jogged by whoever may.
+        problem = self._visitor.lacks(new.state, TakeScan)
+        self._switch.disabled = bool(problem)
+        self._visitor.explain(self._switch, problem)
         for button in (self._home, self._teach_home, self._teach_place):
-            button.disabled = not is_on
+            button.disabled = not is_on or bool(problem)
+        self._elbow.disabled = bool(problem)
         for owner, sliders in self._axes.items():
             for slider in sliders:
                 slider.visible = is_on and owner == name
+                slider.disabled = bool(problem)
         self._elbow.visible = is_on and has_spare
         if jog is not None and (jog is not self._drawn or name != self._shown):
             if jog is not self._mine:
@@ -106,7 +112,7 @@ class JogControls:
             if self._elbows is None and self._elbow.value != 0.0:
                 self._elbow.value = 0.0
         self._drawn, self._shown = jog, name
-        self._show_gizmo(arm, is_on)
+        self._show_gizmo(arm, is_on and not problem)
 
     def _show_sliders(self, arm: Arm, q: Floats) -> None:
         for slider, k, sign in zip(

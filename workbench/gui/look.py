@@ -1,13 +1,14 @@
 """What is looked at: the part of the picture that no auditor asks for."""
 
 import threading
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Set
 from dataclasses import dataclass, replace
 from typing import Any
 
 import pinocchio as pin
 
 from workbench.app.live import Live
+from workbench.app.people import Person, Role
 from workbench.app.rights import NOBODY
 from workbench.app.state import State
 from workbench.app.statistics import Statistics
@@ -17,6 +18,21 @@ from workbench.model.calibration import Calibration
 from workbench.model.geometry import Floats, Shape
 from workbench.model.scan import Discarded
 from workbench.planning.world import Contact
+
+SOMEBODY = Person(NOBODY, Role.ENGINEER)
+"""Who sits at a browser without a login."""
+
+PLAYBACK = frozenset({"time", "is_playing", "by", "player"})
+"""Fields of a look that playing a plan changes."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Held:
+    """What somebody drags: `name` is the person's, `browser` theirs, `T_world_held` where it is."""
+
+    name: str
+    browser: int
+    T_world_held: pin.SE3
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -32,7 +48,8 @@ class Look:
     `measured` are the points (3,) [m] that somebody has clicked on, up to two.  `sighting` is the
     pose of a calibration that is laid over the robot, `is_calibrated` says with which pose of the
     scanner; `search` is a search whose parts are drawn beside those found, by its number;
-    `discarded` says whether the poses that the last search discarded are shown.
+    `discarded` says whether the poses that the last search discarded are shown; `held` is what
+    somebody drags at this moment.
     """
 
     time: float = 0.0
@@ -45,11 +62,12 @@ class Look:
     frames: bool = False
     reach: str = ""
     measured: tuple[Floats, ...] = ()
-    player: str = NOBODY
+    player: Person = SOMEBODY
     sighting: int | None = None
     is_calibrated: bool = True
     search: int | None = None
     discarded: bool = False
+    held: Held | None = None
 
 
 NOT_COUNTED = Statistics()
@@ -153,3 +171,30 @@ class SharedLook:
         with self._lock:
             self._now = replace(self._now, **fields)
         self._changed()
+
+
+class SteeredLook:
+    """The shared look, for one person who may perhaps only follow it.
+
+    Concurrency: as `SharedLook`.
+    """
+
+    def __init__(self, look: SharedLook, may: Callable[[Set[str]], bool]):
+        """Follow a look.
+
+        Args:
+            look: that all browsers share.
+            may: whether these fields may be changed by this person now.
+        """
+        self._look = look
+        self._may = may
+
+    @property
+    def now(self) -> Look:
+        """The newest look."""
+        return self._look.now
+
+    def change(self, **fields: Any) -> None:
+        """Replace fields of the look, if the person may."""
+        if self._may(fields.keys()):
+            self._look.change(**fields)

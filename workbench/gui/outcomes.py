@@ -3,9 +3,8 @@
 import viser
 
 from workbench.app.commands import Command, ReportPick
-from workbench.app.rights import obstacle
-from workbench.app.rules import LONGEST_TEXT
 from workbench.app.state import State
+from workbench.app.value_checks import LONGEST_TEXT
 from workbench.gui.look import View
 from workbench.gui.views import line
 from workbench.gui.visitor import Visitor
@@ -56,7 +55,7 @@ class OutcomeInputs:
         state = new.state
         if old is not None and old.state is state:
             return
-        is_sent = state.plan is not None and not obstacle(state, ReportPick)
+        is_sent = state.plan is not None and not self._visitor.obstacle(state, ReportPick)
         self._folder.visible = is_sent
         for arm, (text, picked, failed) in self._rows.items():
             planned = _planned(state, arm) if is_sent else None

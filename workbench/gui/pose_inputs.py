@@ -8,6 +8,7 @@ import pinocchio as pin
 import viser
 
 from workbench.gui.gizmo_drag import NOT_BELIEVED, GizmoDrag
+from workbench.gui.look import Held
 from workbench.gui.robot import place, pose_of_node, quaternion
 from workbench.gui.things import shown_pose, typed_pose
 from workbench.gui.visitor import Visitor
@@ -99,5 +100,9 @@ class PoseInputs:
                 return
             # From the numbers that are shown: what a person reads is what is meant.
             self._position.value, self._angles.value = shown_pose(pose_of_node(gizmo))
-            if event.phase == "end":
+            is_over = event.phase == "end"
+            look, client = self._visitor.look, self._visitor.client
+            held = Held(self._visitor.person.name, client.client_id, self._typed())
+            look.change(held=None if is_over else held)
+            if is_over:
                 self._end(self._typed())

@@ -5,6 +5,7 @@ import queue
 import threading
 import time
 from collections.abc import Callable, Mapping
+from functools import partial
 from pathlib import Path
 
 import viser
@@ -12,14 +13,17 @@ import viser
 from workbench.app.bench import Bench
 from workbench.app.commands import WatchPlan
 from workbench.app.history import History
+from workbench.app.people import Person
 from workbench.app.state import Phase, State
 from workbench.gui.calibrating import Overlay, overlay, solved
+from workbench.gui.door import person_of
 from workbench.gui.fixes import Fixes
 from workbench.gui.header import Header
 from workbench.gui.jog import JogFinder
-from workbench.gui.look import Jogged, Look, Pose, SharedLook, View
+from workbench.gui.look import SOMEBODY, Jogged, Look, Pose, SharedLook, View
 from workbench.gui.playback import Run, followed, timeline
 from workbench.gui.poses import PoseFinder
+from workbench.gui.presence import Presence
 from workbench.gui.reach import Reaches
 from workbench.gui.scene import Scene
 from workbench.gui.statistics import Counted
@@ -90,6 +94,8 @@ class Renderer:
         self._panels: dict[int, tuple[Panel, ...]] = {}
         self._runs: tuple[Run, ...] = ()
         self._played = 0.0
+        self._player = SOMEBODY
+        self._presence = None if isinstance(bench, History) else Presence(bench, time.monotonic())
         self._finder = PoseFinder()
         self._jogger = JogFinder()
         self._reaches = Reaches(self._woken.set)
@@ -158,23 +164,28 @@ class Renderer:
         begin = 0.0 if look.time >= end else look.time
         moved = min(begin + elapsed, end)
         self._look.change(time=moved, is_playing=moved < end, by=None)
+        if look.player != self._player:
+            # Whoever plays it has to see it from the start.
+            self._player, self._played = look.player, 0.0
         # What was skipped by the scrubber was not played.
         if begin <= self._played:
             self._played = max(self._played, moved)
         if self._played >= end and view.state.plan is not None:
             self._tell_watched(view.state.plan.digest, look.player)
 
-    def _tell_watched(self, digest: str, player: str) -> None:
-        if player in self._bench.state.watched:
+    def _tell_watched(self, digest: str, player: Person) -> None:
+        if player.name in self._bench.state.watched:
             return
         try:
-            self._bench.do(WatchPlan(digest), player)
+            self._bench.do(WatchPlan(digest), player.name, player.role)
         except WorkbenchError as error:
             log.info("that the plan was watched is not taken: %s", error)
 
     def _draw(self) -> None:
+        waiting = self._waiting()
+        self._count_people(waiting)
         old, new = self._drawn, self._view()
-        for client, is_here in self._waiting():
+        for client, is_here in waiting:
             if is_here:
                 self._clients[client.client_id] = client
                 self._welcome(client, new)
@@ -192,6 +203,18 @@ class Renderer:
             for panel in panels:
                 _shielded(lambda panel=panel: panel.show(old, new))
         self._drawn = new
+
+    def _count_people(self, waiting: list[tuple[viser.ClientHandle, bool]]) -> None:
+        """Browsers come and go: control goes with their people, and what they drag is let go."""
+        now = time.monotonic()
+        for client, is_here in waiting:
+            held = self._look.now.held
+            if not is_here and held is not None and held.browser == client.client_id:
+                self._look.change(held=None)
+            if self._presence is not None:
+                _shielded(partial(_count, self._presence, client, now, is_here=is_here))
+        if self._presence is not None:
+            _shielded(partial(self._presence.look, now))
 
     def _view(self) -> View:
         state = self._bench.state
@@ -290,6 +313,13 @@ class Renderer:
             self._panels[client.client_id] = panels
 
         _shielded(build)
+
+
+def _count(presence: Presence, client: viser.ClientHandle, now: float, *, is_here: bool) -> None:
+    if is_here:
+        presence.arrived(client.client_id, person_of(client))
+    else:
+        presence.left(client.client_id, now)
 
 
 def _needs_other_controls(before: Cell, now: Cell) -> bool:

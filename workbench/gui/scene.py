@@ -16,6 +16,7 @@ from workbench.gui.colours import (
     part_colour,
     rgb_of,
 )
+from workbench.gui.held import DrawnHeld
 from workbench.gui.look import View
 from workbench.gui.marks import draw_discarded, draw_measured, draw_reach
 from workbench.gui.meets import draw_meets
@@ -85,6 +86,7 @@ class Scene:
             is_visible=False,
         )
         self._candidates = DrawnCandidates(scene, cell, self._kinematics)
+        self._held = DrawnHeld(scene)
 
     def _use(self, cell: Cell) -> bool:
         """Go on with another cell; whether everything has to be drawn anew."""
@@ -144,6 +146,8 @@ class Scene:
             draw_search(self._scene, state, new.look.search)
         if old is None or old.look.measured is not new.look.measured:
             draw_measured(self._scene, new.look.measured)
+        if old is None or old.look.held is not new.look.held:
+            self._held.draw(new.look.held)
         shown = new.discarded if new.look.discarded else ()
         if shown is not self._discarded:
             draw_discarded(self._scene, self._cell, shown)

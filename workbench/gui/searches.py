@@ -8,9 +8,8 @@ import numpy as np
 import viser
 
 from workbench.app.commands import Command, FindParts, UseDetections
-from workbench.app.rights import obstacle
-from workbench.app.rules import DETAIL, SEED_LIMIT
 from workbench.app.state import State
+from workbench.app.value_checks import DETAIL, SEED_LIMIT
 from workbench.formats.triangles import triangles_of
 from workbench.gui.colours import COMPARED
 from workbench.gui.door import element_id
@@ -76,9 +75,9 @@ class SearchInputs:
         if old is not None and old.state is new.state and old.look.search == chosen:
             return
         state = new.state
-        self._search.disabled = state.scan is None or bool(obstacle(state, FindParts))
+        self._visitor.admit(self._search, state, FindParts, is_ready=state.scan is not None)
         is_there = searched(state, chosen) is not None
-        self._take.disabled = not is_there or bool(obstacle(state, UseDetections))
+        self._visitor.admit(self._take, state, UseDetections, is_ready=is_there)
         self._table.content = searches_html(state.searches, chosen, self._rows)
 
     def _unseen(self, place: int) -> str:

@@ -2,7 +2,9 @@
 
 from collections.abc import Callable
 
+from workbench.app.commands import EditPart, SightPlate
 from workbench.app.history import History
+from workbench.app.rights import RIGHTS
 from workbench.gui.panels.calibration import CalibrationPanel
 from workbench.gui.panels.candidates import CandidatesPanel
 from workbench.gui.panels.cell import CellPanel
@@ -17,7 +19,7 @@ from workbench.gui.visitor import Panel, Visitor
 
 
 def tabs_of(visitor: Visitor, woken: Callable[[], None]) -> tuple[Panel, ...]:
-    """Make all tabs of one browser.
+    """Make the tabs of one browser, as far as its person has the role for them.
 
     Args:
         visitor: whose browser.
@@ -30,11 +32,14 @@ def tabs_of(visitor: Visitor, woken: Callable[[], None]) -> tuple[Panel, ...]:
         ("Candidates", lambda: CandidatesPanel(visitor, woken)),
         ("Plan", lambda: PlanPanel(visitor)),
         ("Robot", lambda: RobotPanel(visitor)),
-        ("Grasps", lambda: GraspsPanel(visitor)),
         ("Cell", lambda: CellPanel(visitor)),
-        ("Calibration", lambda: CalibrationPanel(visitor)),
         ("Statistics", lambda: StatisticsPanel(visitor)),
     ]
+    # Nothing in these is for anybody else, ever; the others are worth looking at.
+    if visitor.person.role.covers(RIGHTS[EditPart].role):
+        made.insert(5, ("Grasps", lambda: GraspsPanel(visitor)))
+    if visitor.person.role.covers(RIGHTS[SightPlate].role):
+        made.insert(-1, ("Calibration", lambda: CalibrationPanel(visitor)))
     if isinstance(bench, History):
         made.insert(0, ("Recorded", lambda: RecordedPanel(visitor, bench)))
     tabs = visitor.gui.add_tab_group()

@@ -1,20 +1,22 @@
 """One browser: whose it is, what it may ask, and how it hears that something is refused."""
 
 import logging
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Set
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any, Literal, Protocol
 
 import viser
 from viser._messages import HotkeyKey
 
 from workbench.app.bench import Bench
-from workbench.app.commands import Command
+from workbench.app.commands import Command, TakeScan, WatchPlan
 from workbench.app.history import History
-from workbench.app.rights import NOBODY
+from workbench.app.people import Person
+from workbench.app.rights import NOBODY, lacks_right, obstacle
 from workbench.app.rules import NOT_REPORTED, allowed
 from workbench.app.state import State
-from workbench.gui.look import SharedLook, View
+from workbench.gui.door import person_of
+from workbench.gui.look import PLAYBACK, SharedLook, SteeredLook, View
 from workbench.model.cell import Cell
 from workbench.model.errors import CommandRefused, WorkbenchError
 from workbench.model.prediction import Predictions
@@ -22,6 +24,8 @@ from workbench.model.prediction import Predictions
 log = logging.getLogger(__name__)
 
 SECONDS_TO_READ = 8.0
+
+Control = viser.GuiButtonHandle | viser.GuiUploadButtonHandle
 
 
 class Visitor:
@@ -42,11 +46,18 @@ class Visitor:
     ):
         """A browser without controls yet."""
         self.client = client
+        self.person: Person = person_of(client)
         self.gui = client.gui
         self.bench = bench
-        self.look = look
+        self.look = SteeredLook(look, self._may_steer)
         self.predictions = predictions
         self.folders: Mapping[str, Path] = folders or {}
+        self._hints: dict[int, str | None] = {}
+
+    @property
+    def is_known(self) -> bool:
+        """Whether who sits there has said who it is; without a login nobody has."""
+        return self.person.name != NOBODY
 
     @property
     def cell(self) -> Cell:
@@ -75,22 +86,79 @@ class Visitor:
         def _(_: Any) -> None:
             pressed()
 
-    def give(self, command: Command, actor: str = NOBODY) -> None:
+    def lacks(self, state: State, command: type) -> str:
+        """Why a command of this type is not this person's now; empty when it is."""
+        return lacks_right(state, command, self.person.name, self.person.role)
+
+    def obstacle(self, state: State, command: type) -> str:
+        """Why a command of this type from this browser is not in order now; empty when it is."""
+        return self.lacks(state, command) or obstacle(state, command)
+
+    def refusal(
+        self,
+        state: State,
+        command: Command,
+        now: float,
+        joints: Mapping[str, float] = NOT_REPORTED,
+    ) -> str:
+        """Why the rules would refuse a command from this browser now; empty when they would not."""
+        try:
+            allowed(state, command, self.person.name, now, joints, self.person.role)
+        except CommandRefused as error:
+            return str(error)
+        return ""
+
+    def admit(
+        self, control: Control, state: State, command: type, *, is_ready: bool = True
+    ) -> None:
+        """Let a control be used while its command is in order and everything else `is_ready`.
+
+        When the command is not this person's, the control says why as its hint.
+        """
+        control.disabled = bool(self.obstacle(state, command)) or not is_ready
+        self.explain(control, self.lacks(state, command))
+
+    def explain(self, control: Control, problem: str) -> None:
+        """Have a control say why it is not this person's; empty: what it said when it was made."""
+        hint = self._hints.setdefault(id(control), control.hint)
+        wanted = problem or hint
+        if control.hint != wanted:
+            control.hint = wanted
+
+    def _may_steer(self, fields: Set[str]) -> bool:
+        """Whether this person may change what everybody looks at.
+
+        Those who approve have to play the plan, in control or not; viewers follow.
+        """
+        needed = WatchPlan if fields <= PLAYBACK else TakeScan
+        return not self.lacks(self.bench.state, needed)
+
+    def give(self, command: Command, name: str = "") -> None:
         """Give a command.
+
+        Args:
+            command: what is asked for.
+            name: of a person who has said who it is for this once; empty: who sits there.
 
         Raises:
             CommandRefused: the rules do not allow it.
         """
-        self.bench.do(command, actor)
+        # Who is logged in speaks for nobody else.
+        actor = self.person.name if self.is_known or not name else name
+        self.bench.do(command, actor, self.person.role)
 
-    def ask(self, command: Callable[[], Command], actor: str = NOBODY) -> bool:
+    def ask(self, command: Callable[[], Command], name: str = "") -> bool:
         """Make a command and give it; a refusal is told in this browser only.
+
+        Args:
+            command: makes it.
+            name: see `give`.
 
         Returns:
             Whether it was carried out.
         """
         try:
-            self.give(command(), actor)
+            self.give(command(), name)
         except WorkbenchError as error:
             self.tell("Refused", str(error))
         except Exception as error:
@@ -101,9 +169,9 @@ class Visitor:
             return True
         return False
 
-    def tell(self, title: str, text: str) -> None:
-        """Show a note in this browser."""
-        self.client.add_notification(title, text, color="red", auto_close_seconds=SECONDS_TO_READ)
+    def tell(self, title: str, text: str, *, color: Literal["red", "blue"] = "red") -> None:
+        """Show a note in this browser; a red one when something did not happen."""
+        self.client.add_notification(title, text, color=color, auto_close_seconds=SECONDS_TO_READ)
 
 
 class Panel(Protocol):
@@ -112,21 +180,6 @@ class Panel(Protocol):
     def show(self, old: View | None, new: View) -> None:
         """Bring what is shown from `old` (None: nothing yet) to `new`."""
         ...
-
-
-def refusal(
-    state: State,
-    command: Command,
-    now: float,
-    actor: str = NOBODY,
-    joints: Mapping[str, float] = NOT_REPORTED,
-) -> str:
-    """Why the rules would refuse a command now; empty when they would not."""
-    try:
-        allowed(state, command, actor, now, joints)
-    except CommandRefused as error:
-        return str(error)
-    return ""
 
 
 def whole(value: Any) -> Any:

@@ -2,7 +2,7 @@
 
 import viser
 
-from workbench.app.rules import LARGEST_MARGIN, MOST_ITERATIONS
+from workbench.app.value_checks import LARGEST_MARGIN, MOST_ITERATIONS
 from workbench.gui.visitor import whole
 from workbench.model.cell import ORDER_NAMES, PLANNER_NAMES, Policy, Wishes
 

@@ -9,7 +9,6 @@ import viser
 
 from workbench.app.calibration import calibrated, suggested_poses, with_calibration
 from workbench.app.commands import ChangeCell, Command, SaveCell, SightPlate, UseSightings
-from workbench.app.rights import obstacle
 from workbench.gui.calibration_views import answer_html, overlay_line, poses_html, record_line
 from workbench.gui.door import element_id
 from workbench.gui.look import View
@@ -76,7 +75,13 @@ class CalibrationPanel:
             )
             self._overlay = gui.add_html("")
             self._answer = gui.add_html("")
-            self._name = gui.add_text("Your name", "", hint="Kept with the calibration.")
+            # Who is logged in has said it already.
+            self._name = gui.add_text(
+                "Your name",
+                visitor.person.name if visitor.is_known else "",
+                hint="Kept with the calibration.",
+                visible=not visitor.is_known,
+            )
             gui.add_html('<div class="wb-buttons wb-two"></div>')
             self._apply = gui.add_button("Apply", icon=viser.Icon.CHECK)
             self._save = gui.add_button("Save to file", icon=viser.Icon.DEVICE_FLOPPY)
@@ -103,15 +108,16 @@ class CalibrationPanel:
         self._table.content = poses_html(sightings, found, chosen, self._rows)
         self._answer.content = answer_html(state.cell, found, len(sightings))
         self._overlay.content = overlay_line(new.overlay) if sightings else ""
-        self._take.disabled = bool(obstacle(state, SightPlate))
-        cannot = chosen is None or bool(obstacle(state, UseSightings))
-        self._leave.disabled = self._remove.disabled = cannot
+        admit = self._visitor.admit
+        admit(self._take, state, SightPlate)
+        for button in (self._leave, self._remove):
+            admit(button, state, UseSightings, is_ready=chosen is not None)
         if chosen is not None and chosen < len(sightings):
             self._leave.label = "Leave out" if sightings[chosen].is_used else "Use again"
         self._after.disabled = not isinstance(found, Calibration)
-        cannot = bool(obstacle(state, ChangeCell))
-        self._apply.disabled = cannot or not isinstance(found, Calibration)
-        self._save.disabled = bool(obstacle(state, SaveCell)) or state.saved == state.cell.digest
+        admit(self._apply, state, ChangeCell, is_ready=isinstance(found, Calibration))
+        is_changed = state.saved != state.cell.digest
+        admit(self._save, state, SaveCell, is_ready=is_changed)
 
     def _says_where(self, view: View) -> str:
         if view.state.cell.scanner.source != "simulated":
@@ -207,7 +213,8 @@ class CalibrationPanel:
         return UseSightings(rest, f"{sightings[number].name} is removed")
 
     def _applied(self) -> Command:
-        by = self._name.value.strip()
+        visitor = self._visitor
+        by = visitor.person.name if visitor.is_known else self._name.value.strip()
         if not by:
             raise InputError("type your name: it is kept with the calibration")
         state = self._visitor.bench.state

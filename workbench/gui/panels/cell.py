@@ -6,8 +6,7 @@ import numpy as np
 import pinocchio as pin
 import viser
 
-from workbench.app.commands import ChangeCell, RedoCell, SaveCell, UndoCell
-from workbench.app.rights import obstacle
+from workbench.app.commands import ChangeCell, RedoCell, SaveCell, TakeScan, UndoCell
 from workbench.gui.cell_views import cell_line, measured_line, tree_html
 from workbench.gui.jogging import JogControls
 from workbench.gui.look import View
@@ -90,11 +89,15 @@ class CellPanel:
             if self._thing.options != names:
                 self._thing.options = names
         if old is None or old.state is not state:
-            cannot = bool(obstacle(state, ChangeCell))
+            admit = self._visitor.admit
+            cannot = bool(self._visitor.obstacle(state, ChangeCell))
             self._inputs.show(pose_of(cell, self._thing.value), is_enabled=not cannot)
-            self._undo.disabled = cannot or not state.before
-            self._redo.disabled = cannot or not state.undone
-            self._save.disabled = bool(obstacle(state, SaveCell)) or state.saved == cell.digest
+            admit(self._undo, state, UndoCell, is_ready=bool(state.before))
+            admit(self._redo, state, RedoCell, is_ready=bool(state.undone))
+            admit(self._save, state, SaveCell, is_ready=state.saved != cell.digest)
+            follows = bool(self._visitor.lacks(state, TakeScan))
+            for control in (self._shapes, self._frames, self._reach, self._measure):
+                control.disabled = follows
             self._line.content = cell_line(state)
             for name, dropdown in self._tools.items():
                 dropdown.disabled = cannot
@@ -114,7 +117,7 @@ class CellPanel:
         self._thing.on_update(
             lambda _: self._inputs.show(
                 pose_of(visitor.cell, self._thing.value),
-                is_enabled=not obstacle(visitor.bench.state, ChangeCell),
+                is_enabled=not visitor.obstacle(visitor.bench.state, ChangeCell),
             )
         )
         visitor.on_press(self._undo, UndoCell)

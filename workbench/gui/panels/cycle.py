@@ -14,9 +14,9 @@ from workbench.app.commands import (
     WantThreshold,
 )
 from workbench.app.release import moved_away, standing_words
-from workbench.app.rights import obstacle
-from workbench.app.rules import MOST_PARTS, SEED_LIMIT, STRATEGIES
+from workbench.app.rules import STRATEGIES
 from workbench.app.state import Phase, State
+from workbench.app.value_checks import MOST_PARTS, SEED_LIMIT
 from workbench.gui.approval import ApprovalDialog
 from workbench.gui.approval_views import approval_line
 from workbench.gui.calibration_views import bin_html
@@ -31,7 +31,7 @@ from workbench.gui.views import (
     scan_line,
     send_line,
 )
-from workbench.gui.visitor import Visitor, refusal, whole
+from workbench.gui.visitor import Visitor, whole
 from workbench.gui.wishes import WishesInputs
 from workbench.model.errors import InputError
 
@@ -122,11 +122,12 @@ class CyclePanel:
         self._bin_line.content = bin_html(state, new.at)
         check = state.bin_check
         self._move_bin.visible = check is not None and check.is_elsewhere
-        self._move_bin.disabled = bool(obstacle(state, ChangeCell))
+        self._visitor.admit(self._move_bin, state, ChangeCell)
         self._draw_parts(state)
         self._plan_line.content = plan_line(state)
         joints = new.live.joints
-        problem = refusal(state, Approve(_digest(state)), new.at, joints=joints)
+        visitor = self._visitor
+        problem = visitor.refusal(state, Approve(_digest(state)), new.at, joints)
         self._approval_line.content = approval_line(state, new.at, problem)
         self._send_line.content = send_line(state)
         buttons = (
@@ -138,7 +139,11 @@ class CyclePanel:
             (self._stop, Stop()),
         )
         for button, command in buttons:
-            button.disabled = bool(refusal(state, command, new.at, joints=joints))
+            button.disabled = bool(visitor.refusal(state, command, new.at, joints))
+            visitor.explain(button, visitor.lacks(state, type(command)))
+        follows = bool(visitor.lacks(state, TakeScan))
+        for field in (self._parts, self._seed, self._strategy, self._threshold):
+            field.disabled = follows
         self._dialog.show(new)
 
     def _draw_parts(self, state: State) -> None:
@@ -167,7 +172,7 @@ class CyclePanel:
         """Show what it would give; a plan that was made with another one is stale now."""
         state, typed = self._visitor.bench.state, self._threshold.value
         self._draw_parts(state)
-        if state.plan is not None and not obstacle(state, WantThreshold):
+        if state.plan is not None and not self._visitor.obstacle(state, WantThreshold):
             self._visitor.ask(lambda: WantThreshold(typed / 1000))
 
     def _wanted_scan(self) -> Command:

@@ -9,7 +9,6 @@ import viser
 
 from workbench.app.commands import EditPart, RedoCell, UndoCell
 from workbench.app.grasp_use import NO_USES, Uses
-from workbench.app.rights import obstacle
 from workbench.gui.door import element_id
 from workbench.gui.editing import Editing
 from workbench.gui.grasp_copies import GraspCopies
@@ -146,15 +145,17 @@ class GraspsPanel:
 
     def _draw_all(self) -> None:
         state, part, entry = self._visitor.bench.state, self._editing.part, self._editing.entry
-        can = not obstacle(state, EditPart)
+        can = not self._visitor.obstacle(state, EditPart)
         name = entry.name if entry is not None else ""
         self._look_at_all(part)
         self._table.content = grasps_html(part, name, self._checks, self._rows, self._uses)
         self._line.content = check_line(name, self._checks.get(name))
-        self._add.disabled = not can
-        self._duplicate.disabled = self._delete.disabled = not can or entry is None
-        self._undo.disabled = not can or not state.before
-        self._redo.disabled = not can or not state.undone
+        admit = self._visitor.admit
+        admit(self._add, state, EditPart)
+        for button in (self._duplicate, self._delete):
+            admit(button, state, EditPart, is_ready=entry is not None)
+        admit(self._undo, state, UndoCell, is_ready=bool(state.before))
+        admit(self._redo, state, RedoCell, is_ready=bool(state.undone))
         self._keep.visible = self._editing.lost is not None
         is_open, size = self._stage.is_open, size_of(part)
         self._pose.show(entry, is_enabled=can, is_open=is_open, size=size)

@@ -7,8 +7,7 @@ from typing import Any
 import pinocchio as pin
 import viser
 
-from workbench.app.commands import Command, ForgetAvoided, UseDetections, UseScan
-from workbench.app.rights import obstacle
+from workbench.app.commands import Command, ForgetAvoided, TakeScan, UseDetections, UseScan
 from workbench.formats.clouds import parse_cloud
 from workbench.formats.poses import parse_poses
 from workbench.gui.door import element_id
@@ -97,11 +96,13 @@ class PartsPanel:
         if old is not None and old.state is state:
             return
         self._forget.visible = bool(state.avoided)
-        self._forget.disabled = bool(obstacle(state, ForgetAvoided))
-        can = not obstacle(state, UseDetections)
-        self._scan.disabled = bool(obstacle(state, UseScan))
-        self._poses.disabled = self._add.disabled = not can
-        self._veto.disabled = not can or not found
+        self._visitor.admit(self._forget, state, ForgetAvoided)
+        can = not self._visitor.obstacle(state, UseDetections)
+        self._visitor.admit(self._scan, state, UseScan)
+        self._visitor.admit(self._poses, state, UseDetections)
+        self._visitor.admit(self._add, state, UseDetections)
+        self._visitor.admit(self._veto, state, UseDetections, is_ready=bool(found))
+        self._show_discarded.disabled = bool(self._visitor.lacks(state, TakeScan))
         self._remarks.content = remarks_html(state.remarks, state.cell.poses_folder)
         self._draw(found, can)
 
@@ -131,7 +132,7 @@ class PartsPanel:
         state = self._visitor.bench.state
         if number < len(state.detections or ()):
             self._chosen = number
-            self._draw(state.detections or (), not obstacle(state, UseDetections))
+            self._draw(state.detections or (), not self._visitor.obstacle(state, UseDetections))
 
     @property
     def _found(self) -> tuple[Detection, ...]:

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 import viser
 
-from workbench.app.rights import NOBODY
+from workbench.app.commands import WatchPlan
 from workbench.app.state import Phase
 from workbench.gui.charts import (
     JOINTS,
@@ -99,6 +99,8 @@ class PlanPanel:
         if old is None or old.state is not new.state:
             # While a plan is sent, its picture follows the robot.
             is_free = new.state.plan is not None and new.state.phase is not Phase.SENDING
+            # Viewers see what those see who act.
+            is_free = is_free and not self._visitor.lacks(new.state, WatchPlan)
             for control in (self._time, self._play, self._start):
                 control.disabled = not is_free
         is_moved = old is None or old.runs is not new.runs or old.look.time != new.look.time
@@ -157,4 +159,4 @@ class PlanPanel:
     def _play_or_pause(self) -> None:
         look = self._visitor.look
         if not self._play.disabled:
-            look.change(is_playing=not look.now.is_playing, by=None, player=NOBODY)
+            look.change(is_playing=not look.now.is_playing, by=None, player=self._visitor.person)

@@ -3,7 +3,6 @@
 import viser
 
 from workbench.app.commands import EmptyPallets
-from workbench.app.rights import obstacle
 from workbench.app.state import Phase
 from workbench.gui.link_views import link_html
 from workbench.gui.look import View
@@ -16,6 +15,7 @@ class RobotPanel:
 
     def __init__(self, visitor: Visitor):
         """Add the status fields."""
+        self._visitor = visitor
         self._link = visitor.gui.add_html("")
         self._pallets = visitor.gui.add_html("")
         self._empty = visitor.gui.add_button("Pallets are empty", icon=viser.Icon.CHECK)
@@ -32,7 +32,7 @@ class RobotPanel:
             parts = "1 part lies" if count == 1 else f"{count} parts lie"
             self._pallets.content = line(f"{parts} on the pallets.") if keeps else ""
             self._empty.visible = keeps
-            self._empty.disabled = not count or bool(obstacle(new.state, EmptyPallets))
+            self._visitor.admit(self._empty, new.state, EmptyPallets, is_ready=count > 0)
         if old is None or old.live.joints is not new.live.joints:
             self._joints.content = joints_html(new.state.cell, new.live.joints)
 

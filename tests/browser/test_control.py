@@ -1,0 +1,128 @@
+"""Several people at one bench, each in a browser: roles, control, and what others drag."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from hands import first_look
+
+import workbench.gui.renderer
+import workbench.gui.visitor
+from workbench.app.people import Person, Role
+from workbench.gui.held import DrawnHeld
+from workbench.gui.panels.cell import GIZMO
+
+ADA = Person("Ada", Role.ENGINEER)
+BOB = Person("Bob", Role.OPERATOR)
+VIC = Person("Vic", Role.VIEWER)
+
+
+@pytest.fixture
+def next_to_come(monkeypatch):
+    """Who sits at the browser that comes next."""
+    come = SimpleNamespace(person=ADA)
+    people = {}
+
+    def person_of(client):
+        return people.setdefault(client.client_id, come.person)
+
+    monkeypatch.setattr(workbench.gui.renderer, "person_of", person_of)
+    monkeypatch.setattr(workbench.gui.visitor, "person_of", person_of)
+    return come
+
+
+@pytest.fixture
+def shown(monkeypatch):
+    """What the scene was told last about what is dragged."""
+    told = SimpleNamespace(held=None)
+    draw = DrawnHeld.draw
+
+    def noted(self, held):
+        told.held = held
+        draw(self, held)
+
+    monkeypatch.setattr(DrawnHeld, "draw", noted)
+    return told
+
+
+def test_control_is_asked_for_handed_over_and_taken_back(next_to_come, open_screen, bench, wait):
+    next_to_come.person = BOB
+    bob = open_screen()
+    bob.wait_for("You are in control.")
+    assert bench.state.control == "Bob"
+    next_to_come.person = ADA
+    ada = open_screen()
+    ada.wait_for("Bob is in control.")
+    assert ada.button("Scan").is_disabled()
+    assert ada.button("Take over").is_visible()
+    assert bob.button("Scan").is_enabled()
+
+    ada.press("Ask")
+    bob.wait_for("Ada asks for control")
+    bob.shoot("control-asked")
+    bob.press("Hand over to Ada")
+    ada.wait_for("You are in control.")
+    bob.wait_for("Ada is in control.")
+    assert bob.button("Scan").is_disabled()
+    assert not bob.button("Take over").is_visible(), "only engineers take over"
+    ada.press("Scan")
+    wait(lambda: bench.state.scan is not None, "a scan")
+    ada.press("Give back")
+    bob.press("Take control")
+    wait(lambda: bench.state.control == "Bob", "control")
+    ada.press("Take over")
+    wait(lambda: bench.state.message == "Ada takes control over from Bob", "control")
+    assert bob.errors == ada.errors == []
+
+
+def test_a_viewer_looks_and_a_watcher_sees_what_is_dragged(
+    next_to_come, open_screen, bench, shown, wait
+):
+    ada = open_screen()
+    ada.wait_for("You are in control.")
+    assert ada.page.get_by_role("tab", name="Grasps").count() == 1
+    next_to_come.person = VIC
+    vic = open_screen()
+    vic.wait_for("Ada is in control.")
+    assert vic.button("Scan").is_disabled()
+    for tab in ("Grasps", "Calibration"):
+        assert vic.page.get_by_role("tab", name=tab).count() == 0
+    assert not vic.button("Ask").is_visible()
+    ada.tab("Cell")
+    ada.press("Show gizmo")
+    ada.shoot("control-gizmo")
+    vic.tab("Cell")
+    for name in ("Show gizmo", "Jog"):
+        assert vic.button(name).is_disabled()
+    camera = first_look(ada.page, bench.state.cell)
+    origin = bench.state.cell.bin.T_world_bin.translation
+    along = origin + np.array([0.0, GIZMO * 0.9, 0.0])
+    ada.page.mouse.move(*camera.pixel(along))
+    ada.page.wait_for_timeout(300)
+    ada.page.mouse.down()
+    ada.page.mouse.move(*camera.pixel(along + np.array([0.0, 0.05, 0.0])), steps=12)
+    wait(lambda: shown.held is not None and shown.held.name == "Ada", "what Ada drags")
+    vic.page.wait_for_timeout(1000)
+    vic.shoot("control-viewer")
+    ada.page.mouse.up()
+    wait(lambda: shown.held is None and bench.state.before != (), "the end of the drag")
+    assert vic.errors == ada.errors == []
+
+
+def test_who_is_logged_in_approves_with_their_own_name(
+    next_to_come, open_screen, bench, reaches, wait
+):
+    next_to_come.person = BOB
+    bob = open_screen()
+    bob.wait_for("You are in control.")
+    for step, phase in (("Scan", "scanned"), ("Find parts", "localized"), ("Plan", "planned")):
+        bob.press(step)
+        reaches(phase)
+    bob.page.mouse.move(200, 400)
+    bob.page.keyboard.press("k")
+    wait(lambda: bench.state.watched == ("Bob",), "the end of the plan")
+    bob.press("Approve")
+    bob.press("Approve as Bob")
+    state = reaches("approved")
+    assert state.approval.people == ("Bob",)
+    assert bob.errors == []

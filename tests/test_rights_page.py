@@ -1,0 +1,18 @@
+"""The table of rights in the documents is that of the code."""
+
+from pathlib import Path
+
+from workbench.app.rights import RIGHTS, Right
+
+PAGE = Path(__file__).parents[1] / "docs" / "rights.md"
+
+
+def row(command: type, right: Right) -> str:
+    passes = "yes" if right.without_control else ""
+    return f"| `{command.__name__}` | {right.says} | {right.role} | {passes} |"
+
+
+def test_every_command_of_people_stands_there_with_its_rights():
+    stands = [line for line in PAGE.read_text(encoding="utf-8").splitlines() if line[:3] == "| `"]
+    expected = [row(command, right) for command, right in RIGHTS.items() if not right.by_machine]
+    assert stands == expected
