@@ -242,7 +242,8 @@ def test_a_state_other_than_recorded_ends_the_replay(journal, cell, samples):
         ("Stop", b"not json"),
         ("Stop", b"[]"),
         ("Stop", b'{"at": 1, "actor": "ada"}'),
-        ("TakeScan", b'{"at": 1, "actor": "ada", "command": {"seed": 1}, "after": {}}'),
+        ("TakeScan", b'{"at": 1, "actor": "ada", "command": {"seeds": 1}, "after": {}}'),
+        ("UseScan", b'{"at": 1, "actor": "ada", "command": {}, "after": {}}'),
         (
             "JobEnded",
             b'{"at": 1, "actor": "a", "command": {"number": 1, "result": {}}, "after": {}}',

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import trimesh
 from hands import Camera, drag, field
 
 from workbench.app.bench import Bench
@@ -193,4 +194,28 @@ def test_what_a_tool_cannot_do_is_said_and_suggestions_are_taken(screen, bench, 
     wait(lambda: len(library(bench).entries) == 2, "the suggestion")
     screen.shoot("grasps-suggested")
     assert os.path.exists("parts")
+    assert screen.errors == []
+
+
+def test_a_cad_file_becomes_a_part_that_gets_a_grasp(screen, bench, wait, own):
+    file = own / "brick.stl"
+    trimesh.creation.box((40, 24, 20)).export(file)
+    screen.tab("Grasps")
+    unfold(screen, "New part from a CAD file")
+    with screen.page.expect_file_chooser() as chooser:
+        screen.press("Choose a CAD file")
+    chooser.value.set_files(file)
+    screen.wait_for("brick.stl, 0.00 MB")
+    screen.press("Make the part")
+    wait(lambda: "brick" in [part.name for part in bench.state.cell.parts], "the part")
+    screen.wait_for("No grasps yet")
+    screen.press("Add grasp")
+    screen.page.wait_for_timeout(2000)
+    part = bench.state.cell.part("brick")
+    camera = Camera(screen.page, *view_of(part))
+    screen.page.mouse.click(*camera.pixel(T_WORLD_STAGE.act(np.array([0.0, 0.0, 0.01]))))
+    wait(lambda: bench.state.cell.part("brick").library.entries != (), "a grasp")
+    screen.shoot("new-part")
+    z = bench.state.cell.part("brick").library.grasps[0].T_part_tcp.rotation[:, 2]
+    assert np.abs(z).max() > 0.999, "square on one of its faces"
     assert screen.errors == []

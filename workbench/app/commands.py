@@ -8,6 +8,9 @@ process and the robot link and tell what has happened.
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+import numpy as np
+from numpy.typing import NDArray
+
 from workbench.app.people import Role
 from workbench.model.calibration import BallPlate, PlateSighting
 from workbench.model.candidate import Candidate, Verdict
@@ -15,19 +18,25 @@ from workbench.model.cell import Cell, PlannerName, Wishes
 from workbench.model.errors import WorkbenchError
 from workbench.model.geometry import Floats, frozen, put
 from workbench.model.part import Entry as GraspEntry
-from workbench.model.part import GraspPair, Symmetry
+from workbench.model.part import GraspPair, Part, Symmetry
 from workbench.model.plan import Plan, Proof
 from workbench.model.release import PartReport, Receipt
 from workbench.model.scan import Detection, Obstacle, Scan
 from workbench.model.search import SearchWishes
 
+Bytes = NDArray[np.uint8]
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class TakeScan:
-    """Trigger the scanner.  `seed` and `parts` shape the simulated pile."""
+    """Trigger the scanner.  `seed`, `parts` and `part` shape the simulated pile.
+
+    `part` is which kind falls, of those that the cell picks; empty: the first.
+    """
 
     seed: int = 0
     parts: int = 2
+    part: str = ""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -191,6 +200,27 @@ class EditPart:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class ImportPart:
+    """Make a part of a CAD file, and have the cell pick it too.
+
+    `content` (n,) are the bytes of the file called `file`; `unit` is mm, m, inch, or empty when
+    the file says it or only one gives the size of a part; `density` [kg/m3] makes the mass;
+    `is_mended`: close what is open; `is_symmetric`: state the symmetry that the mesh has.
+    """
+
+    name: str
+    file: str
+    content: Bytes
+    unit: str = ""
+    density: float = 1200.0
+    is_mended: bool = False
+    is_symmetric: bool = False
+
+    def __post_init__(self) -> None:
+        put(self, content=frozen(self.content, np.uint8))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class DropDraft:
     """Forget the changes of a part's grasps that an earlier session has not saved."""
 
@@ -267,12 +297,12 @@ class PosesRefused:
 class JobEnded:
     """The worker finished job `number`.
 
-    `result` is a `Scan`, a tuple of `Detection`, a `PlanResult`, a `PlateSighting`, or the error
-    that ended it.
+    `result` is a `Scan`, a tuple of `Detection`, a `PlanResult`, a `PlateSighting`, a `Part`, or
+    the error that ended it.
     """
 
     number: int
-    result: "Scan | tuple[Detection, ...] | PlanResult | PlateSighting | WorkbenchError"
+    result: "Scan | tuple[Detection, ...] | PlanResult | PlateSighting | Part | WorkbenchError"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -332,6 +362,7 @@ Command = (
     | UndoCell
     | RedoCell
     | EditPart
+    | ImportPart
     | DropDraft
     | SaveCell
     | EmptyPallets

@@ -26,6 +26,7 @@ from workbench.app.commands import (
     FindParts,
     ForgetAvoided,
     GiveControl,
+    ImportPart,
     JobEnded,
     LinkEnded,
     MakePlan,
@@ -67,6 +68,7 @@ from workbench.app.state import Job, Phase, State, anew, counted, overtaken_by
 from workbench.model.calibration import PlateSighting
 from workbench.model.digest import digest_of
 from workbench.model.errors import CommandRefused, JobCancelled, WorkbenchError
+from workbench.model.part import Part
 from workbench.model.release import Word
 from workbench.model.scan import Scan
 from workbench.model.search import Remark, Search
@@ -90,8 +92,8 @@ def decide(state: State, entry: Entry) -> Outcome:
     """
     state = replace(state, number=entry.number)
     match entry.command:
-        case TakeScan(seed=seed, parts=parts):
-            arguments = {"seed": seed, "parts": parts}
+        case TakeScan(seed=seed, parts=parts, part=part):
+            arguments = {"seed": seed, "parts": parts, "part": part}
             return _begin(state, entry, "scan", arguments, digest_of(arguments), "scanning")
         case UseScan(scan=scan):
             return _with_scan(state, scan, entry.at), ()
@@ -133,6 +135,9 @@ def decide(state: State, entry: Entry) -> Outcome:
             return redone(state)
         case EditPart() as edit:
             return edited_cell(state, edit)
+        case ImportPart(name=name) as command:
+            says = f"making the part {name} of {command.file}"
+            return _begin(state, entry, "import", {"command": command}, command.name, says)
         case DropDraft(part=part):
             return replace(state, message=f"the draft of {part} is dropped"), (RemoveDraft(part),)
         case EmptyPallets():
@@ -148,6 +153,8 @@ def decide(state: State, entry: Entry) -> Outcome:
             return cell_read(state, entry.command)
         case PosesRefused(problem=problem):
             return replace(state, message=f"poses from outside cannot be used: {problem}"), ()
+        case JobEnded(result=Part() as part) as ended:
+            return _part_made(state, ended, part)
         case JobEnded():
             return _job_ended(state, entry.command, entry.at), ()
         case Sent(receipt=receipt):
@@ -282,6 +289,15 @@ def _job_ended(state: State, ended: JobEnded, at: float) -> State:
         case _:
             wrong = type(result).__name__
             return replace(state, message=f"task {job.name!r} failed: it brought a {wrong}")
+
+
+def _part_made(state: State, ended: JobEnded, part: Part) -> Outcome:
+    """The cell picks a new part too, as long as it was still wanted."""
+    job = state.job
+    if job is None or job.number != ended.number or job.name != "import":
+        return state, ()
+    cell = replace(state.cell, parts=(*state.cell.parts, part))
+    return changed_cell(replace(state, job=None), cell, f"the part {part.name} is in the cell")
 
 
 def _with_scan(state: State, scan: Scan, at: float) -> State:

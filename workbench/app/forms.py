@@ -11,6 +11,7 @@ import hashlib
 import types
 import typing
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import MISSING
 from typing import Any, cast
 
 import numpy as np
@@ -49,10 +50,13 @@ def restored(kind: Any, form: Any, read: ReadFile) -> Any:
     if isinstance(kind, type) and dataclasses.is_dataclass(kind):
         names = {field.name for field in dataclasses.fields(kind) if field.init}
         made = {field.name for field in dataclasses.fields(kind) if not field.init}
-        if set(form) - made != names:
+        # A field that has come since has its default.
+        wanted = {field.name for field in dataclasses.fields(kind) if _is_needed(field)}
+        if not wanted <= set(form) - made <= names:
             raise ValueError(f"fields {sorted(form)} where {sorted(names)} were expected")
         hints = _hints(kind)
-        return kind(**{name: restored(hints[name], form[name], read) for name in names})
+        known = names & set(form)
+        return kind(**{name: restored(hints[name], form[name], read) for name in known})
     if isinstance(kind, type) and issubclass(kind, enum.Enum):
         return kind(form)
     if origin is types.UnionType or origin is typing.Union:
@@ -82,6 +86,11 @@ def _kind_of(kinds: Sequence[Any], form: Any) -> Any:
         ):
             return one
     raise ValueError(f"fields {sorted(form)} fit none of the values expected")
+
+
+def _is_needed(field: "dataclasses.Field[Any]") -> bool:
+    has_default = field.default is not MISSING or field.default_factory is not MISSING
+    return field.init and not has_default
 
 
 @functools.cache

@@ -2,7 +2,7 @@
 
 import logging
 import threading
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, assert_never
@@ -26,6 +26,7 @@ from workbench.app.robot_link import Clock, Do, RobotLink
 from workbench.formats.cell_edits import log_change, save_cell
 from workbench.formats.cells import part_folders, read_cell
 from workbench.formats.part_saves import drop_draft, save_part, write_draft
+from workbench.formats.parts import read_part
 from workbench.model.cell import Cell
 from workbench.model.errors import CommandRefused, InputError, WorkbenchError
 from workbench.model.scan import Findings
@@ -95,12 +96,13 @@ class Machines:
                 ).start()
             case KeepDrafts(parts=parts):
                 self._drafts(
+                    [part.name for part in parts],
                     lambda folders: [
                         write_draft(folders[part.name], part.library) for part in parts
-                    ]
+                    ],
                 )
             case RemoveDraft(part=part):
-                self._drafts(lambda folders: drop_draft(folders[part]))
+                self._drafts([part], lambda folders: drop_draft(folders[part]))
             case _:
                 assert_never(effect)
 
@@ -109,12 +111,12 @@ class Machines:
         self._robot.close()
         self._jobs.close()
 
-    def _drafts(self, change: Callable[[Mapping[str, Path]], object]) -> None:
+    def _drafts(self, parts: Sequence[str], change: Callable[[Mapping[str, Path]], object]) -> None:
         """Change drafts beside the parts; a draft that cannot be kept stops nobody."""
         if self._cell_file is None:
             return
         try:
-            change(part_folders(self._cell_file))
+            change(part_folders(self._cell_file, parts))
         except InputError as error:
             log.warning("a draft could not be changed: %s", error)
 
@@ -122,11 +124,12 @@ class Machines:
         try:
             if self._cell_file is None:
                 raise InputError("this session has no cell file")
-            old, folders = read_cell(self._cell_file), part_folders(self._cell_file)
+            names = [part.name for part in effect.cell.parts]
+            folders = part_folders(self._cell_file, names)
             for part in effect.cell.parts:
                 save_part(
                     folders[part.name],
-                    old.part(part.name),
+                    read_part(folders[part.name]),
                     part,
                     actor=effect.actor,
                     at=effect.at,

@@ -71,8 +71,10 @@ def recomputed(journal: Journal) -> Iterator[Comparison]:
 
 
 def _compared(cell: Cell, job: StartJob, kept: object) -> Comparison | None:
-    if isinstance(kept, WorkbenchError) or (
-        job.name in ("scan", "sight") and cell.scanner.source != "simulated"
+    if (
+        isinstance(kept, WorkbenchError)
+        or job.name == "import"  # it would be written again
+        or (job.name in ("scan", "sight") and cell.scanner.source != "simulated")
     ):
         return None
     try:

@@ -20,9 +20,10 @@ from workbench.model.calibration import PlateSighting
 from workbench.model.cell import Cell
 from workbench.model.digest import canonical
 from workbench.model.errors import JobCancelled, JournalError, WorkbenchError
+from workbench.model.part import Part
 from workbench.model.scan import Detection, Scan
 
-Result = Scan | tuple[Detection, ...] | PlanResult | PlateSighting | WorkbenchError
+Result = Scan | tuple[Detection, ...] | PlanResult | PlateSighting | Part | WorkbenchError
 
 SESSION = "Session"
 SESSION_FORMAT = "workbench-session/1"
@@ -173,6 +174,8 @@ def _result_form(result: Result) -> Any:
             return {"plan": canonical(result)}
         case PlateSighting():
             return {"sighting": canonical(result)}
+        case Part():
+            return {"part": canonical(result)}
         case WorkbenchError():
             return {"error": {"type": type(result).__name__, "text": str(result)}}
         case _:
@@ -196,6 +199,8 @@ def _result(form: Mapping[str, Any], read: ReadFile) -> Result:
             return restored(PlanResult, content, read)
         case "sighting":
             return restored(PlateSighting, content, read)
+        case "part":
+            return restored(Part, content, read)
         case "error":
             cancelled = content["type"] == JobCancelled.__name__
             return (JobCancelled if cancelled else WorkbenchError)(content["text"])

@@ -19,6 +19,7 @@ from workbench.app.commands import (
     FindParts,
     ForgetAvoided,
     GiveControl,
+    ImportPart,
     JobEnded,
     LinkEnded,
     MakePlan,
@@ -42,6 +43,7 @@ from workbench.app.commands import (
 )
 from workbench.app.control import control_problem
 from workbench.app.outcomes import outcome_problem
+from workbench.app.part_import import check_import
 from workbench.app.part_rules import check_edit, part_of
 from workbench.app.people import Role
 from workbench.app.release import lacks_people, overtaken, said_already, unwatched
@@ -102,7 +104,8 @@ def allowed(
     if problem := obstacle(state, type(command)):
         raise CommandRefused(problem)
     match command:
-        case TakeScan(seed=seed, parts=parts):
+        case TakeScan(seed=seed, parts=parts, part=part):
+            check_among("part", part, ("", *(one.name for one in state.cell.parts)))
             check_integer("seed", seed, 0, SEED_LIMIT - 1)
             check_integer("parts", parts, 1, MOST_PARTS)
         case FindParts(seed=seed, wishes=wishes):
@@ -165,6 +168,8 @@ def allowed(
         case EditPart() as edit:
             check_text("says", edit.says)
             check_edit(state.cell, edit)
+        case ImportPart() as command:
+            check_import(state.cell, command)
         case DropDraft(part=part):
             part_of(state.cell, part)
         case EmptyPallets():

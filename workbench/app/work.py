@@ -9,12 +9,14 @@ import pinocchio as pin
 
 from workbench.app.calibration import simulated_sight
 from workbench.app.commands import PlanResult
+from workbench.app.part_import import imported_part
 from workbench.app.pick import plan_pick
 from workbench.app.worker import Cancelled, JobFunction, Report
 from workbench.devices.scanners import SCANNERS
 from workbench.model.calibration import PlateSighting
 from workbench.model.cell import Cell
 from workbench.model.errors import InputError, JobCancelled
+from workbench.model.part import Part
 from workbench.model.scan import Detection, Findings, Obstacle, Scan
 from workbench.model.search import SearchWishes
 from workbench.perception.balls import sight_plate
@@ -30,7 +32,8 @@ def scan(cell: Cell, arguments: Mapping[str, Any], report: Report, cancelled: Ca
         return SCANNERS[cell.scanner.source](cell.scanner).scan(report, cancelled)
     if not cell.parts:
         raise InputError(f"cell {cell.name} has no part, so there is nothing to drop into its bin")
-    part, seed = cell.parts[0], arguments["seed"]
+    part = cell.part(arguments["part"]) if arguments.get("part") else cell.parts[0]
+    seed = arguments["seed"]
     report(0.1, "parts fall into the bin")
     Ts_world_part = drop_parts(part, cell.bin, arguments["parts"], seed=seed)
     if cancelled():
@@ -83,6 +86,13 @@ def sight(
     return sight_plate(scan, plate, arguments["name"], arm.name, q)
 
 
+def import_part(
+    cell: Cell, arguments: Mapping[str, Any], report: Report, cancelled: Cancelled
+) -> Part:
+    """The part made of a CAD file, in the folder of parts of the working directory."""
+    return imported_part(arguments["command"], report, cancelled)
+
+
 def boxes_around(cell: Cell, placed: Sequence[Detection]) -> tuple[Obstacle, ...]:
     """Parts that have been put down, as obstacles."""
     boxes: list[Obstacle] = []
@@ -121,5 +131,6 @@ JOBS: Mapping[str, JobFunction] = {
     "localize": find_parts,
     "sight": sight,
     "plan": plan,
+    "import": import_part,
 }
 """By the names that `decide` gives them."""

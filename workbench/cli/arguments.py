@@ -62,6 +62,8 @@ class Scan:
     """Of the pile and of the scanner's noise."""
     parts: int = 2
     """How many parts lie in the bin."""
+    part: str = ""
+    """Which part of the cell; the first one unless told otherwise."""
     truth: Path | None = None
     """JSON file to write the true poses to."""
 

@@ -19,7 +19,7 @@ def scan(typed: arguments.Scan) -> int:
     check_whole("--seed", typed.seed, 0, SEED_LIMIT - 1)
     check_whole("--parts", typed.parts, 1, MOST_PARTS)
     cell = read_cell(typed.cell)
-    part = cell.parts[0]
+    part = cell.part(typed.part) if typed.part else cell.parts[0]
     with progress("scan") as report:
         report(0.1, "parts fall into the bin")
         Ts_world_part = drop_parts(part, cell.bin, typed.parts, seed=typed.seed)

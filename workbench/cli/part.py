@@ -4,24 +4,16 @@ from typing import Any, assert_never
 
 import numpy as np
 
+from workbench.app.part_import import DENSITIES, make_part, symmetry_words
 from workbench.cli.exits import SUCCESS
 from workbench.cli.part_arguments import PartCheck, PartCommands, PartImport, PartList
 from workbench.cli.part_check import check, counted, millimetres
 from workbench.cli.terminal import check_number, print_json, print_table, progress
-from workbench.formats.part_import import (
-    Imported,
-    WrittenPart,
-    check_name,
-    import_mesh,
-    write_part,
-)
+from workbench.formats.part_import import Imported, WrittenPart, check_name
 from workbench.formats.parts import read_part
 from workbench.formats.shipped import folders
 from workbench.model.errors import FileError
-from workbench.planning.part_symmetry import (
-    FoundSymmetry,
-    proposed_symmetry,
-)
+from workbench.planning.part_symmetry import FoundSymmetry
 
 
 def part(typed: PartCommands) -> int:
@@ -40,28 +32,24 @@ def part(typed: PartCommands) -> int:
 def _import(typed: PartImport) -> int:
     """Make the folder of a part and tell what was found."""
     check_name(typed.name)
-    check_number("--density", typed.density, 10, 25_000)
+    check_number("--density", typed.density, *DENSITIES)
     if typed.mass_g is not None:
         check_number("--mass-g", typed.mass_g, 0.001, 1e6)
     if (typed.into / typed.name).exists():
         raise FileError(typed.into / typed.name, "is there already; choose another name")
     with progress("import") as report:
-        report(0.0, "reading")
-        imported = import_mesh(typed.file, typed.unit, repair=typed.repair)
-        report(0.2, "symmetry")
-        found = proposed_symmetry(imported.mesh)
-        mass = imported.surface.volume * typed.density
-        if typed.mass_g is not None:
-            mass = typed.mass_g / 1000
-        written = write_part(
-            typed.into,
+        made = make_part(
+            typed.file,
             typed.name,
-            imported,
-            mass=mass,
-            symmetry=found.symmetry if found is not None and typed.accept_symmetry else None,
-            proposal="" if found is None else symmetry_words(found),
-            report=lambda done, note: report(0.3 + 0.7 * done, note),
+            typed.into,
+            unit=typed.unit,
+            density=typed.density,
+            mass=None if typed.mass_g is None else typed.mass_g / 1000,
+            repair=typed.repair,
+            is_symmetric=typed.accept_symmetry,
+            report=report,
         )
+    imported, written, found = made.imported, made.written, made.symmetry
     if typed.json:
         print_json(_import_form(typed, imported, written, found))
     else:
@@ -111,14 +99,6 @@ def _print_import(
         only = "a comment only: --accept-symmetry states it"
         print(f"symmetry: {symmetry_words(found)} ({'stated' if typed.accept_symmetry else only})")
     print(f"written to {written.folder}")
-
-
-def symmetry_words(found: FoundSymmetry) -> str:
-    """A symmetry in a sentence."""
-    symmetry = found.symmetry
-    axis = ", ".join(f"{value + 0.0:g}" for value in np.round(symmetry.axis, 4))
-    turns = "any turn" if symmetry.fold == 0 else f"turns of {360 / symmetry.fold:g} degrees"
-    return f"{turns} about [{axis}], {found.deviation * 1000:.2f} mm off at most"
 
 
 def _list(typed: PartList) -> int:

@@ -27,6 +27,9 @@ KINDS = (".stl", ".obj", ".ply", ".glb", *STEP)
 WITH_UNIT = (".glb", *STEP)
 """Formats that say in which unit they are."""
 
+LARGEST_CAD = LARGEST_MESH
+"""[bytes] Of one file."""
+
 LONGEST = 120.0
 """[s] That reading may take."""
 

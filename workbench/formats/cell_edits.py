@@ -30,9 +30,9 @@ LOST = 2e-6
 def save_cell(path: Path, cell: Cell) -> None:
     """Write into a cell file what a cell has otherwise than the file.
 
-    Poses of robot, bin, scanner and fixtures, the scanner's calibration, sizes of the bin, homes,
-    places and the tool of the arms can be written; the file is left as it is when anything else
-    differs.
+    Which parts it picks, poses of robot, bin, scanner and fixtures, the scanner's calibration,
+    sizes of the bin, homes, places and the tool of the arms can be written; the file is left as
+    it is when anything else differs.
 
     Args:
         path: of the cell file, which must be readable as a cell.
@@ -127,6 +127,7 @@ def _numbers(cell: Cell) -> Floats:
 
 
 def _edit(document: Any, old: Cell, new: Cell) -> None:
+    _edit_parts(document, old, new)
     _edit_pose(document["robot"], old.T_world_robot, new.T_world_robot)
     _edit_pose(document["bin"], old.bin.T_world_bin, new.bin.T_world_bin)
     if not np.array_equal(old.bin.size, new.bin.size):
@@ -162,6 +163,14 @@ def _edit(document: Any, old: Cell, new: Cell) -> None:
             for T in other.Ts_world_place:
                 places.append(_edit_pose(tomlkit.table(), pin.SE3.Identity(), T))
             table["place"] = places
+
+
+def _edit_parts(document: Any, old: Cell, new: Cell) -> None:
+    """Name new parts after those that stay, which keep the words they are named with."""
+    was, now = [part.name for part in old.parts], [part.name for part in new.parts]
+    if was != now:
+        named = dict(zip(was, document["parts"], strict=True))
+        document["parts"] = [str(named.get(name, name)) for name in now]
 
 
 def _edit_pose(table: Any, old: pin.SE3, new: pin.SE3) -> Any:

@@ -1,5 +1,6 @@
 """`cell.toml` to a cell: millimetres and degrees in the file, metres and radians inside."""
 
+from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
 from typing import cast
@@ -98,8 +99,12 @@ def read_cell(name: str | Path) -> Cell:
     return cell
 
 
-def part_folders(path: Path) -> dict[str, Path]:
+def part_folders(path: Path, new: Iterable[str] = ()) -> dict[str, Path]:
     """Where the parts of a cell file lie, by their names.
+
+    Args:
+        path: of the cell file.
+        new: names of parts that are not in the file yet.
 
     Raises:
         FileError: the file, or that of a part, cannot be read.
@@ -107,7 +112,8 @@ def part_folders(path: Path) -> dict[str, Path]:
     table = read_toml(path)
     places = [_place(table, name) for name in table.texts("parts")]
     files = [place / "part.toml" if place.is_dir() else place for place in places]
-    return {read_toml(file).text("name"): file.parent for file in files}
+    named = {read_toml(file).text("name"): file.parent for file in files}
+    return named | {name: _place(table, name) for name in new if name not in named}
 
 
 def _part(table: Table, name: str) -> Part:

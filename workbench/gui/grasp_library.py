@@ -5,6 +5,7 @@ from pathlib import Path
 import viser
 
 from workbench.app.commands import DropDraft, SaveCell
+from workbench.app.part_import import PARTS
 from workbench.app.state import State
 from workbench.formats.grasp_words import changes_in_words
 from workbench.formats.part_saves import Version, draft_of, versions
@@ -89,7 +90,11 @@ class LibraryControls:
 
     @property
     def _folder(self) -> Path | None:
-        return self._visitor.folders.get(self._editing.part.name)
+        known, name = self._visitor.folders, self._editing.part.name
+        if name in known or not known:
+            return known.get(name)
+        # It has come since; where it lies is where every new part goes.
+        return PARTS / name if (PARTS / name).is_dir() else None
 
     def show(self, state: State, part: Part, *, is_enabled: bool) -> None:
         """The part is this one now."""

@@ -327,8 +327,7 @@ def _needs_other_controls(before: Cell, now: Cell) -> bool:
 
     def made_for(cell: Cell) -> str:
         arms = [(arm.name, arm.joints, cell.robot.limits(arm.joints)) for arm in cell.arms]
-        parts = [part.name for part in cell.parts]
-        return digest_of((arms, parts, cell.policy))
+        return digest_of((arms, cell.policy))
 
     return before is not now and made_for(before) != made_for(now)
 

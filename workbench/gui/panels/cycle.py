@@ -33,6 +33,7 @@ from workbench.gui.views import (
 )
 from workbench.gui.visitor import Visitor, whole
 from workbench.gui.wishes import WishesInputs
+from workbench.model.cell import Cell
 from workbench.model.errors import InputError
 
 ROW = '<div class="wb-row"></div>'
@@ -49,6 +50,9 @@ class CyclePanel:
         gui = visitor.gui
         with gui.add_folder("1 · Scan"):
             gui.add_html(ROW)
+            self._kind = gui.add_dropdown(
+                "Which part", _kinds(visitor.cell), hint="Falls into the simulated bin."
+            )
             self._parts = gui.add_number(
                 "Parts", 2, min=1, max=MOST_PARTS, step=1, hint="How many parts fall into the bin."
             )
@@ -118,6 +122,7 @@ class CyclePanel:
         self._outcomes.show(old, new)
         if old is not None and old.state is state and _passing(old) == _passing(new):
             return
+        self._show_kinds(state.cell)
         self._scan_line.content = scan_line(state)
         self._bin_line.content = bin_html(state, new.at)
         check = state.bin_check
@@ -145,6 +150,12 @@ class CyclePanel:
         for field in (self._parts, self._seed, self._strategy, self._threshold):
             field.disabled = follows
         self._dialog.show(new)
+
+    def _show_kinds(self, cell: Cell) -> None:
+        kinds = _kinds(cell)
+        if self._kind.options != kinds:
+            self._kind.options = kinds
+        self._kind.visible = len(kinds) > 1 and cell.scanner.source == "simulated"
 
     def _draw_parts(self, state: State) -> None:
         typed = self._threshold.value
@@ -176,7 +187,7 @@ class CyclePanel:
             self._visitor.ask(lambda: WantThreshold(typed / 1000))
 
     def _wanted_scan(self) -> Command:
-        return TakeScan(whole(self._seed.value), whole(self._parts.value))
+        return TakeScan(whole(self._seed.value), whole(self._parts.value), self._kind.value)
 
     def _wanted_bin(self) -> Command:
         state = self._visitor.bench.state
@@ -196,6 +207,10 @@ class CyclePanel:
             whole(self._seed.value),
             self._wishes.wishes,
         )
+
+
+def _kinds(cell: Cell) -> tuple[str, ...]:
+    return tuple(part.name for part in cell.parts)
 
 
 def _digest(state: State) -> str:

@@ -19,6 +19,7 @@ from workbench.gui.grasp_library import LibraryControls, PairControls
 from workbench.gui.grasp_pose import GraspPose
 from workbench.gui.grasp_views import MOST_ROWS, check_line, grasps_html
 from workbench.gui.look import View
+from workbench.gui.part_upload import PartUpload
 from workbench.gui.stage import Stage, nearest_entry, size_of
 from workbench.gui.visitor import Visitor
 from workbench.model.digest import digest_of
@@ -92,6 +93,8 @@ class GraspsPanel:
             self._pairs = PairControls(visitor, editing)
         with gui.add_folder("Saved and not saved", expand_by_default=False):
             self._library = LibraryControls(visitor, editing)
+        with gui.add_folder("New part from a CAD file", expand_by_default=False):
+            self._upload = PartUpload(visitor)
         self._rows = [self._unseen(number) for number in range(MOST_ROWS)]
         rules = ",".join(f'div:has(> [id="{button}"])' for button in self._rows)
         gui.add_html(f'<style class="wb-style">{rules}{{display:none}}</style>')
@@ -144,9 +147,11 @@ class GraspsPanel:
             self._draw_all()
 
     def _draw_all(self) -> None:
+        self._list_parts()  # which may be a choice
         state, part, entry = self._visitor.bench.state, self._editing.part, self._editing.entry
         can = not self._visitor.obstacle(state, EditPart)
         name = entry.name if entry is not None else ""
+        self._upload.show(state)
         self._look_at_all(part)
         self._table.content = grasps_html(part, name, self._checks, self._rows, self._uses)
         self._line.content = check_line(name, self._checks.get(name))
@@ -169,6 +174,17 @@ class GraspsPanel:
             bad = frozenset(n for n, check in self._checks.items() if check and not check.is_ok)
             self._stage.draw(part, name, bad)
             self._show_tool(entry)
+
+    def _list_parts(self) -> None:
+        """Follow the cell's parts; the one that was asked for here is taken in hand."""
+        names = tuple(one.name for one in self._visitor.cell.parts)
+        if self._part.options != names:
+            is_made = self._upload.asked in set(names) - set(self._part.options)
+            self._part.options = names
+            self._part.visible = len(names) > 1
+            wanted = self._upload.asked if is_made else self._editing.part.name
+            if self._part.value != wanted:
+                self._part.value = wanted
 
     def _show_tool(self, entry: Entry | None) -> None:
         if entry is None:

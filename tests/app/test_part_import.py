@@ -1,0 +1,107 @@
+"""A CAD file becomes a part of the cell, as a task, with the files that a shell would have made."""
+
+import shutil
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trimesh
+
+from workbench.app.bench import Bench
+from workbench.app.commands import ImportPart, SaveCell, TakeScan, UndoCell
+from workbench.app.machines import Machines
+from workbench.app.people import Role
+from workbench.app.recompute import recomputed
+from workbench.app.state import Phase
+from workbench.formats.cells import cell_path, part_folders, read_cell
+from workbench.formats.parts import read_part
+from workbench.formats.shipped import find
+from workbench.journal.journal import Journal
+from workbench.model.errors import CommandRefused
+
+PATIENCE = 120.0
+
+
+@pytest.fixture
+def own(tmp_path, monkeypatch) -> Path:
+    """A working directory with its own cell and parts."""
+    for kind, name in (("robots", "yumi"), ("parts", "keyed_cylinder")):
+        shutil.copytree(find(kind, name), tmp_path / kind / name)
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.fixture
+def bench(own):
+    machines = partial(Machines, cell_file=cell_path("yumi"))
+    bench = Bench(read_cell("yumi"), Journal(own / "session"), effects=machines)
+    yield bench
+    bench.close()
+
+
+def box(sides=(60, 30, 20)) -> np.ndarray:
+    return np.frombuffer(trimesh.creation.box(sides).export(file_type="stl"), np.uint8)
+
+
+def done(bench):
+    state = bench.wait(lambda state: state.job is None, PATIENCE)
+    assert state.job is None
+    return state
+
+
+def test_a_file_becomes_a_part_that_is_scanned_saved_and_undone(bench, own):
+    bench.do(ImportPart("brick", "brick.stl", box(), is_symmetric=True), "ada")
+    state = done(bench)
+    assert state.message == "the part brick is in the cell"
+    brick = state.cell.part("brick")
+    assert brick.mass == pytest.approx(0.0432) and brick.symmetry.fold == 2
+    assert read_part(own / "parts" / "brick").digest == brick.digest
+
+    bench.do(TakeScan(parts=1, part="brick"), "ada")
+    assert done(bench).phase is Phase.SCANNED
+    bench.do(SaveCell("a brick too"), "ada")
+    saved = bench.wait(lambda state: state.saved == state.cell.digest, PATIENCE)
+    assert saved.cell_problem == ""
+    assert [part.name for part in read_cell("yumi").parts] == ["keyed_cylinder", "brick"]
+    assert part_folders(cell_path("yumi"))["brick"].samefile(own / "parts" / "brick")
+
+    bench.do(UndoCell(), "ada")
+    assert [part.name for part in bench.state.cell.parts] == ["keyed_cylinder"]
+    bench.do(SaveCell("no brick"), "ada")
+    bench.wait(lambda state: state.saved == state.cell.digest, PATIENCE)
+    assert [part.name for part in read_cell("yumi").parts] == ["keyed_cylinder"]
+    bench.close()
+    equal = list(recomputed(Journal(own / "session")))
+    assert [one.task for one in equal] == ["scan"] and all(one.is_equal for one in equal)
+
+
+def test_a_broken_file_fails_and_leaves_nothing(bench, own):
+    bench.do(ImportPart("brick", "brick.stl", np.zeros(500, np.uint8)), "ada")
+    state = done(bench)
+    assert "failed" in state.message and "brick.stl" in state.message
+    assert [part.name for part in state.cell.parts] == ["keyed_cylinder"]
+    assert not (own / "parts" / "brick").exists()
+
+
+@pytest.mark.parametrize(
+    ("changed", "says"),
+    [
+        ({"name": "../brick"}, "letters, digits"),
+        ({"name": "keyed_cylinder"}, "has a part keyed_cylinder already"),
+        ({"file": "brick.exe"}, "is no CAD file"),
+        ({"content": np.zeros(0, np.uint8)}, "has 0 bytes"),
+        ({"unit": "furlong"}, "unit 'furlong' is not known"),
+        ({"density": float("nan")}, "density must lie between"),
+        ({"density": 1e9}, "density must lie between"),
+    ],
+)
+def test_what_cannot_be_meant_is_refused(bench, changed, says):
+    wanted = {"name": "brick", "file": "brick.stl", "content": box(), **changed}
+    with pytest.raises(CommandRefused, match=says):
+        bench.do(ImportPart(**wanted), "ada")
+
+
+def test_an_operator_may_not_add_parts(bench):
+    with pytest.raises(CommandRefused, match="engineer"):
+        bench.do(ImportPart("brick", "brick.stl", box()), "ada", Role.OPERATOR)
