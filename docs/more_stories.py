@@ -1,13 +1,15 @@
 """More stories: what is set up once, and what is looked at afterwards."""
 
 import math
+import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 from hands import Camera, field
 from page_stories import cycle, fault
-from picture_tools import ROOT, Desk, desk, save, settled, window
+from picture_tools import ROOT, SIZE, Desk, desk, save, settled, window
 from playwright.sync_api import Browser
 
 from workbench.app.commands import ReportPick, UseScan
@@ -19,11 +21,17 @@ from workbench.gui.things import BIN, moved
 from workbench.journal.journal import Journal
 from workbench.model.cell import Cell
 from workbench.model.geometry import Floats, pose_from_rpy
+from workbench.model.part import GraspPattern
 from workbench.perception.synthesize import synthesize
 from workbench.planning.chain import chain_of, is_solution
 
 PART = "keyed_cylinder"
 CYCLES = 6
+PLOTS = {
+    "threshold": "study threshold --cycles 60",
+    "planners": "bench planners --targets 60 --iterations 5 20 100 500",
+}
+"""Picture and the command that draws it."""
 
 
 def grasps(chrome: Browser, folder: Path) -> None:
@@ -49,7 +57,7 @@ def grasps(chrome: Browser, folder: Path) -> None:
             box.press("Tab")
             page.wait_for_timeout(300)
         screen.press("Repeat")
-        at.wait(lambda: entries(at)[1].count == 15, "the pattern")
+        at.wait(lambda: isinstance(entries(at)[1], GraspPattern), "the pattern")
         at.shoot("grasp_pattern")
 
 
@@ -147,6 +155,19 @@ def statistics(chrome: Browser, folder: Path) -> None:
         journal.close()
 
 
+def plots(chrome: Browser, folder: Path) -> None:
+    """What the quick measurements draw."""
+    for name, typed in PLOTS.items():
+        file = folder / f"{name}.html"
+        words = [sys.executable, "-m", "workbench", *typed.split(), "--plot", str(file)]
+        subprocess.run(words, check=True, cwd=ROOT, stdout=subprocess.DEVNULL)
+        page = chrome.new_page(viewport=SIZE)
+        page.goto(file.as_uri())
+        page.locator(".main-svg").first.wait_for()
+        save(settled(page), name)
+        page.close()
+
+
 STORIES: dict[str, Callable[[Browser, Path], None]] = {
     "cycle": cycle,
     "fault": fault,
@@ -154,4 +175,5 @@ STORIES: dict[str, Callable[[Browser, Path], None]] = {
     "cell": cell,
     "calibration": calibration,
     "statistics": statistics,
+    "plots": plots,
 }

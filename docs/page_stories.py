@@ -1,24 +1,23 @@
 """The stories that the pictures tell, each by hands on the real page."""
 
 import re
-from collections.abc import Callable
 from pathlib import Path
 
 from hands import field
-from picture_tools import Desk, desk, save_moving, settled
+from picture_tools import Desk, desk, save_moving, seen
 from playwright.sync_api import Browser
 
 PERSON = "Ada"
 SEED = 28
 """Of a pile whose two parts go to both arms."""
 
-FRAMES = 32
+FRAMES = 40
 """Of the picture that moves."""
 
 
 def cycle(chrome: Browser, folder: Path) -> None:
     """From an empty page to parts on their trays."""
-    with desk(chrome, folder, speed=0.7) as at:
+    with desk(chrome, folder, speed=0.2) as at:
         screen, page = at.screen, at.page
         at.shoot("start")
         page.get_by_label("Seed").fill(str(SEED))
@@ -42,14 +41,14 @@ def cycle(chrome: Browser, folder: Path) -> None:
         screen.tab("Cycle")
         approve(at)
         screen.press("Send")
-        at.wait(lambda: at.bench.live.link.step > 3, "the robot to move")
         screen.tab("Robot")
-        page.wait_for_timeout(600)
-        at.shoot("robot")
+        at.wait(lambda: at.bench.live.link.step > 1, "the second step")
+        at.shoot("robot", is_moving=True)
         at.reach("done")
         screen.tab("Cycle")
-        screen.press("Right picked")
-        at.wait(lambda: any(o.is_picked for o in at.bench.state.outcomes), "the word")
+        field(screen, "Why it failed").press_sequentially("slipped", delay=100)
+        screen.press("Left failed")
+        at.wait(lambda: {o.is_picked for o in at.bench.state.outcomes} == {True, False}, "words")
         at.shoot("done")
 
 
@@ -90,8 +89,8 @@ def play(at: Desk) -> None:
     images = []
     for number in range(FRAMES):
         show_time(at, seconds * number / (FRAMES - 1))
-        images.append(settled(at.page))
-    save_moving(images, "play", 640, 0.28)
+        images.append(seen(at.page))
+    save_moving(images, "play", 640, 0.25)
     show_time(at, 0.42 * seconds)
     at.shoot("plan")
 
@@ -101,7 +100,7 @@ def show_time(at: Desk, seconds: float) -> None:
     box = field(at.screen, "Time [s]")
     box.fill(f"{seconds:.2f}")
     box.press("Enter")
-    at.page.wait_for_timeout(250)
+    at.page.wait_for_timeout(900)
 
 
 def watch(at: Desk) -> None:

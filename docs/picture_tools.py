@@ -1,4 +1,4 @@
-"""What pictures of the page are made with: a cell of one's own, a browser, files that stay small."""
+"""What pictures of the page are made with: a cell of its own, a browser, small files."""
 
 import io
 import json
@@ -14,7 +14,7 @@ from pathlib import Path
 
 from conftest import FLAGS, PATIENCE, Screen
 from PIL import Image
-from playwright.sync_api import Browser, sync_playwright
+from playwright.sync_api import Browser, Page, sync_playwright
 
 from workbench.app.bench import Bench
 from workbench.app.machines import Machines
@@ -56,9 +56,9 @@ class Desk:
                 raise RuntimeError(f"waited {PATIENCE:.0f} s in vain for {what}")
             time.sleep(0.02)
 
-    def shoot(self, name: str) -> None:
+    def shoot(self, name: str, *, is_moving: bool = False) -> None:
         """Keep what is on the screen as `docs/pictures/NAME.webp`, once it stands still."""
-        save(settled(self.page), name)
+        save(seen(self.page) if is_moving else settled(self.page), name)
 
 
 @contextmanager
@@ -137,7 +137,7 @@ def close_notes(screen: Screen) -> None:
         screen.page.wait_for_timeout(400)
 
 
-def settled(page) -> Image.Image:
+def settled(page: Page) -> Image.Image:
     """What is on the screen once two looks at it show the same."""
     page.wait_for_timeout(1200)
     before = b""
@@ -147,7 +147,17 @@ def settled(page) -> Image.Image:
             break
         before = now
         page.wait_for_timeout(500)
-    return Image.open(io.BytesIO(now)).convert("RGB")
+    return picture_of(now)
+
+
+def seen(page: Page) -> Image.Image:
+    """What is on the screen now."""
+    return picture_of(page.screenshot(timeout=PATIENCE * 1000))
+
+
+def picture_of(content: bytes) -> Image.Image:
+    """A picture from the content of a file."""
+    return Image.open(io.BytesIO(content)).convert("RGB")
 
 
 def save(image: Image.Image, name: str) -> None:
@@ -180,7 +190,7 @@ def save_moving(images: list[Image.Image], name: str, width: int, seconds: float
         append_images=small[1:],
         duration=durations,
         loop=0,
-        quality=62,
+        quality=72,
         method=6,
     )
     tell(path)
