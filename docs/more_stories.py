@@ -26,6 +26,9 @@ from workbench.perception.synthesize import synthesize
 from workbench.planning.chain import chain_of, is_solution
 
 PART = "keyed_cylinder"
+SIDE = math.radians(-100)
+"""From where the hand comes to the part, so that it is seen from its side."""
+
 CYCLES = 6
 PLOTS = {
     "threshold": "study threshold --cycles 60",
@@ -42,7 +45,7 @@ def grasps(chrome: Browser, folder: Path) -> None:
         screen.press("Open part")
         page.wait_for_timeout(3000)
         camera = Camera(page, *view_of(at.bench.state.cell.part(PART)))
-        aim = np.array([0.65, -0.76, 0.0]) / np.linalg.norm([0.65, -0.76])
+        aim = np.array([math.cos(SIDE), math.sin(SIDE), 0.0])
         point = np.array([0.0, 0.0, -0.012]) + 0.015 * aim
         screen.press("Add grasp")
         page.wait_for_timeout(500)
