@@ -1,6 +1,7 @@
 """More stories: what is set up once, and what is looked at afterwards."""
 
 import math
+import shutil
 import subprocess
 import sys
 from collections.abc import Callable
@@ -146,7 +147,8 @@ def statistics(chrome: Browser, folder: Path) -> None:
         at.screen.tab("Statistics")
         at.page.wait_for_timeout(2000)
         at.shoot("statistics")
-    journal = Journal(ROOT / "sessions" / "example")
+    # A copy, since whoever opens a journal writes beside it.
+    journal = Journal(shutil.copytree(ROOT / "sessions" / "example", folder / "example"))
     page = serve(History(journal), port=0)
     try:
         with window(chrome, page.url) as screen:
