@@ -31,6 +31,9 @@ SIDE = math.radians(-100)
 """From where the hand comes to the part, so that it is seen from its side."""
 
 CYCLES = 6
+MOMENT = 30
+"""Which entry of the recorded session is shown."""
+
 PLOTS = {
     "threshold": "study threshold --cycles 60",
     "planners": "bench planners --targets 60 --iterations 5 20 100 500",
@@ -138,7 +141,7 @@ def bin_moved(chrome: Browser, folder: Path) -> None:
 
 def statistics(chrome: Browser, folder: Path) -> None:
     """Some cycles, counted; then a recorded session."""
-    with desk(chrome, folder, speed=50) as at:
+    with desk(chrome, folder, speed=8) as at:
         for number in range(CYCLES):
             Cycle(at.bench, number + 1, [], lambda done, note: None).run(number)
             if number == 3:
@@ -152,9 +155,9 @@ def statistics(chrome: Browser, folder: Path) -> None:
     page = serve(History(journal), port=0)
     try:
         with window(chrome, page.url) as screen:
-            for _ in range(6):
-                screen.press("On")
-                screen.page.wait_for_timeout(300)
+            box = field(screen, "Entry")
+            box.fill(str(MOMENT))
+            box.press("Enter")
             save(settled(screen.page), "recorded")
     finally:
         page.close()
