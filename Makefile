@@ -49,7 +49,7 @@ bench: $(VENV)/.test
 # ARGS="grasps cell" makes only those; `docs/more_stories.py` has the names.
 pictures: $(VENV)/.test
 	@bash setup/debian.sh $(LIBRARIES) $(BROWSER)
-	PYTHONPATH=tests/browser $(BIN)/python docs/make_pictures.py $(ARGS)
+	PYTHONPATH=$(CURDIR)/tests/browser $(BIN)/python docs/make_pictures.py $(ARGS)
 
 # After a dependency was changed and the tests pass with the newest versions.
 constraints: $(VENV)/.lint $(VENV)/.test
