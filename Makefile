@@ -14,14 +14,15 @@ ARGS :=
 
 export PYTHON
 
-.PHONY: help run test lint bench constraints clean
+.PHONY: help run test lint bench pictures constraints clean
 
 help:
-	@echo "make run      start the workbench on the simulated YuMi cell and print its link"
-	@echo "make test     run all tests"
-	@echo "make lint     check style, types and imports"
-	@echo "make bench    measure what the README promises"
-	@echo "make clean    remove everything that make made"
+	@echo "make run       start the workbench on the simulated YuMi cell and print its link"
+	@echo "make test      run all tests"
+	@echo "make lint      check style, types and imports"
+	@echo "make bench     measure what the README promises"
+	@echo "make pictures  make the pictures of the documents anew"
+	@echo "make clean     remove everything that make made"
 	@echo "ARGS=... is handed on: make run ARGS='--port 9000', make test ARGS='-k proof'"
 
 run: $(VENV)/.run
@@ -44,6 +45,11 @@ bench: $(VENV)/.test
 	$(BIN)/workbench bench planners --targets 60 --iterations 20 100 500
 	$(BIN)/workbench study threshold --cycles 20
 	$(BIN)/workbench study localization --scenes 20
+
+# ARGS="grasps cell" makes only those; `docs/more_stories.py` has the names.
+pictures: $(VENV)/.test
+	@bash setup/debian.sh $(LIBRARIES) $(BROWSER)
+	PYTHONPATH=$(CURDIR)/tests/browser $(BIN)/python docs/make_pictures.py $(ARGS)
 
 # After a dependency was changed and the tests pass with the newest versions.
 constraints: $(VENV)/.lint $(VENV)/.test

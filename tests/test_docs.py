@@ -1,28 +1,137 @@
 """What the documents say is there, and what is there stands in the documents."""
 
 import ast
+import dataclasses
 import re
+import shlex
+import tomllib
 import typing
 from pathlib import Path
 
 import pytest
 
+import workbench
 from workbench.app import commands
 from workbench.app.state import Phase
 from workbench.cli import arguments
+from workbench.cli.main import parse
 from workbench.model.candidate import Reason
 
 ROOT = Path(__file__).resolve().parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 ARCHITECTURE = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
-PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+PAGES = [
+    *sorted(ROOT.glob("*.md")),
+    *sorted((ROOT / "docs").glob("*.md")),
+    ROOT / "sessions" / "README.md",
+    ROOT / "robots" / "yumi" / "rapid" / "README.md",
+]
+PICTURES = ROOT / "docs" / "pictures"
+every_page = pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def links_of(page: Path) -> list[str]:
+    found = re.findall(r"\]\(([^)]+)\)", page.read_text(encoding="utf-8"))
+    return [link for link in found if "://" not in link]
+
+
+def blocks_of(page: Path) -> list[tuple[str, str]]:
+    """Language and content of every block of code."""
+    text = page.read_text(encoding="utf-8")
+    assert text.count("```") % 2 == 0
+    return re.findall(r"^```(\w*)\n(.*?)^```", text, re.DOTALL | re.MULTILINE)
+
+
+def prose_of(page: Path) -> str:
+    """What stands outside of the blocks, lines joined as they are when shown."""
+    text = re.sub(r"^```.*?^```", "", page.read_text("utf-8"), flags=re.DOTALL | re.MULTILINE)
+    return " ".join(text.split())
+
+
+@every_page
 def test_every_link_leads_somewhere(page):
-    links = re.findall(r"\]\(([^)#]+)", page.read_text(encoding="utf-8"))
-    missing = [link for link in links if "://" not in link and not (page.parent / link).exists()]
-    assert missing == []
+    for link in links_of(page):
+        path, _, heading = link.partition("#")
+        target = page.parent / path if path else page
+        assert target.exists(), link
+        if heading:
+            titles = re.findall(r"^#+ (.*)$", target.read_text(encoding="utf-8"), re.MULTILINE)
+            plain = [
+                re.sub(r"[^a-z0-9 -]", "", title.lower()).replace(" ", "-") for title in titles
+            ]
+            assert heading in plain, link
+
+
+def test_every_picture_is_used_and_small():
+    used = {(page.parent / link).resolve() for page in PAGES for link in links_of(page)}
+    for picture in PICTURES.iterdir():
+        assert picture.resolve() in used, picture.name
+        assert picture.stat().st_size < (1_500_000 if picture.stem == "play" else 250_000)
+
+
+@every_page
+def test_every_command_in_a_block_can_be_typed(page):
+    for _, block in blocks_of(page):
+        for line in block.replace("\\\n", " ").splitlines():
+            words = shlex.split(line, comments=True) if "workbench " in line else []
+            if words and words[0].removeprefix(".venv/bin/") == "workbench":
+                parse([word for word in words[1:] if word != "&"])
+
+
+def command_of(words: list[str]) -> tuple[typing.Any, list[str]]:
+    """The dataclass of a command, followed from verb to verb, and the words that are left."""
+    known: typing.Any = arguments.Arguments
+    while typing.get_args(known):
+        verbs = {typing.get_args(one)[1].name: typing.get_args(one)[0] for one in known.__args__}
+        if not words or words[0] not in verbs:
+            assert not words or words[0].startswith("-") or words[0].isupper(), words
+            return None, words
+        known, words = verbs[words[0]], words[1:]
+        what = known.__dataclass_fields__.get("what")
+        if what is not None and len(known.__dataclass_fields__) == 1:
+            known = what.type
+    return known, words
+
+
+@every_page
+def test_every_command_in_a_sentence_is_one_with_these_options(page):
+    for span in re.findall(r"`((?:\.venv/bin/)?workbench [^`]+)`", prose_of(page)):
+        command, words = command_of(span.split()[1:])
+        options = {word.partition("=")[0] for word in words if word.startswith("--")} - {"--help"}
+        fields = dataclasses.fields(command) if command is not None else ()
+        assert options <= {"--" + field.name.replace("_", "-") for field in fields}, span
+
+
+@every_page
+def test_toml_and_python_in_blocks_are_well_formed(page):
+    for language, block in blocks_of(page):
+        if language == "toml":
+            tomllib.loads(block)
+        elif language == "python":
+            ast.parse(block)
+
+
+def test_safety_names_files_and_tests_that_are_there():
+    page = (ROOT / "docs" / "safety.md").read_text(encoding="utf-8")
+    for name in re.findall(r"`((?:workbench|tests)/[^`]+)`", page):
+        assert (ROOT / name).is_file(), name
+
+
+def test_sources_are_cited_where_they_are_used():
+    page = (ROOT / "docs" / "sources.md").read_text(encoding="utf-8")
+    rows = [line.split("|")[1:3] for line in page.splitlines() if "`workbench/" in line]
+    assert len(rows) > 15
+    for source, files in rows:
+        for file in re.findall(r"`([^`]+)`", files):
+            text = (ROOT / file).read_text(encoding="utf-8")
+            years, names = re.findall(r"\b(?:19|20)\d\d\b", source), source.replace(",", "").split()
+            assert not years or any(year in text for year in years), (source, file)
+            assert any(name in text for name in names if name[0].isupper() and len(name) > 3), file
+
+
+def test_the_version_has_its_place_among_the_changes():
+    changes = (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
+    assert f"## [{workbench.__version__}]" in changes or "## [Unreleased]" in changes
 
 
 def test_every_room_is_described():
@@ -65,7 +174,10 @@ def test_every_typed_command_stands_in_the_readme():
         assert f"workbench {verb}" in README
 
 
-def test_every_make_target_of_the_readme_exists():
+@every_page
+def test_every_make_target_exists(page):
     makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
-    for target in set(re.findall(r"make ([a-z]+) ", README)):
+    text = page.read_text(encoding="utf-8")
+    for target in re.findall(r"(?:^|`)make ([a-z]+)", text, re.MULTILINE):
         assert re.search(rf"^{target}:", makefile, re.MULTILINE), target
+        assert f"make {target}" in makefile or target == "constraints", "it stands in `make help`"

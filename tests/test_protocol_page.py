@@ -35,6 +35,11 @@ def test_the_older_protocol_is_as_shown():
     assert asked == 5 and commands.is_between
 
 
+def test_the_first_bytes_of_the_older_protocol_are_as_shown():
+    shown = [bytes.fromhex(line.split(": ", 1)[1]) for line in block("abb-socket bytes")]
+    assert shown == [REQUEST, *(text[3:].encode() for text in block("abb-socket")[1:2])]
+
+
 def test_frames_are_as_shown():
     shown = 0
     for line in block("abb-socket/2"):

@@ -1,0 +1,189 @@
+"""More stories: what is set up once, and what is looked at afterwards."""
+
+import math
+import shutil
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+from hands import Camera, field
+from page_stories import cycle, fault
+from picture_tools import ROOT, SIZE, Desk, desk, save, settled, window
+from playwright.sync_api import Browser
+
+from workbench.app.commands import ReportPick, UseScan
+from workbench.app.history import History
+from workbench.cli.demo import Cycle
+from workbench.gui.server import serve
+from workbench.gui.stage import T_WORLD_STAGE, view_of
+from workbench.gui.things import BIN, moved
+from workbench.journal.journal import Journal
+from workbench.model.cell import Cell
+from workbench.model.geometry import Floats, pose_from_rpy
+from workbench.model.part import GraspPattern
+from workbench.perception.synthesize import synthesize
+from workbench.planning.chain import chain_of, is_solution
+
+PART = "keyed_cylinder"
+SIDE = math.radians(-100)
+"""From where the hand comes to the part, so that it is seen from its side."""
+
+CYCLES = 6
+MOMENT = 30
+"""Which entry of the recorded session is shown."""
+
+PLOTS = {
+    "threshold": "study threshold --cycles 60",
+    "planners": "bench planners --targets 60 --iterations 5 20 100 500",
+}
+"""Picture and the command that draws it."""
+
+
+def grasps(chrome: Browser, folder: Path) -> None:
+    """A grasp put on the part with the mouse, and repeated around it."""
+    with desk(chrome, folder, speed=20) as at:
+        screen, page = at.screen, at.page
+        screen.tab("Grasps")
+        screen.press("Open part")
+        page.wait_for_timeout(3000)
+        camera = Camera(page, *view_of(at.bench.state.cell.part(PART)))
+        aim = np.array([math.cos(SIDE), math.sin(SIDE), 0.0])
+        point = np.array([0.0, 0.0, -0.012]) + 0.015 * aim
+        screen.press("Add grasp")
+        page.wait_for_timeout(500)
+        page.mouse.click(*camera.pixel(T_WORLD_STAGE.act(point)))
+        at.wait(lambda: len(entries(at)) == 2, "the grasp that was clicked")
+        page.mouse.move(400, 780)
+        at.shoot("grasps")
+        unfold(at, "Copies and patterns")
+        for label, typed in (("Around [deg]", "5 x 72"), ("Along [mm]", "3 x 6 from -6")):
+            box = field(screen, label)
+            box.fill(typed)
+            box.press("Tab")
+            page.wait_for_timeout(300)
+        screen.press("Repeat")
+        at.wait(lambda: isinstance(entries(at)[1], GraspPattern), "the pattern")
+        at.shoot("grasp_pattern")
+
+
+def entries(at: Desk):
+    """Of the part's library, as it is now."""
+    return at.bench.state.cell.part(PART).library.entries
+
+
+def unfold(at: Desk, title: str) -> None:
+    """Open a folder of controls."""
+    at.page.get_by_text(title, exact=True).click()
+    at.page.wait_for_timeout(500)
+
+
+def cell(chrome: Browser, folder: Path) -> None:
+    """An arm jogged into the wall of the bin."""
+    with desk(chrome, folder, speed=20) as at:
+        now = at.bench.state.cell
+        arm, q = now.arms[0], in_the_wall(now)
+        at.screen.tab("Cell")
+        at.screen.press("Jog")
+        at.screen.wait_for("Clear; nearest are")
+        for axis, (k, sign) in enumerate(zip(arm.wire_order, arm.wire_signs, strict=True)):
+            box = field(at.screen, f"Axis {axis + 1} [deg]")
+            box.fill(f"{sign * math.degrees(q[k]):.1f}")
+            box.press("Enter")
+            at.page.wait_for_timeout(150)
+        at.page.locator(".wb-contacts tr", has_text="bin_wall_back").first.wait_for()
+        at.page.get_by_text("Go home").last.scroll_into_view_if_needed()
+        at.shoot("cell")
+
+
+def in_the_wall(now: Cell) -> Floats:
+    """A configuration of the right arm with the tool in a wall of the bin."""
+    arm, chain = now.arms[0], chain_of(now, now.arms[0])
+    length, _, height = now.bin.size
+    starts = np.random.default_rng(0).uniform(chain.lower, chain.upper, (60, len(arm.home)))
+    for turn in (0.0, math.pi / 2, -math.pi / 2):
+        p_bin = (-(length + now.bin.wall) / 2, -0.05, height - 0.02)
+        T = now.bin.T_world_bin * pose_from_rpy(p_bin, (math.pi, 0, turn))
+        answers, residuals = chain.solve(T, np.vstack([arm.home, starts]))
+        found = answers[is_solution(residuals)]
+        if len(found):
+            return found[0]
+    raise RuntimeError("the arm does not reach the wall")
+
+
+def calibration(chrome: Browser, folder: Path) -> None:
+    """Five poses of the plate, one of them looked at."""
+    with desk(chrome, folder, speed=20) as at:
+        screen = at.screen
+        screen.tab("Calibration")
+        for count in range(1, 6):
+            screen.press("Suggest a pose")
+            at.page.wait_for_timeout(1500)
+            screen.wait_for("as it is jogged on the page")
+            screen.press("Scan the plate")
+            at.wait(lambda count=count: len(at.bench.state.sightings) == count, f"pose {count}")
+        at.page.locator(".wb-poses:visible tbody tr").nth(1).click()
+        screen.wait_for("Points near the robot")
+        at.page.wait_for_timeout(1500)
+        at.shoot("calibration")
+
+
+def bin_moved(chrome: Browser, folder: Path) -> None:
+    """A scan of the bin 15 mm from where the cell has it."""
+    with desk(chrome, folder, speed=20) as at:
+        now = at.bench.state.cell
+        T = now.bin.T_world_bin * pose_from_rpy((0.015, 0.0, 0.0), (0.0, 0.0, math.radians(3)))
+        at.bench.do(UseScan(synthesize(moved(now, BIN, T), now.parts[0], (), seed=0)), "Ada")
+        at.screen.wait_for("from where the cell has it")
+        at.shoot("bin_moved")
+
+
+def statistics(chrome: Browser, folder: Path) -> None:
+    """Some cycles, counted; then a recorded session."""
+    with desk(chrome, folder, speed=8) as at:
+        for number in range(CYCLES):
+            Cycle(at.bench, number + 1, [], lambda done, note: None).run(number)
+            if number == 3:
+                taken = at.bench.state.plan.arms[0].detection
+                at.bench.do(ReportPick(taken, False, "slipped"), "Ada")
+        at.screen.tab("Statistics")
+        at.page.wait_for_timeout(2000)
+        at.shoot("statistics")
+    # A copy, since whoever opens a journal writes beside it.
+    journal = Journal(shutil.copytree(ROOT / "sessions" / "example", folder / "example"))
+    page = serve(History(journal), port=0)
+    try:
+        with window(chrome, page.url) as screen:
+            box = field(screen, "Entry")
+            box.fill(str(MOMENT))
+            box.press("Enter")
+            save(settled(screen.page), "recorded")
+    finally:
+        page.close()
+        journal.close()
+
+
+def plots(chrome: Browser, folder: Path) -> None:
+    """What the quick measurements draw."""
+    for name, typed in PLOTS.items():
+        file = folder / f"{name}.html"
+        words = [sys.executable, "-m", "workbench", *typed.split(), "--plot", str(file)]
+        subprocess.run(words, check=True, cwd=ROOT, stdout=subprocess.DEVNULL)
+        page = chrome.new_page(viewport=SIZE)
+        page.goto(file.as_uri())
+        page.locator(".main-svg").first.wait_for()
+        save(settled(page), name)
+        page.close()
+
+
+STORIES: dict[str, Callable[[Browser, Path], None]] = {
+    "cycle": cycle,
+    "fault": fault,
+    "grasps": grasps,
+    "cell": cell,
+    "calibration": calibration,
+    "bin_moved": bin_moved,
+    "statistics": statistics,
+    "plots": plots,
+}
