@@ -4,7 +4,7 @@ from pathlib import Path
 
 from workbench.front.openapi import PREFIX, REFUSALS, openapi
 
-PAGE = (Path(__file__).parents[2] / "docs" / "api.md").read_text(encoding="utf-8")
+PAGE = (Path(__file__).parents[3] / "docs" / "api.md").read_text(encoding="utf-8")
 
 
 def rows() -> list[str]:
