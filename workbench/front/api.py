@@ -7,7 +7,6 @@ refusal is a sentence with a status.  Who asks is for `identify` to say.
 import asyncio
 import json
 import logging
-import threading
 from collections.abc import Awaitable, Callable
 from functools import partial
 from http import HTTPStatus
@@ -18,7 +17,6 @@ from aiohttp import web
 from workbench.app.bench import Bench
 from workbench.app.people import Person
 from workbench.app.rights import RIGHTS
-from workbench.app.statistics import Count
 from workbench.front.calls import CALLS, Call
 from workbench.front.events import HEARTBEAT, MOST_LISTENERS, Events
 from workbench.front.fields import LARGEST_BODY, body_of
@@ -32,6 +30,9 @@ log = logging.getLogger(__name__)
 
 Identify = Callable[[web.Request], Awaitable[Person | None]]
 """Who asks; None when nobody has logged in."""
+
+POLICY = "default-src 'none'; style-src 'unsafe-inline'; frame-ancestors 'none'"
+"""Of the page that describes the interface: it has a style and nothing else."""
 
 Answer = Callable[[web.Request, Person], Awaitable[web.StreamResponse]]
 
@@ -73,8 +74,7 @@ class Api:
         self._bench = bench
         self._identify = identify
         self._events = events
-        self._source = Source(bench, Count())
-        self._counting = threading.Lock()
+        self._source = Source(bench)
 
     def asked(self, answer: Answer) -> Callable[[web.Request], Awaitable[web.StreamResponse]]:
         """A handler that answers people only, and errors with their sentences."""
@@ -142,9 +142,7 @@ class Api:
         return await self._events.stream(request, is_still_allowed)
 
     def _made(self, read: Read) -> bytes | None:
-        # Statistics go on counting where they were: one request at a time.
-        with self._counting:
-            value = read.answer(self._source)
+        value = read.answer(self._source)
         return value if value is None or isinstance(value, bytes) else _text(value)
 
 
@@ -182,5 +180,5 @@ async def _reference(request: web.Request) -> web.Response:
     return web.Response(
         text=reference_html(openapi()),
         content_type="text/html",
-        headers={"Content-Security-Policy": "default-src 'none'; style-src 'unsafe-inline'"},
+        headers={"Content-Security-Policy": POLICY},
     )

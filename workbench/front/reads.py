@@ -1,6 +1,7 @@
 """What can be read over HTTP: one table, a row an answer."""
 
 import io
+import threading
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
@@ -9,7 +10,7 @@ import numpy as np
 
 from workbench.app.bench import Bench
 from workbench.app.state import State
-from workbench.app.statistics import Count
+from workbench.app.statistics import Count, Statistics
 from workbench.formats.plans import plan_content
 from workbench.front import forms, schemas
 from workbench.model.digest import canonical
@@ -18,17 +19,31 @@ JSON = "application/json"
 DATABASE = "journal.sqlite"
 
 
-@dataclass(frozen=True, slots=True)
 class Source:
-    """What answers are made from; `count` goes on from what it has counted before."""
+    """What answers are made from.
 
-    bench: Bench
-    count: Count
+    Lifetime: as long as the routes.
+
+    Concurrency: any thread.
+    """
+
+    def __init__(self, bench: Bench):
+        """Nothing is counted yet."""
+        self.bench = bench
+        self._count = Count()
+        self._counting = threading.Lock()
 
     @property
     def state(self) -> State:
         """The newest state."""
         return self.bench.state
+
+    @property
+    def statistics(self) -> Statistics:
+        """Of the session, counted on from where they were."""
+        with self._counting:
+            self._count.add(self.bench.entries(self._count.last))
+            return self._count.value
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,8 +98,7 @@ def _proof(source: Source) -> Any:
 
 
 def _statistics(source: Source) -> Any:
-    source.count.add(source.bench.entries(source.count.last))
-    return forms.statistics_form(source.count.value)
+    return forms.statistics_form(source.statistics)
 
 
 def _sessions(source: Source) -> Any:
