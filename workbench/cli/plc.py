@@ -1,5 +1,6 @@
 """OPC UA beside a bench, when somebody has asked for it."""
 
+import logging
 import os
 from collections.abc import Generator
 from contextlib import contextmanager
@@ -32,6 +33,8 @@ def plc(bench: Bench, typed: Serve) -> Generator[None]:
         raise InputError(
             "--opcua needs the library asyncua: pip install 'workbench[opcua]'"
         ) from error
+    # It warns that nothing is encrypted, as docs/opcua.md does.
+    logging.getLogger("asyncua").setLevel(logging.ERROR)
     operator = Person(typed.opcua_operator, Role.OPERATOR)
     password = os.environ.get(PASSWORD, "")
     server = OpcUa(bench, Options(typed.opcua, operator, typed.host, password))
