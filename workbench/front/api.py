@@ -15,8 +15,9 @@ from typing import Any
 from aiohttp import web
 
 from workbench.app.bench import Bench
+from workbench.app.commands import Approve, WatchPlan
 from workbench.app.people import Person
-from workbench.app.rights import RIGHTS
+from workbench.app.rights import NOBODY, RIGHTS
 from workbench.front.calls import CALLS, Call
 from workbench.front.events import HEARTBEAT, MOST_LISTENERS, Events
 from workbench.front.fields import LARGEST_BODY, body_of
@@ -24,7 +25,7 @@ from workbench.front.openapi import PREFIX, openapi
 from workbench.front.problems import problem, problem_of
 from workbench.front.reads import JSON, READS, Read, Source
 from workbench.front.reference import reference_html
-from workbench.model.errors import WorkbenchError
+from workbench.model.errors import NotAllowed, WorkbenchError
 
 log = logging.getLogger(__name__)
 
@@ -33,6 +34,9 @@ Identify = Callable[[web.Request], Awaitable[Person | None]]
 
 POLICY = "default-src 'none'; style-src 'unsafe-inline'; frame-ancestors 'none'"
 """Of the page that describes the interface: it has a style and nothing else."""
+
+NAMED = frozenset({Approve, WatchPlan})
+"""What a person answers for: nothing that a login without a name could say."""
 
 Answer = Callable[[web.Request, Person], Awaitable[web.StreamResponse]]
 
@@ -109,6 +113,8 @@ class Api:
 
     async def give(self, call: Call, request: web.Request, person: Person) -> web.Response:
         """Give a command in the name of who asks."""
+        if person.name == NOBODY and call.kind in NAMED:
+            raise NotAllowed(f"{RIGHTS[call.kind].says} needs a name: log in as somebody")
         content = await _body(request)
         if isinstance(content, web.Response):
             return content

@@ -6,6 +6,8 @@ import json
 import numpy as np
 import pytest
 
+from workbench.app.people import Person, Role
+from workbench.app.rights import NOBODY
 from workbench.formats.plans import read_plan
 from workbench.front.calls import CALLS
 from workbench.front.fields import LARGEST_BODY
@@ -103,6 +105,14 @@ def _some(field):
     if field.name == "plan":
         return "0" * 64
     return {"integer": 0, "number": 0.5, "boolean": True, "string": "x"}[field.schema["type"]]
+
+
+def test_a_login_without_a_name_approves_nothing(site, people):
+    people["Bearer first"] = Person(NOBODY, Role.ENGINEER)
+    digest = plan(site)
+    for path in ("/watch", "/approve"):
+        assert "needs a name" in detail(site.post(path, who="first", plan=digest), 403)
+    assert site.post("/scan", who="first").status_code == 202
 
 
 def test_whoever_is_not_in_control_is_told_who_is(site):
