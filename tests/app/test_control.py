@@ -1,6 +1,7 @@
 """Roles and control: who may give a command, and how control passes from one to the other."""
 
 import dataclasses
+import json
 import typing
 
 import pytest
@@ -28,12 +29,13 @@ from workbench.app.control import MOST_ASKING, ControlCommand
 from workbench.app.decide import decide
 from workbench.app.live import Live
 from workbench.app.people import Role
+from workbench.app.record import command_form, entry_of, entry_record
 from workbench.app.replay import replay
 from workbench.app.rights import FRONT_DOOR, MACHINES, POSES_FOLDER, RIGHTS, lacks_right
 from workbench.app.rules import allowed
 from workbench.app.state import Phase, State
 from workbench.journal.journal import Journal
-from workbench.model.errors import CommandRefused, JobCancelled
+from workbench.model.errors import CommandRefused, JobCancelled, JournalError, NotAllowed
 
 NOW = 1_000_000.0
 PEOPLE = {"Ada": Role.ENGINEER, "Bob": Role.OPERATOR, "Cleo": Role.OPERATOR, "Vic": Role.VIEWER}
@@ -192,6 +194,30 @@ def test_no_sequence_of_words_takes_control_from_a_person_but_an_engineer_does(c
 
 def test_every_word_about_control_is_a_command():
     assert set(typing.get_args(ControlCommand)) <= set(typing.get_args(Command))
+
+
+def test_a_session_from_before_there_were_roles_is_that_of_engineers(cell):
+    entry = Entry(2, NOW, "Ada", TakeScan(), role=Role.OPERATOR)
+    record = entry_record(entry, command_form(entry.command), State(cell))
+    body = json.loads(record.body)
+    assert body["role"] == "operator"
+    read, _ = entry_of(2, record.kind, record.body, lambda digest: b"")
+    assert read.role is Role.OPERATOR
+    del body["role"]
+    read, _ = entry_of(2, record.kind, json.dumps(body).encode(), lambda digest: b"")
+    assert read.role is Role.ENGINEER
+    body["role"] = "owner"
+    with pytest.raises(JournalError, match="owner"):
+        entry_of(2, record.kind, json.dumps(body).encode(), lambda digest: b"")
+
+
+def test_what_a_role_may_never_do_is_told_apart_from_what_is_not_in_order_now(idle, held):
+    with pytest.raises(NotAllowed):
+        after(idle, SaveCell(""), "Bob")
+    for state, command, actor in ((idle, Stop(), "Bob"), (held, TakeScan(), "Cleo")):
+        with pytest.raises(CommandRefused) as refused:
+            after(state, command, actor)
+        assert not isinstance(refused.value, NotAllowed)
 
 
 def test_role_and_control_are_recorded_and_asked_again(cell, tmp_path):

@@ -80,7 +80,9 @@ class Screen:
         return self.page.locator(selector).first.inner_text()
 
     def wait_for(self, text: str) -> None:
-        self.page.get_by_text(text).first.wait_for(timeout=PATIENCE * 1000)
+        # The same words may stand in a tab that is not shown.
+        shown = self.page.get_by_text(text).locator("visible=true").first
+        shown.wait_for(timeout=PATIENCE * 1000)
 
     def shoot(self, name: str) -> None:
         """Keep a picture for people to look at."""

@@ -4,6 +4,7 @@ import logging
 import threading
 import time
 from collections.abc import Callable, Iterator
+from pathlib import Path
 from typing import Protocol
 
 from workbench.app.commands import Approve, Command, Entry, JobEnded, LinkEnded, SendPlan, Stop
@@ -96,6 +97,11 @@ class Bench:
     def state(self) -> State:
         """The newest state."""
         return self._state
+
+    @property
+    def folder(self) -> Path:
+        """Where the session lies; other sessions lie beside it."""
+        return self._journal.folder
 
     @property
     def live(self) -> Live:

@@ -181,8 +181,16 @@ def lacks_right(state: State, command: type, actor: str, role: Role) -> str:
     if actor in MACHINES:
         return ""
     right = RIGHTS[command]
-    if not role.covers(right.role):
-        return f"{right.says} is for {right.role}s; you are {role.said}"
+    if problem := lacks_role(command, role):
+        return problem
     if state.control in ("", actor) or right.without_control:
         return ""
     return f"{state.control} is in control; ask for control first"
+
+
+def lacks_role(command: type, role: Role) -> str:
+    """Why a command of this type is for people of another role; empty when it is not."""
+    right = RIGHTS[command]
+    if role.covers(right.role):
+        return ""
+    return f"{right.says} is for {right.role}s; you are {role.said}"

@@ -47,7 +47,7 @@ from workbench.app.part_import import check_import
 from workbench.app.part_rules import check_edit, part_of
 from workbench.app.people import Role
 from workbench.app.release import lacks_people, overtaken, said_already, unwatched
-from workbench.app.rights import MACHINES, RIGHTS, lacks_right, obstacle
+from workbench.app.rights import MACHINES, RIGHTS, lacks_right, lacks_role, obstacle
 from workbench.app.state import State
 from workbench.app.value_checks import (
     DETAIL,
@@ -66,7 +66,7 @@ from workbench.app.value_checks import (
 )
 from workbench.model.cell import Cell
 from workbench.model.digest import digest_of
-from workbench.model.errors import CommandRefused
+from workbench.model.errors import CommandRefused, NotAllowed
 from workbench.model.plan import UNSIGNED, Plan, Proof, Strategy
 from workbench.model.release import Approval, Word
 
@@ -97,9 +97,12 @@ def allowed(
         role: of the person who asks; that of somebody at the machine's own shell is engineer.
 
     Raises:
-        CommandRefused: with a sentence for the one who asked.
+        CommandRefused: with a sentence for the one who asked; `NotAllowed` when it is a matter of
+            the role alone.
     """
     _check_actor(command, actor)
+    if actor not in MACHINES and (problem := lacks_role(type(command), role)):
+        raise NotAllowed(problem)
     _refuse(lacks_right(state, type(command), actor, role))
     if problem := obstacle(state, type(command)):
         raise CommandRefused(problem)

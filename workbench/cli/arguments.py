@@ -27,6 +27,11 @@ class Serve:
     """Address to listen on."""
     port: int = 8080
     """Port to listen on; 0 takes a free one."""
+    opcua: int | None = None
+    """Serve OPC UA on this port, too; with a password from WORKBENCH_OPCUA_PASSWORD, or on this
+    machine only."""
+    opcua_operator: str = "plc"
+    """Name of the operator that whoever calls over OPC UA acts as."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -18,6 +18,7 @@ from workbench.app.sessions import new_session
 from workbench.app.watch import CellWatch
 from workbench.app.watch_poses import PosesWatch
 from workbench.cli import arguments
+from workbench.cli.plc import plc
 from workbench.cli.simulation import simulated_controller
 from workbench.cli.terminal import check_whole
 from workbench.formats.cells import cell_path, part_folders, read_cell
@@ -47,6 +48,7 @@ def serve(typed: arguments.Serve) -> int:
         stack.callback(bench.close)
         stack.callback(CellWatch(path, bench).close)
         stack.callback(PosesWatch(bench).close)
+        stack.enter_context(plc(bench, typed))
 
         # The page takes its time to import; by now the worker imports in parallel.
         from workbench.gui.server import serve as serve_page

@@ -26,8 +26,19 @@ def parse_json(path: Path, content: bytes, format_name: str) -> Table:
     """The top object of a JSON text whose key `format` is `format_name`.
 
     Raises:
-        FileError: not JSON (with the line), a key twice, NaN, not an object, or another
-            format.
+        FileError: as `parse_object` has it, or another format.
+    """
+    table = Table(path, parse_object(path, content))
+    table.text("format", among=(format_name,))
+    return table
+
+
+def parse_object(path: Path, content: bytes) -> dict[str, Any]:
+    """The top object of a JSON text.
+
+    Raises:
+        FileError: not JSON (with the line), a key twice, NaN, or not an object; named after
+            `path`.
     """
     try:
         values = json.loads(
@@ -41,9 +52,7 @@ def parse_json(path: Path, content: bytes, format_name: str) -> Table:
         raise FileError(path, "is nested too deeply") from None
     if not isinstance(values, dict):
         raise FileError(path, f"a JSON object is expected, {shown(values)} is given")
-    table = Table(path, cast(dict[str, Any], values))
-    table.text("format", among=(format_name,))
-    return table
+    return cast(dict[str, Any], values)
 
 
 def json_text(path: Path, content: object) -> bytes:

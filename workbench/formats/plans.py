@@ -24,7 +24,7 @@ from workbench.formats.poses import MOST_PARTS, read_detection, read_pose_rows
 from workbench.formats.toml_keys import MISSING, Table
 from workbench.formats.whole_files import write_whole
 from workbench.model.digest import LARGE, canonical
-from workbench.model.errors import FileError
+from workbench.model.errors import FileError, InputError
 from workbench.model.geometry import Floats
 from workbench.model.plan import (
     LEG_NAMES,
@@ -57,22 +57,33 @@ def write_plan(path: str | Path, plan: Plan, proof: Proof | None = None) -> None
             does not hold).
     """
     path = Path(path)
+    try:
+        content = plan_content(plan, proof)
+    except InputError as error:
+        raise FileError(path, f"not written: {error}") from error
+    write_whole(path, json_text(path, content))
+
+
+def plan_content(plan: Plan, proof: Proof | None = None) -> dict[str, Any]:
+    """What a plan file holds, with a summary of its proof when there is one.
+
+    Raises:
+        InputError: a leg has more than `model.digest.LARGE` numbers.
+    """
     for arm in plan.arms:
         for leg in arm.legs:
             if leg.q.size > LARGE:
-                raise FileError(
-                    path,
-                    f"not written: leg {leg.name} of arm {arm.arm} has {leg.q.size} numbers, a "
-                    f"plan file holds at most {LARGE} a leg",
+                raise InputError(
+                    f"leg {leg.name} of arm {arm.arm} has {leg.q.size} numbers, a plan file "
+                    f"holds at most {LARGE} a leg"
                 )
-    content = {
+    return {
         "format": PLAN_FORMAT,
         **canonical(plan, without=UNSIGNED),
         "proof": None if proof is None else _summary(proof),
         "seconds": canonical(plan.seconds),
         "digest": plan.digest,
     }
-    write_whole(path, json_text(path, content))
 
 
 def read_plan(path: str | Path) -> tuple[Plan, str]:

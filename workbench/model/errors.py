@@ -4,6 +4,7 @@
     |-- InputError        a file, an argument or a message that cannot be used as it is
     |   |-- FileError     ... with the file named
     |   `-- CommandRefused  a command that the rules do not admit now
+    |       `-- NotAllowed  ... nor ever from a person of this role
     |-- LinkError         the robot controller or a scanner cannot be reached, or broke off
     |   `-- ProtocolError it answered something that the protocol does not know
     |-- JobCancelled      a person ended a long task
@@ -40,6 +41,10 @@ class FileError(InputError):
 
 class CommandRefused(InputError):
     """The rules do not admit this command in this state, or not from this actor."""
+
+
+class NotAllowed(CommandRefused):
+    """A command that is for people of another role, whatever the state."""
 
 
 class LinkError(WorkbenchError):

@@ -6,6 +6,7 @@ from typing import Any
 
 import viser
 
+from workbench.app.commands import TakeScan
 from workbench.gui.door import element_id
 from workbench.gui.look import View
 from workbench.gui.tables import (
@@ -94,7 +95,9 @@ class CandidatesPanel:
         chosen = new.look.candidate
         place = self._shown.index(chosen) if chosen in self._shown else None
         self._mark.content = chosen_html(place)
-        self._clear.disabled = chosen is None
+        follows = bool(self._visitor.lacks(new.state, TakeScan))
+        self._clear.disabled = chosen is None or follows
+        self._pose.disabled = follows
         if old is None or old.pose is not new.pose or old.fix != new.fix:
             self._draw_pose(old, new)
 

@@ -1,0 +1,84 @@
+"""A bench on the YuMi cell whose machines answer at once, with results made beforehand."""
+
+import queue
+import threading
+from dataclasses import dataclass
+
+import numpy as np
+
+from workbench.app.commands import JobEnded, LinkEnded, PlanResult
+from workbench.app.effects import Send, StartJob, StopSending
+from workbench.app.live import Live
+from workbench.app.pick import plan_pick
+from workbench.app.rights import ROBOT_LINK, WORKER
+from workbench.formats.cells import read_cell
+from workbench.model.cell import Cell
+from workbench.model.errors import CommandRefused
+from workbench.model.geometry import pose_from_rpy
+from workbench.model.scan import Detection, Scan
+
+
+@dataclass(frozen=True)
+class Results:
+    """What each stage brings, all of the same cycle."""
+
+    cell: Cell
+    scan: Scan
+    detections: tuple[Detection, ...]
+    planned: PlanResult
+
+
+def make_results() -> Results:
+    cell = read_cell("yumi")
+    floor = cell.bin.T_world_bin.translation
+    grid = np.stack(np.meshgrid([-0.1, 0.0, 0.1], [-0.1, 0.0, 0.1], [0.0]), axis=-1).reshape(-1, 3)
+    T = cell.scanner.T_world_scanner.inverse()
+    scan = Scan((grid + floor) @ T.rotation.T + T.translation, T.inverse(), "a drawn floor")
+    detections = tuple(
+        Detection(
+            "keyed_cylinder",
+            pose_from_rpy(floor + np.array([x, y, 0.0165]), (np.pi / 2, 0.0, yaw)),
+            0.9,
+        )
+        for x, y, yaw in ((-0.01, -0.07, 0.4), (0.01, 0.07, -0.6))
+    )
+    return Results(cell, scan, detections, plan_pick(cell, detections, scan.digest, seed=0))
+
+
+class Canned:
+    """Effects whose results come at once; while `hold` is set, no job ends."""
+
+    def __init__(self, results: Results, do) -> None:
+        self.live = Live()
+        self.hold = threading.Event()
+        self._results, self._do = results, do
+        self._wanted: queue.SimpleQueue = queue.SimpleQueue()
+        self._thread = threading.Thread(target=self._run, daemon=True)
+        self._thread.start()
+
+    def run(self, effect) -> None:
+        self._wanted.put(effect)
+
+    def close(self) -> None:
+        self._wanted.put(None)
+        self._thread.join()
+
+    def _run(self) -> None:
+        while (effect := self._wanted.get()) is not None:
+            try:
+                self._answer(effect)
+            except CommandRefused:
+                continue  # somebody was quicker: the sending has ended, say
+
+    def _answer(self, effect) -> None:
+        results = self._results
+        match effect:
+            case StartJob(number=number, name=name) if not self.hold.is_set():
+                found = {"scan": results.scan, "localize": results.detections}
+                self._do(JobEnded(number, found.get(name, results.planned)), WORKER)
+            case Send(plan=plan) if not self.hold.is_set():
+                self._do(LinkEnded("", len(plan.arms)), ROBOT_LINK)
+            case StopSending():
+                self._do(LinkEnded("stopped", 0), ROBOT_LINK)
+            case _:
+                return

@@ -1,0 +1,44 @@
+"""Refusals as programs read them: problem details after RFC 9457."""
+
+import json
+from collections.abc import Mapping
+from http import HTTPStatus
+
+from aiohttp import web
+
+from workbench.model.errors import CommandRefused, InputError, NotAllowed, WorkbenchError
+
+PROBLEM = "application/problem+json"
+
+
+def problem(
+    status: HTTPStatus, detail: str, *, headers: Mapping[str, str] | None = None
+) -> web.Response:
+    """A refusal.
+
+    Args:
+        status: of the answer; its phrase is the title.
+        detail: a sentence for whoever asked, which says what to do instead.
+        headers: that the status wants beside.
+    """
+    content = {"title": status.phrase, "status": status.value, "detail": detail}
+    return web.Response(
+        body=json.dumps(content).encode(),
+        status=status,
+        content_type=PROBLEM,
+        headers=headers,
+    )
+
+
+def problem_of(error: WorkbenchError) -> web.Response:
+    """The refusal that an error is: a role's, the state's, or that of what was sent."""
+    match error:
+        case NotAllowed():
+            status = HTTPStatus.FORBIDDEN
+        case CommandRefused():
+            status = HTTPStatus.CONFLICT
+        case InputError():
+            status = HTTPStatus.BAD_REQUEST
+        case _:
+            status = HTTPStatus.INTERNAL_SERVER_ERROR
+    return problem(status, str(error))
