@@ -6,6 +6,7 @@ from typing import Annotated, Literal
 
 from tyro.conf import Positional, subcommand
 
+from workbench.cli.access_arguments import USERS
 from workbench.cli.names import PlannerName, StrategyName
 
 
@@ -321,6 +322,16 @@ class SessionOpen:
     """Address to listen on."""
     port: int = 8081
     """Port to listen on; 0 takes a free one."""
+    users: Path = USERS
+    """File of users and logins."""
+    certificate: Path | None = None
+    """PEM file to serve over TLS with."""
+    key: Path | None = None
+    """PEM file of the certificate's key, not encrypted."""
+    name: tuple[str, ...] = ()
+    """Names under which browsers ask for this machine, beside --host and addresses."""
+    hours: float = 8.0
+    """That a login lasts."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -18,8 +18,8 @@ from workbench.app.sessions import new_session
 from workbench.app.watch import CellWatch
 from workbench.app.watch_poses import PosesWatch
 from workbench.cli import arguments
+from workbench.cli.fronted import front_options, fronted
 from workbench.cli.simulation import simulated_controller
-from workbench.cli.terminal import check_whole
 from workbench.formats.cells import cell_path, part_folders, read_cell
 from workbench.formats.predictions import predictions_path, read_predictions
 from workbench.model.cell import Controller
@@ -31,7 +31,7 @@ CONNECT_SECONDS = 0.5
 
 def serve(typed: arguments.Serve) -> int:
     """Serve the page until SIGINT or SIGTERM."""
-    check_whole("--port", typed.port, 0, 65535)
+    options = front_options(typed)
     logging.basicConfig(level=logging.WARNING, format="%(asctime)s %(name)s: %(message)s")
     cell = read_cell(typed.cell)
     predictions = read_predictions(predictions_path(typed.cell))
@@ -47,19 +47,11 @@ def serve(typed: arguments.Serve) -> int:
         stack.callback(bench.close)
         stack.callback(CellWatch(path, bench).close)
         stack.callback(PosesWatch(bench).close)
-
-        # The page takes its time to import; by now the worker imports in parallel.
-        from workbench.gui.server import serve as serve_page
-
-        page = serve_page(
-            bench,
-            host=typed.host,
-            port=typed.port,
-            predictions=predictions,
-            folders=part_folders(path),
+        page = fronted(
+            bench, typed.users, options, predictions=predictions, folders=part_folders(path)
         )
-        stack.callback(page.close)
-        print(f"Workbench, cell {cell.name}: {page.url}")
+        front = stack.enter_context(page)
+        print(f"Workbench, cell {cell.name}: {front.link}")
         print(robot)
         print(f"session: {journal.folder}", flush=True)
         wait_for_the_end()
