@@ -30,8 +30,9 @@ MOST_WAITING = 20
 
 WRONG = "Name or password are wrong."
 NO_USERS = (
-    "There are no users yet. Open the link that was printed when the workbench was started; it "
-    "works once. For more people or browsers, add users: workbench user add NAME --role operator"
+    "There are no users yet. Open the link that the workbench printed when it was started. It "
+    "works once, for one browser; a new start prints another. For more browsers and people add "
+    "users: workbench user add NAME --role engineer"
 )
 USED = "This link has been used, or is of an earlier start. " + NO_USERS
 

@@ -66,7 +66,7 @@ def serve(
         FileError: the style sheet or the logo is missing.
     """
     style = find("static", "page.css").read_text(encoding="utf-8")
-    theme = Theme()
+    theme = Theme(is_framed=secret is not None)
     server = open_door(host, port, secret)
     theme.apply(server.gui, is_dark=False)
     server.gui.set_panel_label(f"Cell {bench.cell.name}")
