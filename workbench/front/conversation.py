@@ -6,7 +6,7 @@ from collections.abc import Coroutine
 from dataclasses import dataclass
 from typing import Any
 
-from aiohttp import ClientWebSocketResponse, WSCloseCode, WSMsgType, web
+from aiohttp import ClientWebSocketResponse, WebSocketError, WSCloseCode, WSMsgType, web
 
 from workbench.front.connections import OVER, Seat
 from workbench.front.messages import (
@@ -24,7 +24,7 @@ MOST_REFUSED = 20
 """Messages that are dropped before the browser is cut off."""
 
 CLOSE_SECONDS = 1.0
-"""How long a browser has to take note that it is cut off."""
+"""How long a browser has to take note that it is cut off [s]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,7 +92,7 @@ class Conversation:
         """From the browser into the queue."""
         async for frame in self._browser:
             if frame.type is WSMsgType.ERROR:
-                return self._broken()
+                return _broken(frame.data)
             if frame.type is not WSMsgType.BINARY:
                 return End(WSCloseCode.UNSUPPORTED_DATA, "only binary messages", is_fault=True)
             try:
@@ -107,13 +107,6 @@ class Conversation:
             if problem is not None:
                 return End(WSCloseCode.POLICY_VIOLATION, problem.why, is_fault=True)
         return End(WSCloseCode.OK, "")
-
-    def _broken(self) -> End:
-        """What the browser sent is no websocket any more, or too big a message."""
-        code = self._browser.close_code or WSCloseCode.PROTOCOL_ERROR
-        is_big = code == WSCloseCode.MESSAGE_TOO_BIG
-        why = "a message is too big" if is_big else "no websocket any more"
-        return End(code, why, is_fault=code != WSCloseCode.ABNORMAL_CLOSURE)
 
     async def _take(self, message: Working) -> Broken | None:
         problem = None
@@ -181,6 +174,15 @@ async def close(
         # It does not read: what waits for it is dropped.
         if isinstance(transport, asyncio.WriteTransport):
             transport.abort()
+
+
+def _broken(error: Exception) -> End:
+    """What the browser sent is too big, or no websocket any more; or it has only gone."""
+    if isinstance(error, WebSocketError):
+        is_big = error.code == WSCloseCode.MESSAGE_TOO_BIG
+        why = "a message is too big" if is_big else str(error)
+        return End(error.code, why, is_fault=True)
+    return End(WSCloseCode.OK, "")
 
 
 def _first(done: set[asyncio.Task[End]]) -> End:

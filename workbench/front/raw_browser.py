@@ -17,6 +17,19 @@ import zstandard
 
 PROTOCOL = "viser-v1.1.1"
 
+CAMERA: Mapping[str, Any] = {
+    "wxyz": (1.0, 0.0, 0.0, 0.0),
+    "position": (2.0, 2.0, 2.0),
+    "fov": 1.0,
+    "near": 0.01,
+    "far": 1000.0,
+    "image_height": 720,
+    "image_width": 1280,
+    "look_at": (0.0, 0.0, 0.0),
+    "up_direction": (0.0, 0.0, 1.0),
+}
+"""Where a browser looks from; viser makes no widgets for one that has not said that."""
+
 
 class RawBrowser:
     """One browser.
@@ -70,6 +83,7 @@ class RawBrowser:
             headers={"Origin": self.url, **headers},
             max_msg_size=0,
         )
+        await self.send("ViewerCameraMessage", **CAMERA)
 
     async def send(self, kind: str, **fields: Any) -> None:
         """Send one message of viser's protocol."""

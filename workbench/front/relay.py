@@ -25,7 +25,7 @@ from aiohttp import (
 
 from workbench.app.people import Person
 from workbench.front.connections import Connections
-from workbench.front.conversation import Conversation
+from workbench.front.conversation import CLOSE_SECONDS, Conversation
 from workbench.front.headers import scene_policy
 from workbench.front.identity import session_of
 from workbench.front.pages import sockets_of
@@ -140,6 +140,7 @@ class Relay:
             async with viser:
                 browser = web.WebSocketResponse(
                     protocols=(protocol,),
+                    timeout=CLOSE_SECONDS,
                     heartbeat=HEARTBEAT,
                     max_msg_size=MOST_FROM_BROWSER,
                     compress=False,
