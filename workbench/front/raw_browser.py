@@ -7,7 +7,7 @@ Frames of viser are, after two lengths of 8 bytes, a map packed by Zstandard, an
 
 import asyncio
 import ssl
-from collections.abc import AsyncIterator, Mapping
+from collections.abc import AsyncGenerator, Mapping
 from contextlib import asynccontextmanager
 from typing import Any
 
@@ -139,7 +139,7 @@ class RawBrowser:
 
 
 @asynccontextmanager
-async def raw_browser(url: str, tls: ssl.SSLContext | bool = True) -> AsyncIterator[RawBrowser]:
+async def raw_browser(url: str, tls: ssl.SSLContext | bool = True) -> AsyncGenerator[RawBrowser]:
     """A browser that has not logged in.
 
     Args:
