@@ -32,6 +32,7 @@ COMMANDS = (
     "grasps",
     "import",
     "session",
+    "user",
     "statistics",
     "backup",
     "restore",
@@ -58,6 +59,14 @@ NESTED = (
     ("session", "export"),
     ("session", "import"),
     ("session", "prune"),
+    ("user", "add"),
+    ("user", "list"),
+    ("user", "disable"),
+    ("user", "enable"),
+    ("user", "password"),
+    ("user", "role"),
+    ("user", "remove"),
+    ("user", "token"),
 )
 
 

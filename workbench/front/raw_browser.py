@@ -17,6 +17,9 @@ import zstandard
 
 PROTOCOL = "viser-v1.1.1"
 
+FAREWELL = 0.1
+"""That connections over TLS, which take leave in steps, have before the event loop ends [s]."""
+
 CAMERA: Mapping[str, Any] = {
     "wxyz": (1.0, 0.0, 0.0, 0.0),
     "position": (2.0, 2.0, 2.0),
@@ -156,6 +159,8 @@ async def raw_browser(url: str, tls: ssl.SSLContext | bool = True) -> AsyncGener
         finally:
             if browser.socket is not None:
                 await browser.socket.close()
+    if tls is not True:
+        await asyncio.sleep(FAREWELL)
 
 
 def unpacked(frame: bytes) -> list[dict[str, Any]]:
