@@ -42,6 +42,7 @@ NESTED = (
     ("bench", "planners"),
     ("bench", "pick"),
     ("bench", "soak"),
+    ("bench", "page"),
     ("study", "threshold"),
     ("study", "localization"),
     ("cell", "new"),

@@ -84,6 +84,23 @@ class BenchSoak:
 
 
 @dataclass(frozen=True, slots=True)
+class BenchPage:
+    """Serve a page, have many browsers look at a plan while one scrubs it, and tell how it holds.
+
+    Ends with 1 when a value that was typed became no command.
+    """
+
+    cell: str = "yumi"
+    """Name under robots/, or path of a cell.toml."""
+    browsers: int = 10
+    """How many; they read everything and draw nothing."""
+    seconds: float = 300.0
+    """How long."""
+    json: bool = False
+    """Print one JSON object and nothing else."""
+
+
+@dataclass(frozen=True, slots=True)
 class StudyLocalization:
     """Find the parts of seeded piles in simulated scans and compare with where they lie."""
 
@@ -134,12 +151,13 @@ class StudyThreshold:
 
 @dataclass(frozen=True, slots=True)
 class Bench:
-    """Measure how fast and how reliable planning is."""
+    """Measure how fast and how reliable planning is, and how the page holds."""
 
     what: (
         Annotated[BenchPlanners, subcommand("planners")]
         | Annotated[BenchPick, subcommand("pick")]
         | Annotated[BenchSoak, subcommand("soak")]
+        | Annotated[BenchPage, subcommand("page")]
     )
 
 

@@ -50,7 +50,9 @@ class RawBrowser:
         self.frames = 0
         self.bytes = 0
         self.widgets: dict[str, str] = {}
-        """Ids of widgets, by label."""
+        """Ids of widgets, by label; of several the first."""
+        self.disabled: dict[str, bool] = {}
+        """Whether a widget cannot be used now, by id."""
 
     async def log_in(self, name: str, password: str) -> int:
         """Fill in the form; the status of the answer, 303 when it is right."""
@@ -111,9 +113,18 @@ class RawBrowser:
         self.bytes += len(frame.data)
         messages = unpacked(frame.data)
         for message in messages:
-            if "label" in (message.get("props") or {}) and "uuid" in message:
-                self.widgets[message["props"]["label"]] = message["uuid"]
+            self._learn(message)
         return messages
+
+    def _learn(self, message: dict[str, Any]) -> None:
+        shown: dict[str, Any] = message.get("props") or message.get("updates") or {}
+        widget = message.get("uuid")
+        if widget is None:
+            return
+        if "props" in message and "label" in shown:
+            self.widgets.setdefault(shown["label"], widget)
+        if "disabled" in shown:
+            self.disabled[widget] = bool(shown["disabled"])
 
     async def find(self, label: str) -> None:
         """Read until there is a widget with this label.
@@ -124,6 +135,16 @@ class RawBrowser:
         while label not in self.widgets:
             if await self.read() is None:
                 raise ConnectionError(f"closed before there was a widget {label!r}")
+
+    async def find_enabled(self, label: str, *, is_enabled: bool = True) -> None:
+        """Read until the widget with this label can be used, or cannot.
+
+        Raises:
+            ConnectionError: the websocket was closed before.
+        """
+        while self.disabled.get(self.widgets.get(label, "")) is not (not is_enabled):
+            if await self.read() is None:
+                raise ConnectionError(f"closed before the widget {label!r} was so")
 
     async def close_code(self) -> int | None:
         """Read until the websocket is closed; the code that it was closed with."""
