@@ -100,10 +100,10 @@ def start(scene: Scene, file: Path) -> Iterator[Callable[..., Front]]:
     """Starts a front; it ends with the test."""
     fronts = []
 
-    def one(**options) -> Front:
+    def one(routes=(), **options) -> Front:
         upstream = Upstream(scene.url, SECRET)
         chosen = Options(**{"port": 0, **options})
-        fronts.append(serve_front(upstream, file, chosen, title="Cell tested"))
+        fronts.append(serve_front(upstream, file, chosen, title="Cell tested", routes=routes))
         return fronts[-1]
 
     yield one

@@ -12,7 +12,7 @@ from workbench.cli.nested_arguments import SessionOpen
 from workbench.cli.terminal import check_number, check_whole
 from workbench.front.listening import Certificate
 from workbench.front.relay import Upstream
-from workbench.front.server import Front, Options, serve_front
+from workbench.front.server import Front, Options, Routes, serve_front
 from workbench.model.errors import InputError
 from workbench.model.prediction import Predictions
 
@@ -41,6 +41,7 @@ def fronted(
     *,
     predictions: Predictions | None = None,
     folders: Mapping[str, Path] | None = None,
+    routes: Routes = (),
 ) -> Generator[Front]:
     """Serve a page as long as the block runs.
 
@@ -50,6 +51,7 @@ def fronted(
         options: of the front.
         predictions: what a study says about the threshold.
         folders: where the parts lie, by name.
+        routes: what the front serves beside the page.
 
     Raises:
         InputError: the address cannot be had.
@@ -62,7 +64,7 @@ def fronted(
     page = serve(bench, port=0, predictions=predictions, folders=folders, secret=secret)
     try:
         title = f"Cell {bench.cell.name}"
-        front = serve_front(Upstream(page.url, secret), users, options, title=title)
+        front = serve_front(Upstream(page.url, secret), users, options, title=title, routes=routes)
         try:
             yield front
         finally:

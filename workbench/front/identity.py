@@ -31,7 +31,7 @@ def session_of(request: web.Request) -> Session | None:
     return None if cookie is None else access.sessions.find(cookie)
 
 
-def identify(request: web.Request) -> Person | None:
+async def identify(request: web.Request) -> Person | None:
     """Who asks, by a token if the request shows one, otherwise by the cookie of a login.
 
     What a browser sends with a cookie has passed the check of its origin before it comes here
