@@ -4,6 +4,9 @@ import asyncio
 from collections.abc import Coroutine
 from contextlib import asynccontextmanager
 
+import aiohttp
+import pytest
+
 from workbench.front.raw_browser import raw_browser
 
 SECRET = "a secret of this start"
@@ -31,3 +34,10 @@ async def cookie_of(browser):
     """The cookie that a browser has, to be shown elsewhere."""
     (cookie,) = browser.session.cookie_jar
     return f"{cookie.key}={cookie.value}"
+
+
+async def refused_with(opening):
+    """The status that a websocket is refused with."""
+    with pytest.raises(aiohttp.WSServerHandshakeError) as caught:
+        await opening
+    return caught.value.status

@@ -5,18 +5,18 @@ import concurrent.futures
 import socket
 import ssl
 import threading
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
+from contextlib import ExitStack
 from dataclasses import dataclass, field
 from pathlib import Path
 
 from aiohttp import web
 
-from workbench import __version__
 from workbench.front.connections import Connections
 from workbench.front.doorstep import Doorstep
 from workbench.front.first_key import FirstKey
 from workbench.front.guard import guard, strictly
-from workbench.front.identity import ACCESS, Access, session_of
+from workbench.front.identity import ACCESS, Access
 from workbench.front.listening import Certificate, listen
 from workbench.front.lockout import Lockout
 from workbench.front.logins import Logins
@@ -24,9 +24,9 @@ from workbench.front.origins import WILDCARDS, Origins, is_loopback
 from workbench.front.pages import Pages
 from workbench.front.relay import Relay, Upstream
 from workbench.front.sessions import HOURS, Sessions
+from workbench.front.shell import Shell
 from workbench.front.store import Store
 from workbench.front.users import Users
-from workbench.model.errors import InputError
 
 MOST_BODY = 1024 * 1024
 """Bytes of a request; who takes more reads it piece by piece."""
@@ -38,7 +38,6 @@ CLOSING_SECONDS = 2.0
 """That browsers have to take leave."""
 
 Routes = Iterable[web.AbstractRouteDef]
-NO_APPS: Mapping[str, web.Application] = {}
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,13 +87,7 @@ class Front:
 
 
 def serve_front(
-    upstream: Upstream,
-    users: Path,
-    options: Options,
-    *,
-    title: str,
-    routes: Routes = (),
-    apps: Mapping[str, web.Application] = NO_APPS,
+    upstream: Upstream, users: Path, options: Options, *, title: str, routes: Routes = ()
 ) -> Front:
     """Serve viser's page to those who have logged in.
 
@@ -107,87 +100,61 @@ def serve_front(
         title: of the page.
         routes: more of them.  Who may use one is for its handler to say (`identity.identify`);
             that it comes from a page of ours, or shows a token, is checked before.
-        apps: whole applications, by their prefix, under the same checks.
 
     Raises:
         InputError: the address cannot be had.
         FileError: users, certificate or our own pages cannot be read.
     """
     tls = None if options.certificate is None else options.certificate.context()
-    pages, store = Pages.read(), Store(users)
-    try:
+    pages = Pages.read()
+    with ExitStack() as undo:
+        store = Store(users)
+        undo.callback(store.close)
         bound = listen(options.host, options.port)
-    except InputError:
-        store.close()
-        raise
-    scheme, port = "http" if tls is None else "https", int(bound.getsockname()[1])
-    access = Access(
-        Users(store),
-        Sessions(store, hours=options.hours),
-        # Browsers do not tell ports apart; two workbenches on a machine are to.
-        f"{'' if tls is None else '__Host-'}workbench-{port}",
-    )
-    first = FirstKey(access.users, from_anywhere=not is_loopback(options.host))
-    connections = Connections(access.sessions)
-    relay = Relay(upstream, connections)
-    doorstep = Doorstep()
-    app = web.Application(
-        middlewares=[doorstep.note, guard(Origins(scheme, options.host, options.names))],
-        client_max_size=MOST_BODY,
-    )
-    app[ACCESS] = access
-    app.on_response_prepare.append(strictly)
-    logins = Logins(pages, Lockout(store), first, connections, title)
-    app.add_routes([*_own_routes(pages, logins, relay, title), *routes])
-    for prefix, part in apps.items():
-        app.add_subapp(prefix, part)
-    running = _Running(app, bound, tls, relay, connections, doorstep)
-    try:
-        running.start()
-    except BaseException:
-        store.close()
-        raise
-    shown = "localhost" if options.host in WILDCARDS else options.host
-    bracketed = f"[{shown}]" if ":" in shown else shown
-    return Front(f"{scheme}://{bracketed}:{port}", first, store, running)
-
-
-def _own_routes(pages: Pages, logins: Logins, relay: Relay, title: str) -> list[web.RouteDef]:
-    async def shell(request: web.Request) -> web.StreamResponse:
-        session = session_of(request)
-        if session is None:
-            # A strict cookie does not come along on the way from another site, but it does on
-            # the next step from here.
-            if request.headers.get("Sec-Fetch-Site") == "cross-site":
-                return pages.page(request, "onward.html")
-            raise web.HTTPSeeOther("/login")
-        person = session.person
-        return pages.page(
-            request, "shell.html", title=title, user=person.name, role=person.role.value
+        undo.callback(bound.close)
+        scheme, port = "http" if tls is None else "https", int(bound.getsockname()[1])
+        access = Access(
+            Users(store),
+            Sessions(store, hours=options.hours),
+            # Browsers do not tell ports apart; two workbenches on a machine are to.
+            f"{'' if tls is None else '__Host-'}workbench-{port}",
         )
+        first = FirstKey(access.users, from_anywhere=not is_loopback(options.host))
+        connections, doorstep = Connections(access.sessions), Doorstep()
+        relay = Relay(upstream, connections)
+        logins = Logins(pages, Lockout(store), first, connections, title)
+        app = web.Application(
+            middlewares=[doorstep.note, guard(Origins(scheme, options.host, options.names))],
+            client_max_size=MOST_BODY,
+        )
+        app[ACCESS] = access
+        app.on_response_prepare.append(strictly)
+        app.add_routes([*_own_routes(pages, logins, relay, Shell(pages, title)), *routes])
+        running = _Running(app, bound, tls, relay, connections, doorstep)
+        running.start()
+        undo.pop_all()
+    return Front(f"{scheme}://{_written(options.host)}:{port}", first, store, running)
 
-    async def who(request: web.Request) -> web.StreamResponse:
-        session = session_of(request)
-        if session is None:
-            return web.json_response({"name": None}, status=401)
-        person = session.person
-        return web.json_response({"name": person.name, "role": person.role.value})
 
-    async def health(request: web.Request) -> web.StreamResponse:
-        return web.json_response({"ok": True, "version": __version__})
+def _written(host: str) -> str:
+    """A host as a link has it."""
+    shown = "localhost" if host in WILDCARDS else host
+    return f"[{shown}]" if ":" in shown else shown
 
+
+def _own_routes(pages: Pages, logins: Logins, relay: Relay, shell: Shell) -> list[web.RouteDef]:
     return [
-        web.get("/", shell),
+        web.get("/", shell.page),
+        web.get("/who", shell.who),
+        web.get("/healthz", shell.health),
         web.get("/login", logins.form),
         web.post("/login", logins.login),
         web.get("/first", logins.by_link),
         web.post("/logout", logins.logout),
-        web.get("/who", who),
         web.get("/presence", logins.presence),
         web.get("/scene", relay.socket),
         web.get("/scene/", relay.page),
         web.get("/static/{name}", pages.file),
-        web.get("/healthz", health),
     ]
 
 
