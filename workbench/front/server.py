@@ -204,6 +204,7 @@ class _Running:
             self.started.set_result(None)
             await self.stop.wait()
         except Exception as error:
+            # A rim: whoever waits for the start, in another thread, is to know.
             self.started.set_exception(error)
         finally:
             for task in tasks:
