@@ -32,6 +32,7 @@ COMMANDS = (
     "grasps",
     "import",
     "session",
+    "user",
     "statistics",
     "backup",
     "restore",
@@ -41,6 +42,7 @@ NESTED = (
     ("bench", "planners"),
     ("bench", "pick"),
     ("bench", "soak"),
+    ("bench", "page"),
     ("study", "threshold"),
     ("study", "localization"),
     ("cell", "new"),
@@ -58,6 +60,14 @@ NESTED = (
     ("session", "export"),
     ("session", "import"),
     ("session", "prune"),
+    ("user", "add"),
+    ("user", "list"),
+    ("user", "disable"),
+    ("user", "enable"),
+    ("user", "password"),
+    ("user", "role"),
+    ("user", "remove"),
+    ("user", "token"),
 )
 
 

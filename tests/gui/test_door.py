@@ -1,13 +1,20 @@
 """The door: who is let in, and what is shut."""
 
 import asyncio
+import queue
 import socket
+import urllib.error
+import urllib.request
 
+import msgspec
 import pytest
 import websockets
+import websockets.asyncio.server
 from viser import _messages as messages
 
-from workbench.gui.door import close_door, is_own_page, open_door
+from workbench.app.people import Person, Role
+from workbench.app.rights import NOBODY
+from workbench.gui.door import close_door, is_own_page, open_door, person_of
 from workbench.model.errors import InputError
 
 PROTOCOL = "viser-v1.1.1"
@@ -50,6 +57,83 @@ def test_no_browser_can_open_a_public_tunnel(server):
     assert messages.GuiUpdateMessage in handlers
     assert messages.ShareUrlRequest not in handlers
     assert messages.ShareUrlDisconnect not in handlers
+
+
+CAMERA = {
+    "type": "ViewerCameraMessage",
+    "wxyz": (1.0, 0.0, 0.0, 0.0),
+    "position": (1.0, 1.0, 1.0),
+    "fov": 1.0,
+    "near": 0.01,
+    "far": 1000.0,
+    "image_height": 480,
+    "image_width": 640,
+    "look_at": (0.0, 0.0, 0.0),
+    "up_direction": (0.0, 0.0, 1.0),
+}
+
+
+def person_at(secret: str | None, headers: dict[str, str]) -> Person:
+    """Whom the page takes a browser for that shows these headers."""
+    server = open_door("127.0.0.1", 0, secret)
+    found: queue.SimpleQueue[Person] = queue.SimpleQueue()
+    server.on_client_connect(lambda client: found.put(person_of(client)))
+
+    async def connect() -> Person:
+        async with websockets.connect(
+            f"ws://127.0.0.1:{server.get_port()}",
+            subprotocols=[PROTOCOL],
+            additional_headers=headers,
+        ) as connection:
+            await connection.send(msgspec.msgpack.encode(CAMERA))
+            return await asyncio.to_thread(found.get, timeout=20)
+
+    try:
+        return asyncio.run(connect())
+    finally:
+        close_door(server)
+
+
+def test_behind_a_locked_door_is_whom_the_front_has_brought():
+    headers = {"X-WB-Key": "key", "X-WB-User": "Anna%20Wei%C3%9F", "X-WB-Role": "viewer"}
+    assert person_at("key", headers) == Person("Anna Weiß", Role.VIEWER)
+
+
+def test_at_an_open_door_nobody_is_believed():
+    headers = {"X-WB-Key": "key", "X-WB-User": "Anna", "X-WB-Role": "viewer"}
+    assert person_at(None, headers) == Person(NOBODY, Role.ENGINEER)
+
+
+@pytest.mark.parametrize(
+    "headers",
+    [
+        {},
+        {"X-WB-Key": "ke"},
+        {"X-WB-Key": "key"},
+        {"X-WB-Key": "key", "X-WB-User": "Anna"},
+        {"X-WB-Key": "key", "X-WB-User": "Anna", "X-WB-Role": "owner"},
+        {"X-WB-Key": "other", "X-WB-User": "Anna", "X-WB-Role": "viewer"},
+    ],
+)
+def test_a_locked_door_stays_shut_without_the_key_and_a_person(headers):
+    with pytest.raises(websockets.InvalidStatus, match="403"):
+        person_at("key", headers)
+
+
+def test_a_locked_door_shows_its_page_to_who_has_the_key():
+    server = open_door("127.0.0.1", 0, "key")
+    url = f"http://127.0.0.1:{server.get_port()}/"
+    try:
+        with pytest.raises(urllib.error.HTTPError, match="403"):
+            urllib.request.urlopen(url)
+        with urllib.request.urlopen(urllib.request.Request(url, headers={"X-WB-Key": "key"})) as it:
+            assert b"<html" in it.read()
+    finally:
+        close_door(server)
+
+
+def test_hanging_a_door_leaves_the_library_as_it_was(server):
+    assert websockets.asyncio.server.serve.__module__ == "websockets.asyncio.server"
 
 
 def test_a_busy_port_is_an_input_error_that_names_it():

@@ -9,6 +9,7 @@ from typing import Annotated, Literal
 
 from tyro.conf import Positional, subcommand
 
+from workbench.cli.access_arguments import USERS, UserCommands
 from workbench.cli.names import OrderName, PlannerName, ProtocolName, StrategyName
 from workbench.cli.nested_arguments import Bench, CellCommands, SessionCommands, Study
 from workbench.cli.part_arguments import Grasps, PartCommands
@@ -16,9 +17,10 @@ from workbench.cli.part_arguments import Grasps, PartCommands
 
 @dataclass(frozen=True, slots=True)
 class Serve:
-    """Serve the page of a cell.
+    """Serve the page of a cell to those who log in.
 
     A cell whose controller is on this machine, where nothing answers, gets a simulated one.
+    Without users the link that is printed lets one browser in; `workbench user add` makes users.
     """
 
     cell: str = "yumi"
@@ -32,6 +34,16 @@ class Serve:
     machine only."""
     opcua_operator: str = "plc"
     """Name of the operator that whoever calls over OPC UA acts as."""
+    users: Path = USERS
+    """File of users and logins."""
+    certificate: Path | None = None
+    """PEM file to serve over TLS with."""
+    key: Path | None = None
+    """PEM file of the certificate's key, not encrypted."""
+    name: tuple[str, ...] = ()
+    """Names under which browsers ask for this machine, beside --host and addresses."""
+    hours: float = 8.0
+    """That a login lasts."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -323,6 +335,7 @@ Arguments = (
     | Annotated[Grasps, subcommand("grasps")]
     | Annotated[Import, subcommand("import")]
     | Annotated[SessionCommands, subcommand("session")]
+    | Annotated[UserCommands, subcommand("user")]
     | Annotated[Statistics, subcommand("statistics")]
     | Annotated[Backup, subcommand("backup")]
     | Annotated[Restore, subcommand("restore")]

@@ -135,6 +135,10 @@ def run(typed: arguments.Arguments) -> int:
             from workbench.cli.session import session
 
             return session(typed)
+        case arguments.UserCommands():
+            from workbench.cli.user import user
+
+            return user(typed)
         case arguments.Statistics():
             from workbench.cli.statistics import tell_statistics
 

@@ -6,6 +6,7 @@ from typing import Annotated, Literal
 
 from tyro.conf import Positional, subcommand
 
+from workbench.cli.access_arguments import USERS
 from workbench.cli.names import PlannerName, StrategyName
 
 
@@ -83,6 +84,23 @@ class BenchSoak:
 
 
 @dataclass(frozen=True, slots=True)
+class BenchPage:
+    """Serve a page, have many browsers look at a plan while one scrubs it, and tell how it holds.
+
+    Ends with 1 when a value that was typed became no command.
+    """
+
+    cell: str = "yumi"
+    """Name under robots/, or path of a cell.toml."""
+    browsers: int = 10
+    """How many; they read everything and draw nothing."""
+    seconds: float = 300.0
+    """How long."""
+    json: bool = False
+    """Print one JSON object and nothing else."""
+
+
+@dataclass(frozen=True, slots=True)
 class StudyLocalization:
     """Find the parts of seeded piles in simulated scans and compare with where they lie."""
 
@@ -133,12 +151,13 @@ class StudyThreshold:
 
 @dataclass(frozen=True, slots=True)
 class Bench:
-    """Measure how fast and how reliable planning is."""
+    """Measure how fast and how reliable planning is, and how the page holds."""
 
     what: (
         Annotated[BenchPlanners, subcommand("planners")]
         | Annotated[BenchPick, subcommand("pick")]
         | Annotated[BenchSoak, subcommand("soak")]
+        | Annotated[BenchPage, subcommand("page")]
     )
 
 
@@ -321,6 +340,16 @@ class SessionOpen:
     """Address to listen on."""
     port: int = 8081
     """Port to listen on; 0 takes a free one."""
+    users: Path = USERS
+    """File of users and logins."""
+    certificate: Path | None = None
+    """PEM file to serve over TLS with."""
+    key: Path | None = None
+    """PEM file of the certificate's key, not encrypted."""
+    name: tuple[str, ...] = ()
+    """Names under which browsers ask for this machine, beside --host and addresses."""
+    hours: float = 8.0
+    """That a login lasts."""
 
 
 @dataclass(frozen=True, slots=True)

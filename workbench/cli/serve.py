@@ -18,11 +18,13 @@ from workbench.app.sessions import new_session
 from workbench.app.watch import CellWatch
 from workbench.app.watch_poses import PosesWatch
 from workbench.cli import arguments
+from workbench.cli.fronted import front_options, fronted
 from workbench.cli.plc import plc
 from workbench.cli.simulation import simulated_controller
-from workbench.cli.terminal import check_whole
 from workbench.formats.cells import cell_path, part_folders, read_cell
 from workbench.formats.predictions import predictions_path, read_predictions
+from workbench.front.api import api_routes
+from workbench.front.identity import identify
 from workbench.model.cell import Controller
 
 SESSIONS = Path("sessions")
@@ -32,7 +34,7 @@ CONNECT_SECONDS = 0.5
 
 def serve(typed: arguments.Serve) -> int:
     """Serve the page until SIGINT or SIGTERM."""
-    check_whole("--port", typed.port, 0, 65535)
+    options = front_options(typed)
     logging.basicConfig(level=logging.WARNING, format="%(asctime)s %(name)s: %(message)s")
     cell = read_cell(typed.cell)
     predictions = read_predictions(predictions_path(typed.cell))
@@ -49,19 +51,16 @@ def serve(typed: arguments.Serve) -> int:
         stack.callback(CellWatch(path, bench).close)
         stack.callback(PosesWatch(bench).close)
         stack.enter_context(plc(bench, typed))
-
-        # The page takes its time to import; by now the worker imports in parallel.
-        from workbench.gui.server import serve as serve_page
-
-        page = serve_page(
+        page = fronted(
             bench,
-            host=typed.host,
-            port=typed.port,
+            typed.users,
+            options,
             predictions=predictions,
             folders=part_folders(path),
+            routes=api_routes(bench, identify),
         )
-        stack.callback(page.close)
-        print(f"Workbench, cell {cell.name}: {page.url}")
+        front = stack.enter_context(page)
+        print(f"Workbench, cell {cell.name}: {front.link}")
         print(robot)
         print(f"session: {journal.folder}", flush=True)
         wait_for_the_end()

@@ -9,6 +9,7 @@ import numpy as np
 from workbench.cli.exits import SUCCESS
 from workbench.cli.nested_arguments import (
     Bench,
+    BenchPage,
     BenchPick,
     BenchPlanners,
     BenchSoak,
@@ -37,6 +38,10 @@ def bench(typed: Bench) -> int:
             from workbench.cli.soak import soak
 
             return soak(typed.what)
+        case BenchPage():
+            from workbench.cli.page_load import page_load
+
+            return page_load(typed.what)
         case _:
             assert_never(typed.what)
 

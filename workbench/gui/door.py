@@ -2,22 +2,28 @@
 
 viser 1.1.1 listens on all interfaces unless told otherwise, takes the next port when the
 wanted one is busy, opens a public tunnel for any browser that asks, and talks to pages of
-other sites.  Its internals are used here and nowhere else; the version is pinned and
-`tests/gui/test_door.py` tells when they change.
+other sites.  It knows no logins either: those are the front's, which alone has the key to a
+door that is locked, and says at it who it brings.  viser's internals are used here and nowhere
+else; the version is pinned and `tests/gui/test_door.py` tells when they change.
 """
 
 # pyright: reportPrivateUsage=false
 
 import contextlib
+import hmac
+import http
 import ipaddress
 import socket
-from collections.abc import Generator
+import threading
+from collections.abc import Callable, Generator
 from typing import Any
-from urllib.parse import urlsplit
+from urllib.parse import unquote, urlsplit
 
 import rich
 import viser
+import websockets.asyncio.server
 from viser import _messages as messages
+from websockets.http11 import Request, Response
 
 from workbench.app.people import Person, Role
 from workbench.app.rights import NOBODY
@@ -26,19 +32,26 @@ from workbench.model.errors import InputError
 POLICY_VIOLATION = 1008
 """Close code of RFC 6455, section 7.4.1."""
 
+KEY, USER, ROLE = "X-WB-Key", "X-WB-User", "X-WB-Role"
+"""Headers by which the front shows its key and says whom it brings; the name is URL-quoted."""
 
-def open_door(host: str, port: int) -> viser.ViserServer:
+_hanging = threading.Lock()
+"""Held while a door is hung: that takes one change to a module for a moment."""
+
+
+def open_door(host: str, port: int, secret: str | None = None) -> viser.ViserServer:
     """Listen for browsers.
 
     Args:
         host: address or name to listen on.
         port: 0 takes a free one.
+        secret: without which nothing is answered; None lets in whoever comes.
 
     Raises:
         InputError: the address cannot be had; nothing listens then.
     """
     _check_address(host, port)
-    with _quiet():
+    with _quiet(), _guarded(secret):
         server = viser.ViserServer(host=host, port=port, verbose=False)
     if port not in (0, server.get_port()):
         close_door(server)
@@ -63,9 +76,16 @@ def open_door(host: str, port: int) -> viser.ViserServer:
 
 
 def person_of(client: viser.ClientHandle) -> Person:
-    """Who sits at a browser."""
-    del client
-    return Person(NOBODY, Role.ENGINEER)
+    """Who sits at a browser: whom the front has brought, or whoever came to an open door."""
+    inner = client._viser_server._websock_server
+    connection = inner._live_connections.get(client.client_id)
+    if connection is None or connection.request is None:
+        # Gone already; what it asked for is at least not done by somebody who may do more.
+        return Person(NOBODY, Role.VIEWER)
+    headers = connection.request.headers
+    if USER not in headers:
+        return Person(NOBODY, Role.ENGINEER)
+    return Person(unquote(headers[USER]), Role(headers[ROLE]))
 
 
 def element_id(button: viser.GuiButtonHandle) -> str:
@@ -98,6 +118,45 @@ def is_own_page(origin: str | None, asked_for: str, host: str) -> bool:
     name = page.hostname or ""
     known = name in ("localhost", host) or _is_address(name)
     return known and page.scheme in ("http", "https") and page.netloc == asked_for
+
+
+@contextlib.contextmanager
+def _guarded(secret: str | None) -> Generator[None]:
+    """Have the server that viser starts in this block look at each request before viser does."""
+    module = websockets.asyncio.server
+    with _hanging:
+        serve = module.serve
+
+        def guarded(*args: Any, process_request: Callable[..., Any], **options: Any) -> Any:
+            def look(connection: Any, request: Request) -> Any:
+                refusal = _look_at(request, secret)
+                return refusal if refusal is not None else process_request(connection, request)
+
+            return serve(*args, process_request=look, **options)
+
+        module.serve = guarded
+        try:
+            yield
+        finally:
+            module.serve = serve
+
+
+def _look_at(request: Request, secret: str | None) -> Response | None:
+    """What a request is answered that has not the key; what anybody can say of himself goes."""
+    headers = request.headers
+    if secret is None:
+        for name in (KEY, USER, ROLE):
+            if name in headers:
+                del headers[name]
+        return None
+    shown = headers.get_all(KEY)
+    has_key = len(shown) == 1 and hmac.compare_digest(shown[0].encode(), secret.encode())
+    is_socket = headers.get("Upgrade") is not None
+    roles = headers.get_all(ROLE)
+    names_somebody = len(headers.get_all(USER)) == len(roles) == 1 and roles[0] in tuple(Role)
+    if has_key and (names_somebody or not is_socket):
+        return None
+    return Response(http.HTTPStatus.FORBIDDEN, "FORBIDDEN", websockets.Headers(), b"")
 
 
 def _is_address(name: str) -> bool:

@@ -46,6 +46,7 @@ def serve(
     most_points: int = MOST_POINTS,
     predictions: Predictions | None = None,
     folders: Mapping[str, Path] | None = None,
+    secret: str | None = None,
 ) -> Page:
     """Serve the page of a bench.
 
@@ -58,14 +59,15 @@ def serve(
         most_points: of a scan to draw; slow browsers like fewer.
         predictions: what a study says about the threshold.
         folders: where the parts lie, by name.
+        secret: without which nothing is answered, for a page that a front stands before.
 
     Raises:
         InputError: the address cannot be had.
         FileError: the style sheet or the logo is missing.
     """
     style = find("static", "page.css").read_text(encoding="utf-8")
-    theme = Theme()
-    server = open_door(host, port)
+    theme = Theme(is_framed=secret is not None)
+    server = open_door(host, port, secret)
     theme.apply(server.gui, is_dark=False)
     server.gui.set_panel_label(f"Cell {bench.cell.name}")
     server.gui.main_panel.dock_right()

@@ -15,13 +15,19 @@ class Theme:
     Concurrency: immutable; any thread.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, *, is_framed: bool = False) -> None:
         """Read the logos.
+
+        Args:
+            is_framed: whether the page stands in a frame that has a title bar already.
 
         Raises:
             FileError: one is missing.
         """
-        self._titlebar: theme.TitlebarConfig = {
+        self._titlebar: theme.TitlebarConfig | None = None
+        if is_framed:
+            return
+        self._titlebar = {
             "buttons": (),
             "image": {
                 "image_url_light": _inline("logo.svg"),

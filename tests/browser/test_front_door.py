@@ -1,0 +1,164 @@
+"""Through the front with a real browser: in, out, and back again after a restart."""
+
+from urllib.parse import urlsplit
+
+import pytest
+from playwright.sync_api import expect
+
+from workbench.app.people import Role
+from workbench.front.relay import Upstream
+from workbench.front.server import Options, serve_front
+from workbench.front.store import Store
+from workbench.front.users import Users
+from workbench.gui.server import serve
+
+PASSWORD = "correct horse battery"
+SECRET = "a secret of this start"
+PATIENCE = 120_000
+"""[ms]; far more than it takes."""
+
+
+@pytest.fixture
+def file(tmp_path):
+    return tmp_path / "users.sqlite"
+
+
+@pytest.fixture
+def users(file):
+    store = Store(file)
+    users = Users(store)
+    users.add("Otto", Role.OPERATOR, PASSWORD)
+    users.add("Vera", Role.VIEWER, PASSWORD)
+    yield users
+    store.close()
+
+
+@pytest.fixture
+def start(bench, file):
+    """Starts a page with its front; both end with the test, or when they are closed."""
+    ends = []
+
+    def one(port=0):
+        page = serve(bench, port=0, most_points=4000, secret=SECRET)
+        front = serve_front(
+            Upstream(page.url, SECRET), file, Options(port=port), title="Cell tested"
+        )
+        ends.extend([front.close, page.close])
+        return front
+
+    yield one, lambda: [end() for end in ends]
+    for end in ends:
+        end()
+
+
+class Window:
+    """One browser window, what it complained of and where it went."""
+
+    def __init__(self, context):
+        self.page = context.new_page()
+        self.errors, self.hosts = [], set()
+        self.page.on(
+            "console",
+            lambda message: message.type == "error" and self.errors.append(message.text),
+        )
+        self.page.on("pageerror", lambda error: self.errors.append(str(error)))
+        self.page.on("request", lambda request: self.hosts.add(urlsplit(request.url).netloc))
+        self.page.on("websocket", lambda socket: self.hosts.add(urlsplit(socket.url).netloc))
+
+    @property
+    def scene(self):
+        return self.page.frame_locator("#scene")
+
+    @property
+    def scan(self):
+        return self.scene.get_by_role("button", name="Scan", exact=True)
+
+    def log_in(self, url, name, password):
+        self.page.goto(url)
+        self.page.get_by_label("Name").fill(name)
+        self.page.get_by_label("Password").fill(password)
+        self.page.get_by_role("button", name="Log in").click()
+
+    def sees_the_scene(self):
+        self.scan.wait_for(timeout=PATIENCE)
+
+
+@pytest.fixture
+def window(browser):
+    context = browser.new_context(viewport={"width": 1280, "height": 720})
+    yield Window(context)
+    context.close()
+
+
+def test_the_first_link_leads_to_the_page_and_nowhere_else(start, window, reaches, shots):
+    front = start[0]()
+    window.page.goto(front.link)
+    window.sees_the_scene()
+    expect(window.page.locator("header")).to_contain_text("operator engineer")
+    window.page.wait_for_timeout(100)
+    window.scan.click()
+    reaches("scanned")
+    window.page.screenshot(path=shots / "front.png")
+    assert window.errors == []
+    assert window.hosts <= {urlsplit(front.url).netloc, ""}
+
+
+def test_in_with_the_password_alone_and_out_again(users, start, window, shots):
+    front = start[0]()
+    window.log_in(front.url, "Otto", "not the password")
+    alert = window.page.get_by_role("alert")
+    expect(alert).to_have_text("Name or password are wrong.")
+    window.page.screenshot(path=shots / "login.png")
+    window.errors.clear()  # the browser notes the status 401 by itself
+    window.log_in(front.url, "Otto", PASSWORD)
+    window.sees_the_scene()
+    expect(window.page.locator("header")).to_contain_text("Otto operator")
+    window.page.get_by_role("button", name="Log out").click()
+    window.page.get_by_label("Password").wait_for()
+    window.page.goto(front.url)
+    window.page.get_by_label("Password").wait_for()
+    assert window.errors == []
+
+
+def test_who_is_kept_out_is_at_the_login_at_once(users, start, window):
+    front = start[0]()
+    window.log_in(front.url, "Otto", PASSWORD)
+    window.sees_the_scene()
+    users.set_disabled("Otto", True)
+    window.page.get_by_label("Password").wait_for(timeout=PATIENCE)
+    assert urlsplit(window.page.url).path == "/login"
+
+
+def test_after_a_restart_the_page_comes_back_by_itself(users, start, window, reaches):
+    begin, end = start
+    front = begin()
+    window.log_in(front.url, "Otto", PASSWORD)
+    window.sees_the_scene()
+    end()
+    line = window.page.locator("#link")
+    expect(line).to_contain_text("No connection", timeout=PATIENCE)
+    begin(port=urlsplit(front.url).port)
+    expect(line).to_be_empty(timeout=PATIENCE)
+    # Controls of before are greyed out until the scene is connected again.
+    expect(window.scan).to_be_enabled(timeout=PATIENCE)
+    window.scan.click(timeout=PATIENCE)
+    reaches("scanned")
+    expect(window.page.locator("header")).to_contain_text("Otto operator")
+
+
+def test_a_viewer_sees_the_scene(users, start, window):
+    front = start[0]()
+    window.log_in(front.url, "Vera", PASSWORD)
+    window.scene.locator("canvas").first.wait_for(timeout=PATIENCE)
+    expect(window.page.locator("header")).to_contain_text("Vera viewer")
+    assert window.errors == []
+
+
+def test_the_frame_is_dark_when_the_scene_is(users, start, window):
+    front = start[0]()
+    window.log_in(front.url, "Otto", PASSWORD)
+    window.sees_the_scene()
+    root = window.page.locator("html")
+    expect(root).to_have_attribute("data-scheme", "light")
+    window.page.keyboard.press("d")
+    expect(root).to_have_attribute("data-scheme", "dark", timeout=PATIENCE)

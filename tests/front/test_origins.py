@@ -1,0 +1,114 @@
+"""Which names are ours, and which pages."""
+
+import asyncio
+
+import pytest
+
+from workbench.front.doorstep import MOST_CONNECTIONS, SILENT_SECONDS, Doorstep
+from workbench.front.origins import Origins, is_loopback
+
+
+@pytest.mark.parametrize(
+    ("host", "known"),
+    [
+        ("127.0.0.1:8080", True),
+        ("127.0.0.1", True),
+        ("[::1]:8080", True),
+        ("10.0.0.7:8080", True),
+        ("localhost:8080", True),
+        ("LOCALHOST", True),
+        ("cell-3:8080", True),
+        ("cell-3.factory.example", True),
+        ("evil.example:8080", False),
+        ("cell-3.evil.example", False),
+        ("127.0.0.1.evil.example", False),
+        ("evil@127.0.0.1", False),
+        ("127.0.0.1/evil", False),
+        ("127.0.0.1:port", False),
+        ("127.0.0.1:99999", False),
+        ("[::1", False),
+        ("0.0.0.0:8080", True),  # an address, if an odd one
+        ("", False),
+        (None, False),
+    ],
+)
+def test_names_that_we_answer_to(host, known):
+    assert Origins("http", "cell-3", ["cell-3.factory.example"]).is_known(host) is known
+
+
+@pytest.mark.parametrize(
+    ("origin", "host", "own"),
+    [
+        ("http://cell-3:8080", "cell-3:8080", True),
+        ("HTTP://CELL-3:8080", "cell-3:8080", True),
+        ("https://cell-3:8080", "cell-3:8080", False),
+        ("http://cell-3", "cell-3:8080", False),
+        ("http://cell-3:8080/", "cell-3:8080", False),
+        ("http://evil.example", "cell-3:8080", False),
+        ("http://cell-3:8080.evil.example", "cell-3:8080", False),
+        ("null", "cell-3:8080", False),
+        ("", "cell-3:8080", False),
+        (None, "cell-3:8080", False),
+    ],
+)
+def test_pages_that_are_ours(origin, host, own):
+    assert Origins("http", "cell-3").is_own(origin, host) is own
+
+
+@pytest.mark.parametrize(
+    ("host", "is_here"),
+    [
+        ("127.0.0.1", True),
+        ("127.9.9.9", True),
+        ("::1", True),
+        ("::ffff:127.0.0.1", True),
+        ("localhost", True),
+        ("10.0.0.1", False),
+        ("0.0.0.0", False),
+        ("cell-3", False),
+        (None, False),
+    ],
+)
+def test_what_is_reached_from_this_machine_alone(host, is_here):
+    assert is_loopback(host) is is_here
+
+
+class Transport(asyncio.WriteTransport):
+    def __init__(self):
+        super().__init__()
+        self.is_there = True
+
+    def abort(self):
+        self.is_there = False
+
+
+class Connection:
+    def __init__(self):
+        self.transport = Transport()
+
+
+class Request:
+    def __init__(self, connection):
+        self.protocol = connection
+
+
+async def answered(request):
+    return "answer"
+
+
+def test_a_connection_that_asks_nothing_is_dropped():
+    doorstep, silent, talking = Doorstep(), Connection(), Connection()
+    assert asyncio.run(doorstep.note(Request(talking), answered)) == "answer"
+    for now in (0.0, SILENT_SECONDS - 1):
+        doorstep.look([silent, talking], now)
+        assert silent.transport.is_there
+    doorstep.look([silent, talking], SILENT_SECONDS)
+    assert not silent.transport.is_there
+    assert talking.transport.is_there
+
+
+def test_when_there_are_too_many_the_silent_ones_go_at_once():
+    doorstep = Doorstep()
+    crowd = [Connection() for _ in range(MOST_CONNECTIONS)]
+    doorstep.look(crowd, 0.0)
+    assert not any(one.transport.is_there for one in crowd)

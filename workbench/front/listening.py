@@ -1,0 +1,80 @@
+"""The socket that browsers come to, bound before anything else is started."""
+
+import socket
+import ssl
+from dataclasses import dataclass
+from pathlib import Path
+
+from workbench.model.errors import FileError, InputError
+
+BACKLOG = 128
+
+
+@dataclass(frozen=True, slots=True)
+class Certificate:
+    """What the page is served over TLS with."""
+
+    certificate: Path
+    key: Path
+
+    def context(self) -> ssl.SSLContext:
+        """For the server's side of TLS 1.2 and newer.
+
+        Raises:
+            FileError: the files cannot be used.
+        """
+        for path in (self.certificate, self.key):
+            if not path.is_file():
+                raise FileError(
+                    path, "no such file; a certificate and its key in PEM were expected"
+                )
+        context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
+        context.minimum_version = ssl.TLSVersion.TLSv1_2
+        try:
+            # An empty password: otherwise the one of an encrypted key would be asked for here.
+            context.load_cert_chain(self.certificate, self.key, password="")
+        except (ssl.SSLError, OSError, ValueError) as error:
+            raise FileError(
+                self.certificate,
+                f"cannot be used with {self.key}: {error}; a certificate and its key in PEM, "
+                "the key not encrypted, were expected",
+            ) from error
+        return context
+
+
+def listen(host: str, port: int) -> socket.socket:
+    """Bind an address.
+
+    Args:
+        host: address or name.
+        port: 0 takes a free one.
+
+    Raises:
+        InputError: it cannot be had.
+    """
+    if not 0 <= port <= 65535:
+        raise InputError(f"port must be a whole number from 0 to 65535, not {port}")
+    try:
+        family, kind, protocol, _, address = socket.getaddrinfo(
+            host, port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE
+        )[0]
+        bound = socket.socket(family, kind, protocol)
+    except OSError as error:
+        raise _not_had(host, port, error) from error
+    try:
+        bound.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        if family == socket.AF_INET6 and host == "::":
+            bound.setsockopt(socket.IPPROTO_IPV6, socket.IPV6_V6ONLY, 0)
+        bound.bind(address)
+        bound.listen(BACKLOG)
+    except OSError as error:
+        bound.close()
+        raise _not_had(host, port, error) from error
+    return bound
+
+
+def _not_had(host: str, port: int, error: OSError) -> InputError:
+    return InputError(
+        f"the page cannot be served on {host} port {port}: {error.strerror or error}; "
+        "choose another with --host or --port"
+    )

@@ -1,0 +1,66 @@
+"""Which pages are our own: what the headers Host and Origin may say.
+
+Any page of any site can have a browser send requests and open websockets to here, cookies
+included, and can make its own name lead to this machine (DNS rebinding).  Hence names other than
+those known are refused, and whatever changes something has to come from a page of ours.
+"""
+
+import ipaddress
+from collections.abc import Iterable
+from urllib.parse import urlsplit
+
+WILDCARDS = frozenset({"0.0.0.0", "::"})
+"""Addresses that stand for all of this machine's."""
+
+
+class Origins:
+    """The names that we answer to.
+
+    Concurrency: immutable; any thread.
+    """
+
+    def __init__(self, scheme: str, host: str, names: Iterable[str] = ()):
+        """Answer to addresses, `localhost`, the host that is listened on, and further names.
+
+        Args:
+            scheme: `http` or `https`.
+            host: that is listened on.
+            names: under which browsers reach us beside that.
+        """
+        self._scheme = scheme
+        self._names = {"localhost", *(name.casefold() for name in (host, *names))} - WILDCARDS
+
+    def is_known(self, host: str | None) -> bool:
+        """Whether a `Host` header names us."""
+        try:
+            split = urlsplit(f"//{host}")
+            name, _ = split.hostname, split.port
+        except ValueError:
+            return False
+        is_bare = not (split.path or split.query or split.fragment or split.username)
+        return bool(name) and is_bare and (name in self._names or _is_address(str(name)))
+
+    def is_own(self, origin: str | None, host: str | None) -> bool:
+        """Whether an `Origin` header names a page of ours, exactly as it was asked for."""
+        return origin is not None and origin.casefold() == f"{self._scheme}://{host}".casefold()
+
+
+def is_loopback(host: str | None) -> bool:
+    """Whether an address, or the name of one, is reached from this machine alone."""
+    if host == "localhost":
+        return True
+    try:
+        address = ipaddress.ip_address(host or "")
+    except ValueError:
+        return False
+    if isinstance(address, ipaddress.IPv6Address) and address.ipv4_mapped is not None:
+        return address.ipv4_mapped.is_loopback
+    return address.is_loopback
+
+
+def _is_address(name: str) -> bool:
+    try:
+        ipaddress.ip_address(name)
+    except ValueError:
+        return False
+    return True
