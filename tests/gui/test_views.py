@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from workbench.app.live import Live
-from workbench.app.state import Avoided, Phase
+from workbench.app.state import Avoided, Outcome, Phase
 from workbench.devices.abb_status import LinkStatus
 from workbench.gui import link_views, views
 from workbench.gui.approval_views import approval_line, facts_html
@@ -99,6 +99,12 @@ def test_progress_of_another_task_is_not_shown(states, view_of):
 
 def test_a_fault_is_shown_in_full(states, view_of):
     assert "the controller closed the link" in views.status_html(view_of(states.fault))
+
+
+def test_a_cycle_with_a_part_that_was_lost_does_not_look_well_done(states, view_of):
+    assert "wb-status-good" in views.status_html(view_of(states.done))
+    lost = replace(states.done, outcomes=(Outcome(0, True, "Anna"), Outcome(1, False, "Anna")))
+    assert "wb-status-fault" in views.status_html(view_of(lost))
 
 
 def test_steps_that_have_to_wait_say_for_what(states):

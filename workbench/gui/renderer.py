@@ -229,6 +229,9 @@ class Renderer:
             reached = followed(state.cell, self._runs, live.joints, self._look.now.time)
             if reached != self._look.now.time:
                 self._look.change(time=reached, is_playing=False, by=None)
+        if before is not None and before.phase is Phase.SENDING and state.phase is Phase.DONE:
+            # The last reports of a quick robot may never have been drawn.
+            self._look.change(time=max((run.end for run in self._runs), default=0.0), by=None)
         if before is not None and before.cell is not state.cell:
             self._look.change(jog=None)
         look = self._look.now

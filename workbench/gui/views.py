@@ -90,7 +90,8 @@ def status_html(view: View) -> str:
         case Phase.SENDING:
             return _box("busy", escape(sentence(state.message)), parts_placed(state))
         case Phase.DONE:
-            return _box("good", escape(sentence(state.message)))
+            is_good = all(one.is_picked for one in state.outcomes)
+            return _box("good" if is_good else "fault", escape(sentence(state.message)))
         case _:
             message = sentence(state.message) or "Ready. Take a scan to begin."
             return _box("plain", escape(message))
