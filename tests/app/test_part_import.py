@@ -76,12 +76,25 @@ def test_a_file_becomes_a_part_that_is_scanned_saved_and_undone(bench, own):
     assert [one.task for one in equal] == ["scan"] and all(one.is_equal for one in equal)
 
 
-def test_a_broken_file_fails_and_leaves_nothing(bench, own):
-    bench.do(ImportPart("brick", "brick.stl", np.zeros(500, np.uint8)), "ada")
+BOMBS = {
+    "brick.stl": b"\0" * 80 + b"\xff\xff\xff\xff" + b"\0" * 500,
+    "brick.ply": b"ply\nformat binary_little_endian 1.0\nelement vertex 4000000000\n"
+    b"property float x\nproperty float y\nproperty float z\nend_header\n",
+    "brick.obj": b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 2000000000\n",
+    "brick.step": b"ISO-10303-21;\n" + b"(" * 200_000,
+}
+"""Small files that claim, or would take, more memory than there is."""
+
+
+@pytest.mark.parametrize("file", BOMBS)
+def test_a_bomb_fails_and_leaves_nothing(bench, own, file):
+    bench.do(ImportPart("brick", file, np.frombuffer(BOMBS[file], np.uint8)), "ada")
     state = done(bench)
-    assert "failed" in state.message and "brick.stl" in state.message
+    assert "failed" in state.message and file in state.message
     assert [part.name for part in state.cell.parts] == ["keyed_cylinder"]
     assert not (own / "parts" / "brick").exists()
+    bench.do(TakeScan(parts=1), "ada")
+    assert done(bench).phase is Phase.SCANNED, "the worker goes on"
 
 
 @pytest.mark.parametrize(
