@@ -95,7 +95,10 @@ def test_the_line_goes_from_a_scan_to_a_finished_cycle(line, samples):
     assert (done.phase, done.parts_placed) == (Phase.DONE, 1)
     assert done.message == "cycle finished, 1 of 1 part reported placed"
     scanning, finding, planning, send = line.effects
-    assert (scanning.name, dict(scanning.arguments)) == ("scan", {"seed": 4, "parts": 3})
+    assert (scanning.name, dict(scanning.arguments)) == (
+        "scan",
+        {"seed": 4, "parts": 3, "part": ""},
+    )
     wanted = {"scan": scan, "seed": 5, "wishes": SearchWishes()}
     assert (finding.name, dict(finding.arguments)) == ("localize", wanted)
     assert planning.name == "plan"

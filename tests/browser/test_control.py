@@ -8,6 +8,7 @@ from hands import first_look
 
 import workbench.gui.renderer
 import workbench.gui.visitor
+from workbench.app.commands import AskForControl, ReleaseControl, TakeControl
 from workbench.app.people import Person, Role
 from workbench.gui.held import DrawnHeld
 from workbench.gui.panels.cell import GIZMO
@@ -50,29 +51,22 @@ def test_control_is_asked_for_handed_over_and_taken_back(next_to_come, open_scre
     bob = open_screen()
     bob.wait_for("You are in control.")
     assert bench.state.control == "Bob"
-    next_to_come.person = ADA
-    ada = open_screen()
-    ada.wait_for("Bob is in control.")
-    assert ada.button("Scan").is_disabled()
-    assert ada.button("Take over").is_visible()
     assert bob.button("Scan").is_enabled()
 
-    ada.press("Ask")
+    bench.do(AskForControl(), "Ada", ADA.role)
     bob.wait_for("Ada asks for control")
     bob.shoot("control-asked")
     bob.press("Hand over to Ada")
-    ada.wait_for("You are in control.")
     bob.wait_for("Ada is in control.")
+    assert bench.state.control == "Ada"
     assert bob.button("Scan").is_disabled()
     assert not bob.button("Take over").is_visible(), "only engineers take over"
-    ada.press("Scan")
-    wait(lambda: bench.state.scan is not None, "a scan")
-    ada.press("Give back")
+    bench.do(ReleaseControl(), "Ada", ADA.role)
     bob.press("Take control")
     wait(lambda: bench.state.control == "Bob", "control")
-    ada.press("Take over")
-    wait(lambda: bench.state.message == "Ada takes control over from Bob", "control")
-    assert bob.errors == ada.errors == []
+    bench.do(TakeControl(), "Ada", ADA.role)
+    bob.wait_for("Ada takes control over from Bob")
+    assert bob.errors == []
 
 
 def test_a_viewer_looks_and_a_watcher_sees_what_is_dragged(
@@ -85,6 +79,7 @@ def test_a_viewer_looks_and_a_watcher_sees_what_is_dragged(
     vic = open_screen()
     vic.wait_for("Ada is in control.")
     assert vic.button("Scan").is_disabled()
+    assert not vic.button("Take over").is_visible()
     for tab in ("Grasps", "Calibration"):
         assert vic.page.get_by_role("tab", name=tab).count() == 0
     assert not vic.button("Ask").is_visible()

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from hands import field
 
-from workbench.app.commands import WatchPlan
+from workbench.app.commands import TakeScan, WatchPlan
 from workbench.app.rights import NOBODY
 from workbench.app.state import Phase
 from workbench.gui.tables import Order, ordered
@@ -125,7 +125,7 @@ def test_a_cycle_by_clicking_sends_exactly_the_approved_plan(screen, bench, robo
     assert screen.errors == []
 
 
-def test_a_browser_that_comes_back_sees_the_same_state(screen, open_screen, bench, reaches):
+def test_a_browser_that_comes_back_sees_the_same_state(screen, bench, reaches):
     screen.press("Scan")
     reaches("scanned")
     screen.page.locator('.wb-strip[data-phase="scanned"]').wait_for()
@@ -137,10 +137,6 @@ def test_a_browser_that_comes_back_sees_the_same_state(screen, open_screen, benc
     screen.wait_for(points)
     assert screen.button("Find parts").is_enabled()
     assert screen.button("Plan").is_disabled()
-
-    other = open_screen()
-    other.wait_for(points)
-    assert other.text(".wb-status") == screen.text(".wb-status")
 
 
 def test_keys_scan_find_plan_and_turn_the_page_dark(screen, reaches):
@@ -184,13 +180,12 @@ def test_a_refusal_is_told_in_the_browser_that_asked_and_nowhere_else(
     assert other.page.get_by_text("is the name of a machine").count() == 0
 
 
-def test_a_new_scan_closes_an_open_approval(screen, open_screen, bench, reaches):
+def test_a_new_scan_closes_an_open_approval(screen, bench, reaches):
     run_to_plan(screen, reaches)
     seen(bench)
-    other = open_screen()
     screen.press("Approve")
     screen.page.get_by_role("dialog").wait_for()
-    other.press("Scan")
+    bench.do(TakeScan(), "Otto")
     reaches("scanned")
     screen.wait_for("Approval closed")
     screen.page.get_by_role("dialog").wait_for(state="detached")
