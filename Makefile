@@ -41,10 +41,7 @@ lint: $(VENV)/.lint $(VENV)/.test
 
 bench: $(VENV)/.test
 	@bash setup/debian.sh $(LIBRARIES)
-	$(BIN)/workbench bench pick --scenes 20
-	$(BIN)/workbench bench planners --targets 60 --iterations 20 100 500
-	$(BIN)/workbench study threshold --cycles 20
-	$(BIN)/workbench study localization --scenes 20
+	$(BIN)/workbench bench short $(ARGS)
 
 # ARGS="grasps cell" makes only those; `docs/more_stories.py` has the names.
 pictures: $(VENV)/.test

@@ -150,6 +150,21 @@ class StudyThreshold:
 
 
 @dataclass(frozen=True, slots=True)
+class BenchShort:
+    """Run the short form of every benchmark and set it beside the figures of last time.
+
+    Ends with 1 when one of them could not be run; times differ between machines and fail nothing.
+    """
+
+    against: Path = Path("docs/benchmarks.json")
+    """JSON file of figures."""
+    keep: bool = False
+    """Write the figures there."""
+    json: bool = False
+    """Print one JSON object and nothing else."""
+
+
+@dataclass(frozen=True, slots=True)
 class Bench:
     """Measure how fast and how reliable planning is, and how the page holds."""
 
@@ -158,6 +173,7 @@ class Bench:
         | Annotated[BenchPick, subcommand("pick")]
         | Annotated[BenchSoak, subcommand("soak")]
         | Annotated[BenchPage, subcommand("page")]
+        | Annotated[BenchShort, subcommand("short")]
     )
 
 

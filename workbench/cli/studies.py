@@ -12,6 +12,7 @@ from workbench.cli.nested_arguments import (
     BenchPage,
     BenchPick,
     BenchPlanners,
+    BenchShort,
     BenchSoak,
     Study,
     StudyLocalization,
@@ -42,6 +43,10 @@ def bench(typed: Bench) -> int:
             from workbench.cli.page_load import page_load
 
             return page_load(typed.what)
+        case BenchShort():
+            from workbench.cli.short import short
+
+            return short(typed.what)
         case _:
             assert_never(typed.what)
 
