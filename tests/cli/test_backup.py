@@ -4,12 +4,16 @@ import json
 import shutil
 import time
 import zipfile
+from contextlib import closing
 from pathlib import Path
 
 import pytest
 
+from workbench.app.people import Role
 from workbench.app.sessions import new_session
 from workbench.formats.cells import read_cell
+from workbench.front.store import Store
+from workbench.front.users import Users
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -119,3 +123,61 @@ def test_nothing_to_keep_is_refused(say, tmp_path, monkeypatch):
     said = say("backup", tmp_path / "b.zip")
     assert said.code == 2 and "has neither cells" in said.problem
     assert not (tmp_path / "b.zip").exists()
+
+
+@pytest.fixture
+def with_users(home, say):
+    """Anna, with a token, and Otto, who is disabled."""
+    with closing(Store(home / "sessions/users.sqlite")) as store:
+        users = Users(store)
+        users.add("Anna", Role.ENGINEER, "correct horse")
+        users.add("Otto", Role.OPERATOR, "battery staple")
+        users.set_disabled("Otto", True)
+        users.make_token("Anna", "gripper")
+    return home / "sessions/users.sqlite"
+
+
+def test_users_come_back_with_passwords_and_tokens_and_nobody_is_overwritten(
+    say, with_users, tmp_path
+):
+    assert say("backup", tmp_path / "b.zip", "--with-users").code == 0
+    with closing(Store(with_users)) as store:
+        Users(store).remove("Anna")
+        Users(store).set_role("Otto", Role.VIEWER)
+    said = say("restore", tmp_path / "b.zip", "--dry-run")
+    assert said.code == 0 and "Anna" in said.out
+    with closing(Store(with_users)) as store:
+        assert [user.name for user in Users(store).all()] == ["Otto"]
+    assert say("restore", tmp_path / "b.zip").code == 0
+    with closing(Store(with_users)) as store:
+        users = Users(store)
+        anna, otto = users.all()
+        assert (anna.role, [token.name for token in anna.tokens]) == (Role.ENGINEER, ["gripper"])
+        assert users.by_password("Anna", "correct horse") == anna.person
+        assert (otto.role, otto.is_disabled) == (Role.VIEWER, True), "who is there stays"
+
+
+def test_users_are_left_out_unless_asked_for(say, with_users, tmp_path):
+    assert say("backup", tmp_path / "b.zip").code == 0
+    assert "users.json" not in zipfile.ZipFile(tmp_path / "b.zip").namelist()
+
+
+@pytest.mark.parametrize(
+    ("users", "says"),
+    [
+        (b"[]", "format"),
+        (b"{", "users"),
+        (b'{"format": "workbench-users/1", "users": [{}]}', "number 1"),
+        (
+            b'{"format": "workbench-users/1", "users": [{"name": "Eve", "role": "engineer", '
+            b'"hash": "$argon2id$v=19$m=4194304,t=9,p=4$YSBzYWx0$AAAA", "is_disabled": false, '
+            b'"tokens": []}]}',
+            "no hash",
+        ),
+    ],
+)
+def test_users_that_nobody_has_kept_are_refused(say, with_users, tmp_path, users, says):
+    assert say("backup", tmp_path / "b.zip").code == 0
+    with_files(tmp_path / "b.zip", tmp_path / "bad.zip", **{"users.json": users})
+    said = say("restore", tmp_path / "bad.zip")
+    assert said.code == 2 and says in said.problem

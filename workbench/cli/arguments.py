@@ -275,6 +275,10 @@ class Backup:
     """Zip file to write."""
     with_sessions: bool = False
     """The sessions as well; they are large."""
+    with_users: bool = False
+    """The users as well, with the hashes of their passwords: keep the file to yourself."""
+    users: Path = USERS
+    """File of users and logins."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -288,6 +292,8 @@ class Restore:
     """Zip file that `backup` has written."""
     dry_run: bool = False
     """Only tell what would be new and what replaced."""
+    users: Path = USERS
+    """File of users, for those in the backup who are not there yet."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,12 +1,12 @@
-"""`workbench backup` and `workbench restore`: cells, parts and sessions as one file."""
+"""`workbench backup` and `workbench restore`: cells, parts, sessions and users as one file."""
 
 import contextlib
 import json
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 from workbench import __version__
 from workbench.app.session_archive import DATABASE, check_journal
@@ -17,11 +17,14 @@ from workbench.formats.archives import unpacked_beside, write_archive
 from workbench.formats.cells import read_cell
 from workbench.formats.parts import read_part
 from workbench.formats.whole_files import read_whole
+from workbench.front.kept_users import add_users, checked_users, kept_users, new_users
+from workbench.front.store import Store
 from workbench.journal.journal import Journal
 from workbench.model.errors import FileError, InputError
 
 FORMAT = "workbench-backup/1"
 MANIFEST = "backup.json"
+KEPT_USERS = "users.json"
 KINDS = ("robots", "parts", "sessions")
 """Folders below the working directory that are kept; each thing is a folder or a file in them."""
 
@@ -54,10 +57,17 @@ def backup(typed: arguments.Backup) -> int:
                     content |= {_name(root, file): file for file in _files(thing)}
         if not any(name.startswith(("robots/", "parts/")) for name in content):
             raise InputError(f"{root}: has neither cells in robots/ nor parts in parts/ to keep")
+        if typed.with_users:
+            content[KEPT_USERS] = json.dumps(_users_of(typed.users)).encode()
         head = {"format": FORMAT, "workbench": __version__}
         write_archive(typed.out, {MANIFEST: json.dumps(head).encode(), **content})
     print(f"{typed.out}: {len(content)} files, {typed.out.stat().st_size / 1024:,.0f} kB")
     return SUCCESS
+
+
+def _users_of(path: Path) -> Mapping[str, Any]:
+    with contextlib.closing(Store(path)) as store:
+        return kept_users(store)
 
 
 def _session(folder: Path, stack: contextlib.ExitStack) -> dict[str, Path | bytes]:
@@ -109,12 +119,48 @@ def restore(typed: arguments.Restore) -> int:
             for kind in KINDS
             for thing in _things(place / kind)
         ]
+        users = _users_in(typed.file, place)
+        names = _restored_users(typed, users)
+        things += [
+            Thing("users", user["name"], "new" if user["name"] in names else "left as it is")
+            for user in users
+        ]
         if not typed.dry_run:
-            _put_in_place(root, place, things)
+            _put_in_place(root, place, [thing for thing in things if thing.kind != "users"])
+            if names:
+                with contextlib.closing(Store(typed.users)) as store:
+                    add_users(store, users)
     does = "would be" if typed.dry_run else "is"
     rows = [(thing.kind, thing.name, thing.fate) for thing in things]
     print_table(f"What {does} restored from {typed.file}", ("of", "name", "it is"), rows)
     return SUCCESS
+
+
+def _users_in(path: Path, place: Path) -> Sequence[Mapping[str, Any]]:
+    """The users in an unpacked backup, none when it has none.
+
+    Raises:
+        FileError: they cannot be read.
+    """
+    kept = place / KEPT_USERS
+    if not kept.is_file():
+        return ()
+    try:
+        return checked_users(json.loads(read_whole(kept, LARGEST)))
+    except ValueError as error:
+        raise FileError(path, f"users: {error}") from None
+    except InputError as error:
+        raise FileError(path, str(error)) from None
+
+
+def _restored_users(
+    typed: arguments.Restore, users: Sequence[Mapping[str, Any]]
+) -> tuple[str, ...]:
+    """Names of those who come back; the file of users is made only when somebody does."""
+    if not users or not typed.users.is_file():
+        return tuple(user["name"] for user in users)
+    with contextlib.closing(Store(typed.users)) as store:
+        return new_users(store, users)
 
 
 def _check(path: Path, place: Path) -> None:
@@ -130,7 +176,7 @@ def _check(path: Path, place: Path) -> None:
         raise FileError(path, "is no backup of a workbench") from None
     if stated != FORMAT:
         raise FileError(path, f"has format {stated!r}, expected {FORMAT!r}")
-    strange = {one.name for one in place.iterdir()} - {MANIFEST, *KINDS}
+    strange = {one.name for one in place.iterdir()} - {MANIFEST, KEPT_USERS, *KINDS}
     if strange:
         raise FileError(path, f"holds {sorted(strange)[0]!r}, which no backup does")
     # Cells name parts, which are looked for below the working directory.

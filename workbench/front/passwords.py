@@ -1,6 +1,6 @@
 """Passwords: Argon2id, as RFC 9106 has it for machines with little memory (64 MiB, 3 passes)."""
 
-from argon2 import PasswordHasher
+from argon2 import PasswordHasher, extract_parameters
 from argon2.exceptions import InvalidHashError, VerificationError
 from argon2.profiles import RFC_9106_LOW_MEMORY
 
@@ -36,4 +36,12 @@ def is_right(password: str, kept: str) -> bool:
     try:
         return _HASHER.verify(kept, password[: LONGEST + 1])
     except (VerificationError, InvalidHashError):
+        return False
+
+
+def is_hash(kept: object) -> bool:
+    """Whether it is a hash as we make them; one that asks for more memory would be an attack."""
+    try:
+        return isinstance(kept, str) and extract_parameters(kept) == RFC_9106_LOW_MEMORY
+    except InvalidHashError:
         return False
