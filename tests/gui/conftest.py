@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 
+from workbench.app.bench import Bench
 from workbench.app.commands import PlanResult
 from workbench.app.live import Live
 from workbench.app.pick import plan_pick
@@ -14,6 +15,7 @@ from workbench.app.state import Job, Phase, State
 from workbench.formats.cells import read_cell
 from workbench.gui.look import Look, View
 from workbench.gui.playback import timeline
+from workbench.journal.journal import Journal
 from workbench.model.cell import Cell
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.release import Receipt
@@ -130,3 +132,24 @@ def in_utc(monkeypatch):
     yield
     monkeypatch.undo()
     time.tzset()
+
+
+class Nothing:
+    """Effects that are not carried out."""
+
+    def __init__(self, cell, do, now):
+        self.live = Live()
+
+    def run(self, effect):
+        pass
+
+    def close(self):
+        pass
+
+
+@pytest.fixture
+def bench(cell, tmp_path):
+    """That records and decides, and moves nothing."""
+    bench = Bench(cell, Journal(tmp_path), effects=Nothing)
+    yield bench
+    bench.close()

@@ -2,38 +2,15 @@
 
 import pytest
 
-from workbench.app.bench import Bench
 from workbench.app.commands import TakeControl
-from workbench.app.live import Live
 from workbench.app.people import Person, Role
 from workbench.app.rights import NOBODY
 from workbench.gui.control import control_words
 from workbench.gui.presence import GRACE, Presence
-from workbench.journal.journal import Journal
 
 ADA = Person("Ada", Role.ENGINEER)
 BOB = Person("Bob", Role.OPERATOR)
 VIC = Person("Vic", Role.VIEWER)
-
-
-class Nothing:
-    """Effects that are not carried out."""
-
-    def __init__(self, cell, do, now):
-        self.live = Live()
-
-    def run(self, effect):
-        pass
-
-    def close(self):
-        pass
-
-
-@pytest.fixture
-def bench(cell, tmp_path):
-    bench = Bench(cell, Journal(tmp_path), effects=Nothing)
-    yield bench
-    bench.close()
 
 
 @pytest.fixture

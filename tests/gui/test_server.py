@@ -4,31 +4,8 @@ import urllib.request
 
 import pytest
 
-from workbench.app.bench import Bench
-from workbench.app.live import Live
 from workbench.gui.server import serve
-from workbench.journal.journal import Journal
 from workbench.model.errors import InputError
-
-
-class Nothing:
-    """Effects of a bench that is only looked at."""
-
-    def __init__(self, cell, do, now):
-        self.live = Live()
-
-    def run(self, effect):
-        raise AssertionError(f"nobody asked for {effect}")
-
-    def close(self):
-        pass
-
-
-@pytest.fixture
-def bench(cell, tmp_path):
-    bench = Bench(cell, Journal(tmp_path), effects=Nothing)
-    yield bench
-    bench.close()
 
 
 def test_the_page_answers_at_its_url_until_it_is_closed(bench):

@@ -5,40 +5,17 @@ from types import SimpleNamespace
 import pytest
 
 import workbench.gui.visitor
-from workbench.app.bench import Bench
 from workbench.app.commands import SaveCell, TakeControl, TakeScan
-from workbench.app.live import Live
 from workbench.app.people import Person, Role
 from workbench.app.rights import NOBODY
 from workbench.gui.look import SharedLook
 from workbench.gui.visitor import Visitor
-from workbench.journal.journal import Journal
 from workbench.model.errors import CommandRefused
 
 ADA = Person("Ada", Role.ENGINEER)
 BOB = Person("Bob", Role.OPERATOR)
 VIC = Person("Vic", Role.VIEWER)
 SOMEBODY = Person(NOBODY, Role.ENGINEER)
-
-
-class Nothing:
-    """Effects that are not carried out."""
-
-    def __init__(self, cell, do, now):
-        self.live = Live()
-
-    def run(self, effect):
-        pass
-
-    def close(self):
-        pass
-
-
-@pytest.fixture
-def bench(cell, tmp_path):
-    bench = Bench(cell, Journal(tmp_path), effects=Nothing)
-    yield bench
-    bench.close()
 
 
 @pytest.fixture

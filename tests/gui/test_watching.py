@@ -4,41 +4,24 @@ import time
 
 import pytest
 
-from workbench.app.bench import Bench
 from workbench.app.commands import JobEnded, MakePlan, UseDetections, UseScan
-from workbench.app.live import Live
 from workbench.gui.server import serve
-from workbench.journal.journal import Journal
 
 PATIENCE = 120.0
 """How long [s] to wait for what must happen."""
 
 
-class Nothing:
-    """Effects that are not carried out."""
-
-    def __init__(self, cell, do, now):
-        self.live = Live()
-
-    def run(self, effect):
-        pass
-
-    def close(self):
-        pass
-
-
 @pytest.fixture
-def bench(cell, scan, detections, result, tmp_path):
-    bench = Bench(cell, Journal(tmp_path / "session"), effects=Nothing)
+def planned(bench, scan, detections, result):
     bench.do(UseScan(scan), "Anna")
     bench.do(UseDetections(detections), "Anna")
     number = bench.do(MakePlan(), "Anna").number
     bench.do(JobEnded(number, result), "worker")
-    yield bench
-    bench.close()
+    return bench
 
 
-def test_a_plan_that_was_skipped_through_was_not_watched(bench):
+def test_a_plan_that_was_skipped_through_was_not_watched(planned):
+    bench = planned
     page = serve(bench, port=0, most_points=100)
     look = page._renderer._look
     end = bench.state.plan.cycle_seconds
