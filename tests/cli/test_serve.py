@@ -1,24 +1,44 @@
 """`workbench serve` as people start it: the link that is printed leads to the page."""
 
+import json
 import re
 import signal
 import subprocess
 import sys
+import time
 import urllib.error
 import urllib.request
+from contextlib import closing
 from http.cookiejar import CookieJar
 from pathlib import Path
 
 import pytest
 
+from workbench.app.bench import Bench
+from workbench.app.commands import UseDetections
+from workbench.app.live import Live
+from workbench.app.people import Role
+from workbench.app.sessions import new_session
+from workbench.formats.cells import read_cell
+from workbench.front.store import Store
+from workbench.front.users import Users
+from workbench.model.geometry import pose_from_rpy
+from workbench.model.scan import Detection
+
 PATIENCE = 120
 
 
 @pytest.fixture
-def serving(tmp_path):
+def words():
+    """More that is typed."""
+    return ()
+
+
+@pytest.fixture
+def serving(tmp_path, words):
     """The first line that a served page prints; it ends as by Ctrl-C."""
     process = subprocess.Popen(
-        [sys.executable, "-m", "workbench", "serve", "--port", "0"],
+        [sys.executable, "-m", "workbench", "serve", "--port", "0", *words],
         cwd=tmp_path,
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
@@ -47,3 +67,46 @@ def test_the_link_that_is_printed_leads_to_the_page(serving, tmp_path):
         urllib.request.urlopen(link, timeout=PATIENCE)
     file = Path(tmp_path / "sessions" / "users.sqlite")
     assert file.stat().st_mode & 0o077 == 0
+
+
+class Nothing:
+    """Effects that are not carried out."""
+
+    def __init__(self, cell, do, now):
+        self.live = Live()
+
+    def run(self, effect):
+        pass
+
+    def close(self):
+        pass
+
+
+class TestASessionThatGoesOn:
+    @pytest.fixture
+    def token(self, tmp_path):
+        """Of a user who looks."""
+        (tmp_path / "sessions").mkdir()
+        with closing(Store(tmp_path / "sessions" / "users.sqlite")) as store:
+            users = Users(store)
+            users.add("Vic", Role.VIEWER, "only to look at")
+            return users.make_token("Vic", "test")
+
+    @pytest.fixture
+    def words(self, tmp_path, token):
+        cell = read_cell("yumi")
+        journal = new_session(tmp_path / "sessions", cell, time.time())
+        bench = Bench(cell, journal, effects=Nothing)
+        at = cell.bin.T_world_bin * pose_from_rpy((0, 0, 0.03))
+        bench.do(UseDetections((Detection("keyed_cylinder", at),)), "Anna")
+        bench.close()
+        return ("--session", str(journal.folder))
+
+    def test_it_is_where_it_ended(self, serving, token):
+        url = re.search(r"http://[^/\s]+", serving)[0]
+        request = urllib.request.Request(
+            f"{url}/api/v1/state", headers={"Authorization": f"Bearer {token}"}
+        )
+        with urllib.request.urlopen(request, timeout=PATIENCE) as answer:
+            state = json.load(answer)
+        assert (state["phase"], state["detections"]) == ("localized", 1)

@@ -29,6 +29,8 @@ class Serve:
     """Address to listen on."""
     port: int = 8080
     """Port to listen on; 0 takes a free one."""
+    session: Path | None = None
+    """Folder of a session to go on with, where it ended; its cell is the one that it has now."""
     opcua: int | None = None
     """Serve OPC UA on this port, too; with a password from WORKBENCH_OPCUA_PASSWORD, or on this
     machine only."""

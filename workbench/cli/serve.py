@@ -14,18 +14,21 @@ from types import FrameType
 
 from workbench.app.bench import Bench
 from workbench.app.machines import Machines
+from workbench.app.recompute import cell_of
 from workbench.app.sessions import new_session
 from workbench.app.watch import CellWatch
 from workbench.app.watch_poses import PosesWatch
 from workbench.cli import arguments
 from workbench.cli.fronted import front_options, fronted
 from workbench.cli.plc import plc
+from workbench.cli.session import opened
 from workbench.cli.simulation import simulated_controller
 from workbench.formats.cells import cell_path, part_folders, read_cell
 from workbench.formats.predictions import predictions_path, read_predictions
 from workbench.front.api import api_routes
 from workbench.front.identity import identify
 from workbench.model.cell import Controller
+from workbench.model.errors import InputError
 
 SESSIONS = Path("sessions")
 
@@ -36,7 +39,12 @@ def serve(typed: arguments.Serve) -> int:
     """Serve the page until SIGINT or SIGTERM."""
     options = front_options(typed)
     logging.basicConfig(level=logging.WARNING, format="%(asctime)s %(name)s: %(message)s")
-    cell = read_cell(typed.cell)
+    cell, goes_on = read_cell(typed.cell), None
+    if typed.session is not None:
+        goes_on, name = opened(typed.session), cell.name
+        cell = cell_of(goes_on)
+        if cell.name != name:
+            raise InputError(f"{typed.session}: is of cell {cell.name}, not of {name}; see --cell")
     predictions = read_predictions(predictions_path(typed.cell))
     with ExitStack() as stack:
         robot = f"robot controller: {_address(cell.controller)}"
@@ -44,11 +52,12 @@ def serve(typed: arguments.Serve) -> int:
             simulated = simulated_controller(typed.cell, cell.controller.protocol)
             cell = replace(cell, controller=stack.enter_context(simulated))
             robot = f"robot controller: simulated, {_address(cell.controller)}"
-        journal = new_session(SESSIONS, cell, time.time())
+        journal = goes_on or new_session(SESSIONS, cell, time.time())
         path = cell_path(typed.cell)
         bench = Bench(cell, journal, effects=partial(Machines, cell_file=path))
         stack.callback(bench.close)
-        stack.callback(CellWatch(path, bench).close)
+        # The file may have been changed since the session ended.
+        stack.callback(CellWatch(path, bench, is_read=goes_on is None).close)
         stack.callback(PosesWatch(bench).close)
         stack.enter_context(plc(bench, typed))
         page = fronted(
