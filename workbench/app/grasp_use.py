@@ -6,8 +6,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any
 
-SYMMETRIC = "@"
-"""What stands between the name of a grasp and the turn that the part's symmetry gives it."""
+from workbench.model.part import TURNED
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,7 +51,7 @@ def judged(parts: Sequence[str], candidates: Iterable[Mapping[str, Any]]) -> Use
     possible: Counter[tuple[str, str]] = Counter()
     for one in candidates:
         number: int = one["detection"]
-        key = (parts[number], one["grasp"]["name"].partition(SYMMETRIC)[0])
+        key = (parts[number], one["grasp"]["name"].partition(TURNED)[0])
         tried[key] += 1
         possible[key] += one["verdict"]["reason"] == "ok"
     return {key: GraspUse(count, possible[key]) for key, count in tried.items()}
@@ -67,7 +66,7 @@ def taken(picks: Iterable[tuple[str, str, str]]) -> Uses:
     uses: dict[tuple[str, str], GraspUse] = {}
     for part, grasp, result in picks:
         one = GraspUse(planned=1, picked=result == "picked", failed=result == "failed")
-        key = (part, grasp.partition(SYMMETRIC)[0])
+        key = (part, grasp.partition(TURNED)[0])
         uses[key] = uses.get(key, GraspUse()) + one
     return uses
 

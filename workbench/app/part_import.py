@@ -31,6 +31,8 @@ DENSITIES = (10.0, 25_000.0)
 MOST_KINDS = 20
 """Parts of one cell: each is searched for in every scan."""
 
+LONGEST_FILE_NAME = 60
+
 PARTS = Path("parts")
 """Where new parts go: beside those of the working directory."""
 
@@ -108,8 +110,9 @@ def imported_part(command: ImportPart, report: Report, cancelled: Callable[[], b
         InputError: the file cannot be used, see `make_part`.
     """
     with tempfile.TemporaryDirectory(prefix="workbench-") as folder:
-        # Its own name goes into the part's file; a path in it would lead out of the folder.
-        file = Path(folder) / PurePosixPath(command.file).name
+        # Its own name goes into the part's file; a path in it would lead out of the folder, and
+        # file systems take 255 bytes.
+        file = Path(folder) / PurePosixPath(command.file).name[-LONGEST_FILE_NAME:]
         file.write_bytes(command.content.tobytes())
 
         def go_on(done: float, note: str) -> None:
