@@ -160,5 +160,5 @@ def test_the_frame_is_dark_when_the_scene_is(users, start, window):
     window.sees_the_scene()
     root = window.page.locator("html")
     expect(root).to_have_attribute("data-scheme", "light")
-    window.page.keyboard.press("d")
+    window.page.keyboard.press("l")
     expect(root).to_have_attribute("data-scheme", "dark", timeout=PATIENCE)

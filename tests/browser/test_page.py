@@ -141,13 +141,13 @@ def test_a_browser_that_comes_back_sees_the_same_state(screen, bench, reaches):
 
 def test_keys_scan_find_plan_and_turn_the_page_dark(screen, reaches):
     keyboard = screen.page.keyboard
-    for key, phase in (("s", "scanned"), ("f", "localized"), ("p", "planned")):
+    for key, phase in (("n", "scanned"), ("f", "localized"), ("p", "planned")):
         screen.page.mouse.move(200, 400)
         keyboard.press(key)
         state = reaches(phase)
     screen.wait_for("plan ready")
     assert state.approval is None
-    keyboard.press("d")
+    keyboard.press("l")
     screen.page.locator(':root[data-mantine-color-scheme="dark"]').wait_for()
     screen.shoot("dark")
     assert screen.errors == []

@@ -37,7 +37,8 @@ HEIGHTS = ((62, 74, 137), (38, 130, 142), (80, 180, 120), (250, 205, 70))
 
 BESIDE_BIN = (190, 196, 204)
 SKY = ("#d3deea", "#f8fafc")
-"""Behind the scene, from top to bottom."""
+NIGHT_SKY = ("#141a22", "#333d4a")
+"""Behind the scene, from top to bottom: on a light page, and on a dark one."""
 
 UNEXPLAINED_COLOUR = BAD
 """Of what the scan shows and nothing known explains."""

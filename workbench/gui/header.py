@@ -6,6 +6,7 @@ from workbench.app.commands import AcknowledgeFault, CancelJob
 from workbench.app.state import Phase
 from workbench.gui.control import ControlStrip
 from workbench.gui.look import View
+from workbench.gui.surroundings import paint_background
 from workbench.gui.theme import Theme
 from workbench.gui.views import status_html, strip_html
 from workbench.gui.visitor import Visitor
@@ -35,7 +36,7 @@ class Header:
         self._theme, self._gui, self._is_dark = theme, gui, False
         self._control = ControlStrip(visitor)
         visitor.on_press(self._cancel, CancelJob)
-        visitor.on_key("D", "Dark or light page", self._turn)
+        visitor.on_key("L", "Dark or light page", self._turn)
         visitor.on_press(self._acknowledge, AcknowledgeFault)
 
     def show(self, old: View | None, new: View) -> None:
@@ -62,3 +63,4 @@ class Header:
     def _turn(self) -> None:
         self._is_dark = not self._is_dark
         self._theme.apply(self._gui, is_dark=self._is_dark)
+        paint_background(self._visitor.client.scene, is_dark=self._is_dark)

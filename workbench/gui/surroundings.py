@@ -7,7 +7,7 @@ import numpy as np
 import pinocchio as pin
 import viser
 
-from workbench.gui.colours import SKY, rgb_of
+from workbench.gui.colours import NIGHT_SKY, SKY, rgb_of
 from workbench.gui.robot import place, quaternion
 from workbench.gui.solids import by_colour
 from workbench.model.cell import Cell
@@ -103,10 +103,10 @@ def show_frames(
         scene.add_label(f"/frames/{number}/label", label, font_screen_scale=0.7)
 
 
-def paint_background(scene: viser.SceneApi) -> None:
+def paint_background(scene: viser.SceneApi, *, is_dark: bool = False) -> None:
     """A soft sky, so that white robots stand out."""
     shares = np.linspace(0.0, 1.0, 64)[:, None, None]
-    top, bottom = (np.array(rgb_of(colour)) for colour in SKY)
+    top, bottom = (np.array(rgb_of(colour)) for colour in (NIGHT_SKY if is_dark else SKY))
     gradient = (1 - shares) * top + shares * bottom
     scene.set_background_image(np.repeat(gradient, 8, axis=1).astype(np.uint8), "png")
 

@@ -79,7 +79,8 @@ class Visitor:
     def on_key(self, key: HotkeyKey, says: str, pressed: Callable[[], object]) -> None:
         """Have a key do something while no field is typed in; listed by Ctrl+K.
 
-        Nothing that lets a robot move has a key: that takes a hand on a button.
+        Nothing that lets a robot move has a key: that takes a hand on a button.  W, A, S, D, Q
+        and E are viser's own: they move the camera.
         """
 
         @self.gui.add_command(says, hotkey=key).on_trigger

@@ -172,7 +172,7 @@ class CyclePanel:
         visitor.on_press(self._find, self._wanted_parts)
         visitor.on_press(self._move_bin, self._wanted_bin)
         visitor.on_press(self._plan, self._wanted_plan)
-        visitor.on_key("S", "Scan", lambda: visitor.ask(self._wanted_scan))
+        visitor.on_key("N", "New scan", lambda: visitor.ask(self._wanted_scan))
         visitor.on_key("F", "Find parts", lambda: visitor.ask(self._wanted_parts))
         visitor.on_key("P", "Plan", lambda: visitor.ask(self._wanted_plan))
         visitor.on_press(self._send, lambda: SendPlan(_digest(visitor.bench.state)))
