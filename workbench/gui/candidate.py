@@ -17,6 +17,9 @@ from workbench.planning.kinematics import Kinematics
 STROKE = 0.03
 """Length of the drawn end of an approach [m]."""
 
+ABOVE = 0.17
+"""[m] The label stands this far above the tool's tip, clear of the hand."""
+
 
 class DrawnCandidates:
     """All candidates as strokes along their approach, in the colour of their verdict.
@@ -86,8 +89,9 @@ class DrawnCandidates:
         self._scene.add_label(
             "/candidate/label",
             candidate_label(candidate),
+            position=ABOVE * candidate.T_world_tcp.rotation[2],
             font_screen_scale=0.8,
-            anchor="bottom-left",
+            anchor="bottom-center",
         )
         if pose is not None:
             if arm.name not in self._arms:
