@@ -134,7 +134,7 @@ def bin_moved(chrome: Browser, folder: Path) -> None:
     with desk(chrome, folder, speed=20) as at:
         now = at.bench.state.cell
         T = now.bin.T_world_bin * pose_from_rpy((0.015, 0.0, 0.0), (0.0, 0.0, math.radians(3)))
-        at.bench.do(UseScan(synthesize(moved(now, BIN, T), now.parts[0], (), seed=0)), "Ada")
+        at.bench.do(UseScan(synthesize(moved(now, BIN, T), (), seed=0)), "Ada")
         at.screen.wait_for("from where the cell has it")
         at.shoot("bin_moved")
 

@@ -66,7 +66,7 @@ def moved_scan(bench):
     """A scan of the bin 15 mm from where the cell has it."""
     cell = bench.state.cell
     T = cell.bin.T_world_bin * pose_from_rpy((0.015, 0.0, 0.0), (0.0, 0.0, np.deg2rad(3)))
-    return synthesize(moved(cell, BIN, T), cell.parts[0], (), seed=0), T
+    return synthesize(moved(cell, BIN, T), (), seed=0), T
 
 
 def test_a_moved_bin_is_told_and_the_cell_follows(screen, bench, wait, moved_scan):

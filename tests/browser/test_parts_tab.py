@@ -14,8 +14,7 @@ from workbench.perception.synthesize import synthesize
 @pytest.fixture(scope="module")
 def scan_file(tmp_path_factory):
     cell = read_cell("yumi")
-    part = cell.parts[0]
-    scan = synthesize(cell, part, drop_parts(part, cell.bin, 3, seed=2), seed=2)
+    scan = synthesize(cell, drop_parts(cell.parts[:1] * 3, cell.bin, seed=2), seed=2)
     path = tmp_path_factory.mktemp("scan") / "from_elsewhere.ply"
     write_cloud(path, scan)
     return path

@@ -1,12 +1,11 @@
 """One pile and its scan, made once."""
 
-import pinocchio as pin
 import pytest
 
 from workbench.formats.cells import read_cell
 from workbench.model.cell import Cell
 from workbench.model.part import Part
-from workbench.model.scan import Scan
+from workbench.model.scan import Detection, Scan
 from workbench.perception.piles import drop_parts
 from workbench.perception.synthesize import synthesize
 
@@ -22,10 +21,10 @@ def part(cell: Cell) -> Part:
 
 
 @pytest.fixture(scope="session")
-def pile(cell: Cell, part: Part) -> tuple[pin.SE3, ...]:
-    return drop_parts(part, cell.bin, 3, seed=11)
+def pile(cell: Cell, part: Part) -> tuple[Detection, ...]:
+    return drop_parts((part,) * 3, cell.bin, seed=11)
 
 
 @pytest.fixture(scope="session")
-def scan(cell: Cell, part: Part, pile: tuple[pin.SE3, ...]) -> Scan:
-    return synthesize(cell, part, pile, seed=11)
+def scan(cell: Cell, pile: tuple[Detection, ...]) -> Scan:
+    return synthesize(cell, pile, seed=11)

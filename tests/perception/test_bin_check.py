@@ -19,8 +19,8 @@ def scanned(cell, parts=0, shift=(0, 0, 0), rpy_deg=(0, 0, 0), seed=0):
     T = cell.bin.T_world_bin * pose_from_rpy(np.array(shift) / 1000, np.deg2rad(rpy_deg))
     moved = replace(cell, bin=replace(cell.bin, T_world_bin=T))
     part = cell.parts[0]
-    pile = drop_parts(part, moved.bin, parts, seed=seed) if parts else ()
-    return synthesize(moved, part, pile, seed=seed), T
+    pile = drop_parts((part,) * parts, moved.bin, seed=seed)
+    return synthesize(moved, pile, seed=seed), T
 
 
 def error(check, truth) -> tuple[float, float]:
@@ -89,7 +89,7 @@ def test_an_overfull_bin_is_told_and_not_taken_for_a_moved_one(cell, seed):
 
 def test_a_bin_that_is_not_there_is_told(cell):
     gone = replace(cell.bin, T_world_bin=pose_from_rpy((0.41, 0, -0.5)))
-    scan = synthesize(replace(cell, bin=gone), cell.parts[0], (), seed=0)
+    scan = synthesize(replace(cell, bin=gone), (), seed=0)
     check = check_bin(scan, cell.bin)
     assert check.T_world_bin is None and check.light == "bad"
     assert "is the bin there?" in check.says

@@ -10,8 +10,8 @@ import pytest
 from workbench.formats.parts import read_part
 from workbench.model.errors import JobCancelled
 from workbench.model.geometry import pose_from_rpy
-from workbench.model.scan import Detection, Discarded, Findings, Objection, Scan
-from workbench.perception.localize import localize, merged, search
+from workbench.model.scan import Detection, Objection, Scan
+from workbench.perception.localize import localize, search
 from workbench.perception.piles import drop_parts
 from workbench.perception.scan_noise import ROUGH
 from workbench.perception.synthesize import synthesize
@@ -32,8 +32,8 @@ def compared(part, truth, found):
 
 @pytest.mark.parametrize("seed", range(6))
 def test_two_parts_are_found_where_they_are(cell, part, seed):
-    truth = drop_parts(part, cell.bin, 2, seed=seed)
-    found = localize(synthesize(cell, part, truth, seed=seed), part, cell, seed=0)
+    truth = drop_parts((part,) * 2, cell.bin, seed=seed)
+    found = localize(synthesize(cell, truth, seed=seed), part, cell, seed=0)
     wrong, missed, distances, turns = compared(part, truth, found)
     assert (wrong, missed) == ([], 0)
     assert max(distances) < 0.0005
@@ -41,8 +41,8 @@ def test_two_parts_are_found_where_they_are(cell, part, seed):
 
 
 def test_a_heap_is_found_too(cell, part):
-    truth = drop_parts(part, cell.bin, 8, seed=3)
-    found = localize(synthesize(cell, part, truth, seed=3), part, cell, seed=0)
+    truth = drop_parts((part,) * 8, cell.bin, seed=3)
+    found = localize(synthesize(cell, truth, seed=3), part, cell, seed=0)
     wrong, missed, *_ = compared(part, truth, found)
     assert (wrong, missed) == ([], 0)
 
@@ -51,15 +51,15 @@ def test_a_heap_is_found_too(cell, part):
 def test_other_parts_are_found_in_a_rough_scan_too(cell, name):
     part = read_part(name)
     rough = replace(cell, parts=(part,), scanner=replace(cell.scanner, depth_noise=0.0006))
-    truth = drop_parts(part, rough.bin, 4, seed=1)
-    scan = synthesize(rough, part, truth, seed=1, noise=ROUGH)
+    truth = drop_parts((part,) * 4, rough.bin, seed=1)
+    scan = synthesize(rough, truth, seed=1, noise=ROUGH)
     wrong, missed, *_ = compared(part, truth, localize(scan, part, rough, seed=0))
     assert (wrong, missed) == ([], 0)
 
 
 def test_what_is_discarded_says_why(cell, part):
-    truth = drop_parts(part, cell.bin, 4, seed=3)
-    findings = search(synthesize(cell, part, truth, seed=3), part, cell, seed=0)
+    truth = drop_parts((part,) * 4, cell.bin, seed=3)
+    findings = search(synthesize(cell, truth, seed=3), part, cell, seed=0)
     assert 0 < len(findings.discarded) <= 20
     scores = [one.score for one in findings.discarded]
     assert scores == sorted(scores, reverse=True)
@@ -73,18 +73,6 @@ def test_what_is_discarded_says_why(cell, part):
             T = one.T_world_part.actInv(found.T_world_part)
             is_same = np.linalg.norm(pin.log3(T.rotation)) < 0.1
             assert not (is_same and np.linalg.norm(T.translation) < 0.002)
-
-
-def test_of_two_kinds_searched_for_the_rivals_keep_their_numbers(cell, part):
-    T = cell.bin.T_world_bin
-    one = Findings((Detection("a", T, 0.5),), (Discarded("a", T, 0.4, Objection.TWIN, 0),))
-    other = Findings((Detection("b", T, 0.9),), (Discarded("b", T, 0.6, Objection.OUTSIDE),))
-    both = merged([one, other])
-    assert [found.part for found in both.detections] == ["b", "a"]
-    assert [(d.part, d.words) for d in both.discarded] == [
-        ("b", "outside the bin"),
-        ("a", "a twin with a worse score of part-2"),
-    ]
 
 
 def test_the_best_come_first_with_scores_that_can_be_trusted(scan, part, cell):
@@ -122,7 +110,7 @@ def test_a_cloud_without_order_does_as_well(scan, part, cell, pile):
 
 
 def test_nothing_is_found_in_an_empty_bin(part, cell):
-    assert localize(synthesize(cell, part, (), seed=0), part, cell, seed=0) == ()
+    assert localize(synthesize(cell, (), seed=0), part, cell, seed=0) == ()
 
 
 def test_nothing_is_found_where_the_bin_is_not(scan, part, cell):
@@ -147,8 +135,9 @@ def test_roll_is_only_claimed_where_it_shows(cell, part):
     for roll in np.linspace(0, 2 * np.pi, 8, endpoint=False):
         T = cell.bin.T_world_bin * pose_from_rpy((0, 0, 0.02), (np.pi / 2, 0, 0))
         T = T * pose_from_rpy((0, 0, 0), (0, 0, roll))
-        (found,) = localize(synthesize(cell, part, (T,), seed=1), part, cell, seed=0)
-        assert compared(part, (T,), (found,))[0] == []
+        truth = (Detection(part.name, T),)
+        (found,) = localize(synthesize(cell, truth, seed=1), part, cell, seed=0)
+        assert compared(part, truth, (found,))[0] == []
         down.append(found.roll_known)
     assert any(down), "the key is never seen"
     assert not all(down), "the key is claimed to be seen through the part"

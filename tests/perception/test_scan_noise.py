@@ -8,6 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from workbench.model.geometry import pose_from_rpy
+from workbench.model.scan import Detection
 from workbench.perception.scan_noise import FINE, NOISE_MODELS, ROUGH, NoiseModel, noisy
 from workbench.perception.synthesize import synthesize, visible_shares
 
@@ -25,17 +26,17 @@ def picture(scan) -> np.ndarray:
 
 
 @pytest.fixture(scope="module")
-def upright(cell):
+def upright(cell, part):
     """A part standing in the middle of the bin."""
-    return cell.bin.T_world_bin * pose_from_rpy((0, 0, 0.04))
+    return Detection(part.name, cell.bin.T_world_bin * pose_from_rpy((0, 0, 0.04)))
 
 
-def test_where_the_projector_is_blocked_nothing_is_measured(cell, part, upright):
+def test_where_the_projector_is_blocked_nothing_is_measured(cell, upright):
     """The shadow lies on the side away from the projector, as wide as the heights demand."""
     quiet = replace(cell, scanner=replace(cell.scanner, depth_noise=0.0))
-    lit = picture(synthesize(quiet, part, (upright,), seed=0, noise=PERFECT))
+    lit = picture(synthesize(quiet, (upright,), seed=0, noise=PERFECT))
     aside = replace(PERFECT, baseline=0.2)
-    dark = np.isnan(picture(synthesize(quiet, part, (upright,), seed=0, noise=aside)))
+    dark = np.isnan(picture(synthesize(quiet, (upright,), seed=0, noise=aside)))
     rows, columns = lit.shape
     middle = slice(rows // 2 - 5, rows // 2 + 5)
     high = np.flatnonzero((lit[middle] < 0.83).all(axis=0))
@@ -51,8 +52,8 @@ def test_where_the_projector_is_blocked_nothing_is_measured(cell, part, upright)
     assert np.isfinite(lit[middle]).mean() > 0.99
 
 
-def test_without_a_baseline_there_is_no_shadow(cell, part, upright):
-    scan = synthesize(cell, part, (upright,), seed=0, noise=PERFECT)
+def test_without_a_baseline_there_is_no_shadow(cell, upright):
+    scan = synthesize(cell, (upright,), seed=0, noise=PERFECT)
     assert np.isfinite(picture(scan)[100:380, 100:540]).mean() > 0.99
 
 
@@ -83,19 +84,19 @@ def test_grazing_and_dark_surfaces_drop_out():
     assert head_on > slanted > grazing > dark == 0.0
 
 
-def test_the_rough_build_has_more_wrong_with_it(cell, part, upright):
+def test_the_rough_build_has_more_wrong_with_it(cell, upright):
     def stray(noise: NoiseModel) -> float:
-        scan = synthesize(cell, part, (), seed=0, noise=noise)
+        scan = synthesize(cell, (), seed=0, noise=noise)
         return float(np.mean(np.abs(scan.points[:, 2] - np.median(scan.points[:, 2])) > 0.02))
 
     assert stray(ROUGH) > stray(FINE) > 0.0
 
 
 @pytest.mark.parametrize("name", NOISE_MODELS)
-def test_the_same_seed_gives_the_same_scan(cell, part, upright, name):
+def test_the_same_seed_gives_the_same_scan(cell, upright, name):
     noise = NOISE_MODELS[name]
     first, again, other = (
-        synthesize(cell, part, (upright,), seed=seed, noise=noise).digest for seed in (3, 3, 4)
+        synthesize(cell, (upright,), seed=seed, noise=noise).digest for seed in (3, 3, 4)
     )
     assert first == again != other
 
@@ -113,9 +114,14 @@ def test_measured_depths_are_finite_or_missing(seed, name):
 
 
 def test_a_part_under_another_is_seen_in_part(cell, part):
-    low = cell.bin.T_world_bin * pose_from_rpy((0, 0, 0.015), (0, np.pi / 2, 0))
-    across = cell.bin.T_world_bin * pose_from_rpy((0, 0, 0.055), (np.pi / 2, 0, 0))
-    below, above = visible_shares(cell, part, (low, across))
+    low, across = (
+        Detection(part.name, cell.bin.T_world_bin * T)
+        for T in (
+            pose_from_rpy((0, 0, 0.015), (0, np.pi / 2, 0)),
+            pose_from_rpy((0, 0, 0.055), (np.pi / 2, 0, 0)),
+        )
+    )
+    below, above = visible_shares(cell, (low, across))
     assert above > 0.99
     assert 0.4 < below < 0.8
-    assert visible_shares(cell, part, (low,))[0] > 0.99
+    assert visible_shares(cell, (low,))[0] > 0.99

@@ -8,7 +8,6 @@ import pytest
 from workbench.formats.cells import read_cell
 from workbench.model.cell import Fixture
 from workbench.model.geometry import Box, Solid, pose_from_rpy
-from workbench.model.scan import Detection
 from workbench.perception.piles import drop_parts
 from workbench.perception.synthesize import synthesize
 from workbench.perception.unexplained import (
@@ -23,9 +22,8 @@ PART = CELL.parts[0]
 
 
 def pile(seed: int, count: int = 2):
-    poses = drop_parts(PART, CELL.bin, count, seed=seed)
-    scan = synthesize(CELL, PART, poses, seed=seed)
-    return scan, tuple(Detection(PART.name, T) for T in poses)
+    truth = drop_parts((PART,) * count, CELL.bin, seed=seed)
+    return synthesize(CELL, truth, seed=seed), truth
 
 
 def holds(obstacle, points):
@@ -76,7 +74,7 @@ def test_a_strange_thing_in_the_bin_is_found_where_it_is():
     at = CELL.bin.T_world_bin.translation + (0.03, 0.05, 0.02)
     stone = Solid("stone", Box(np.array([0.05, 0.03, 0.04])), pose_from_rpy((0, 0, 0)))
     fixtures = (*CELL.fixtures, Fixture("stone", pose_from_rpy(at), (stone,)))
-    scan = synthesize(replace(CELL, fixtures=fixtures), PART, [], seed=0)
+    scan = synthesize(replace(CELL, fixtures=fixtures), [], seed=0)
     (found,) = unexplained(CELL, scan, ())
     np.testing.assert_allclose(found.T_world_box.translation[:2], at[:2], atol=0.006)
     np.testing.assert_allclose(np.sort(found.size), [0.03, 0.04, 0.05], atol=0.012)

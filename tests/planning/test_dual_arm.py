@@ -68,8 +68,7 @@ def test_the_same_seed_gives_the_same_plan(cell, apart, coordinated):
 @pytest.mark.parametrize("seed", [1, 8, 16, 18, 38])
 def test_whatever_comes_out_of_a_pile_is_proven_and_apart_at_any_speeds(cell, seed):
     """At random times of each arm, independent of each other, the arms keep their margin."""
-    part = cell.parts[0]
-    pile = tuple(Detection(part.name, T) for T in drop_parts(part, cell.bin, 2, seed=seed))
+    pile = drop_parts(cell.parts[:1] * 2, cell.bin, seed=seed)
     result = plan_pick(cell, pile, "scan", strategy="coordinated", seed=seed)
     plan = result.plan
     assert plan is not None

@@ -29,7 +29,7 @@ FLOOR = CELL.bin.T_world_bin.translation
 
 
 def pile(seed: int, count: int) -> tuple[Detection, ...]:
-    return tuple(Detection(PART.name, T) for T in drop_parts(PART, CELL.bin, count, seed=seed))
+    return drop_parts((PART,) * count, CELL.bin, seed=seed)
 
 
 @settings(
@@ -104,11 +104,10 @@ def test_the_same_request_gives_the_same_plan_in_other_processes_and_after_other
         "import sys; from workbench.app.pick import plan_pick\n"
         "from workbench.formats.cells import read_cell\n"
         "from workbench.model.cell import Wishes\n"
-        "from workbench.model.scan import Detection\n"
         "from workbench.perception.piles import drop_parts\n"
-        "cell = read_cell('yumi'); part = cell.parts[0]\n"
+        "cell = read_cell('yumi')\n"
         "def digest(s, strategy, planner):\n"
-        "    pile = tuple(Detection(part.name, T) for T in drop_parts(part, cell.bin, 2, seed=s))\n"
+        "    pile = drop_parts(cell.parts[:1] * 2, cell.bin, seed=s)\n"
         "    w = Wishes(planner=planner)\n"
         "    r = plan_pick(cell, pile, 'x', strategy=strategy, wishes=w, seed=s)\n"
         "    return r.plan.digest if r.plan else str(r.verdict)\n"

@@ -5,6 +5,7 @@ from types import MappingProxyType
 from typing import assert_never
 
 from workbench.app.commands import (
+    ALL_KINDS,
     AcknowledgeFault,
     Approve,
     AskForControl,
@@ -108,7 +109,7 @@ def allowed(
         raise CommandRefused(problem)
     match command:
         case TakeScan(seed=seed, parts=parts, part=part):
-            check_among("part", part, ("", *(one.name for one in state.cell.parts)))
+            check_among("part", part, ("", ALL_KINDS, *(one.name for one in state.cell.parts)))
             check_integer("seed", seed, 0, SEED_LIMIT - 1)
             check_integer("parts", parts, 1, MOST_PARTS)
         case FindParts(seed=seed, wishes=wishes):

@@ -2,13 +2,14 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from itertools import cycle, islice
 from typing import Any
 
 import numpy as np
 import pinocchio as pin
 
 from workbench.app.calibration import simulated_sight
-from workbench.app.commands import PlanResult
+from workbench.app.commands import ALL_KINDS, PlanResult
 from workbench.app.part_import import imported_part
 from workbench.app.pick import plan_pick
 from workbench.app.worker import Cancelled, JobFunction, Report
@@ -20,7 +21,7 @@ from workbench.model.part import Part
 from workbench.model.scan import Detection, Findings, Obstacle, Scan
 from workbench.model.search import SearchWishes
 from workbench.perception.balls import sight_plate
-from workbench.perception.localize import merged, search
+from workbench.perception.kinds import search_all
 from workbench.perception.piles import drop_parts
 from workbench.perception.synthesize import synthesize
 from workbench.perception.unexplained import unexplained
@@ -30,42 +31,42 @@ def scan(cell: Cell, arguments: Mapping[str, Any], report: Report, cancelled: Ca
     """A scan by the cell's scanner; a simulated one sees `parts` parts dropped by `seed`."""
     if cell.scanner.source != "simulated":
         return SCANNERS[cell.scanner.source](cell.scanner).scan(report, cancelled)
-    if not cell.parts:
-        raise InputError(f"cell {cell.name} has no part, so there is nothing to drop into its bin")
-    part = cell.part(arguments["part"]) if arguments.get("part") else cell.parts[0]
     seed = arguments["seed"]
     report(0.1, "parts fall into the bin")
-    Ts_world_part = drop_parts(part, cell.bin, arguments["parts"], seed=seed)
+    truth = pile_of(cell, arguments.get("part", ""), arguments["parts"], seed=seed)
     if cancelled():
         raise JobCancelled("the scan was cancelled")
     report(0.6, "the scanner looks")
-    return synthesize(cell, part, Ts_world_part, seed=seed)
+    return synthesize(cell, truth, seed=seed)
+
+
+def pile_of(cell: Cell, kind: str, count: int, *, seed: int) -> tuple[Detection, ...]:
+    """Parts that fell into the cell's bin: `count` of a kind, of the first one when it is empty.
+
+    Of the kind `ALL_KINDS` is one of each in turn.
+
+    Raises:
+        InputError: the cell has no part, or none of that kind; or they do not fit.
+    """
+    if not cell.parts:
+        raise InputError(f"cell {cell.name} has no part, so there is nothing to drop into its bin")
+    kinds = cell.parts if kind == ALL_KINDS else (cell.part(kind or cell.parts[0].name),)
+    return drop_parts(tuple(islice(cycle(kinds), count)), cell.bin, seed=seed)
 
 
 def find_parts(
     cell: Cell, arguments: Mapping[str, Any], report: Report, cancelled: Cancelled
 ) -> Findings:
     """All parts of the cell, each kind found in `scan` with `seed`, the surest first."""
-    brought: list[Findings] = []
     wishes: SearchWishes = arguments.get("wishes", SearchWishes())
-    for number, part in enumerate(cell.parts):
-        before = number / len(cell.parts)
-
-        def report_share(done: float, note: str, before: float = before) -> None:
-            report(before + done / len(cell.parts), note)
-
-        brought.append(
-            search(
-                arguments["scan"],
-                part,
-                cell,
-                seed=arguments["seed"],
-                detail=wishes.detail,
-                report=report_share,
-                cancelled=cancelled,
-            )
-        )
-    found = merged(brought)
+    found = search_all(
+        arguments["scan"],
+        cell,
+        seed=arguments["seed"],
+        detail=wishes.detail,
+        report=report,
+        cancelled=cancelled,
+    )
     sure = tuple(one for one in found.detections if one.score >= wishes.least_score)
     return replace(found, detections=sure)
 

@@ -82,7 +82,7 @@ class Scan:
     parts: int = 2
     """How many parts lie in the bin."""
     part: str = ""
-    """Which part of the cell; the first one unless told otherwise."""
+    """Which part of the cell; the first one unless told otherwise; all: of each in turn."""
     truth: Path | None = None
     """JSON file to write the true poses to."""
 

@@ -1,16 +1,15 @@
 """`workbench scan` and `workbench localize`: from a bin to a cloud, from a cloud to poses."""
 
 from workbench.app.value_checks import DETAIL, MOST_PARTS, SEED_LIMIT
-from workbench.app.work import find_parts
+from workbench.app.work import find_parts, pile_of
 from workbench.cli import arguments
 from workbench.cli.terminal import check_number, check_whole, print_table, progress
 from workbench.formats.cells import read_cell
 from workbench.formats.clouds import read_cloud, write_cloud
 from workbench.formats.poses import write_poses
-from workbench.model.scan import Detection, Discarded
+from workbench.model.scan import Discarded
 from workbench.model.search import SearchWishes
 from workbench.perception.bin_check import check_bin
-from workbench.perception.piles import drop_parts
 from workbench.perception.synthesize import synthesize
 
 
@@ -19,15 +18,14 @@ def scan(typed: arguments.Scan) -> int:
     check_whole("--seed", typed.seed, 0, SEED_LIMIT - 1)
     check_whole("--parts", typed.parts, 1, MOST_PARTS)
     cell = read_cell(typed.cell)
-    part = cell.part(typed.part) if typed.part else cell.parts[0]
     with progress("scan") as report:
         report(0.1, "parts fall into the bin")
-        Ts_world_part = drop_parts(part, cell.bin, typed.parts, seed=typed.seed)
+        truth = pile_of(cell, typed.part, typed.parts, seed=typed.seed)
         report(0.6, "the scanner looks")
-        found = synthesize(cell, part, Ts_world_part, seed=typed.seed)
+        found = synthesize(cell, truth, seed=typed.seed)
         write_cloud(typed.out, found)
     if typed.truth is not None:
-        write_poses(typed.truth, [Detection(part.name, T) for T in Ts_world_part])
+        write_poses(typed.truth, truth)
     print(f"{typed.out}: {len(found.points):,} points")
     return 0
 

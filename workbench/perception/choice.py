@@ -158,19 +158,25 @@ def _objection(
 
 def _overlap(choice: Choice, surface: PartSurface, one: Assessment) -> Rejection | None:
     """The first of the chosen parts that this one reaches into, if any."""
-    if not surface.is_closed:
-        return None
     for rival, other in enumerate(choice.chosen):
-        T = _between(other.pose, one.pose)
-        points = surface.coarse.points @ T[:3, :3].T + T[:3, 3]
-        if np.linalg.norm(T[:3, :3] @ surface.middle + T[:3, 3] - surface.middle) > (
-            surface.diameter
-        ):
-            continue
-        depth = surface.scene.compute_signed_distance(o3d.core.Tensor(points.astype(np.float32)))
-        if float(np.mean(depth.numpy() < -DEEP * surface.diameter)) > MOST_DEEP:
+        if reaches_into(surface, surface, _between(other.pose, one.pose)):
             return Rejection(one.pose, one.sighting, Objection.REACHES_INTO, rival)
     return None
+
+
+def reaches_into(surface: PartSurface, host: PartSurface, T_host_part: Floats) -> bool:
+    """Whether a part at a pose (4, 4) is inside another one, the host, as no two parts can be.
+
+    It is not known of a host whose mesh is open, which has no inside.
+    """
+    R, t = T_host_part[:3, :3], T_host_part[:3, 3]
+    apart = float(np.linalg.norm(R @ surface.middle + t - host.middle))
+    if not host.is_closed or apart > (surface.diameter + host.diameter) / 2:
+        return False
+    points = (surface.coarse.points @ R.T + t).astype(np.float32)
+    depth = host.scene.compute_signed_distance(o3d.core.Tensor(points)).numpy()
+    deep = DEEP * min(surface.diameter, host.diameter)
+    return float(np.mean(depth < -deep)) > MOST_DEEP
 
 
 def _between(pose: Floats, other: Floats) -> Floats:

@@ -1,7 +1,7 @@
 """Finding the parts in a scan: hypotheses by voting, fits, and verification by ray-casting."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from itertools import count
 
 import numpy as np
@@ -47,6 +47,18 @@ MOST_DISCARDED = 20
 """Discarded hypotheses that are told of, the best first."""
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Searched:
+    """What the search for one part brought.
+
+    `gains` [m2]: for each detection the area seen that speaks for it, less what speaks against.
+    """
+
+    findings: Findings
+    surface: PartSurface
+    gains: tuple[float, ...]
+
+
 def _silent(done: float, note: str) -> None:
     pass
 
@@ -76,6 +88,22 @@ def search(
     report: Callable[[float, str], None] = _silent,
     cancelled: Callable[[], bool] = lambda: False,
 ) -> Findings:
+    """The findings of `searched`."""
+    return searched(
+        scan, part, cell, seed=seed, detail=detail, report=report, cancelled=cancelled
+    ).findings
+
+
+def searched(
+    scan: Scan,
+    part: Part,
+    cell: Cell,
+    *,
+    seed: int,
+    detail: float = 1.0,
+    report: Callable[[float, str], None] = _silent,
+    cancelled: Callable[[], bool] = lambda: False,
+) -> Searched:
     """All instances of a part in the cell's bin, as far as the scan shows them.
 
     Point-pair features of the scan inside the bin vote for poses; they are fitted by projective
@@ -94,8 +122,8 @@ def search(
         cancelled: is asked now and then whether to give up.
 
     Returns:
-        The detections, best score first, none when nothing is found; and the `MOST_DISCARDED`
-        best of the poses that were looked at and not taken.
+        The detections, best score first, none when nothing is found; the `MOST_DISCARDED` best
+        of the poses that were looked at and not taken; and how much speaks for each detection.
 
     Raises:
         JobCancelled: `cancelled` said so.
@@ -114,7 +142,7 @@ def search(
         scan, cell.bin, size=surface.diameter, pitch=surface.diameter / (PIXELS_ACROSS * detail)
     )
     if maps is None:
-        return Findings(())
+        return Searched(Findings(()), surface, ())
     glance, tolerance = _coarser(maps, surface), _tolerance(surface, cell, scan)
     T_scanner_bin = scan.T_world_scanner.inverse() * cell.bin.T_world_bin
     steps = count()
@@ -151,7 +179,9 @@ def search(
         choice.rejected += [
             Rejection(one.pose, one.sighting, Objection.OUTSIDE) for one in map(seen, outside)
         ]
-    return _findings(part, surface, scan, choice)
+    order = sorted(range(len(choice.chosen)), key=lambda k: -choice.chosen[k].sighting.score)
+    gains = tuple(choice.chosen[k].sighting.gain * maps.pitch**2 for k in order)
+    return Searched(_findings(part, surface, scan, choice, order), surface, gains)
 
 
 def _coarser(maps: DepthMap, surface: PartSurface) -> DepthMap:
@@ -167,29 +197,16 @@ def _without_claimed(maps: DepthMap, choice: Choice) -> DepthMap:
     return replace(maps, foreground=maps.foreground & ~binary_dilation(claimed, iterations=RIM))
 
 
-def merged(brought: Sequence[Findings]) -> Findings:
-    """Several searches as one: all detections, best score first, and all that was discarded."""
-    found = [(k, n, one) for k, each in enumerate(brought) for n, one in enumerate(each.detections)]
-    found.sort(key=lambda entry: -entry[2].score)
-    rank = {(k, n): place for place, (k, n, _) in enumerate(found)}
-    discarded = [
-        replace(one, rival=None if one.rival is None else rank[k, one.rival])
-        for k, each in enumerate(brought)
-        for one in each.discarded
-    ]
-    discarded.sort(key=lambda one: -one.score)
-    return Findings(tuple(one for *_, one in found), tuple(discarded[:MOST_DISCARDED]))
-
-
 def _tolerance(surface: PartSurface, cell: Cell, scan: Scan) -> float:
     distance = np.linalg.norm(scan.T_world_scanner.translation - cell.bin.T_world_bin.translation)
     noise = cell.scanner.depth_noise * float(distance) ** 2
     return max(TOLERANCE * surface.diameter, TOLERANCE_OVER_NOISE * noise)
 
 
-def _findings(part: Part, surface: PartSurface, scan: Scan, choice: Choice) -> Findings:
-    """The chosen ones as detections by their scores, and the best of those rejected."""
-    order = sorted(range(len(choice.chosen)), key=lambda k: -choice.chosen[k].sighting.score)
+def _findings(
+    part: Part, surface: PartSurface, scan: Scan, choice: Choice, order: Sequence[int]
+) -> Findings:
+    """The chosen ones as detections in that order, and the best of those rejected."""
     rank = {k: place for place, k in enumerate(order)}
     rejected = _different(surface, choice)[:MOST_DISCARDED]
     return Findings(

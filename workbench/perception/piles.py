@@ -1,5 +1,7 @@
 """Parts dropped into a bin and left to settle: how they come to lie in production."""
 
+from collections.abc import Sequence
+
 import mujoco
 import numpy as np
 import pinocchio as pin
@@ -8,6 +10,7 @@ from workbench.model.cell import Bin
 from workbench.model.errors import InputError
 from workbench.model.geometry import Box, Capsule, Cylinder, Floats, Mesh, Solid, Sphere
 from workbench.model.part import Part
+from workbench.model.scan import Detection
 from workbench.perception.surfaces import surface_of
 
 TIMESTEP = 0.002
@@ -29,46 +32,45 @@ OUTSIDE = 0.001
 """[m] How far a part may reach into a wall or the floor (contacts yield a little)."""
 
 
-def drop_parts(part: Part, bin: Bin, count: int, *, seed: int) -> tuple[pin.SE3, ...]:
-    """Poses of `count` parts that fell into the bin one after another, and settled.
+def drop_parts(parts: Sequence[Part], bin: Bin, *, seed: int) -> tuple[Detection, ...]:
+    """Where parts come to lie that fall into the bin one after another.
 
     MuJoCo simulates them as unions of their convex pieces.  They start in random attitudes at
     places spread over the bin.  When a part ends up outside, all is repeated with a seed
     derived from the given one.
 
     Args:
-        part: what falls; its `pieces` give the shape and its `mass` the inertia.
+        parts: what falls, in this order, a part as often as it falls; its `pieces` give the
+            shape and its `mass` the inertia.
         bin: where to.
-        count: how many, 0 or more.
         seed: the same seed gives the same poses on the same machine.
 
     Returns:
-        T_world_part of each, in the order in which they fell.
+        The truth: each part's pose, in the order in which they fell.
 
     Raises:
-        InputError: a negative count, a part that does not fit, or too many for the bin.
+        InputError: a part that does not fit, or too many for the bin.
     """
-    if count < 0:
-        raise InputError(f"the number of parts must be 0 or more, not {count}")
-    if count == 0:
+    if not parts:
         return ()
-    radius = _radius(part)
-    if 2 * radius > float(np.linalg.norm(bin.size[:2])):
-        raise InputError(f"part {part.name} is too large for the bin")
+    count, radius = len(parts), max(_radius(part) for part in parts)
+    what = f"{count} parts {', '.join(dict.fromkeys(part.name for part in parts))}"
+    for part in parts:
+        if 2 * _radius(part) > float(np.linalg.norm(bin.size[:2])):
+            raise InputError(f"part {part.name} is too large for the bin")
     room = float(np.prod(bin.size)) * FULL
-    if count * _volume(part) > room:
-        most = int(room / _volume(part))
-        raise InputError(f"{count} parts {part.name} do not fit into the bin; take {most} or fewer")
-    model = _model(part, bin, count)
-    points = np.array(part.mesh.points)
+    volume = sum(_volume(part) for part in parts)
+    if volume > room:
+        most = int(count * room / volume)
+        raise InputError(f"{what} do not fit into the bin; take {most} or fewer")
+    model = _model(parts, bin)
     for attempt in range(ATTEMPTS):
         generator = np.random.default_rng([seed, attempt])
         Ts_bin_part = _settle(model, _starts(bin, count, radius, generator), radius)
-        if all(_is_inside(points, T, bin) for T in Ts_bin_part):
-            return tuple(bin.T_world_bin * T for T in Ts_bin_part)
-    raise InputError(
-        f"{count} parts {part.name} did not stay in the bin in {ATTEMPTS} attempts; take fewer"
-    )
+        fallen = list(zip(parts, Ts_bin_part, strict=True))
+        if all(_is_inside(part.mesh.points, T, bin) for part, T in fallen):
+            return tuple(Detection(part.name, bin.T_world_bin * T) for part, T in fallen)
+    raise InputError(f"{what} did not stay in the bin in {ATTEMPTS} attempts; take fewer")
 
 
 def _radius(part: Part) -> float:
@@ -82,7 +84,7 @@ def _volume(part: Part) -> float:
     return abs(float(np.einsum("ni,ni->", a, np.cross(b, c)))) / 6
 
 
-def _model(part: Part, bin: Bin, count: int) -> mujoco.MjModel:
+def _model(parts: Sequence[Part], bin: Bin) -> mujoco.MjModel:
     """Bin and parts as MuJoCo sees them; the world frame is that of the bin."""
     spec = mujoco.MjSpec()
     spec.option.timestep = TIMESTEP
@@ -90,16 +92,16 @@ def _model(part: Part, bin: Bin, count: int) -> mujoco.MjModel:
     spec.option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
     for solid in bin.solids:
         _add_geom(spec, spec.worldbody, solid)
-    for number in range(count):
+    for number, part in enumerate(parts):
         body = spec.worldbody.add_body(name=str(number), gravcomp=1.0)  # until it is dropped
         body.add_freejoint()
         for solid in part.pieces:
             _add_geom(spec, body, solid)
     model = spec.compile()
     # Pieces may overlap, so their volumes tell how the mass is spread but not how much it is.
-    scale = part.mass / model.body_mass[1:, None]
-    model.body_inertia[1:] *= scale
-    model.body_mass[1:] = part.mass
+    masses = np.array([part.mass for part in parts])
+    model.body_inertia[1:] *= (masses / model.body_mass[1:])[:, None]
+    model.body_mass[1:] = masses
     mujoco.mj_setConst(model, mujoco.MjData(model))
     return model
 

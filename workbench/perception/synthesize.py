@@ -9,8 +9,7 @@ import pinocchio as pin
 from workbench.model.cell import Cell
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats, Solid
-from workbench.model.part import Part
-from workbench.model.scan import Scan
+from workbench.model.scan import Detection, Scan
 from workbench.perception.camera import Pinhole
 from workbench.perception.scan_noise import FINE, NoiseModel, noisy
 from workbench.perception.surfaces import add_surface, surface_of
@@ -21,8 +20,7 @@ LIT = 0.9995
 
 def synthesize(
     cell: Cell,
-    part: Part,
-    Ts_world_part: Sequence[pin.SE3],
+    truth: Sequence[Detection],
     *,
     seed: int,
     noise: NoiseModel = FINE,
@@ -34,16 +32,15 @@ def synthesize(
     the rest is measured is told in `scan_noise`.
 
     Args:
-        cell: bin, fixtures and scanner.
-        part: what the poses belong to.
-        Ts_world_part: the true poses; may be empty.
+        cell: bin, fixtures, parts and scanner.
+        truth: the parts that lie there; may be empty.
         seed: of noise and failures.
         noise: the build of scanner; the mount's `depth_noise` says how large its deviation is.
 
     Raises:
-        InputError: the scanner sees nothing within its range.
+        InputError: a part that the cell does not know, or nothing within the scanner's range.
     """
-    scene = _scene(cell, part, Ts_world_part)
+    scene = _scene(cell, truth)
     camera = Pinhole.of_scanner(cell.scanner)
     rays = camera.rays().reshape(-1, 3)
     depth, cosine = _cast(scene, rays, cell.scanner.T_world_scanner, noise.baseline)
@@ -67,30 +64,28 @@ def synthesize(
     )
 
 
-def visible_shares(cell: Cell, part: Part, Ts_world_part: Sequence[pin.SE3]) -> tuple[float, ...]:
+def visible_shares(cell: Cell, truth: Sequence[Detection]) -> tuple[float, ...]:
     """How much of each part the camera sees of what it would see were the part alone, 0..1."""
     camera = Pinhole.of_scanner(cell.scanner)
     directions = camera.rays().reshape(-1, 3) @ cell.scanner.T_world_scanner.rotation.T
     origins = np.broadcast_to(cell.scanner.T_world_scanner.translation, directions.shape)
     rays = _rays(origins, directions)
-    hit = _scene(cell, part, Ts_world_part).cast_rays(rays)["geometry_ids"].numpy()
+    hit = _scene(cell, truth).cast_rays(rays)["geometry_ids"].numpy()
     shares: list[float] = []
-    for number, T_world_part in enumerate(Ts_world_part):
+    for number, one in enumerate(truth):
         alone = o3d.t.geometry.RaycastingScene()
-        add_surface(alone, surface_of(part.mesh), T_world_part)
+        add_surface(alone, surface_of(cell.part(one.part).mesh), one.T_world_part)
         shown = int(np.count_nonzero(np.isfinite(alone.cast_rays(rays)["t_hit"].numpy())))
         shares.append(np.count_nonzero(hit == number) / shown if shown else 0.0)
     return tuple(shares)
 
 
-def _scene(
-    cell: Cell, part: Part, Ts_world_part: Sequence[pin.SE3]
-) -> o3d.t.geometry.RaycastingScene:
+def _scene(cell: Cell, truth: Sequence[Detection]) -> o3d.t.geometry.RaycastingScene:
     """All that stands still, after the parts in their order."""
     scene = o3d.t.geometry.RaycastingScene()
-    surface = surface_of(part.mesh)
-    for T_world_part in Ts_world_part:
-        add_surface(scene, surface, T_world_part)
+    surfaces = {name: surface_of(cell.part(name).mesh) for name in {one.part for one in truth}}
+    for one in truth:
+        add_surface(scene, surfaces[one.part], one.T_world_part)
     _add_solids(scene, cell.bin.solids, cell.bin.T_world_bin)
     for fixture in cell.fixtures:
         _add_solids(scene, fixture.solids, fixture.T_world_fixture)

@@ -85,13 +85,13 @@ def localized_scene(task: Task) -> Scene:
     """Drop parts, scan them, find them, and compare."""
     cell = _warm(task.cell, task.part, task.build)
     part, noise = cell.parts[0], BUILDS[task.build].noise
-    truth = drop_parts(part, cell.bin, task.count, seed=task.seed)
-    scan = synthesize(cell, part, truth, seed=task.seed, noise=noise)
+    truth = drop_parts((part,) * task.count, cell.bin, seed=task.seed)
+    scan = synthesize(cell, truth, seed=task.seed, noise=noise)
     began = time.perf_counter()
     detections = localize(scan, part, cell, seed=task.seed)
     seconds = time.perf_counter() - began
     found, is_found = compare(part, truth, detections)
-    return Scene(task, found, visible_shares(cell, part, truth), is_found, seconds)
+    return Scene(task, found, visible_shares(cell, truth), is_found, seconds)
 
 
 @lru_cache(maxsize=12)
@@ -101,20 +101,19 @@ def _warm(name: str, part_name: str, build: str) -> Cell:
     cell = read_cell(name)
     scanner = cell.scanner if deviation is None else replace(cell.scanner, depth_noise=deviation)
     cell = replace(cell, parts=(part,), scanner=scanner)
-    pile = drop_parts(part, cell.bin, 1, seed=0)
-    localize(synthesize(cell, part, pile, seed=0), part, cell, seed=0)
+    localize(synthesize(cell, drop_parts((part,), cell.bin, seed=0), seed=0), part, cell, seed=0)
     return cell
 
 
 def compare(
-    part: Part, truth: Sequence[pin.SE3], detections: Sequence[Detection]
+    part: Part, truth: Sequence[Detection], detections: Sequence[Detection]
 ) -> tuple[tuple[Found, ...], tuple[bool, ...]]:
     """Each detection against the truth, and whether each true part is found rightly."""
     left = list(range(len(truth)))
     right: set[int] = set()
     found: list[Found] = []
     for detection in detections:
-        errors = [_error(part, truth[k], detection) for k in left]
+        errors = [_error(part, truth[k].T_world_part, detection) for k in left]
         if not errors:
             found.append(Found(None, None, detection.roll_known, False))
             continue

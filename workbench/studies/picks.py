@@ -12,7 +12,6 @@ import numpy as np
 from workbench.app.pick import plan_pick
 from workbench.formats.cells import read_cell
 from workbench.model.cell import PlannerName, Wishes
-from workbench.model.scan import Detection
 from workbench.perception.piles import drop_parts
 
 STAGES = ("propose", "resolve", "route", "prove")
@@ -44,10 +43,7 @@ def measure(
     cell = read_cell(cell_name)
     part = cell.parts[0]
     seeds = range(seed, seed + scenes)
-    piles = [
-        tuple(Detection(part.name, T) for T in drop_parts(part, cell.bin, parts, seed=s))
-        for s in seeds
-    ]
+    piles = [drop_parts((part,) * parts, cell.bin, seed=s) for s in seeds]
     plan_pick(cell, piles[0], "warm", strategy=strategy, seed=0)
     seconds: dict[str, list[float]] = {stage: [] for stage in STAGES}
     cycles: list[float] = []

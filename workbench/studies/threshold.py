@@ -68,8 +68,7 @@ def planned_case(task: tuple[str, int]) -> Case:
 
 
 def _pile(cell: Cell, seed: int) -> tuple[Detection, ...]:
-    part = cell.parts[0]
-    return tuple(Detection(part.name, T) for T in drop_parts(part, cell.bin, 2, seed=seed))
+    return drop_parts(cell.parts[:1] * 2, cell.bin, seed=seed)
 
 
 @lru_cache(maxsize=2)

@@ -3,6 +3,7 @@
 import viser
 
 from workbench.app.commands import (
+    ALL_KINDS,
     Approve,
     ChangeCell,
     Command,
@@ -210,7 +211,8 @@ class CyclePanel:
 
 
 def _kinds(cell: Cell) -> tuple[str, ...]:
-    return tuple(part.name for part in cell.parts)
+    names = tuple(part.name for part in cell.parts)
+    return (*names, ALL_KINDS) if len(names) > 1 else names
 
 
 def _digest(state: State) -> str:

@@ -23,6 +23,7 @@ from workbench.gui.pose_inputs import PoseInputs
 from workbench.gui.searches import SearchInputs
 from workbench.gui.views import line
 from workbench.gui.visitor import Visitor
+from workbench.model.cell import Cell
 from workbench.model.errors import InputError
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.scan import Detection
@@ -64,6 +65,9 @@ class PartsPanel:
             hint="Red and translucent in the scene, for everybody.",
         )
         self._inputs = PoseInputs(visitor, "/part_gizmo", GIZMO, self._correct)
+        self._kind = gui.add_dropdown(
+            "Kind", _kinds(visitor.cell), hint="Of a part that is added, and of poses from HALCON."
+        )
         self._veto = gui.add_button("Veto", icon=viser.Icon.TRASH, color="red")
         self._add = gui.add_button("Add a part", icon=viser.Icon.PLUS, color="gray")
         self._avoided = gui.add_html("")
@@ -96,6 +100,10 @@ class PartsPanel:
         if old is not None and old.state is state:
             return
         self._forget.visible = bool(state.avoided)
+        kinds = _kinds(state.cell)
+        if self._kind.options != kinds:
+            self._kind.options = kinds
+        self._kind.visible = len(kinds) > 1
         self._visitor.admit(self._forget, state, ForgetAvoided)
         can = not self._visitor.obstacle(state, UseDetections)
         self._visitor.admit(self._scan, state, UseScan)
@@ -159,8 +167,8 @@ class PartsPanel:
     def _with_one_more(self) -> Command:
         cell = self._visitor.cell
         middle = cell.bin.T_world_bin * pose_from_rpy((0, 0, float(cell.bin.size[2]) / 2))
-        one = Detection(cell.parts[0].name, middle)
-        return UseDetections((*self._found, one), "a part was added by hand")
+        one = Detection(self._kind.value, middle)
+        return UseDetections((*self._found, one), f"a {one.part} was added by hand")
 
     def _uploaded(self, event: Any, made: Any) -> None:
         file = event.target.value
@@ -172,6 +180,9 @@ class PartsPanel:
         return UseScan(replace(scan, source=name))
 
     def _poses_of(self, name: str, content: bytes) -> Command:
-        cell = self._visitor.cell
-        detections = parse_poses(Path(name), content, cell.parts[0].name)
+        detections = parse_poses(Path(name), content, self._kind.value)
         return UseDetections(detections, f"{len(detections)} poses taken from {name}")
+
+
+def _kinds(cell: Cell) -> tuple[str, ...]:
+    return tuple(part.name for part in cell.parts)
