@@ -7,8 +7,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from workbench.planning.execution import RoundedPolyline, timed
-from workbench.planning.motion import RESOLUTION, curves_of, first_contact, on_wire, segment
+from workbench.planning.motion import RESOLUTION, curves_of, first_contact, segment
 from workbench.planning.pairing import Phase
+from workbench.planning.wire import on_wire
 from workbench.planning.world import World
 
 

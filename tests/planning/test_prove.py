@@ -8,8 +8,8 @@ import pytest
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.plan import Plan, Step
 from workbench.planning.chain import is_solution
-from workbench.planning.motion import on_wire
 from workbench.planning.prove import prove
+from workbench.planning.wire import on_wire
 from workbench.planning.world import World
 
 

@@ -15,8 +15,9 @@ from workbench.model.geometry import Floats
 from workbench.model.plan import LEG_NAMES, ArmPlan, Finding, Guarantee, Leg, LegName, Plan, Proof
 from workbench.planning.chain import chain_of
 from workbench.planning.legs import HOLDING, STRAIGHT, grips, stretches
-from workbench.planning.motion import RESOLUTION, WIRE_STEP
+from workbench.planning.motion import RESOLUTION
 from workbench.planning.walk import walk
+from workbench.planning.wire import WIRE_STEP
 from workbench.planning.world import World
 
 IN_HAND_DISTANCE, IN_HAND_ANGLE = 0.001, np.deg2rad(1.0)

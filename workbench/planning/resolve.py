@@ -10,9 +10,10 @@ from workbench.model.cell import Arm
 from workbench.model.geometry import Floats
 from workbench.planning.chain import Chain, is_solution
 from workbench.planning.legs import grips, hand_turns
-from workbench.planning.motion import on_wire, path_contact
+from workbench.planning.motion import path_contact
 from workbench.planning.pairing import Phase
 from workbench.planning.straight import follow
+from workbench.planning.wire import on_wire
 from workbench.planning.world import Contact, World
 
 STARTS = 12

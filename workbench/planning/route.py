@@ -12,8 +12,9 @@ from workbench.model.geometry import Floats
 from workbench.model.plan import ArmPlan, Guarantee, Leg, LegName, Plan, Step, Strategy
 from workbench.planning.execution import timed
 from workbench.planning.legs import HOLDING, phase_of
-from workbench.planning.motion import Curve, chain_contact, on_wire
+from workbench.planning.motion import Curve, chain_contact
 from workbench.planning.search import joint_weights, searched
+from workbench.planning.wire import on_wire
 from workbench.planning.world import Contact, World
 
 MOTIONS: Mapping[LegName, Literal["joint", "linear"]] = {
@@ -89,7 +90,8 @@ def arm_plan(world: World, pick: Pick, gone: frozenset[int], seed: int) -> ArmPl
     plan = ArmPlan(
         arm.name, candidate.detection, candidate.grasp.name, pick.T_tcp_part, arm.joints, ()
     )
-    home = on_wire(np.asarray(arm.home))
+    chain = world.chains[arm.name]
+    home = np.clip(on_wire(np.asarray(arm.home)), chain.lower, chain.upper)
     seeds = np.random.SeedSequence([seed, candidate.detection, ord(arm.letter)])
     rng = np.random.default_rng(seeds)
     free: dict[LegName, Floats] = {}
