@@ -152,6 +152,31 @@ def test_a_part_far_away_is_out_of_reach(cell):
     assert result.verdict.distance > 0.3
 
 
+def with_places(cell, *Ts_world_place):
+    """The cell with other places for both arms."""
+    arms = tuple(replace(arm, Ts_world_place=Ts_world_place) for arm in cell.arms)
+    return replace(cell, arms=arms)
+
+
+def test_a_place_out_of_reach_and_no_place_are_told_apart(cell, detections):
+    for other, says in (
+        (with_places(cell, pose_from_rpy((3, 0, 0))), "the arm reaches none of its places"),
+        (with_places(cell), "the cell has no place for this arm"),
+    ):
+        verdict = plan_pick(other, detections, "s", strategy="right").verdict
+        assert (verdict.reason, verdict.note) == (Reason.NO_PLACE, says)
+
+
+def test_a_place_where_the_arm_is_at_home_can_be_used(cell, detections):
+    """The leg home then goes nowhere."""
+    home = np.asarray(cell.arm("right").home)
+    at_home = with_places(cell, World(cell, ()).chains["right"].pose(home))
+    result = plan_pick(at_home, detections, "s", strategy="right")
+    assert result.plan is not None and result.proof.holds
+    q = np.asarray(result.plan.arms[0].leg("home").q)
+    assert len(q) == 2 and np.array_equal(q[0], q[1])
+
+
 def test_a_part_inside_the_wall_is_refused_not_crashed(cell):
     wall = cell.bin.T_world_bin * pose_from_rpy((0.0, cell.bin.size[1] / 2, 0.02))
     result = plan_pick(cell, (Detection("keyed_cylinder", wall),), "s")

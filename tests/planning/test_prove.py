@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from workbench.model.geometry import pose_from_rpy
-from workbench.model.plan import Plan, Step
+from workbench.model.plan import Guarantee, Plan, Step
 from workbench.planning.chain import is_solution
 from workbench.planning.prove import prove
 from workbench.planning.wire import on_wire
@@ -82,6 +82,12 @@ def turned_in_hand(arm):
         (
             lambda p: replace(p, sequence=(Step(tuple(r for s in p.sequence for r in s.runs)),)),
             "sequence",
+        ),
+        (
+            lambda p: replace(
+                p, guarantee=Guarantee.TIME_INDEPENDENT, sequence=(*p.sequence, Step(()))
+            ),
+            "moves no arm",
         ),
         (lambda p: replace(p, arms=(p.arms[0], p.arms[0])), "used twice"),
         (lambda p: replace(p, arms=(replace(p.arms[0], detection=9),)), "no detection 9"),

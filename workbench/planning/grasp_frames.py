@@ -111,8 +111,7 @@ def centred(checker: GraspChecker, T_part_tcp: pin.SE3) -> pin.SE3:
 
 def outward_normal(mesh: Mesh, triangle: int) -> Floats:
     """The outward unit normal (3,) of a triangle."""
-    corners = mesh.points[mesh.triangles[triangle]]
-    return normals_of(Mesh(corners, np.array([[0, 1, 2]])))[0][0]
+    return normals_of(mesh)[0][triangle]
 
 
 def thickness(mesh: Mesh, points: Floats, inward: Floats) -> Floats:

@@ -117,6 +117,8 @@ def _sequence(plan: Plan) -> Iterator[Finding]:
     if any(name not in {arm.arm for arm in plan.arms} for name, _ in runs):
         yield Finding("the sequence moves an arm that the plan does not")
     for step in plan.sequence:
+        if not step.runs:
+            yield Finding("a step of the sequence moves no arm")
         if len({name for name, _ in step.runs}) != len(step.runs) or len(step.runs) > 2:
             yield Finding("a step of the sequence moves an arm twice, or more than two arms")
     if plan.guarantee is Guarantee.ONE_AT_A_TIME and (

@@ -108,7 +108,11 @@ def edge_check(check: Check, deadline: float = math.inf) -> EdgeCheck:
 
 
 def as_sent(path: Floats, is_clear: EdgeCheck, count: int) -> Floats:
-    """A path shortened, divided into `count` waypoints or as many as it needs, and rounded."""
+    """A path shortened, divided into `count` waypoints or as many as it needs, and rounded.
+
+    Waypoints that rounding makes equal become one.  A path that ends where it starts keeps two.
+    """
     path = merged(shortened(path, is_clear, most=count), is_clear)
     path = on_wire(resampled(path, count))
-    return path[np.concatenate([[True], np.any(np.diff(path, axis=0) != 0, axis=1)])]
+    moves = np.any(np.diff(path, axis=0) != 0, axis=1)
+    return path[np.concatenate([[True], moves])] if moves.any() else path[[0, -1]]
