@@ -49,6 +49,20 @@ def test_the_same_plan_has_the_same_proof(cell, result):
     assert prove(cell, result.plan).digest == result.proof.digest
 
 
+def test_a_part_put_down_elsewhere_fails(cell, result):
+    """The last straight way ends 5 mm above the place."""
+    arm = cell.arm(result.plan.arms[0].arm)
+    chain = World(cell, result.plan.detections).chains[arm.name]
+    place, home = (result.plan.arm(arm.name).leg(name).q.copy() for name in ("place", "home"))
+    above = pose_from_rpy((0.0, 0.0, 0.005)) * chain.pose(place[-1])
+    answers, residuals = chain.solve(above, place[-1])
+    assert is_solution(residuals)[0]
+    place[-1] = home[0] = on_wire(answers[0])
+    bent = with_leg(with_leg(result.plan, arm.name, "place", q=place), arm.name, "home", q=home)
+    (finding,) = prove(cell, bent).findings
+    assert str(finding) == f"arm {arm.name} leg place: the hand opens where the arm has no place"
+
+
 def test_a_waypoint_in_the_wall_names_leg_pair_and_clearance(cell, result):
     """A waypoint of the way back is replaced by one with the hand inside the bin's wall."""
     arm = cell.arm(result.plan.arms[0].arm)
