@@ -53,7 +53,18 @@ def bodies_of(
     obstacles: tuple[Obstacle, ...],
 ) -> list[Body]:
     """All bodies: links, tools with fingers closed, fixtures, bin, parts found, obstacles seen."""
-    bodies = [*_link_bodies(cell, kinematics), *_tool_bodies(cell, kinematics)]
+    return [
+        *_link_bodies(cell, kinematics),
+        *_tool_bodies(cell, kinematics),
+        *still_bodies(cell, detections, obstacles),
+    ]
+
+
+def still_bodies(
+    cell: Cell, detections: tuple[Detection, ...], obstacles: tuple[Obstacle, ...]
+) -> list[Body]:
+    """What no arm carries: fixtures, bin, parts found, obstacles seen."""
+    bodies: list[Body] = []
     for fixture in cell.fixtures:
         for solid in fixture.solids:
             bodies.append(
