@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Literal
 
 import numpy as np
@@ -105,7 +106,7 @@ def arm_plan(world: World, pick: Pick, gone: frozenset[int], seed: int) -> ArmPl
         world.enter(phase_of([(plan, name, opening)], gone=gone))
         path = free_path(world, arm, start, end, rng)
         if isinstance(path, Verdict):
-            return path if name == "reach" else _as_no_return(path, name)
+            return path if name == "reach" else _without_return(path, name)
         free[name] = path
     legs = (
         leg_of(world, arm, "reach", free["reach"], candidate.grasp.opening),
@@ -120,10 +121,11 @@ def arm_plan(world: World, pick: Pick, gone: frozenset[int], seed: int) -> ArmPl
     )
 
 
-def _as_no_return(verdict: Verdict, name: LegName) -> Verdict:
-    return Verdict(
-        Reason.NO_RETURN, verdict.stage, verdict.pair, verdict.distance, verdict.q, f"leg {name}"
-    )
+def _without_return(verdict: Verdict, name: LegName) -> Verdict:
+    """The verdict on a way back that was not found; where time ran out, nothing else is known."""
+    if verdict.reason is Reason.OUT_OF_TIME:
+        return verdict
+    return replace(verdict, reason=Reason.NO_RETURN, note=f"leg {name}")
 
 
 def leg_of(world: World, arm: Arm, name: LegName, path: Floats, opening: float) -> Leg:
