@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from bending import with_grasps
 
 from workbench.app.pick import plan_pick
 from workbench.app.rules import can_be_sent
@@ -12,19 +13,11 @@ from workbench.model.candidate import Pick, Reason, Stage
 from workbench.model.cell import Wishes
 from workbench.model.errors import InputError, JobCancelled
 from workbench.model.geometry import pose_from_rpy
-from workbench.model.part import GraspLibrary
 from workbench.model.plan import Guarantee, Strategy
 from workbench.model.scan import Detection
 from workbench.planning.propose import propose
 from workbench.planning.resolve import resolve
 from workbench.planning.world import World
-
-
-def with_grasps(cell, change):
-    """The cell with every grasp of its part changed."""
-    part = cell.parts[0]
-    library = GraspLibrary(tuple(change(grasp) for grasp in part.library.grasps))
-    return replace(cell, parts=(replace(part, library=library),))
 
 
 def test_every_detection_grasp_and_arm_has_a_verdict(cell, detections, result):

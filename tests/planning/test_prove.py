@@ -4,28 +4,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from bending import with_leg
 
 from workbench.model.geometry import pose_from_rpy
-from workbench.model.plan import Guarantee, Plan, Step
+from workbench.model.plan import Guarantee, Step
 from workbench.planning.chain import is_solution
 from workbench.planning.prove import prove
 from workbench.planning.wire import on_wire
 from workbench.planning.world import World
-
-
-def with_leg(plan: Plan, arm: str, name: str, **changes) -> Plan:
-    """The plan with one leg changed."""
-    arms = tuple(
-        replace(
-            one,
-            legs=tuple(
-                replace(leg, **changes) if (one.arm, leg.name) == (arm, name) else leg
-                for leg in one.legs
-            ),
-        )
-        for one in plan.arms
-    )
-    return replace(plan, arms=arms)
 
 
 def text(proof) -> str:

@@ -16,9 +16,13 @@ from workbench.planning.wire import WIRE_STEP, limits_on_wire, on_wire
 ANGLES = st.floats(-7.0, 7.0)
 
 
-@given(ANGLES)
-def test_rounding_moves_a_joint_by_half_a_step_at_most(angle):
-    assert abs(on_wire(np.array([angle]))[0] - angle) <= WIRE_STEP / 2 + 1e-12
+@given(st.lists(st.floats(-6.0, 6.0), min_size=7, max_size=7))
+def test_the_wire_carries_two_decimals_of_a_degree(values):
+    q = on_wire(np.array(values))
+    assert np.abs(q - values).max() <= WIRE_STEP / 2 + 1e-12
+    assert [f"{value:.2f}" for value in np.rad2deg(q)] == [
+        f"{value:.2f}" for value in np.rad2deg(on_wire(q))
+    ]
 
 
 @given(lower=ANGLES, range_=st.floats(0.001, 7.0), share=st.floats(0.0, 1.0))
