@@ -38,9 +38,10 @@ def test_limits_in_whole_steps_stay():
     assert np.allclose(limits_on_wire(*limits), limits, atol=1e-12, rtol=0)
 
 
-def test_a_joint_without_room_for_a_step_keeps_its_limits():
-    low, high = limits_on_wire(np.array([0.123001]), np.array([0.123002]))
-    assert (low, high) == (0.123001, 0.123002)
+def test_a_joint_without_room_for_two_steps_keeps_its_limits():
+    """Planners need a range to draw from."""
+    for limits in ((0.123001, 0.123002), (-0.00001, 0.00001)):
+        assert limits_on_wire(*map(np.atleast_1d, limits)) == limits
 
 
 @pytest.fixture(scope="module")

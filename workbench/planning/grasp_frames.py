@@ -14,7 +14,7 @@ BEYOND = 0.003
 """[m] Finger tips go this much beyond the middle of what they hold: pads, not tips, touch it."""
 
 SPARE = 0.0005
-"""[m] Of the thickness of a thin part, so that tips do not stand out below it."""
+"""[m] Finger tips stay this far above the underside of a thin part."""
 
 PALM_ROOM = 0.002
 """[m] Between the palm and the surface."""

@@ -93,7 +93,7 @@ def searched(
 
 
 class _Late(Exception):
-    """The deadline has passed; planners know nothing of it."""
+    """The deadline has passed; raised through the planners, which know nothing of it."""
 
 
 def edge_check(check: Check, deadline: float = math.inf) -> EdgeCheck:

@@ -19,10 +19,10 @@ def on_wire(q: Floats) -> Floats:
 def limits_on_wire(lower: Floats, upper: Floats) -> tuple[Floats, Floats]:
     """Joint limits (n,) [rad] moved inwards to what can be sent.
 
-    Without this, a joint at its limit could be rounded to beyond it.  A joint whose whole range
-    lies between two steps keeps its limits.
+    Without this, a joint at its limit could be rounded to beyond it.  A joint with no room
+    for two steps keeps its limits.
     """
     low = np.deg2rad(np.ceil(np.rad2deg(lower) * 100 - WHOLE) / 100)
     high = np.deg2rad(np.floor(np.rad2deg(upper) * 100 + WHOLE) / 100)
-    has_range = low <= high
+    has_range = low < high
     return np.where(has_range, low, lower), np.where(has_range, high, upper)
