@@ -18,8 +18,8 @@ from workbench.formats.plans import read_plan, write_plan
 from workbench.formats.shipped import find
 from workbench.model.geometry import pose_from_rpy
 from workbench.planning.chain import chain_of, is_solution
-from workbench.planning.motion import on_wire
 from workbench.planning.prove import prove
+from workbench.planning.wire import on_wire
 
 POSES = Path(__file__).resolve().parents[1] / "cells" / "public_yumi" / "Poses.txt"
 

@@ -4,12 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from bending import with_leg
 
 from workbench.app.pick import plan_pick
 from workbench.app.rules import approve
 from workbench.model.errors import CommandRefused
 from workbench.model.geometry import pose_from_rpy
-from workbench.model.plan import LEG_NAMES, Guarantee, Plan, Step, Strategy
+from workbench.model.plan import LEG_NAMES, Guarantee, Step, Strategy
 from workbench.model.scan import Detection
 from workbench.perception.piles import drop_parts
 from workbench.planning.chain import is_solution
@@ -88,20 +89,6 @@ def test_whatever_comes_out_of_a_pile_is_proven_and_apart_at_any_speeds(cell, se
             assert not world.meets(world.configuration(state))
 
 
-def stretched(plan: Plan, arm: str, name: str, **changes) -> Plan:
-    arms = tuple(
-        replace(
-            one,
-            legs=tuple(
-                replace(leg, **changes) if (one.arm, leg.name) == (arm, name) else leg
-                for leg in one.legs
-            ),
-        )
-        for one in plan.arms
-    )
-    return replace(plan, arms=arms)
-
-
 def test_a_sequence_in_another_order_fails_the_proof(cell, coordinated):
     plan = coordinated.plan
     late = (*plan.sequence[1:], plan.sequence[0])
@@ -135,7 +122,7 @@ def test_legs_in_step_are_proven_in_step_only(cell, apart, coordinated):
     plan = coordinated.plan
     legs = [plan.arm(arm).leg("approach") for arm in ("right", "left")]
     t = np.maximum(legs[0].t, legs[1].t)
-    in_step = stretched(stretched(plan, "right", "approach", t=t), "left", "approach", t=t)
+    in_step = with_leg(with_leg(plan, "right", "approach", t=t), "left", "approach", t=t)
     in_step = replace(in_step, guarantee=Guarantee.SYNCHRONISED)
     assert prove(cell, in_step).holds
 
@@ -165,7 +152,7 @@ def test_both_arms_as_one_motion(cell, apart, coordinated):
         for arm, leg in zip(plan.arms, legs, strict=True):
             assert np.array_equal(leg.q[0], arm.leg(name).q[0])
             assert np.array_equal(leg.q[-1], arm.leg(name).q[-1])
-            plan = stretched(plan, arm.arm, name, q=leg.q, t=leg.t)
+            plan = with_leg(plan, arm.arm, name, q=leg.q, t=leg.t)
     proof = prove(cell, replace(plan, guarantee=Guarantee.SYNCHRONISED))
     assert proof.holds, text(proof)
 
@@ -179,7 +166,7 @@ def test_there_is_no_motion_to_where_the_arms_touch(cell, result):
     starts = np.random.default_rng(0).uniform(chains["left"].lower, chains["left"].upper, (40, 7))
     answers, residuals = chains["left"].solve(T_world_tcp, starts)
     q = np.vstack([left.leg("reach").q[:-1], answers[is_solution(residuals)][:1]])
-    bent = stretched(result.plan, "left", "reach", q=q).arm("left")
+    bent = with_leg(result.plan, "left", "reach", q=q).arm("left")
     runs = [(arm, "reach", 0.04) for arm in (right, bent)]
     world.enter(phase_of(runs))
     before = world.checks

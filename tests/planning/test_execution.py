@@ -37,6 +37,15 @@ def test_a_long_way_takes_as_long_as_its_slowest_joint():
     assert timed(path, VELOCITY, ACCELERATION, 0.2)[-1] == pytest.approx(2.0 + 0.2, rel=0.03)
 
 
+@pytest.mark.parametrize("zone", [0.0, 0.2])
+@pytest.mark.parametrize("rows", [[0, 0], [0, 0, 0], [0, 0, 1], [0, 1, 1, 2]])
+def test_equal_waypoints_are_a_standstill(rows, zone):
+    path = np.array([[row, 0.5 * row, 0.1] for row in rows], dtype=float)
+    times = timed(path, VELOCITY, ACCELERATION, zone)
+    assert len(times) == len(rows) and np.isfinite(times).all()
+    assert np.all(np.diff(times) > 0) and times[-1] < 10
+
+
 def test_limits_that_allow_no_motion_are_an_error():
     with pytest.raises(WorkbenchError, match="above zero"):
         timed(np.array([[0.0], [1.0]]), np.zeros(1), np.ones(1), 0.2)

@@ -12,7 +12,7 @@ from workbench.formats.parts import read_part
 from workbench.model.cell import Tool
 from workbench.model.geometry import Box, Mesh, Solid, pose_from_rpy
 from workbench.model.part import Grasp, GraspLibrary, Part, Symmetry
-from workbench.planning.grasp_check import GraspChecker, check_grasp, measured_width
+from workbench.planning.grasp_check import GraspChecker
 from workbench.planning.grasp_frames import fitted_opening, frame_at, snapped
 
 
@@ -55,7 +55,7 @@ def test_the_shipped_grasps_are_good_with_the_shipped_tools(gripper, cup):
         for grasp in part.library.grasps:
             assert checker.check(grasp).findings == ()
     part = read_part("keyed_cylinder")
-    check = check_grasp(part, part.library.grasps[0], gripper)
+    check = GraspChecker(part, gripper).check(part.library.grasps[0])
     assert check.width == pytest.approx(0.03, abs=1e-4)
     assert check.clearance == pytest.approx(0.005, abs=1e-4)
 
@@ -147,17 +147,19 @@ def test_a_part_off_the_middle_is_told(checker):
 
 def test_width_is_measured_between_the_fingers_only(gripper):
     part = block(0.08, 0.03, 0.04)
-    assert measured_width(part, from_above(), gripper) == pytest.approx(0.03)
-    assert measured_width(part, from_above(turn=np.pi / 2), gripper) == pytest.approx(0.08)
-    assert measured_width(part, from_above(x=0.1), gripper) is None
+    checker = GraspChecker(part, gripper)
+    assert checker.hold(from_above()).width == pytest.approx(0.03)
+    assert checker.hold(from_above(turn=np.pi / 2)).width == pytest.approx(0.08)
+    assert checker.hold(from_above(x=0.1)) is None
     # Of a tube only the wall that the fingers straddle counts.
     tube = trimesh.creation.annulus(0.02, 0.023, 0.05)
     pipe = replace(part, mesh=Mesh(tube.vertices, tube.faces))
-    assert measured_width(pipe, from_above(y=0.0215), gripper) == pytest.approx(0.003, abs=6e-4)
+    hold = GraspChecker(pipe, gripper).hold(from_above(y=0.0215))
+    assert hold.width == pytest.approx(0.003, abs=6e-4)
 
 
 def test_width_needs_two_fingers(cup):
-    assert measured_width(block(0.03, 0.03, 0.03), from_above(), cup) is None
+    assert GraspChecker(block(0.03, 0.03, 0.03), cup).hold(from_above()) is None
 
 
 def test_a_cup_needs_a_surface_that_closes_its_lip(cup):
@@ -222,6 +224,19 @@ def test_snapping_squares_a_pose_to_the_face_that_it_comes_through(checker):
     assert T.translation[2] == pytest.approx(-0.003)
     again = snapped(checker, T)
     assert again.isApprox(T, 1e-9), "what is snapped stays"
+
+
+def test_snapping_passes_over_triangles_without_an_area(gripper):
+    """They have no normal to turn to.  Here the first one lies along an edge of the block."""
+    part = block(0.06, 0.03, 0.04)
+    corners = np.vstack([part.mesh.points, [[0.03, 0.015, 0.0]]])
+    edge = np.flatnonzero((part.mesh.points[:, :2] > 0).all(axis=1))
+    mesh = Mesh(corners, np.vstack([[[*edge, 8]], part.mesh.triangles]))
+    T = snapped(
+        GraspChecker(replace(part, mesh=mesh), gripper),
+        pose_from_rpy((0.1, 0.1, 0.0), (np.pi, 0, 0)),
+    )
+    assert np.isfinite(T.homogeneous).all()
 
 
 def test_snapping_from_beside_goes_to_the_nearest_point(checker):

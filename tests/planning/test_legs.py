@@ -1,18 +1,17 @@
 """What holds for each leg and grip of an arm."""
 
 import math
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 import pinocchio as pin
 import pytest
+from bending import with_grasps
 
 from workbench.app.pick import plan_pick
 from workbench.model.candidate import Pick
-from workbench.model.cell import Cell
 from workbench.model.geometry import pose_from_rpy
-from workbench.model.part import Grasp, GraspLibrary
+from workbench.model.part import Grasp
 from workbench.planning.legs import FREE_STEP, SLIDE_STEP, TILT_STEP, grips, stretches
 from workbench.planning.propose import propose
 from workbench.planning.prove import prove
@@ -72,13 +71,6 @@ def test_the_stretches_a_plan_tell_where_each_part_is(result):
     assert seen[first.arm, "home"].absent == {first.detection}
     assert seen[second.arm, "reach"].absent == {first.detection}
     assert seen[second.arm, "home"].absent == {first.detection, second.detection}
-
-
-def with_grasps(cell: Cell, change: Callable[[Grasp], Grasp]) -> Cell:
-    """The cell with all grasps of its part changed."""
-    part = cell.parts[0]
-    library = GraspLibrary(tuple(map(change, part.library.grasps)))
-    return replace(cell, parts=(replace(part, library=library),))
 
 
 def test_a_turned_hand_still_comes_and_leaves_as_authored(cell, detections):

@@ -7,18 +7,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from workbench.planning.execution import RoundedPolyline, timed
-from workbench.planning.motion import RESOLUTION, curves_of, first_contact, on_wire, segment
+from workbench.planning.motion import RESOLUTION, curves_of, first_contact, segment
 from workbench.planning.pairing import Phase
 from workbench.planning.world import World
-
-
-@given(st.lists(st.floats(-6.0, 6.0), min_size=7, max_size=7))
-def test_the_wire_carries_two_decimals_of_a_degree(values):
-    q = on_wire(np.array(values))
-    assert np.abs(q - values).max() <= np.deg2rad(0.005) + 1e-12
-    assert [f"{value:.2f}" for value in np.rad2deg(q)] == [
-        f"{value:.2f}" for value in np.rad2deg(on_wire(q))
-    ]
 
 
 @settings(max_examples=50, deadline=None)

@@ -4,6 +4,7 @@ import re
 from dataclasses import replace
 
 import pytest
+from bending import with_grasps
 
 from workbench.app.pick import judge
 from workbench.model.geometry import pose_from_rpy
@@ -11,19 +12,12 @@ from workbench.model.part import GraspLibrary
 from workbench.planning.nearest_fix import nearest_fix
 
 
-def with_deeper_grasps(cell, depth: float):
-    """The cell with every grasp taken deeper by `depth` [m]: the fingers reach the floor."""
-    part = cell.parts[0]
-    grasps = tuple(
-        replace(grasp, T_part_tcp=grasp.T_part_tcp * pose_from_rpy((0, 0, depth)))
-        for grasp in part.library.grasps
-    )
-    return replace(cell, parts=(replace(part, library=GraspLibrary(grasps)),))
-
-
 @pytest.fixture(scope="module")
 def deep(cell, detections):
-    deep = with_deeper_grasps(cell, 0.006)
+    """Every grasp taken 6 mm deeper: the fingers reach the floor."""
+    deep = with_grasps(
+        cell, lambda g: replace(g, T_part_tcp=g.T_part_tcp * pose_from_rpy((0, 0, 0.006)))
+    )
     return deep, judge(deep, detections)
 
 

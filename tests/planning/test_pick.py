@@ -1,13 +1,11 @@
 """From detections to verdicts, picks and plans."""
 
-import json
-import subprocess
-import sys
 from collections import Counter
 from dataclasses import replace
 
 import numpy as np
 import pytest
+from bending import with_grasps
 
 from workbench.app.pick import plan_pick
 from workbench.app.rules import can_be_sent
@@ -15,19 +13,11 @@ from workbench.model.candidate import Pick, Reason, Stage
 from workbench.model.cell import Wishes
 from workbench.model.errors import InputError, JobCancelled
 from workbench.model.geometry import pose_from_rpy
-from workbench.model.part import GraspLibrary
 from workbench.model.plan import Guarantee, Strategy
 from workbench.model.scan import Detection
 from workbench.planning.propose import propose
 from workbench.planning.resolve import resolve
 from workbench.planning.world import World
-
-
-def with_grasps(cell, change):
-    """The cell with every grasp of its part changed."""
-    part = cell.parts[0]
-    library = GraspLibrary(tuple(change(grasp) for grasp in part.library.grasps))
-    return replace(cell, parts=(replace(part, library=library),))
 
 
 def test_every_detection_grasp_and_arm_has_a_verdict(cell, detections, result):
@@ -81,26 +71,6 @@ def test_the_same_seed_gives_the_same_plan_also_after_others(cell, detections, r
     assert plan_pick(cell, detections, "scan", seed=0).plan.digest == result.plan.digest
 
 
-def test_another_process_gives_the_same_plan(cell, detections, result):
-    script = """
-import json, sys
-import numpy as np
-from workbench.app.pick import plan_pick
-from workbench.app.rules import can_be_sent
-from workbench.formats.cells import read_cell
-from workbench.model.geometry import pose_from_matrix
-from workbench.model.scan import Detection
-matrices = json.load(sys.stdin)
-detections = tuple(Detection("keyed_cylinder", pose_from_matrix(m)) for m in matrices)
-print(plan_pick(read_cell("yumi"), detections, "scan", seed=0).plan.digest)
-"""
-    matrices = json.dumps([d.T_world_part.homogeneous.tolist() for d in detections])
-    done = subprocess.run(
-        [sys.executable, "-c", script], input=matrices, capture_output=True, text=True, check=True
-    )
-    assert done.stdout.strip() == result.plan.digest
-
-
 def test_stages_leave_their_inputs_alone(cell, detections):
     from workbench.model.digest import digest_of
 
@@ -152,16 +122,34 @@ def test_a_part_far_away_is_out_of_reach(cell):
     assert result.verdict.distance > 0.3
 
 
+def with_places(cell, *Ts_world_place):
+    """The cell with other places for both arms."""
+    arms = tuple(replace(arm, Ts_world_place=Ts_world_place) for arm in cell.arms)
+    return replace(cell, arms=arms)
+
+
+def test_a_place_out_of_reach_and_no_place_are_told_apart(cell, detections):
+    for other, says in (
+        (with_places(cell, pose_from_rpy((3, 0, 0))), "the arm reaches none of its places"),
+        (with_places(cell), "the cell has no place for this arm"),
+    ):
+        verdict = plan_pick(other, detections, "s", strategy="right").verdict
+        assert (verdict.reason, verdict.note) == (Reason.NO_PLACE, says)
+
+
+def test_a_place_where_the_arm_is_at_home_can_be_used(cell, detections):
+    """The leg home then goes nowhere."""
+    home = np.asarray(cell.arm("right").home)
+    at_home = with_places(cell, World(cell, ()).chains["right"].pose(home))
+    result = plan_pick(at_home, detections, "s", strategy="right")
+    assert result.plan is not None and result.proof.holds
+    q = np.asarray(result.plan.arms[0].leg("home").q)
+    assert len(q) == 2 and np.array_equal(q[0], q[1])
+
+
 def test_a_part_inside_the_wall_is_refused_not_crashed(cell):
     wall = cell.bin.T_world_bin * pose_from_rpy((0.0, cell.bin.size[1] / 2, 0.02))
     result = plan_pick(cell, (Detection("keyed_cylinder", wall),), "s")
-    assert result.plan is None
-    assert not result.verdict.is_ok
-
-
-def test_a_margin_larger_than_the_bin_gives_verdicts(cell, detections):
-    wide = replace(cell, policy=replace(cell.policy, margin=1.0))
-    result = plan_pick(wide, detections, "s")
     assert result.plan is None
     assert not result.verdict.is_ok
 

@@ -12,14 +12,19 @@ from hypothesis import strategies as st
 
 from workbench.app.pick import judge, plan_pick
 from workbench.formats.cells import read_cell
-from workbench.model.candidate import Reason
+from workbench.model.candidate import Pick, Reason, Verdict
 from workbench.model.cell import Wishes
 from workbench.model.errors import InputError
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.scan import Detection
 from workbench.perception.piles import drop_parts
+from workbench.planning.dual_arm import coordinate, pairs_of
 from workbench.planning.motion import RESOLUTION
+from workbench.planning.order import cost_of
+from workbench.planning.propose import propose
 from workbench.planning.prove import prove
+from workbench.planning.resolve import resolve
+from workbench.planning.route import arm_plan
 from workbench.planning.search import searched
 from workbench.planning.world import Contact, World
 
@@ -59,9 +64,9 @@ def test_every_plan_holds_when_it_is_looked_at_four_times_as_closely(
     assert result.proof.holds, result.proof.findings
     finer = prove(CELL, result.plan, resolution=RESOLUTION / 4)
     assert finer.holds, finer.findings
-    for arm_plan in result.plan.arms:
-        lower, upper, velocity = CELL.robot.limits(arm_plan.joints)
-        for leg in arm_plan.legs:
+    for arm in result.plan.arms:
+        lower, upper, velocity = CELL.robot.limits(arm.joints)
+        for leg in arm.legs:
             q, t = np.asarray(leg.q), np.asarray(leg.t)
             assert np.all((q >= lower - 1e-9) & (q <= upper + 1e-9))
             assert np.all(np.abs(np.diff(q, axis=0)) <= velocity * np.diff(t)[:, None] * 1.001)
@@ -146,6 +151,23 @@ def test_a_search_that_takes_too_long_is_ended_with_a_verdict():
         -box / 2, box / 2, (-box, box), np.ones(2), check, policy, rng, time.monotonic() + 0.05
     )
     assert found.reason is Reason.OUT_OF_TIME
+
+
+def test_a_leg_for_which_no_time_was_left_is_not_called_impossible():
+    detections = tuple(
+        Detection(PART.name, pose_from_rpy(FLOOR + (0.0, y, 0.0165), (np.pi / 2, 0, np.pi / 2)))
+        for y in (-0.03, 0.03)
+    )
+    world = World(CELL, detections)
+    picks = [resolve(world, one, seed=0) for one in propose(CELL, detections)]
+    picks = [pick for pick in picks if isinstance(pick, Pick)]
+    world.deadline = 0.0
+    alone = [arm_plan(world, pick, frozenset(), 0) for pick in picks]
+    refused = {one.reason for one in alone if isinstance(one, Verdict)}
+    assert refused == {Reason.OUT_OF_TIME}
+    pairs = pairs_of(world, picks, cost_of(world, "travel"))
+    both = [coordinate(world, pair, scan_digest="s", seed=0) for pair in pairs[:6]]
+    assert {one.reason for one in both if isinstance(one, Verdict)} == {Reason.OUT_OF_TIME}
 
 
 @pytest.mark.parametrize("margin", [0.0, 0.5])

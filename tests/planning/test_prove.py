@@ -4,28 +4,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from bending import with_leg
 
 from workbench.model.geometry import pose_from_rpy
-from workbench.model.plan import Plan, Step
+from workbench.model.plan import Guarantee, Step
 from workbench.planning.chain import is_solution
-from workbench.planning.motion import on_wire
 from workbench.planning.prove import prove
+from workbench.planning.wire import on_wire
 from workbench.planning.world import World
-
-
-def with_leg(plan: Plan, arm: str, name: str, **changes) -> Plan:
-    """The plan with one leg changed."""
-    arms = tuple(
-        replace(
-            one,
-            legs=tuple(
-                replace(leg, **changes) if (one.arm, leg.name) == (arm, name) else leg
-                for leg in one.legs
-            ),
-        )
-        for one in plan.arms
-    )
-    return replace(plan, arms=arms)
 
 
 def text(proof) -> str:
@@ -47,6 +33,20 @@ def test_it_holds_at_four_times_finer_resolution(cell, result):
 
 def test_the_same_plan_has_the_same_proof(cell, result):
     assert prove(cell, result.plan).digest == result.proof.digest
+
+
+def test_a_part_put_down_elsewhere_fails(cell, result):
+    """The last straight way ends 5 mm above the place."""
+    arm = cell.arm(result.plan.arms[0].arm)
+    chain = World(cell, result.plan.detections).chains[arm.name]
+    place, home = (result.plan.arm(arm.name).leg(name).q.copy() for name in ("place", "home"))
+    above = pose_from_rpy((0.0, 0.0, 0.005)) * chain.pose(place[-1])
+    answers, residuals = chain.solve(above, place[-1])
+    assert is_solution(residuals)[0]
+    place[-1] = home[0] = on_wire(answers[0])
+    bent = with_leg(with_leg(result.plan, arm.name, "place", q=place), arm.name, "home", q=home)
+    (finding,) = prove(cell, bent).findings
+    assert str(finding) == f"arm {arm.name} leg place: the hand opens where the arm has no place"
 
 
 def test_a_waypoint_in_the_wall_names_leg_pair_and_clearance(cell, result):
@@ -82,6 +82,12 @@ def turned_in_hand(arm):
         (
             lambda p: replace(p, sequence=(Step(tuple(r for s in p.sequence for r in s.runs)),)),
             "sequence",
+        ),
+        (
+            lambda p: replace(
+                p, guarantee=Guarantee.TIME_INDEPENDENT, sequence=(*p.sequence, Step(()))
+            ),
+            "moves no arm",
         ),
         (lambda p: replace(p, arms=(p.arms[0], p.arms[0])), "used twice"),
         (lambda p: replace(p, arms=(replace(p.arms[0], detection=9),)), "no detection 9"),

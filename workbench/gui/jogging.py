@@ -18,8 +18,8 @@ from workbench.model.cell import Arm
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats
 from workbench.planning.chain import Chain, chain_of
-from workbench.planning.motion import on_wire
 from workbench.planning.self_motion import self_motion
+from workbench.planning.wire import on_wire
 
 GIZMO = 0.15
 """[m] Size of the gizmo at the tool."""

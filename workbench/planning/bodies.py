@@ -32,8 +32,8 @@ class Body:
     """One solid in the world.
 
     `owner` is the link, the arm (tools), the fixture, or the number of the part; `arm` the
-    index of the arm that carries it, -1 when none does; `finger` the travel direction in the
-    flange frame of a finger, shape (3,).
+    index of the arm that carries it, -1 when none does; `finger` the travel direction of a
+    finger in the frame of its joint, shape (3,).
     """
 
     label: str
@@ -53,7 +53,18 @@ def bodies_of(
     obstacles: tuple[Obstacle, ...],
 ) -> list[Body]:
     """All bodies: links, tools with fingers closed, fixtures, bin, parts found, obstacles seen."""
-    bodies = [*_link_bodies(cell, kinematics), *_tool_bodies(cell, kinematics)]
+    return [
+        *_link_bodies(cell, kinematics),
+        *_tool_bodies(cell, kinematics),
+        *still_bodies(cell, detections, obstacles),
+    ]
+
+
+def still_bodies(
+    cell: Cell, detections: tuple[Detection, ...], obstacles: tuple[Obstacle, ...]
+) -> list[Body]:
+    """What no arm carries: fixtures, bin, parts found, obstacles seen."""
+    bodies: list[Body] = []
     for fixture in cell.fixtures:
         for solid in fixture.solids:
             bodies.append(
@@ -151,17 +162,17 @@ def arm_of_joint(cell: Cell, kinematics: Kinematics) -> list[int]:
 def pairs_of(cell: Cell, kinematics: Kinematics, bodies: list[Body]) -> Bools:
     """Which bodies can meet in some phase, upper triangle (b, b); the rest is never looked at.
 
-    Left out: bodies of one link or tool, or on the same joint, pairs that the SRDF disables (the
-    tool of an arm is called `<arm>_tool` there), and still things among themselves, except
-    parts, which may be carried.
+    Left out: bodies of one link or tool, or on the same joint, pairs that the SRDF disables, and
+    still things among themselves, except parts, which may be carried.
     """
-    owners = [f"{body.owner}_tool" if body.kind == "tool" else body.owner for body in bodies]
+    owners = [_owner_of(body) for body in bodies]
     number = {name: k for k, name in enumerate(dict.fromkeys(owners))}
     owner = np.array([number[name] for name in owners])
     disabled = np.zeros((len(number), len(number)), bool)
-    for a, b in cell.robot.disabled_pairs:
-        if a in number and b in number:
-            disabled[number[a], number[b]] = disabled[number[b], number[a]] = True
+    for pair in cell.robot.disabled_pairs:
+        a, b = (number.get(("robot", name)) for name in pair)
+        if a is not None and b is not None:
+            disabled[a, b] = disabled[b, a] = True
     joint = np.array([body.joint for body in bodies])
     part = np.array([int(body.owner) if body.kind == "part" else -1 for body in bodies])
     meets = (joint[:, None] != joint) & (owner[:, None] != owner)
@@ -170,6 +181,20 @@ def pairs_of(cell: Cell, kinematics: Kinematics, bodies: list[Body]) -> Bools:
     meets |= is_part[:, None] | is_part
     meets &= ~((part[:, None] == part) & is_part)
     return np.triu(meets, 1)
+
+
+def _owner_of(body: Body) -> tuple[str, str]:
+    """What a body belongs to; links and tools by the names that an SRDF has for them.
+
+    A fixture may have the name of a link, and is something else all the same.
+    """
+    match body.kind:
+        case "link":
+            return "robot", body.owner
+        case "tool":
+            return "robot", f"{body.owner}_tool"
+        case "fixture" | "bin" | "part":
+            return body.kind, body.owner
 
 
 @lru_cache(maxsize=4096)

@@ -212,7 +212,7 @@ def place_bodies(
     c: Floats,
     travel: Floats,
 ) -> None:
-    """Where all joints and bodies are at `q`, and how far each body can move: the last six."""
+    """Write where joints and bodies are at `q`, and how far bodies can move, into the last six."""
     joint, R_g, c_g = boxes.joint, boxes.R, boxes.c
     _joint_poses(tree.parents, tree.R, tree.p, tree.axes, tree.slides, q, R_j, p_j, z_j)
     for g in range(len(joint)):
@@ -250,9 +250,9 @@ def gather_close(
     moves: Floats,
     lower: Floats,
 ) -> int:
-    """Put what `close_pairs` returns into the last three, unsorted; how many they are.
+    """Write what `close_pairs` returns, unsorted, into the last three arguments.
 
-    The first `asked` numbers of `among` are looked at.
+    The first `asked` numbers of `among` are looked at.  Returns how many pairs were written.
     """
     parents, slides = tree.parents, tree.slides
     joint, half, radius = boxes.joint, boxes.half, boxes.radius

@@ -14,6 +14,7 @@ from numba import njit
 
 from workbench.model.cell import Arm, Cell
 from workbench.model.geometry import Bools, Floats
+from workbench.planning.wire import limits_on_wire
 
 POSITION_TOLERANCE = 1e-6
 ROTATION_TOLERANCE = 1e-6
@@ -23,8 +24,9 @@ ROTATION_TOLERANCE = 1e-6
 class Chain:
     """An arm from the world to its TCP.
 
-    `R` (n+1, 3, 3), `p` (n+1, 3): the fixed transform before each joint, and last the one from
-    the last joint to the TCP.  `axes` (n, 3), `slides` (n,) 1.0 for prismatic joints.
+    `R` (n+1, 3, 3), `p` (n+1, 3) [m]: the fixed transform before each joint, and last the one
+    from the last joint to the TCP.  `axes` (n, 3), `slides` (n,) 1.0 for prismatic joints.
+    `lower`, `upper` (n,) [rad]: the joint limits as far as they can be sent (`limits_on_wire`).
     """
 
     R: Floats
@@ -98,7 +100,7 @@ def chain_of(cell: Cell, arm: Arm) -> Chain:
     T = T * arm.tool.T_flange_tcp
     R.append(T.rotation.copy())
     p.append(T.translation.copy())
-    lower, upper, _ = cell.robot.limits(tuple(names))
+    lower, upper = limits_on_wire(*cell.robot.limits(tuple(names))[:2])
     return Chain(np.array(R), np.array(p), np.array(axes), np.array(slides), lower, upper)
 
 

@@ -17,7 +17,7 @@ SMALLEST = 0.001
 """[m] Radius of a cup, even where its mesh ends in a point."""
 
 LIP = 0.75
-"""Of the radius: what lies further out is under the lip, which has to close."""
+"""Share of the radius: the surface further out is under the lip, which has to close."""
 
 NEAR_TIP = 0.002
 """[m] Solids of the tool that reach as near to the TCP's plane are the cup."""

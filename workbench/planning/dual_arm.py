@@ -15,6 +15,7 @@ tried in turn:
 A plan without legs in step is safe at any speeds: arms wait for each other between steps only.
 """
 
+import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import permutations
@@ -142,7 +143,8 @@ def coordinate(
         offsets: by how many legs the second arm may follow the first.
 
     Returns:
-        The plan with the shortest cycle, or the verdict of the first offset.
+        The plan with the shortest cycle, side by side if that works; or the verdict of the first
+        offset, `OUT_OF_TIME` once the world's deadline has passed.
     """
     first = arm_plan(world, picks[0], frozenset(), seed)
     if isinstance(first, Verdict):
@@ -152,6 +154,8 @@ def coordinate(
     second: ArmPlan | Verdict | None = None
     was_carried = False
     for offset in offsets:
+        if time.monotonic() > world.deadline:
+            break
         is_carried = offset >= CARRYING
         if second is None or is_carried != was_carried:
             gone = frozenset({first.detection} if is_carried else ())
@@ -182,6 +186,8 @@ def coordinate(
             best = plan
         if offset == 0:
             break
+    if best is None and time.monotonic() > world.deadline:
+        return Verdict(Reason.OUT_OF_TIME, Stage.ROUTE)
     return best or refusal or Verdict(Reason.NO_PATH, Stage.ROUTE)
 
 

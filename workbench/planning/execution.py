@@ -20,6 +20,9 @@ logging.getLogger("toppra").setLevel(logging.ERROR)
 GRIDS = (8, 16, 32)
 """Grid points of the parameterization between two waypoints; the next when the one finds none."""
 
+STANDSTILL = 0.001
+"""[s] Between two equal waypoints: times have to increase."""
+
 
 class RoundedPolyline(toppra.interpolator.AbstractGeometricPath):
     """Waypoints (m, n) joined straight, corners rounded by parabolas within `zone`.
@@ -74,7 +77,7 @@ def timed(path: Floats, velocity: Floats, acceleration: Floats, zone: float) -> 
     """Times (m,) [s] at which the waypoints (m, n) are passed, starting at 0, from rest to rest.
 
     Args:
-        path: waypoints; two equal neighbours would make a standstill and are not allowed.
+        path: waypoints, at least two; from one to an equal one it takes `STANDSTILL`, or longer.
         velocity: largest joint speeds (n,) [rad/s], already scaled.
         acceleration: largest joint accelerations (n,) [rad/s2].
         zone: corner rounding, fraction of the neighbouring segments.
@@ -84,7 +87,7 @@ def timed(path: Floats, velocity: Floats, acceleration: Floats, zone: float) -> 
     """
     if not (np.all(velocity > 0) and np.all(acceleration > 0)):
         raise WorkbenchError("an arm's speed and acceleration limits must be above zero")
-    if zone <= 0.0:
+    if zone <= 0.0 or not np.diff(path, axis=0).any():
         return _stopping(path, velocity, acceleration)  # sharp corners are taken at rest
     curve = RoundedPolyline(path, zone)
     limits = _limits(tuple(velocity.tolist()), tuple(acceleration.tolist()))
@@ -106,7 +109,7 @@ def _stopping(path: Floats, velocity: Floats, acceleration: Floats) -> Floats:
     times = np.where(
         steps >= velocity * ramps, steps / velocity + ramps, 2 * np.sqrt(steps / acceleration)
     )
-    return np.concatenate([[0.0], np.cumsum(times.max(axis=1))])
+    return np.concatenate([[0.0], np.cumsum(np.maximum(times.max(axis=1), STANDSTILL))])
 
 
 @lru_cache(maxsize=32)

@@ -272,18 +272,3 @@ def _hold_findings(grasp: Grasp, tool: Tool, hold: Hold | None) -> list[GraspFin
 
 def _mm(length: float) -> str:
     return f"{length * 1000:.1f} mm"
-
-
-def check_grasp(part: Part, grasp: Grasp, tool: Tool) -> GraspCheck:
-    """Whether a tool can take a part so; for several grasps make one `GraspChecker`."""
-    return GraspChecker(part, tool).check(grasp)
-
-
-def measured_width(part: Part, T_part_tcp: pin.SE3, tool: Tool) -> float | None:
-    """The part's extent between two fingers that close at a pose [m].
-
-    None when nothing is between them, or the tool has not two fingers.  More than the stroke when
-    the part is wider.
-    """
-    hold = GraspChecker(part, tool).hold(T_part_tcp)
-    return None if hold is None else hold.width

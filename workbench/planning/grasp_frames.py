@@ -14,7 +14,7 @@ BEYOND = 0.003
 """[m] Finger tips go this much beyond the middle of what they hold: pads, not tips, touch it."""
 
 SPARE = 0.0005
-"""[m] Of the thickness of a thin part, so that tips do not stand out below it."""
+"""[m] Finger tips stay this far above the underside of a thin part."""
 
 PALM_ROOM = 0.002
 """[m] Between the palm and the surface."""
@@ -111,8 +111,7 @@ def centred(checker: GraspChecker, T_part_tcp: pin.SE3) -> pin.SE3:
 
 def outward_normal(mesh: Mesh, triangle: int) -> Floats:
     """The outward unit normal (3,) of a triangle."""
-    corners = mesh.points[mesh.triangles[triangle]]
-    return normals_of(Mesh(corners, np.array([[0, 1, 2]])))[0][0]
+    return normals_of(mesh)[0][triangle]
 
 
 def thickness(mesh: Mesh, points: Floats, inward: Floats) -> Floats:

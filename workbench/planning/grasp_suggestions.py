@@ -37,9 +37,10 @@ LOOKS = 400
 """Grasps that are looked at closely, at most."""
 
 APART = 0.12
-"""Grasps as near to each other, over the part's size, and turned less than `TURNED` are alike."""
+"""Share of the part's size: grasps nearer to each other, and turned by less, are alike."""
 
 TURNED = np.deg2rad(30.0)
+"""[rad] See `APART`."""
 
 PAD = 50e-6
 """[m2] A pad that touches more holds no better."""

@@ -9,6 +9,7 @@ from numba import njit
 from workbench.model.cell import Arm, Cell, Tool
 from workbench.model.geometry import Bools, Box, Floats
 from workbench.model.part import Grasp, Part
+from workbench.planning.bodies import still_bodies
 from workbench.planning.chain import Chain, chain_of, is_solution
 from workbench.planning.grasp_check import GraspChecker
 from workbench.planning.legs import grips
@@ -150,12 +151,10 @@ class Trial:
 
 def _boxes(cell: Cell) -> tuple[Floats, Floats, Floats]:
     """Rotations (b, 3, 3), centres (b, 3) and half sizes (b, 3) of what stands still in boxes."""
-    still = [(solid, cell.bin.T_world_bin) for solid in cell.bin.solids]
-    still += [(solid, one.T_world_fixture) for one in cell.fixtures for solid in one.solids]
     found = [
-        (T * solid.T_owner_shape, np.asarray(solid.shape.size) / 2)
-        for solid, T in still
-        if isinstance(solid.shape, Box)
+        (body.T_joint_body, np.asarray(body.shape.size) / 2)
+        for body in still_bodies(cell, (), ())
+        if isinstance(body.shape, Box)
     ]
     return (
         np.array([T.rotation for T, _ in found]),

@@ -22,14 +22,6 @@ from workbench.planning.world import Contact, World
 RESOLUTION = 0.0005
 """[m] Where a state is clear and no body moves further than this around it, it is not halved."""
 
-WIRE_STEP = np.deg2rad(0.01)
-"""Configurations travel in degrees with two decimals."""
-
-
-def on_wire(q: Floats) -> Floats:
-    """The nearest configuration that can be sent: whole hundredths of a degree [rad]."""
-    return np.deg2rad(np.round(np.rad2deg(q), 2))
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Curve:

@@ -23,13 +23,13 @@ BACK_OFFS = tuple(range(1, 11))
 SLIDES = (2, 4, 6, 8, 10)
 """[mm] along the fingers' opening and across it, both ways."""
 
-
 MOST_REFUSED = 8
+"""Candidates that are looked at, the best ones first."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Fix:
-    """The change in words that admits a refused candidate: all up to the place was tried."""
+    """A change, in words, that admits a refused candidate; it was tried up to the place."""
 
     candidate: Candidate
     change: str

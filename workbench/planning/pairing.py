@@ -1,5 +1,6 @@
 """Which pairs of bodies count in a phase, and what distance each must keep."""
 
+import threading
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
@@ -45,14 +46,15 @@ class Checks:
     """The pairs of a phase.
 
     `among` are the numbers of those that count.  For every pair there is its margin [m], the
-    arms that carry its bodies in `carriers` (pairs, 2), -1 where none does, and in `commons` the
-    deepest joint that carries both.
+    arms that carry its bodies in `carriers` (pairs, 2), -1 where none does, in `commons` the
+    deepest joint that carries both, and in `of_held` whether one of them is a part in a hand.
     """
 
     among: Ints
     margins: Floats
     carriers: Ints
     commons: Ints
+    of_held: Bools
 
     @property
     def own(self) -> Bools:
@@ -103,11 +105,6 @@ class Pairing:
             self._ancestors[j, j] = True
         self._known: dict[tuple[object, ...], Checks] = {}
 
-    @property
-    def with_part(self) -> Bools:
-        """Pairs of which at least one body belongs to a part."""
-        return (self._part[self.first] >= 0) | (self._part[self.second] >= 0)
-
     def checks(self, phase: Phase, joint: Ints) -> Checks:
         """The pairs of a phase.
 
@@ -149,10 +146,12 @@ class Pairing:
         both = self._ancestors[joint[a]] & self._ancestors[joint[b]]
         commons = np.where(both, np.arange(both.shape[1]), 0).max(axis=1)
         carriers = np.stack([carrier[a], carrier[b]], axis=1)
-        return Checks(np.flatnonzero(counts), margins, carriers, commons)
+        of_held = (held[a] >= 0) | (held[b] >= 0)
+        return Checks(np.flatnonzero(counts), margins, carriers, commons, of_held)
 
 
 _PAIRINGS: dict[tuple[str, Policy, tuple[str, ...], int], Pairing] = {}
+_CHANGES = threading.Lock()
 
 
 def pairing_of(
@@ -161,10 +160,13 @@ def pairing_of(
     """The pairing of all worlds of this cell with found parts of these names, in this order.
 
     Worlds with as many bodies differ in nothing that counts here.
+
+    Concurrency: any thread; several of them make worlds for the page.
     """
     key = (cell.digest, policy, parts, len(bodies))
-    if key not in _PAIRINGS:
-        while len(_PAIRINGS) >= MOST_PAIRINGS:
-            del _PAIRINGS[next(iter(_PAIRINGS))]
-        _PAIRINGS[key] = Pairing(cell, policy, kinematics, bodies)
-    return _PAIRINGS[key]
+    with _CHANGES:
+        if key not in _PAIRINGS:
+            while len(_PAIRINGS) >= MOST_PAIRINGS:
+                del _PAIRINGS[next(iter(_PAIRINGS))]
+            _PAIRINGS[key] = Pairing(cell, policy, kinematics, bodies)
+        return _PAIRINGS[key]

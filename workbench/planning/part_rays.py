@@ -76,13 +76,19 @@ def first_hits(mesh: Mesh, origins: Floats, directions: Floats) -> tuple[Floats,
 
 
 def nearest_points(mesh: Mesh, points: Floats) -> tuple[Floats, Floats, Ints]:
-    """The points (n, 3) of a surface nearest to others (n, 3), distances and triangles (n,)."""
-    corners = mesh.points[mesh.triangles]
+    """The points (n, 3) of a surface nearest to others (n, 3), distances and triangles (n,).
+
+    Triangles without an area have no normal and are passed over: in a closed surface their
+    neighbours have the same points.
+    """
+    solid = np.flatnonzero(normals_of(mesh)[1] > 0)
+    corners = mesh.points[mesh.triangles[solid]]
     centres = corners.mean(axis=1)
     radii = np.linalg.norm(corners - centres[:, None], axis=2).max(axis=1)
-    return _nearest(
+    found, distances, numbers = _nearest(
         np.ascontiguousarray(corners), centres, radii, np.ascontiguousarray(points, np.float64)
     )
+    return found, distances, solid[numbers]
 
 
 def tops(

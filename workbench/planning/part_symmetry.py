@@ -10,19 +10,19 @@ from workbench.model.part import Symmetry
 from workbench.planning.part_rays import nearest_points, normals_of, samples_of
 
 TOLERANCE = 0.004
-"""Of the part's diameter: turned, the surface may lie that far from itself, and ..."""
+"""Share of the part's diameter by which the turned surface may differ from the unturned one."""
 
 LEAST_TOLERANCE = 0.0001
-"""[m] ... in any case this far."""
+"""[m] A difference this small is always allowed."""
 
 MOST_FOLD = 24
 """A part that has more turns is round but for the facets of its mesh."""
 
 ROUND = (0.21, 0.83, 1.47, 2.19, 2.71)
-"""[rad] Turns about an axis that no fold has in common: a part that they leave is round."""
+"""[rad] No fold contains all of these turns: a part that looks the same after each is round."""
 
 FEW, MANY = 40, 800
-"""Points, twice as many, that a guess is tried with, and that it has to hold for."""
+"""Pairs of points with which a guess is tried first, and for which it has to hold."""
 
 MOST_WORK = 2e7
 """Points times triangles: on very fine meshes a guess has to hold for fewer points."""
@@ -31,7 +31,7 @@ SAME = np.deg2rad(3.0)
 """[rad] Axes closer than this are one."""
 
 FACES = 8
-"""The largest, whose normals are tried as axes."""
+"""The normals of so many of the largest faces are tried as axes."""
 
 STEPS = 36
 """Turns that stand for any angle."""

@@ -176,7 +176,7 @@ def _extend(tree: Tree, target: Floats, weights: Floats, is_clear: EdgeCheck) ->
     length = float(np.linalg.norm(step * weights))
     if length == 0.0:
         return None
-    q = tree.q[near] + step * min(1.0, STEP / length)
+    q = target if length <= STEP else tree.q[near] + step * (STEP / length)
     return tree.add(q, near) if is_clear(tree.q[near].copy(), q) else None
 
 

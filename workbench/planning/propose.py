@@ -6,10 +6,10 @@ import pinocchio as pin
 
 from workbench.model.candidate import Candidate, Reason, Stage, Verdict
 from workbench.model.cell import Arm, Cell
-from workbench.model.geometry import Box, Floats, Solid
+from workbench.model.geometry import Floats
 from workbench.model.part import Grasp
 from workbench.model.scan import Detection, Obstacle
-from workbench.planning.bodies import coal_shape, extent, obstacle_label, part_label
+from workbench.planning.bodies import coal_shape, extent, still_bodies
 from workbench.planning.chain import chain_of
 from workbench.planning.legs import grips
 
@@ -30,28 +30,15 @@ class ToolCheck:
         obstacles: tuple[Obstacle, ...] = (),
     ):
         self._margin = cell.policy.near_margin
-        solids = (
-            [(solid, cell.bin.T_world_bin, -1, solid.name) for solid in cell.bin.solids]
-            + [
-                (solid, fixture.T_world_fixture, -1, solid.name)
-                for fixture in cell.fixtures
-                for solid in fixture.solids
-            ]
-            + [
-                (piece, detection.T_world_part, number, part_label(number))
-                for number, detection in enumerate(detections)
-                for piece in cell.part(detection.part).pieces
-            ]
-            + [
-                (_solid(obstacle), obstacle.T_world_box, -1, obstacle_label(number))
-                for number, obstacle in enumerate(obstacles)
-            ]
+        # The bin first: where the tool meets several things, that one is named.
+        still = sorted(
+            still_bodies(cell, detections, obstacles), key=lambda body: body.kind != "bin"
         )
-        self._labels = [label for _, _, _, label in solids]
-        self._numbers = np.array([number for _, _, number, _ in solids])
-        self._shapes = [coal_shape(solid.shape) for solid, _, _, _ in solids]
-        poses = [T * solid.T_owner_shape for solid, T, _, _ in solids]
-        extents = [extent(solid.shape) for solid, _, _, _ in solids]
+        self._labels = [body.label for body in still]
+        self._numbers = np.array([int(b.owner) if b.kind == "part" else -1 for b in still])
+        self._shapes = [coal_shape(body.shape) for body in still]
+        poses = [body.T_joint_body for body in still]
+        extents = [extent(body.shape) for body in still]
         self._transforms = [coal.Transform3s(T.rotation, T.translation) for T in poses]
         self._R = np.array([T.rotation for T in poses])
         self._centres = np.array([T.act(e[0]) for T, e in zip(poses, extents, strict=True)])
@@ -99,10 +86,6 @@ def _tool_shapes(
             (solid.name, coal_shape(solid.shape), solid.T_owner_shape, direction, centre, radius)
         )
     return shapes
-
-
-def _solid(obstacle: Obstacle) -> Solid:
-    return Solid("seen", Box(obstacle.size), pin.SE3.Identity())
 
 
 def propose(

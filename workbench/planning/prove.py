@@ -14,13 +14,15 @@ from workbench.model.cell import Arm, Cell
 from workbench.model.geometry import Floats
 from workbench.model.plan import LEG_NAMES, ArmPlan, Finding, Guarantee, Leg, LegName, Plan, Proof
 from workbench.planning.chain import chain_of
-from workbench.planning.legs import HOLDING, STRAIGHT, grips, stretches
-from workbench.planning.motion import RESOLUTION, WIRE_STEP
+from workbench.planning.legs import HOLDING, STRAIGHT, grips, hand_turns, stretches
+from workbench.planning.motion import RESOLUTION
 from workbench.planning.walk import walk
+from workbench.planning.wire import WIRE_STEP
 from workbench.planning.world import World
 
 IN_HAND_DISTANCE, IN_HAND_ANGLE = 0.001, np.deg2rad(1.0)
-"""[m, rad] How far the part in the hand may be from where the detection and the grasp put it."""
+"""[m, rad] How far the part in the hand may be from where the detection and the grasp put it, and
+the hand from the place."""
 
 SIGHT = 0.1
 """[m] Clearances are measured up to here."""
@@ -116,6 +118,8 @@ def _sequence(plan: Plan) -> Iterator[Finding]:
     if any(name not in {arm.arm for arm in plan.arms} for name, _ in runs):
         yield Finding("the sequence moves an arm that the plan does not")
     for step in plan.sequence:
+        if not step.runs:
+            yield Finding("a step of the sequence moves no arm")
         if len({name for name, _ in step.runs}) != len(step.runs) or len(step.runs) > 2:
             yield Finding("a step of the sequence moves an arm twice, or more than two arms")
     if plan.guarantee is Guarantee.ONE_AT_A_TIME and (
@@ -157,9 +161,14 @@ def _arm_form(cell: Cell, plan: Plan, arm_plan: ArmPlan) -> Iterator[Finding]:
         if abs(leg.opening - wanted) > 1e-6:
             problem = f"fingers at {leg.opening * 1e3:.1f} mm, the grasp says {wanted * 1e3:.1f} mm"
             yield Finding(problem, name, leg.name)
-    T_world_tcp = chain_of(cell, arm).pose(np.asarray(arm_plan.leg("approach").q[-1]))
+    chain = chain_of(cell, arm)
+    T_world_tcp = chain.pose(np.asarray(arm_plan.leg("approach").q[-1]))
     if not _same(T_world_tcp * arm_plan.T_tcp_part, T_world_part):
         yield Finding("the part is not where the hand closes", name, "approach")
+    T_world_end = chain.pose(np.asarray(arm_plan.leg("place").q[-1]))
+    places = (T * turn for T in arm.Ts_world_place for turn in hand_turns(arm))
+    if not any(_same(T_world_end, T_world_place) for T_world_place in places):
+        yield Finding("the hand opens where the arm has no place", name, "place")
 
 
 def _same(T: pin.SE3, other: pin.SE3) -> bool:

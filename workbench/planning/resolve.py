@@ -10,9 +10,10 @@ from workbench.model.cell import Arm
 from workbench.model.geometry import Floats
 from workbench.planning.chain import Chain, is_solution
 from workbench.planning.legs import grips, hand_turns
-from workbench.planning.motion import on_wire, path_contact
+from workbench.planning.motion import path_contact
 from workbench.planning.pairing import Phase
 from workbench.planning.straight import follow
+from workbench.planning.wire import on_wire
 from workbench.planning.world import Contact, World
 
 STARTS = 12
@@ -40,7 +41,7 @@ def resolve(world: World, candidate: Candidate, *, seed: int) -> Pick | Verdict:
     Args:
         world: cell and detections that the candidate was made from.
         candidate: one whose verdict is still OK; another is given its own verdict back.
-        seed: of the request; together with the candidate it determines every random start.
+        seed: of the request; together with the arm it determines every random start.
     """
     if not candidate.verdict.is_ok:
         return candidate.verdict
@@ -126,6 +127,11 @@ def _refused(reason: Reason, stage: Stage, contact: Contact, q: Floats) -> Verdi
     return Verdict(reason, stage, pair=contact.pair, distance=contact.distance, q=q)
 
 
+def _broken_off(reason: Reason, stage: Stage, q: Floats, share: float) -> Verdict:
+    """The verdict on a straight line that the arm can follow only up to `q`."""
+    return Verdict(reason, stage, q=q, note=f"the arm can follow only {share:.0%} of the line")
+
+
 def _completed(
     world: World, candidate: Candidate, arm: Arm, q_grasp: Floats, T_world_tcp: pin.SE3, room: float
 ) -> Pick | Verdict:
@@ -157,12 +163,7 @@ def _approach(
     T_pregrasp = pin.SE3(T_world_tcp.rotation, T_world_tcp.translation - way)
     backwards, share = follow(chain, q_grasp, T_pregrasp, policy.straight_points)
     if share < 1.0:
-        return Verdict(
-            Reason.APPROACH_BLOCKED,
-            Stage.APPROACH,
-            q=backwards[-1],
-            note=f"the arm can follow only {share:.0%} of the line",
-        )
+        return _broken_off(Reason.APPROACH_BLOCKED, Stage.APPROACH, backwards[-1], share)
     path = on_wire(backwards[::-1])
     path[-1] = q_grasp
     base = world.configuration({})
@@ -206,12 +207,7 @@ def _extract(
     T_end = pin.SE3(T_grasp.rotation, T_grasp.translation + way)
     path, share = follow(chain, q_grasp, T_end, policy.straight_points)
     if share < 1.0:
-        return Verdict(
-            Reason.EXTRACT_BLOCKED,
-            Stage.EXTRACT,
-            q=path[-1],
-            note=f"the arm can follow only {share:.0%} of the line",
-        )
+        return _broken_off(Reason.EXTRACT_BLOCKED, Stage.EXTRACT, path[-1], share)
     path = on_wire(path)
     world.enter(holding_phase(candidate, arm, T_tcp_part, straight=True))
     world.allow_start_contacts(world.configuration({arm.name: q_grasp}))
@@ -235,7 +231,9 @@ def _place(
     chain, columns = world.chains[arm.name], world.kinematics.columns[arm.name]
     base = world.configuration({})
     world.enter(holding_phase(candidate, arm, T_tcp_part, straight=False))
-    refusal = Verdict(Reason.NO_PLACE, Stage.PLACE, note="the cell has no place for this arm")
+    reaches = "the arm reaches none of its places"
+    note = reaches if arm.Ts_world_place else "the cell has no place for this arm"
+    refusal = Verdict(Reason.NO_PLACE, Stage.PLACE, note=note)
     for T_world_place in arm.Ts_world_place:
         for T_world_tcp in (T_world_place * T for T in hand_turns(arm)):
             answers, residuals = chain.solve(T_world_tcp, np.vstack([q_from, arm.home]))
@@ -243,7 +241,7 @@ def _place(
                 above = pin.SE3(T_world_tcp.rotation, T_world_tcp.translation + PLACE_LIFT * UP)
                 path, share = follow(chain, on_wire(q), above, policy.straight_points)
                 if share < 1.0:
-                    refusal = Verdict(Reason.NO_PLACE, Stage.PLACE, q=path[-1])
+                    refusal = _broken_off(Reason.NO_PLACE, Stage.PLACE, path[-1], share)
                     continue
                 path = on_wire(path[::-1])
                 found = path_contact(world, columns, base, path, policy.zone)

@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Literal
 
 import numpy as np
@@ -12,8 +13,9 @@ from workbench.model.geometry import Floats
 from workbench.model.plan import ArmPlan, Guarantee, Leg, LegName, Plan, Step, Strategy
 from workbench.planning.execution import timed
 from workbench.planning.legs import HOLDING, phase_of
-from workbench.planning.motion import Curve, chain_contact, on_wire
+from workbench.planning.motion import Curve, chain_contact
 from workbench.planning.search import joint_weights, searched
+from workbench.planning.wire import on_wire
 from workbench.planning.world import Contact, World
 
 MOTIONS: Mapping[LegName, Literal["joint", "linear"]] = {
@@ -89,7 +91,8 @@ def arm_plan(world: World, pick: Pick, gone: frozenset[int], seed: int) -> ArmPl
     plan = ArmPlan(
         arm.name, candidate.detection, candidate.grasp.name, pick.T_tcp_part, arm.joints, ()
     )
-    home = on_wire(np.asarray(arm.home))
+    chain = world.chains[arm.name]
+    home = np.clip(on_wire(np.asarray(arm.home)), chain.lower, chain.upper)
     seeds = np.random.SeedSequence([seed, candidate.detection, ord(arm.letter)])
     rng = np.random.default_rng(seeds)
     free: dict[LegName, Floats] = {}
@@ -103,7 +106,7 @@ def arm_plan(world: World, pick: Pick, gone: frozenset[int], seed: int) -> ArmPl
         world.enter(phase_of([(plan, name, opening)], gone=gone))
         path = free_path(world, arm, start, end, rng)
         if isinstance(path, Verdict):
-            return path if name == "reach" else _as_no_return(path, name)
+            return path if name == "reach" else _without_return(path, name)
         free[name] = path
     legs = (
         leg_of(world, arm, "reach", free["reach"], candidate.grasp.opening),
@@ -118,10 +121,11 @@ def arm_plan(world: World, pick: Pick, gone: frozenset[int], seed: int) -> ArmPl
     )
 
 
-def _as_no_return(verdict: Verdict, name: LegName) -> Verdict:
-    return Verdict(
-        Reason.NO_RETURN, verdict.stage, verdict.pair, verdict.distance, verdict.q, f"leg {name}"
-    )
+def _without_return(verdict: Verdict, name: LegName) -> Verdict:
+    """The verdict on a way back that was not found; where time ran out, nothing else is known."""
+    if verdict.reason is Reason.OUT_OF_TIME:
+        return verdict
+    return replace(verdict, reason=Reason.NO_RETURN, note=f"leg {name}")
 
 
 def leg_of(world: World, arm: Arm, name: LegName, path: Floats, opening: float) -> Leg:

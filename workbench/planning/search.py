@@ -9,7 +9,7 @@ import numpy as np
 from workbench.model.candidate import Reason, Stage, Verdict
 from workbench.model.cell import PlannerName, Policy
 from workbench.model.geometry import Floats
-from workbench.planning.motion import Curve, curves_of, on_wire, segment
+from workbench.planning.motion import Curve, curves_of, segment
 from workbench.planning.ompl_planners import ompl_planner
 from workbench.planning.planners import (
     EdgeCheck,
@@ -22,6 +22,7 @@ from workbench.planning.planners import (
 )
 from workbench.planning.prm_star import prm_star
 from workbench.planning.sbl import sbl
+from workbench.planning.wire import on_wire
 from workbench.planning.world import Contact
 
 PLANNERS: Mapping[PlannerName, Planner] = {
@@ -92,7 +93,7 @@ def searched(
 
 
 class _Late(Exception):
-    """The deadline has passed; planners know nothing of it."""
+    """The deadline has passed; raised through the planners, which know nothing of it."""
 
 
 def edge_check(check: Check, deadline: float = math.inf) -> EdgeCheck:
@@ -107,7 +108,11 @@ def edge_check(check: Check, deadline: float = math.inf) -> EdgeCheck:
 
 
 def as_sent(path: Floats, is_clear: EdgeCheck, count: int) -> Floats:
-    """A path shortened, divided into `count` waypoints or as many as it needs, and rounded."""
+    """A path shortened, divided into `count` waypoints or as many as it needs, and rounded.
+
+    Waypoints that rounding makes equal become one.  A path that ends where it starts keeps two.
+    """
     path = merged(shortened(path, is_clear, most=count), is_clear)
     path = on_wire(resampled(path, count))
-    return path[np.concatenate([[True], np.any(np.diff(path, axis=0) != 0, axis=1)])]
+    moves = np.any(np.diff(path, axis=0) != 0, axis=1)
+    return path[np.concatenate([[True], moves])] if moves.any() else path[[0, -1]]

@@ -10,19 +10,19 @@ from workbench.planning.pairing import Phase
 from workbench.planning.world import World
 
 TILT = np.deg2rad(30.0)
-"""Of the tool from straight down, at most."""
+"""[rad] Largest tilt of the tool from straight down."""
 
 LOWEST, HIGHEST = 0.12, 0.26
-"""[m] Of what is shown, above the rim of the bin."""
+"""[m] Height of what is shown above the rim of the bin."""
 
 ASIDE = 0.03
-"""[m] Of what is shown, from the scanner's axis, at most."""
+"""[m] Largest distance of what is shown from the scanner's axis."""
 
 TRIES = 40
 """Poses that are tried for each one that is wanted."""
 
 STARTS = 16
-"""Of the inverse kinematics."""
+"""Starting points of the inverse kinematics, beside home."""
 
 
 def poses_in_view(

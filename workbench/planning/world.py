@@ -291,14 +291,15 @@ class World:
 
         A part lies on the bin's floor and on other parts when it is taken.  For the pairs of
         held parts that are closer than their margin at `q`, the margin becomes the distance
-        there, less `slack` [m] for the lean of the lift.  Between arms nothing is allowed.
+        there, less `slack` [m] for the lean of the lift.  Tools are allowed nothing, and nor is
+        anything between arms.
         """
         pairs, _, _ = self._close(q, self._still, 0.0, None)
         # The margins of the phase serve others too; these are for this leg alone.
         self._margins = self._margins.copy()
         between = set(self.between().tolist())
         for k in pairs.tolist():
-            if self._with_part[k] and k not in between:
+            if self._checks.of_held[k] and k not in between:
                 self._margins[k] = min(self._margins[k], self._distance(k) - slack)
         self._split = self._split_of(self._checks.among)
 
@@ -392,7 +393,6 @@ class World:
         self._pairing = pairing_of(self.cell, self.policy, parts, self.kinematics, self._bodies)
         self._geometry.setCollisionPairs(self._pairing.meets, True)
         self._data = pin.GeometryData(self._geometry)
-        self._with_part = self._pairing.with_part
         self._cores = cores_of([body.shape for body in self._bodies], self._centre)
         known = self._cores.known
         self._is_easy = known[self._pairing.first] & known[self._pairing.second]

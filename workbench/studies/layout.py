@@ -17,8 +17,8 @@ from workbench.model.errors import InputError
 from workbench.model.geometry import Box, Floats, Solid, pose_from_rpy
 from workbench.model.robot import Robot
 from workbench.planning.chain import Chain, chain_of, is_solution
-from workbench.planning.motion import on_wire
 from workbench.planning.pairing import Phase
+from workbench.planning.wire import on_wire
 from workbench.planning.world import World
 from workbench.studies.targets import judged
 

@@ -14,9 +14,10 @@ import numpy as np
 
 from workbench.model.cell import Arm, Cell, PlannerName
 from workbench.model.geometry import Floats
-from workbench.planning.motion import Curve, chain_contact, curves_of, on_wire
+from workbench.planning.motion import Curve, chain_contact, curves_of
 from workbench.planning.pairing import Phase
 from workbench.planning.search import PLANNERS, TRIES, as_sent, edge_check, joint_weights
+from workbench.planning.wire import on_wire
 from workbench.planning.world import Contact, World
 from workbench.studies.targets import Target, drawn_poses, judged
 

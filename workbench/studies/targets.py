@@ -10,7 +10,7 @@ import pinocchio as pin
 from workbench.model.cell import Arm, Bin
 from workbench.model.geometry import Floats, Ints, pose_from_rpy
 from workbench.planning.chain import is_solution
-from workbench.planning.motion import on_wire
+from workbench.planning.wire import on_wire
 from workbench.planning.world import World
 
 TILT = np.deg2rad(20.0)
