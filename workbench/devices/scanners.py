@@ -1,4 +1,4 @@
-"""Scanners: where scans come from when they are not made up.
+"""Scanners: where scans come from when they are not simulated.
 
 A scanner of another maker is one class with `scan`, and its line in `SCANNERS`; its name goes to
 `model/cell.py:ScanSource`.

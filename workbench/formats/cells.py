@@ -41,12 +41,12 @@ from workbench.model.robot import Link, Robot
 ARM_NAMES = ("right", "left")
 
 MOST_PLACES = 400
+"""On one pallet."""
 
 ROUNDED = 1e-6
 """[rad] What four digits of a degree may put a home beyond the limit at which it stands."""
 
 MOST_APPROVERS = 4
-"""On one pallet."""
 
 
 def cell_path(name: str | Path) -> Path:

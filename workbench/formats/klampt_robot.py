@@ -1,8 +1,8 @@
 """Klamp't robots (`.rob`) to robots.
 
 Each link hangs on its parent by one joint, a transform and then a turn about or a slide along
-`axis`.  What the format has for masses, motors and sensors is passed over; joints that wander
-(`floating` and its kin) are refused, since a cell stands still.
+`axis`.  What the format has for masses, motors and sensors is passed over; robots whose base moves
+freely (`floating` and the like) are refused, since those of a cell stand where they are.
 
 Source: https://github.com/krishauser/Klampt, manual, "File types"
 """
@@ -37,7 +37,7 @@ UNIT = 1e-3
 """How far an axis may be from length 1: files carry few digits."""
 
 WELDED = ("weld",)
-WANDERING = ("floating", "floatingplanar", "ballandsocket")
+FLOATING = ("floating", "floatingplanar", "ballandsocket")
 GREY = (0.6, 0.6, 0.62)
 
 Words = Mapping[str, list[list[str]]]
@@ -161,7 +161,7 @@ def _kinds(path: Path, words: Words, count: int) -> list[JointKind]:
 def _welded(path: Path, words: Words, count: int) -> set[int]:
     welded: set[int] = set()
     for line in words.get("joint", []):
-        if not line or line[0].lower() in WANDERING:
+        if not line or line[0].lower() in FLOATING:
             raise FileError(path, f"joint {' '.join(line)}: a robot that moves freely is not read")
         if line[0].lower() in WELDED:
             welded |= {_index(path, word, count) for word in line[1:]}
