@@ -1,6 +1,5 @@
 """A simulated controller with a client that speaks `abb-socket/2`: loads, runs, reports."""
 
-import logging
 import select
 import socket
 import time
@@ -17,8 +16,6 @@ from workbench.devices.abb_motion import Motion
 from workbench.devices.abb_sending import SILENCE
 from workbench.devices.abb_serving import LONGEST_WORDS, Serving
 from workbench.model.errors import LinkError, ProtocolError
-
-log = logging.getLogger(__name__)
 
 TICK = 0.02
 """[s] Between two looks at the client while the robot moves."""
