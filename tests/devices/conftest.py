@@ -13,7 +13,7 @@ from workbench.app.pick import plan_pick
 from workbench.devices.abb_simulated import SimulatedController
 from workbench.formats.cells import read_cell
 from workbench.model.cell import Cell, Controller, ProtocolName
-from workbench.model.geometry import pose_from_rpy
+from workbench.model.geometry import Floats, pose_from_rpy
 from workbench.model.plan import Plan
 from workbench.model.release import Approval
 from workbench.model.scan import Detection
@@ -34,6 +34,17 @@ def plan(cell: Cell) -> Plan:
     made = plan_pick(cell, detections, "scan", seed=0).plan
     assert made is not None
     return made
+
+
+@pytest.fixture(scope="session")
+def waypoints(plan: Plan) -> list[tuple[str, Floats]]:
+    """Arm and configuration of every waypoint that is sent, in order."""
+    return [
+        (name, q)
+        for step in plan.sequence
+        for name, leg in step.runs
+        for q in plan.arm(name).leg(leg).q[1:]
+    ]
 
 
 @pytest.fixture

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from workbench.app.pick import plan_pick
-from workbench.devices.abb_frames import FIRST_CRC, TEXT, Frames, crc_of, framed
+from workbench.devices.abb_frames import FIRST_CRC, LAST_NUMBER, TEXT, Frames, crc_of, framed
 from workbench.devices.abb_messages import REQUEST
 from workbench.devices.abb_program import lines_of, program_of
 from workbench.devices.abb_sending import PING, SILENCE, Sending
@@ -191,6 +191,7 @@ def test_abort_is_answered_and_timed(talk):
             "arm left goes to waypoint 1 in step 1; the plan moves right",
         ),
         (["state running 01 R99 L00"], "arm right goes to waypoint 99"),
+        (["state running 01 R-1 L00"], "arm right goes to waypoint -1"),
         (["state running 03 R01 L00", "state running 02 R01 L00"], "step 2 after step 3"),
         (["state running 13 R00 L00"], "step 13 after step 0"),
         (["state ready 00 R00 L00"], "says it is ready, it should be running"),
@@ -342,6 +343,32 @@ def test_a_program_that_is_too_long_is_not_sent(cell, plan, approval):
     )
     with pytest.raises(InputError, match="a controller has room for 400"):
         program_of(cell, replace(plan, arms=(replace(one, legs=legs), plan.arms[1])), approval)
+
+
+def test_a_program_that_is_too_slow_is_not_sent(cell, plan, approval):
+    one = plan.arms[0]
+    legs = (replace(one.legs[0], t=one.legs[0].t * 1e4), *one.legs[1:])
+    with pytest.raises(InputError, match=r"leg reach of arm right takes .* s from one"):
+        program_of(cell, replace(plan, arms=(replace(one, legs=legs), plan.arms[1])), approval)
+
+
+def test_a_part_is_not_told_of_before_the_robot_moves(talk):
+    talk.go_on("end")
+    with pytest.raises(ProtocolError, match="comes twice or too early"):
+        talk.tell("part R picked")
+
+
+def test_both_sides_go_on_after_the_last_number(talk):
+    talk.go_on()
+    talk.report(1, right=1)
+    for _ in range(LAST_NUMBER):
+        talk.tell("at R 0.00 -130.00 30.00 0.00 40.00 0.00 -135.00")
+        talk.at += PING
+        if data := talk.ours.say(talk.at):
+            ((_, answer),) = talk.theirs.hear(data)
+            talk.tell(answer)
+    finish(talk)
+    assert talk.ours.is_over
 
 
 def test_garbage_ends_in_an_error_or_in_waiting(cell, plan, approval):

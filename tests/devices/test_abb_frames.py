@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from workbench.devices.abb_frames import SIZE, TEXT, Frames, crc_of, framed
+from workbench.devices.abb_frames import LAST_NUMBER, SIZE, TEXT, Frames, crc_of, framed
 from workbench.model.errors import InputError, ProtocolError
 
 words = st.from_regex(r"[a-z]{1,9}( [!-~]{1,20}){0,2}", fullmatch=True)
@@ -49,6 +49,7 @@ def test_no_byte_can_be_another(at, value):
         (framed(2, "ping"), "frame 0002 came where 0001"),
         (framed(1, "ping") * 2, "frame 0001 came where 0002"),
         (b"send", "does not begin like a frame"),
+        (b"0001\n", "does not begin like a frame"),
         (b"\xff\xfe", "does not begin like a frame"),
         (b"0001 ping" + b" " * 71, "is no frame"),
         (b"0001 PING".ljust(TEXT) + b"0000\n", "is no frame"),
@@ -66,3 +67,15 @@ def test_what_does_not_fit_is_not_sent(text):
         framed(1, text)
     with pytest.raises(InputError):
         framed(10_000, "ping")
+    with pytest.raises(InputError):
+        framed(0, "ping")
+
+
+def test_after_the_last_number_comes_the_first():
+    """A robot that takes more than eleven minutes goes on reporting."""
+    frames = Frames()
+    for number in range(1, LAST_NUMBER + 1):
+        (one,) = frames.hear(framed(number, "ping"))
+    assert one.number == LAST_NUMBER
+    (one,) = frames.hear(framed(1, "ping"))
+    assert one.number == 1

@@ -14,6 +14,7 @@ import pytest
 from workbench.devices.abb_link import send
 from workbench.devices.abb_messages import messages
 from workbench.devices.abb_reports import watch_state
+from workbench.devices.abb_simulated import MOST_WATCHERS
 from workbench.model.errors import CommandRefused, JobCancelled, LinkError, ProtocolError
 
 
@@ -39,18 +40,12 @@ def controller_that(behaves) -> Iterator[tuple[int, list[bytes]]]:
         thread.join(10)
 
 
-def test_what_arrives_is_the_approved_plan(controller, at, plan, approval, tmp_path):
+def test_what_arrives_is_the_approved_plan(controller, at, plan, waypoints, approval, tmp_path):
     one = controller()
     receipts = list(send(plan, approval, at(one.port)))
     lines = [json.loads(line) for line in (tmp_path / "arrived.jsonl").read_text().splitlines()]
-    expected = [
-        (name, q)
-        for step in plan.sequence
-        for name, leg in step.runs
-        for q in plan.arm(name).leg(leg).q[1:]
-    ]
-    assert [line["arm"] for line in lines] == [arm for arm, _ in expected]
-    for line, (_, q) in zip(lines, expected, strict=True):
+    assert [line["arm"] for line in lines] == [arm for arm, _ in waypoints]
+    for line, (_, q) in zip(lines, waypoints, strict=True):
         assert np.abs(np.rad2deg(np.array(line["q"]) - q)).max() < 0.005
     assert [receipt.done for receipt in receipts] == list(range(1, len(receipts) + 1))
     assert receipts[-1].total == len(receipts)
@@ -94,12 +89,16 @@ def test_two_watchers_see_the_parts_placed(controller, at, plan, approval):
         ({"cell_digest": "0" * 64}, "another cell"),
         ({"scan_digest": "0" * 64}, "another scan"),
         ({"until": 1.0}, "ran out"),
+        ({"at": time.time() + 3600}, "begins in 3.* s: a clock has been set back"),
     ],
 )
-def test_nothing_is_sent_that_was_not_approved(controller, at, plan, approval, change, says):
+@pytest.mark.parametrize("protocol", ["abb-socket", "abb-socket/2"])
+def test_nothing_is_sent_that_was_not_approved(
+    controller, at, plan, approval, protocol, change, says
+):
     one = controller()
     with pytest.raises(CommandRefused, match=says):
-        next(send(plan, replace(approval, **change), at(one.port)))
+        next(send(plan, replace(approval, **change), at(one.port, protocol=protocol)))
     assert one.state()["received"] == 0
 
 
@@ -128,6 +127,15 @@ def test_a_controller_that_is_not_there(at, plan, approval):
         port = free.getsockname()[1]
     with pytest.raises(LinkError, match=f"no controller answers at 127.0.0.1:{port}"):
         next(send(plan, approval, at(port)))
+
+
+def test_a_host_that_cannot_be(cell, plan, approval):
+    name = f"{'a' * 64}.example"
+    elsewhere = replace(cell, controller=replace(cell.controller, host=name))
+    with pytest.raises(LinkError, match=f"no controller answers at {name}"):
+        next(send(plan, approval, elsewhere))
+    with pytest.raises(LinkError, match=f"no controller reports its state at {name}"):
+        next(watch_state(name, 1))
 
 
 def test_a_controller_that_closes_in_the_middle(cell, at, plan, approval):
@@ -225,9 +233,38 @@ def test_bytes_in_small_pieces_are_understood(controller, cell, plan):
     assert one.state()["received"] == 4
 
 
-def test_a_state_report_that_is_none(controller):
+STATE = (
+    '{"joints": {"right": [%s]}, "openings": {}, "moving": "", '
+    '"received": %s, "placed": 0, "fault": ""}'
+)
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        b"{}",
+        b"[" * 60_000,
+        (STATE % ("NaN", "1")).encode(),
+        (STATE % ("1e999", "1")).encode(),
+        (STATE % ("1" + 400 * "0", "1")).encode(),
+        (STATE % ("0", "Infinity")).encode(),
+        b"7",
+        b"\xff",
+    ],
+    ids=["empty", "deep", "nan", "infinite", "huge", "infinite count", "number", "no text"],
+)
+def test_a_state_report_that_is_none(line):
     def nonsense(client, got):
-        client.sendall(b"{}\n")
+        client.sendall(line + b"\n")
 
     with controller_that(nonsense) as (port, _), pytest.raises(ProtocolError, match="no state"):
         next(watch_state("127.0.0.1", port))
+
+
+def test_watchers_that_have_left_make_room_for_others(controller):
+    """Also while nothing changes, and so nothing is told to anybody."""
+    one = controller()
+    for _ in range(MOST_WATCHERS + 5):
+        with socket.create_connection(("127.0.0.1", one.state_port)) as watcher:
+            watcher.settimeout(5)
+            assert watcher.recv(4096).endswith(b"\n")

@@ -1,5 +1,6 @@
 """Scans from a folder and from a page: complete ones only, in time, and a word when not."""
 
+import contextlib
 import http.server
 import threading
 import time
@@ -78,6 +79,14 @@ def test_no_file_no_folder_and_a_broken_file_are_told(tmp_path):
         taken(FolderScanner(mount("folder", tmp_path)))
 
 
+def test_a_folder_that_goes_while_a_scan_is_awaited_is_told(tmp_path):
+    folder = tmp_path / "scans"
+    folder.mkdir()
+    later(folder.rmdir)
+    with pytest.raises(LinkError, match="scans: No such file"):
+        taken(FolderScanner(mount("folder", folder)))
+
+
 def test_waiting_can_be_cancelled(tmp_path):
     over = threading.Event()
     later(over.set)
@@ -88,10 +97,22 @@ def test_waiting_can_be_cancelled(tmp_path):
 @pytest.fixture
 def page(tmp_path):
     """A page on this machine that gives what it was given."""
-    answers = {"/scan.ply": b""}
+    answers = {"/scan.ply": b"", "/dribble": b""}
 
     class Page(http.server.BaseHTTPRequestHandler):
         def do_GET(self):
+            if self.path == "/dribble":
+                self.send_response(200)
+                self.end_headers()
+                with contextlib.suppress(OSError):
+                    for _ in range(100):
+                        self.wfile.write(b"ply\n")
+                        answers["/dribble"] += b"ply\n"
+                        time.sleep(0.05)
+                return
+            if self.path == "/nonsense":
+                self.wfile.write(b"no HTTP at all\r\n\r\n")
+                return
             if self.path not in answers:
                 self.send_error(404)
                 return
@@ -127,6 +148,22 @@ def test_a_page_that_has_none_is_told(page):
         taken(HttpScanner(mount("http", f"{address}/scan.ply")))
     with pytest.raises(LinkError, match="scanner: http://127"):
         taken(HttpScanner(mount("http", "http://127.0.0.1:9/scan.ply")))
+
+
+def test_a_page_that_gives_a_scan_too_slowly_is_not_waited_for(page):
+    address, answers = page
+    scanner = HttpScanner(mount("http", f"{address}/dribble", patience=0.3))
+    with pytest.raises(LinkError, match="is too slow"):
+        taken(scanner)
+    assert len(answers["/dribble"]) < 400, "it waited for the end"
+    with pytest.raises(JobCancelled):
+        taken(scanner, lambda: True)
+
+
+@pytest.mark.parametrize("path", ["nonsense", "scan 1.ply"])
+def test_an_answer_or_an_address_that_is_no_http_is_told(page, path):
+    with pytest.raises(LinkError, match="scanner: http://127"):
+        taken(HttpScanner(mount("http", f"{page[0]}/{path}")))
 
 
 def test_the_scan_stands_where_the_scanner_does(tmp_path):

@@ -132,6 +132,25 @@ def test_damage_anywhere_is_refused_or_harmless(tmp_path):
     assert {one.name.split("-")[0] for one in tmp_path.iterdir()} <= {"x.zip", "y.zip", "out"}
 
 
+@pytest.mark.parametrize("packing", [zipfile.ZIP_LZMA, zipfile.ZIP_BZIP2])
+def test_damage_is_refused_however_it_is_packed(tmp_path, packing):
+    with zipfile.ZipFile(tmp_path / "x.zip", "w", packing) as archive:
+        archive.writestr("a", b"hello" * 100)
+    raw = bytearray((tmp_path / "x.zip").read_bytes())
+    raw[50] ^= 0xFF
+    (tmp_path / "x.zip").write_bytes(raw)
+    with pytest.raises(FileError):
+        unpack(tmp_path / "x.zip", tmp_path / "out")
+
+
+def test_a_name_that_is_no_utf_8_is_refused(tmp_path):
+    made(tmp_path / "x.zip", ("ä", "1"))
+    raw = (tmp_path / "x.zip").read_bytes().replace("ä".encode(), b"\xff\xfe")
+    (tmp_path / "x.zip").write_bytes(raw)
+    with pytest.raises(FileError, match="no zip file"):
+        unpack(tmp_path / "x.zip", tmp_path / "out")
+
+
 def test_a_folder_beside_goes_with_its_block(tmp_path):
     made(tmp_path / "x.zip", ("a/b", "1"))
     with unpacked_beside(tmp_path / "x.zip", tmp_path / "here") as place:

@@ -113,3 +113,13 @@ def test_identity_is_written_where_nothing_stood(path):
     moved = replace(table, T_world_fixture=pose_from_rpy((0, 0, 0.01)))
     save_cell(path, replace(cell, fixtures=(moved, *cell.fixtures[1:])))
     assert read_cell(path).fixtures[0].T_world_fixture.translation[2] == pytest.approx(0.01)
+
+
+@pytest.mark.parametrize("what", ["arms", "fixtures"])
+def test_arms_and_fixtures_can_neither_be_added_nor_taken_away(path, what):
+    before = path.read_text()
+    cell = read_cell(path)
+    for fewer in (getattr(cell, what)[1:], getattr(cell, what)[::-1] * 2):
+        with pytest.raises(FileError, match="something was changed that cannot be written"):
+            save_cell(path, replace(cell, **{what: fewer}))
+    assert path.read_text() == before

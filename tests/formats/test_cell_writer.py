@@ -3,13 +3,18 @@
 from dataclasses import replace
 
 import numpy as np
+import pinocchio as pin
 import pytest
 
 from workbench.formats.cell_writer import write_cell
 from workbench.formats.cells import read_cell
 from workbench.formats.urdf import read_urdf
 from workbench.formats.xacro_files import expanded, is_xacro
+from workbench.model.calibration import CalibrationRecord
+from workbench.model.cell import Fixture, PosesFolder
+from workbench.model.digest import digest_of
 from workbench.model.errors import FileError
+from workbench.model.geometry import Mesh, Solid
 from workbench.planning.kinematics import Kinematics
 from workbench.planning.link_pairs import pairs_without_check
 
@@ -42,6 +47,59 @@ def test_a_cell_comes_back(name, tmp_path):
         assert there[link].isApprox(here[link], 1e-9)
     for link, other in zip(cell.robot.links, again.robot.links, strict=True):
         assert [s.shape.kind for s in link.collision] == [s.shape.kind for s in other.collision]
+
+
+def written(folder, cell):
+    return read_cell(write_cell(folder / "cell", cell, {}))
+
+
+def test_what_is_seldom_changed_comes_back_too(tmp_path):
+    cell = read_cell("yumi")
+    record = CalibrationRecord(1.7e9, 'Ada "\U0001f916" Nö', 8, 0.0001)
+    scanner = replace(
+        cell.scanner,
+        source="folder",
+        address=str(tmp_path / "scans"),
+        unit="mm",
+        patience=5.0,
+        calibration=record,
+    )
+    policy = replace(
+        cell.policy,
+        free_points=12,
+        straight_points=7,
+        seconds=3.0,
+        metric=0.5,
+        approval_minutes=2.5,
+    )
+    folder = PosesFolder(str(tmp_path / "poses"), "keyed_cylinder")
+    again = written(tmp_path, replace(cell, scanner=scanner, policy=policy, poses_folder=folder))
+    assert digest_of(again.scanner) == digest_of(scanner)
+    assert again.policy == policy
+    assert digest_of(again.poses_folder) == digest_of(folder)
+
+
+def test_solids_keep_their_names_and_flat_ones_stay_flat(tmp_path):
+    cell = read_cell("yumi")
+    flat = Mesh(np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0]]), np.array([[0, 1, 2]]))
+    sheet = Fixture("sheet", pin.SE3.Identity(), (Solid("sheet_a", flat, pin.SE3.Identity()),))
+    tool = cell.arms[0].tool
+    body = tuple(replace(one, name=f"{tool.name}_{one.name}") for one in tool.body)
+    tool = replace(tool, body=body)
+    arms = tuple(replace(arm, tool=tool, tools=(tool,)) for arm in cell.arms)
+    again = written(tmp_path, replace(cell, arms=arms, fixtures=(sheet,)))
+    assert again.fixtures[0].solids[0].name == "sheet_a"
+    assert not again.fixtures[0].solids[0].shape.is_convex
+    assert [one.name for one in again.arms[0].tool.body] == [one.name for one in arms[0].tool.body]
+
+
+def test_an_arm_may_stand_at_a_limit(tmp_path):
+    cell = read_cell("yumi")
+    right, left = cell.arms
+    lower, upper, _ = cell.robot.limits(right.joints)
+    for home in (lower, upper):
+        again = written(tmp_path, replace(cell, arms=(replace(right, home=home), left)))
+        np.testing.assert_allclose(again.arms[0].home, home, atol=1e-6)
 
 
 @pytest.mark.parametrize("name", ["yumi", "tx2_90"])

@@ -114,6 +114,24 @@ def test_links_can_go_without_their_geometry(folder: Path) -> None:
         ('shape = "box"', 'shape = "cone"', ["cone"]),
         ('planner = "rrtconnect"', 'planner = "magic"', ["planner", "magic", "sbl"]),
         ('letter = "R"', 'letter = "#"', ["letter", "#"]),
+        ('letter = "R"', 'letter = "r"', ["letter", "capital"]),
+        ('letter = "R"', 'letter = "L"', ["arm.letter", "'L' is there 2 times"]),
+        (
+            'parts = ["keyed_cylinder"]',
+            'parts = ["keyed_cylinder", "keyed_cylinder"]',
+            ["parts", "'keyed_cylinder' is there 2 times"],
+        ),
+        ('parts = ["keyed_cylinder"]', f'parts = ["{"a" * 300}"]', ["parts", "aaa"]),
+        (
+            "[[arm]]",
+            '[[tool]]\nname = "smart_gripper"\n[tool.tcp]\n\n[[arm]]',
+            ["tool.name", "'smart_gripper' is there 2 times"],
+        ),
+        (
+            "[[arm]]",
+            '[[fixture]]\nname = "a"\n\n[[fixture]]\nname = "a"\n\n[[arm]]',
+            ["fixture.name", "'a' is there 2 times"],
+        ),
         ("[controller]", "[controler]", ["controler"]),
     ],
 )

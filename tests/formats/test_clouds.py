@@ -178,7 +178,8 @@ def test_a_declared_count_alone_takes_no_memory(tmp_path: Path, encoding: str, c
 @pytest.mark.parametrize("encoding", ENCODINGS)
 def test_a_count_ahead_of_the_vertices_takes_no_memory(tmp_path: Path, encoding: str) -> None:
     for before in ("property double f", "comment nothing"):
-        content = ply(POINTS, encoding, before=(f"element camera {10**17}", before))
+        many = [f"element camera-{k} {10**17}" for k in range(100)]
+        content = ply(POINTS, encoding, before=(*many, before))
         try:
             read(tmp_path, content)
         except FileError as error:

@@ -86,12 +86,21 @@ def test_what_was_divided_once_is_not_divided_again(own_cache, monkeypatch):
         assert np.array_equal(one.points, other.points)
 
 
-def test_a_spoiled_cache_is_made_anew(own_cache):
+@pytest.mark.parametrize(
+    "content", [b"", b"no archive", b"PK\x03\x04 cut off", b"PK\x05\x06" + bytes(18)]
+)
+def test_a_spoiled_cache_is_made_anew(own_cache, content):
     first = pieces_of(bracket(), tolerance=0.01)
     (kept,) = own_cache.iterdir()
-    kept.write_bytes(b"no archive")
+    kept.write_bytes(content)
     again = pieces_of(bracket(), tolerance=0.01)
     assert len(again.pieces) == len(first.pieces)
+
+
+def test_where_nothing_can_be_kept_pieces_are_made_all_the_same(own_cache):
+    own_cache.parent.mkdir(parents=True, exist_ok=True)
+    own_cache.write_text("no folder")
+    assert len(pieces_of(bracket(), tolerance=0.01).pieces) > 1
 
 
 def test_a_flat_mesh_has_none():

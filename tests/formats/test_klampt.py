@@ -1,6 +1,7 @@
 """Worlds for Klamp't, read back with what reads such files here."""
 
 import xml.etree.ElementTree as ElementTree
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,9 +12,10 @@ import trimesh
 from workbench.formats.cells import read_cell
 from workbench.formats.klampt import PlacedPart, Snapshot, robot_with_tools, write_world
 from workbench.formats.urdf import read_urdf
-from workbench.model.cell import Cell
+from workbench.model.cell import Cell, Fixture
 from workbench.model.errors import FileError
 from workbench.model.geometry import pose_from_rpy
+from workbench.model.robot import Joint, Link
 
 T_TCP_PART = pose_from_rpy((0, 0.001, 0.005), (0.1, 0.2, 0.3))
 
@@ -87,6 +89,23 @@ def test_the_motion_has_a_column_for_every_joint_of_the_file(
     left = cell.arm("left")
     expected[:, [model.getJointId(joint) - 1 for joint in left.joints]] = left.home
     np.testing.assert_array_equal(moving, expected[:, np.any(expected != 0, axis=0)])
+
+
+def test_things_may_be_called_anything_or_have_no_solids(
+    tmp_path: Path, cell: Cell, snapshot: Snapshot
+) -> None:
+    solid = cell.fixtures[0].solids[0]
+    still = pin.SE3.Identity()
+    fixtures = (Fixture("nothing", still, ()), Fixture("../../up", still, (solid,)))
+    links = (*cell.robot.links, Link("../../away", (solid,)))
+    mount = Joint("mount", "fixed", cell.robot.root, "../../away", still, np.array([0.0, 0, 1]))
+    robot = replace(cell.robot, links=links, joints=(*cell.robot.joints, mount))
+    changed = replace(cell, fixtures=fixtures, robot=robot)
+    world = write_world(tmp_path / "out", "world", changed, snapshot)
+    names = [one.get("name") for one in ElementTree.parse(world).getroot().iter("terrain")]
+    assert names == ["bin", "../../up", "part-2"]
+    assert [item.name for item in tmp_path.iterdir()] == ["out"]
+    assert [item.name for item in (tmp_path / "out").iterdir()] == ["world"]
 
 
 def test_a_folder_that_cannot_be_made_is_an_error(

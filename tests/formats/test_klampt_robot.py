@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pinocchio as pin
 import pytest
+import trimesh
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
@@ -205,8 +206,6 @@ WORLD = """<world>
 
 
 def test_things_stand_and_are_scaled_as_the_world_says(tmp_path):
-    import trimesh
-
     (tmp_path / "robot.rob").write_text(rob(0))
     trimesh.creation.box((1, 1, 1)).export(tmp_path / "box.stl")
     (tmp_path / "world.xml").write_text(WORLD)
@@ -235,6 +234,10 @@ def test_things_stand_and_are_scaled_as_the_world_says(tmp_path):
         ("velmax", "joint floating 5 0\nvelmax", "moves freely"),
         ("velmax", "noselfcollision 0 99\nvelmax", "not the number of a link"),
         ("velmax", "noselfcollision 0\nvelmax", "half a pair"),
+        ("velmax", "noselfcollision 0 ²\nvelmax", "'²' is not the number of a link"),
+        ("velmax", f"noselfcollision 0 {'9' * 5000}\nvelmax", "not the number of a link"),
+        ("qMinDeg -100", "qMinDeg 200", "'link 0' would go from 3.49.* to 1.7"),
+        ("qMaxDeg 100", "qMaxDeg -5000", "'link 0' would go from -1.7.* to -87"),
         ("velmax", 'geometry "no.off" "" "" "" "" ""\nvelmax', "there is no such mesh"),
         ("velmax", 'mount 0 "robot.rob"\nvelmax', "deep"),
         ('"link 1"', '"link 0"', "6 different names"),
@@ -248,6 +251,15 @@ def test_a_broken_robot_says_what_is_wrong(tmp_path, old, new, expected):
     path.write_text(text.replace(old, new, 1))
     with pytest.raises(FileError, match=expected):
         read_rob(path)
+
+
+def test_an_axis_that_is_no_unit_vector_is_refused(tmp_path):
+    """Klamp't would turn the joint by so much more;."""
+    path = tmp_path / "robot.rob"
+    for axis in ("0 0 2", "0 0 0", "0 0 inf"):
+        path.write_text(rob(0, by_table=True) + f"axis {axis} {'0 0 1 ' * (LINKS - 1)}\n")
+        with pytest.raises(FileError, match="axis: must be a unit vector"):
+            read_rob(path)
 
 
 @settings(max_examples=150, deadline=None)
@@ -279,13 +291,33 @@ def test_no_text_is_too_strange(tmp_path_factory, data):
     ],
 )
 def test_a_broken_world_says_what_is_wrong(tmp_path, old, new, expected):
-    import trimesh
-
     (tmp_path / "robot.rob").write_text(rob(0))
     trimesh.creation.box((1, 1, 1)).export(tmp_path / "box.stl")
     (tmp_path / "world.xml").write_text(WORLD.replace(old, new, 1))
     with pytest.raises(FileError, match=expected):
         read_klampt_world(tmp_path / "world.xml")
+
+
+@pytest.mark.parametrize(("scale", "size"), [("2", 2.0), ("1e-3", 1e-3), (".", None), ("-1", None)])
+def test_a_rigid_object_is_as_large_as_its_file_says(tmp_path, scale, size):
+    trimesh.creation.box((1, 1, 1)).export(tmp_path / "box.stl")
+    (tmp_path / "thing.obj").write_text(f"mesh box.stl\ngeomscale {scale}\n")
+    (tmp_path / "robot.rob").write_text(rob(0))
+    (tmp_path / "world.xml").write_text(
+        '<world><robot file="robot.rob"/><rigidObject name="box" file="thing.obj"/></world>'
+    )
+    if size is None:
+        with pytest.raises(FileError, match="is not a positive number"):
+            read_klampt_world(tmp_path / "world.xml")
+    else:
+        (thing,) = read_klampt_world(tmp_path / "world.xml").things
+        np.testing.assert_allclose(np.ptp(thing.solids[0].shape.points, axis=0), size)
+
+
+def test_a_folder_for_meshes_that_cannot_be_made_is_an_error(tmp_path):
+    (tmp_path / "robot_meshes").write_text("")
+    with pytest.raises(FileError, match="robot_meshes"):
+        write_rob(tmp_path / "robot.rob", read_cell("tx2_90").robot)
 
 
 def test_a_world_becomes_a_cell(tmp_path, capfd):

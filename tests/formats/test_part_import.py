@@ -1,6 +1,9 @@
 """CAD files that become parts, and those that cannot: refused with the reason, nothing left."""
 
 import stat
+import subprocess
+import sys
+import time
 from pathlib import Path
 
 import numpy as np
@@ -184,3 +187,38 @@ def test_broken_files_are_refused_in_one_line(kind, tmp_path: Path, data):
     content = data.draw(mutated(_valid(kind)))
     unit = None if kind in ("glb", "step") else "m"
     only_file_errors(tmp_path / f"part.{kind}", content, lambda path: import_mesh(path, unit))
+
+
+SLEEPER = """
+import os, pathlib, time
+
+def step_to_glb(*_, **__):
+    pathlib.Path(__file__).with_name("began").write_text(str(os.getpid()))
+    time.sleep(60)
+"""
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="only Linux ends a process with its parent")
+def test_the_reader_ends_with_the_process_that_started_it(tmp_path):
+    """A cancelled job is killed; what reads a file for it must not go on alone."""
+    (tmp_path / "cascadio.py").write_text(SLEEPER)
+    (tmp_path / "a.step").write_text("not read")
+    code = "import sys; sys.path.insert(0, sys.argv[1]); from pathlib import Path\n"
+    code += "from workbench.formats.cad_files import read_cad; read_cad(Path(sys.argv[2]))"
+    parent = subprocess.Popen([sys.executable, "-c", code, str(tmp_path), str(tmp_path / "a.step")])
+    try:
+        began = tmp_path / "began"
+        until(lambda: began.is_file() and began.read_text())
+    finally:
+        parent.kill()
+        parent.wait()
+    assert int(began.read_text()) != parent.pid
+    status = Path(f"/proc/{began.read_text()}/status")
+    until(lambda: not status.exists() or "State:\tZ" in status.read_text())
+
+
+def until(condition) -> None:
+    deadline = time.monotonic() + 40
+    while not condition():
+        assert time.monotonic() < deadline, "it did not happen"
+        time.sleep(0.05)

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from mutations import mutated, only_file_errors
 
 from workbench.formats.clouds import parse_cloud, read_cloud
+from workbench.formats.meshes import read_mesh
 from workbench.model.errors import FileError
 
 HERE = pin.SE3.Identity()
@@ -95,6 +96,8 @@ def test_an_organised_cloud_keeps_its_pixels(encoding):
         (b"DATA binary", b"DATA zip", "ascii, binary"),
         (b"DATA", b"DUTA", "no line DATA"),
         (b"COUNT 1 1 1 1", b"COUNT 1 1 1", "COUNT"),
+        (b"COUNT 1 1 1 1", b"COUNT 1 0 1 1", "x, y and z are expected"),
+        (b"COUNT 1 1 1 1", b"COUNT 1 1 1 999999999", "COUNT 999999999: a field has at most"),
     ],
 )
 def test_a_broken_file_says_what_is_wrong(old, new, expected):
@@ -102,6 +105,19 @@ def test_a_broken_file_says_what_is_wrong(old, new, expected):
     assert old in content
     with pytest.raises(FileError, match=expected):
         parse_cloud(Path("a.pcd"), content.replace(old, new, 1), HERE)
+
+
+def test_a_file_without_a_point_is_cut_off():
+    content = pcd("ascii").partition(b"DATA ascii\n")
+    with pytest.raises(FileError, match="declares 24 points and holds 0"):
+        parse_cloud(Path("a.pcd"), content[0] + content[1], HERE)
+
+
+def test_a_part_taught_by_a_scan_has_no_corner_where_nothing_was_measured(tmp_path):
+    points = np.vstack([POINTS + 5.0, np.zeros((1, 3)), [[np.nan] * 3]])
+    (tmp_path / "part.pcd").write_bytes(pcd("binary", points))
+    size = np.ptp(read_mesh(tmp_path / "part.pcd").points, axis=0)
+    np.testing.assert_allclose(size, np.ptp(POINTS, axis=0), atol=1e-5)
 
 
 @pytest.mark.parametrize("cut", [8, 20, 60])

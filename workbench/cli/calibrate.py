@@ -21,13 +21,13 @@ from workbench.cli.terminal import check_whole, print_json, print_table, progres
 from workbench.formats.calibrations import (
     FILE,
     ScannedPose,
-    make_folder,
     read_scanned_poses,
     write_scanned_poses,
 )
 from workbench.formats.cell_edits import log_change, save_cell
 from workbench.formats.cells import cell_path, read_cell
 from workbench.formats.clouds import read_cloud, write_cloud
+from workbench.formats.whole_files import make_folder
 from workbench.model.calibration import BallPlate, Calibration, PlateSighting
 from workbench.model.cell import Cell
 from workbench.model.errors import InputError

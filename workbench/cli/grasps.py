@@ -8,7 +8,7 @@ from workbench.cli.exits import NO_PLAN, SUCCESS
 from workbench.cli.part_arguments import Grasps
 from workbench.cli.terminal import check_whole, print_json, print_table
 from workbench.formats.cells import read_cell
-from workbench.formats.grasp_edits import add_grasps
+from workbench.formats.grasp_files import add_grasps
 from workbench.formats.parts import read_part
 from workbench.formats.shipped import find
 from workbench.planning.grasp_suggestions import Suggestion, suggest

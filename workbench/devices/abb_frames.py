@@ -4,7 +4,8 @@ A RAPID string holds 80 characters, so every message is exactly that: 75 charact
 filled up with blanks, the CRC of these as 4 hexadecimal digits, and a line feed.  The controller
 takes each with one `SocketReceive \Str \ReadNoOfBytes:=80`, and TCP may split and join the bytes
 as it likes.  The text begins with a number of four digits, one more than that of the frame before
-in the same direction, so that nothing is lost, doubled or out of order without being noticed.
+in the same direction (1 after 9999), so that nothing is lost, doubled or out of order without being
+noticed.
 
 The check sum is CRC-16/CCITT-FALSE (polynomial 0x1021, first value 0xFFFF).
 """
@@ -23,6 +24,7 @@ TEXT = 75
 """Characters of its text, blanks included."""
 
 LAST_NUMBER = 9999
+"""Reports of the state use them up in some eleven minutes; then numbers begin again with 1."""
 
 FIRST_CRC = 0xFFFF
 
@@ -54,15 +56,20 @@ def crc_of(text: str, before: int = FIRST_CRC) -> int:
     return binascii.crc_hqx(text.encode("ascii"), before)
 
 
+def number_after(number: int) -> int:
+    """The number of the frame that follows; 0 stands for none before."""
+    return number % LAST_NUMBER + 1
+
+
 def framed(number: int, text: str) -> bytes:
     """A frame, ready to be sent.
 
     Raises:
-        InputError: the text is too long, not printable ASCII, or there are too many frames.
+        InputError: the text is too long or not printable ASCII, or the number is none.
     """
     body = f"{number:04d} {text}"
-    if number > LAST_NUMBER:
-        raise InputError(f"a conversation has at most {LAST_NUMBER} messages")
+    if not 1 <= number <= LAST_NUMBER:
+        raise InputError(f"frames are numbered from 1 to {LAST_NUMBER}, not {number}")
     if len(body) > TEXT or not (body.isascii() and body.isprintable()):
         raise InputError(f"{text!r} does not fit a frame: {TEXT - 5} printable characters")
     padded = body.ljust(TEXT)
@@ -95,7 +102,7 @@ class Frames:
             piece, self._heard = self._heard[:SIZE], self._heard[SIZE:]
             yield self._frame(piece)
         # What cannot become a frame is not waited for.
-        if self._heard and not re.match(rb"\d{1,4}$|\d{4} ", self._heard):
+        if self._heard and not re.match(rb"\d{1,4}\Z|\d{4} ", self._heard):
             raise ProtocolError(f"{self._heard[:40]!r} does not begin like a frame")
 
     def _frame(self, piece: bytes) -> Frame:
@@ -114,7 +121,7 @@ class Frames:
             raise ProtocolError(
                 f"{text.rstrip()!r} came with check sum {crc}, it has {crc_of(text):04X}"
             )
-        self._number += 1
+        self._number = number_after(self._number)
         if int(found[1]) != self._number:
             raise ProtocolError(f"frame {found[1]} came where {self._number:04d} was expected")
         return Frame(self._number, found[2], found[3] or "", crc)

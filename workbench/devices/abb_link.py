@@ -5,9 +5,9 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import suppress
 
+from workbench.devices.abb_connecting import connected
 from workbench.devices.abb_messages import Requests, messages
 from workbench.devices.abb_program import program_of
-from workbench.devices.abb_reports import CONNECT_SECONDS, POLL_SECONDS
 from workbench.devices.abb_sending import Sending
 from workbench.devices.abb_status import LinkStatus
 from workbench.model.cell import Cell
@@ -20,9 +20,6 @@ ANSWER_SECONDS = 30.0
 
 STOP_SECONDS = 2.0
 """How long a controller may take to acknowledge a stop."""
-
-KEEPALIVE = {"TCP_KEEPIDLE": 1, "TCP_KEEPINTVL": 1, "TCP_KEEPCNT": 3, "TCP_USER_TIMEOUT": 5000}
-"""[s, s, times, ms] So that the system, too, notices a machine that is gone."""
 
 
 def check_approval(plan: Plan, approval: Approval, cell: Cell, now: float) -> None:
@@ -42,7 +39,11 @@ def check_approval(plan: Plan, approval: Approval, cell: Cell, now: float) -> No
             raise CommandRefused(
                 f"the approval is for another {what} ({approved[:12]}, here {present[:12]})"
             )
-    if not approval.at <= now <= approval.until:
+    if now < approval.at:
+        raise CommandRefused(
+            f"the approval begins in {approval.at - now:.0f} s: a clock has been set back"
+        )
+    if not now <= approval.until:
         raise CommandRefused(f"the approval ran out {now - approval.until:.0f} s ago")
 
 
@@ -79,20 +80,21 @@ def send(
         ProtocolError: the controller said or does something that cannot be.
         JobCancelled: `cancelled` said so; the link is closed.
     """
-    check_approval(plan, approval, cell, now())
 
     def check() -> None:
         check_approval(plan, approval, cell, now())
 
-    if cell.controller.protocol == "abb-socket/2":
+    check()
+    controller = cell.controller
+    if controller.protocol == "abb-socket/2":
         program = program_of(cell, plan, approval)
         talk = Sending(cell, plan, program, now=now, released=check)
-        with _connected(cell) as link:
+        with connected(controller.host, controller.port, "answers") as link:
             yield from _converse(link, talk, cancelled, show)
         return
     ready = messages(cell, plan)
     seconds = ANSWER_SECONDS if answer_seconds is None else answer_seconds
-    with _connected(cell) as link:
+    with connected(controller.host, controller.port, "answers") as link:
         requests, total = Requests(), len(ready)
         for number, message in enumerate(ready, start=1):
             _await_request(link, requests, f"message {number} of {total}", cancelled, seconds)
@@ -104,23 +106,6 @@ def send(
             yield Receipt(now(), message.arm, message.kind, message.text, number, total)
         _await_request(link, requests, "the end of the last motion", cancelled, seconds)
         show(LinkStatus("abb-socket", "done", total, total, "send", now(), now()))
-
-
-def _connected(cell: Cell) -> socket.socket:
-    address = (cell.controller.host, cell.controller.port)
-    try:
-        link = socket.create_connection(address, CONNECT_SECONDS)
-    except OSError as error:
-        raise LinkError(
-            f"no controller answers at {address[0]}:{address[1]} ({error.strerror or error})"
-        ) from None
-    link.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-    link.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
-    for option, value in KEEPALIVE.items():
-        if hasattr(socket, option):  # not every system has all of them
-            link.setsockopt(socket.IPPROTO_TCP, getattr(socket, option), value)
-    link.settimeout(POLL_SECONDS)
-    return link
 
 
 def _converse(

@@ -12,6 +12,7 @@ import numpy as np
 from workbench.devices.abb_frames import FIRST_CRC, TEXT, Frame, crc_of
 from workbench.devices.abb_messages import angles_within_limits
 from workbench.devices.abb_program import (
+    LONGEST_WAY,
     MOST_LEGS,
     MOST_POINTS,
     TICKET,
@@ -28,9 +29,6 @@ from workbench.model.plan import LEG_NAMES, LegName
 
 SPEED_SLACK = 1.002
 """Times travel in whole milliseconds, angles in hundredths of a degree."""
-
-LONGEST_WAY = 99.999
-"""[s] From one waypoint to the next."""
 
 
 class Loading:

@@ -56,7 +56,7 @@ class Motion:
         """
         self._program, self._body, self._paces = program, body, paces
         self._letters = {arm.name: arm.letter for arm in body.cell.arms}
-        self._time = self._began = 0.0
+        self._time = self._due = self._began = 0.0
         self._step = 0
         self._wrong = ""
         self._points = dict.fromkeys(self._letters, 0)
@@ -73,9 +73,11 @@ class Motion:
         Raises:
             LinkError: a fault that stops the robot.
         """
-        until, steps = self._time + seconds, self._program.steps
+        # Moments seldom end when a call does; what is over counts for the next one.
+        self._due += seconds
+        steps = self._program.steps
         states: list[dict[str, Any]] = []
-        while self._time <= until:
+        while self._time <= self._due:
             if self._step == 0 or self._has_ended(steps[self._step - 1]):
                 self._body.passed(states)
                 states = []

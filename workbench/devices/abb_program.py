@@ -28,6 +28,9 @@ MOST_POINTS = 400
 MOST_LEGS = 24
 """Legs of one arm that a controller has room for."""
 
+LONGEST_WAY = 99.999
+"""[s] From one waypoint to the next, in whole milliseconds of five digits."""
+
 TICKET = 16
 """Digits of the approval's digest that travel."""
 
@@ -93,8 +96,8 @@ def program_of(cell: Cell, plan: Plan, approval: Approval) -> Program:
     """A plan as a program.
 
     Raises:
-        InputError: it is too long for a controller, outside the limits of a joint, or moves more
-            than two arms at once.
+        InputError: it is too long or too slow for a controller, outside the limits of a joint, or
+            moves more than two arms at once.
     """
     starts = {arm.name: np.asarray(arm.home) for arm in cell.arms}
     starts |= {one.arm: np.asarray(one.legs[0].q[0]) for one in plan.arms}
@@ -109,6 +112,12 @@ def program_of(cell: Cell, plan: Plan, approval: Approval) -> Program:
                 f"arm {arm.name} has {points} waypoints on {len(legs)} legs; a controller has "
                 f"room for {MOST_POINTS} on {MOST_LEGS}"
             )
+        for leg in legs:
+            if np.any(np.asarray(leg.seconds) > LONGEST_WAY):
+                raise InputError(
+                    f"leg {leg.name} of arm {arm.name} takes {np.max(leg.seconds):.0f} s from one "
+                    f"waypoint to the next; {LONGEST_WAY} s can be said"
+                )
         for q in (starts[arm.name], *(leg.q for leg in legs)):
             check_limits(cell, arm, np.asarray(q))
     return program

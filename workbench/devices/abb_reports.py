@@ -1,15 +1,14 @@
 """What a controller reports of itself to whoever wants to know: one JSON object a line."""
 
 import json
-import socket
+import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
+from workbench.devices.abb_connecting import connected
 from workbench.model.errors import LinkError, ProtocolError
 
-CONNECT_SECONDS = 3.0
-POLL_SECONDS = 0.05
 LONGEST_LINE = 64 * 1024
 
 
@@ -39,14 +38,7 @@ def watch_state(
         LinkError: nobody answers, or the report broke off.
         ProtocolError: a line is not a state.
     """
-    try:
-        link = socket.create_connection((host, port), CONNECT_SECONDS)
-    except OSError as error:
-        raise LinkError(
-            f"no controller reports its state at {host}:{port} ({error.strerror or error})"
-        ) from None
-    with link:
-        link.settimeout(POLL_SECONDS)
+    with connected(host, port, "reports its state") as link:
         heard = b""
         while not cancelled():
             try:
@@ -69,12 +61,21 @@ def _state(line: bytes) -> ControllerState:
     try:
         report: dict[str, Any] = json.loads(line)
         return ControllerState(
-            joints={str(a): tuple(float(v) for v in q) for a, q in report["joints"].items()},
-            openings={str(a): float(v) for a, v in report["openings"].items()},
+            joints={str(a): tuple(map(_finite, q)) for a, q in report["joints"].items()},
+            openings={str(a): _finite(v) for a, v in report["openings"].items()},
             moving=str(report["moving"]),
             received=int(report["received"]),
             placed=int(report["placed"]),
             fault=str(report["fault"]),
         )
-    except (ValueError, KeyError, TypeError, AttributeError) as error:
+    except (ValueError, LookupError, TypeError, AttributeError, OverflowError) as error:
         raise ProtocolError(f"{line[:60]!r} is no state report ({error})") from None
+    except RecursionError:
+        raise ProtocolError(f"{line[:60]!r} is no state report: nested too deeply") from None
+
+
+def _finite(value: Any) -> float:
+    number = float(value)
+    if not math.isfinite(number):
+        raise ValueError(f"{number} is not a finite number")
+    return number

@@ -16,7 +16,15 @@ dead: we stop, and so does the controller.  `abort` may be said at any time.
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 
-from workbench.devices.abb_frames import FIRST_CRC, TEXT, Frame, Frames, crc_of, framed
+from workbench.devices.abb_frames import (
+    FIRST_CRC,
+    TEXT,
+    Frame,
+    Frames,
+    crc_of,
+    framed,
+    number_after,
+)
 from workbench.devices.abb_messages import REQUEST, angles_of
 from workbench.devices.abb_program import Line, Program, lines_of
 from workbench.devices.abb_status import LinkStatus
@@ -110,7 +118,7 @@ class Sending:
         return self._frame("abort", "", None, at)
 
     def _frame(self, word: str, rest: str, line: Line | None, at: float) -> bytes:
-        self._number += 1
+        self._number = number_after(self._number)
         data = framed(self._number, f"{word} {rest}".rstrip())
         text = data[:TEXT].decode("ascii")
         frame = Frame(self._number, word, rest, data[TEXT:-1].decode("ascii"))
@@ -274,7 +282,7 @@ class Sending:
         self._step = step
         told = {leg.arm: len(leg.seconds) for leg in steps[step - 1].legs} if step else {}
         for arm, point in points.items():
-            if point > told.get(arm, 0):
+            if not 0 <= point <= told.get(arm, 0):
                 only = " and ".join(told) or "none"
                 raise ProtocolError(
                     f"arm {arm} goes to waypoint {point} in step {step}; the plan moves {only}"
@@ -294,11 +302,14 @@ class Sending:
         result, _, why = said.partition(" ")
         for one in self._plan.arms:
             is_it = self._cell.arm(one.arm).letter == letter
-            if is_it and one.arm not in self._parts and result in ("picked", "failed"):
+            is_new = one.arm not in self._parts and self._acknowledged == len(self._lines)
+            if is_it and is_new and result in ("picked", "failed"):
                 part = PartReport(one.arm, one.detection, result == "picked", why)
                 self._parts[one.arm] = part
                 return [replace(self._heard(frame), arm=one.arm, part=part)]
-        raise ProtocolError(f"{frame.text!r} is about no part of the plan, or comes twice")
+        raise ProtocolError(
+            f"{frame.text!r} is about no part of the plan, or comes twice or too early"
+        )
 
     def _take_done(self, frame: Frame) -> list[Receipt]:
         steps, is_told = len(self._program.steps), len(self._parts) == len(self._plan.arms)

@@ -1,6 +1,5 @@
 """A simulated controller with a client that speaks `abb-socket/2`: loads, runs, reports."""
 
-import logging
 import select
 import socket
 import time
@@ -17,8 +16,6 @@ from workbench.devices.abb_motion import Motion
 from workbench.devices.abb_sending import SILENCE
 from workbench.devices.abb_serving import LONGEST_WORDS, Serving
 from workbench.model.errors import LinkError, ProtocolError
-
-log = logging.getLogger(__name__)
 
 TICK = 0.02
 """[s] Between two looks at the client while the robot moves."""
@@ -41,6 +38,19 @@ class Station:
     look_around: Callable[[], None]
     paces: Mapping[str, float] = field(default_factory=dict[str, float])
     tickets: list[str] = field(default_factory=list[str])
+
+    def wait(self, seconds: float) -> None:
+        """Do nothing for so long, unless the controller ends."""
+        until = time.monotonic() + seconds
+        while time.monotonic() < until and not self.is_over():
+            time.sleep(TICK)
+
+    def play_dead(self, client: socket.socket) -> None:
+        """Say nothing, move nothing, close nothing, for as long as the client is there."""
+        while not self.is_over():
+            self.look_around()
+            if select.select([client], [], [], TICK)[0] and not client.recv(4096):
+                return
 
 
 class ProgramClient:
@@ -110,10 +120,12 @@ class ProgramClient:
             self._motion = None
             self._body.halt("stopped by the client")
         if faults.is_due("half-open", count):
-            self._play_dead()
+            self._motion = None
+            self._body.halt("nobody is there")
+            self._station.play_dead(self._client)
             return False
         if faults.is_due("slow", count):
-            self._wait(SLOW_SECONDS)
+            self._station.wait(SLOW_SECONDS)
         if faults.is_due("garbage", count):
             self._client.sendall(b"\x00\x13 garbage \xff" * 8)
         data = self._serving.say(answer)
@@ -169,17 +181,3 @@ class ProgramClient:
         except OSError as error:
             if self._motion is not None:
                 raise ProtocolError(f"the client takes nothing any more: {error}") from None
-
-    def _play_dead(self) -> None:
-        """Say nothing, move nothing, close nothing, for as long as the client is there."""
-        self._motion = None
-        self._body.halt("nobody is there")
-        while not self._station.is_over():
-            self._station.look_around()
-            if select.select([self._client], [], [], TICK)[0] and not self._client.recv(4096):
-                return
-
-    def _wait(self, seconds: float) -> None:
-        until = time.monotonic() + seconds
-        while time.monotonic() < until and not self._station.is_over():
-            time.sleep(TICK)

@@ -17,7 +17,7 @@ from workbench.model.geometry import Floats
 ANSWER_SECONDS = 30.0
 """How long a client may take within a sequence; between sequences as long as it likes."""
 
-IN_THE_HAND = "the client left in the middle of a sequence"
+LEFT = "the client left in the middle of a sequence"
 
 
 class RequestClient:
@@ -55,10 +55,10 @@ class RequestClient:
         if faults.is_due("drop", count):
             raise LinkError("the link was dropped on demand")
         if faults.is_due("half-open", count):
-            self._play_dead()
+            self._station.play_dead(self._client)
             return False
         if faults.is_due("slow", count):
-            self._wait(SLOW_SECONDS)
+            self._station.wait(SLOW_SECONDS)
         if faults.is_due("garbage", count):
             self._client.sendall(b"\x00\x13 garbage \xff")
         self._client.sendall(REQUEST * (2 if faults.is_due("double-send", count) else 1))
@@ -77,7 +77,7 @@ class RequestClient:
             if not data:
                 if self._commands.is_between:
                     return None
-                raise LinkError(IN_THE_HAND)
+                raise LinkError(LEFT)
             message = self._commands.hear(data)
             if message is not None:
                 return message
@@ -124,7 +124,7 @@ class RequestClient:
             # A client that has gone must not be obeyed to the end of its last word.
             if select.select([self._client], [], [], min(TICK, seconds - passed))[0]:
                 if not self._client.recv(1, socket.MSG_PEEK):
-                    raise LinkError(IN_THE_HAND)
+                    raise LinkError(LEFT)
                 raise ProtocolError("a message came before it was asked for")
         body.put({arm.name: goal}, "")
 
@@ -133,19 +133,8 @@ class RequestClient:
         for name, fault in STOPS.items():
             if self._body.faults.is_due(name, self._messages):
                 self._body.halt(fault)
-                self._play_dead()
+                self._station.play_dead(self._client)
                 raise LinkError(fault)
 
     def _trace(self, arm: Arm, q: Floats) -> dict[str, Any]:
         return {"step": self._messages, "q": {arm.name: np.asarray(q).tolist()}}
-
-    def _play_dead(self) -> None:
-        while not self._station.is_over():
-            self._station.look_around()
-            if select.select([self._client], [], [], TICK)[0] and not self._client.recv(256):
-                return
-
-    def _wait(self, seconds: float) -> None:
-        until = time.monotonic() + seconds
-        while time.monotonic() < until and not self._station.is_over():
-            time.sleep(TICK)

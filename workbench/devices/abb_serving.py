@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator, Mapping
 
 import numpy as np
 
-from workbench.devices.abb_frames import Frame, Frames, framed
+from workbench.devices.abb_frames import Frame, Frames, framed, number_after
 from workbench.devices.abb_loading import Loading
 from workbench.devices.abb_program import Program
 from workbench.devices.abb_sending import VERSION, arms_of
@@ -68,7 +68,7 @@ class Serving:
 
     def say(self, text: str) -> bytes:
         """A message of ours as a frame."""
-        self._number += 1
+        self._number = number_after(self._number)
         return framed(self._number, text)
 
     def refusal(self, error: LinkError) -> str:

@@ -146,9 +146,12 @@ class SimulatedController:
         watchers: list[socket.socket] = []
         told = b""
         while not self._stop.is_set():
-            fresh = select.select([self._states], [], [], REPORT)[0]
+            ready = select.select([self._states, *watchers], [], [], REPORT)[0]
+            for watcher in [w for w in watchers if w in ready and _has_left(w)]:
+                watchers.remove(watcher)
+                watcher.close()
             line = json.dumps(self.state()).encode() + b"\n"
-            if fresh:
+            if self._states in ready:
                 watcher, _ = self._states.accept()
                 watcher.setblocking(False)
                 watchers.append(watcher)
@@ -162,6 +165,14 @@ class SimulatedController:
                 told = line
         for watcher in watchers:
             watcher.close()
+
+
+def _has_left(watcher: socket.socket) -> bool:
+    """Whether a watcher that can be read from has closed; nothing that one says counts."""
+    try:
+        return watcher.recv(4096) == b""
+    except OSError:
+        return True
 
 
 def _told(watcher: socket.socket, line: bytes) -> bool:

@@ -1,11 +1,11 @@
-"""Scanners: where scans come from when they are not made up.
+"""Scanners: where scans come from when they are not simulated.
 
 A scanner of another maker is one class with `scan`, and its line in `SCANNERS`; its name goes to
 `model/cell.py:ScanSource`.
 """
 
+import http.client
 import time
-import urllib.error
 import urllib.request
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -79,9 +79,13 @@ class FolderScanner:
         )
 
     def _files(self) -> dict[Path, tuple[int, int]]:
-        """Names with times [ns] and sizes."""
+        """Clouds in the folder with their times [ns] and sizes."""
+        try:
+            paths = list(self._folder.iterdir())
+        except OSError as error:
+            raise LinkError(f"scanner: {self._folder}: {error.strerror or error}") from None
         found: dict[Path, tuple[int, int]] = {}
-        for path in self._folder.iterdir():
+        for path in paths:
             if path.suffix.lower() in KINDS and not path.name.startswith("."):
                 try:
                     status = path.stat()
@@ -104,7 +108,8 @@ class HttpScanner:
         report(0.0, f"asking {address}")
         try:
             with urllib.request.urlopen(address, timeout=WAITS) as answer:
-                while chunk := answer.read(CHUNK):
+                # As much as has come: `read` would wait for a whole chunk, however slowly it comes.
+                while chunk := answer.read1(CHUNK):
                     content += chunk
                     if cancelled():
                         raise JobCancelled("the scan was cancelled")
@@ -113,7 +118,7 @@ class HttpScanner:
                     if time.monotonic() - began > self._mount.patience:
                         raise LinkError(f"scanner: {address} is too slow")
                     report(0.5, f"{len(content) / 1e6:.1f} MB from {address}")
-        except (OSError, urllib.error.URLError, ValueError) as error:
+        except (OSError, http.client.HTTPException, ValueError) as error:
             raise LinkError(f"scanner: {address}: {error}") from None
         name = Path(urllib.request.url2pathname(address).rpartition("/")[2] or "scan")
         mount = self._mount

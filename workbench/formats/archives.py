@@ -5,6 +5,7 @@ to more than a disk holds; none of that reaches the disk.
 """
 
 import contextlib
+import lzma
 import os
 import re
 import stat
@@ -26,6 +27,12 @@ NAME = re.compile(r"[\w.+ -]{1,120}", re.ASCII)
 """What a folder or file in a zip file may be called."""
 
 CHUNK = 2**20
+
+UNREADABLE = (
+    *(zipfile.BadZipFile, zlib.error, lzma.LZMAError, EOFError),
+    *(NotImplementedError, RuntimeError, ValueError),
+)
+"""What `zipfile` raises at files that are damaged, encrypted, or packed in unknown ways."""
 
 
 def write_archive(path: Path, content: Mapping[str, Path | bytes]) -> None:
@@ -83,7 +90,7 @@ def unpack(path: Path, folder: Path) -> tuple[str, ...]:
                 target.parent.mkdir(parents=True, exist_ok=True)
                 with archive.open(entry) as source, target.open("xb") as file:
                     _copy(path, entry, source, file)
-    except (zipfile.BadZipFile, zlib.error, EOFError, NotImplementedError, RuntimeError) as error:
+    except UNREADABLE as error:
         raise FileError(path, f"is no zip file that can be read: {error}") from None
     except OSError as error:
         raise FileError(error.filename or path, error.strerror or "cannot be used") from None

@@ -4,9 +4,11 @@ The readers behind it are large, some of them C++, and a broken or hostile file 
 hang, or take all the memory: then that process ends, and nothing else.
 """
 
+import ctypes
 import json
 import os
 import resource
+import signal
 import subprocess
 import sys
 import tempfile
@@ -15,10 +17,10 @@ from pathlib import Path
 
 import numpy as np
 
-from workbench.formats.meshes import LARGEST_MESH, MOST_TRIANGLES, is_file, read_mesh
+from workbench.formats.meshes import LARGEST_MESH, MOST_TRIANGLES, read_mesh
 from workbench.formats.solids import UNITS
 from workbench.formats.toml_keys import shown
-from workbench.formats.whole_files import MB
+from workbench.formats.whole_files import MB, is_file
 from workbench.model.errors import FileError
 from workbench.model.geometry import Mesh
 
@@ -35,6 +37,9 @@ LONGEST = 120.0
 
 MOST_MEMORY = 6 * 1024 * MB
 """Of addresses; what is really used is a fraction of it."""
+
+PR_SET_PDEATHSIG = 1
+"""From `linux/prctl.h`."""
 
 FINENESS_MM, FINENESS_DEG = 0.05, 10.0
 """How far a facet may lie from a round face of a STEP file, and be turned against the next."""
@@ -99,10 +104,11 @@ def _likely_unit(path: Path, size: float) -> str:
 
 
 def _read_apart(path: Path) -> Mesh:
-    """The triangles in the file's unit, read by a process that may come to grief."""
+    """The triangles in the file's unit, read by a process that may crash and ends with this one."""
     with tempfile.TemporaryDirectory(prefix="workbench-") as folder:
         found, told = Path(folder) / "mesh.npz", Path(folder) / "problem.json"
-        command = [sys.executable, "-m", "workbench.formats.cad_files", str(path.resolve()), folder]
+        command = [sys.executable, "-m", "workbench.formats.cad_files"]
+        command += [str(path.resolve()), folder, str(os.getpid())]
         # The same packages as here, wherever this process has them from.
         places = os.pathsep.join(os.path.abspath(place) for place in sys.path)
         try:
@@ -125,6 +131,14 @@ def _read_apart(path: Path) -> Mesh:
             )
         with np.load(found) as arrays:
             return Mesh(arrays["points"], arrays["triangles"])
+
+
+def _end_with(parent: int) -> None:
+    """Let Linux end this process when the one that started it is killed, as a cancelled job is."""
+    if sys.platform == "linux":
+        ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
+        if os.getppid() != parent:  # it was killed before
+            sys.exit(1)
 
 
 def _read_here(path: Path, folder: Path) -> None:
@@ -172,4 +186,5 @@ def _converted(path: Path, target: Path) -> Path:
 
 
 if __name__ == "__main__":
+    _end_with(int(sys.argv[3]))
     _read_here(Path(sys.argv[1]), Path(sys.argv[2]))

@@ -1,5 +1,6 @@
 """Calibrations in files: the record in a cell file, and a folder of scans with joint values."""
 
+import json
 from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
@@ -7,12 +8,13 @@ from pathlib import Path
 
 import numpy as np
 
+from workbench.formats.change_log import utc
 from workbench.formats.solids import UNITS
 from workbench.formats.toml_keys import Table, read_toml
-from workbench.formats.whole_files import write_whole
+from workbench.formats.whole_files import is_file, write_whole
 from workbench.model.calibration import BallPlate, CalibrationRecord
 from workbench.model.cell import Arm, Cell
-from workbench.model.errors import FileError, InputError
+from workbench.model.errors import InputError
 from workbench.model.geometry import Floats, frozen, put
 
 POSES_FORMAT = "workbench-calibration/1"
@@ -61,9 +63,8 @@ def read_record(table: Table) -> CalibrationRecord:
 
 def record_table(record: CalibrationRecord) -> dict[str, str | int | float]:
     """What `read_record` reads."""
-    at = datetime.fromtimestamp(record.at, UTC).strftime("%Y-%m-%dT%H:%M:%SZ")
     rms = round(record.rms * 1000, 4)
-    return {"at": at, "by": record.by, "poses": record.poses, "rms_mm": rms}
+    return {"at": utc(record.at), "by": record.by, "poses": record.poses, "rms_mm": rms}
 
 
 def read_scanned_poses(folder: Path, cell: Cell) -> ScannedPoses:
@@ -104,7 +105,7 @@ def _plate(table: Table) -> BallPlate:
 def _pose(table: Table, cell: Cell, arm: Arm) -> ScannedPose:
     name = table.text("scan")
     scan = table.path.parent / name
-    if not scan.is_file():
+    if not is_file(scan):
         raise table.error("scan", f"there is no file {name!r} beside {FILE}")
     count = len(arm.joints)
     shown = np.deg2rad(table.numbers("joints_deg", count, low=-720, high=720))
@@ -115,18 +116,6 @@ def _pose(table: Table, cell: Cell, arm: Arm) -> ScannedPose:
     if not np.all((q >= lower - 1e-3) & (q <= upper + 1e-3)):
         raise table.error("joints_deg", f"lies outside the limits of the {arm.name} arm")
     return ScannedPose(scan, q)
-
-
-def make_folder(folder: Path) -> None:
-    """Make a folder for scans, if it is not there.
-
-    Raises:
-        FileError: it cannot be made.
-    """
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise FileError(folder, error.strerror or "cannot be made") from None
 
 
 def write_scanned_poses(
@@ -149,8 +138,12 @@ def write_scanned_poses(
     ]
     for pose in poses:
         shown = np.rad2deg(pose.q[list(arm.wire_order)]) * arm.wire_signs
-        lines += ["", "[[pose]]", f'scan = "{pose.scan.name}"', f"joints_deg = {_list(shown)}"]
+        lines += ["", "[[pose]]", f"scan = {_text(pose.scan.name)}", f"joints_deg = {_list(shown)}"]
     write_whole(folder / FILE, ("\n".join(lines) + "\n").encode())
+
+
+def _text(text: str) -> str:
+    return json.dumps(text, ensure_ascii=False)
 
 
 def _list(values: Floats) -> str:

@@ -1,7 +1,5 @@
 """Changes of a cell written into the file that people wrote: only what differs, comments stay."""
 
-import json
-import time
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -9,19 +7,19 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 import tomlkit
-from tomlkit.exceptions import TOMLKitError
 
 from workbench.formats.calibrations import record_table
 from workbench.formats.cells import read_cell
+from workbench.formats.change_log import LOG, add_line, utc
 from workbench.formats.grasp_files import are_written_alike
-from workbench.formats.toml_keys import LARGEST_FILE
-from workbench.formats.whole_files import read_whole, write_whole
+from workbench.formats.toml_documents import read_document, shorts
+from workbench.formats.whole_files import write_whole
 from workbench.model.cell import Cell
 from workbench.model.digest import digest_of
 from workbench.model.errors import FileError
 from workbench.model.geometry import Floats
 
-LOG = "changes.log"
+UNWRITABLE = "not written: something was changed that cannot be written into the file"
 
 LOST = 2e-6
 """[m, rad] That much a number may change by being written with four digits [mm, deg]."""
@@ -42,22 +40,21 @@ def save_cell(path: Path, cell: Cell) -> None:
         FileError: the file cannot be read or written, or something else differs.
     """
     old = read_cell(path)
-    text = read_whole(path, LARGEST_FILE).decode("utf-8-sig")
-    try:
-        document: Any = tomlkit.parse(text)
-    except TOMLKitError as error:
-        raise FileError(path, f"is not valid TOML: {error}") from None
+    if _names(old) != _names(cell):
+        raise FileError(path, UNWRITABLE)
+    document: Any = read_document(path)
     _edit(document, old, cell)
     written = tomlkit.dumps(document).encode()
     trial = path.with_name(f".{path.name}.trial")
     try:
         write_whole(trial, written)
-        if not _is_same(read_cell(trial), cell):
-            raise FileError(
-                path, "not written: something was changed that cannot be written into the file"
-            )
+        again = read_cell(trial)
+    except FileError as error:
+        raise FileError(path, f"not written: {error.problem}") from None
     finally:
         trial.unlink(missing_ok=True)
+    if not _is_same(again, cell):
+        raise FileError(path, UNWRITABLE)
     write_whole(path, written)
 
 
@@ -67,14 +64,13 @@ def log_change(path: Path, cell: Cell, actor: str, at: float, remark: str) -> No
     Raises:
         FileError: it cannot be written.
     """
-    when = time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime(at))
-    entry = {"at": when, "by": actor, "cell": cell.digest, "remark": remark}
-    log = path.with_name(LOG)
-    try:
-        with log.open("a", encoding="utf-8") as file:
-            file.write(json.dumps(entry, ensure_ascii=False) + "\n")
-    except OSError as error:
-        raise FileError(log, error.strerror or "cannot be written") from None
+    entry = {"at": utc(at), "by": actor, "cell": cell.digest, "remark": remark}
+    add_line(path.with_name(LOG), entry)
+
+
+def _names(cell: Cell) -> tuple[list[str], list[str]]:
+    """Of the arms and fixtures, in their order: none can be added or taken away."""
+    return [arm.name for arm in cell.arms], [fixture.name for fixture in cell.fixtures]
 
 
 def _is_same(one: Cell, other: Cell) -> bool:
@@ -147,7 +143,7 @@ def _edit(document: Any, old: Cell, new: Cell) -> None:
             table["tool"] = other.tool.name
         if not np.array_equal(one.home, other.home):
             home = np.rad2deg(other.home[list(other.wire_order)]) * other.wire_signs
-            table["home_deg"] = [_short(value) for value in home]
+            table["home_deg"] = shorts(home)
         same = [T.homogeneous.tolist() for T in one.Ts_world_place] == [
             T.homogeneous.tolist() for T in other.Ts_world_place
         ]
@@ -179,15 +175,9 @@ def _edit_pose(table: Any, old: pin.SE3, new: pin.SE3) -> Any:
         table["position_mm"] = _millimetres(new.translation)
     if not np.array_equal(old.rotation, new.rotation):
         rpy = np.rad2deg(pin.rpy.matrixToRpy(new.rotation))
-        table["rpy_deg"] = [_short(value) for value in rpy]
+        table["rpy_deg"] = shorts(rpy)
     return table
 
 
 def _millimetres(lengths: Floats) -> list[float | int]:
-    return [_short(value) for value in np.asarray(lengths) * 1000]
-
-
-def _short(value: float) -> float | int:
-    """As people write numbers: no -0, and whole ones without a point."""
-    rounded = round(float(value), 4) + 0.0
-    return int(rounded) if rounded.is_integer() else rounded
+    return shorts(np.asarray(lengths) * 1000)

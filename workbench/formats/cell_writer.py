@@ -12,12 +12,10 @@ import numpy as np
 import pinocchio as pin
 
 from workbench.formats.calibrations import record_table
-from workbench.formats.meshes import convex_hull
 from workbench.formats.triangles import stl_of, surface_of
 from workbench.formats.urdf_package import write_package, write_srdf
-from workbench.formats.whole_files import write_whole
-from workbench.model.cell import Arm, Cell, Fixture, Tool
-from workbench.model.errors import FileError
+from workbench.formats.whole_files import file_name, make_folder, write_whole
+from workbench.model.cell import Arm, Cell, Fixture, Policy, ScannerMount, Tool
 from workbench.model.geometry import Box, Capsule, Cylinder, Floats, Mesh, Solid, Sphere
 
 
@@ -35,10 +33,7 @@ def write_cell(folder: Path, cell: Cell, unchecked: Mapping[tuple[str, str], str
     Raises:
         FileError: a file cannot be written.
     """
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise FileError(folder, error.strerror or "cannot be made") from None
+    make_folder(folder)
     write_package(folder / "robot.urdf", cell.robot)
     write_srdf(folder / "robot.srdf", cell.robot.name, unchecked)
     path = folder / "cell.toml"
@@ -69,6 +64,9 @@ def _lines(folder: Path, cell: Cell) -> Iterator[str]:
     yield f"port = {controller.port}"
     yield f"state_port = {controller.state_port}"
     yield from _policy(cell)
+    if cell.poses_folder is not None:
+        yield from ("", "[detections]", f"path = {_text(cell.poses_folder.path)}")
+        yield f"part = {_text(cell.poses_folder.part)}"
     for fixture in cell.fixtures:
         yield from _fixture(folder, fixture)
 
@@ -87,6 +85,10 @@ def _policy(cell: Cell) -> Iterator[str]:
     yield f"planner = {_text(policy.planner)}"
     yield f"iterations = {policy.iterations}"
     yield f"order = {_text(policy.order)}"
+    usual = Policy()
+    for key in ("free_points", "straight_points", "seconds", "metric", "approval_minutes"):
+        if getattr(policy, key) != getattr(usual, key):
+            yield f"{key} = {_number(getattr(policy, key))}"
     yield f"approvers = {cell.approvers}             # different people who approve each plan"
 
 
@@ -100,10 +102,18 @@ def _scanner(cell: Cell) -> Iterator[str]:
     yield f"near_mm = {_number(scanner.near * 1000)}"
     yield f"far_mm = {_number(scanner.far * 1000)}"
     yield f"calibration_days = {_number(scanner.calibration_days)}"
+    usual = ScannerMount(scanner.T_world_scanner)
+    for key in ("source", "address", "unit"):
+        if getattr(scanner, key) != getattr(usual, key):
+            yield f"{key} = {_text(getattr(scanner, key))}"
+    if scanner.patience != usual.patience:
+        yield f"patience_s = {_number(scanner.patience)}"
     if scanner.calibration is not None:
         record = record_table(scanner.calibration)
         yield from ("", "[scanner.calibration]")
-        yield from (f"{key} = {json.dumps(value)}" for key, value in record.items())
+        yield from (
+            f"{key} = {json.dumps(value, ensure_ascii=False)}" for key, value in record.items()
+        )
 
 
 def _tool(folder: Path, tool: Tool) -> Iterator[str]:
@@ -113,9 +123,13 @@ def _tool(folder: Path, tool: Tool) -> Iterator[str]:
     yield f"press_mm = {_number(tool.press * 1000)}"
     yield from ("", "[tool.tcp]", *_pose(tool.T_flange_tcp))
     for solid in tool.body:
-        yield from ("", "[[tool.body]]", *_solid(folder, tool.name, solid))
+        yield from ("", "[[tool.body]]", *_solid(folder, tool.name, solid.name, solid))
     for finger in tool.fingers:
-        yield from ("", "[[tool.finger]]", *_solid(folder, tool.name, finger.solid))
+        yield from (
+            "",
+            "[[tool.finger]]",
+            *_solid(folder, tool.name, finger.solid.name, finger.solid),
+        )
         yield f"opens_along = {_list(finger.direction)}"
 
 
@@ -130,7 +144,7 @@ def _arm(arm: Arm) -> Iterator[str]:
     yield "# Which axis of the controller each joint of the chain is, and its sense there."
     yield f"axes = {_list(axes)}"
     yield f"signs = {_list(np.array(arm.wire_signs))}"
-    yield f"home_deg = {_list(np.round(home, 2))}   # in the controller's order"
+    yield f"home_deg = {_list(np.round(home, 4))}   # in the controller's order"
     yield f"acceleration_deg = {_number(np.rad2deg(arm.acceleration[0]))}"
     if arm.keeps_parts:
         yield "keeps_parts = true        # they stay at their places, as on a pallet"
@@ -142,12 +156,12 @@ def _fixture(folder: Path, fixture: Fixture) -> Iterator[str]:
     yield from ("", "[[fixture]]", f"name = {_text(fixture.name)}")
     yield from _pose(fixture.T_world_fixture)
     for solid in fixture.solids:
-        yield from ("", "[[fixture.solid]]", *_solid(folder, fixture.name, solid))
+        # Reading puts the name of the fixture before it again.
+        name = solid.name.removeprefix(f"{fixture.name}_")
+        yield from ("", "[[fixture.solid]]", *_solid(folder, fixture.name, name, solid))
 
 
-def _solid(folder: Path, owner: str, solid: Solid) -> Iterator[str]:
-    """A solid by its own name: reading puts that of a fixture before it again."""
-    name = solid.name.removeprefix(f"{owner}_")
+def _solid(folder: Path, owner: str, name: str, solid: Solid) -> Iterator[str]:
     yield f"name = {_text(name)}"
     yield f"shape = {_text(solid.shape.kind)}"
     match solid.shape:
@@ -159,12 +173,11 @@ def _solid(folder: Path, owner: str, solid: Solid) -> Iterator[str]:
             yield f"radius_mm = {_number(radius * 1000)}"
             yield f"length_mm = {_number(length * 1000)}"
         case Mesh() as mesh:
-            file = f"meshes/{owner}_{name}.stl"
-            is_hull = mesh.is_convex or convex_hull(mesh) is None
+            file = f"meshes/{file_name(f'{owner}_{name}')}.stl"
             as_drawn = Solid(name, mesh, pin.SE3.Identity())
             write_whole(folder / file, stl_of(surface_of([as_drawn])))
             yield f"file = {_text(file)}"
-            yield f'unit = "m"\nconvex = {str(is_hull).lower()}'
+            yield f'unit = "m"\nconvex = {str(mesh.is_convex).lower()}'
     yield from _pose(solid.T_owner_shape)
     yield f"colour = {_list(np.round(solid.colour, 3))}"
 
@@ -189,5 +202,5 @@ def _number(value: float) -> str:
     return f"{round(float(value), 6) + 0.0:.10g}"
 
 
-def _text(text: str) -> str:
-    return json.dumps(text, ensure_ascii=False)
+def _text(value: str | float) -> str:
+    return json.dumps(value, ensure_ascii=False)

@@ -1,5 +1,6 @@
 """`cell.toml` to a cell: millimetres and degrees in the file, metres and radians inside."""
 
+import re
 from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
@@ -11,7 +12,7 @@ import pinocchio as pin
 from workbench.formats.calibrations import read_record
 from workbench.formats.dh import read_dh
 from workbench.formats.parts import read_part
-from workbench.formats.shipped import find
+from workbench.formats.shipped import exists, find
 from workbench.formats.solids import UNITS, read_pose, read_solid
 from workbench.formats.toml_keys import Table, read_toml
 from workbench.formats.urdf import read_srdf, read_urdf
@@ -40,9 +41,12 @@ from workbench.model.robot import Link, Robot
 ARM_NAMES = ("right", "left")
 
 MOST_PLACES = 400
+"""On one pallet."""
+
+ROUNDED = 1e-6
+"""[rad] What four digits of a degree may put a home beyond the limit at which it stands."""
 
 MOST_APPROVERS = 4
-"""On one pallet."""
 
 
 def cell_path(name: str | Path) -> Path:
@@ -66,11 +70,15 @@ def read_cell(name: str | Path) -> Cell:
     robot = _robot(robot_table)
     T_world_robot = read_pose(robot_table)
     robot_table.finish()
-    tools = {tool.name: tool for tool in map(_tool, table.tables("tool"))}
+    mounted = [_tool(tool) for tool in table.tables("tool")]
+    table.once("tool.name", (tool.name for tool in mounted))
+    tools = {tool.name: tool for tool in mounted}
     arms = tuple(_arm(arm, robot, tools) for arm in table.tables("arm"))
     names = [arm.name for arm in arms]
     if not arms or len(set(names)) != len(names):
         raise table.error("arm", "one or two [[arm]] tables with different names are needed")
+    # Messages to the controller call an arm by its letter alone.
+    table.once("arm.letter", (arm.letter for arm in arms))
     policy, approvers = _policy(table.table("policy")) if table.has("policy") else (Policy(), 1)
     cell = Cell(
         name=table.text("name"),
@@ -92,7 +100,9 @@ def read_cell(name: str | Path) -> Cell:
     )
     if not cell.parts:
         raise table.error("parts", "names no part; at least one is needed")
+    table.once("fixture.name", (fixture.name for fixture in cell.fixtures))
     names = [part.name for part in cell.parts]
+    table.once("parts", names)
     if cell.poses_folder is not None and cell.poses_folder.part not in ("", *names):
         raise table.error("detections.part", f"is not one of {', '.join(names)}")
     table.finish()
@@ -124,7 +134,7 @@ def _place(table: Table, name: str) -> Path:
     """A part named in a cell file: a path beside it, or a name under `parts/`."""
     beside = table.path.parent / name
     try:
-        return beside if beside.exists() else find("parts", name)
+        return beside if exists(beside) else find("parts", name)
     except FileError as error:
         raise table.error("parts", str(error)) from None
 
@@ -222,8 +232,8 @@ def _arm(table: Table, robot: Robot, tools: dict[str, Tool]) -> Arm:
         tools=tuple(_known_tool(table, "tools", one, tools) for one in names),
     )
     table.finish()
-    if len(arm.letter) != 1 or not arm.letter.isascii() or not arm.letter.isalpha():
-        raise table.error("letter", f"{arm.letter!r} is not one letter")
+    if not re.fullmatch(r"[A-Z]", arm.letter):
+        raise table.error("letter", f"{arm.letter!r} is not one capital letter")
     return arm
 
 
@@ -258,7 +268,7 @@ def _acceleration(table: Table, count: int) -> Floats:
 def _check_home(table: Table, robot: Robot, joints: tuple[str, ...], home: Floats) -> None:
     lower, upper, _ = robot.limits(joints)
     for joint, value, low, high in zip(joints, home, lower, upper, strict=True):
-        if not low <= value <= high:
+        if not low - ROUNDED <= value <= high + ROUNDED:
             raise table.error(
                 "home_deg",
                 f"{np.rad2deg(value):.1f} for {joint} is outside {np.rad2deg(low):.1f} to "

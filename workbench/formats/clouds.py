@@ -4,9 +4,7 @@ An organised PLY file carries the line `obj_info resolution <columns> <rows>` in
 the vertex property `pixel`, row * columns + column.
 """
 
-import io
 import re
-from itertools import chain, islice
 from pathlib import Path
 
 import numpy as np
@@ -15,6 +13,7 @@ import pinocchio as pin
 from workbench.formats.pcd import read_pcd
 from workbench.formats.ply_header import Header, read_header
 from workbench.formats.solids import UNITS
+from workbench.formats.text_rows import read_rows
 from workbench.formats.toml_keys import shown
 from workbench.formats.whole_files import MB, read_whole, write_whole
 from workbench.model.errors import FileError
@@ -131,23 +130,9 @@ def _binary(path: Path, content: bytes, header: Header, names: tuple[str, ...]) 
 
 
 def _ascii(path: Path, content: bytes, header: Header, names: tuple[str, ...]) -> Floats:
-    file = io.BytesIO(content)
-    file.seek(header.end)
-    filled = (line for line in file if not line.isspace())
-    lines = islice(filled, header.skip_lines, header.skip_lines + header.count)
-    first = next(lines, None)
-    held, values = 0, np.empty((0, len(names)))
-    if first is not None:
-        columns = [header.names.index(name) for name in names]
-        try:
-            values = np.loadtxt(chain([first], lines), comments=None, usecols=columns, ndmin=2)
-        except ValueError as error:
-            # NumPy counts from 0 and speaks of rows, which are the points of the file.
-            raise FileError(path, f"a point is not a row of numbers: {str(error)[:200]}") from None
-        held = len(values)
-    if held < header.count:
-        raise FileError(path, f"is cut off: it declares {header.count} points and holds {held}")
-    return values
+    columns = [header.names.index(name) for name in names]
+    skip, count = header.skip_lines, header.count
+    return read_rows(path, content, header.end, columns=columns, count=count, skip=skip)
 
 
 def _check_distance(path: Path, points: Floats, unit: str) -> None:

@@ -8,8 +8,11 @@ Source: X. Wei, M. Liu, Z. Ling and H. Su, "Approximate convex decomposition for
 collision-aware concavity and tree search", ACM Transactions on Graphics 41(4), 2022.
 """
 
+import contextlib
 import hashlib
 import os
+import zipfile
+import zlib
 from dataclasses import dataclass
 from functools import lru_cache
 from importlib.metadata import version
@@ -21,7 +24,7 @@ import trimesh
 from scipy.spatial import ConvexHull, HalfspaceIntersection, KDTree, QhullError
 
 from workbench.formats.meshes import convex_hull
-from workbench.formats.whole_files import MB, read_whole, write_whole
+from workbench.formats.whole_files import MB, make_folder, read_whole, write_whole
 from workbench.model.errors import FileError
 from workbench.model.geometry import Floats, Mesh
 
@@ -167,8 +170,10 @@ def _divided(mesh: Mesh, most: int) -> tuple[Mesh, ...]:
     arrays |= {f"t{k}": piece.triangles for k, piece in enumerate(pieces)}
     buffer = BytesIO()
     np.savez(buffer, **arrays)  # type: ignore[arg-type]
-    path.parent.mkdir(parents=True, exist_ok=True)
-    write_whole(path, buffer.getvalue())
+    # Where nothing can be kept the next start takes longer, and that is all.
+    with contextlib.suppress(FileError):
+        make_folder(path.parent)
+        write_whole(path, buffer.getvalue())
     return pieces
 
 
@@ -177,8 +182,9 @@ def _kept(path: Path) -> tuple[Mesh, ...] | None:
     try:
         with np.load(BytesIO(read_whole(path, LARGEST_CACHED))) as found:
             count = len(found.files) // 2
-            return tuple(Mesh(found[f"p{k}"], found[f"t{k}"], True) for k in range(count))
-    except (FileError, ValueError, KeyError, OSError):
+            kept = tuple(Mesh(found[f"p{k}"], found[f"t{k}"], True) for k in range(count))
+            return kept or None
+    except (FileError, ValueError, KeyError, OSError, EOFError, zipfile.BadZipFile, zlib.error):
         return None
 
 

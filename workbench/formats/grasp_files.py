@@ -1,20 +1,22 @@
 """Grasp libraries written: as a person would write them, and what people wrote left alone."""
 
 import tomllib
+from collections.abc import Iterable
+from dataclasses import replace
+from itertools import chain, count
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pinocchio as pin
 import tomlkit
-from tomlkit.exceptions import TOMLKitError
 
 from workbench.formats.parts import library_of, read_grasps
-from workbench.formats.toml_keys import LARGEST_FILE, Table
-from workbench.formats.whole_files import read_whole, write_whole
+from workbench.formats.toml_documents import read_document, short, shorts
+from workbench.formats.toml_keys import Table
+from workbench.formats.whole_files import write_whole
 from workbench.model.errors import FileError
 from workbench.model.geometry import Floats
-from workbench.model.part import Entry, GraspLibrary, GraspPair, GraspPattern
+from workbench.model.part import Entry, Grasp, GraspLibrary, GraspPair, GraspPattern
 
 GRASPS = "grasps.toml"
 
@@ -34,10 +36,7 @@ def save_grasps(path: Path, library: GraspLibrary) -> None:
         old = read_grasps(path)
         if are_written_alike(old, library):
             return
-        try:
-            document: Any = tomlkit.parse(read_whole(path, LARGEST_FILE).decode("utf-8-sig"))
-        except TOMLKitError as error:
-            raise FileError(path, f"is not valid TOML: {error}") from None
+        document: Any = read_document(path)
     else:
         old, document = GraspLibrary(), tomlkit.document()
         document.add(tomlkit.comment(HEAD))
@@ -57,6 +56,31 @@ def save_grasps(path: Path, library: GraspLibrary) -> None:
     text = tomlkit.dumps(document)
     library_of(_table(path, text))  # what nobody could read again is not written
     write_whole(path, text.encode())
+
+
+def add_grasps(path: Path, grasps: Iterable[Grasp]) -> tuple[str, ...]:
+    """Write grasps behind those of a file, which is made when it is not there.
+
+    Returns:
+        Their names in the file: one that is taken gets a number behind it.
+
+    Raises:
+        FileError: the file cannot be read, or would hold what it may not; it is left as it is.
+    """
+    library = read_grasps(path) if path.exists() else GraspLibrary()
+    taken = {entry.name for entry in library.entries} | {grasp.name for grasp in library.grasps}
+    added: list[Grasp] = []
+    for grasp in grasps:
+        added.append(replace(grasp, name=_unused(grasp.name, taken)))
+        taken.add(added[-1].name)
+    save_grasps(path, replace(library, entries=(*library.entries, *added)))
+    return tuple(grasp.name for grasp in added)
+
+
+def _unused(name: str, taken: set[str]) -> str:
+    """The name, with the first number behind it that makes it new."""
+    numbered = (f"{name}-{number}" for number in count(2))
+    return next(one for one in chain([name], numbered) if one not in taken)
 
 
 def are_written_alike(library: GraspLibrary, other: GraspLibrary) -> bool:
@@ -92,24 +116,24 @@ def keys_of(entry: Entry) -> dict[str, Any]:
         "position_mm": _millimetres(grasp.T_part_tcp.translation),
         "points_along": _direction(R[:, 2]),
         "closes_along": _direction(R[:, 1]),
-        "opening_mm": _short(grasp.opening * 1000),
-        "grip_mm": _short(grasp.grip * 1000),
+        "opening_mm": short(grasp.opening * 1000),
+        "grip_mm": short(grasp.grip * 1000),
         "approach": _direction(grasp.approach),
-        "approach_length_mm": _short(grasp.approach_length * 1000),
+        "approach_length_mm": short(grasp.approach_length * 1000),
     }
     if keys["approach"] == [0, 0, 1]:
         del keys["approach"]
     if grasp.retreat is not None:
         keys["retreat"] = _direction(grasp.retreat)
     others = {
-        "retreat_length_mm": (_short(grasp.retreat_length * 1000), 100),
+        "retreat_length_mm": (short(grasp.retreat_length * 1000), 100),
         "priority": (grasp.priority, 0),
         "enabled": (grasp.is_enabled, True),
         "arms": (list(grasp.arms), []),
         "tool": (grasp.tool, ""),
         "free_rotation_deg": (_degrees(grasp.free_rotation), 0),
         "tilt_deg": (_degrees(grasp.tilt), 0),
-        "slide_mm": (_short(grasp.slide * 1000), 0),
+        "slide_mm": (short(grasp.slide * 1000), 0),
     }
     keys |= {key: value for key, (value, usual) in others.items() if value != usual}
     if isinstance(entry, GraspPattern):
@@ -122,11 +146,11 @@ def _pattern_keys(pattern: GraspPattern) -> dict[str, Any]:
         "axis": _direction(pattern.axis),
         "through_mm": _millimetres(pattern.through),
         "angles_deg": [_degrees(angle) for angle in pattern.angles],
-        "offsets_mm": [_short(offset * 1000) for offset in pattern.offsets],
+        "offsets_mm": [short(offset * 1000) for offset in pattern.offsets],
     }
     if len(pattern.across_offsets) > 1 or any(pattern.across_offsets):
         keys["across"] = _direction(pattern.across)
-        keys["across_mm"] = [_short(offset * 1000) for offset in pattern.across_offsets]
+        keys["across_mm"] = [short(offset * 1000) for offset in pattern.across_offsets]
     return {key: value for key, value in keys.items() if AXES.get(key) != value or key == "axis"}
 
 
@@ -161,18 +185,12 @@ def _table(path: Path, text: str) -> Table:
 
 
 def _direction(vector: Floats) -> list[float | int]:
-    return [_short(value, 6) for value in vector]
+    return shorts(vector, 6)
 
 
-def _millimetres(lengths: Floats | pin.SE3) -> list[float | int]:
-    return [_short(value) for value in np.asarray(lengths) * 1000]
+def _millimetres(lengths: Floats) -> list[float | int]:
+    return shorts(np.asarray(lengths) * 1000)
 
 
 def _degrees(angle: float) -> float | int:
-    return _short(float(np.rad2deg(angle)))
-
-
-def _short(value: float, digits: int = 4) -> float | int:
-    """As people write numbers: no -0, and whole ones without a point."""
-    rounded = round(float(value), digits) + 0.0
-    return int(rounded) if rounded.is_integer() else rounded
+    return short(float(np.rad2deg(angle)))

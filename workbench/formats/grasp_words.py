@@ -26,7 +26,7 @@ WORDS = {
 
 
 def changes_in_words(old: GraspLibrary, new: GraspLibrary) -> tuple[str, ...]:
-    """A sentence for each thing that is otherwise in `new` than in `old`, in its order."""
+    """A sentence for each entry and pair in which `new` differs from `old`, in their order."""
     before = {entry.name: entry for entry in old.entries}
     after = {entry.name: entry for entry in new.entries}
     found = [f"{name} is gone" for name in before if name not in after]

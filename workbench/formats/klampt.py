@@ -18,9 +18,8 @@ import pinocchio as pin
 
 from workbench.formats.triangles import stl_of, surface_of
 from workbench.formats.urdf_writer import depth_first, numbers, write_urdf, write_xml
-from workbench.formats.whole_files import write_whole
+from workbench.formats.whole_files import file_name, make_folder, write_whole
 from workbench.model.cell import Arm, Cell
-from workbench.model.errors import FileError
 from workbench.model.geometry import Floats, Solid
 from workbench.model.part import Part
 from workbench.model.robot import Joint, Link, Robot
@@ -70,10 +69,7 @@ def write_world(folder: Path, name: str, cell: Cell, snapshot: Snapshot) -> Path
         FileError: the folder cannot be written to.
     """
     folder = folder / name
-    try:
-        (folder / "meshes").mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise FileError(folder, error.strerror or "cannot be made") from None
+    make_folder(folder / "meshes")
     robot = robot_with_tools(cell, snapshot)
     write_urdf(folder / "robot.urdf", robot)
     whole = _configurations(cell, robot, snapshot)
@@ -84,7 +80,8 @@ def write_world(folder: Path, name: str, cell: Cell, snapshot: Snapshot) -> Path
     still += [(fixture.name, fixture.solids, fixture.T_world_fixture) for fixture in cell.fixtures]
     still += [(placed.name, placed.part.pieces, placed.T) for placed in snapshot.standing]
     for thing, solids, T in still:
-        root.append(_terrain(folder, thing, solids, T))
+        if solids:
+            root.append(_terrain(folder, thing, solids, T))
     write_xml(folder / "world.xml", root)
     lines = (
         f"{t!r}\t{len(q)} {numbers(q)}\n" for t, q in zip(snapshot.t.tolist(), whole, strict=True)
@@ -96,7 +93,8 @@ def write_world(folder: Path, name: str, cell: Cell, snapshot: Snapshot) -> Path
 def robot_with_tools(cell: Cell, snapshot: Snapshot) -> Robot:
     """The robot in its place in the world, with `<arm>_tool` and what it holds as links.
 
-    Fingers are as far open as they are; links that hang on one movable joint never meet.
+    Fingers stand at the snapshot's openings; links that no movable joint parts are not checked
+    against each other.
     """
     links, joints = list(cell.robot.links), list(cell.robot.joints)
     for arm in cell.arms:
@@ -150,7 +148,7 @@ def _configurations(cell: Cell, robot: Robot, snapshot: Snapshot) -> Floats:
 
 
 def _terrain(folder: Path, name: str, solids: Iterable[Solid], T: pin.SE3) -> ElementTree.Element:
-    mesh = f"meshes/{name}.stl"
+    mesh = f"meshes/{file_name(name)}.stl"
     surface = surface_of(solids)
     surface.apply_transform(T.homogeneous)
     write_whole(folder / mesh, stl_of(surface))

@@ -1,13 +1,14 @@
 """Klamp't robots (`.rob`) to robots.
 
 Each link hangs on its parent by one joint, a transform and then a turn about or a slide along
-`axis`.  What the format has for masses, motors and sensors is passed over; joints that wander
-(`floating` and its kin) are refused, since a cell stands still.
+`axis`.  What the format has for masses, motors and sensors is passed over; robots whose base moves
+freely (`floating` and the like) are refused, since those of a cell stand where they are.
 
 Source: https://github.com/krishauser/Klampt, manual, "File types"
 """
 
 import math
+import re
 import shlex
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -32,8 +33,11 @@ DEEPEST = 8
 USUAL_SPEED = math.pi
 """[rad/s, m/s] Of a joint whose file gives none."""
 
+UNIT = 1e-3
+"""How far an axis may be from length 1: files carry few digits."""
+
 WELDED = ("weld",)
-WANDERING = ("floating", "floatingplanar", "ballandsocket")
+FLOATING = ("floating", "floatingplanar", "ballandsocket")
 GREY = (0.6, 0.6, 0.62)
 
 Words = Mapping[str, list[list[str]]]
@@ -62,7 +66,8 @@ def read_rob(path: Path, *, depth: int = 0) -> Robot:
     welded = _welded(path, words, count)
     scale = float(_numbers(path, words, "scale", 1, [1.0])[0])
     Ts = _transforms(path, words, count, scale)
-    axes = _numbers(path, words, "axis", 3 * count, [0.0, 0.0, 1.0] * count).reshape(-1, 3)
+    directions = _numbers(path, words, "axis", 3 * count, [0.0, 0.0, 1.0] * count)
+    axes = [_unit(path, axis) for axis in directions.reshape(-1, 3)]
     kinds = _kinds(path, words, count)
     lower, upper = (_angles(path, words, item, count, default) for item, default in LIMITS)
     speed = _angles(path, words, "velmax", count, math.inf)
@@ -76,8 +81,10 @@ def read_rob(path: Path, *, depth: int = 0) -> Robot:
         kind: JointKind = "fixed" if is_fixed else kinds[k]
         limits = (max(lower[k], -_most(kind)), min(upper[k], _most(kind)))
         low, high = map(float, limits)
+        if not is_fixed and not low < high:
+            raise FileError(path, f"qmin, qmax: {shown(name)} would go from {low:g} to {high:g}")
         fast = float(speed[k]) if 0 < speed[k] < math.inf else USUAL_SPEED
-        joints.append(Joint(name, kind, parent, name, T, _unit(path, axes[k]), low, high, fast))
+        joints.append(Joint(name, kind, parent, name, T, axes[k], low, high, fast))
     pairs = _pairs(path, words, names)
     robot = Robot(path.stem, tuple(links), tuple(joints), pairs | _neighbours(joints))
     for line in words.get("mount", []):
@@ -154,7 +161,7 @@ def _kinds(path: Path, words: Words, count: int) -> list[JointKind]:
 def _welded(path: Path, words: Words, count: int) -> set[int]:
     welded: set[int] = set()
     for line in words.get("joint", []):
-        if not line or line[0].lower() in WANDERING:
+        if not line or line[0].lower() in FLOATING:
             raise FileError(path, f"joint {' '.join(line)}: a robot that moves freely is not read")
         if line[0].lower() in WELDED:
             welded |= {_index(path, word, count) for word in line[1:]}
@@ -162,7 +169,7 @@ def _welded(path: Path, words: Words, count: int) -> set[int]:
 
 
 def _index(path: Path, word: str, count: int) -> int:
-    if not word.isdigit() or int(word) >= count:
+    if not re.fullmatch(r"[0-9]{1,5}", word) or int(word) >= count:
         raise FileError(path, f"{shown(word)} is not the number of a link, 0 to {count - 1}")
     return int(word)
 
@@ -216,9 +223,10 @@ def _most(kind: JointKind) -> float:
 
 
 def _unit(path: Path, axis: Floats) -> Floats:
+    """An axis of length 1; to Klamp't a longer one is a joint that goes further than told."""
     length = float(np.linalg.norm(axis))
-    if not 1e-9 < length < math.inf:
-        raise FileError(path, "axis: has no direction")
+    if not abs(length - 1.0) < UNIT:
+        raise FileError(path, f"axis: must be a unit vector, {shown(axis.tolist())} is given")
     return frozen(axis / length)
 
 

@@ -1,6 +1,5 @@
 """A robot as a Klamp't robot file (`.rob`); see `klampt_robot` for the format."""
 
-import re
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -8,7 +7,7 @@ import pinocchio as pin
 
 from workbench.formats.triangles import stl_of, surface_of
 from workbench.formats.urdf_writer import depth_first
-from workbench.formats.whole_files import write_whole
+from workbench.formats.whole_files import file_name, make_folder, write_whole
 from workbench.model.robot import Robot
 
 
@@ -21,10 +20,10 @@ def write_rob(path: Path, robot: Robot) -> None:
     joints = depth_first(robot)
     names = [robot.root, *(joint.child for joint in joints)]
     meshes = path.parent / f"{path.stem}_meshes"
-    meshes.mkdir(parents=True, exist_ok=True)
+    make_folder(meshes)
     files: list[str] = []
     for link in (robot.link(name) for name in names):
-        file = f"{meshes.name}/{re.sub(r'[^A-Za-z0-9_.-]', '_', link.name)}.stl"
+        file = f"{meshes.name}/{file_name(link.name)}.stl"
         if link.collision:
             write_whole(path.parent / file, stl_of(surface_of(link.collision)))
         files.append(file if link.collision else "")

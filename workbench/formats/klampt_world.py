@@ -13,10 +13,10 @@ import pinocchio as pin
 
 from workbench.formats.convex_pieces import pieces_of
 from workbench.formats.klampt_robot import read_rob
-from workbench.formats.meshes import is_file, read_mesh
+from workbench.formats.meshes import LARGEST_MESH, read_mesh
 from workbench.formats.toml_keys import shown
 from workbench.formats.urdf import read_urdf
-from workbench.formats.whole_files import MB, read_whole
+from workbench.formats.whole_files import is_file, read_whole
 from workbench.formats.xml_elements import Element, read_xml
 from workbench.model.cell import Bin, Fixture
 from workbench.model.errors import FileError
@@ -114,14 +114,23 @@ def _mesh(path: Path) -> Mesh:
     """A mesh file, or the mesh that a rigid object file names."""
     if path.suffix.lower() != ".obj":
         return read_mesh(path)
-    content = read_whole(path, 64 * MB).decode("utf-8", errors="replace")
+    content = read_whole(path, LARGEST_MESH).decode("utf-8", errors="replace")
     named = re.search(r"^\s*(?:mesh|geomfile)\s+(\S.*)$", content, re.MULTILINE)
     if named is None:
         return read_mesh(path)
     mesh = read_mesh(path.parent / named[1].strip().strip('"'))
-    scale = re.search(r"^\s*geomscale\s+([0-9.]+)\s*$", content, re.MULTILINE)
-    factor = float(scale[1]) if scale and scale[1].count(".") < 2 else 1.0
-    return Mesh(mesh.points * factor, mesh.triangles)
+    scale = re.search(r"^\s*geomscale\s+(\S.*?)\s*$", content, re.MULTILINE)
+    return Mesh(mesh.points * _factor(path, scale[1] if scale else "1"), mesh.triangles)
+
+
+def _factor(path: Path, text: str) -> float:
+    try:
+        factor = float(text)
+    except ValueError:
+        factor = math.nan
+    if not 0 < factor < math.inf:
+        raise FileError(path, f"geomscale: {shown(text)} is not a positive number")
+    return factor
 
 
 def _scaled(mesh: Mesh, element: Element) -> Mesh:
@@ -145,7 +154,7 @@ def _placed(element: Element) -> pin.SE3:
     roll, pitch, yaw = element.numbers("rotateRPY", 3, (0.0, 0.0, 0.0))
     R = pin.rpy.rpyToMatrix(roll, pitch, yaw) @ R
     R = pin.exp3(element.numbers("rotateMoment", 3, (0.0, 0.0, 0.0))) @ R
-    if np.abs(p).max() > 1e3 or not math.isfinite(float(p.sum())):
+    if np.abs(p).max() > 1e3:
         raise element.error("position: metres are expected")
     return pin.SE3(R, p)
 

@@ -23,8 +23,9 @@ class Surface:
     """What can be said about the surface of a part.
 
     `size` (3,) [m]; `volume` [m3], 0 when it is open; `components` pieces that do not hang
-    together; `open_edges` belong to one triangle, `bad_edges` to more than two or to two that look
-    to opposite sides; `is_inside_out` when it is closed but looks inward.
+    together; `open_edges` belong to one triangle; `bad_edges` to several, of which not as many run
+    along it one way as the other: three, or two that look to opposite sides; `is_inside_out` when
+    it is closed but looks inward.
     """
 
     size: Floats

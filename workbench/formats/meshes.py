@@ -8,7 +8,7 @@ from scipy.spatial import QhullError
 
 from workbench.formats.pcd import read_pcd
 from workbench.formats.toml_keys import shown
-from workbench.formats.whole_files import MB, read_whole
+from workbench.formats.whole_files import MB, is_file, read_whole
 from workbench.model.errors import FileError
 from workbench.model.geometry import Floats, Mesh
 
@@ -64,7 +64,8 @@ def read_mesh(path: Path, scale: Floats | float = 1.0) -> Mesh:
 
 def _taught(path: Path, scale: Floats | float) -> Mesh:
     points, _ = read_pcd(path, read_whole(path, LARGEST_MESH), MOST_TRIANGLES)
-    points = points[np.isfinite(points).all(axis=1)] * scale
+    # Many scanners put pixels without a measurement at exactly (0, 0, 0).
+    points = points[np.isfinite(points).all(axis=1) & points.any(axis=1)] * scale
     if len(points) < 4:
         raise FileError(path, "holds fewer than four points")
     hull = convex_hull(Mesh(points - points.mean(axis=0), np.empty((0, 3), np.int32)))
@@ -74,14 +75,6 @@ def _taught(path: Path, scale: Floats | float) -> Mesh:
     if size > LARGEST_EXTENT:
         raise FileError(path, f"would be {size:.0f} m large; if it is in millimetres, say so")
     return Mesh(hull.points, hull.triangles)
-
-
-def is_file(path: Path) -> bool:
-    """Whether there is a file; also for names that no file can have."""
-    try:
-        return path.is_file()
-    except (OSError, ValueError):
-        return False
 
 
 def convex_hull(mesh: Mesh) -> Mesh | None:

@@ -30,7 +30,7 @@ TOLERANCE = 0.001
 """[m] A hull that is no more than this too large is taken as it is; stands in `part.toml`."""
 
 THINNEST = 1e-4
-"""A body that fills less of its box is none."""
+"""The share of its box that a body must fill; a surface around less encloses nothing."""
 
 GRASPS = """\
 # Grasps of {name}; lengths in mm, angles in degrees, all in the part's frame (see part.toml).

@@ -6,27 +6,25 @@ that nobody has saved.
 """
 
 import json
-import time
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import tomlkit
-from tomlkit.exceptions import TOMLKitError
 
+from workbench.formats.change_log import LOG, add_line, utc
 from workbench.formats.grasp_files import GRASPS, as_written, save_grasps
 from workbench.formats.grasp_words import changes_in_words
 from workbench.formats.parts import read_grasps
+from workbench.formats.toml_documents import read_document, shorts
 from workbench.formats.toml_keys import LARGEST_FILE
-from workbench.formats.whole_files import read_whole, write_whole
+from workbench.formats.whole_files import make_folder, read_whole, write_whole
 from workbench.model.digest import digest_of
 from workbench.model.errors import FileError
 from workbench.model.part import GraspLibrary, Part, Symmetry
 
 DRAFT = "grasps.draft.toml"
-LOG = "changes.log"
 VERSIONS = "versions"
 
 
@@ -77,28 +75,20 @@ def save_part(folder: Path, old: Part, new: Part, *, actor: str, at: float, rema
 def _keep(folder: Path, library: GraspLibrary, *, actor: str, at: float, remark: str) -> None:
     """Add a version."""
     kept = versions(folder)
-    number = kept[-1].number + 1 if kept else 1
-    place = folder / VERSIONS
-    try:
-        place.mkdir(exist_ok=True)
-    except OSError as error:
-        raise FileError(place, error.strerror or "cannot be made") from None
-    file = place / f"{number:04}.toml"
+    make_folder(folder / VERSIONS)
+    number = 1 + max((version.number for version in kept), default=0)
+    while (file := folder / VERSIONS / f"{number:04}.toml").exists():
+        number += 1  # of a version that did not get into the log, or out of it
     save_grasps(file, library)
     before = kept[-1].library if kept else GraspLibrary()
     entry = {
         "version": number,
-        "at": time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime(at)),
+        "at": utc(at),
         "by": actor,
         "remark": remark,
         "changes": list(changes_in_words(before, library)) if kept else [],
     }
-    log = folder / LOG
-    try:
-        with log.open("a", encoding="utf-8") as lines:
-            lines.write(json.dumps(entry, ensure_ascii=False) + "\n")
-    except OSError as error:
-        raise FileError(log, error.strerror or "cannot be written") from None
+    add_line(folder / LOG, entry)
 
 
 def versions(folder: Path) -> tuple[Version, ...]:
@@ -161,13 +151,9 @@ def drop_draft(folder: Path) -> None:
 
 
 def _save_symmetry(path: Path, symmetry: Symmetry) -> None:
-    try:
-        document: Any = tomlkit.parse(read_whole(path, LARGEST_FILE).decode("utf-8-sig"))
-    except TOMLKitError as error:
-        raise FileError(path, f"is not valid TOML: {error}") from None
+    document: Any = read_document(path)
     if "symmetry" not in document:
         document["symmetry"] = tomlkit.table()
-    axis = [round(float(value), 6) + 0.0 for value in np.asarray(symmetry.axis)]
-    document["symmetry"]["axis"] = [int(v) if v.is_integer() else v for v in axis]
+    document["symmetry"]["axis"] = shorts(symmetry.axis, 6)
     document["symmetry"]["fold"] = symmetry.fold
     write_whole(path, tomlkit.dumps(document).encode())

@@ -10,15 +10,22 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
+from workbench.formats.text_rows import read_rows
 from workbench.formats.toml_keys import shown
 from workbench.model.errors import FileError
 from workbench.model.geometry import Floats
 
 LONGEST_HEADER = 64 * 1024
+MOST_VALUES = 10_000
+"""Of one field: more than any descriptor of a point has."""
+
 KINDS = {
     ("F", 4): "<f4", ("F", 8): "<f8", ("U", 1): "<u1", ("U", 2): "<u2", ("U", 4): "<u4",
     ("U", 8): "<u8", ("I", 1): "<i1", ("I", 2): "<i2", ("I", 4): "<i4", ("I", 8): "<i8",
 }  # fmt: skip
+
+
+AXES = ("x", "y", "z")
 
 
 class Layout(NamedTuple):
@@ -43,7 +50,9 @@ def read_pcd(path: Path, content: bytes, most: int) -> tuple[Floats, tuple[int, 
     count = layout.width * layout.height
     if not 0 < count <= most:
         raise FileError(path, f"declares {count} points, 1 to {most} are read")
-    if any(layout.names.count(axis) != 1 for axis in "xyz"):
+    if any(layout.names.count(axis) != 1 for axis in AXES) or not all(
+        many for name, many in zip(layout.names, layout.counts, strict=True) if name in AXES
+    ):
         raise FileError(path, f"FIELDS {' '.join(layout.names)[:80]}: x, y and z are expected")
     match layout.encoding:
         case "ascii":
@@ -85,6 +94,8 @@ def _layout(path: Path, content: bytes) -> Layout:
     encoding = " ".join(items["DATA"]).lower()
     if encoding not in ("ascii", "binary", "binary_compressed"):
         raise FileError(path, f"DATA {shown(encoding)}: ascii, binary or binary_compressed")
+    if max(counts) > MOST_VALUES:
+        raise FileError(path, f"COUNT {max(counts)}: a field has at most {MOST_VALUES} values")
     known = tuple(kind for kind in kinds if kind is not None)
     return Layout(tuple(names), known, tuple(counts), width, height, encoding, end)
 
@@ -112,21 +123,14 @@ def _binary(path: Path, data: bytes, layout: Layout, count: int) -> Floats:
     rows = np.frombuffer(data, row, count)
     with np.errstate(invalid="ignore"):
         return np.column_stack(
-            [rows[f"{layout.names.index(axis)}"][:, 0].astype(np.float64) for axis in "xyz"]
+            [rows[f"{layout.names.index(axis)}"][:, 0].astype(np.float64) for axis in AXES]
         )
 
 
 def _ascii(path: Path, content: bytes, layout: Layout, count: int) -> Floats:
     starts = np.cumsum([0, *layout.counts])
-    columns = [int(starts[layout.names.index(axis)]) for axis in "xyz"]
-    lines = content[layout.end :].split(b"\n")[:count]
-    try:
-        values = np.loadtxt(lines, usecols=columns, ndmin=2)
-    except ValueError as error:
-        raise FileError(path, f"a point is not a row of numbers: {str(error)[:200]}") from None
-    if len(values) < count:
-        raise FileError(path, f"is cut off: {count} points were declared, it holds {len(values)}")
-    return values
+    columns = [int(starts[layout.names.index(axis)]) for axis in AXES]
+    return read_rows(path, content, layout.end, columns=columns, count=count)
 
 
 def _compressed(path: Path, data: bytes, layout: Layout, count: int) -> Floats:
@@ -146,9 +150,10 @@ def _compressed(path: Path, data: bytes, layout: Layout, count: int) -> Floats:
         zip(layout.names, layout.kinds, layout.counts, strict=True)
     ):
         length = count * row[f"{number}"].itemsize
-        if name in "xyz" and len(name) == 1:
+        if name in AXES:
             column = unpacked[start : start + length].view(kind).reshape(count, values)
-            points[:, "xyz".index(name)] = column[:, 0]
+            with np.errstate(invalid="ignore"):
+                points[:, AXES.index(name)] = column[:, 0]
         start += length
     return points
 

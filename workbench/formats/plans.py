@@ -100,7 +100,7 @@ def read_plan(path: str | Path) -> tuple[Plan, str]:
     table = read_json(Path(path), PLAN_FORMAT)
     detections = tuple(read_detection(d, complete=True) for d in _few(table, "detections"))
     arms = tuple(_arm(arm, len(detections)) for arm in _few(table, "arms"))
-    _once(table, "arms", [arm.arm for arm in arms])
+    table.once("arms", (arm.arm for arm in arms))
     plan = Plan(
         cell=table.text("cell"),
         cell_digest=table.text("cell_digest"),
@@ -112,7 +112,7 @@ def read_plan(path: str | Path) -> tuple[Plan, str]:
         arms=arms,
         sequence=tuple(_step(step, arms) for step in _few(table, "sequence")),
         note=table.text("note", empty=True),
-        obstacles=tuple(_obstacle(box) for box in _obstacles(table)),
+        obstacles=tuple(_obstacle(box) for box in _few(table, "obstacles", MOST_OBSTACLES)),
         seconds=_seconds(table.table("seconds")),
     )
     if not table.is_null("proof"):
@@ -122,19 +122,10 @@ def read_plan(path: str | Path) -> tuple[Plan, str]:
     return plan, stated
 
 
-def _few(table: Table, key: str) -> list[Table]:
+def _few(table: Table, key: str, most: int = MOST_PARTS) -> list[Table]:
     entries = list(table.tables(key, MISSING))
-    if len(entries) > MOST_PARTS:
-        raise table.error(key, f"{len(entries)} are given, at most {MOST_PARTS} are read")
-    return entries
-
-
-def _obstacles(table: Table) -> list[Table]:
-    entries = list(table.tables("obstacles", MISSING))
-    if len(entries) > MOST_OBSTACLES:
-        raise table.error(
-            "obstacles", f"{len(entries)} are given, at most {MOST_OBSTACLES} are read"
-        )
+    if len(entries) > most:
+        raise table.error(key, f"{len(entries)} are given, at most {most} are read")
     return entries
 
 
@@ -145,19 +136,13 @@ def _obstacle(table: Table) -> Obstacle:
     return Obstacle(T_world_box, size)
 
 
-def _once(table: Table, key: str, names: list[str]) -> None:
-    for name in names:
-        if names.count(name) > 1:
-            raise table.error(key, f"{name!r} is there {names.count(name)} times")
-
-
 def _arm(table: Table, detections: int) -> ArmPlan:
     joints = table.texts("joints")
     if not 0 < len(joints) <= MOST_JOINTS:
         raise table.error("joints", f"{len(joints)} are given, 1 to {MOST_JOINTS} are expected")
-    _once(table, "joints", list(joints))
+    table.once("joints", joints)
     legs = tuple(_leg(leg, len(joints)) for leg in _few(table, "legs"))
-    _once(table, "legs", [leg.name for leg in legs])
+    table.once("legs", (leg.name for leg in legs))
     if detections == 0:
         raise table.error("detection", "the plan has no detections for it to be one of")
     arm = ArmPlan(

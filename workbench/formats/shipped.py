@@ -25,11 +25,11 @@ def find(kind: Kind, name: str) -> Path:
         FileError: nothing of that name; the message lists what is there.
     """
     given = Path(name)
-    if _exists(given) and (len(given.parts) > 1 or given.is_file()):
+    if exists(given) and (len(given.parts) > 1 or given.is_file()):
         return given
     if len(given.parts) == 1 and name != "..":
         for folder in folders(kind):
-            if _exists(folder / name):
+            if exists(folder / name):
                 return folder / name
     known = sorted(
         {item.name for folder in folders(kind) for item in folder.iterdir() if item.is_dir()}
@@ -39,7 +39,8 @@ def find(kind: Kind, name: str) -> Path:
     raise FileError(shown, f"no such path, and no such name under {kind}/ (there is {listed})")
 
 
-def _exists(path: Path) -> bool:
+def exists(path: Path) -> bool:
+    """Whether there is such a path; also for names that none can have."""
     try:
         return path.exists()
     except (OSError, ValueError):  # a name too long, or one that no file can have

@@ -4,7 +4,8 @@ import difflib
 import math
 import re
 import tomllib
-from collections.abc import Iterator
+from collections import Counter
+from collections.abc import Iterable, Iterator
 from contextvars import ContextVar
 from pathlib import Path
 from typing import Any, cast
@@ -173,6 +174,16 @@ class Table:
                 hint = f"; did you mean {near[0]!r}?" if near else ""
                 known = ", ".join(sorted(self._asked))
                 raise self.error(key, f"is not known here{hint} (known: {known})")
+
+    def once(self, key: str, names: Iterable[str]) -> None:
+        """Refuse a name that is there twice.
+
+        Raises:
+            FileError: names it and the key.
+        """
+        for name, times in Counter(names).items():
+            if times > 1:
+                raise self.error(key, f"{shown(name)} is there {times} times")
 
     def _value(self, key: str, kinds: Any, expected: str, default: Any) -> Any:
         self._asked.add(key)

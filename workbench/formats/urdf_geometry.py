@@ -5,8 +5,9 @@ from pathlib import Path
 import numpy as np
 import pinocchio as pin
 
-from workbench.formats.meshes import as_convex, convex_hull, is_file, read_mesh
+from workbench.formats.meshes import as_convex, convex_hull, read_mesh
 from workbench.formats.toml_keys import shown
+from workbench.formats.whole_files import is_file
 from workbench.formats.xml_elements import Element
 from workbench.model.geometry import (
     Box,

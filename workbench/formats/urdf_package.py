@@ -1,6 +1,5 @@
 """A robot as a folder of its own: a URDF with convex pieces to check and meshes to look at."""
 
-import re
 import xml.etree.ElementTree as ElementTree
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
@@ -10,8 +9,7 @@ import pinocchio as pin
 from workbench.formats.convex_pieces import pieces_of
 from workbench.formats.triangles import stl_of, surface_of
 from workbench.formats.urdf_writer import joint_element, numbers, write_xml
-from workbench.formats.whole_files import write_whole
-from workbench.model.errors import FileError
+from workbench.formats.whole_files import file_name, make_folder, write_whole
 from workbench.model.geometry import Box, Capsule, Cylinder, Mesh, Solid, Sphere
 from workbench.model.robot import Link, Robot
 
@@ -63,10 +61,7 @@ def write_package(path: Path, robot: Robot) -> None:
         FileError: a file cannot be written.
     """
     meshes = path.parent / "meshes"
-    try:
-        meshes.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise FileError(meshes, error.strerror or "cannot be made") from None
+    make_folder(meshes)
     root = ElementTree.Element("robot", name=robot.name)
     for link in robot.links:
         element = ElementTree.SubElement(root, "link", name=link.name)
@@ -106,7 +101,7 @@ def _solid(meshes: Path, tag: str, name: str, solid: Solid) -> ElementTree.Eleme
             measures = {"radius": repr(float(radius)), "length": repr(float(length))}
             ElementTree.SubElement(geometry, "capsule", measures)
         case Mesh() as mesh:
-            file = meshes / f"{_file_name(name)}.{'convex.obj' if mesh.is_convex else 'stl'}"
+            file = meshes / f"{file_name(name)}.{'convex.obj' if mesh.is_convex else 'stl'}"
             as_drawn = Solid(solid.name, mesh, pin.SE3.Identity())
             write_whole(file, _obj(mesh) if mesh.is_convex else stl_of(surface_of([as_drawn])))
             ElementTree.SubElement(geometry, "mesh", filename=f"meshes/{file.name}")
@@ -130,7 +125,3 @@ def _obj(mesh: Mesh) -> bytes:
         *(f"f {i + 1} {j + 1} {k + 1}" for i, j, k in mesh.triangles.tolist()),
     )
     return ("\n".join(lines) + "\n").encode()
-
-
-def _file_name(name: str) -> str:
-    return re.sub(r"[^A-Za-z0-9_.-]", "_", name)

@@ -6,7 +6,7 @@ from pathlib import Path
 import pinocchio as pin
 
 from workbench.formats.triangles import stl_of, surface_of
-from workbench.formats.whole_files import write_whole
+from workbench.formats.whole_files import file_name, write_whole
 from workbench.model.geometry import Floats
 from workbench.model.robot import Joint, Robot
 
@@ -28,7 +28,7 @@ def write_urdf(path: Path, robot: Robot) -> None:
         element = ElementTree.SubElement(root, "link", name=link.name)
         if not link.collision:
             continue
-        mesh = f"meshes/{link.name}.stl"
+        mesh = f"meshes/{file_name(link.name)}.stl"
         write_whole(path.parent / mesh, stl_of(surface_of(link.collision)))
         for tag in ("visual", "collision"):
             geometry = ElementTree.SubElement(ElementTree.SubElement(element, tag), "geometry")

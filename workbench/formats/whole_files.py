@@ -1,7 +1,11 @@
 """Files read and written as a whole: never more than expected, never half."""
 
 import contextlib
+import hashlib
 import os
+import re
+import shutil
+import threading
 from pathlib import Path
 
 from workbench.model.errors import FileError
@@ -32,6 +36,8 @@ def read_whole(path: Path, most: int) -> bytes:
 def write_whole(path: Path, content: bytes) -> None:
     """Put `content` into a file that afterwards is either the new one or still the old one.
 
+    Who may read and write it stays as it was.
+
     Raises:
         FileError: the folder is not there, or cannot be written to.
     """
@@ -40,9 +46,12 @@ def write_whole(path: Path, content: bytes) -> None:
             path.write_bytes(content)
             return
         target = path.resolve()
-        partial = target.with_name(f".{target.name}.{os.getpid()}.partial")
+        # A name of its own for each thread: two that write the same file must not mix.
+        partial = target.with_name(f".{os.getpid()}-{threading.get_ident()}.partial")
         try:
             partial.write_bytes(content)
+            if target.exists():
+                shutil.copymode(target, partial)
             partial.replace(target)
         except OSError:
             with contextlib.suppress(OSError):
@@ -52,3 +61,29 @@ def write_whole(path: Path, content: bytes) -> None:
         raise FileError(path, error.strerror or "cannot be written") from None
     except ValueError:
         raise FileError(repr(str(path)), "is not the name of a file") from None
+
+
+def make_folder(folder: Path) -> None:
+    """Make a folder, and those above it, if it is not there.
+
+    Raises:
+        FileError: it cannot be made.
+    """
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise FileError(folder, error.strerror or "cannot be made") from None
+
+
+def is_file(path: Path) -> bool:
+    """Whether there is a file; also for names that no file can have."""
+    try:
+        return path.is_file()
+    except (OSError, ValueError):
+        return False
+
+
+def file_name(name: str) -> str:
+    """A file name for a thing of any name: another one for each, and never a path."""
+    plain = re.sub(r"[^A-Za-z0-9_.-]", "_", name)[:100]
+    return plain if plain == name else f"{plain}-{hashlib.sha256(name.encode()).hexdigest()[:8]}"

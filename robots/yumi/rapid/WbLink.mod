@@ -158,7 +158,7 @@ MODULE WbLink
         sum:=ByteToStr(sum_high\Hex)+ByteToStr(sum_low\Hex);
         IF StrPart(frame,WB_TEXT+1,4)<>sum refuse "the check sum is "+sum;
         split StrPart(frame,1,WB_TEXT);
-        heard_number:=heard_number+1;
+        heard_number:=heard_number MOD 9999+1;
         IF NOT StrToVal(word{1},number) refuse "no number";
         IF number<>heard_number refuse "not the next number";
         after:=state_after(word{2});
@@ -767,7 +767,7 @@ MODULE WbLink
     PROC say(string text)
         VAR string body;
 
-        said_number:=said_number+1;
+        said_number:=said_number MOD 9999+1;
         body:=digits(said_number,4)+" "+text;
         IF StrLen(body)>WB_TEXT body:=StrPart(body,1,WB_TEXT);
         WHILE StrLen(body)<WB_TEXT DO

@@ -4,7 +4,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from workbench.formats.grasp_edits import add_grasps
+from workbench.formats.grasp_files import add_grasps
 from workbench.formats.parts import read_grasps
 from workbench.formats.shipped import find
 from workbench.model.errors import FileError
@@ -27,6 +27,8 @@ def grasp(name: str) -> Grasp:
         arms=("left",),
         free_rotation=0.5,
         tool="cup",
+        tilt=0.2,
+        slide=0.012,
     )
 
 
@@ -44,11 +46,26 @@ def test_what_is_added_is_read_again_and_the_rest_stays(tmp_path):
     assert len(library.grasps) == 18
     read, given = library.grasps[15], grasp("new")
     assert np.allclose(read.T_part_tcp.homogeneous, given.T_part_tcp.homogeneous, atol=1e-6)
-    for key in ("opening", "grip", "approach_length", "retreat_length", "free_rotation"):
+    for key in (
+        "opening",
+        "grip",
+        "approach_length",
+        "retreat_length",
+        "free_rotation",
+        "tilt",
+        "slide",
+    ):
         assert getattr(read, key) == pytest.approx(getattr(given, key), abs=1e-6)
     assert (read.priority, read.is_enabled, read.arms, read.tool) == (3, False, ("left",), "cup")
     assert read.approach == pytest.approx(given.approach)
     assert read.retreat == pytest.approx(given.retreat)
+
+
+def test_a_name_of_a_pattern_is_taken(tmp_path):
+    """A pattern holds no grasp of its own name, and yet the name is that of an entry."""
+    path = tmp_path / "grasps.toml"
+    path.write_text((find("parts", "keyed_cylinder") / "grasps.toml").read_text())
+    assert add_grasps(path, [grasp("side")]) == ("side-2",)
 
 
 def test_a_file_that_is_not_there_is_made(tmp_path):

@@ -1,0 +1,33 @@
+"""TCP connections to a controller: for motion, and for what it reports."""
+
+import socket
+
+from workbench.model.errors import LinkError
+
+CONNECT_SECONDS = 3.0
+
+POLL_SECONDS = 0.05
+"""How long reading waits for bytes before it gives up with `TimeoutError`."""
+
+KEEPALIVE = {"TCP_KEEPIDLE": 1, "TCP_KEEPINTVL": 1, "TCP_KEEPCNT": 3, "TCP_USER_TIMEOUT": 5000}
+"""[s, s, times, ms] So that the system, too, notices a machine that is gone."""
+
+
+def connected(host: str, port: int, does: str) -> socket.socket:
+    """A connection to a controller; `does` says in the message what nobody does there.
+
+    Raises:
+        LinkError: nobody answers.
+    """
+    try:
+        link = socket.create_connection((host, port), CONNECT_SECONDS)
+    except (OSError, UnicodeError) as error:  # UnicodeError: a name that no host can have
+        reason = getattr(error, "strerror", None) or error
+        raise LinkError(f"no controller {does} at {host}:{port} ({reason})") from None
+    link.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+    link.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
+    for option, value in KEEPALIVE.items():
+        if hasattr(socket, option):  # not every system has all of them
+            link.setsockopt(socket.IPPROTO_TCP, getattr(socket, option), value)
+    link.settimeout(POLL_SECONDS)
+    return link
