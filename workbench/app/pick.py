@@ -186,6 +186,9 @@ def _judged(
 
 def _summary(candidates: tuple[Candidate, ...]) -> Verdict:
     """Why nothing works: the refusal of the candidate that got furthest."""
+    if not candidates:
+        note = "the parts found have no grasp for any arm; author one first"
+        return Verdict(Reason.DISABLED, Stage.PROPOSE, note=note)
     stages = list(Stage)
     late = next((c.verdict for c in candidates if c.verdict.reason is Reason.OUT_OF_TIME), None)
     return late or max((c.verdict for c in candidates), key=lambda v: stages.index(v.stage))
