@@ -23,6 +23,7 @@ from workbench.app.commands import (
 from workbench.app.outcomes import AVOID_SCANS, MOST_FAILURES, avoided_parts
 from workbench.app.state import Phase
 from workbench.model.errors import CommandRefused
+from workbench.model.release import PartReport
 from workbench.model.scan import Detection
 
 
@@ -146,6 +147,23 @@ def test_failures_in_a_row_stop_the_cycle_until_somebody_has_looked(line, sample
     assert "3 picks in a row have failed" in refused(line, TakeScan())
     state = line.do(AcknowledgeFault())
     assert (state.phase, state.failures) == (Phase.IDLE, 0)
+
+
+def test_a_failure_that_a_person_has_reported_before_the_link_counts_once(line, samples):
+    line.do(TakeScan())
+    line.ended(samples.scan())
+    line.do(FindParts())
+    line.ended(samples.detections())
+    line.do(MakePlan())
+    digest = line.ended(samples.planned(line.state.scene_digest)).plan.digest
+    line.do(WatchPlan(digest))
+    line.do(Approve(digest))
+    line.do(SendPlan(digest))
+    line.do(ReportPick(0, False, "it fell"), "bob")
+    state = line.do(LinkEnded(parts=(PartReport("right", 0, False, "no vacuum"),)))
+    assert (state.failures, len(state.avoided)) == (1, 1)
+    (outcome,) = state.outcomes
+    assert (outcome.by, outcome.why) == ("bob", "it fell")
 
 
 def test_a_picked_part_breaks_the_row(line, samples):

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from workbench.app.commands import LinkEnded, ReportPick
-from workbench.app.outcomes import escalated, with_outcome
+from workbench.app.outcomes import escalated, outcome_problem, with_outcome
 from workbench.app.rights import ROBOT_LINK
 from workbench.app.state import Phase, State, counted
 from workbench.model.cell import Cell
@@ -49,7 +49,9 @@ def after_sending(state: State, ended: LinkEnded, at: float) -> State:
     for part in ended.parts:
         if part.is_picked is not None:
             said = ReportPick(part.detection, part.is_picked, part.why)
-            state = with_outcome(state, said, ROBOT_LINK, at)
+            # What somebody has reported meanwhile is not counted a second time.
+            if not outcome_problem(state, said):
+                state = with_outcome(state, said, ROBOT_LINK, at)
     state = replace(state, parts_placed=ended.parts_placed, part_reports=ended.parts)
     if ended.fault:
         message = f"fault while sending: {ended.fault}"
