@@ -278,12 +278,14 @@ class ReleaseControl:
 class CellRead:
     """The cell file was read: what it holds now, or why that cannot be used.
 
-    `is_saved`: it was written before, by this session.
+    `is_saved`: this session had written it before, from the cell with the digest `written` (empty
+    in older sessions, which did not record it).
     """
 
     cell: Cell | None = None
     problem: str = ""
     is_saved: bool = False
+    written: str = ""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
