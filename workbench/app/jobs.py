@@ -133,7 +133,13 @@ class Jobs:
             self._worker.kill()
 
     def _replace_worker(self) -> None:
-        self._worker, self._unable = self._make_worker(), None
+        self._unable = None
+        try:
+            self._worker = self._make_worker()
+        except OSError as error:  # no memory or no process left
+            self._worker = None
+            problem = f"the worker process cannot be started: {error}"
+            self._refuse_waiting(WorkbenchError(problem))
 
     def _wait_and_listen(self) -> None:
         sources = [self._bell]
@@ -175,6 +181,12 @@ class Jobs:
             message = worker.receive()
         except (EOFError, OSError):
             self._bury()
+            return
+        except Exception as error:
+            # Unpacking runs the code of what was packed, which may raise anything.
+            log.exception("an answer of the worker process cannot be read")
+            problem = "the answer of the worker process cannot be read: "
+            self._running_ended(WorkbenchError(f"{problem}{type(error).__name__}: {error}"))
             return
         match message:
             case Ready():
