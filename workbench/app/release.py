@@ -3,6 +3,7 @@
 Pure functions; `rules` and the page ask them.
 """
 
+import math
 import unicodedata
 from collections.abc import Mapping
 from dataclasses import replace
@@ -119,9 +120,13 @@ def moved_away(cell: Cell, plan: Plan, joints: Mapping[str, float]) -> str:
         q = start_of(cell, plan, arm.name)
         for axis, place in enumerate(arm.wire_order):
             reported = joints.get(arm.joints[place])
-            if reported is not None and abs(reported - q[place]) > worst:
-                worst = float(abs(reported - q[place]))
-                where = f"axis {axis + 1} of the {arm.name} arm"
+            if reported is None:
+                continue
+            name = f"axis {axis + 1} of the {arm.name} arm"
+            if not math.isfinite(reported):
+                return f"nobody knows where the robot stands: {name} is reported at {reported}"
+            if abs(reported - q[place]) > worst:
+                worst, where = float(abs(reported - q[place])), name
     if worst <= MOVED:
         return ""
     return (
