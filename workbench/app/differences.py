@@ -32,7 +32,7 @@ def _differences(before: Cell, after: Cell) -> Iterator[str]:
     yield from _moved("the scanner", before.scanner.T_world_scanner, after.scanner.T_world_scanner)
     were = {fixture.name: fixture for fixture in before.fixtures}
     are = {fixture.name: fixture for fixture in after.fixtures}
-    for name in were.keys() | are.keys():
+    for name in were | are:
         if name not in are:
             yield f"{name} was taken away"
         elif name not in were:
