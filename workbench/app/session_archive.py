@@ -128,8 +128,11 @@ def import_session(path: Path, root: Path) -> Path:
         FileError: the zip file is not one of a session, or the folder is there already.
         JournalError: the journal is not whole.
     """
-    target = root / re.sub(r"[^\w.-]", "_", path.stem).lstrip(".")
-    if target.exists() or not target.name:
+    name = re.sub(r"[^\w.-]", "_", path.stem).lstrip(".")
+    if not name:
+        raise FileError(path, "has no name that a folder could have; rename the zip file")
+    target = root / name
+    if target.exists():
         raise FileError(target, "is there already; rename the zip file to take it beside")
     with unpacked_beside(path, root) as place:
         names = [file.relative_to(place).as_posix() for file in place.rglob("*") if file.is_file()]
