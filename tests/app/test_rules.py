@@ -87,7 +87,7 @@ def test_every_obstacle_is_a_sentence_and_no_obstacle_means_the_table_says_so(ce
 
 
 def test_nothing_but_reports_passes_beside_a_running_task_except_to_cancel_it(planned):
-    busy = dataclasses.replace(planned, job=Job(3, "plan", "digest"))
+    busy = dataclasses.replace(planned, job=Job(3, "plan"))
     free = {command for command in RIGHTS if not obstacle(busy, command)}
     assert free == {CancelJob, JobEnded, PosesRefused, WantThreshold} | CONTROL
     assert "'plan' ends or is cancelled" in refusal(busy, Approve(planned.plan.digest))

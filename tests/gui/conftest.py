@@ -110,7 +110,7 @@ def states(cell: Cell, scan: Scan, detections, result: PlanResult) -> States:
         sending=sending,
         done=replace(sending, phase=Phase.DONE, parts_placed=2),
         fault=replace(sending, phase=Phase.FAULT, fault="the controller closed the link"),
-        planning=replace(localized, job=Job(7, "plan", "0"), message="planning"),
+        planning=replace(localized, job=Job(7, "plan"), message="planning"),
     )
 
 
