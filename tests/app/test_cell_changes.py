@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from idle import Idle
 
 from workbench.app.bench import Bench
 from workbench.app.cell_changes import MOST_UNDO
@@ -203,23 +204,14 @@ def test_a_cell_comes_back_from_the_journal(name):
 
 
 def test_a_session_with_changes_is_computed_again(cell, tmp_path):
-    class NoEffects:
-        live = None
-
-        def run(self, effect):
-            pass
-
-        def close(self):
-            pass
-
-    bench = Bench(cell, Journal(tmp_path / "s"), effects=lambda *_: NoEffects())
+    bench = Bench(cell, Journal(tmp_path / "s"), effects=Idle)
     bench.do(ChangeCell(with_bin_at(cell, 0.5), "moved"), "ada")
     bench.do(ChangeCell(with_bin_at(cell, 0.6), "moved"), "ada")
     bench.do(UndoCell(), "ada")
     *_, (_, last) = replay(bench._journal, cell)
     assert last.cell.digest == bench.state.cell.digest == with_bin_at(cell, 0.5).digest
     bench.close()
-    again = Bench(cell, Journal(tmp_path / "s"), effects=lambda *_: NoEffects())
+    again = Bench(cell, Journal(tmp_path / "s"), effects=Idle)
     assert again.state.cell.digest == with_bin_at(cell, 0.5).digest
     again.close()
 

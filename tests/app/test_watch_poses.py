@@ -7,10 +7,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from idle import Idle
 
 from workbench.app.bench import Bench
 from workbench.app.commands import CancelJob, ChangeCell, TakeScan, UseDetections
-from workbench.app.live import Live
 from workbench.app.rights import POSES_FOLDER
 from workbench.app.rules import allowed
 from workbench.app.state import State
@@ -23,19 +23,6 @@ from workbench.model.geometry import pose_from_rpy
 from workbench.model.scan import Detection
 
 PATIENCE = 30.0
-
-
-class Idle:
-    """Effects that do nothing."""
-
-    def __init__(self, cell, do, now):
-        self.live = Live()
-
-    def run(self, effect):
-        pass
-
-    def close(self):
-        pass
 
 
 @pytest.fixture

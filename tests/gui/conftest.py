@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
+from idle import Idle
 
 from workbench.app.bench import Bench
 from workbench.app.commands import PlanResult
@@ -134,22 +135,9 @@ def in_utc(monkeypatch):
     time.tzset()
 
 
-class Nothing:
-    """Effects that are not carried out."""
-
-    def __init__(self, cell, do, now):
-        self.live = Live()
-
-    def run(self, effect):
-        pass
-
-    def close(self):
-        pass
-
-
 @pytest.fixture
 def bench(cell, tmp_path):
     """That records and decides, and moves nothing."""
-    bench = Bench(cell, Journal(tmp_path), effects=Nothing)
+    bench = Bench(cell, Journal(tmp_path), effects=Idle)
     yield bench
     bench.close()
