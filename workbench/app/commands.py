@@ -107,7 +107,7 @@ class MakePlan:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class WantThreshold:
-    """A threshold [m] is wanted; while it is not that of the plan, the plan is stale."""
+    """A person wants this threshold [m]; while the plan has another one, the plan is stale."""
 
     threshold: float
 

@@ -41,7 +41,7 @@ GRACE = 0.3
 """How long [s] a cancelled job may take to end by itself."""
 
 ATTEMPTS = 3
-"""So often a worker is replaced that died before it was ready, until a job asks again."""
+"""Workers in a row that may die before they are ready; after that a job has to ask for one."""
 
 Ended = Callable[[int, Any], None]
 """Told the number of a job and its result, or the `WorkbenchError` that ended it."""

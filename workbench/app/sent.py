@@ -44,7 +44,7 @@ def after_sending(state: State, ended: LinkEnded, at: float) -> State:
         at: when [s since the epoch].
     """
     if state.plan is not None:
-        # After a fault nobody knows: where a part may lie, none is put.
+        # After a fault nobody knows: no other part is put where one may lie.
         state = replace(state, placed=(*state.placed, *_put_down(state.cell, state.plan)))
     for part in ended.parts:
         if part.is_picked is not None:

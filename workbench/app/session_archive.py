@@ -141,7 +141,7 @@ def import_session(path: Path, root: Path) -> Path:
                 raise FileError(path, f"is not a session's: it holds {name!r}")
         check_journal(path, place)
         place.rename(target)
-        # What the block takes away when it ends.
+        # The block removes a folder of this name when it ends.
         place.mkdir()
     return target
 
@@ -150,7 +150,8 @@ def check_journal(path: Path, folder: Path) -> None:
     """Look whether an unpacked folder holds the whole journal of a session.
 
     Raises:
-        FileError: it holds none, or what else a database can hold; named after `path`.
+        FileError: it holds none, or a database with other tables or triggers; the message names
+            `path`.
         JournalError: the journal is not whole.
     """
     if not (folder / DATABASE).is_file() or is_foreign(folder / DATABASE):

@@ -156,7 +156,7 @@ class State:
 
 
 def anew(state: State, phase: Phase = Phase.IDLE, **fields: Any) -> State:
-    """The state with its cell, all that is about it, who is in control, and what is given."""
+    """A new state with `fields`, which keeps the cell, what is counted, and who is in control."""
     return State(
         state.cell,
         phase,

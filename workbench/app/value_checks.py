@@ -1,7 +1,7 @@
 """Whether the values of a command can be used at all: finite, in range, known, near enough.
 
-Whoever calls has looked at nothing: a value may be of any type, since browsers and programs send
-what they like.
+Callers have checked nothing: a value may be of any type, since browsers and programs send what
+they like.
 """
 
 from typing import Any

@@ -109,7 +109,7 @@ def plan(
 ) -> PlanResult:
     """Candidates, plan and proof for `detections` in `scan`, if there is one; see `plan_pick`."""
     scan, detections = arguments["scan"], arguments["detections"]
-    report(0.0, "looking for what nobody modelled")
+    report(0.0, "looking for obstacles that no model explains")
     seen = () if scan is None else unexplained(cell, scan, detections)
     return plan_pick(
         cell,

@@ -13,7 +13,7 @@ ANY_TURN = np.deg2rad(30.0)
 """[rad] A part that looks alike at any turn is taken at turns this far apart."""
 
 SAME_PLACE, SAME_TURN = 5e-4, np.deg2rad(0.5)
-"""[m, rad] Grips that differ by less are one."""
+"""[m, rad] Grips that differ by less are the same."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
