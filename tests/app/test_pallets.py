@@ -97,7 +97,7 @@ def test_a_person_says_that_the_pallets_are_empty(cell):
 
 def test_a_part_on_a_pallet_that_the_cell_has_lost_is_told_of(cell):
     placed = (Detection("brick", pose_from_rpy((0, 0, 0))),)
-    with pytest.raises(InputError, match="brick lies on a pallet .* empty the pallets"):
+    with pytest.raises(InputError, match=r"brick lies on a pallet .* empty the pallets"):
         boxes_around(cell, placed)
 
 
