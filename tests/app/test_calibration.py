@@ -17,6 +17,7 @@ from workbench.app.commands import ChangeCell, JobEnded, SightPlate, UndoCell, U
 from workbench.app.live import Live
 from workbench.app.recompute import recomputed
 from workbench.app.rights import WORKER
+from workbench.app.value_checks import MOST_SIGHTINGS
 from workbench.app.work import JOBS
 from workbench.formats.cells import read_cell
 from workbench.journal.journal import Journal
@@ -127,6 +128,15 @@ def test_poses_stay_when_the_cell_changes_and_a_calibration_is_undone(bench, sig
     assert state.cell.scanner.calibration is not None and len(state.sightings) == 5
     state = bench.do(UndoCell(), "ada")
     assert state.cell.digest == before and state.cell.scanner.calibration is None
+
+
+def test_so_many_poses_are_taken_and_no_more(bench, poses, sightings):
+    many = tuple(replace(sightings[0], name=f"pose {k}") for k in range(MOST_SIGHTINGS))
+    bench.do(UseSightings(many, "from elsewhere"), "ada")
+    with pytest.raises(CommandRefused, match="remove one of them first"):
+        bench.do(SightPlate("right", poses[0], PLATE), "ada")
+    bench.do(UseSightings(many[1:], "pose 0 is removed"), "ada")
+    assert bench.do(SightPlate("right", poses[0], PLATE), "ada").job is not None
 
 
 @pytest.mark.parametrize(

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from idle import Idle
 
 from workbench.app.bench import Bench
 from workbench.app.cell_changes import MOST_UNDO
@@ -133,6 +134,17 @@ def test_saving_writes_the_cell_and_the_file_answers(approved):
     assert saved.scan is moved.scan
 
 
+def test_a_change_made_while_the_cell_is_written_is_kept(approved):
+    moved, _ = after(approved, ChangeCell(with_bin_at(approved.cell, 0.5), "moved"))
+    saving, effects = after(moved, SaveCell(""))
+    written = effects[0].cell
+    meanwhile, _ = after(saving, ChangeCell(with_bin_at(approved.cell, 0.6), "moved again"))
+    saved, _ = after(meanwhile, CellRead(written, is_saved=True, written=written.digest), CELL_FILE)
+    assert saved.cell is meanwhile.cell
+    assert saved.saved == written.digest, "the newer change is not in the file"
+    assert "without what was changed meanwhile" in saved.message
+
+
 def test_a_file_that_others_wrote_is_a_change_and_can_be_undone(approved):
     other = with_bin_at(approved.cell, 0.7)
     state, _ = after(approved, CellRead(other), CELL_FILE)
@@ -192,23 +204,14 @@ def test_a_cell_comes_back_from_the_journal(name):
 
 
 def test_a_session_with_changes_is_computed_again(cell, tmp_path):
-    class NoEffects:
-        live = None
-
-        def run(self, effect):
-            pass
-
-        def close(self):
-            pass
-
-    bench = Bench(cell, Journal(tmp_path / "s"), effects=lambda *_: NoEffects())
+    bench = Bench(cell, Journal(tmp_path / "s"), effects=Idle)
     bench.do(ChangeCell(with_bin_at(cell, 0.5), "moved"), "ada")
     bench.do(ChangeCell(with_bin_at(cell, 0.6), "moved"), "ada")
     bench.do(UndoCell(), "ada")
     *_, (_, last) = replay(bench._journal, cell)
     assert last.cell.digest == bench.state.cell.digest == with_bin_at(cell, 0.5).digest
     bench.close()
-    again = Bench(cell, Journal(tmp_path / "s"), effects=lambda *_: NoEffects())
+    again = Bench(cell, Journal(tmp_path / "s"), effects=Idle)
     assert again.state.cell.digest == with_bin_at(cell, 0.5).digest
     again.close()
 
@@ -232,6 +235,17 @@ def wait_for(condition) -> None:
     while not condition():
         assert time.monotonic() < until
         time.sleep(0.01)
+
+
+@pytest.mark.parametrize("name", ["arm.STL", "arm.dae", "arm.glb", "taught.pcd"])
+def test_every_kind_of_mesh_is_watched(tmp_path, cell, name):
+    watch = CellWatch(tmp_path / "cell.toml", Noted(State(cell)), every=60.0)
+    try:
+        before = watch._stamp()
+        (tmp_path / name).write_text("a mesh")
+        assert watch._stamp() != before
+    finally:
+        watch.close()
 
 
 def test_the_file_is_read_again_when_it_was_written(tmp_path):

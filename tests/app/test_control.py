@@ -7,6 +7,7 @@ import typing
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from idle import Idle
 
 from workbench.app.bench import Bench
 from workbench.app.commands import (
@@ -27,7 +28,6 @@ from workbench.app.commands import (
 )
 from workbench.app.control import MOST_ASKING, ControlCommand
 from workbench.app.decide import decide
-from workbench.app.live import Live
 from workbench.app.people import Role
 from workbench.app.record import command_form, entry_of, entry_record
 from workbench.app.replay import replay
@@ -39,19 +39,6 @@ from workbench.model.errors import CommandRefused, JobCancelled, JournalError, N
 
 NOW = 1_000_000.0
 PEOPLE = {"Ada": Role.ENGINEER, "Bob": Role.OPERATOR, "Cleo": Role.OPERATOR, "Vic": Role.VIEWER}
-
-
-class Nothing:
-    """Effects that are not carried out."""
-
-    def __init__(self, cell, do, now):
-        self.live = Live()
-
-    def run(self, effect):
-        pass
-
-    def close(self):
-        pass
 
 
 def after(state: State, command, actor: str, role: Role | None = None) -> State:
@@ -221,7 +208,7 @@ def test_what_a_role_may_never_do_is_told_apart_from_what_is_not_in_order_now(id
 
 
 def test_role_and_control_are_recorded_and_asked_again(cell, tmp_path):
-    bench = Bench(cell, Journal(tmp_path), now=lambda: NOW, effects=Nothing)
+    bench = Bench(cell, Journal(tmp_path), now=lambda: NOW, effects=Idle)
     bench.do(TakeControl(), "Bob", Role.OPERATOR)
     with pytest.raises(CommandRefused, match="Bob is in control"):
         bench.do(TakeScan(), "Ada", Role.ENGINEER)
@@ -230,6 +217,6 @@ def test_role_and_control_are_recorded_and_asked_again(cell, tmp_path):
     journal = Journal(tmp_path)
     entries = [entry for entry, _ in replay(journal, cell)]
     assert [(entry.actor, entry.role) for entry in entries] == [("Bob", Role.OPERATOR)] * 2
-    again = Bench(cell, journal, now=lambda: NOW, effects=Nothing)
+    again = Bench(cell, journal, now=lambda: NOW, effects=Idle)
     assert again.state.control == "Bob", "a bench that begins again has not forgotten"
     again.close()

@@ -119,9 +119,39 @@ def test_an_accident_becomes_one_sentence_and_a_traceback_in_the_log(
     assert "Traceback" in caplog.text
 
 
+def test_a_result_that_cannot_be_unpacked_ends_its_job_and_the_next_one_runs(
+    jobs, listener, caplog
+):
+    jobs.start(1, "bring_a_trap", {})
+    number, error = listener.result()
+    assert (number, type(error)) == (1, WorkbenchError)
+    assert "the answer of the worker process cannot be read: ValueError" in str(error)
+    assert worker_of(jobs, listener) in workers()
+
+
+def test_a_worker_that_cannot_be_started_refuses_the_job(jobs, listener, monkeypatch):
+    before = worker_of(jobs, listener)
+
+    def refuse(process):
+        raise BlockingIOError("no more processes")
+
+    monkeypatch.setattr(multiprocessing.context.SpawnProcess, "start", refuse)
+    jobs.start(1, "die", {})
+    assert "exit code 7" in str(listener.result()[1])
+    jobs.start(2, "echo", {})
+    number, error = listener.result()
+    assert (number, type(error)) == (2, WorkbenchError)
+    assert "cannot be started: no more processes" in str(error)
+    monkeypatch.undo()
+    monkeypatch.syspath_prepend(HERE)
+    assert worker_of(jobs, listener) != before
+
+
 def test_an_unknown_job_is_refused_with_those_there_are(jobs, listener):
     jobs.start(1, "dance", {})
-    assert "there is no task 'dance'; there are bring_nonsense, count" in str(listener.result()[1])
+    assert "there is no task 'dance'; there are bring_a_trap, bring_nonsense" in str(
+        listener.result()[1]
+    )
 
 
 def test_a_polite_job_ends_when_cancelled_and_its_process_lives_on(jobs, listener):

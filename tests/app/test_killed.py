@@ -11,9 +11,9 @@ from os import kill
 from pathlib import Path
 
 import pytest
+from idle import Idle
 
 from workbench.app.bench import Bench
-from workbench.app.live import Live
 from workbench.app.state import Phase
 from workbench.devices.abb_simulated import SimulatedController
 from workbench.journal.journal import Journal
@@ -23,19 +23,6 @@ KILLS = 60
 SESSIONS = 6
 LONGEST = 0.3
 """[s] A process lives at most so long from where it has taken up the session."""
-
-
-class Idle:
-    """Effects that do nothing."""
-
-    def __init__(self, cell, do, now):
-        self.live = Live()
-
-    def run(self, effect):
-        pass
-
-    def close(self):
-        pass
 
 
 @pytest.fixture

@@ -6,6 +6,7 @@ stands, and the journal holds every message.
 
 import dataclasses
 import re
+import socket
 import threading
 import time
 
@@ -232,6 +233,30 @@ def test_a_good_cycle_tells_of_every_part(rig, strategy):
 def test_both_arms_at_once_are_refused_by_a_protocol_that_cannot_say_it(rig):
     with pytest.raises(CommandRefused, match="or use a controller that speaks abb-socket/2"):
         rig(OLD, strategy="coordinated")
+
+
+def test_joints_that_only_the_link_reports_are_not_shown_once_it_is_closed(rig):
+    one = rig(NEW, speed=20)
+    with socket.create_server(("127.0.0.1", 0)) as closed:
+        port = closed.getsockname()[1]
+    silent = dataclasses.replace(one.bench.cell.controller, state_port=port)
+    told, shown, moved = [], {}, []
+
+    def show(**changes):
+        shown.update(changes)
+        moved.append(bool(shown.get("joints")))
+
+    link = RobotLink(
+        dataclasses.replace(one.bench.cell, controller=silent),
+        lambda command, actor: told.append(command),
+        time.time,
+        show,
+    )
+    link.send(one.plan, one.state.approval)
+    until(lambda: any(isinstance(command, LinkEnded) for command in told))
+    link.close()
+    assert any(moved), "while it was sent the joints were shown"
+    assert shown["joints"] == {}, "nobody knows where the robot is moved to from now on"
 
 
 @pytest.mark.parametrize("protocol", [OLD, NEW])

@@ -14,6 +14,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from idle import Idle
 
 from workbench.app.bench import Bench
 from workbench.app.commands import (
@@ -30,7 +31,6 @@ from workbench.app.commands import (
     UseScan,
     WatchPlan,
 )
-from workbench.app.live import Live
 from workbench.app.machines import Machines
 from workbench.app.replay import replay
 from workbench.app.state import Phase
@@ -45,19 +45,6 @@ PATIENCE = 30
 """How long [s] a test waits for what has to happen; far more than it takes."""
 
 MESSAGES = ["startR#", "inR#*30.00*", "outR#*60.00*", "stopR#"]
-
-
-class Idle:
-    """Effects that do nothing."""
-
-    def __init__(self, cell, do, now):
-        self.live = Live()
-
-    def run(self, effect):
-        pass
-
-    def close(self):
-        pass
 
 
 def until(condition):

@@ -23,6 +23,7 @@ from workbench.app.commands import (
 from workbench.app.outcomes import AVOID_SCANS, MOST_FAILURES, avoided_parts
 from workbench.app.state import Phase
 from workbench.model.errors import CommandRefused
+from workbench.model.release import PartReport
 from workbench.model.scan import Detection
 
 
@@ -31,18 +32,22 @@ def line(cell) -> Line:
     return Line(cell)
 
 
-def cycle(line, samples) -> None:
-    """One whole cycle, all of it well as far as the controller knows."""
+def send(line, samples) -> None:
+    """A cycle until its plan is on its way."""
     line.do(TakeScan())
-    scan = samples.scan()
-    line.ended(scan)
+    line.ended(samples.scan())
     line.do(FindParts())
     line.ended(samples.detections())
     line.do(MakePlan())
-    digest = line.ended(samples.planned(scan.digest)).plan.digest
+    digest = line.ended(samples.planned(line.state.scene_digest)).plan.digest
     line.do(WatchPlan(digest))
     line.do(Approve(digest))
     line.do(SendPlan(digest))
+
+
+def cycle(line, samples) -> None:
+    """One whole cycle, all of it well as far as the controller knows."""
+    send(line, samples)
     line.do(LinkEnded(parts_placed=1))
 
 
@@ -148,6 +153,15 @@ def test_failures_in_a_row_stop_the_cycle_until_somebody_has_looked(line, sample
     assert (state.phase, state.failures) == (Phase.IDLE, 0)
 
 
+def test_a_failure_that_a_person_has_reported_before_the_link_counts_once(line, samples):
+    send(line, samples)
+    line.do(ReportPick(0, False, "it fell"), "bob")
+    state = line.do(LinkEnded(parts=(PartReport("right", 0, False, "no vacuum"),)))
+    assert (state.failures, len(state.avoided)) == (1, 1)
+    (outcome,) = state.outcomes
+    assert (outcome.by, outcome.why) == ("bob", "it fell")
+
+
 def test_a_picked_part_breaks_the_row(line, samples):
     for is_picked in (False, False, True, False):
         cycle(line, samples)
@@ -159,14 +173,6 @@ def test_what_a_gripper_says_while_sending_stops_the_cycle_at_its_end(line, samp
     for _ in range(MOST_FAILURES - 1):
         cycle(line, samples)
         line.do(ReportPick(0, False))
-    line.do(TakeScan())
-    line.ended(samples.scan())
-    line.do(FindParts())
-    line.ended(samples.detections())
-    line.do(MakePlan())
-    digest = line.ended(samples.planned(line.state.scene_digest)).plan.digest
-    line.do(WatchPlan(digest))
-    line.do(Approve(digest))
-    line.do(SendPlan(digest))
+    send(line, samples)
     assert line.do(ReportPick(0, False, "no vacuum"), "robot link").phase is Phase.SENDING
     assert line.do(LinkEnded()).phase is Phase.FAULT

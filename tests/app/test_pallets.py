@@ -14,7 +14,7 @@ from workbench.app.state import Phase, State
 from workbench.app.work import boxes_around
 from workbench.formats.cells import read_cell
 from workbench.formats.shipped import find
-from workbench.model.errors import CommandRefused, FileError
+from workbench.model.errors import CommandRefused, FileError, InputError
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.scan import Detection
 
@@ -93,6 +93,12 @@ def test_a_person_says_that_the_pallets_are_empty(cell):
     assert after.placed == () and effects == ()
     with pytest.raises(CommandRefused, match="empty already"):
         allowed(after, EmptyPallets(), "ada", 1.0)
+
+
+def test_a_part_on_a_pallet_that_the_cell_has_lost_is_told_of(cell):
+    placed = (Detection("brick", pose_from_rpy((0, 0, 0))),)
+    with pytest.raises(InputError, match=r"brick lies on a pallet .* empty the pallets"):
+        boxes_around(cell, placed)
 
 
 def test_an_arm_with_trays_leaves_nothing_behind():

@@ -30,7 +30,7 @@ from workbench.formats.part_saves import DRAFT, draft_of, versions
 from workbench.formats.shipped import find
 from workbench.model.digest import canonical, digest_of
 from workbench.model.errors import CommandRefused
-from workbench.model.part import GraspPair, Symmetry
+from workbench.model.part import GraspPair, GraspPattern, Symmetry
 from workbench.model.part_edits import grasp_of, with_grasp
 
 
@@ -125,6 +125,23 @@ def test_names_stay_unique_and_unknown_parts_are_refused(localized):
         allowed(localized, EditPart(part.name), "ada", 1.0)
     with pytest.raises(CommandRefused, match="turns are needed"):
         allowed(localized, EditPart(part.name, symmetry=Symmetry(fold=-1)), "ada", 1.0)
+
+
+@pytest.mark.parametrize("axis", [(0, 0, 2), (0, 0, 0), (np.nan, 0, 1)])
+def test_an_axis_of_symmetry_that_is_no_direction_is_refused(localized, axis):
+    symmetry = Symmetry(np.array(axis, dtype=float))
+    with pytest.raises(CommandRefused, match="a unit axis"):
+        allowed(localized, EditPart("peg", symmetry=symmetry), "ada", 1.0)
+
+
+@pytest.mark.parametrize(("copies", "fold"), [(100_000, 1), (100, 360)])
+def test_more_grasps_than_can_be_tried_are_refused(localized, copies, fold):
+    entry = replace(grasp_of(localized.cell.parts[0].library.entries[0]), name="new")
+    many = tuple(np.linspace(0.0, 0.1, copies))
+    pattern = GraspPattern(entry, np.array([0.0, 0.0, 1.0]), offsets=many)
+    symmetry = Symmetry(fold=fold)
+    with pytest.raises(CommandRefused, match="10,000 are allowed"):
+        allowed(localized, EditPart("peg", (), (pattern,), symmetry=symmetry), "ada", 1.0)
 
 
 def test_pairs_follow_names_and_vanish_with_their_grasps(localized):

@@ -249,6 +249,11 @@ def test_a_state_other_than_recorded_ends_the_replay(journal, cell, samples):
             b'{"at": 1, "actor": "a", "command": {"number": 1, "result": {}}, "after": {}}',
         ),
         ("JobEnded", b'{"at": 1, "actor": "a", "command": 7, "after": {}}'),
+        (
+            "JobEnded",
+            b'{"at": 1, "actor": "a", "command": {"number": 1, "result": 7}, "after": {}}',
+        ),
+        ("Stop", b"[" * 100_000),
     ],
 )
 def test_a_record_that_nobody_can_read_is_named_by_its_number(kind, body):

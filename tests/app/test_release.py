@@ -198,6 +198,13 @@ def test_a_robot_elsewhere_makes_the_plan_stale_and_says_by_how_much(watched, de
     assert watched.do(SendPlan(digest)).phase is Phase.SENDING
 
 
+def test_a_joint_whose_report_is_no_number_does_not_let_a_plan_out(watched):
+    digest = watched.state.plan.digest
+    watched.do(Approve(digest))
+    watched.joints = {"joint_1": float("nan")}
+    assert "axis 1 of the right arm" in refused(watched, SendPlan(digest))
+
+
 def test_joints_that_nobody_reports_are_not_compared(line):
     assert moved_away(line.state.cell, line.state.plan, {"other": 3.0}) == ""
 

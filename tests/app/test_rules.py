@@ -87,7 +87,7 @@ def test_every_obstacle_is_a_sentence_and_no_obstacle_means_the_table_says_so(ce
 
 
 def test_nothing_but_reports_passes_beside_a_running_task_except_to_cancel_it(planned):
-    busy = dataclasses.replace(planned, job=Job(3, "plan", "digest"))
+    busy = dataclasses.replace(planned, job=Job(3, "plan"))
     free = {command for command in RIGHTS if not obstacle(busy, command)}
     assert free == {CancelJob, JobEnded, PosesRefused, WantThreshold} | CONTROL
     assert "'plan' ends or is cancelled" in refusal(busy, Approve(planned.plan.digest))
@@ -138,7 +138,7 @@ def test_impossible_numbers_of_parts_are_refused(cell, parts):
     )
 
 
-@pytest.mark.parametrize("threshold", [-0.01, 1.01, math.nan, math.inf, "0.2", None, True])
+@pytest.mark.parametrize("threshold", [-0.01, 1.01, math.nan, math.inf, 10**400, "0.2", None, True])
 def test_thresholds_outside_of_a_metre_are_refused(planned, threshold):
     assert "threshold must lie between" in refusal(planned, MakePlan(threshold=threshold))
 

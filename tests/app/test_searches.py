@@ -4,28 +4,15 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from idle import Idle
 
 from workbench.app.bench import Bench
 from workbench.app.commands import ChangeCell, FindParts, JobEnded, TakeScan, UseDetections, UseScan
-from workbench.app.live import Live
 from workbench.app.rights import WORKER
 from workbench.journal.journal import Journal
 from workbench.model.errors import CommandRefused
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.search import SearchWishes
-
-
-class Idle:
-    """Effects that do nothing."""
-
-    def __init__(self, cell, do, now):
-        self.live = Live()
-
-    def run(self, effect):
-        pass
-
-    def close(self):
-        pass
 
 
 @pytest.fixture

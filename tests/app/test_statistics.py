@@ -26,7 +26,7 @@ from workbench.app.record import command_form, entry_record
 from workbench.app.statistics import GROUPS, Count, Statistics, csv_text, statistics, together
 from workbench.journal.journal import Row
 from workbench.model.errors import JobCancelled, JournalError
-from workbench.model.release import Receipt
+from workbench.model.release import PartReport, Receipt
 
 
 class Written(Line):
@@ -150,6 +150,50 @@ def test_a_cancelled_task_takes_no_time(written, samples):
     written.do(CancelJob())
     written.do(JobEnded(number, JobCancelled("")))
     assert dict(statistics(written.rows).cycles[0].seconds) == {}
+
+
+def test_a_late_end_of_a_cancelled_task_is_not_taken_for_the_next_one(written, samples):
+    written.do(UseDetections(samples.detections()))
+    late = written.do(MakePlan()).number
+    written.do(CancelJob())
+    written.do(MakePlan(seed=1))
+    written.do(JobEnded(late, samples.refused()))
+    digest = written.ended(samples.planned(written.state.scene_digest)).plan.digest
+    written.do(WatchPlan(digest))
+    written.do(Approve(digest))
+    written.do(SendPlan(digest))
+    written.do(LinkEnded(parts_placed=1))
+    counted = statistics(written.rows)
+    assert counted.refusals == (), "the plan that was cancelled has refused nothing"
+    assert results(counted) == ["picked"]
+    assert counted.cycles[0].seconds["plan"] == 2.0
+
+
+def test_cycles_without_a_scan_are_counted_one_by_one(written, samples):
+    for _ in range(2):
+        written.do(UseDetections(samples.detections()))
+        written.do(UseDetections(samples.detections(), "part-1 was corrected by hand"))
+        written.do(MakePlan())
+        digest = written.ended(samples.planned(written.state.scene_digest)).plan.digest
+        written.do(WatchPlan(digest))
+        written.do(Approve(digest))
+        written.do(SendPlan(digest))
+        written.do(LinkEnded(parts_placed=1))
+    counted = statistics(written.rows)
+    assert [cycle.end for cycle in counted.cycles] == ["done", "done"]
+    assert results(counted) == ["picked", "picked"]
+
+
+@pytest.mark.parametrize("fault", ["", "the link broke"])
+@pytest.mark.parametrize(
+    ("is_picked", "result"), [(True, "picked"), (False, "failed"), (None, "unknown")]
+)
+def test_what_the_controller_told_of_each_part_counts(written, samples, fault, is_picked, result):
+    why = "closed to 0.0 mm" if result == "failed" else ""
+    part = PartReport("right", 0, is_picked, why)
+    written.cycle(samples, LinkEnded(fault, 0, (part,)))
+    ((_, pick),) = statistics(written.rows).picks
+    assert (pick.result, pick.why) == (result, why)
 
 
 def test_counting_goes_on_where_it_was(written, samples):

@@ -1,15 +1,16 @@
 """Poses that another program puts into a folder are taken; broken ones are told of."""
 
 import json
+import os
 import time
 from dataclasses import replace
 
 import numpy as np
 import pytest
+from idle import Idle
 
 from workbench.app.bench import Bench
-from workbench.app.commands import ChangeCell, TakeScan, UseDetections
-from workbench.app.live import Live
+from workbench.app.commands import CancelJob, ChangeCell, TakeScan, UseDetections
 from workbench.app.rights import POSES_FOLDER
 from workbench.app.rules import allowed
 from workbench.app.state import State
@@ -22,19 +23,6 @@ from workbench.model.geometry import pose_from_rpy
 from workbench.model.scan import Detection
 
 PATIENCE = 30.0
-
-
-class Idle:
-    """Effects that do nothing."""
-
-    def __init__(self, cell, do, now):
-        self.live = Live()
-
-    def run(self, effect):
-        pass
-
-    def close(self):
-        pass
 
 
 @pytest.fixture
@@ -135,6 +123,34 @@ def test_poses_of_a_part_that_is_not_known_are_told_of(bench, watch, tmp_path):
     write_poses(tmp_path / "poses" / "nuts.json", (Detection("nut", pose_from_rpy((0, 0, 0))),))
     state = reaches(bench, lambda s: "cannot be used" in s.message)
     assert "has no part 'nut'" in state.message
+
+
+def test_a_cell_without_parts_says_that_the_part_is_not_known(bench, watch, tmp_path):
+    bench.do(ChangeCell(replace(bench.state.cell, parts=()), "no parts"), "ada")
+    (tmp_path / "poses" / "Poses.txt").write_text(halcon((1, 1, 1)))
+    reaches(bench, lambda s: "poses from outside cannot be used: Poses.txt" in s.message)
+
+
+@pytest.mark.parametrize("name", [b"\xff.txt", b"a\nb.txt", b"x" * 240 + b".txt"])
+@pytest.mark.parametrize("content", [halcon((1, 1, 1)), "no poses"])
+def test_a_file_with_a_name_that_cannot_be_recorded_is_read(bench, watch, tmp_path, name, content):
+    (tmp_path / "poses" / os.fsdecode(name)).write_text(content)
+    reaches(bench, lambda s: s.message)
+    assert (bench.state.detections is None) == (content == "no poses")
+
+
+def test_the_newest_of_several_files_is_taken_last(bench, watch, tmp_path):
+    bench.do(TakeScan(), "ada")
+    for number, name in enumerate(("b", "c", "a", "d"), start=1):
+        path = tmp_path / "poses" / f"{name}.txt"
+        path.write_text(halcon((number, 0, 0)))
+        os.utime(path, (number, number))
+    time.sleep(0.3)
+    bench.do(CancelJob(), "ada")
+    reaches(bench, lambda s: len(s.remarks) == 4)
+    assert [one.says for one in bench.state.remarks] == [
+        f"1 pose from {name}.txt" for name in ("b", "c", "a", "d")
+    ]
 
 
 def test_a_folder_that_comes_later_is_watched(bench, watch, tmp_path):

@@ -51,6 +51,14 @@ def bring_nonsense(cell, arguments, report, cancelled):
     return lambda: "functions made here cannot leave the process"
 
 
+def bring_a_trap(cell, arguments, report, cancelled):
+    class Trap:
+        def __reduce__(self):
+            return (int, ("a trap",))
+
+    return Trap()
+
+
 def die(cell, arguments, report, cancelled):
     os._exit(7)
 

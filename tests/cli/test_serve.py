@@ -13,10 +13,10 @@ from http.cookiejar import CookieJar
 from pathlib import Path
 
 import pytest
+from idle import Idle
 
 from workbench.app.bench import Bench
 from workbench.app.commands import UseDetections
-from workbench.app.live import Live
 from workbench.app.people import Role
 from workbench.app.sessions import new_session
 from workbench.formats.cells import read_cell
@@ -69,19 +69,6 @@ def test_the_link_that_is_printed_leads_to_the_page(serving, tmp_path):
     assert file.stat().st_mode & 0o077 == 0
 
 
-class Nothing:
-    """Effects that are not carried out."""
-
-    def __init__(self, cell, do, now):
-        self.live = Live()
-
-    def run(self, effect):
-        pass
-
-    def close(self):
-        pass
-
-
 class TestASessionThatGoesOn:
     @pytest.fixture
     def token(self, tmp_path):
@@ -96,7 +83,7 @@ class TestASessionThatGoesOn:
     def words(self, tmp_path, token):
         cell = read_cell("yumi")
         journal = new_session(tmp_path / "sessions", cell, time.time())
-        bench = Bench(cell, journal, effects=Nothing)
+        bench = Bench(cell, journal, effects=Idle)
         at = cell.bin.T_world_bin * pose_from_rpy((0, 0, 0.03))
         bench.do(UseDetections((Detection("keyed_cylinder", at),)), "Anna")
         bench.close()

@@ -50,6 +50,14 @@ def test_an_exported_session_can_be_read_by_people_and_comes_back(say, example, 
     assert said.code == 2 and "is there already" in said.problem
 
 
+def test_a_zip_file_without_a_name_makes_no_folder(say, example, tmp_path):
+    say("session", "export", example, "--out", tmp_path / "x.zip")
+    (tmp_path / "x.zip").rename(tmp_path / "...zip")
+    said = say("session", "import", tmp_path / "...zip", "--sessions", tmp_path / "there")
+    assert said.code == 2 and "no name that a folder could have" in said.problem
+    assert not (tmp_path / "there").exists()
+
+
 def test_a_page_of_an_exported_scene_is_complete_in_itself(say, example, tmp_path):
     say("session", "export", example, "--out", tmp_path / "x.zip")
     with zipfile.ZipFile(tmp_path / "x.zip") as archive:

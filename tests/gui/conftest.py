@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
+from idle import Idle
 
 from workbench.app.bench import Bench
 from workbench.app.commands import PlanResult
@@ -110,7 +111,7 @@ def states(cell: Cell, scan: Scan, detections, result: PlanResult) -> States:
         sending=sending,
         done=replace(sending, phase=Phase.DONE, parts_placed=2),
         fault=replace(sending, phase=Phase.FAULT, fault="the controller closed the link"),
-        planning=replace(localized, job=Job(7, "plan", "0"), message="planning"),
+        planning=replace(localized, job=Job(7, "plan"), message="planning"),
     )
 
 
@@ -134,22 +135,9 @@ def in_utc(monkeypatch):
     time.tzset()
 
 
-class Nothing:
-    """Effects that are not carried out."""
-
-    def __init__(self, cell, do, now):
-        self.live = Live()
-
-    def run(self, effect):
-        pass
-
-    def close(self):
-        pass
-
-
 @pytest.fixture
 def bench(cell, tmp_path):
     """That records and decides, and moves nothing."""
-    bench = Bench(cell, Journal(tmp_path), effects=Nothing)
+    bench = Bench(cell, Journal(tmp_path), effects=Idle)
     yield bench
     bench.close()

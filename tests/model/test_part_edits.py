@@ -18,6 +18,7 @@ from workbench.model.part import (
     GraspPattern,
     Symmetry,
     is_same_grip,
+    turned,
 )
 from workbench.model.part_edits import edited, free_name, mirrored, names_in
 
@@ -157,3 +158,20 @@ def test_pairs_allow_what_they_name_in_their_order():
     assert not library.allows("a", "p-1-2")
     assert library.allows("a", "b") and library.allows("b", "a")
     assert not library.allows("p-1-1", "b")
+
+
+@pytest.mark.parametrize("fold", [0, 7, 10])
+def test_no_grip_of_a_symmetry_is_left_out_or_there_twice(fold):
+    part = read_part("keyed_cylinder")
+    top = grasp("top", pose_from_rpy((0, 0, 0.04), (np.pi, 0, 0)))
+    symmetric = replace(part, library=replace(part.library, entries=(*part.library.entries, top)))
+    symmetric = replace(symmetric, symmetry=Symmetry(fold=fold))
+    found = list(symmetric.library.grasps)
+    for one in symmetric.library.grasps:
+        for angle in symmetric.symmetry.turns:
+            copy = replace(one, T_part_tcp=turned(symmetric.symmetry.axis, angle) * one.T_part_tcp)
+            if not any(is_same_grip(known, copy) for known in found):
+                found.append(copy)
+    assert len(symmetric.grasps) == len(found)
+    for one, other in zip(symmetric.grasps, found, strict=True):
+        assert np.allclose(one.T_part_tcp.homogeneous, other.T_part_tcp.homogeneous)

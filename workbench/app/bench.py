@@ -1,4 +1,4 @@
-"""The bench: the one place where commands become states, and the only object with a say in it."""
+"""The bench: the one place where commands become states, one at a time and on record."""
 
 import logging
 import threading

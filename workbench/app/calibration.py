@@ -1,4 +1,4 @@
-"""From scans of a held plate to a cell whose scanner hangs where it truly does."""
+"""From scans of a held plate to the scanner's true pose in the cell."""
 
 from collections.abc import Sequence
 from dataclasses import replace

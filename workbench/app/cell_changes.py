@@ -64,8 +64,11 @@ def cell_read(state: State, command: CellRead) -> Changed:
             return replace(state, message=says), (UseCell(kept),)
     if cell.digest == state.cell.digest:
         return replace(state, message="the cell is as in its file"), ()
+    if command.is_saved and command.written not in ("", state.cell.digest):
+        message = "the cell is saved, without what was changed meanwhile: save it again"
+        return replace(state, message=message), ()
     if command.is_saved:
-        # What a file can hold differs from what was shown by less than anybody can see.
+        # Files hold fewer digits: what is read differs from what was saved by rounding only.
         return _with_cell(state, cell, "the cell is saved")
     return changed_cell(state, cell, "the cell file was changed, and is read again")
 

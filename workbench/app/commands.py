@@ -112,7 +112,7 @@ class MakePlan:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class WantThreshold:
-    """A threshold [m] is wanted; while it is not that of the plan, the plan is stale."""
+    """A person wants this threshold [m]; while the plan has another one, the plan is stale."""
 
     threshold: float
 
@@ -283,12 +283,14 @@ class ReleaseControl:
 class CellRead:
     """The cell file was read: what it holds now, or why that cannot be used.
 
-    `is_saved`: it was written before, by this session.
+    `is_saved`: this session had written it before, from the cell with the digest `written` (empty
+    in older sessions, which did not record it).
     """
 
     cell: Cell | None = None
     problem: str = ""
     is_saved: bool = False
+    written: str = ""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -94,7 +94,7 @@ def decide(state: State, entry: Entry) -> Outcome:
     match entry.command:
         case TakeScan(seed=seed, parts=parts, part=part):
             arguments = {"seed": seed, "parts": parts, "part": part}
-            return _begin(state, entry, "scan", arguments, digest_of(arguments), "scanning")
+            return _begin(state, entry, "scan", arguments, "scanning")
         case UseScan(scan=scan):
             return _with_scan(state, scan, entry.at), ()
         case FindParts() as command:
@@ -137,7 +137,7 @@ def decide(state: State, entry: Entry) -> Outcome:
             return edited_cell(state, edit)
         case ImportPart(name=name) as command:
             says = f"making the part {name} of {command.file}"
-            return _begin(state, entry, "import", {"command": command}, command.name, says)
+            return _begin(state, entry, "import", {"command": command}, says)
         case DropDraft(part=part):
             return replace(state, message=f"the draft of {part} is dropped"), (RemoveDraft(part),)
         case EmptyPallets():
@@ -170,12 +170,11 @@ def _begin(
     entry: Entry,
     name: str,
     arguments: Mapping[str, Any],
-    inputs_digest: str,
     message: str,
     **about: Any,
 ) -> Outcome:
     """A job begins; `about` goes into the `Job`, for when it ends."""
-    job = Job(state.number, name, inputs_digest, entry.at, **about)
+    job = Job(state.number, name, entry.at, **about)
     after = replace(without_approval(state), job=job, message=message)
     return after, (StartJob(job.number, name, arguments),)
 
@@ -190,8 +189,7 @@ def _find_parts(state: State, entry: Entry, command: FindParts) -> Outcome:
         raise CommandRefused("there is no scan to find parts in")
     arguments = {"scan": state.scan, "seed": command.seed, "wishes": command.wishes}
     about = {"seed": command.seed, "wishes": command.wishes}
-    digest = state.scan.digest
-    return _begin(state, entry, "localize", arguments, digest, "finding parts", **about)
+    return _begin(state, entry, "localize", arguments, "finding parts", **about)
 
 
 def _sight_plate(state: State, entry: Entry, command: SightPlate) -> Outcome:
@@ -204,8 +202,7 @@ def _sight_plate(state: State, entry: Entry, command: SightPlate) -> Outcome:
         "plate": command.plate,
         "seed": command.seed,
     }
-    inputs_digest = digest_of((state.cell.digest, arguments))
-    return _begin(state, entry, "sight", arguments, inputs_digest, "looking at the plate")
+    return _begin(state, entry, "sight", arguments, "looking at the plate")
 
 
 def _make_plan(state: State, entry: Entry, command: MakePlan) -> Outcome:
@@ -222,10 +219,9 @@ def _make_plan(state: State, entry: Entry, command: MakePlan) -> Outcome:
         "avoided": avoided_parts(state, entry.at),
         "seed": command.seed,
     }
-    inputs_digest = digest_of((state.scene_digest, state.detections))
     state = replace(state, wanted_threshold=command.threshold)
     about = {"threshold": command.threshold}
-    return _begin(state, entry, "plan", arguments, inputs_digest, "planning", **about)
+    return _begin(state, entry, "plan", arguments, "planning", **about)
 
 
 def _approved(state: State, entry: Entry) -> State:

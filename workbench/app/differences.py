@@ -1,4 +1,4 @@
-"""How two cells differ, in words and by how much: what a stale plan is told to people with."""
+"""How two cells differ, in words and by how much: it tells people why a plan is stale."""
 
 from collections.abc import Iterator
 from dataclasses import fields
@@ -15,7 +15,7 @@ MOST_NAMED = 3
 
 
 def difference(before: Cell, after: Cell) -> str:
-    """What is otherwise in the second cell, the first few things by name; empty when nothing is."""
+    """What differs in the second cell, the first few things by name; empty when nothing does."""
     found = list(_differences(before, after))
     if not found and before.digest != after.digest:
         found = ["the cell was changed"]
@@ -32,7 +32,7 @@ def _differences(before: Cell, after: Cell) -> Iterator[str]:
     yield from _moved("the scanner", before.scanner.T_world_scanner, after.scanner.T_world_scanner)
     were = {fixture.name: fixture for fixture in before.fixtures}
     are = {fixture.name: fixture for fixture in after.fixtures}
-    for name in were.keys() | are.keys():
+    for name in were | are:
         if name not in are:
             yield f"{name} was taken away"
         elif name not in were:

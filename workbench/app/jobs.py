@@ -41,7 +41,7 @@ GRACE = 0.3
 """How long [s] a cancelled job may take to end by itself."""
 
 ATTEMPTS = 3
-"""So often a worker is replaced that died before it was ready, until a job asks again."""
+"""Workers in a row that may die before they are ready; after that a job has to ask for one."""
 
 Ended = Callable[[int, Any], None]
 """Told the number of a job and its result, or the `WorkbenchError` that ended it."""
@@ -133,7 +133,13 @@ class Jobs:
             self._worker.kill()
 
     def _replace_worker(self) -> None:
-        self._worker, self._unable = self._make_worker(), None
+        self._unable = None
+        try:
+            self._worker = self._make_worker()
+        except OSError as error:  # no memory or no process left
+            self._worker = None
+            problem = f"the worker process cannot be started: {error}"
+            self._refuse_waiting(WorkbenchError(problem))
 
     def _wait_and_listen(self) -> None:
         sources = [self._bell]
@@ -175,6 +181,12 @@ class Jobs:
             message = worker.receive()
         except (EOFError, OSError):
             self._bury()
+            return
+        except Exception as error:
+            # Unpacking runs the code of what was packed, which may raise anything.
+            log.exception("an answer of the worker process cannot be read")
+            problem = "the answer of the worker process cannot be read: "
+            self._running_ended(WorkbenchError(f"{problem}{type(error).__name__}: {error}"))
             return
         match message:
             case Ready():

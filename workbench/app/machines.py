@@ -66,6 +66,7 @@ class Machines:
         self._now = now
         self._cell_file = cell_file
         self._lock = threading.Lock()
+        self._saving = threading.Lock()
         self._live = Live()
         self._robot = RobotLink(cell, do, now, self._show)
         self._jobs = Jobs(cell, self._job_ended, self._job_progressed, module=module)
@@ -122,28 +123,38 @@ class Machines:
 
     def _write_cell(self, effect: WriteCell) -> None:
         try:
-            if self._cell_file is None:
-                raise InputError("this session has no cell file")
-            names = [part.name for part in effect.cell.parts]
-            folders = part_folders(self._cell_file, names)
-            for part in effect.cell.parts:
-                save_part(
-                    folders[part.name],
-                    read_part(folders[part.name]),
-                    part,
-                    actor=effect.actor,
-                    at=effect.at,
-                    remark=effect.remark,
-                )
-            save_cell(self._cell_file, effect.cell)
-            log_change(self._cell_file, effect.cell, effect.actor, effect.at, effect.remark)
-            command = CellRead(read_cell(self._cell_file), is_saved=True)
+            with self._saving:
+                cell = self._saved(effect)
+            command = CellRead(cell, is_saved=True, written=effect.cell.digest)
         except InputError as error:
             command = CellRead(problem=str(error))
         try:
             self._do(command, CELL_FILE)
         except CommandRefused as error:
             log.error("the cell file was written, but that is not recorded: %s", error)
+
+    def _saved(self, effect: WriteCell) -> Cell:
+        """Write the cell and its parts, and read back what the files hold now.
+
+        Raises:
+            InputError: something cannot be written or read.
+        """
+        if self._cell_file is None:
+            raise InputError("this session has no cell file")
+        folders = part_folders(self._cell_file, [part.name for part in effect.cell.parts])
+        for part in effect.cell.parts:
+            folder = folders[part.name]
+            save_part(
+                folder,
+                read_part(folder),
+                part,
+                actor=effect.actor,
+                at=effect.at,
+                remark=effect.remark,
+            )
+        save_cell(self._cell_file, effect.cell)
+        log_change(self._cell_file, effect.cell, effect.actor, effect.at, effect.remark)
+        return read_cell(self._cell_file)
 
     def _show(self, **changes: Any) -> None:
         with self._lock:

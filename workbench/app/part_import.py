@@ -74,7 +74,7 @@ def make_part(
         report: takes the share done and what is being done.
 
     Raises:
-        InputError: the name is none.
+        InputError: the name cannot be used.
         FileError: the file cannot be used, or the folder is there or cannot be written.
     """
     check_name(name)

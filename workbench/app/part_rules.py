@@ -1,5 +1,6 @@
 """What may be edited about a part: what its files can hold, and nobody has changed meanwhile."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -8,10 +9,13 @@ from workbench.app.commands import EditPart
 from workbench.formats.grasp_files import as_written
 from workbench.model.cell import Cell
 from workbench.model.errors import CommandRefused, InputError
-from workbench.model.part import GraspLibrary, Part
+from workbench.model.part import Entry, GraspLibrary, GraspPattern, Part, Symmetry
 from workbench.model.part_edits import edited
 
 MOST_FOLD = 360
+
+MOST_GRASPS = 10_000
+"""Of one part, with patterns and symmetry written out."""
 
 
 def part_of(cell: Cell, name: str) -> Part:
@@ -47,16 +51,29 @@ def edited_part(part: Part, edit: EditPart) -> Part:
     Raises:
         InputError: what was edited is not there any more, or cannot be kept in a file.
     """
+    symmetry = edit.symmetry or part.symmetry
+    length = float(np.linalg.norm(symmetry.axis))
+    if not 0 <= symmetry.fold <= MOST_FOLD or not abs(length - 1.0) <= 1e-6:
+        raise InputError(
+            f"symmetry: a unit axis and 0 to {MOST_FOLD} turns are needed, "
+            f"not {symmetry.fold} about {symmetry.axis}"
+        )
+    # Counted before anything is written out.
+    _check_count(edit.now, symmetry)
     library = part.library
     if edit.was or edit.now:
         library = edited(library, edit.was, as_written(GraspLibrary(edit.now)).entries)
     if edit.pairs is not None:
         library = as_written(replace(library, pairs=edit.pairs))
-    symmetry = edit.symmetry or part.symmetry
-    length = float(np.linalg.norm(symmetry.axis))
-    if not 0 <= symmetry.fold <= MOST_FOLD or abs(length - 1.0) > 1e-6:
-        raise InputError(
-            f"symmetry: a unit axis and 0 to {MOST_FOLD} turns are needed, "
-            f"not {symmetry.fold} about {symmetry.axis}"
-        )
+    _check_count(library.entries, symmetry)
     return replace(part, library=library, symmetry=symmetry)
+
+
+def _check_count(entries: Sequence[Entry], symmetry: Symmetry) -> None:
+    count = sum(entry.count if isinstance(entry, GraspPattern) else 1 for entry in entries)
+    count *= 1 + len(symmetry.turns)
+    if count > MOST_GRASPS:
+        raise InputError(
+            f"with patterns and symmetry written out there would be {count:,} grasps; "
+            f"{MOST_GRASPS:,} are allowed"
+        )

@@ -62,15 +62,15 @@ def plan_pick(
         scan_digest: what they were found in.
         strategy: one of `STRATEGIES`.
         threshold: [m] distance between the parts; None takes the cell's policy.
-        wishes: what is wanted otherwise than the cell's policy has it.
+        wishes: what this request changes of the cell's policy.
         obstacles: what the scan shows beside the parts.
-        avoided: indices of parts that are left alone for now, and why; they are in the way still.
+        avoided: indices of parts that are left alone for now, and why; they stay obstacles.
         seed: of everything random.
         report: progress.
         cancelled: asked between candidates; True ends the work.
 
     Raises:
-        InputError: no detections, or a strategy that is not known or not to be had.
+        InputError: no detections, or a strategy that is not known or not available.
         JobCancelled: `cancelled` said so.
     """
     if not detections:
@@ -186,6 +186,9 @@ def _judged(
 
 def _summary(candidates: tuple[Candidate, ...]) -> Verdict:
     """Why nothing works: the refusal of the candidate that got furthest."""
+    if not candidates:
+        note = "the parts found have no grasp for any arm; author one first"
+        return Verdict(Reason.DISABLED, Stage.PROPOSE, note=note)
     stages = list(Stage)
     late = next((c.verdict for c in candidates if c.verdict.reason is Reason.OUT_OF_TIME), None)
     return late or max((c.verdict for c in candidates), key=lambda v: stages.index(v.stage))

@@ -142,7 +142,14 @@ def entry_of(
         role = Role(content.get("role", Role.ENGINEER))
         entry = Entry(number, content["at"], content["actor"], command, joints, role)
         return entry, content["after"]
-    except (KeyError, TypeError, ValueError, WorkbenchError) as error:
+    except (
+        AttributeError,
+        KeyError,
+        RecursionError,
+        TypeError,
+        ValueError,
+        WorkbenchError,
+    ) as error:
         raise JournalError(f"entry {number} ({kind}) cannot be read: {error}") from error
 
 

@@ -1,8 +1,10 @@
-"""What has to be so before a plan goes out, beside digests that agree: eyes, words, the robot.
+"""What must hold before a plan goes out, besides digests that agree.
 
-Pure functions; `rules` and the page ask them.
+It was watched to its end, enough people have approved it, its threshold is still the one wanted,
+and the robot stands where it starts.  Pure functions; `rules` and the page ask them.
 """
 
+import math
 import unicodedata
 from collections.abc import Mapping
 from dataclasses import replace
@@ -51,7 +53,7 @@ def words_of_others(state: State, actor: str, now: float) -> tuple[Word, ...]:
 
 
 def without_approval(state: State) -> State:
-    """Whoever asks for something newer has taken back the word for what is there."""
+    """The state without approval: who asks for something newer takes back every word given."""
     phase = Phase.PLANNED if state.phase is Phase.APPROVED else state.phase
     return replace(state, phase=phase, approval=None, words=())
 
@@ -68,7 +70,7 @@ def lacks_people(cell: Cell, approval: Approval) -> str:
 
 
 def said_already(state: State, actor: str, now: float) -> str:
-    """Why another word of a person would not help: somebody else's is missing; or empty."""
+    """Why a person need not approve again while somebody else's word is missing; else empty."""
     wanted = state.cell.approvers
     mine = any(is_same_person(word.actor, actor) for word in standing_words(state, now))
     if not mine or len(words_of_others(state, actor, now)) + 1 >= wanted:
@@ -94,7 +96,7 @@ def overtaken(state: State, plan: Plan, joints: Mapping[str, float]) -> str:
 
 
 def other_threshold(state: State) -> str:
-    """By how much the threshold is not that of the plan any more; empty when it is."""
+    """Why the threshold wanted is no longer that of the plan; empty when it is."""
     planned, wanted = state.planned_threshold, state.wanted_threshold
     if planned is None or wanted is None or abs(planned - wanted) < SAME_THRESHOLD:
         return ""
@@ -119,9 +121,13 @@ def moved_away(cell: Cell, plan: Plan, joints: Mapping[str, float]) -> str:
         q = start_of(cell, plan, arm.name)
         for axis, place in enumerate(arm.wire_order):
             reported = joints.get(arm.joints[place])
-            if reported is not None and abs(reported - q[place]) > worst:
-                worst = float(abs(reported - q[place]))
-                where = f"axis {axis + 1} of the {arm.name} arm"
+            if reported is None:
+                continue
+            name = f"axis {axis + 1} of the {arm.name} arm"
+            if not math.isfinite(reported):
+                return f"nobody knows where the robot stands: {name} is reported at {reported}"
+            if abs(reported - q[place]) > worst:
+                worst, where = float(abs(reported - q[place])), name
     if worst <= MOVED:
         return ""
     return (

@@ -48,7 +48,7 @@ CELL_FILE = "cell file"
 POSES_FOLDER = "poses folder"
 FRONT_DOOR = "front door"
 MACHINES = frozenset({WORKER, ROBOT_LINK, CELL_FILE, POSES_FOLDER, FRONT_DOOR})
-"""Actors that are no persons; only they report what happened, and they may do nothing else."""
+"""Actors that are not people; only they report what happened, and they may do nothing else."""
 
 NOBODY = "operator"
 """Who acts in a browser without a login; an approval always has a name of its own."""
@@ -61,9 +61,9 @@ SAFE = EVERY - {Phase.SENDING, Phase.FAULT}
 class Right:
     """When a command is in order; `says` names it in refusals, `otherwise` what is missing.
 
-    Commands are people's, but for those `by_machine` alone and those by anybody who knows.
-    `also_by` is a machine that may give a command of people.  `role` is the least one that a
-    person needs.  While somebody is in control, a command is theirs alone unless it passes
+    People give commands, except those `by_machine`; those `by_anybody` come from both.  `also_by`
+    is the one machine that may give a command of people.  `role` is the least one that a person
+    needs.  While somebody is in control, a command is theirs alone unless it passes
     `without_control`.
     """
 
@@ -168,7 +168,7 @@ def what_is_missing(state: State, command: type) -> str:
 
 
 def lacks_right(state: State, command: type, actor: str, role: Role) -> str:
-    """Why a command of this type is not this person's now; empty when it is.
+    """Why this person may not give a command of this type now; empty when they may.
 
     Like `obstacle` it looks at nothing but the type, so the page can ask it for every button.
 

@@ -202,7 +202,12 @@ class RobotLink:
     def _show_link(self, status: LinkStatus) -> None:
         self._status = status
         self._show(link=status)
-        if self._report is None and status.joints:
+        if self._report is not None or not status.joints:
+            return
+        if status.phase == "closed":
+            # From now on nobody reports where the robot is moved to.
+            self._show(joints={}, robot="")
+        else:
             words = f"{status.phase}, step {status.step} of {status.steps}"
             self._show(joints=self._by_joint(status.joints), robot=words)
 

@@ -124,6 +124,10 @@ def allowed(
         case SightPlate(arm=arm, q=q, seed=seed):
             check_integer("seed", seed, 0, SEED_LIMIT - 1)
             check_configuration(state.cell, arm, q)
+            if len(state.sightings) >= MOST_SIGHTINGS:
+                raise CommandRefused(
+                    f"up to {MOST_SIGHTINGS} poses are taken; remove one of them first"
+                )
         case UseSightings(sightings=sightings, says=says):
             check_text("says", says)
             if len(sightings) > MOST_SIGHTINGS:

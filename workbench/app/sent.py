@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from workbench.app.commands import LinkEnded, ReportPick
-from workbench.app.outcomes import escalated, with_outcome
+from workbench.app.outcomes import escalated, outcome_problem, with_outcome
 from workbench.app.rights import ROBOT_LINK
 from workbench.app.state import Phase, State, counted
 from workbench.model.cell import Cell
@@ -44,12 +44,14 @@ def after_sending(state: State, ended: LinkEnded, at: float) -> State:
         at: when [s since the epoch].
     """
     if state.plan is not None:
-        # After a fault nobody knows: where a part may lie, none is put.
+        # After a fault nobody knows: no other part is put where one may lie.
         state = replace(state, placed=(*state.placed, *_put_down(state.cell, state.plan)))
     for part in ended.parts:
         if part.is_picked is not None:
             said = ReportPick(part.detection, part.is_picked, part.why)
-            state = with_outcome(state, said, ROBOT_LINK, at)
+            # What somebody has reported meanwhile is not counted a second time.
+            if not outcome_problem(state, said):
+                state = with_outcome(state, said, ROBOT_LINK, at)
     state = replace(state, parts_placed=ended.parts_placed, part_reports=ended.parts)
     if ended.fault:
         message = f"fault while sending: {ended.fault}"

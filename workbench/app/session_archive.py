@@ -128,8 +128,11 @@ def import_session(path: Path, root: Path) -> Path:
         FileError: the zip file is not one of a session, or the folder is there already.
         JournalError: the journal is not whole.
     """
-    target = root / re.sub(r"[^\w.-]", "_", path.stem).lstrip(".")
-    if target.exists() or not target.name:
+    name = re.sub(r"[^\w.-]", "_", path.stem).lstrip(".")
+    if not name:
+        raise FileError(path, "has no name that a folder could have; rename the zip file")
+    target = root / name
+    if target.exists():
         raise FileError(target, "is there already; rename the zip file to take it beside")
     with unpacked_beside(path, root) as place:
         names = [file.relative_to(place).as_posix() for file in place.rglob("*") if file.is_file()]
@@ -138,7 +141,7 @@ def import_session(path: Path, root: Path) -> Path:
                 raise FileError(path, f"is not a session's: it holds {name!r}")
         check_journal(path, place)
         place.rename(target)
-        # What the block takes away when it ends.
+        # The block removes a folder of this name when it ends.
         place.mkdir()
     return target
 
@@ -147,7 +150,8 @@ def check_journal(path: Path, folder: Path) -> None:
     """Look whether an unpacked folder holds the whole journal of a session.
 
     Raises:
-        FileError: it holds none, or what else a database can hold; named after `path`.
+        FileError: it holds none, or a database with other tables or triggers; the message names
+            `path`.
         JournalError: the journal is not whole.
     """
     if not (folder / DATABASE).is_file() or is_foreign(folder / DATABASE):

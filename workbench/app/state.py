@@ -31,14 +31,12 @@ class Phase(enum.StrEnum):
 class Job:
     """Long work under way in the worker process.
 
-    `number` is that of the entry that began it, `at` [s since the epoch] when, `inputs_digest`
-    covers what it works on; `threshold` [m] is that of a planning.  A search for parts has its
-    `seed` and `wishes`.
+    `number` is that of the entry that began it, `at` [s since the epoch] when; `threshold` [m] is
+    that of a planning.  A search for parts has its `seed` and `wishes`.
     """
 
     number: int
     name: str
-    inputs_digest: str
     at: float = 0.0
     threshold: float | None = None
     seed: int = 0
@@ -158,7 +156,7 @@ class State:
 
 
 def anew(state: State, phase: Phase = Phase.IDLE, **fields: Any) -> State:
-    """The state with its cell, all that is about it, who is in control, and what is given."""
+    """A new state with `fields`, which keeps the cell, what is counted, and who is in control."""
     return State(
         state.cell,
         phase,

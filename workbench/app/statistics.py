@@ -15,6 +15,7 @@ from statistics import median
 from typing import Any, Literal
 
 from workbench.app.commands import (
+    CancelJob,
     FindParts,
     JobEnded,
     LinkEnded,
@@ -32,12 +33,24 @@ from workbench.model.errors import JournalError
 Result = Literal["picked", "failed", "unknown"]
 
 SCANS = frozenset({TakeScan.__name__, UseScan.__name__})
-"""A cycle begins with one of these."""
+"""A cycle begins with one of these, or with poses from outside after the one before has ended."""
 
 COUNTED = SCANS | {
     kind.__name__
-    for kind in (FindParts, UseDetections, MakePlan, JobEnded, SendPlan, LinkEnded, ReportPick)
+    for kind in (
+        FindParts,
+        UseDetections,
+        MakePlan,
+        CancelJob,
+        JobEnded,
+        SendPlan,
+        LinkEnded,
+        ReportPick,
+    )
 }
+
+NOTHING_BEGUN = ("", 0.0, 0)
+"""Tasks have the numbers of entries, which begin with 1."""
 
 STAGES = ("scan", "find parts", "plan", "approve", "send")
 
@@ -163,7 +176,8 @@ class Count:
         """Number of the last entry that was counted."""
         self._cycles: list[CycleRecord] = []
         self._refusals: Counter[str] = Counter()
-        self._begun: tuple[str, float] = ("", 0.0)
+        # The stage under way, since when, and the number of its task.
+        self._begun: tuple[str, float, int] = NOTHING_BEGUN
         self._parts: tuple[str, ...] = ()
         self._judged: Uses = NO_USES
 
@@ -180,7 +194,7 @@ class Count:
             try:
                 body = json.loads(row.body)
                 self._take(row.kind, row.number, float(body["at"]), body["command"])
-            except (KeyError, IndexError, TypeError, ValueError) as error:
+            except (AttributeError, LookupError, TypeError, ValueError) as error:
                 raise JournalError(
                     f"entry {row.number} ({row.kind}) cannot be read: {error!r}"
                 ) from error
@@ -193,18 +207,21 @@ class Count:
     def _take(self, kind: str, number: int, at: float, command: Any) -> None:
         if kind in SCANS:
             self._cycles.append(CycleRecord(number, at, at))
-            self._begun = ("scan", at)
+            self._begun = ("scan", at, number)
             return
-        if not self._cycles:
-            # Poses from outside, before the first scan.
+        is_sent = bool(self._cycles) and self._cycles[-1].end in ("done", "fault")
+        if not self._cycles or (is_sent and kind == UseDetections.__name__):
+            # Poses from outside, without a scan.
             self._cycles.append(CycleRecord(number, at, at))
         match kind:
             case FindParts.__name__:
-                self._begun = ("find parts", at)
+                self._begun = ("find parts", at, number)
             case UseDetections.__name__:
                 self._found(command["detections"])
             case MakePlan.__name__:
-                self._begun = ("plan", at)
+                self._begun = ("plan", at, number)
+            case CancelJob.__name__:
+                self._begun = NOTHING_BEGUN
             case JobEnded.__name__:
                 self._job_ended(at, command)
             case SendPlan.__name__:
@@ -215,11 +232,11 @@ class Count:
                 self._reported(command)
 
     def _job_ended(self, at: float, command: Any) -> None:
-        stage, began = self._begun
-        if not stage or stage == "approve":
-            return
+        stage, began, number = self._begun
+        if command["number"] != number:
+            return  # the late end of a task that was cancelled, or a task that is not counted
         result = command["result"]
-        self._begun = ("", at)
+        self._begun = NOTHING_BEGUN
         if "error" in result:
             return
         self._took(stage, began, at)
@@ -250,30 +267,34 @@ class Count:
             for arm in plan["arms"]
         )
         self._change(end="", strategy=plan["strategy"], picks=picks, until=at)
-        self._begun = ("approve", at)
+        self._begun = ("approve", at, 0)
 
     def _sent(self, at: float) -> None:
-        stage, began = self._begun
+        stage, began, _ = self._begun
         if stage == "approve":
             self._took(stage, began, at)
-        self._begun = ("send", at)
+        self._begun = ("send", at, 0)
 
     def _link_ended(self, at: float, command: Any) -> None:
         self._took("send", self._begun[1], at)
+        # The controller's word on each part, where its protocol has one.
+        for part in command.get("parts", ()):
+            if part["is_picked"] is not None:
+                self._reported(part)
         picks = self._cycles[-1].picks
         if not command["fault"] and command["parts_placed"] == len(picks):
-            # The controller's word, unless somebody says otherwise.
+            # It has counted every part, unless somebody says otherwise.
             picks = tuple(
                 pick if pick.result != "unknown" else replace(pick, result="picked")
                 for pick in picks
             )
         self._change(end="fault" if command["fault"] else "done", picks=picks, until=at)
 
-    def _reported(self, command: Any) -> None:
-        result: Result = "picked" if command["is_picked"] else "failed"
+    def _reported(self, report: Any) -> None:
+        result: Result = "picked" if report["is_picked"] else "failed"
         picks = tuple(
-            replace(pick, result=result, why=command["why"])
-            if pick.detection == command["detection"]
+            replace(pick, result=result, why=report["why"])
+            if pick.detection == report["detection"] and pick.result != result
             else pick
             for pick in self._cycles[-1].picks
         )

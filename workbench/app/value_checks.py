@@ -1,10 +1,9 @@
 """Whether the values of a command can be used at all: finite, in range, known, near enough.
 
-Whoever calls has looked at nothing: a value may be of any type, since browsers and programs send
-what they like.
+Callers have checked nothing: a value may be of any type, since browsers and programs send what
+they like.
 """
 
-import math
 from typing import Any
 
 import numpy as np
@@ -57,13 +56,13 @@ def check_integer(name: str, value: Any, lowest: int, highest: int) -> None:
 
 
 def check_number(name: str, value: Any, lowest: float, highest: float, unit: str) -> None:
-    """A finite number within these bounds, both included.
+    """A number within these bounds, both included; NaN lies within none.
 
     Raises:
         CommandRefused: it is not.
     """
     is_number = isinstance(value, int | float) and not isinstance(value, bool)
-    if not is_number or not math.isfinite(value) or not lowest <= value <= highest:
+    if not is_number or not lowest <= value <= highest:
         raise CommandRefused(
             f"{name} must lie between {lowest} and {highest} {unit}, not {value!r}"
         )

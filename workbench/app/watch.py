@@ -16,7 +16,10 @@ log = logging.getLogger(__name__)
 EVERY = 0.5
 """[s] Between two looks at the files."""
 
-KINDS = frozenset({".toml", ".urdf", ".srdf", ".stl", ".obj", ".ply"})
+KINDS = frozenset(
+    {".toml", ".urdf", ".srdf", ".stl", ".obj", ".ply", ".glb", ".dae", ".pcd"},
+)
+"""Endings of the files that a cell is read from: tables, robots, meshes."""
 
 Stamp = tuple[tuple[str, int, int], ...]
 """Names, times and sizes of the files."""
@@ -70,7 +73,11 @@ class CellWatch:
         found: list[tuple[str, int, int]] = []
         files = [file for folder in self._folders() for file in sorted(folder.rglob("*"))]
         for file in files:
-            if file.suffix in KINDS and not file.name.startswith(".") and not _is_kept(file):
+            if (
+                file.suffix.lower() in KINDS
+                and not file.name.startswith(".")
+                and not _is_kept(file)
+            ):
                 try:
                     status = file.stat()
                 except OSError:

@@ -8,6 +8,8 @@ from pathlib import Path
 from workbench.app.bench import Bench
 from workbench.app.commands import Command, PosesRefused, UseDetections
 from workbench.app.rights import POSES_FOLDER
+from workbench.app.state import counted
+from workbench.app.value_checks import LONGEST_NAME
 from workbench.formats.poses import read_poses
 from workbench.model.cell import PosesFolder
 from workbench.model.errors import CommandRefused, InputError
@@ -84,7 +86,8 @@ class PosesWatch:
             self._done, self._seen = files, {}
         self._folder = folder
         now = time.monotonic()
-        for path, stamp in files.items():
+        # The newest one last, so that what is older does not take its place.
+        for path, stamp in sorted(files.items(), key=lambda file: file[1]):
             if self._done.get(path) == stamp:
                 continue
             known, since = self._seen.get(path, (None, now))
@@ -101,10 +104,11 @@ class PosesWatch:
         parts = self._bench.state.cell.parts
         command: Command
         try:
-            detections = read_poses(path, folder.part or parts[0].name)
-            command = UseDetections(detections, f"{len(detections)} poses from {path.name}")
+            detections = read_poses(path, folder.part or (parts[0].name if parts else ""))
+            says = f"{counted(len(detections), 'pose')} from {_told(path.name, LONGEST_NAME)}"
+            command = UseDetections(detections, says)
         except InputError as error:
-            command = PosesRefused(str(error)[:MOST_TOLD])
+            command = PosesRefused(_told(str(error)))
         try:
             self._bench.do(command, POSES_FOLDER)
         except CommandRefused as error:
@@ -118,10 +122,15 @@ class PosesWatch:
         if self._bench.state.job is not None:
             return False
         try:
-            self._bench.do(PosesRefused(f"{path.name}: {error}"[:MOST_TOLD]), POSES_FOLDER)
+            self._bench.do(PosesRefused(_told(f"{path.name}: {error}")), POSES_FOLDER)
         except CommandRefused as second:
             log.error("poses cannot be used: %s", second)
         return True
+
+
+def _told(text: str, longest: int = MOST_TOLD) -> str:
+    """A text that can be recorded and shown, whatever the name of the file in it holds."""
+    return "".join(letter if letter.isprintable() else "?" for letter in text[:longest])
 
 
 def _files(folder: Path) -> dict[Path, Stamp]:

@@ -95,9 +95,19 @@ def import_part(
 
 
 def boxes_around(cell: Cell, placed: Sequence[Detection]) -> tuple[Obstacle, ...]:
-    """Parts that have been put down, as obstacles."""
+    """Parts that have been put down, as obstacles.
+
+    Raises:
+        InputError: one of them is of a part that the cell does not have any more.
+    """
     boxes: list[Obstacle] = []
+    known = {part.name for part in cell.parts}
     for one in placed:
+        if one.part not in known:
+            raise InputError(
+                f"a part {one.part} lies on a pallet and the cell does not know that part any "
+                "more; take it away and empty the pallets"
+            )
         points = cell.part(one.part).mesh.points
         low, high = points.min(axis=0), points.max(axis=0)
         T_part_box = pin.SE3(np.eye(3), (low + high) / 2)
@@ -110,7 +120,7 @@ def plan(
 ) -> PlanResult:
     """Candidates, plan and proof for `detections` in `scan`, if there is one; see `plan_pick`."""
     scan, detections = arguments["scan"], arguments["detections"]
-    report(0.0, "looking for what nobody modelled")
+    report(0.0, "looking for obstacles that no model explains")
     seen = () if scan is None else unexplained(cell, scan, detections)
     return plan_pick(
         cell,

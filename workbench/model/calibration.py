@@ -98,7 +98,8 @@ class PoseResidual:
 class CalibrationRecord:
     """What a cell remembers of its calibration.
 
-    `at` whole seconds since the epoch, `by` whom, from how many `poses`, `rms` [m] of the balls.
+    `at` in whole seconds since the epoch, `by` the person who took it over, the number of `poses`
+    used, `rms` [m] of the balls.
     """
 
     at: float
@@ -113,7 +114,7 @@ class Calibration:
 
     `T_flange_plate` is how the plate was held.  `rms` [m] over the balls of the poses used;
     `position_error` [m] and `angle_error` [rad] are the standard errors in the direction that the
-    poses tell least of.
+    poses determine least.
     """
 
     T_world_scanner: pin.SE3
@@ -136,5 +137,5 @@ class Calibration:
         return sum(not one.left_out for one in self.residuals)
 
     def record(self, at: float, by: str) -> CalibrationRecord:
-        """What is to be remembered of it: `at` [s since the epoch] somebody has taken it."""
+        """What the cell remembers of it, taken over by a person `at` [s since the epoch]."""
         return CalibrationRecord(float(round(at)), by, self.used, self.rms)

@@ -155,10 +155,10 @@ class ScannerMount:
 
     `resolution` (columns, rows), `field_of_view` [rad] along the columns, `depth_noise` [m]
     standard deviation at 1 m, `near` and `far` [m] the range it measures in.  `source` says where
-    scans come from: from a pile that is made up, from the next file in the folder `address`, or
-    from the page at `address`; `unit` is that of the files, `patience` [s] how long one is waited
-    for.  `calibration` says who has measured the pose and when, None when nobody has; after
-    `calibration_days` it is old.
+    scans come from: a simulated pile, the next file in the folder `address`, or the page at
+    `address`; `unit` is that of the files, `patience` [s] how long to wait for one.  `calibration`
+    says who has measured the pose and when, None when nobody has; after `calibration_days` it
+    counts as old.
     """
 
     T_world_scanner: pin.SE3
@@ -182,7 +182,7 @@ class ScannerMount:
 class PosesFolder:
     """A folder into which another program puts poses of parts.
 
-    `part` names what poses are of whose file does not say it.
+    `part` is the part that is meant where a file does not name one; empty: the cell's first.
     """
 
     path: str
@@ -215,8 +215,8 @@ class Policy:
     stands: a stop against input that nobody foresaw, not a budget.  `order` says which part is
     taken first: that with the least joint travel, the highest, the best score, the nearest to
     the tool, the farthest from the walls, or by the thesis' rules (see `planning.order`).
-    `metric`: when planners measure, each joint counts so much of the one before it; the first
-    ones move more of the arm.
+    `metric` weighs the joints in the planners' distance: each counts this fraction of the one
+    before it, since the first joints move more of the arm.
     """
 
     margin: float = 0.005
@@ -239,7 +239,7 @@ class Policy:
 
 @dataclass(frozen=True, slots=True)
 class Wishes:
-    """What one request may want otherwise than the cell's policy; None: as the cell has it.
+    """What one request changes of the cell's policy; None keeps the cell's value.
 
     A `margin` [m] below the cell's would not be proven: it may only be larger.
     """
@@ -251,7 +251,7 @@ class Wishes:
     metric: float | None = None
 
     def on(self, policy: Policy) -> Policy:
-        """The policy with what is wished."""
+        """The policy with these changes."""
         wished = {field.name: getattr(self, field.name) for field in fields(self)}
         return replace(policy, **{name: v for name, v in wished.items() if v is not None})
 
@@ -261,7 +261,7 @@ class Cell:
     """Everything that a plan depends on besides the scan: one digest covers it all.
 
     Neither the controller's address nor `approvers` is in the digest: where a plan is sent, and
-    how many different people have to approve it, changes nothing in it.
+    how many different people have to approve it, change nothing in it.
     """
 
     name: str

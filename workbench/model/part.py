@@ -13,7 +13,7 @@ ANY_TURN = np.deg2rad(30.0)
 """[rad] A part that looks alike at any turn is taken at turns this far apart."""
 
 SAME_PLACE, SAME_TURN = 5e-4, np.deg2rad(0.5)
-"""[m, rad] Grips that differ by less are one."""
+"""[m, rad] Grips that differ by less are the same."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -216,12 +216,21 @@ def turned(axis: Floats, angle: float, through: Floats | None = None) -> pin.SE3
 
 def _with_symmetry(library: GraspLibrary, symmetry: Symmetry) -> tuple[Grasp, ...]:
     found = list(library.grasps)
+    turns = symmetry.turns
+    # Where the grips found so far are: only those nearby are compared, as a gear has thousands.
+    places = np.empty((len(found) * (1 + len(turns)), 3))
+    for row, grasp in enumerate(found):
+        places[row] = grasp.T_part_tcp.translation
     for grasp in library.grasps:
-        for angle in symmetry.turns:
+        for angle in turns:
             T = turned(symmetry.axis, angle) * grasp.T_part_tcp
             name = f"{grasp.name}{TURNED}{np.rad2deg(angle):.0f}"
             copy = replace(grasp, name=name, T_part_tcp=T)
-            if not any(is_same_grip(known, copy) for known in found):
+            far = np.abs(places[: len(found)] - T.translation).max(axis=1)
+            # In its own frame a grip may differ by SAME_PLACE along each axis.
+            near = np.flatnonzero(far <= 2.0 * SAME_PLACE)
+            if not any(is_same_grip(found[row], copy) for row in near):
+                places[len(found)] = T.translation
                 found.append(copy)
     return tuple(found)
 

@@ -9,7 +9,7 @@ from workbench.model.geometry import put
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Word:
-    """What one person said for a plan, at [s since the epoch]; alone it may not be enough."""
+    """One person's agreement to a plan, `at` [s since the epoch]; a cell may want several."""
 
     plan_digest: str
     actor: str

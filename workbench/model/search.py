@@ -7,7 +7,7 @@ from workbench.model.scan import Detection
 
 @dataclass(frozen=True, slots=True)
 class SearchWishes:
-    """What one search may do otherwise than usual.
+    """How one search differs from the usual.
 
     `detail` is how fine the scan is looked at, 1 being usual: finer finds small features and takes
     longer.  Parts with a score below `least_score` are not taken.

@@ -1,0 +1,16 @@
+"""Effects for a bench that records and decides, and moves nothing."""
+
+from workbench.app.live import Live
+
+
+class Idle:
+    """Effects that are not carried out."""
+
+    def __init__(self, cell, do, now):
+        self.live = Live()
+
+    def run(self, effect):
+        pass
+
+    def close(self):
+        pass
