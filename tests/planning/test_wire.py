@@ -8,7 +8,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from workbench.app.pick import plan_pick
-from workbench.model.scan import Detection
 from workbench.perception.piles import drop_parts
 from workbench.planning.chain import chain_of
 from workbench.planning.wire import WIRE_STEP, limits_on_wire, on_wire
@@ -58,8 +57,7 @@ def uneven(cell):
 
 @pytest.mark.parametrize(("seed", "arm"), [(1, "right"), (24, "left"), (28, "left")])
 def test_a_plan_up_to_a_limit_between_two_steps_is_proven(uneven, seed, arm):
-    part = uneven.parts[0]
-    pile = tuple(Detection(part.name, T) for T in drop_parts(part, uneven.bin, 4, seed=seed))
+    pile = drop_parts(uneven.parts[:1] * 4, uneven.bin, seed=seed)
     result = plan_pick(uneven, pile, "s", strategy=arm, seed=seed)
     assert result.plan is not None and result.proof.holds, result.proof.findings
 

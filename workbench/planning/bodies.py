@@ -197,6 +197,29 @@ def _owner_of(body: Body) -> tuple[str, str]:
             return body.kind, body.owner
 
 
+def _settle_box_size() -> None:
+    """Have Coal take every box as large as it is, whatever is asked of it first.
+
+    The first direction in which a process asks for a box's support decides, for good, whether
+    boxes count as 1 + 1e-10 times their size: so if one of its components is zero (Coal's
+    `getShapeSupport` of a box keeps that factor in a static).  Distances would then differ in
+    their last digits between processes that did different things before.
+    """
+    R = np.array([[0.36, 0.48, -0.8], [-0.8, 0.6, 0.0], [0.48, 0.64, 0.6]])
+    aslant = coal.Transform3s(R, np.array([0.01, 0.02, 0.03]))
+    coal.distance(
+        coal.Cylinder(0.02, 0.05),
+        aslant,
+        coal.Box(np.full(3, 0.1)),
+        coal.Transform3s.Identity(),
+        coal.DistanceRequest(),
+        coal.DistanceResult(),
+    )
+
+
+_settle_box_size()
+
+
 @lru_cache(maxsize=4096)
 def coal_shape(shape: Shape) -> coal.CollisionGeometry:
     """The Coal geometry of a shape; convex meshes become solid, others triangle trees.
