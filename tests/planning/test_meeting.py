@@ -7,7 +7,7 @@ import pytest
 
 from workbench.planning.chain import is_solution
 from workbench.planning.legs import phase_of
-from workbench.planning.meeting import course_of, first_meeting, standing
+from workbench.planning.meeting import Course, first_meeting, standing
 from workbench.planning.motion import RESOLUTION, curves_of, segment
 from workbench.planning.pairing import Phase
 
@@ -41,7 +41,7 @@ def between(world, state) -> float:
 
 def courses_of(world, paths):
     columns = world.kinematics.columns
-    return [course_of(columns[arm], curves_of(path, 0.0)) for arm, path in paths.items()]
+    return [Course(columns[arm], curves_of(path, 0.0).points) for arm, path in paths.items()]
 
 
 @pytest.mark.parametrize("seed", range(30))
@@ -81,7 +81,7 @@ def test_one_that_stands_is_met_by_one_that_comes(both, cell, result):
     answers, residuals = chain.solve(T_world_tcp, starts)
     goal = answers[is_solution(residuals)][0]
     columns, base = both.kinematics.columns, both.configuration({})
-    way = course_of(columns["left"], [segment(np.asarray(cell.arm("left").home), goal)])
+    way = Course(columns["left"], segment(np.asarray(cell.arm("left").home), goal).points)
     met = first_meeting(both, base, standing(columns["right"], there), way)
     assert met is not None
     assert {label.split("_")[0].split()[0] for label in met.contact.pair} == {"right", "left"}

@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from workbench.planning.execution import RoundedPolyline, timed
-from workbench.planning.motion import RESOLUTION, curves_of, first_contact, segment
+from workbench.planning.motion import RESOLUTION, chain_contact, curves_of, segment
 from workbench.planning.pairing import Phase
 from workbench.planning.world import World
 
@@ -17,13 +17,15 @@ from workbench.planning.world import World
 def test_curves_join_and_are_those_that_are_timed(seed, zone, count):
     path = np.random.default_rng(seed).uniform(-2.0, 2.0, (count, 3))
     curves = curves_of(path, zone)
-    assert np.array_equal(curves[0].points[0], path[0])
-    assert np.array_equal(curves[-1].points[-1], path[-1])
-    for a, b in itertools.pairwise(curves):
-        np.testing.assert_allclose(a.points[-1], b.points[0], atol=1e-12)
+    assert np.array_equal(curves.points[0, 0], path[0])
+    assert np.array_equal(curves.points[-1, -1], path[-1])
+    for a, b in itertools.pairwise(curves.points):
+        np.testing.assert_allclose(a[-1], b[0], atol=1e-12)
+    assert len(curves.waypoints) == len(curves.points)
     rounded = RoundedPolyline(path, zone)
-    for curve in curves:
-        a, b, c = curve.points
+    for points, waypoint in zip(curves.points, curves.waypoints, strict=True):
+        a, b, c = points
+        assert 0 <= waypoint < count - 1
         middle = (a + 2 * b + c) / 4
         dense = rounded(np.linspace(0.0, count - 1.0, 400 * (count - 1) + 1))
         assert np.linalg.norm(dense - middle, axis=1).min() < 0.02
@@ -54,7 +56,7 @@ def test_a_motion_through_an_obstacle_is_found_between_clear_ends(world, cell):
         ends = [world.contact(world.configuration({"right": q})) for q in (a, b)]
         if any(ends):
             continue
-        found = first_contact(world, columns, base, segment(a, b))
+        found = chain_contact(world, columns, base, segment(a, b))
         rooms = [
             world.worst(world.configuration({"right": a + s * (b - a)}), 0.01)[1]
             for s in np.linspace(0.0, 1.0, 200)
@@ -63,12 +65,12 @@ def test_a_motion_through_an_obstacle_is_found_between_clear_ends(world, cell):
             assert found is not None, "dense sampling sees a contact that the bound missed"
         if found is not None:
             blocked += 1
-            contact, q = found
+            contact, q, _ = found
             assert contact.distance < contact.margin
             assert world.contact(world.configuration({"right": q})) is not None
     assert blocked > 5
     assert (
-        first_contact(world, columns, base, segment(np.asarray(arm.home), np.asarray(arm.home)))
+        chain_contact(world, columns, base, segment(np.asarray(arm.home), np.asarray(arm.home)))
         is None
     )
 
@@ -86,10 +88,10 @@ def test_compiled_and_measured_checks_agree(cell, detections):
         for world in (fast, measured):
             world.enter(Phase(frozenset({name}), {name: 0.03}))
             base = world.configuration({})
-            found.append(first_contact(world, columns, base, segment(start, end)))
+            found.append(chain_contact(world, columns, base, segment(start, end)))
         assert (found[0] is None) == (found[1] is None)
         if found[0] is not None:
-            contact, _ = found[0]
+            contact, *_ = found[0]
             assert contact.distance < contact.margin + 1e-6
             met += 1
     assert 20 < met < 110

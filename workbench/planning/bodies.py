@@ -211,7 +211,7 @@ def _settle_box_size() -> None:
         coal.Cylinder(0.02, 0.05),
         aslant,
         coal.Box(np.full(3, 0.1)),
-        coal.Transform3s.Identity(),
+        coal.Transform3s(np.eye(3), np.zeros(3)),
         coal.DistanceRequest(),
         coal.DistanceResult(),
     )

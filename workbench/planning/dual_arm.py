@@ -27,8 +27,8 @@ from workbench.model.geometry import Floats
 from workbench.model.plan import LEG_NAMES, ArmPlan, Guarantee, Leg, LegName, Plan, Step, Strategy
 from workbench.planning.in_step import in_step
 from workbench.planning.legs import HOLDING, Run, phase_of
-from workbench.planning.meeting import Course, Meeting, course_of, first_meeting, standing
-from workbench.planning.motion import Curve, chain_contact, curves_of
+from workbench.planning.meeting import Course, Meeting, first_meeting, standing
+from workbench.planning.motion import Curves, chain_contact, curves_of
 from workbench.planning.order import Cost
 from workbench.planning.route import MOTIONS, arm_plan, leg_of
 from workbench.planning.search import joint_weights, searched
@@ -249,7 +249,7 @@ def _enter(world: World, pair: Pair) -> None:
 
 def _course(world: World, task: Task) -> Course:
     curves = curves_of(np.asarray(task.leg.q), world.policy.zone)
-    return course_of(world.kinematics.columns[task.plan.arm], curves)
+    return Course(world.kinematics.columns[task.plan.arm], curves.points)
 
 
 def _met(world: World, pair: Pair) -> Meeting | None:
@@ -273,7 +273,7 @@ def _around(world: World, pair: Pair, rng: np.random.Generator) -> Iterator[Pair
         alone = world.alone(task.plan.arm)
 
         def check(
-            curves: Sequence[Curve],
+            curves: Curves,
             base: Floats = base,
             columns: np.ndarray = columns,
             alone: np.ndarray = alone,
@@ -282,7 +282,7 @@ def _around(world: World, pair: Pair, rng: np.random.Generator) -> Iterator[Pair
             found = chain_contact(world, columns, base, curves, among=alone)
             if found is not None:
                 return found[:2]
-            met = first_meeting(world, base, course_of(columns, curves), way)
+            met = first_meeting(world, base, Course(columns, curves.points), way)
             return None if met is None else (met.contact, met.q[0])
 
         chain, weights = world.chains[task.plan.arm], joint_weights(len(columns), world.policy)

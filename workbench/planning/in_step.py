@@ -1,6 +1,5 @@
 """Two arms as one: a motion of all joints that the controller has to run in step."""
 
-from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -9,7 +8,7 @@ from workbench.model.candidate import Verdict
 from workbench.model.geometry import Floats
 from workbench.model.plan import ArmPlan, Leg, LegName
 from workbench.planning.execution import timed
-from workbench.planning.motion import Curve, chain_contact, curves_of
+from workbench.planning.motion import Curves, chain_contact, curves_of
 from workbench.planning.route import MOTIONS
 from workbench.planning.search import joint_weights, searched
 from workbench.planning.world import Contact, World
@@ -32,7 +31,7 @@ def in_step(
     columns = np.concatenate([world.kinematics.columns[plan.arm] for plan in plans])
     base, policy = world.configuration({}), world.policy
 
-    def check(curves: Sequence[Curve]) -> tuple[Contact, Floats] | None:
+    def check(curves: Curves) -> tuple[Contact, Floats] | None:
         found = chain_contact(world, columns, base, curves)
         return None if found is None else found[:2]
 

@@ -6,14 +6,13 @@ most that the rest of both ways can bring it nearer; otherwise the longer way is
 """
 
 from collections import deque
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numba import njit
 
 from workbench.model.geometry import Floats, Ints
-from workbench.planning.motion import RESOLUTION, Curve, halved
+from workbench.planning.motion import RESOLUTION, halved
 from workbench.planning.world import Contact, World
 
 MOST_LOOKS = 20_000
@@ -35,11 +34,6 @@ class Meeting:
     contact: Contact
     q: tuple[Floats, Floats]
     curves: tuple[int, int]
-
-
-def course_of(columns: Ints, curves: Sequence[Curve]) -> Course:
-    """The way along a chain of curves."""
-    return Course(columns, np.array([curve.points for curve in curves]))
 
 
 def standing(columns: Ints, q: Floats) -> Course:

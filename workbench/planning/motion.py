@@ -10,7 +10,6 @@ each half is looked at.  Below `RESOLUTION` of motion a state counts as itself.
 """
 
 from collections import deque
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -24,67 +23,33 @@ RESOLUTION = 0.0005
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Curve:
-    """A quadratic Bezier curve in joint space: control points (3, n), after which waypoint."""
+class Curves:
+    """A chain of quadratic Bezier curves in joint space.
+
+    `points` (k, 3, n): control points of each; `waypoints` (k,): after which waypoint each lies.
+    """
 
     points: Floats
-    waypoint: int
+    waypoints: Ints
 
 
-def segment(start: Floats, end: Floats, waypoint: int = 0) -> Curve:
-    """The straight curve between two configurations (n,)."""
-    return Curve(np.array([start, (start + end) / 2, end]), waypoint)
+def segment(start: Floats, end: Floats) -> Curves:
+    """The one straight curve between two configurations (n,)."""
+    return Curves(np.array([[start, (start + end) / 2, end]]), np.zeros(1, np.int64))
 
 
-def curves_of(path: Floats, zone: float) -> list[Curve]:
+def curves_of(path: Floats, zone: float) -> Curves:
     """The curves that the controller makes of waypoints (m, n) with zones 0 <= zone < 0.5."""
     steps = np.diff(path, axis=0)
-    last = len(steps) - 1
-    curves: list[Curve] = []
-    for k, step in enumerate(steps):
-        start = path[k] if k == 0 else path[k] + zone * step
-        end = path[k + 1] if k == last else path[k + 1] - zone * step
-        curves.append(segment(start, end, k))
-        if k < last and zone > 0:
-            leave = path[k + 1] + zone * steps[k + 1]
-            curves.append(Curve(np.array([end, path[k + 1], leave]), k))
-    return curves
-
-
-def first_contact(
-    world: World,
-    columns: Ints,
-    base: Floats,
-    curve: Curve,
-    resolution: float = RESOLUTION,
-    among: Ints | None = None,
-) -> tuple[Contact, Floats] | None:
-    """The first contact found along a curve of the joints `columns`, others standing at `base`.
-
-    Only the pairs `among` are looked at, all that count in the phase when it is None.
-
-    Returns:
-        The contact and the arm's configuration (n,) there; None when the whole curve is clear.
-    """
-    contact, left = world.sweep(curve.points, columns, base, resolution, among)
-    if contact is not None or left is None or len(left) == 0:
-        return contact
-    q, d = base.copy(), np.zeros(len(base))
-    # Breadth first: what is in the way is mostly met by the coarse looks already.  A pair that
-    # a look has cleared for the whole curve is not looked at again in its halves.
-    pending: deque[tuple[Floats, Ints | None]] = deque([(curve.points, left)])
-    while pending:
-        points, left_open = pending.popleft()
-        middle, span, left, right = halved(points)
-        q[columns], d[columns] = middle, span
-        met, unclear, move = world.look(q, d, left_open)
-        if met is not None:
-            return met, middle
-        # Where the bound is finer than the resolution, what counts is the state itself.
-        if len(unclear) and move > resolution:
-            pending.append((left, unclear))
-            pending.append((right, unclear))
-    return None
+    starts, ends = path[:-1] + zone * steps, path[1:] - zone * steps
+    starts[0], ends[-1] = path[0], path[-1]
+    straight = np.stack([starts, (starts + ends) / 2, ends], axis=1)
+    if zone <= 0:
+        return Curves(straight, np.arange(len(steps)))
+    points = np.empty((2 * len(steps) - 1, *straight.shape[1:]))
+    points[::2] = straight
+    points[1::2] = np.stack([ends[:-1], path[1:-1], starts[1:]], axis=1)
+    return Curves(points, np.arange(len(points)) // 2)
 
 
 @njit(cache=True)
@@ -111,7 +76,7 @@ def path_contact(
     resolution: float = RESOLUTION,
     among: Ints | None = None,
 ) -> tuple[Contact, Floats, int] | None:
-    """The first contact along waypoints (m, n) as executed, with the waypoint before it."""
+    """The first contact along waypoints (m, n) as executed; see `chain_contact`."""
     return chain_contact(world, columns, base, curves_of(path, zone), resolution, among)
 
 
@@ -119,13 +84,61 @@ def chain_contact(
     world: World,
     columns: Ints,
     base: Floats,
-    curves: Sequence[Curve],
+    curves: Curves,
     resolution: float = RESOLUTION,
     among: Ints | None = None,
 ) -> tuple[Contact, Floats, int] | None:
-    """The first contact along a chain of curves, with the waypoint before it."""
-    for curve in curves:
-        found = first_contact(world, columns, base, curve, resolution, among)
+    """The first contact along a chain of curves of the joints `columns`, others at `base`.
+
+    Only the pairs `among` are looked at, all that count in the phase when it is None.
+
+    Returns:
+        The contact, the arm's configuration (n,) there, and the waypoint before it; None when
+        all of the chain is clear.
+    """
+    first = 0
+    while first < len(curves.points):
+        swept = world.sweep(curves.points[first:], columns, base, resolution, among)
+        stopped = first + swept.clear
+        for k in range(first, stopped):
+            found = _curve_contact(world, columns, base, curves.points[k], resolution, swept.left)
+            if found is not None:
+                return (*found, int(curves.waypoints[k]))
+        if stopped == len(curves.points):
+            return None
+        found = swept.met or _curve_contact(
+            world, columns, base, curves.points[stopped], resolution, among
+        )
         if found is not None:
-            return (*found, curve.waypoint)
+            return (*found, int(curves.waypoints[stopped]))
+        first = stopped + 1
+    return None
+
+
+def _curve_contact(
+    world: World,
+    columns: Ints,
+    base: Floats,
+    points: Floats,
+    resolution: float,
+    among: Ints | None,
+) -> tuple[Contact, Floats] | None:
+    """The first contact along one curve (3, n), every state looked at by Coal."""
+    if among is not None and len(among) == 0:
+        return None
+    q, d = base.copy(), np.zeros(len(base))
+    # Breadth first: what is in the way is mostly met by the coarse looks already.  A pair that
+    # a look has cleared for the whole curve is not looked at again in its halves.
+    pending: deque[tuple[Floats, Ints | None]] = deque([(points, among)])
+    while pending:
+        points, left_open = pending.popleft()
+        middle, span, left, right = halved(points)
+        q[columns], d[columns] = middle, span
+        met, unclear, move = world.look(q, d, left_open)
+        if met is not None:
+            return met, middle
+        # Where the bound is finer than the resolution, what counts is the state itself.
+        if len(unclear) and move > resolution:
+            pending.append((left, unclear))
+            pending.append((right, unclear))
     return None

@@ -13,7 +13,7 @@ from workbench.model.geometry import Floats
 from workbench.model.plan import ArmPlan, Guarantee, Leg, LegName, Plan, Step, Strategy
 from workbench.planning.execution import timed
 from workbench.planning.legs import HOLDING, phase_of
-from workbench.planning.motion import Curve, chain_contact
+from workbench.planning.motion import Curves, chain_contact
 from workbench.planning.search import joint_weights, searched
 from workbench.planning.wire import on_wire
 from workbench.planning.world import Contact, World
@@ -153,7 +153,7 @@ def free_path(
                 Reason.NO_PATH, Stage.ROUTE, contact.pair, contact.distance, q, "at its end"
             )
 
-    def check(curves: Sequence[Curve]) -> tuple[Contact, Floats] | None:
+    def check(curves: Curves) -> tuple[Contact, Floats] | None:
         found = chain_contact(world, columns, base, curves)
         return None if found is None else found[:2]
 

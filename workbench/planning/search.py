@@ -2,14 +2,14 @@
 
 import math
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 
 import numpy as np
 
 from workbench.model.candidate import Reason, Stage, Verdict
 from workbench.model.cell import PlannerName, Policy
 from workbench.model.geometry import Floats
-from workbench.planning.motion import Curve, curves_of, segment
+from workbench.planning.motion import Curves, curves_of, segment
 from workbench.planning.ompl_planners import ompl_planner
 from workbench.planning.planners import (
     EdgeCheck,
@@ -47,7 +47,7 @@ def joint_weights(count: int, policy: Policy) -> Floats:
     return weights * math.sqrt(count / float(weights @ weights))
 
 
-Check = Callable[[Sequence[Curve]], tuple[Contact, Floats] | None]
+Check = Callable[[Curves], tuple[Contact, Floats] | None]
 """Whether a motion is clear: what is met and where, or None."""
 
 
@@ -102,7 +102,7 @@ def edge_check(check: Check, deadline: float = math.inf) -> EdgeCheck:
     def is_clear(a: Floats, b: Floats) -> bool:
         if time.monotonic() > deadline:
             raise _Late
-        return check([segment(a, b)]) is None
+        return check(segment(a, b)) is None
 
     return is_clear
 

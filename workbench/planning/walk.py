@@ -8,7 +8,7 @@ import numpy as np
 from workbench.model.geometry import Floats
 from workbench.model.plan import Finding, Guarantee, Leg, are_in_step
 from workbench.planning.legs import Stretch
-from workbench.planning.meeting import course_of, first_meeting
+from workbench.planning.meeting import Course, first_meeting
 from workbench.planning.motion import curves_of, path_contact
 from workbench.planning.world import Contact, World
 
@@ -100,13 +100,13 @@ def _at_any_speed(world: World, stretch: Stretch, resolution: float) -> Finding 
     met = first_meeting(
         world,
         world.configuration(stretch.standing),
-        course_of(columns[first.arm], curves[0]),
-        course_of(columns[second.arm], curves[1]),
+        Course(columns[first.arm], curves[0].points),
+        Course(columns[second.arm], curves[1].points),
         resolution,
     )
     if met is None:
         return None
-    waypoint = curves[0][met.curves[0]].waypoint
+    waypoint = int(curves[0].waypoints[met.curves[0]])
     finding = _finding(met.contact, first.arm, first_leg, waypoint, met.q[0])
     return Finding(
         f"{finding.problem}, while arm {second.arm} is on its leg {second_leg.name}",

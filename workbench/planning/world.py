@@ -16,7 +16,7 @@ from workbench.planning.chain import Chain, chain_of
 from workbench.planning.gjk import cores_of
 from workbench.planning.kinematics import Kinematics
 from workbench.planning.pairing import Phase, pairing_of
-from workbench.planning.sweep import IS_CLEAR, TOO_LONG, swept
+from workbench.planning.sweep import swept
 
 LOOSENESS = 0.03
 """[m] By about this much the lower bound of a distance falls short; only a matter of speed."""
@@ -29,6 +29,20 @@ class Contact:
     pair: tuple[str, str]
     distance: float
     margin: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Swept:
+    """How far compiled code has come along a chain of curves.
+
+    `clear`: so many curves are clear of all pairs but those in `left`, which have to be looked at
+    otherwise.  On the curve after them is `met`, a contact with the arm's configuration (n,)
+    there; where that is None and a curve remains, all of that one has to be looked at otherwise.
+    """
+
+    clear: int
+    met: tuple[Contact, Floats] | None
+    left: Ints
 
 
 class World:
@@ -180,25 +194,20 @@ class World:
 
     def sweep(
         self, points: Floats, columns: Ints, base: Floats, resolution: float, among: Ints | None
-    ) -> tuple[tuple[Contact, Floats] | None, Ints | None]:
-        """Check a curve as far as compiled code can.
+    ) -> Swept:
+        """Check a chain of curves as far as compiled code can.
 
         Args:
-            points: its control points (3, n), of the joints `columns`.
+            points: control points (k, 3, n) of the curves, of the joints `columns`.
             columns: places of those joints in the whole configuration.
             base: whole configuration (nq,) of the others.
             resolution: [m] see `motion`.
             among: pairs to look at; None for all.
-
-        Returns:
-            The contact with the arm's configuration (n,) there, or None; and the pairs that
-            are still to be looked at otherwise.
         """
         if self._by_coal:
-            return None, self._checks.among if among is None else among
+            return Swept(len(points), None, self._checks.among if among is None else among)
         easy, others = self._split if among is None else self._split_of(among)
-        among = self._checks.among if among is None else among
-        pair, middle, looks = swept(
+        clear, pair, middle, looks = swept(
             points,
             columns,
             base,
@@ -213,16 +222,14 @@ class World:
             self._cores,
         )
         self.checks += looks
-        if pair == TOO_LONG:
-            return None, among
-        if pair == IS_CLEAR:
-            return None, others
+        if pair < 0:
+            return Swept(clear, None, others)
         q = base.copy()
         q[columns] = middle
         pin.updateGeometryPlacements(
             self.kinematics.model, self.kinematics.data, self._geometry, self._data, q
         )
-        return (self._contact_of(pair, self._distance(pair)), middle), None
+        return Swept(clear, (self._contact_of(pair, self._distance(pair)), middle), others)
 
     def worst(self, q: Floats, reach: float) -> tuple[Contact | None, float]:
         """The pair with the least room at `q` (nq,), and how much it has beyond its margin [m].

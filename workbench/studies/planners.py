@@ -14,7 +14,7 @@ import numpy as np
 
 from workbench.model.cell import Arm, Cell, PlannerName
 from workbench.model.geometry import Floats
-from workbench.planning.motion import Curve, chain_contact, curves_of
+from workbench.planning.motion import Curves, chain_contact, curves_of
 from workbench.planning.pairing import Phase
 from workbench.planning.search import PLANNERS, TRIES, as_sent, edge_check, joint_weights
 from workbench.planning.wire import on_wire
@@ -75,7 +75,7 @@ class Course:
         world, policy = self.world, self.world.policy
         columns, base = world.kinematics.columns[self.arm.name], world.configuration({})
 
-        def check(curves: Sequence[Curve]) -> tuple[Contact, Floats] | None:
+        def check(curves: Curves) -> tuple[Contact, Floats] | None:
             found = chain_contact(world, columns, base, curves)
             return None if found is None else found[:2]
 
