@@ -19,6 +19,7 @@ from workbench.model.geometry import (
     Shape,
     Solid,
     Sphere,
+    frozen,
 )
 from workbench.model.scan import Detection, Obstacle
 from workbench.planning.bounds import box_of
@@ -251,22 +252,23 @@ def coal_shape(shape: Shape) -> coal.CollisionGeometry:
             return tree
 
 
+@lru_cache(maxsize=4096)
 def extent(shape: Shape) -> tuple[Floats, Floats, float]:
     """Centre (3,) and half sizes (3,) of the shape's box in its frame, and the ball around it."""
-    zero = np.zeros(3)
+    zero = frozen(np.zeros(3))
     match shape:
         case Box():
-            half = np.asarray(shape.size) / 2
+            half = frozen(np.asarray(shape.size) / 2)
             return zero, half, float(np.linalg.norm(half))
         case Sphere():
-            return zero, np.full(3, shape.radius), shape.radius
+            return zero, frozen(np.full(3, shape.radius)), shape.radius
         case Cylinder():
-            half = np.array([shape.radius, shape.radius, shape.length / 2])
+            half = frozen([shape.radius, shape.radius, shape.length / 2])
             return zero, half, float(np.hypot(shape.radius, shape.length / 2))
         case Capsule():
             length = shape.length / 2 + shape.radius
-            return zero, np.array([shape.radius, shape.radius, length]), length
+            return zero, frozen([shape.radius, shape.radius, length]), length
         case Mesh():
             centre, half = box_of(shape.points)
             ball = np.linalg.norm(shape.points - centre, axis=1).max()
-            return centre, half, float(ball)
+            return frozen(centre), frozen(half), float(ball)

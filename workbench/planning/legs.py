@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import product
 
 import numpy as np
@@ -33,23 +34,25 @@ def hand_turns(arm: Arm) -> list[pin.SE3]:
     return [pose_from_rpy((0.0, 0.0, 0.0), (0.0, 0.0, half)) for half in halves]
 
 
-def grips(arm: Arm, grasp: Grasp) -> list[pin.SE3]:
+@lru_cache(maxsize=1024)
+def grips(arm: Arm, grasp: Grasp) -> tuple[pin.SE3, ...]:
     """Poses of the hand that are the same grip, in the authored TCP frame, that one first.
 
-    What is left free is covered in steps, the least of it first.
+    What is left free is covered in steps, the least of it first.  Every stage asks for them again,
+    so they are kept; they must not be changed.
     """
     ways = product(
         _steps(grasp.free_rotation, FREE_STEP),
         _steps(grasp.tilt, TILT_STEP),
         _steps(grasp.slide, SLIDE_STEP),
     )
-    return [
+    return tuple(
         pose_from_rpy((slide, 0.0, 0.0), (0.0, tilt, 0.0))
         * pose_from_rpy((0.0, 0.0, 0.0), (0.0, 0.0, turn))
         * T_hand_turned
         for (_, turn), (_, tilt), (_, slide) in sorted(ways, key=lambda way: sum(n for n, _ in way))
         for T_hand_turned in hand_turns(arm)
-    ]
+    )
 
 
 def _steps(most: float, step: float) -> list[tuple[int, float]]:

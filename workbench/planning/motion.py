@@ -100,7 +100,11 @@ def chain_contact(
     while first < len(curves.points):
         swept = world.sweep(curves.points[first:], columns, base, resolution, among)
         stopped = first + swept.clear
-        for k in range(first, stopped):
+        measured = first
+        if len(swept.left):
+            rest = curves.points[first:stopped]
+            measured = stopped - world.parted(rest, columns, base, resolution, swept.left)
+        for k in range(first, measured):
             found = _curve_contact(world, columns, base, curves.points[k], resolution, swept.left)
             if found is not None:
                 return (*found, int(curves.waypoints[k]))
@@ -124,8 +128,6 @@ def _curve_contact(
     among: Ints | None,
 ) -> tuple[Contact, Floats] | None:
     """The first contact along one curve (3, n), every state looked at by Coal."""
-    if among is not None and len(among) == 0:
-        return None
     q, d = base.copy(), np.zeros(len(base))
     # Breadth first: what is in the way is mostly met by the coarse looks already.  A pair that
     # a look has cleared for the whole curve is not looked at again in its halves.

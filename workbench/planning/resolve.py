@@ -1,13 +1,14 @@
 """From a candidate to configurations: grasp, the straight ways in and out, and the place."""
 
 from dataclasses import replace
+from functools import lru_cache
 
 import numpy as np
 import pinocchio as pin
 
 from workbench.model.candidate import Candidate, Pick, Reason, Stage, Verdict
 from workbench.model.cell import Arm
-from workbench.model.geometry import Floats
+from workbench.model.geometry import Floats, frozen
 from workbench.planning.chain import Chain, is_solution
 from workbench.planning.legs import grips, hand_turns
 from workbench.planning.motion import path_contact
@@ -61,11 +62,12 @@ def _progress(verdict: Verdict) -> int:
     return list(Stage).index(verdict.stage)
 
 
+@lru_cache(maxsize=8)
 def _starts(chain: Chain, arm: Arm, seed: int) -> Floats:
     """Home, the middle of the range, and seeded random configurations, shape (s, n)."""
     rng = np.random.default_rng(np.random.SeedSequence([seed, ord(arm.letter)]))
     random = rng.uniform(chain.lower, chain.upper, (STARTS - 2, len(chain.lower)))
-    return np.vstack([arm.home, (chain.lower + chain.upper) / 2, random])
+    return frozen(np.vstack([arm.home, (chain.lower + chain.upper) / 2, random]))
 
 
 def _grasp_solutions(
@@ -76,11 +78,14 @@ def _grasp_solutions(
     starts = _starts(chain, arm, seed)
     found: list[tuple[Floats, pin.SE3]] = []
     nearest, q_nearest = np.inf, starts[0]
-    for T_tcp_hand in grips(arm, candidate.grasp):
+    hands = grips(arm, candidate.grasp)
+    known = np.empty((len(hands) * len(starts), starts.shape[1]))
+    for T_tcp_hand in hands:
         T_world_tcp = candidate.T_world_tcp * T_tcp_hand
         answers, residuals = chain.solve(T_world_tcp, starts)
         for q, residual, solved in zip(answers, residuals, is_solution(residuals), strict=True):
-            if solved and not any(np.abs(q - known).max() < SAME for known, _ in found):
+            if solved and not (np.abs(known[: len(found)] - q).max(axis=1) < SAME).any():
+                known[len(found)] = q
                 found.append((q, T_world_tcp))
             if residual[0] + 0.1 * residual[1] < nearest:
                 nearest, q_nearest = residual[0] + 0.1 * residual[1], q

@@ -22,6 +22,10 @@ LOOSENESS = 0.03
 """[m] By about this much the lower bound of a distance falls short; only a matter of speed."""
 
 
+AT_REST = "at rest"
+"""Where `World` has placed a part that no hand holds."""
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Contact:
     """A pair that is too close: `distance` [m] (negative: penetration) is below `margin` [m]."""
@@ -86,6 +90,7 @@ class World:
         self._bodies = bodies_of(cell, self.kinematics, detections, obstacles)
         self._make_geometry()
         self._still = np.zeros(self.kinematics.model.nq)
+        self._placed: dict[int, float | str | None] = {}
         self._make_pairs()
         self.enter(Phase(frozenset(arm.name for arm in cell.arms)))
 
@@ -101,16 +106,21 @@ class World:
         for g in self._loose:
             body = self._bodies[g]
             if body.finger is not None:
-                T = body.T_joint_body.copy()
-                T.translation += phase.openings.get(body.owner, 0.0) / 2 * body.finger
-                self._place(g, body.joint, T)
+                opening = phase.openings.get(body.owner, 0.0)
+                if self._placed.get(g) != opening:
+                    T = body.T_joint_body.copy()
+                    T.translation += opening / 2 * body.finger
+                    self._place(g, body.joint, T)
+                    self._placed[g] = opening
             elif int(body.owner) in holders:
                 arm = self.arm(holders[int(body.owner)])
                 joint, T_joint_flange = self.kinematics.frames[arm.flange]
                 T_tcp_body = phase.held[arm.name][1] * self._T_part_piece[g]
                 self._place(g, joint, T_joint_flange * arm.tool.T_flange_tcp * T_tcp_body)
-            else:
+                self._placed[g] = None
+            elif self._placed.get(g) != AT_REST:
                 self._place(g, 0, body.T_joint_body)
+                self._placed[g] = AT_REST
         self._checks = self._pairing.checks(phase, self._boxes.joint)
         self._margins = self._checks.margins
         self._own = self._checks.own
@@ -230,6 +240,33 @@ class World:
             self.kinematics.model, self.kinematics.data, self._geometry, self._data, q
         )
         return Swept(clear, (self._contact_of(pair, self._distance(pair)), middle), others)
+
+    def parted(
+        self, points: Floats, columns: Ints, base: Floats, resolution: float, among: Ints
+    ) -> int:
+        """How many curves at the end of a chain surely have no two bodies of `among` in touch.
+
+        A part that is lifted leaves what it lies on, so that only the first curves have to be
+        measured.  Arguments as those of `sweep`; 0 where compiled code cannot tell.
+        """
+        if self._by_coal or not self._is_easy[among].all():
+            return 0
+        clear, _, _, looks = swept(
+            np.ascontiguousarray(points[::-1]),
+            columns,
+            base,
+            resolution,
+            self.kinematics.tree,
+            self._boxes,
+            self._pairing.first,
+            self._pairing.second,
+            among,
+            np.maximum(self._margins, 0.0),
+            self._checks.commons,
+            self._cores,
+        )
+        self.checks += looks
+        return clear
 
     def worst(self, q: Floats, reach: float) -> tuple[Contact | None, float]:
         """The pair with the least room at `q` (nq,), and how much it has beyond its margin [m].
