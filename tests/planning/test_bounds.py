@@ -78,6 +78,8 @@ def test_no_pair_comes_nearer_than_the_motion_bound_allows(seed, phase, size):
     assert np.all(lower <= before[pairs] + 1e-6)
     for _ in range(4):
         after = all_distances(q + span * rng.uniform(-1.0, 1.0, len(q)))
-        # Depths of deep penetrations are not exact in Coal, and no check needs them.
-        apart = before[pairs] > 0
-        assert np.all(after[pairs][apart] >= before[pairs][apart] - moves[apart] - 1e-6)
+        # Depths of penetrations are not exact in Coal: what counts is that pairs which the bound
+        # keeps apart are apart, and that those which are apart have come no nearer than it says.
+        bound = before[pairs] - moves
+        counts = (before[pairs] > 0) & ((bound > 0) | (after[pairs] > 0))
+        assert np.all(after[pairs][counts] >= bound[counts] - 1e-6)

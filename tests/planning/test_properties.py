@@ -18,6 +18,7 @@ from workbench.model.errors import InputError
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.scan import Detection
 from workbench.perception.piles import drop_parts
+from workbench.planning.contact import Contact
 from workbench.planning.dual_arm import coordinate, pairs_of
 from workbench.planning.motion import RESOLUTION
 from workbench.planning.order import cost_of
@@ -26,7 +27,7 @@ from workbench.planning.prove import prove
 from workbench.planning.resolve import resolve
 from workbench.planning.route import arm_plan
 from workbench.planning.search import searched
-from workbench.planning.world import Contact, World
+from workbench.planning.world import World
 
 CELL = read_cell("yumi")
 PART = CELL.parts[0]

@@ -27,16 +27,12 @@ from workbench.model.search import SearchWishes
 Bytes = NDArray[np.uint8]
 
 
-ALL_KINDS = "all"
-"""In place of a part's name: every kind that the cell picks."""
-
-
 @dataclass(frozen=True, slots=True, eq=False)
 class TakeScan:
     """Trigger the scanner.  `seed`, `parts` and `part` shape the simulated pile.
 
-    `part` is which kind falls, of those that the cell picks; empty: the first; `ALL_KINDS`: one
-    of each in turn.
+    `part` is which kind falls, of those that the cell picks; empty: the first; "all": one of
+    each in turn.
     """
 
     seed: int = 0

@@ -5,7 +5,6 @@ from types import MappingProxyType
 from typing import assert_never
 
 from workbench.app.commands import (
-    ALL_KINDS,
     AcknowledgeFault,
     Approve,
     AskForControl,
@@ -51,6 +50,7 @@ from workbench.app.release import lacks_people, overtaken, said_already, unwatch
 from workbench.app.rights import MACHINES, RIGHTS, lacks_right, lacks_role, obstacle
 from workbench.app.state import State
 from workbench.app.value_checks import (
+    ALL_KINDS,
     DETAIL,
     MOST_PARTS,
     MOST_SIGHTINGS,

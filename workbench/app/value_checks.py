@@ -15,6 +15,9 @@ from workbench.model.errors import CommandRefused, InputError
 from workbench.model.geometry import Floats
 from workbench.model.scan import Detection
 
+ALL_KINDS = "all"
+"""In place of a part's name: every kind that the cell picks, one of each in turn."""
+
 MOST_PARTS = 30
 SEED_LIMIT = 2**31
 LONGEST_NAME = 80

@@ -17,7 +17,7 @@ from workbench.gui.playback import Run
 from workbench.model.calibration import Calibration
 from workbench.model.geometry import Floats, Shape
 from workbench.model.scan import Discarded
-from workbench.planning.world import Contact
+from workbench.planning.contact import Contact
 
 SOMEBODY = Person(NOBODY, Role.ENGINEER)
 """Who sits at a browser without a login."""

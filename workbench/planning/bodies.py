@@ -1,5 +1,6 @@
 """The solids of a cell as Pinocchio and Coal know them, and the pairs that can meet."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Literal
@@ -22,7 +23,7 @@ from workbench.model.geometry import (
     frozen,
 )
 from workbench.model.scan import Detection, Obstacle
-from workbench.planning.bounds import box_of
+from workbench.planning.bounds import Boxes, box_of
 from workbench.planning.kinematics import Kinematics
 
 BodyKind = Literal["link", "tool", "fixture", "bin", "part"]
@@ -272,3 +273,16 @@ def extent(shape: Shape) -> tuple[Floats, Floats, float]:
             centre, half = box_of(shape.points)
             ball = np.linalg.norm(shape.points - centre, axis=1).max()
             return frozen(centre), frozen(half), float(ball)
+
+
+def boxes_of(bodies: Sequence[Body]) -> Boxes:
+    """The boxes around all bodies, each in the frame of the joint that carries it."""
+    extents = [extent(body.shape) for body in bodies]
+    poses = [body.T_joint_body for body in bodies]
+    return Boxes(
+        joint=np.array([body.joint for body in bodies]),
+        R=np.array([T.rotation for T in poses]),
+        c=np.array([T.act(e[0]) for T, e in zip(poses, extents, strict=True)]),
+        half=np.array([half for _, half, _ in extents]),
+        radius=np.array([radius for _, _, radius in extents]),
+    )

@@ -25,6 +25,7 @@ import numpy as np
 from workbench.model.candidate import Pick, Reason, Stage, Verdict
 from workbench.model.geometry import Floats
 from workbench.model.plan import LEG_NAMES, ArmPlan, Guarantee, Leg, LegName, Plan, Step, Strategy
+from workbench.planning.contact import Contact
 from workbench.planning.in_step import in_step
 from workbench.planning.legs import HOLDING, Run, phase_of
 from workbench.planning.meeting import Course, Meeting, first_meeting, standing
@@ -32,7 +33,7 @@ from workbench.planning.motion import Curves, chain_contact, curves_of
 from workbench.planning.order import Cost
 from workbench.planning.route import MOTIONS, arm_plan, leg_of
 from workbench.planning.search import joint_weights, searched
-from workbench.planning.world import Contact, World
+from workbench.planning.world import World
 
 OFFSETS = range(5)
 """By how many legs the second arm may follow the first; with more they would not overlap much."""

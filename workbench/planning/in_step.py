@@ -7,11 +7,12 @@ import numpy as np
 from workbench.model.candidate import Verdict
 from workbench.model.geometry import Floats
 from workbench.model.plan import ArmPlan, Leg, LegName
+from workbench.planning.contact import Contact
 from workbench.planning.execution import timed
 from workbench.planning.motion import Curves, chain_contact, curves_of
 from workbench.planning.route import MOTIONS
 from workbench.planning.search import joint_weights, searched
-from workbench.planning.world import Contact, World
+from workbench.planning.world import World
 
 ITERATIONS = 100
 """Of the search: the space of all joints is larger, and looks cost more in it."""

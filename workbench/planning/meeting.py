@@ -12,8 +12,9 @@ import numpy as np
 from numba import njit
 
 from workbench.model.geometry import Floats, Ints
+from workbench.planning.contact import Contact
 from workbench.planning.motion import RESOLUTION, halved
-from workbench.planning.world import Contact, World
+from workbench.planning.world import World
 
 MOST_LOOKS = 20_000
 """After so many looks the arms count as meeting: they come that close over a long way."""

@@ -16,7 +16,8 @@ import numpy as np
 from numba import njit
 
 from workbench.model.geometry import Floats, Ints
-from workbench.planning.world import Contact, World
+from workbench.planning.contact import Contact
+from workbench.planning.world import World
 
 RESOLUTION = 0.0005
 """[m] Where a state is clear and no body moves further than this around it, it is not halved."""

@@ -10,12 +10,13 @@ from workbench.model.candidate import Candidate, Pick, Reason, Stage, Verdict
 from workbench.model.cell import Arm
 from workbench.model.geometry import Floats, frozen
 from workbench.planning.chain import Chain, is_solution
+from workbench.planning.contact import Contact
 from workbench.planning.legs import grips, hand_turns
 from workbench.planning.motion import path_contact
 from workbench.planning.pairing import Phase
 from workbench.planning.straight import follow
 from workbench.planning.wire import on_wire
-from workbench.planning.world import Contact, World
+from workbench.planning.world import World
 
 STARTS = 12
 """Starting points of the inverse kinematics, home among them."""

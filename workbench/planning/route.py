@@ -11,12 +11,13 @@ from workbench.model.candidate import Pick, Reason, Stage, Verdict
 from workbench.model.cell import Arm
 from workbench.model.geometry import Floats
 from workbench.model.plan import ArmPlan, Guarantee, Leg, LegName, Plan, Step, Strategy
+from workbench.planning.contact import Contact
 from workbench.planning.execution import timed
 from workbench.planning.legs import HOLDING, phase_of
 from workbench.planning.motion import Curves, chain_contact
 from workbench.planning.search import joint_weights, searched
 from workbench.planning.wire import on_wire
-from workbench.planning.world import Contact, World
+from workbench.planning.world import World
 
 MOTIONS: Mapping[LegName, Literal["joint", "linear"]] = {
     "reach": "joint",

@@ -9,6 +9,7 @@ import numpy as np
 from workbench.model.candidate import Reason, Stage, Verdict
 from workbench.model.cell import PlannerName, Policy
 from workbench.model.geometry import Floats
+from workbench.planning.contact import Contact
 from workbench.planning.motion import Curves, curves_of, segment
 from workbench.planning.ompl_planners import ompl_planner
 from workbench.planning.planners import (
@@ -23,7 +24,6 @@ from workbench.planning.planners import (
 from workbench.planning.prm_star import prm_star
 from workbench.planning.sbl import sbl
 from workbench.planning.wire import on_wire
-from workbench.planning.world import Contact
 
 PLANNERS: Mapping[PlannerName, Planner] = {
     "rrtconnect": rrt_connect,

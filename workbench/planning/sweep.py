@@ -4,6 +4,8 @@ The same halving as in `motion`, with distances by `gjk` instead of Coal.  The p
 does not use it: what the planner found is measured again with another library.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 from numba import njit
 
@@ -24,6 +26,16 @@ MOST_OPEN = 1 << 14
 IS_CLEAR, TOO_LONG = -1, -2
 
 
+class Model(NamedTuple):
+    """Kinematics, boxes and cores of all bodies; pair k is of bodies `first[k]`, `second[k]`."""
+
+    tree: Tree
+    boxes: Boxes
+    first: Ints
+    second: Ints
+    cores: Cores
+
+
 @njit(cache=True)
 def _halve(pending: Floats, at: int, last: int) -> None:
     """Put both halves of the curve at `at` behind the last one pending."""
@@ -41,14 +53,10 @@ def swept(
     columns: Ints,
     base: Floats,
     resolution: float,
-    tree: Tree,
-    boxes: Boxes,
-    first: Ints,
-    second: Ints,
     among: Ints,
     margins: Floats,
     commons: Ints,
-    cores: Cores,
+    model: Model,
 ) -> tuple[int, int, Floats, int]:
     """Go through a chain of curves, one after the other, until a pair touches.
 
@@ -57,20 +65,17 @@ def swept(
         columns: places of the n joints in the whole configuration.
         base: whole configuration (nq,) of the others.
         resolution: [m] see `motion`.
-        tree: see `bounds.close_pairs`, as all that follow up to `commons`.
-        boxes: see there.
-        first: see there.
-        second: see there.
-        among: see there.
+        among: pairs that are looked at; see `bounds.close_pairs`, as the next two.
         margins: see there.
         commons: see there.
-        cores: of all bodies.
+        model: of what moves.
 
     Returns:
         How many curves are clear; the pair that touches on the next one with the configuration
         (n,) there, or `IS_CLEAR` when there is no next one, or `TOO_LONG` when that takes more
         room than there is; and how many states were looked at.
     """
+    tree, boxes, first, second, cores = model
     n, nq = len(columns), len(base)
     q, d = base.copy(), np.zeros(nq)
     joints, bodies = len(tree.parents), len(boxes.joint)

@@ -7,10 +7,11 @@ import numpy as np
 
 from workbench.model.geometry import Floats
 from workbench.model.plan import Finding, Guarantee, Leg, are_in_step
+from workbench.planning.contact import Contact
 from workbench.planning.legs import Stretch
 from workbench.planning.meeting import Course, first_meeting
 from workbench.planning.motion import curves_of, path_contact
-from workbench.planning.world import Contact, World
+from workbench.planning.world import World
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 import numpy as np
 import pinocchio as pin
@@ -10,13 +9,14 @@ import pinocchio as pin
 from workbench.model.cell import Arm, Cell, Policy
 from workbench.model.geometry import Floats, Ints, Shape
 from workbench.model.scan import Detection, Obstacle
-from workbench.planning.bodies import bodies_of, coal_shape, extent
-from workbench.planning.bounds import Boxes, close_pairs
+from workbench.planning.bodies import bodies_of, boxes_of, coal_shape, extent
+from workbench.planning.bounds import close_pairs
 from workbench.planning.chain import Chain, chain_of
+from workbench.planning.contact import Contact, Swept
 from workbench.planning.gjk import cores_of
 from workbench.planning.kinematics import Kinematics
 from workbench.planning.pairing import Phase, pairing_of
-from workbench.planning.sweep import swept
+from workbench.planning.sweep import Model, swept
 
 LOOSENESS = 0.03
 """[m] By about this much the lower bound of a distance falls short; only a matter of speed."""
@@ -24,29 +24,6 @@ LOOSENESS = 0.03
 
 AT_REST = "at rest"
 """Where `World` has placed a part that no hand holds."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Contact:
-    """A pair that is too close: `distance` [m] (negative: penetration) is below `margin` [m]."""
-
-    pair: tuple[str, str]
-    distance: float
-    margin: float
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Swept:
-    """How far compiled code has come along a chain of curves.
-
-    `clear`: so many curves are clear of all pairs but those in `left`, which have to be looked at
-    otherwise.  On the curve after them is `met`, a contact with the arm's configuration (n,)
-    there; where that is None and a curve remains, all of that one has to be looked at otherwise.
-    """
-
-    clear: int
-    met: tuple[Contact, Floats] | None
-    left: Ints
 
 
 class World:
@@ -216,20 +193,10 @@ class World:
         """
         if self._by_coal:
             return Swept(len(points), None, self._checks.among if among is None else among)
+        commons = self._checks.commons
         easy, others = self._split if among is None else self._split_of(among)
         clear, pair, middle, looks = swept(
-            points,
-            columns,
-            base,
-            resolution,
-            self.kinematics.tree,
-            self._boxes,
-            self._pairing.first,
-            self._pairing.second,
-            easy,
-            self._margins,
-            self._checks.commons,
-            self._cores,
+            points, columns, base, resolution, easy, self._margins, commons, self._model
         )
         self.checks += looks
         if pair < 0:
@@ -251,19 +218,10 @@ class World:
         """
         if self._by_coal or not self._is_easy[among].all():
             return 0
+        backwards, margins = np.ascontiguousarray(points[::-1]), np.maximum(self._margins, 0.0)
+        commons = self._checks.commons
         clear, _, _, looks = swept(
-            np.ascontiguousarray(points[::-1]),
-            columns,
-            base,
-            resolution,
-            self.kinematics.tree,
-            self._boxes,
-            self._pairing.first,
-            self._pairing.second,
-            among,
-            np.maximum(self._margins, 0.0),
-            self._checks.commons,
-            self._cores,
+            backwards, columns, base, resolution, among, margins, commons, self._model
         )
         self.checks += looks
         return clear
@@ -404,28 +362,15 @@ class World:
     def _make_geometry(self) -> None:
         self._geometry = pin.GeometryModel()
         self._T_part_piece: dict[int, pin.SE3] = {}
-        extents = []
         for g, body in enumerate(self._bodies):
             self._geometry.addGeometryObject(
                 pin.GeometryObject(f"{g}", body.joint, body.T_joint_body, coal_shape(body.shape))
             )
-            extents.append(extent(body.shape))
             if body.kind == "part":
                 T_world_part = self.detections[int(body.owner)].T_world_part
                 self._T_part_piece[g] = T_world_part.actInv(body.T_joint_body)
-        self._centre = np.array([centre for centre, _, _ in extents])
-        self._boxes = Boxes(
-            joint=np.array([body.joint for body in self._bodies]),
-            R=np.array([body.T_joint_body.rotation for body in self._bodies]),
-            c=np.array(
-                [
-                    body.T_joint_body.act(centre)
-                    for body, centre in zip(self._bodies, self._centre, strict=True)
-                ]
-            ),
-            half=np.array([half for _, half, _ in extents]),
-            radius=np.array([radius for _, _, radius in extents]),
-        )
+        self._centre = np.array([extent(body.shape)[0] for body in self._bodies])
+        self._boxes = boxes_of(self._bodies)
         self._loose = [
             g
             for g, body in enumerate(self._bodies)
@@ -437,6 +382,7 @@ class World:
         self._pairing = pairing_of(self.cell, self.policy, parts, self.kinematics, self._bodies)
         self._geometry.setCollisionPairs(self._pairing.meets, True)
         self._data = pin.GeometryData(self._geometry)
-        self._cores = cores_of([body.shape for body in self._bodies], self._centre)
-        known = self._cores.known
-        self._is_easy = known[self._pairing.first] & known[self._pairing.second]
+        cores = cores_of([body.shape for body in self._bodies], self._centre)
+        first, second = self._pairing.first, self._pairing.second
+        self._is_easy = cores.known[first] & cores.known[second]
+        self._model = Model(self.kinematics.tree, self._boxes, first, second, cores)

@@ -14,11 +14,12 @@ import numpy as np
 
 from workbench.model.cell import Arm, Cell, PlannerName
 from workbench.model.geometry import Floats
+from workbench.planning.contact import Contact
 from workbench.planning.motion import Curves, chain_contact, curves_of
 from workbench.planning.pairing import Phase
 from workbench.planning.search import PLANNERS, TRIES, as_sent, edge_check, joint_weights
 from workbench.planning.wire import on_wire
-from workbench.planning.world import Contact, World
+from workbench.planning.world import World
 from workbench.studies.targets import Target, drawn_poses, judged
 
 Report = Callable[[float, str], None]

@@ -3,7 +3,6 @@
 import viser
 
 from workbench.app.commands import (
-    ALL_KINDS,
     Approve,
     ChangeCell,
     Command,
@@ -17,7 +16,7 @@ from workbench.app.commands import (
 from workbench.app.release import moved_away, standing_words
 from workbench.app.rules import STRATEGIES
 from workbench.app.state import Phase, State
-from workbench.app.value_checks import MOST_PARTS, SEED_LIMIT
+from workbench.app.value_checks import ALL_KINDS, MOST_PARTS, SEED_LIMIT
 from workbench.gui.approval import ApprovalDialog
 from workbench.gui.approval_views import approval_line
 from workbench.gui.calibration_views import bin_html

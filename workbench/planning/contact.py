@@ -1,0 +1,28 @@
+"""What the world answers: what is too close, and how far a motion is clear."""
+
+from dataclasses import dataclass
+
+from workbench.model.geometry import Floats, Ints
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Contact:
+    """A pair that is too close: `distance` [m] (negative: penetration) is below `margin` [m]."""
+
+    pair: tuple[str, str]
+    distance: float
+    margin: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Swept:
+    """How far compiled code has come along a chain of curves.
+
+    `clear`: so many curves are clear of all pairs but those in `left`, which have to be looked at
+    otherwise.  On the curve after them is `met`, a contact with the arm's configuration (n,)
+    there; where that is None and a curve remains, all of that one has to be looked at otherwise.
+    """
+
+    clear: int
+    met: tuple[Contact, Floats] | None
+    left: Ints
