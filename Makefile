@@ -25,12 +25,11 @@ help:
 	@echo "make clean     remove everything that make made"
 	@echo "ARGS=... is handed on: make run ARGS='--port 9000', make test ARGS='-k proof'"
 
-run: $(VENV)/.run
-	@bash setup/debian.sh $(LIBRARIES)
+run: $(VENV)/.compiled
 	@exec $(BIN)/workbench serve $(ARGS)
 
-test: $(VENV)/.test
-	@bash setup/debian.sh $(LIBRARIES) $(BROWSER)
+test: $(VENV)/.test $(VENV)/.compiled
+	@bash setup/debian.sh $(BROWSER)
 	$(BIN)/python -m pytest -n 2 --dist loadfile $(ARGS)
 
 lint: $(VENV)/.lint $(VENV)/.test
@@ -39,13 +38,12 @@ lint: $(VENV)/.lint $(VENV)/.test
 	$(BIN)/pyright
 	$(BIN)/lint-imports
 
-bench: $(VENV)/.test
-	@bash setup/debian.sh $(LIBRARIES)
+bench: $(VENV)/.test $(VENV)/.compiled
 	$(BIN)/workbench bench short $(ARGS)
 
 # ARGS="grasps cell" makes only those; `docs/more_stories.py` has the names.
-pictures: $(VENV)/.test
-	@bash setup/debian.sh $(LIBRARIES) $(BROWSER)
+pictures: $(VENV)/.test $(VENV)/.compiled
+	@bash setup/debian.sh $(BROWSER)
 	PYTHONPATH=$(CURDIR)/tests/browser $(BIN)/python docs/make_pictures.py $(ARGS)
 
 # After a dependency was changed and the tests pass with the newest versions.
@@ -66,6 +64,12 @@ $(VENV)/.run: $(VENV)/.venv pyproject.toml constraints.txt
 	@echo "Installing what the workbench needs; the first time this takes some minutes"
 	@$(PIP) hatchling
 	@$(INSTALL) .
+	@touch $@
+
+# The inner loops, so that nobody waits for them at their first use.
+$(VENV)/.compiled: $(VENV)/.run
+	@bash setup/debian.sh $(LIBRARIES)
+	@$(BIN)/workbench compile
 	@touch $@
 
 $(VENV)/.test: $(VENV)/.run

@@ -36,6 +36,7 @@ COMMANDS = (
     "statistics",
     "backup",
     "restore",
+    "compile",
 )
 
 NESTED = (

@@ -324,6 +324,11 @@ class Import:
     """Print one JSON object and nothing else."""
 
 
+@dataclass(frozen=True, slots=True)
+class Compile:
+    """Compile now, once on a machine, what is otherwise compiled at its first use."""
+
+
 Arguments = (
     Annotated[Serve, subcommand("serve")]
     | Annotated[Demo, subcommand("demo")]
@@ -347,4 +352,5 @@ Arguments = (
     | Annotated[Statistics, subcommand("statistics")]
     | Annotated[Backup, subcommand("backup")]
     | Annotated[Restore, subcommand("restore")]
+    | Annotated[Compile, subcommand("compile")]
 )

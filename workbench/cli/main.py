@@ -155,6 +155,10 @@ def run(typed: arguments.Arguments) -> int:
             from workbench.cli.new_cell import import_world
 
             return import_world(typed)
+        case arguments.Compile():
+            from workbench.cli.compiling import compile_ahead
+
+            return compile_ahead()
         case _:
             assert_never(typed)
 
