@@ -46,6 +46,13 @@ def test_balls_are_found_among_planes_and_cylinders():
     assert spreads.max() < 0.0003
 
 
+@pytest.mark.parametrize("far", [1e4, 1e9])
+def test_points_far_away_do_not_hide_a_ball(far):
+    cloud = np.concatenate([plane(), ball((0.0, 0.0, 0.7)), np.full((3, 3), far)])
+    (centre,), _ = find_balls(cloud, 0.015)
+    assert np.linalg.norm(centre - (0.0, 0.0, 0.7)) < 0.0002
+
+
 def test_balls_of_another_size_are_none():
     assert len(find_balls(np.concatenate([plane(), ball((0, 0, 0.7), 0.03)]), 0.015)[0]) == 0
     assert len(find_balls(plane(), 0.015)[0]) == 0
