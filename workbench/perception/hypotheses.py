@@ -107,18 +107,7 @@ def _voted(
     poses, _ = vote(surface.table, seen, references, effort.peaks)
     poses = poses[is_possible(poses)]
     values = _values(maps, poses, surface.table.model, 2 * tolerance)
-    kept = distinct(
-        poses,
-        np.argsort(-values, kind="stable"),
-        surface.symmetry.motions,
-        surface.middle,
-        distance=SAME_DISTANCE * surface.diameter,
-        angle=SAME_ANGLE,
-        most=MOST_VOTED,
-        nearby=NEARBY * surface.diameter,
-        most_nearby=MOST_NEARBY,
-    )
-    return poses[kept]
+    return _best(surface, poses, values, most=MOST_VOTED, most_nearby=MOST_NEARBY)
 
 
 def _fitted(maps: DepthMap, surface: PartSurface, poses: Floats, tolerance: float) -> Floats:
@@ -126,6 +115,13 @@ def _fitted(maps: DepthMap, surface: PartSurface, poses: Floats, tolerance: floa
     poses, errors = refine(maps, poses, surface.coarse, WIDE_GATES * tolerance)
     poses = poses[np.isfinite(errors)]
     values = _values(maps, poses, surface.coarse, tolerance)
+    return _best(surface, poses, values, most=MOST_FITTED)
+
+
+def _best(
+    surface: PartSurface, poses: Floats, values: Floats, *, most: int, most_nearby: int = 0
+) -> Floats:
+    """The best by value of the poses (k, 4, 4), one of those that near-symmetry makes alike."""
     kept = distinct(
         poses,
         np.argsort(-values, kind="stable"),
@@ -133,7 +129,9 @@ def _fitted(maps: DepthMap, surface: PartSurface, poses: Floats, tolerance: floa
         surface.middle,
         distance=SAME_DISTANCE * surface.diameter,
         angle=SAME_ANGLE,
-        most=MOST_FITTED,
+        most=most,
+        nearby=NEARBY * surface.diameter,
+        most_nearby=most_nearby,
     )
     return poses[kept]
 
