@@ -11,8 +11,10 @@ from workbench.formats.parts import read_part
 from workbench.model.errors import InputError, JobCancelled
 from workbench.model.geometry import Mesh, pose_from_rpy
 from workbench.model.scan import Detection, Objection, Scan
+from workbench.perception import hypotheses
 from workbench.perception.localize import localize, searched
 from workbench.perception.piles import drop_parts
+from workbench.perception.point_pairs import vote
 from workbench.perception.scan_noise import ROUGH
 from workbench.perception.synthesize import synthesize
 from workbench.studies.localization import compare
@@ -141,6 +143,20 @@ def test_a_mesh_of_which_nothing_can_be_seen_is_refused(scan, part, cell):
     doubled = replace(part, mesh=Mesh(part.mesh.points, np.vstack([turned, turned[:1]])))
     with pytest.raises(InputError, match=r"keyed_cylinder .* do its triangles look inwards"):
         localize(scan, doubled, cell, seed=0)
+
+
+def test_not_all_points_of_a_scan_with_very_many_collect_votes(monkeypatch, scan, part, cell, pile):
+    voters = []
+
+    def counted(table, seen, references, peaks):
+        voters.append(len(references))
+        return vote(table, seen, references, peaks)
+
+    monkeypatch.setattr(hypotheses, "vote", counted)
+    monkeypatch.setattr(hypotheses, "MOST_REFERENCES", 60)
+    wrong, missed, *_ = compared(part, pile, localize(scan, part, cell, seed=0))
+    assert (wrong, missed) == ([], 0)
+    assert max(voters) == 60
 
 
 @pytest.mark.parametrize("depth", [0.0, -0.005])
