@@ -97,7 +97,7 @@ def test_a_plate_outside_the_picture_or_behind_the_arm_is_not_in_sight(cell):
     assert is_plate_in_sight(cell, links, arm.name, PLATE)
     at_home = Kinematics(cell).link_poses({})
     assert not is_plate_in_sight(cell, at_home, arm.name, PLATE)
-    # From below the arm is in between, or the plate is out of the picture.
+    # From three metres up, through a narrow opening, it is out of the picture.
     T = cell.scanner.T_world_scanner.copy()
     T.translation[2] = 3.0
     far = replace(cell, scanner=replace(cell.scanner, T_world_scanner=T, field_of_view=0.05))

@@ -122,7 +122,7 @@ def _inside(points: Floats, T_bin_scanner: pin.SE3, bin: Bin, size: float) -> np
 
 @njit(cache=True)
 def _near_bin(points, T, reach):  # pragma: no cover (compiled)
-    """Which points, in front of the scanner, are of the bin or in it: stray ones hide nothing."""
+    """Points of the bin and of what is in it, before the scanner: stray ones hide nothing."""
     near = np.zeros(len(points), np.bool_)
     for k in range(len(points)):
         p = points[k]
