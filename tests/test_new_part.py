@@ -18,6 +18,7 @@ def test_the_page_leads_from_a_cad_file_to_a_proven_plan(tmp_path):
     (tmp_path / "docs").mkdir()
     shutil.copy(ROOT / "docs" / "bracket.step", tmp_path / "docs")
     shutil.copytree(ROOT / "robots" / "yumi", tmp_path / "robots" / "yumi")
+    shutil.copytree(ROOT / "parts", tmp_path / "parts")
     ran = subprocess.run(
         ["bash", "-euxo", "pipefail", "-c", "".join(blocks)],
         cwd=tmp_path,

@@ -46,6 +46,13 @@ def test_balls_are_found_among_planes_and_cylinders():
     assert spreads.max() < 0.0003
 
 
+@pytest.mark.parametrize("far", [1e4, 1e9])
+def test_points_far_away_do_not_hide_a_ball(far):
+    cloud = np.concatenate([plane(), ball((0.0, 0.0, 0.7)), np.full((3, 3), far)])
+    (centre,), _ = find_balls(cloud, 0.015)
+    assert np.linalg.norm(centre - (0.0, 0.0, 0.7)) < 0.0002
+
+
 def test_balls_of_another_size_are_none():
     assert len(find_balls(np.concatenate([plane(), ball((0, 0, 0.7), 0.03)]), 0.015)[0]) == 0
     assert len(find_balls(plane(), 0.015)[0]) == 0
@@ -90,7 +97,7 @@ def test_a_plate_outside_the_picture_or_behind_the_arm_is_not_in_sight(cell):
     assert is_plate_in_sight(cell, links, arm.name, PLATE)
     at_home = Kinematics(cell).link_poses({})
     assert not is_plate_in_sight(cell, at_home, arm.name, PLATE)
-    # From below the arm is in between, or the plate is out of the picture.
+    # From three metres up, through a narrow opening, it is out of the picture.
     T = cell.scanner.T_world_scanner.copy()
     T.translation[2] = 3.0
     far = replace(cell, scanner=replace(cell.scanner, T_world_scanner=T, field_of_view=0.05))

@@ -8,11 +8,13 @@ import pinocchio as pin
 import pytest
 
 from workbench.formats.parts import read_part
-from workbench.model.errors import JobCancelled
-from workbench.model.geometry import pose_from_rpy
+from workbench.model.errors import InputError, JobCancelled
+from workbench.model.geometry import Mesh, pose_from_rpy
 from workbench.model.scan import Detection, Objection, Scan
-from workbench.perception.localize import localize, search
+from workbench.perception import hypotheses
+from workbench.perception.localize import localize, searched
 from workbench.perception.piles import drop_parts
+from workbench.perception.point_pairs import vote
 from workbench.perception.scan_noise import ROUGH
 from workbench.perception.synthesize import synthesize
 from workbench.studies.localization import compare
@@ -59,7 +61,7 @@ def test_other_parts_are_found_in_a_rough_scan_too(cell, name):
 
 def test_what_is_discarded_says_why(cell, part):
     truth = drop_parts((part,) * 4, cell.bin, seed=3)
-    findings = search(synthesize(cell, truth, seed=3), part, cell, seed=0)
+    findings = searched(synthesize(cell, truth, seed=3), part, cell, seed=0).findings
     assert 0 < len(findings.discarded) <= 20
     scores = [one.score for one in findings.discarded]
     assert scores == sorted(scores, reverse=True)
@@ -127,6 +129,43 @@ def test_a_few_points_are_no_part(part, cell, scan, count):
 def test_noise_everywhere_is_no_part(part, cell, scan):
     points = np.random.default_rng(0).uniform([-0.1, -0.15, 0.85], [0.1, 0.15, 0.9], (20_000, 3))
     assert localize(Scan(points, scan.T_world_scanner, "test"), part, cell, seed=0) == ()
+
+
+def test_a_mesh_that_is_inside_out_is_found_all_the_same(scan, part, cell, pile):
+    turned = replace(part, mesh=Mesh(part.mesh.points, part.mesh.triangles[:, ::-1]))
+    wrong, missed, *_ = compared(part, pile, localize(scan, turned, cell, seed=0))
+    assert (wrong, missed) == ([], 0)
+
+
+def test_a_mesh_of_which_nothing_can_be_seen_is_refused(scan, part, cell):
+    """A triangle there twice: the mesh no longer tells inside from outside."""
+    turned = part.mesh.triangles[:, ::-1]
+    doubled = replace(part, mesh=Mesh(part.mesh.points, np.vstack([turned, turned[:1]])))
+    with pytest.raises(InputError, match=r"keyed_cylinder .* do its triangles look inwards"):
+        localize(scan, doubled, cell, seed=0)
+
+
+def test_not_all_points_of_a_scan_with_very_many_collect_votes(monkeypatch, scan, part, cell, pile):
+    voters = []
+
+    def counted(table, seen, references, peaks):
+        voters.append(len(references))
+        return vote(table, seen, references, peaks)
+
+    monkeypatch.setattr(hypotheses, "vote", counted)
+    monkeypatch.setattr(hypotheses, "MOST_REFERENCES", 60)
+    wrong, missed, *_ = compared(part, pile, localize(scan, part, cell, seed=0))
+    assert (wrong, missed) == ([], 0)
+    assert max(voters) == 60
+
+
+@pytest.mark.parametrize("depth", [0.0, -0.005])
+def test_points_beside_and_behind_the_scanner_are_left_out(part, cell, depth):
+    """A scanner so low over the bin that they lie in the room above its rim."""
+    low = cell.bin.T_world_bin * pose_from_rpy((0, 0, 0.09), (np.pi, 0, 0))
+    floor = np.random.default_rng(0).uniform([-0.08, -0.1, 0.07], [0.08, 0.1, 0.08], (2000, 3))
+    points = np.vstack([floor, [[0.01, 0.01, depth]]])
+    assert localize(Scan(points, low, "test"), part, cell, seed=0) == ()
 
 
 def test_roll_is_only_claimed_where_it_shows(cell, part):

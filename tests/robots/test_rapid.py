@@ -96,6 +96,28 @@ def test_nothing_moves_from_the_task_of_the_link():
     assert low({"MoveAbsJ", "SyncMoveOn", "SyncMoveOff", "SyncMoveUndo", "WaitSyncTask"}) <= moving
 
 
+def body_of(module, routine):
+    text = (FOLDER / f"{module}.mod").read_text()
+    return re.search(rf"PROC {routine}\(.*?ENDPROC", text, re.DOTALL)[0]
+
+
+def test_arms_that_were_stopped_may_move_again_on_every_way_out():
+    """Until StopMoveReset every motion waits: also after an abort of arms that stood still."""
+    assert "StopMove\\" in body_of("WbLink", "handle")
+    ways_out = re.split(r"RETURN;", body_of("WbLink", "stop_arms"))
+    assert len(ways_out) == 2
+    assert all("StopMoveReset" in way for way in ways_out)
+
+
+def test_no_order_is_given_to_an_arm_that_would_take_it_for_done():
+    """It looks for the newest order once it has come home."""
+    obey = body_of("WbMove", "wb_obey")
+    home, ready = obey.index("go_home_in_turn"), obey.index("wb_ready{my_arm}:=TRUE")
+    assert obey.index("wb_ready{my_arm}:=FALSE") < home < obey.index("last_order:=") < ready
+    for routine in ("check_run", "order"):
+        assert "NOT (wb_ready{1} AND wb_ready{2})" in body_of("WbLink", routine)
+
+
 def test_the_table_of_states_is_that_of_the_simulated_controller():
     rows = strings_of(MODULES["WbLink"].data["wb_row"][2])
     assert numbers("WbLink", "wb_rows") == [len(rows)]

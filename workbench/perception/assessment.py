@@ -40,8 +40,8 @@ class Assessment:
 
     `gap` is by how much of the shown surface more it is explained than the best different pose
     of the same object, None when the part has no near-symmetry.  `roll_known` is False when
-    turning the part about its axis changes nothing that the scan shows, `is_held` when the same is
-    true of any other small motion.
+    turning the part about its axis changes nothing that the scan shows; `is_held` is False when a
+    small motion of another kind changes nothing either.
     """
 
     pose: Floats

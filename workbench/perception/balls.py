@@ -15,7 +15,6 @@ from workbench.model.calibration import BallPlate, PlateSighting
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats
 from workbench.model.scan import Scan
-from workbench.perception.rigid import fitted_motion
 
 GRAIN = 0.12
 """Distance of the points that vote, over the radius."""
@@ -38,6 +37,9 @@ ROUND = 0.015
 OFF = 0.003
 """[m] By which distances between balls may differ from those of the plate."""
 
+FARTHEST = 20.0
+"""[m] Points further from the scanner along one of its axes are outliers."""
+
 KEPT = 15_000
 """Points of a scan that are kept with a sighting."""
 
@@ -53,7 +55,8 @@ def find_balls(points: Floats, radius: float) -> tuple[Floats, Floats]:
         Centres (k, 3) [m], those with the most points first, and the RMS distance of their points
         from the surface (k,) [m].
     """
-    cloud = o3d.geometry.PointCloud(o3d.utility.Vector3dVector(np.array(points)))
+    points = points[np.abs(points).max(axis=1) <= FARTHEST]
+    cloud = o3d.geometry.PointCloud(o3d.utility.Vector3dVector(points))
     cloud = cloud.voxel_down_sample(GRAIN * radius)
     seen = np.asarray(cloud.points)
     if len(seen) < FEWEST:
@@ -139,8 +142,3 @@ def sight_plate(scan: Scan, plate: BallPlate, name: str, arm: str, q: Floats) ->
     spread = float(np.sqrt(np.mean(spreads[three] ** 2)))
     points = scan.points[:: -(-len(scan.points) // KEPT)]
     return PlateSighting(name, arm, q, plate, centres[three], spread, points)
-
-
-def plate_pose(plate: BallPlate, balls: Floats) -> tuple[Floats, Floats]:
-    """Rotation (3, 3) and position (3,) [m] of the plate in the frame of its balls (3, 3)."""
-    return fitted_motion(plate.centres, balls)

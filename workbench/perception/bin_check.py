@@ -24,19 +24,19 @@ ENOUGH, RIM_POINTS = 60_000, 1500
 """Points of the scan, and of the rim, that are looked at; of more every second, third, ..."""
 
 SCALES = (0.04, 0.04, 0.03, 0.02, 0.02, 0.01, 0.01, 0.006, 0.004, 0.004)
-"""[m] Distances at which points stop to pull, step by step."""
+"""[m] Distances from which points no longer pull, step by step."""
 
 NARROW = 5
-"""From this step on only what is near pulls."""
+"""The steps from this one on are for a place that is nearly right."""
 
 ON_RIM = 0.003
-"""[m] So near to the middle of the rim a point shows it."""
+"""[m] A point this near to the middle line of the rim shows it."""
 
 OUTSIDE = (0.005, 0.013)
 """[m] Outside of the middle of a rim there is nothing as high as itself; on a heap there is."""
 
 STEP = 0.01
-"""[m] Pieces of the rim, each seen or not."""
+"""[m] Length of the pieces into which the rim is divided, each seen or not."""
 
 SEEN, SURE, BETTER = 0.4, 0.75, 0.2
 """Share of the rim that must be seen; beyond which no other place is tried; and by which another
@@ -46,7 +46,7 @@ SHIFTED, TURNED = 0.003, np.deg2rad(1.0)
 """[m, rad] More than this the bin is somewhere else."""
 
 GRID = 0.005
-"""[m] Of the inside seen from above."""
+"""[m] Width of the pieces into which the inside is divided, seen from above."""
 
 LOW = 0.004
 """[m] What is no higher above the floor is floor."""
@@ -107,9 +107,9 @@ def check_bin(scan: Scan, bin: Bin) -> BinCheck:
         above,
         light,
         tuple(findings),
-        is_elsewhere,
-        is_empty,
-        is_overfull,
+        is_elsewhere=is_elsewhere,
+        is_empty=is_empty,
+        is_overfull=is_overfull,
     )
 
 

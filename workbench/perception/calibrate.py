@@ -29,20 +29,21 @@ MOST = 60
 GOOD, ACCEPTABLE = (0.001, np.deg2rad(0.3)), (0.002, np.deg2rad(0.6))
 """[m, rad] Up to here the light of a pose is green, and amber."""
 
-AGREE = 0.0015
-"""[m] A pose nearer than this is never left out, ..."""
-
-TIMES = 4.0
-"""... nor one that is off by less than so many times the usual."""
+AGREE, TIMES = 0.0015, 4.0
+"""[m] A pose is left out when it is off by more than this, and by more than so many times what is
+usual among the poses."""
 
 APART = 0.004
+"""[m] More than this is never taken for usual."""
+
+HOPELESS = 0.01
 """[m] Where not even half of the poses agree so well, nothing can be said."""
 
 ROUNDS = 10
-"""Of leaving out and fitting again."""
+"""Of fitting and leaving out, at most."""
 
 TRIPLES = 150
-"""Of poses that are tried as the beginning."""
+"""Of three poses at a time, so many are tried as the beginning."""
 
 SAME = (0.005, np.deg2rad(3.0))
 """[m, rad] Poses of the flange nearer to each other than this are one."""
@@ -168,7 +169,7 @@ def _consensus(poses: Sequence[PlatePose], centres: Floats) -> Answer:
         float(np.sort(_distances(poses, answer, centres))[len(poses) // 2]) for answer in answers
     ]
     best = int(np.argmin(middles))
-    if middles[best] > 2.5 * APART:
+    if middles[best] > HOPELESS:
         raise InputError(
             f"the poses do not agree: at best half of them fit to {middles[best] * 1000:.1f} mm. "
             "Are the joint values those of the scans, in the controller's order, and the distances "

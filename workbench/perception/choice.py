@@ -28,7 +28,6 @@ DEEP, MOST_DEEP = 0.03, 0.02
 """Two parts, or part and bin, exclude each other when more than this share of the surface is
 deeper inside than this share of the diameter."""
 
-
 SAME_PLACE = 0.15
 """Parts whose middles are closer than this share of the diameter are one place."""
 

@@ -15,7 +15,7 @@ from workbench.model.errors import InputError
 from workbench.model.geometry import Cylinder, Solid, Sphere
 from workbench.model.scan import Scan
 from workbench.perception.camera import Pinhole
-from workbench.perception.surfaces import add_surface, surface_of
+from workbench.perception.surfaces import add_solids, rays_of
 
 ROD = 0.002
 """[m] Radius of the rods that carry the balls."""
@@ -77,17 +77,14 @@ def scan_held_plate(
     """
     T_true = cell.scanner.T_world_scanner if T_world_scanner is None else T_world_scanner
     scene = robot_scene(cell, Ts_world_link)
-    _add(scene, plate_solids(plate), _plate_of(cell, Ts_world_link, arm, plate))
-    _add(scene, cell.bin.solids, cell.bin.T_world_bin)
+    add_solids(scene, plate_solids(plate), _plate_of(cell, Ts_world_link, arm, plate))
+    add_solids(scene, cell.bin.solids, cell.bin.T_world_bin)
     for fixture in cell.fixtures:
-        _add(scene, fixture.solids, fixture.T_world_fixture)
+        add_solids(scene, fixture.solids, fixture.T_world_fixture)
     mount = cell.scanner
     rays = Pinhole.of_scanner(mount).rays().reshape(-1, 3)
     directions = rays @ T_true.rotation.T
-    origins = np.broadcast_to(T_true.translation, directions.shape)
-    hits = scene.cast_rays(
-        o3d.core.Tensor(np.concatenate([origins, directions], axis=1).astype(np.float32))
-    )
+    hits = scene.cast_rays(rays_of(T_true.translation, directions))
     depth = hits["t_hit"].numpy().astype(np.float64)
     normals = hits["primitive_normals"].numpy()
     cosine = np.abs(np.sum(normals * directions, axis=1)) / np.linalg.norm(directions, axis=1)
@@ -124,9 +121,8 @@ def is_plate_in_sight(
         return False
     T = cell.scanner.T_world_scanner
     directions = points @ T.rotation.T
-    rays = np.concatenate([np.broadcast_to(T.translation, directions.shape), directions], axis=1)
-    hits = robot_scene(cell, Ts_world_link).cast_rays(o3d.core.Tensor(rays.astype(np.float32)))
-    # A ray is as long as the way to its point: 1 is there.
+    hits = robot_scene(cell, Ts_world_link).cast_rays(rays_of(T.translation, directions))
+    # A direction is as long as the way to its point: 1 is there.
     return bool((hits["t_hit"].numpy() > 1.0).all())
 
 
@@ -141,15 +137,8 @@ def robot_scene(cell: Cell, Ts_world_link: Mapping[str, pin.SE3]) -> o3d.t.geome
     """The robot and its tools, fingers closed."""
     scene = o3d.t.geometry.RaycastingScene()
     for link in cell.robot.links:
-        _add(scene, link.visual or link.collision, Ts_world_link[link.name])
+        add_solids(scene, link.visual or link.collision, Ts_world_link[link.name])
     for arm in cell.arms:
         solids = (*arm.tool.body, *(finger.solid for finger in arm.tool.fingers))
-        _add(scene, solids, Ts_world_link[arm.flange])
+        add_solids(scene, solids, Ts_world_link[arm.flange])
     return scene
-
-
-def _add(
-    scene: o3d.t.geometry.RaycastingScene, solids: tuple[Solid, ...], T_world_owner: pin.SE3
-) -> None:
-    for solid in solids:
-        add_surface(scene, surface_of(solid.shape), T_world_owner * solid.T_owner_shape)

@@ -18,6 +18,10 @@ from workbench.perception.sightings import closeness, tally
 SPACING = 0.055
 """Distance between the points of the scan that vote, over the part's diameter."""
 
+MOST_REFERENCES = 5000
+"""Points that collect votes: a part that is small in its bin makes a hundred thousand points, and
+each proposes up to 80 poses."""
+
 MOST_VOTED, MOST_FITTED = 60, 30
 """Poses that are followed after voting and after the first fit."""
 
@@ -39,10 +43,10 @@ SAME_DISTANCE, SAME_ANGLE = 0.08, float(np.deg2rad(15.0))
 
 
 class Effort(NamedTuple):
-    """How thoroughly is voted.
+    """How thorough a vote is.
 
-    The share of the points that collect votes, their least number, and how many poses each
-    proposes.
+    `references` is the share of the points that collect votes, `fewest` their least number,
+    `peaks` how many poses each of them proposes.
     """
 
     references: float
@@ -102,30 +106,26 @@ def _voted(
         return np.empty((0, 4, 4))
     seen = OrientedPoints((maps.rays * maps.depth[..., None])[chosen], maps.normals[chosen])
     seen = seen.thinned(SPACING * surface.diameter)
-    count = max(effort.fewest, round(effort.references * len(seen)))
+    count = min(MOST_REFERENCES, max(effort.fewest, round(effort.references * len(seen))))
     references = np.random.default_rng(seed).permutation(len(seen))[:count]
     poses, _ = vote(surface.table, seen, references, effort.peaks)
     poses = poses[is_possible(poses)]
     values = _values(maps, poses, surface.table.model, 2 * tolerance)
-    kept = distinct(
-        poses,
-        np.argsort(-values, kind="stable"),
-        surface.symmetry.motions,
-        surface.middle,
-        distance=SAME_DISTANCE * surface.diameter,
-        angle=SAME_ANGLE,
-        most=MOST_VOTED,
-        nearby=NEARBY * surface.diameter,
-        most_nearby=MOST_NEARBY,
-    )
-    return poses[kept]
+    return _best(surface, poses, values, most=MOST_VOTED, most_nearby=MOST_NEARBY)
 
 
 def _fitted(maps: DepthMap, surface: PartSurface, poses: Floats, tolerance: float) -> Floats:
-    """The poses (k, 4, 4) after a first fit, best first, those that became one only once."""
+    """The poses (k, 4, 4) after a first fit, best first; where several became one, the best."""
     poses, errors = refine(maps, poses, surface.coarse, WIDE_GATES * tolerance)
     poses = poses[np.isfinite(errors)]
     values = _values(maps, poses, surface.coarse, tolerance)
+    return _best(surface, poses, values, most=MOST_FITTED)
+
+
+def _best(
+    surface: PartSurface, poses: Floats, values: Floats, *, most: int, most_nearby: int = 0
+) -> Floats:
+    """The best by value of the poses (k, 4, 4), one of those that near-symmetry makes alike."""
     kept = distinct(
         poses,
         np.argsort(-values, kind="stable"),
@@ -133,7 +133,9 @@ def _fitted(maps: DepthMap, surface: PartSurface, poses: Floats, tolerance: floa
         surface.middle,
         distance=SAME_DISTANCE * surface.diameter,
         angle=SAME_ANGLE,
-        most=MOST_FITTED,
+        most=most,
+        nearby=NEARBY * surface.diameter,
+        most_nearby=most_nearby,
     )
     return poses[kept]
 

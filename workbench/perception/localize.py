@@ -1,4 +1,4 @@
-"""Finding the parts in a scan: hypotheses by voting, fits, and verification by ray-casting."""
+"""Finding the parts in a scan: hypotheses by voting, fits, and verification by drawing them."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -73,25 +73,11 @@ def localize(
     report: Callable[[float, str], None] = _silent,
     cancelled: Callable[[], bool] = lambda: False,
 ) -> tuple[Detection, ...]:
-    """The detections of `search`: all instances of a part in the cell's bin."""
-    found = search(scan, part, cell, seed=seed, detail=detail, report=report, cancelled=cancelled)
-    return found.detections
-
-
-def search(
-    scan: Scan,
-    part: Part,
-    cell: Cell,
-    *,
-    seed: int,
-    detail: float = 1.0,
-    report: Callable[[float, str], None] = _silent,
-    cancelled: Callable[[], bool] = lambda: False,
-) -> Findings:
-    """The findings of `searched`."""
-    return searched(
+    """The detections of `searched`: all instances of a part in the cell's bin."""
+    brought = searched(
         scan, part, cell, seed=seed, detail=detail, report=report, cancelled=cancelled
-    ).findings
+    )
+    return brought.findings.detections
 
 
 def searched(

@@ -122,14 +122,15 @@ def _inside(points: Floats, T_bin_scanner: pin.SE3, bin: Bin, size: float) -> np
 
 @njit(cache=True)
 def _near_bin(points, T, reach):  # pragma: no cover (compiled)
-    """Points of the bin and of what is in it, so that stray ones hide nothing."""
+    """Points of the bin and of what is in it, before the scanner: stray ones hide nothing."""
     near = np.zeros(len(points), np.bool_)
     for k in range(len(points)):
         p = points[k]
         x = T[0, 0] * p[0] + T[0, 1] * p[1] + T[0, 2] * p[2] + T[0, 3]
         y = T[1, 0] * p[0] + T[1, 1] * p[1] + T[1, 2] * p[2] + T[1, 3]
         z = T[2, 0] * p[0] + T[2, 1] * p[1] + T[2, 2] * p[2] + T[2, 3]
-        near[k] = abs(x) <= reach[0] and abs(y) <= reach[1] and -BELOW <= z <= reach[2]
+        is_in_bin = abs(x) <= reach[0] and abs(y) <= reach[1] and -BELOW <= z <= reach[2]
+        near[k] = is_in_bin and p[2] > 0.0
     return near
 
 

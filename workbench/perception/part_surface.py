@@ -12,7 +12,7 @@ from workbench.model.part import Part
 from workbench.perception.near_symmetry import NearSymmetry, find_near_symmetry, stated_symmetry
 from workbench.perception.oriented import OrientedPoints
 from workbench.perception.point_pairs import PairTable, make_table
-from workbench.perception.surfaces import add_surface, surface_of
+from workbench.perception.surfaces import add_surface, rays_of, surface_of
 
 DENSE = 12_000
 """Points sampled on the surface before thinning."""
@@ -20,8 +20,8 @@ DENSE = 12_000
 DIRECTIONS = 80
 """From which the part is looked at to find which of its surface can be seen at all."""
 
-VOTING, COARSE, FINE = 0.08, 0.055, 0.03
-"""Distance of the points for voting and for the first and the last fit, over the diameter."""
+VOTING, COARSE = 0.08, 0.055
+"""Distance of the points for voting and for the first fit, over the diameter."""
 
 MOST_DRAWN = 4000
 """Triangles of what is drawn at a pose; finer meshes are simplified."""
@@ -35,11 +35,10 @@ class PartSurface:
     """A part's outer surface, in the part's frame.
 
     `diameter` [m] and `middle` (3,) are those of a ball around it.  `vertices` (n, 3) [m] and
-    `triangles` (m, 3) are drawn; `coarse` and `fine` are points on it, `table` holds the pair
-    features of still fewer; `scene` answers distances; `is_closed` says that it knows inside from
-    outside.  `symmetry` is what the
-    localizer may mix up, `stated` (k, 4, 4) the motions after which the part counts as the
-    same by its author's word.
+    `triangles` (m, 3) are drawn; `coarse` are points on it, `table` holds the pair features of
+    still fewer; `scene` answers distances; `is_closed` says that it knows inside from outside.
+    `symmetry` is what the localizer may mix up, `stated` (k, 4, 4) the motions after which the
+    part counts as the same by its author's word.
     """
 
     diameter: float
@@ -47,7 +46,6 @@ class PartSurface:
     vertices: Floats
     triangles: np.ndarray
     coarse: OrientedPoints
-    fine: OrientedPoints
     table: PairTable
     scene: o3d.t.geometry.RaycastingScene
     is_closed: bool
@@ -71,7 +69,7 @@ def prepare(part: Part) -> PartSurface:
     """The part's surface; the last few parts are remembered.
 
     Raises:
-        InputError: the mesh has no area.
+        InputError: the mesh has no area, or none that can be seen from outside.
     """
     surface = _kept.pop(part.digest, None) or _prepare(part)
     while len(_kept) >= MOST_KEPT:
@@ -85,6 +83,8 @@ def _prepare(part: Part) -> PartSurface:
     mesh.merge_vertices()
     if not mesh.area > 0:
         raise InputError(f"the mesh of part {part.name} has no area, so nothing can be found by it")
+    if mesh.is_watertight and mesh.volume < 0:
+        mesh.invert()
     scene = o3d.t.geometry.RaycastingScene()
     add_surface(scene, mesh)
     middle = mesh.bounds.mean(axis=0)
@@ -92,6 +92,11 @@ def _prepare(part: Part) -> PartSurface:
     points, triangles = trimesh.sample.sample_surface(mesh, DENSE, seed=0)
     dense = OrientedPoints(np.asarray(points), np.asarray(mesh.face_normals[triangles]))
     outer = dense[_can_be_seen(scene, dense, diameter)]
+    if len(outer) == 0:
+        raise InputError(
+            f"no part of the mesh of part {part.name} can be seen from outside, so nothing can be "
+            "found by it: do its triangles look inwards?"
+        )
     drawn = mesh if len(mesh.faces) <= MOST_DRAWN else _simplified(mesh)
     return PartSurface(
         diameter=diameter,
@@ -99,7 +104,6 @@ def _prepare(part: Part) -> PartSurface:
         vertices=drawn.vertices,
         triangles=drawn.faces,
         coarse=outer.thinned(COARSE * diameter),
-        fine=outer.thinned(FINE * diameter),
         table=make_table(outer.thinned(VOTING * diameter), diameter),
         scene=scene,
         is_closed=bool(mesh.is_watertight),
@@ -136,7 +140,6 @@ def _can_be_seen(
     for direction in directions(DIRECTIONS):
         facing = np.flatnonzero(~seen & (surface.normals @ direction > 0.3))
         towards = np.broadcast_to(direction, (len(facing), 3))
-        rays = np.concatenate([start[facing], towards], axis=1).astype(np.float32)
-        blocked = scene.test_occlusions(o3d.core.Tensor(rays)).numpy()
+        blocked = scene.test_occlusions(rays_of(start[facing], towards)).numpy()
         seen[facing[~blocked]] = True
     return seen

@@ -18,8 +18,10 @@ AGREEING = 0.6
 """Cosine between normals of model and scan above which they agree."""
 
 FEWEST_PAIRS = 12
+"""Points of model and scan without which a pose is not fitted."""
 
 DAMPING = 1e-3
+"""Share of the mean diagonal by which `solved` raises it."""
 
 SUPPORT, VIOLATION, OCCLUSION = 0, 1, 2
 """Columns of `quick_scores`."""
@@ -183,7 +185,8 @@ def _refine(
 def solved(A, b, x):  # pragma: no cover (compiled)
     """Solve A x = b by Cholesky's method in place; only the lower half of A is given.
 
-    The diagonal is raised a little, so that what the scan does not show does not drift.
+    The diagonal is raised a little (`DAMPING`), so that the pose does not drift in directions that
+    the scan leaves open.
     """
     trace = 0.0
     for i in range(6):

@@ -33,7 +33,7 @@ NOISE = 0.25
 """Deviation of the points over the tolerance."""
 
 GIVEN_UP = 0.01
-"""Share of its closeness, and a pixel, that a pose may lose to the last fit."""
+"""The last fit stands if it costs the pose no more than a pixel and this share of its closeness."""
 
 SLACK = 0.02
 """A part that may shift by this share of its diameter, and be explained as well, is not held."""
@@ -42,13 +42,13 @@ SURE = 3.0
 """Standard errors that must stay below that shift where the fit is to hold the part alone."""
 
 HELD = 8.0
-"""[pixels] That must speak against such a shift."""
+"""[pixels] By which the pose must be better than one that is shifted so."""
 
 FIRM = 1e6
-"""Information that stands for a direction which does not count."""
+"""Information given to a direction that does not count, so that it is taken for held."""
 
 DAMPING = 1e-4
-"""Of the mean information, added where a direction that nothing holds would leave none."""
+"""Share of the mean information that is added to all directions: nothing may hold one of them."""
 
 
 def settled(

@@ -1,5 +1,6 @@
 """Shapes as triangles, as the simulated scanner and the localizer see them."""
 
+from collections.abc import Iterable
 from typing import assert_never
 
 import numpy as np
@@ -7,7 +8,7 @@ import open3d as o3d
 import pinocchio as pin
 import trimesh
 
-from workbench.model.geometry import Box, Capsule, Cylinder, Mesh, Shape, Sphere
+from workbench.model.geometry import Box, Capsule, Cylinder, Floats, Mesh, Shape, Solid, Sphere
 
 SECTIONS = 64
 """Facets around a cylinder."""
@@ -43,3 +44,20 @@ def add_surface(
         o3d.core.Tensor(np.ascontiguousarray(points, dtype=np.float32)),
         o3d.core.Tensor(np.ascontiguousarray(surface.faces, dtype=np.uint32)),
     )
+
+
+def add_solids(
+    scene: o3d.t.geometry.RaycastingScene, solids: Iterable[Solid], T_world_owner: pin.SE3
+) -> None:
+    """Put the solids of an owner (bin, fixture, link, flange, plate) into a scene of the world."""
+    for solid in solids:
+        add_surface(scene, surface_of(solid.shape), T_world_owner * solid.T_owner_shape)
+
+
+def rays_of(origins: Floats, directions: Floats) -> o3d.core.Tensor:
+    """Rays as Open3D casts them, from origins (n, 3) or one (3,) along directions (n, 3) [m].
+
+    Distances along a ray are told in lengths of its direction.
+    """
+    starts = np.broadcast_to(origins, directions.shape)
+    return o3d.core.Tensor(np.concatenate([starts, directions], axis=1).astype(np.float32))

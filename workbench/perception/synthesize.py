@@ -1,6 +1,6 @@
 """A scan of a known scene: what a structured-light scanner would have measured."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 import open3d as o3d
@@ -8,11 +8,11 @@ import pinocchio as pin
 
 from workbench.model.cell import Cell
 from workbench.model.errors import InputError
-from workbench.model.geometry import Floats, Solid
+from workbench.model.geometry import Floats
 from workbench.model.scan import Detection, Scan
 from workbench.perception.camera import Pinhole
 from workbench.perception.scan_noise import FINE, NoiseModel, noisy
-from workbench.perception.surfaces import add_surface, surface_of
+from workbench.perception.surfaces import add_solids, add_surface, rays_of, surface_of
 
 LIT = 0.9995
 """Share of the way from projector to surface that must be free, short of the surface itself."""
@@ -68,8 +68,7 @@ def visible_shares(cell: Cell, truth: Sequence[Detection]) -> tuple[float, ...]:
     """How much of each part the camera sees of what it would see were the part alone, 0..1."""
     camera = Pinhole.of_scanner(cell.scanner)
     directions = camera.rays().reshape(-1, 3) @ cell.scanner.T_world_scanner.rotation.T
-    origins = np.broadcast_to(cell.scanner.T_world_scanner.translation, directions.shape)
-    rays = _rays(origins, directions)
+    rays = rays_of(cell.scanner.T_world_scanner.translation, directions)
     hit = _scene(cell, truth).cast_rays(rays)["geometry_ids"].numpy()
     shares: list[float] = []
     for number, one in enumerate(truth):
@@ -86,17 +85,10 @@ def _scene(cell: Cell, truth: Sequence[Detection]) -> o3d.t.geometry.RaycastingS
     surfaces = {name: surface_of(cell.part(name).mesh) for name in {one.part for one in truth}}
     for one in truth:
         add_surface(scene, surfaces[one.part], one.T_world_part)
-    _add_solids(scene, cell.bin.solids, cell.bin.T_world_bin)
+    add_solids(scene, cell.bin.solids, cell.bin.T_world_bin)
     for fixture in cell.fixtures:
-        _add_solids(scene, fixture.solids, fixture.T_world_fixture)
+        add_solids(scene, fixture.solids, fixture.T_world_fixture)
     return scene
-
-
-def _add_solids(
-    scene: o3d.t.geometry.RaycastingScene, solids: Iterable[Solid], T_world_owner: pin.SE3
-) -> None:
-    for solid in solids:
-        add_surface(scene, surface_of(solid.shape), T_world_owner * solid.T_owner_shape)
 
 
 def _cast(
@@ -108,8 +100,7 @@ def _cast(
     blocked or falls on the back.
     """
     directions = rays @ T_world_scanner.rotation.T
-    origins = np.broadcast_to(T_world_scanner.translation, directions.shape)
-    hits = scene.cast_rays(_rays(origins, directions))
+    hits = scene.cast_rays(rays_of(T_world_scanner.translation, directions))
     depth = hits["t_hit"].numpy().astype(np.float64)
     normals = hits["primitive_normals"].numpy().astype(np.float64)
     seen = np.sum(normals * directions, axis=1)
@@ -119,13 +110,8 @@ def _cast(
 
     hit = np.flatnonzero(np.isfinite(depth))
     projector = T_world_scanner.act(np.array([baseline, 0.0, 0.0]))
-    beams = origins[hit] + depth[hit, None] * directions[hit] - projector
-    starts = np.broadcast_to(projector, beams.shape)
-    is_dark = scene.test_occlusions(_rays(starts, beams), tfar=LIT).numpy()
+    beams = T_world_scanner.translation + depth[hit, None] * directions[hit] - projector
+    is_dark = scene.test_occlusions(rays_of(projector, beams), tfar=LIT).numpy()
     lit = -np.sum(normals[hit] * beams, axis=1) / np.linalg.norm(beams, axis=1)
     cosine[hit] = np.where(is_dark, 0.0, np.clip(lit, 0.0, cosine[hit]))
     return depth, cosine
-
-
-def _rays(origins: Floats, directions: Floats) -> o3d.core.Tensor:
-    return o3d.core.Tensor(np.concatenate([origins, directions], axis=1).astype(np.float32))

@@ -8,8 +8,9 @@ the floor below: the scanner does not see what is underneath.
 import numpy as np
 import open3d as o3d
 import pinocchio as pin
-from scipy import ndimage
-from scipy.spatial import ConvexHull
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial import ConvexHull, cKDTree
 
 from workbench.model.cell import Cell
 from workbench.model.geometry import Floats, Ints
@@ -25,6 +26,9 @@ CELL = 0.006
 ENOUGH = 60_000
 """Points that are looked at; of a denser scan every second, third, ... is left out."""
 
+FARTHEST = 20.0
+"""[m] Points further from the bin along one of its axes are outliers: no arm gets there."""
+
 FEWEST = 3
 """Points in a grid cell, and cells in a heap, below which it counts as noise."""
 
@@ -38,7 +42,7 @@ NARROW = 0.03
 """[m] A box no wider than this is not split."""
 
 MOST = 40
-"""Boxes; beyond that they are no more split."""
+"""Boxes; from then on a heap is no longer split."""
 
 OF_THE_CELL = -1
 UNEXPLAINED = -2
@@ -79,25 +83,45 @@ def unexplained(cell: Cell, scan: Scan, detections: tuple[Detection, ...]) -> tu
         detections: the parts found in it.
     """
     points = scan.points_world[:: -(-len(scan.points) // ENOUGH)]
-    left = points[explained_by(cell, detections, points) == UNEXPLAINED]
-    if len(left) == 0:
-        return ()
     T_bin_world = cell.bin.T_world_bin.inverse()
-    p_bin = left @ T_bin_world.rotation.T + T_bin_world.translation
+    p_bin = points @ T_bin_world.rotation.T + T_bin_world.translation
+    is_near = np.abs(p_bin).max(axis=1) <= FARTHEST
+    points, p_bin = points[is_near], p_bin[is_near]
+    p_bin = p_bin[explained_by(cell, detections, points) == UNEXPLAINED]
+    if len(p_bin) == 0:
+        return ()
     low = p_bin[:, :2].min(axis=0)
-    index = np.floor((p_bin[:, :2] - low) / CELL).astype(np.int64)
-    shape = tuple(index.max(axis=0) + 1)
-    counts, tops = np.zeros(shape, np.int64), np.full(shape, -np.inf)
-    np.add.at(counts, tuple(index.T), 1)
-    np.maximum.at(tops, tuple(index.T), p_bin[:, 2])
-    heaps, count = ndimage.label(counts >= FEWEST, structure=np.ones((3, 3)))
+    cells, tops = _grid_cells(p_bin, low)
+    heaps = _heaps(cells)
     boxes: list[Obstacle] = []
-    for number in range(1, count + 1):
-        cells = np.argwhere(heaps == number)
-        if len(cells) >= FEWEST:
-            heights = tops[tuple(cells.T)]
-            boxes += _boxes(cell, low + (cells + 0.5) * CELL, heights, MOST - len(boxes))
+    for number in range(heaps.max(initial=-1) + 1):
+        heap = heaps == number
+        if np.count_nonzero(heap) >= FEWEST:
+            centres = low + (cells[heap] + 0.5) * CELL
+            boxes += _boxes(cell, centres, tops[heap], MOST - len(boxes))
     return tuple(boxes)
+
+
+def _grid_cells(p_bin: Floats, low: Floats) -> tuple[Ints, Floats]:
+    """Cells (k, 2) of the grid from `low` (2,) [m] that hold enough points; their heights [m].
+
+    Only cells that hold points are listed: a grid over the room would not fit into memory.
+    """
+    index = np.floor((p_bin[:, :2] - low) / CELL).astype(np.int64)
+    cells, place, counts = np.unique(index, axis=0, return_inverse=True, return_counts=True)
+    tops = np.full(len(cells), -np.inf)
+    np.maximum.at(tops, place.reshape(-1), p_bin[:, 2])
+    is_kept = counts >= FEWEST
+    return cells[is_kept], tops[is_kept]
+
+
+def _heaps(cells: Ints) -> Ints:
+    """Which heap each of the cells (k, 2) belongs to, (k,); it ends where no neighbour is."""
+    if len(cells) == 0:
+        return np.empty(0, np.int64)
+    first, second = cKDTree(cells).query_pairs(1.5, p=np.inf, output_type="ndarray").T
+    graph = coo_array((np.ones(len(first)), (first, second)), shape=(len(cells), len(cells)))
+    return connected_components(graph, directed=False)[1]
 
 
 def _boxes(cell: Cell, centres: Floats, heights: Floats, most: int) -> list[Obstacle]:

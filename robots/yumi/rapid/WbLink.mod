@@ -73,6 +73,8 @@ MODULE WbLink
         WHILE TRUE DO
             serve_one;
             stop_arms;
+            ! An address that is not there must not keep the controller busy.
+            WaitTime 0.1;
         ENDWHILE
     ENDPROC
 
@@ -107,7 +109,11 @@ MODULE WbLink
 
     ! Nothing may go on moving when nobody is there to stop it.
     PROC stop_arms()
-        IF wb_ended{1}=wb_order AND wb_ended{2}=wb_order RETURN;
+        IF wb_ended{1}=wb_order AND wb_ended{2}=wb_order THEN
+            ! An abort also stops arms that stand: without this they never move again.
+            StopMoveReset\AllMotionTasks;
+            RETURN;
+        ENDIF
         wb_restarted{1}:=FALSE;
         wb_restarted{2}:=FALSE;
         StopMove\Quick\AllMotionTasks;
@@ -408,6 +414,7 @@ MODULE WbLink
             IF NOT stands_at_start(arm) refuse "an arm is not at its start";
         ENDFOR
         IF fault_of_arms()<>"" refuse fault_of_arms();
+        IF NOT (wb_ready{1} AND wb_ready{2}) refuse "an arm is still on its way home";
         IF wb_ended{1}<>wb_order OR wb_ended{2}<>wb_order refuse "an arm is still busy";
         IF trouble<>"" RETURN;
         wb_tickets:=wb_tickets+1;
@@ -512,7 +519,7 @@ MODULE WbLink
         has_closed:=FALSE;
         WHILE is_connected AND trouble="" DO
             text:=whole_request(text);
-            IF NOT is_connected RETURN;
+            IF trouble<>"" OR NOT is_connected RETURN;
             kind:=StrPart(text,1,StrFind(text,1,"#")-2);
             arm:=arm_of(StrPart(text,StrLen(kind)+1,1));
             IF arm=0 OR (kind<>"start" AND arm<>active) OR (kind="start" AND active<>0) THEN
@@ -580,6 +587,10 @@ MODULE WbLink
 
     ! Gives one motion to an arm and waits until it is done.
     PROC order(num arm,string text,num hand)
+        IF NOT (wb_ready{1} AND wb_ready{2}) THEN
+            trouble:="an arm is still on its way home";
+            RETURN;
+        ENDIF
         wb_mover:=arm;
         wb_hand:=hand;
         wb_moves:=text<>"";
@@ -617,6 +628,9 @@ MODULE WbLink
         VAR num from_here;
 
         words:=0;
+        FOR n FROM 1 TO 12 DO
+            word{n}:="";
+        ENDFOR
         k:=1;
         WHILE k<=StrLen(text) AND words<12 DO
             from_here:=StrFind(text,k," "\NotInSet);

@@ -22,6 +22,7 @@ MODULE WbMove
     PROC wb_obey()
         VAR num last_order;
 
+        wb_ready{my_arm}:=FALSE;
         ClearPath;
         wb_restarted{my_arm}:=TRUE;
         has_gripped:=FALSE;
@@ -31,6 +32,7 @@ MODULE WbMove
         go_home_in_turn;
         last_order:=wb_order;
         wb_ended{my_arm}:=last_order;
+        wb_ready{my_arm}:=TRUE;
         WHILE TRUE DO
             WaitUntil wb_order<>last_order\PollRate:=0.02;
             last_order:=wb_order;

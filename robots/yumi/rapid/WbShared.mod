@@ -18,6 +18,10 @@ MODULE WbShared
     PERS num wb_ended{2}:=[0,0];
     PERS bool wb_restarted{2}:=[FALSE,FALSE];
 
+    ! Whether an arm has come home since its pointer was set to main: an order
+    ! that is given before would be lost.
+    PERS bool wb_ready{2}:=[FALSE,FALSE];
+
     ! A program of abb-socket/2. The first point of an arm is where it starts.
     CONST num WB_ALONE:=1;
     CONST num WB_FREE:=2;
