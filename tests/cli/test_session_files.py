@@ -164,6 +164,21 @@ def test_old_sessions_are_removed_and_the_example_stays(say, many, options, left
     assert ("freed" in said.out) == (left < 4)
 
 
+def test_a_folder_whose_name_is_no_time_is_left_alone(say, many):
+    newest = sorted(many.iterdir())[-2]
+    newest.rename(many / "20261399-250000-yumi")
+    assert say("session", "prune", "--sessions", many, "--keep", 0, "--yes").code == 0
+    assert sorted(one.name for one in many.iterdir()) == ["20261399-250000-yumi", "example"]
+
+
+def test_a_session_that_cannot_be_removed_is_named(say, many):
+    target = sorted(many.iterdir())[0]
+    target.rename(many.parent / "elsewhere")
+    target.symlink_to(many.parent / "elsewhere")
+    said = say("session", "prune", "--sessions", many, "--keep", 0, "--yes")
+    assert said.code == 2 and target.name in said.problem and "not removed" in said.problem
+
+
 def test_nothing_is_removed_unasked_or_while_it_goes_on(say, many):
     said = say("session", "prune", "--sessions", many, "--keep", 0)
     assert said.code == 2 and "say --yes" in said.problem
