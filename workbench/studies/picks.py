@@ -44,20 +44,14 @@ def measure(
     part = cell.parts[0]
     seeds = range(seed, seed + scenes)
     piles = [drop_parts((part,) * parts, cell.bin, seed=s) for s in seeds]
-    plan_pick(cell, piles[0], "warm", strategy=strategy, seed=0)
+    wishes = Wishes(planner=planner)
+    plan_pick(cell, piles[0], "warm", strategy=strategy, wishes=wishes, seed=0)
     seconds: dict[str, list[float]] = {stage: [] for stage in STAGES}
     cycles: list[float] = []
     for number, (one, pile) in enumerate(zip(seeds, piles, strict=True)):
         report(number / scenes, f"pile {one}")
         began = time.perf_counter()
-        result = plan_pick(
-            cell,
-            pile,
-            "study",
-            strategy=strategy,
-            wishes=Wishes(planner=planner),
-            seed=one,
-        )
+        result = plan_pick(cell, pile, "study", strategy=strategy, wishes=wishes, seed=one)
         whole = time.perf_counter() - began
         for stage, value in result.seconds.items():
             seconds[stage].append(value)
