@@ -1,4 +1,4 @@
-"""What can be typed after `workbench bench`, `study` and `cell`; the docstrings are the help."""
+"""What can be typed after `workbench bench`, `study`, `cell` and `session`: their help."""
 
 from dataclasses import dataclass
 from pathlib import Path
