@@ -43,6 +43,7 @@ NESTED = (
     ("bench", "pick"),
     ("bench", "soak"),
     ("bench", "page"),
+    ("bench", "short"),
     ("study", "threshold"),
     ("study", "localization"),
     ("cell", "new"),

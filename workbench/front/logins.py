@@ -20,13 +20,13 @@ MOST_FORM = 4096
 """Bytes of a filled in form."""
 
 FORM_SECONDS = 10.0
-"""That a browser has to send it."""
+"""[s] How long a browser may take to send it."""
 
 AT_ONCE = 2
 """Passwords that are tried at the same time; each takes 64 MiB and 0.1 s of a processor."""
 
 MOST_WAITING = 20
-"""Passwords."""
+"""Passwords that may wait to be tried."""
 
 WRONG = "Name or password are wrong."
 NO_USERS = (

@@ -39,7 +39,7 @@ HEARTBEAT = 40.0
 """A browser that does not answer for half of this [s] has gone."""
 
 ANSWER_SECONDS = 10.0
-"""That viser has for an answer."""
+"""[s] How long viser may take to answer, or to open a websocket."""
 
 PROTOCOL = "viser-v"
 """Begins the name of the websocket protocol; viser compares the version behind it."""
