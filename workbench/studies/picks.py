@@ -4,12 +4,11 @@ Localization is left out on purpose: its own study tells how good it is.
 """
 
 import time
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
-from workbench.app.pick import plan_pick
+from workbench.app.pick import Report, plan_pick
 from workbench.formats.cells import read_cell
 from workbench.model.cell import PlannerName, Wishes
 from workbench.perception.piles import drop_parts
@@ -25,7 +24,7 @@ def measure(
     seed: int = 0,
     strategy: str = "auto",
     planner: PlannerName | None = None,
-    report: Callable[[float, str], None] = lambda done, note: None,
+    report: Report = lambda done, note: None,
 ) -> dict[str, Any]:
     """Plan every pile once; times [s] per stage, and what came of it.
 
