@@ -12,6 +12,7 @@ import pytest
 from workbench.app.people import Role
 from workbench.app.sessions import new_session
 from workbench.formats.cells import read_cell
+from workbench.front.passwords import NOBODYS
 from workbench.front.store import Store
 from workbench.front.users import Users
 
@@ -107,6 +108,23 @@ def test_a_backup_with_anything_bad_in_it_changes_nothing(say, home, tmp_path, c
     assert content(home) == before and not (tmp_path / "evil").exists()
 
 
+def test_a_restore_that_is_interrupted_leaves_all_as_it_was(say, home, tmp_path, monkeypatch):
+    say("backup", tmp_path / "b.zip")
+    for file in ("robots/tx2_90/cell.toml", "parts/puck/part.toml"):
+        (home / file).write_text((home / file).read_text() + "# edited\n")
+    before, rename, moves = content(home), Path.rename, []
+
+    def interrupted(path, target):
+        moves.append(target)
+        if len(moves) == 2:
+            raise KeyboardInterrupt
+        return rename(path, target)
+
+    monkeypatch.setattr(Path, "rename", interrupted)
+    assert say("restore", tmp_path / "b.zip").code == 130
+    assert content(home) == before
+
+
 def test_a_changed_session_in_a_backup_is_found(say, home, tmp_path):
     say("backup", tmp_path / "b.zip", "--with-sessions")
     archive = zipfile.ZipFile(tmp_path / "b.zip")
@@ -141,6 +159,7 @@ def test_users_come_back_with_passwords_and_tokens_and_nobody_is_overwritten(
     say, with_users, tmp_path
 ):
     assert say("backup", tmp_path / "b.zip", "--with-users").code == 0
+    assert (tmp_path / "b.zip").stat().st_mode & 0o077 == 0, "there are hashes in it"
     with closing(Store(with_users)) as store:
         Users(store).remove("Anna")
         Users(store).set_role("Otto", Role.VIEWER)
@@ -162,6 +181,11 @@ def test_users_are_left_out_unless_asked_for(say, with_users, tmp_path):
     assert "users.json" not in zipfile.ZipFile(tmp_path / "b.zip").namelist()
 
 
+def _user(name: str) -> bytes:
+    user = {"name": name, "role": "viewer", "hash": NOBODYS, "is_disabled": False, "tokens": []}
+    return json.dumps(user).encode()
+
+
 @pytest.mark.parametrize(
     ("users", "says"),
     [
@@ -173,6 +197,10 @@ def test_users_are_left_out_unless_asked_for(say, with_users, tmp_path):
             b'"hash": "$argon2id$v=19$m=4194304,t=9,p=4$YSBzYWx0$AAAA", "is_disabled": false, '
             b'"tokens": []}]}',
             "no hash",
+        ),
+        (
+            b'{"format": "workbench-users/1", "users": [%s, %s]}' % (_user("Eve"), _user("EVE")),
+            "number 2 is there twice",
         ),
     ],
 )

@@ -168,6 +168,10 @@ def test_an_unknown_key_of_a_cell_is_named(say, tmp_path):
         (("serve", "--port", "-1"), "--port"),
         (("serve", "--cell", "mars"), "mars"),
         (("export-world", "mars", "--out", "w"), "mars"),
+        (("bench", "planners", "--seed", "-1"), "--seed"),
+        (("bench", "pick", "--seed", "-1"), "--seed"),
+        (("study", "threshold", "--seed", "-1"), "--seed"),
+        (("study", "localization", "--seed", "-1"), "--seed"),
     ],
     ids=lambda value: " ".join(value) if isinstance(value, tuple) else "",
 )

@@ -61,6 +61,8 @@ def test_a_scan_without_the_plate_is_told(say, folder, tmp_path):
     said = say("calibrate", "yumi", "--poses", tmp_path / "gap")
     assert said.code == 0
     assert "left out: pose_2.ply: the plate is not seen" in said.out
+    form = json.loads(say("calibrate", "yumi", "--poses", tmp_path / "gap", "--json").out)
+    assert len(form["not_seen"]) == 1 and form["not_seen"][0].startswith("pose_2.ply")
 
 
 def test_what_cannot_be_done_is_refused_in_a_line(say, folder, tmp_path):

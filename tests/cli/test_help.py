@@ -44,6 +44,7 @@ NESTED = (
     ("bench", "pick"),
     ("bench", "soak"),
     ("bench", "page"),
+    ("bench", "short"),
     ("study", "threshold"),
     ("study", "localization"),
     ("cell", "new"),

@@ -29,6 +29,13 @@ def test_figures_are_kept_and_compared(say, one, tmp_path):
     assert set(told["figures"]["pick"]) == set(figures)
 
 
+@pytest.mark.parametrize("content", ["{}", '{"figures": 1, "machine": ""}', "[]"])
+def test_a_file_of_something_else_is_refused_before_anything_runs(say, tmp_path, content):
+    (tmp_path / "other.json").write_text(content)
+    said = say("bench", "short", "--against", tmp_path / "other.json")
+    assert said.code == 2 and "other.json" in said.problem
+
+
 def test_one_that_cannot_be_run_fails(say, monkeypatch, tmp_path):
     broken = shorts.Short(("bench", "pick", "--scenes", "0"), lambda said: {})
     monkeypatch.setattr(shorts, "SHORT", {"pick": broken})

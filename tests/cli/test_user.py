@@ -102,6 +102,14 @@ def test_what_cannot_be_is_told_in_one_line(anna, user, words, line, problem):
     assert problem in said.problem
 
 
+def test_a_password_that_is_no_text_is_told_in_one_line(user, say, file, monkeypatch):
+    for encoding, errors in (("utf-8", "strict"), ("utf-8", "surrogateescape")):
+        typed = io.TextIOWrapper(io.BytesIO(b"\xff" * 12 + b"\n"), encoding, errors)
+        monkeypatch.setattr("sys.stdin", typed)
+        said = say("user", "add", "Bert", "--role", "viewer", "--stdin", "--users", file)
+        assert said.code == 2 and "characters" in said.problem
+
+
 def test_it_loads_neither_viser_nor_anything_heavy(tmp_path):
     code = (
         "import sys; from workbench.cli.main import main\n"

@@ -76,6 +76,7 @@ def test_a_browser_that_never_reads_is_cut_all_the_same(front, scene):
                 await asyncio.sleep(0.02)
             assert await browser.post("/logout", {}) == 303
             await gone(scene)
+            browser.socket._conn.transport.abort()  # or it would wait for an answer that it ignores
 
     async def gone(scene):
         while scene.server.get_clients():

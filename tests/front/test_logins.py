@@ -221,6 +221,28 @@ def test_bodies_that_are_no_form_are_refused(front):
     run(look())
 
 
+@pytest.mark.parametrize(
+    ("charset", "body", "status"),
+    [
+        ("utf-8", b"name=Otto&password=wrong", 401),
+        ("utf-8", b"name=\xff&password=x", 400),
+        ("no-such-charset", b"name=Otto&password=x", 415),
+        ("unicode_escape", rb"name=\ud800&password=x", 415),
+    ],
+)
+def test_a_form_is_utf_8(front, charset, body, status):
+    async def look():
+        kind = f"application/x-www-form-urlencoded; charset={charset}"
+        headers = {"Origin": front.url, "Content-Type": kind}
+        async with (
+            raw_browser(front.url) as browser,
+            browser.session.post(f"{front.url}/login", data=body, headers=headers) as answer,
+        ):
+            assert answer.status == status
+
+    run(look())
+
+
 def test_the_first_link_lets_one_browser_in(start, said):
     front = start()
     path = path_of(front.link)

@@ -110,7 +110,12 @@ def test_everything_else_that_viser_listens_to_is_refused():
 
 
 @pytest.mark.parametrize(
-    "frame", [b"", b"\xc1", b"\x91" * 10_000, b"\xdf\xff\xff\xff\xff", packed({"type": 1}), b"\x80"]
+    "frame",
+    [
+        *(b"", b"\xc1", b"\x91" * 10_000, b"\xdf\xff\xff\xff\xff", packed({"type": 1}), b"\x80"),
+        b"\x82\xa1a" + b"\x91" * 300_000 + b"\xc0\xa4type\xa1x",  # nested before its type is told
+    ],
+    ids=lambda frame: frame[:8].hex(),
 )
 def test_garbage_is_a_value_error(frame):
     with pytest.raises(ValueError):

@@ -1,6 +1,7 @@
 """The websocket to viser: what passes, what does not, and when it is cut."""
 
 import asyncio
+import socket
 
 import pytest
 import websockets
@@ -10,6 +11,8 @@ from workbench.app.people import Person, Role
 from workbench.front.conversation import MOST_REFUSED
 from workbench.front.pace import AT_ONCE
 from workbench.front.raw_browser import PROTOCOL, raw_browser
+from workbench.front.relay import Upstream
+from workbench.front.server import Options, serve_front
 
 GIZMO = {"name": "/gizmo", "wxyz": (1.0, 0.0, 0.0, 0.0)}
 
@@ -97,6 +100,22 @@ def test_only_the_page_itself_is_relayed(front):
             assert status == 303
 
     run(look())
+
+
+def test_a_viser_that_does_not_answer_is_said(users, file, monkeypatch):
+    monkeypatch.setattr("workbench.front.relay.ANSWER_SECONDS", 0.2)
+    with socket.create_server(("127.0.0.1", 0)) as mute:
+        upstream = Upstream(f"http://127.0.0.1:{mute.getsockname()[1]}", SECRET)
+        front = serve_front(upstream, file, Options(port=0), title="mute")
+
+        async def look():
+            async with raw_browser(front.url) as browser:
+                await browser.log_in("Otto", PASSWORD)
+                assert (await browser.get("/scene/"))[0] == 503
+                assert await refused_with(browser.open()) == 503
+
+        run(look())
+        front.close()
 
 
 def test_presses_and_values_arrive(front, scene):

@@ -57,7 +57,7 @@ def test_the_page_over_tls(certificate, users, start):
     run(look())
 
 
-def test_old_versions_are_not_spoken(certificate, users, start):
+def test_old_versions_are_not_spoken(certificate):
     assert certificate.context().minimum_version == ssl.TLSVersion.TLSv1_2
 
 

@@ -101,6 +101,15 @@ def test_what_is_no_database_is_named(tmp_path):
         Store(path)
 
 
+def test_a_change_that_sqlite_has_taken_back_itself_is_a_file_error(store):
+    """As when the disk is full: there is nothing left to roll back."""
+    known = "INSERT OR ROLLBACK INTO users VALUES ('a', 'a', 'viewer', 'x', 0)"
+    with pytest.raises(FileError, match="cannot be written"), store.change() as connection:
+        connection.execute(known)
+        connection.execute(known)
+    assert store.ask("SELECT 1 FROM users") == []
+
+
 def test_the_right_password_and_no_other_lets_in(users):
     assert users.by_password("Anna Weiß", PASSWORD) == Person("Anna Weiß", Role.OPERATOR)
     assert users.by_password("Anna Weiß", PASSWORD + "x") is None
@@ -121,15 +130,16 @@ def test_names_that_cannot_be_anybodys(users, name):
         users.add(name, Role.VIEWER, PASSWORD)
 
 
-@pytest.mark.parametrize("password", ["", "short", "x" * 9, "x" * 201])
-def test_passwords_have_a_length(users, password):
+@pytest.mark.parametrize("password", ["", "short", "x" * 9, "x" * 201, "\udcff" * 12])
+def test_passwords_are_text_of_a_length(users, password):
     with pytest.raises(InputError, match="characters"):
         users.add("Bert", Role.VIEWER, password)
 
 
-def test_an_unknown_name_is_named_with_those_that_are_there(users):
-    with pytest.raises(InputError, match=r"'Bert'.*Anna Weiß"):
-        users.set_disabled("Bert", True)
+@pytest.mark.parametrize(("name", "shown"), [("Bert", "Bert"), ("\udcff", r"\\udcff")])
+def test_an_unknown_name_is_named_with_those_that_are_there(users, name, shown):
+    with pytest.raises(InputError, match=f"'{shown}'.*Anna Weiß"):
+        users.set_disabled(name, True)
 
 
 def test_a_disabled_user_is_out_with_password_cookie_and_token(users, sessions):
@@ -205,6 +215,18 @@ def test_the_first_user_ends_the_login_by_link(store, clock):
     assert sessions.find(cookie).person == Person(NOBODY, Role.ENGINEER)
     users.add("Bert", Role.ENGINEER, PASSWORD)
     assert sessions.find(cookie) is None
+    # A user who was added after the link had been looked at, and before the login begins.
+    assert sessions.find(sessions.begin(None)) is None
+
+
+def test_a_login_does_not_begin_for_who_was_kept_out_or_removed_meanwhile(users, sessions):
+    anna = users.by_password("Anna Weiß", PASSWORD)
+    users.set_disabled("Anna Weiß", True)
+    cookie = sessions.begin(anna)
+    users.set_disabled("Anna Weiß", False)
+    assert sessions.find(cookie) is None
+    users.remove("Anna Weiß")
+    assert sessions.find(sessions.begin(anna)) is None
 
 
 def test_too_many_failures_lock_out_an_address_and_a_name(tmp_path, store, clock):

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from workbench.formats.cells import read_cell
+from workbench.model.errors import InputError
 from workbench.studies.klampt import attempts_by_klampt
 from workbench.studies.planners import Course, compare, summary
 from workbench.studies.targets import TILT, drawn_poses
@@ -78,6 +79,12 @@ def test_a_row_a_planner_and_number_of_iterations(course):
     pairs = [(row["planner"], row["allowed"]) for row in rows]
     assert pairs == list(itertools.product(["rrt", "sbl"], [5, 50]))
     assert all(0 <= row["success"] <= 1 and row["attempts"] == len(course.goals) for row in rows)
+
+
+def test_a_peer_that_ends_at_once_is_an_input_error(course, monkeypatch):
+    monkeypatch.setattr("workbench.studies.klampt.sys.executable", "/bin/false")
+    with pytest.raises(InputError, match="Klamp't did not finish"):
+        attempts_by_klampt(course, ["sbl"] * 20_000, seconds=5.0, report=quiet)
 
 
 def test_klampt_solves_the_same_course(course):

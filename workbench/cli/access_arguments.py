@@ -17,7 +17,7 @@ class UserAdd:
     """Let somebody log in; the password is asked for. The first user ends the login by link."""
 
     name: Positional[str]
-    """By which the record knows them, too."""
+    """Name of the user, by which the record knows them, too."""
     role: RoleName
     """Viewers look; operators scan, plan, approve and run; engineers edit cell and parts, too."""
     stdin: bool = False
@@ -41,7 +41,7 @@ class UserDisable:
     """Keep somebody out; open pages and tokens stop at once."""
 
     name: Positional[str]
-    """Of the user."""
+    """Name of the user."""
     users: Path = USERS
     """File of users and logins."""
 
@@ -51,7 +51,7 @@ class UserEnable:
     """Let somebody in again who was kept out."""
 
     name: Positional[str]
-    """Of the user."""
+    """Name of the user."""
     users: Path = USERS
     """File of users and logins."""
 
@@ -61,7 +61,7 @@ class UserPassword:
     """Give somebody another password, which is asked for, and log them out."""
 
     name: Positional[str]
-    """Of the user."""
+    """Name of the user."""
     stdin: bool = False
     """Read the password from standard input, one line."""
     users: Path = USERS
@@ -73,9 +73,9 @@ class UserRole:
     """Give somebody another role and log them out."""
 
     name: Positional[str]
-    """Of the user."""
+    """Name of the user."""
     role: Positional[RoleName]
-    """The new one."""
+    """The new role."""
     users: Path = USERS
     """File of users and logins."""
 
@@ -85,7 +85,7 @@ class UserRemove:
     """Forget somebody, with tokens and logins; the record keeps the name."""
 
     name: Positional[str]
-    """Of the user."""
+    """Name of the user."""
     users: Path = USERS
     """File of users and logins."""
 
@@ -95,7 +95,7 @@ class UserToken:
     """Make a token for a program that acts for a user, and print it, this once."""
 
     name: Positional[str]
-    """Of the user."""
+    """Name of the user."""
     called: Positional[str]
     """Name of the token, to tell it from others."""
     revoke: bool = False

@@ -45,7 +45,7 @@ class Serve:
     name: tuple[str, ...] = ()
     """Names under which browsers ask for this machine, beside --host and addresses."""
     hours: float = 8.0
-    """That a login lasts."""
+    """How long a login lasts [h]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,13 +58,13 @@ class Demo:
     cell: str = "yumi"
     """Name under robots/, or path of a cell.toml."""
     seed: int = 0
-    """Of the pile and of everything else that is random; each further cycle takes the next one."""
+    """Seed of the pile and of all else that is random; each further cycle takes the next one."""
     cycles: int = 1
-    """How many."""
+    """How many cycles."""
     sessions: Path = Path("sessions")
     """Folder for the folder of this session."""
     speed: float = 1.0
-    """Of the simulated robot: 1 is real time."""
+    """Speed of the simulated robot: 1 is real time."""
     json: bool = False
     """Print one JSON object and nothing else."""
 
@@ -78,7 +78,7 @@ class Scan:
     out: Path
     """PLY file to write."""
     seed: int = 0
-    """Of the pile and of the scanner's noise."""
+    """Seed of the pile and of the scanner's noise."""
     parts: int = 2
     """How many parts lie in the bin."""
     part: str = ""
@@ -100,7 +100,7 @@ class Localize:
     discarded: bool = False
     """Tell also which poses were thought possible and discarded, and why."""
     seed: int = 0
-    """Of everything random."""
+    """Seed of everything random."""
     detail: float = 1.0
     """How fine the scan is looked at, 0.3 to 2; finer sees smaller features and takes longer."""
     least_score: float = 0.0
@@ -129,7 +129,7 @@ class Calibrate:
     count: int = 8
     """How many poses to simulate."""
     seed: int = 0
-    """Of the simulated poses and noise."""
+    """Seed of the simulated poses and noise."""
     json: bool = False
     """Print one JSON object and nothing else."""
 
@@ -151,9 +151,9 @@ class Plan:
     threshold: float | None = None
     """Distance of two parts [m] from which both arms may work; the cell's when not given."""
     planner: PlannerName | None = None
-    """Of the free legs; the cell's when not given."""
+    """Planner of the free legs; the cell's when not given."""
     iterations: int | None = None
-    """That the planner may use for each free leg; the cell's when not given."""
+    """How many iterations the planner may use for each free leg; the cell's when not given."""
     order: OrderName | None = None
     """Which part is taken first: least joint travel, highest, best score, nearest to the tool,
     farthest from the walls, or the thesis' rules; the cell's when not given."""
@@ -162,7 +162,7 @@ class Plan:
     metric: float | None = None
     """How much each joint counts of the one before it when planners measure, 0.05 to 1."""
     seed: int = 0
-    """Of everything random."""
+    """Seed of everything random."""
     part: str | None = None
     """What the poses of a HALCON file are of, when the cell has several parts."""
     json: bool = False
@@ -180,7 +180,7 @@ class Explain:
     scan: Path | None = None
     """PLY file that the poses were found in: what it shows beside the parts is in the way, too."""
     seed: int = 0
-    """Of everything random."""
+    """Seed of everything random."""
     part: str | None = None
     """What the poses of a HALCON file are of, when the cell has several parts."""
     json: bool = False
@@ -214,7 +214,7 @@ class Send:
     cell: str | None = None
     """Name under robots/, or path of a cell.toml; the name in the plan when not given."""
     protocol: ProtocolName | None = None
-    """Spoken with the controller; that of the cell when not given."""
+    """Protocol of the controller; that of the cell when not given."""
     json: bool = False
     """Print one JSON object and nothing else."""
 
@@ -232,11 +232,11 @@ class Controller:
     state_port: int | None = None
     """Port for reports of its state; the next one when not given, 0 takes a free one."""
     speed: float = 1.0
-    """Of the robot: 1 is real time."""
+    """Speed of the robot: 1 is real time."""
     record: Path | None = None
     """File to which every configuration that arrives is appended, one JSON object a line."""
     trace: Path | None = None
-    """File to which every state that the arms go through is."""
+    """File to which every state that the arms go through is appended."""
     fault: tuple[str, ...] = ()
     """What goes wrong, each once: NAME or NAME:n, as in `drop:3 garbage:9`; n counts messages."""
     until_eof: bool = False
@@ -306,7 +306,7 @@ class Import:
     """
 
     program: Positional[Literal["klampt"]]
-    """That has written the file."""
+    """The program that has written the file."""
     world: Positional[Path]
     """World file (.xml) with one robot (.rob or .urdf), its files beside it."""
     out: Path

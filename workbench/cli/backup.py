@@ -1,6 +1,7 @@
 """`workbench backup` and `workbench restore`: cells, parts, sessions and users as one file."""
 
 import contextlib
+import filecmp
 import json
 import tempfile
 from collections.abc import Iterator, Mapping, Sequence
@@ -18,7 +19,7 @@ from workbench.formats.cells import read_cell
 from workbench.formats.parts import read_part
 from workbench.formats.whole_files import read_whole
 from workbench.front.kept_users import add_users, checked_users, kept_users, new_users
-from workbench.front.store import Store
+from workbench.front.store import OWNER_ONLY, Store
 from workbench.journal.journal import Journal
 from workbench.model.errors import FileError, InputError
 
@@ -29,7 +30,7 @@ KINDS = ("robots", "parts", "sessions")
 """Folders below the working directory that are kept; each thing is a folder or a file in them."""
 
 LARGEST = 10 * 2**20
-"""[bytes] Of the manifest, and of anything that is compared as a whole."""
+"""[bytes] Of the manifest, and of the users."""
 
 Fate = Literal["new", "replaced", "the same", "left as it is"]
 
@@ -61,6 +62,8 @@ def backup(typed: arguments.Backup) -> int:
             content[KEPT_USERS] = json.dumps(_users_of(typed.users)).encode()
         head = {"format": FORMAT, "workbench": __version__}
         write_archive(typed.out, {MANIFEST: json.dumps(head).encode(), **content})
+        if typed.with_users:
+            typed.out.chmod(OWNER_ONLY)
     print(f"{typed.out}: {len(content)} files, {typed.out.stat().st_size / 1024:,.0f} kB")
     return SUCCESS
 
@@ -195,17 +198,25 @@ def _fate(there: Path, thing: Path) -> Fate:
     # A session is only ever appended to: an older copy never replaces one that is there.
     if there.parent.name == "sessions":
         return "left as it is"
-    return "the same" if _content(there) == _content(thing) else "replaced"
+    return "the same" if _is_same(there, thing) else "replaced"
 
 
-def _content(thing: Path) -> dict[str, bytes]:
-    return {
-        file.relative_to(thing).as_posix(): read_whole(file, 2**30) for file in _files(thing)
-    }  # fmt: skip
+def _is_same(one: Path, other: Path) -> bool:
+    """Whether two files, or all files in two folders, have the same names and contents."""
+    names = [file.relative_to(one) for file in _files(one)]
+    return names == [file.relative_to(other) for file in _files(other)] and all(
+        filecmp.cmp(one / name, other / name, shallow=False) for name in names
+    )
 
 
 def _put_in_place(root: Path, place: Path, things: list[Thing]) -> None:
-    """Move new things in and old ones out; when that fails midway, all is as it was."""
+    """Move new things in and old ones out.
+
+    When that fails or is interrupted midway, all is as it was.
+
+    Raises:
+        FileError: something cannot be moved.
+    """
     moved: list[tuple[Path, Path]] = []
     out = place / ".replaced"
     try:
@@ -217,11 +228,16 @@ def _put_in_place(root: Path, place: Path, things: list[Thing]) -> None:
             if target.exists():
                 old = out / thing.kind / thing.name
                 old.parent.mkdir(parents=True, exist_ok=True)
-                target.rename(old)
                 moved.append((old, target))
-            (place / thing.kind / thing.name).rename(target)
-            moved.append((target, place / thing.kind / thing.name))
-    except OSError as error:
+                target.rename(old)
+            new = place / thing.kind / thing.name
+            moved.append((target, new))
+            new.rename(target)
+    except BaseException as error:
+        # What was replaced would be gone with the unpacked files, also after Ctrl-C.
         for now, before in reversed(moved):
-            now.rename(before)
-        raise FileError(error.filename or root, f"not restored: {error.strerror}") from None
+            if now.exists():
+                now.rename(before)
+        if isinstance(error, OSError):
+            raise FileError(error.filename or root, f"not restored: {error.strerror}") from None
+        raise

@@ -61,16 +61,17 @@ def calibrate(typed: arguments.Calibrate) -> int:
                 sightings.append(sight_plate(scan, found.plate, name, found.arm, pose.q))
             except InputError as error:
                 missed.append(str(error))
-    for problem in missed:
-        print(f"left out: {problem}")
+    if not typed.json:
+        for problem in missed:
+            print(f"left out: {problem}")
     calibration = calibrated(cell, sightings)
     if typed.json:
         print_json(_form(cell, calibration, missed))
     else:
         _print(cell, calibration)
-    if typed.simulate and not typed.json:
-        off = _true_pose(cell).actInv(calibration.T_world_scanner)
-        print(f"off the truth of this simulation: {_between(off)}")
+        if typed.simulate:
+            off = _true_pose(cell).actInv(calibration.T_world_scanner)
+            print(f"off the truth of this simulation: {_between(off)}")
     if typed.save:
         _save(typed, cell, calibration)
     return SUCCESS

@@ -24,7 +24,7 @@ SLOW = np.deg2rad(1.0)
 NO_SPEED = 100.0
 """[rad/s] A joint that turns faster has probably no limit."""
 
-WIDE = 2 * np.pi
+WIDE = 4 * np.pi
 """[rad] A joint whose range is wider has probably no limits."""
 
 
@@ -151,7 +151,7 @@ def _problems(cell: Cell, arm: Arm, reach: Reach) -> Iterator[str]:
             yield f"{arm.name} arm: joint {joint} has no speed worth the name ({fast:g} rad/s)"
         if fast >= NO_SPEED:
             yield f"{arm.name} arm: joint {joint} has no speed limit ({fast:g} rad/s)"
-        if high - low > 2 * WIDE + 1e-6:
+        if high - low > WIDE + 1e-6:
             turns = f"turns {np.rad2deg(high - low):.0f} degrees"
             yield f"{arm.name} arm: joint {joint} {turns}: are there no limits?"
     if reach.at_home is not None:

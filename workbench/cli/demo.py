@@ -142,7 +142,8 @@ class Cycle:
         state = self._stage("find parts", FindParts(seed), Phase.SCANNED, Phase.LOCALIZED)
         if not state.detections:
             raise NoPlan("no parts were found in the scan")
-        state = self._stage("plan", MakePlan(threshold=_threshold(state), seed=seed), *PLANNED)
+        wanted = MakePlan(threshold=state.cell.policy.threshold, seed=seed)
+        state = self._stage("plan", wanted, Phase.LOCALIZED, Phase.PLANNED)
         plan, proof = state.plan, state.proof
         if plan is None or proof is None or not proof.holds:
             raise NoPlan(state.message)
@@ -174,15 +175,8 @@ class Cycle:
         return state
 
 
-PLANNED = (Phase.LOCALIZED, Phase.PLANNED)
-
-
 def _is_settled(state: State) -> bool:
     return state.job is None and state.phase is not Phase.SENDING
-
-
-def _threshold(state: State) -> float:
-    return state.cell.policy.threshold
 
 
 def _cycle_form(seed: int, state: State) -> dict[str, Any]:

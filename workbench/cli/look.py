@@ -39,8 +39,8 @@ def localize(typed: arguments.Localize) -> int:
     cell = read_cell(typed.cell)
     cloud = read_cloud(typed.scan, cell.scanner.T_world_scanner)
     with progress("localize") as report:
-        arguments = {"scan": cloud, "seed": typed.seed, "wishes": wishes}
-        findings = find_parts(cell, arguments, report, cancelled=lambda: False)
+        given = {"scan": cloud, "seed": typed.seed, "wishes": wishes}
+        findings = find_parts(cell, given, report, cancelled=lambda: False)
     found = findings.detections
     write_poses(typed.out, found)
     rows = (

@@ -1,4 +1,4 @@
-"""What can be typed after `workbench bench`, `study` and `cell`; the docstrings are the help."""
+"""What can be typed after `workbench bench`, `study`, `cell` and `session`: their help."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -31,9 +31,9 @@ class BenchPlanners:
     against: Literal["klampt"] | None = None
     """Give the same start and goals to Klamp't as well (extra `bench`)."""
     seconds: float = 5.0
-    """That a plan by Klamp't may take."""
+    """How long a plan by Klamp't may take [s]."""
     seed: int = 0
-    """Of the targets."""
+    """Seed of the targets."""
     plot: Path | None = None
     """HTML file to draw the comparison in."""
     json: bool = False
@@ -53,9 +53,9 @@ class BenchPick:
     strategy: StrategyName = "auto"
     """Which arms work."""
     planner: PlannerName | None = None
-    """Of the free legs; the cell's when not given."""
+    """Planner of the free legs; the cell's when not given."""
     seed: int = 0
-    """Of the first pile; the others follow."""
+    """Seed of the first pile; the others follow."""
     json: bool = False
     """Print one JSON object and nothing else."""
 
@@ -70,13 +70,13 @@ class BenchSoak:
     cell: str = "yumi"
     """Name under robots/, or path of a cell.toml."""
     cycles: int = 1000
-    """How many."""
+    """How many cycles."""
     piles: int = 20
     """How many different piles, again and again: the scan of each is kept once."""
     speed: float = 1000.0
-    """Of the simulated robot: 1 is real time."""
+    """Speed of the simulated robot: 1 is real time."""
     seed: int = 0
-    """Of the first pile; the others follow."""
+    """Seed of the first pile; the others follow."""
     sessions: Path = Path("sessions")
     """Folder for the folder of this session."""
     json: bool = False
@@ -93,9 +93,9 @@ class BenchPage:
     cell: str = "yumi"
     """Name under robots/, or path of a cell.toml."""
     browsers: int = 10
-    """How many; they read everything and draw nothing."""
+    """How many browsers; they read everything and draw nothing."""
     seconds: float = 300.0
-    """How long."""
+    """How long the page is loaded [s]."""
     json: bool = False
     """Print one JSON object and nothing else."""
 
@@ -115,7 +115,7 @@ class StudyLocalization:
     noise: tuple[Literal["fine", "rough"], ...] = ("fine", "rough")
     """Builds of scanner: that of the cell, and one with twice its noise and many flaws."""
     seed: int = 0
-    """Of the first pile; the others follow."""
+    """Seed of the first pile; the others follow."""
     plot: Path | None = None
     """HTML file to draw it in."""
     json: bool = False
@@ -140,7 +140,7 @@ class StudyThreshold:
     scheduler: str | None = None
     """Address of a Dask cluster that does the work instead, tcp://host:port."""
     seed: int = 0
-    """Of the first pile; the others follow."""
+    """Seed of the first pile; the others follow."""
     plot: Path | None = None
     """HTML file to draw the comparison in."""
     keep: bool = False
@@ -217,7 +217,7 @@ class CellNew:
     """
 
     name: Positional[str]
-    """Of the cell and of its folder."""
+    """Name of the cell and of its folder."""
     urdf: Path
     """URDF, xacro or Klamp't robot (.rob), with its meshes beside or above it; or a Klamp't world
     (.xml) with one robot, whose things become fixtures."""
@@ -236,13 +236,13 @@ class CellNew:
     position_mm: tuple[float, float, float] = (0.0, 0.0, 0.0)
     """Where the URDF's root link stands in the world."""
     mesh_unit: Literal["m", "mm"] = "m"
-    """Of the meshes, where the URDF says nothing about it."""
+    """Unit of the meshes, where the URDF says nothing about it."""
     xacro: tuple[str, ...] = ()
     """Arguments for a xacro file, each NAME:=VALUE."""
     tolerance_mm: float = 20.0
     """By how much a convex piece may be larger than its mesh before it is divided."""
     pieces: int = 8
-    """That one mesh may be divided into."""
+    """How many pieces one mesh may be divided into."""
     json: bool = False
     """Print one JSON object and nothing else."""
 
@@ -339,7 +339,7 @@ class SessionPrune:
     sessions: Path = Path("sessions")
     """Folder that holds them; folders without a time in their name are left alone."""
     keep: int | None = None
-    """Keep so many of the newest."""
+    """How many of the newest to keep."""
     older_than_days: float | None = None
     """Keep those that are younger."""
     yes: bool = False
@@ -365,7 +365,7 @@ class SessionOpen:
     name: tuple[str, ...] = ()
     """Names under which browsers ask for this machine, beside --host and addresses."""
     hours: float = 8.0
-    """That a login lasts."""
+    """How long a login lasts [h]."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -121,4 +121,8 @@ def _served(cell: str, password: str) -> Generator[Served]:
             yield Served(found[0], process.pid, folder)
         finally:
             process.terminate()
-            process.communicate(timeout=END_SECONDS)
+            try:
+                process.communicate(timeout=END_SECONDS)
+            except subprocess.TimeoutExpired:
+                process.kill()
+                process.communicate()

@@ -17,9 +17,9 @@ class PartImport:
     file: Positional[Path]
     """The CAD file."""
     name: str
-    """Of the part and of its folder, which must not be there yet."""
+    """Name of the part and of its folder, which must not be there yet."""
     unit: Literal["mm", "m", "inch"] | None = None
-    """Of an STL, OBJ or PLY file; needed when its size leaves a doubt."""
+    """Unit of an STL, OBJ or PLY file; needed when its size leaves a doubt."""
     mass_g: float | None = None
     """Mass of the part; from its volume when not given."""
     density: float = 1200.0
@@ -84,9 +84,9 @@ class Grasps:
     arm: str | None = None
     """Whose tool; the cell's first arm when not given."""
     most: int = 20
-    """How many."""
+    """How many grasps."""
     seed: int = 0
-    """Of the samples on the surface."""
+    """Seed of the samples on the surface."""
     add: bool = False
     """Write them into the part's grasps.toml, behind what stands there."""
     json: bool = False

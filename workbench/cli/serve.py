@@ -1,6 +1,5 @@
 """`workbench serve`: the page of a cell, its session, and a robot to talk to."""
 
-import ipaddress
 import logging
 import signal
 import socket
@@ -27,6 +26,7 @@ from workbench.formats.cells import cell_path, part_folders, read_cell
 from workbench.formats.predictions import predictions_path, read_predictions
 from workbench.front.api import api_routes
 from workbench.front.identity import identify
+from workbench.front.origins import is_loopback
 from workbench.model.cell import Controller
 from workbench.model.errors import InputError
 
@@ -48,7 +48,7 @@ def serve(typed: arguments.Serve) -> int:
     predictions = read_predictions(predictions_path(typed.cell))
     with ExitStack() as stack:
         robot = f"robot controller: {_address(cell.controller)}"
-        if _is_local(cell.controller) and not _answers(cell.controller):
+        if is_loopback(cell.controller.host) and not _answers(cell.controller):
             simulated = simulated_controller(typed.cell, cell.controller.protocol)
             cell = replace(cell, controller=stack.enter_context(simulated))
             robot = f"robot controller: simulated, {_address(cell.controller)}"
@@ -86,13 +86,6 @@ def wait_for_the_end() -> None:
     signal.signal(signal.SIGINT, end)
     signal.signal(signal.SIGTERM, end)
     ended.wait()
-
-
-def _is_local(controller: Controller) -> bool:
-    try:
-        return ipaddress.ip_address(controller.host).is_loopback
-    except ValueError:
-        return controller.host == "localhost"
 
 
 def _answers(controller: Controller) -> bool:

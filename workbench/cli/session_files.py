@@ -16,7 +16,7 @@ from workbench.cli.nested_arguments import SessionExport, SessionImport, Session
 from workbench.cli.session import opened
 from workbench.cli.terminal import check_number, check_whole
 from workbench.journal.journal import Journal
-from workbench.model.errors import InputError, JournalError
+from workbench.model.errors import FileError, InputError, JournalError
 
 BY_TIME = re.compile(r"(\d{8}-\d{6})-.+", re.ASCII)
 """What `app.sessions` calls a folder."""
@@ -83,7 +83,10 @@ def prune(typed: SessionPrune) -> int:
             print("nothing was removed")
             return SUCCESS
     for folder in old:
-        shutil.rmtree(folder)
+        try:
+            shutil.rmtree(folder)
+        except OSError as error:
+            raise FileError(folder, f"not removed: {error.strerror or error}") from None
     print(f"{len(old)} sessions removed, {total / MEGABYTE:.1f} MB freed")
     return SUCCESS
 
@@ -92,15 +95,27 @@ def _old(typed: SessionPrune, now: float) -> list[Path]:
     """The sessions that are neither among the newest, nor young enough, nor going on."""
     found: list[tuple[float, Path]] = []
     for file in typed.sessions.glob(f"*/{DATABASE}"):
-        match = BY_TIME.fullmatch(file.parent.name)
-        if match is not None:
-            at = datetime.strptime(match[1], "%Y%m%d-%H%M%S").replace(tzinfo=UTC).timestamp()
+        at = _began(file.parent)
+        if at is not None:
             found.append((at, file.parent))
     found.sort(reverse=True)
-    old = found[typed.keep or 0 :] if typed.keep is not None else found
+    old = found[typed.keep or 0 :]
     if typed.older_than_days is not None:
         old = [(at, folder) for at, folder in old if at < now - typed.older_than_days * 86400]
     return [folder for _, folder in sorted(old) if not _goes_on(folder)]
+
+
+def _began(folder: Path) -> float | None:
+    """The time in a session's name [s since 1970]; None when there is none in it."""
+    match = BY_TIME.fullmatch(folder.name)
+    try:
+        return (
+            None
+            if match is None
+            else datetime.strptime(match[1], "%Y%m%d-%H%M%S").replace(tzinfo=UTC).timestamp()
+        )
+    except ValueError:
+        return None
 
 
 def _goes_on(folder: Path) -> bool:

@@ -6,6 +6,7 @@ import subprocess
 import sys
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from statistics import median
 from typing import Any
 
@@ -15,6 +16,7 @@ from workbench.cli.terminal import print_json, print_table, progress
 from workbench.formats.json_keys import json_text, parse_object
 from workbench.formats.toml_keys import LARGEST_FILE
 from workbench.formats.whole_files import read_whole, write_whole
+from workbench.model.errors import FileError
 
 Figures = Mapping[str, float]
 """By name, which ends in its unit."""
@@ -80,9 +82,7 @@ SHORT: Mapping[str, Short] = {
 
 def short(typed: BenchShort) -> int:
     """Run them one after the other; only an error fails, since times differ between machines."""
-    before: Mapping[str, Any] = {"figures": {}, "machine": ""}
-    if typed.against.is_file():
-        before = parse_object(typed.against, read_whole(typed.against, LARGEST_FILE))
+    before = _kept(typed.against)
     now: dict[str, dict[str, float]] = {}
     failed: list[str] = []
     with progress("bench") as report:
@@ -101,6 +101,21 @@ def short(typed: BenchShort) -> int:
     else:
         _print(before, now, failed)
     return FAILURE if failed else SUCCESS
+
+
+def _kept(path: Path) -> Mapping[str, Any]:
+    """The figures of last time; none when there is no file.
+
+    Raises:
+        FileError: it is a file of something else.
+    """
+    if not path.is_file():
+        return {"figures": {}, "machine": ""}
+    kept = parse_object(path, read_whole(path, LARGEST_FILE))
+    figures: Any = kept.get("figures")
+    if not isinstance(figures, dict) or "machine" not in kept:
+        raise FileError(path, "holds no figures of the short benchmarks")
+    return kept
 
 
 def _run(words: tuple[str, ...]) -> tuple[Any, str]:

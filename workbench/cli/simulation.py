@@ -58,4 +58,6 @@ def _address(line: bytes) -> Controller:
         ports = json.loads(line)
         return Controller(ports["host"], ports["port"], ports["state_port"])
     except (ValueError, KeyError) as error:
-        raise LinkError("the simulated controller did not start") from error
+        raise LinkError(
+            "the simulated controller did not start; `workbench controller` tells why"
+        ) from error

@@ -6,6 +6,7 @@ from typing import Any, assert_never
 
 import numpy as np
 
+from workbench.app.value_checks import MOST_PARTS, SEED_LIMIT
 from workbench.cli.exits import SUCCESS
 from workbench.cli.nested_arguments import (
     Bench,
@@ -65,6 +66,7 @@ def study(typed: Study) -> int:
 def _planners(typed: BenchPlanners) -> int:
     check_whole("--targets", typed.targets, 1, MOST)
     check_number("--seconds", typed.seconds, 0.01, 600)
+    check_whole("--seed", typed.seed, 0, SEED_LIMIT - 1)
     if not typed.iterations or not typed.planners:
         raise InputError("--iterations and --planners need at least one value each")
     for allowed in typed.iterations:
@@ -128,7 +130,8 @@ def _planner_words(row: dict[str, Any]) -> tuple[str, ...]:
 
 def _pick(typed: BenchPick) -> int:
     check_whole("--scenes", typed.scenes, 1, MOST)
-    check_whole("--parts", typed.parts, 1, 30)
+    check_whole("--parts", typed.parts, 1, MOST_PARTS)
+    check_whole("--seed", typed.seed, 0, SEED_LIMIT - typed.scenes)
     with progress("picks") as report:
         measured = picks.measure(
             typed.cell,
@@ -161,10 +164,11 @@ def _pick(typed: BenchPick) -> int:
 
 def _localization(typed: StudyLocalization) -> int:
     check_whole("--scenes", typed.scenes, 1, MOST)
+    check_whole("--seed", typed.seed, 0, SEED_LIMIT - typed.scenes)
     if not typed.parts or not typed.counts or not typed.noise:
         raise InputError("--parts, --counts and --noise need at least one value each")
     for count in typed.counts:
-        check_whole("--counts", count, 1, 30)
+        check_whole("--counts", count, 1, MOST_PARTS)
     tasks = [
         localization.Task(typed.cell, part, build, count, seed)
         for part in typed.parts
@@ -209,6 +213,7 @@ def _localization_words(row: dict[str, Any]) -> tuple[str, ...]:
 
 def _threshold(typed: StudyThreshold) -> int:
     check_whole("--cycles", typed.cycles, 1, MOST)
+    check_whole("--seed", typed.seed, 0, SEED_LIMIT - typed.cycles)
     check_whole("--workers", typed.workers, 1, 1024)
     for value in typed.thresholds:
         check_number("--thresholds", value, 0.0, 10.0)

@@ -77,7 +77,7 @@ def check_number(option: str, value: float, low: float, high: float) -> None:
 
 
 def milliseconds(seconds: float) -> float:
-    """For people: to a tenth."""
+    """A time in milliseconds as people read it, to a tenth."""
     return round(seconds * 1000, 1)
 
 

@@ -103,7 +103,10 @@ def _password(*, is_piped: bool) -> str:
         InputError: there is none, or the two differ.
     """
     if is_piped:
-        line = sys.stdin.readline()
+        try:
+            line = sys.stdin.readline()
+        except UnicodeDecodeError:
+            raise InputError("--stdin: the line does not consist of characters") from None
         if not line:
             raise InputError("--stdin: there is no line on standard input")
         return line.rstrip("\r\n")

@@ -17,6 +17,9 @@ HEARTBEAT = 10.0
 PROGRESS = 0.5
 """[s] Between two words about a running task."""
 
+WRITE_SECONDS = 10.0
+"""[s] That a listener may take to read what waits for it."""
+
 MOST_LISTENERS = 32
 """Streams at a time: each has a thread of the bench."""
 
@@ -66,7 +69,7 @@ class Events:
                     async for word in words:
                         if not word and not await is_still_allowed():
                             break
-                        await response.write(word or b": still here\n\n")
+                        await _write(request, response, word or b": still here\n\n")
         finally:
             self._listeners -= 1
         return response
@@ -99,6 +102,22 @@ class Events:
                     await asyncio.wait_for(changed.wait(), min(patience, self._heartbeat))
         finally:
             unsubscribe()
+
+
+async def _write(request: web.Request, response: web.StreamResponse, word: bytes) -> None:
+    """Write a word.
+
+    Raises:
+        ConnectionResetError: the listener has gone, or does not read and is cut off: it would
+            keep its place, also beyond the end of its login.
+    """
+    try:
+        async with asyncio.timeout(WRITE_SECONDS):
+            await response.write(word)
+    except TimeoutError:
+        if request.transport is not None:
+            request.transport.abort()
+        raise ConnectionResetError("the listener does not read") from None
 
 
 def _in_loop(loop: asyncio.AbstractEventLoop, changed: asyncio.Event) -> None:

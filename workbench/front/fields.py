@@ -1,6 +1,5 @@
 """What a request may carry: each field with its JSON Schema, which is also what is checked."""
 
-import math
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -83,7 +82,7 @@ def _number(name: str, value: Any, schema: Mapping[str, Any], *, is_whole: bool)
     low, high = schema["minimum"], schema["maximum"]
     words = f"{name} must be a {'whole number' if is_whole else 'number'} from {low} to {high}"
     is_number = isinstance(value, int | float) and not isinstance(value, bool)
-    if not is_number or not math.isfinite(value) or not low <= value <= high:
+    if not is_number or not low <= value <= high:
         raise InputError(f"{words}, not {shown(value)}")
     if not is_whole:
         return float(value)
@@ -100,6 +99,6 @@ def _text(name: str, value: Any, schema: Mapping[str, Any]) -> str:
         raise InputError(f"{name} must be one of {', '.join(schema['enum'])}, not {shown(value)}")
     if len(value) > schema.get("maxLength", LARGEST_BODY):
         raise InputError(f"{name} may have {schema['maxLength']} characters, not {len(value)}")
-    if "pattern" in schema and re.search(schema["pattern"], value) is None:
+    if "pattern" in schema and re.fullmatch(schema["pattern"], value) is None:
         raise InputError(f"{name} must look like {schema['pattern']}, not {shown(value)}")
     return value

@@ -13,7 +13,7 @@ ALWAYS: Mapping[str, str] = {
     "Cache-Control": "no-store",
     "Content-Security-Policy": "default-src 'none'; frame-ancestors 'none'",
 }
-"""Unless an answer says otherwise."""
+"""Headers of every answer, unless it says otherwise."""
 
 
 def page_policy(sockets: str) -> Mapping[str, str]:

@@ -49,9 +49,10 @@ def checked_users(form: Any) -> Sequence[Mapping[str, Any]]:
     users: Any = cast(dict[str, Any], form).get("users")
     if not isinstance(users, list) or len(cast(list[Any], users)) > MOST_USERS:
         raise InputError(f"users: a list of up to {MOST_USERS} was expected")
+    keys: set[str] = set()
     for number, user in enumerate(cast(list[Any], users), start=1):
         try:
-            key_of(user["name"])
+            key = key_of(user["name"])
             Role(user["role"])
             sound = is_hash(user["hash"]) and isinstance(user["is_disabled"], bool)
             for token in user["tokens"]:
@@ -62,6 +63,9 @@ def checked_users(form: Any) -> Sequence[Mapping[str, Any]]:
             raise InputError(f"users: number {number} cannot be one: {error!r}") from error
         if not sound:
             raise InputError(f"users: number {number} has no hash that could be a password's")
+        if key in keys:
+            raise InputError(f"users: number {number} is there twice")
+        keys.add(key)
     return cast(Sequence[Mapping[str, Any]], users)
 
 

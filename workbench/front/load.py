@@ -5,6 +5,8 @@ import time
 from contextlib import AsyncExitStack
 from dataclasses import dataclass
 
+import aiohttp
+
 from workbench.front.raw_browser import RawBrowser, raw_browser
 from workbench.model.errors import LinkError
 
@@ -57,8 +59,15 @@ async def load(url: str, name: str, password: str, browsers: int, seconds: float
         seconds: how long.
 
     Raises:
-        LinkError: nobody could log in, or a browser was cut off.
+        LinkError: the page does not answer, nobody could log in, or a browser was cut off.
     """
+    try:
+        return await _load(url, name, password, browsers, seconds)
+    except (aiohttp.ClientError, ConnectionError) as error:
+        raise LinkError(f"{url}: {error}") from error
+
+
+async def _load(url: str, name: str, password: str, browsers: int, seconds: float) -> Load:
     async with AsyncExitStack() as stack:
         first = await _enter(stack, url, name, password)
         try:

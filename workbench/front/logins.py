@@ -20,13 +20,13 @@ MOST_FORM = 4096
 """Bytes of a filled in form."""
 
 FORM_SECONDS = 10.0
-"""That a browser has to send it."""
+"""[s] How long a browser may take to send it."""
 
 AT_ONCE = 2
 """Passwords that are tried at the same time; each takes 64 MiB and 0.1 s of a processor."""
 
 MOST_WAITING = 20
-"""Passwords."""
+"""Passwords that may wait to be tried."""
 
 WRONG = "Name or password are wrong."
 NO_USERS = (
@@ -174,7 +174,8 @@ async def _form(request: web.Request) -> dict[str, object]:
     Raises:
         HTTPException: it is too long, takes too long, or is no form.
     """
-    if request.content_type != "application/x-www-form-urlencoded":
+    charset = (request.charset or "utf-8").casefold()
+    if request.content_type != "application/x-www-form-urlencoded" or charset != "utf-8":
         raise web.HTTPUnsupportedMediaType
     if request.content_length is None or request.content_length > MOST_FORM:
         raise web.HTTPRequestEntityTooLarge(MOST_FORM, request.content_length or 0)
@@ -183,6 +184,8 @@ async def _form(request: web.Request) -> dict[str, object]:
             return dict(await request.post())
     except TimeoutError as error:
         raise web.HTTPRequestTimeout from error
+    except UnicodeDecodeError as error:
+        raise web.HTTPBadRequest(text="The form is not in UTF-8.\n") from error
 
 
 async def _silence(browser: web.WebSocketResponse) -> None:

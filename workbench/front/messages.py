@@ -170,7 +170,10 @@ def read(frame: bytes, role: Role) -> Working:
         ValueError: it is none, not one that this role may send, or has a field or value that it
             must not have; says which.
     """
-    return _DECODERS[role].decode(frame)
+    try:
+        return _DECODERS[role].decode(frame)
+    except RecursionError as error:
+        raise ValueError("the message is nested too deeply") from error
 
 
 def written(message: Message) -> bytes:

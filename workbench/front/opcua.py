@@ -8,7 +8,6 @@ sent.
 import asyncio
 import contextlib
 import hmac
-import ipaddress
 import logging
 import threading
 from collections.abc import Mapping
@@ -26,6 +25,7 @@ from workbench.app.bench import Bench
 from workbench.app.people import Person
 from workbench.front.opcua_methods import METHODS, Method
 from workbench.front.opcua_values import VARIABLES, values_of
+from workbench.front.origins import is_loopback
 from workbench.model.errors import InputError, WorkbenchError
 
 log = logging.getLogger(__name__)
@@ -84,6 +84,8 @@ class OpcUa:
                 f"{error.strerror or error}; choose another port"
             ) from error
         self._unsubscribe = bench.subscribe(lambda old, new: self._wake())
+        # The state may have changed since it was first told.
+        self._wake()
 
     def close(self) -> None:
         """Cut clients off and stop listening; twice does no harm."""
@@ -199,11 +201,7 @@ class _Door(UserManager):
 
 
 def _check(options: Options) -> None:
-    try:
-        is_here = ipaddress.ip_address(options.host).is_loopback
-    except ValueError:
-        is_here = options.host == "localhost"
-    if not options.password and not is_here:
+    if not options.password and not is_loopback(options.host):
         raise InputError(
             f"OPC UA on {options.host} could be used by anybody: give a password, or listen on "
             "127.0.0.1"

@@ -6,11 +6,15 @@ those known are refused, and whatever changes something has to come from a page 
 """
 
 import ipaddress
+import re
 from collections.abc import Iterable
 from urllib.parse import urlsplit
 
 WILDCARDS = frozenset({"0.0.0.0", "::"})
 """Addresses that stand for all of this machine's."""
+
+BARE = re.compile(r"[\w.:%\[\]-]+", re.ASCII)
+"""A host and a port, nothing else: it is written into policies that browsers follow."""
 
 
 class Origins:
@@ -32,13 +36,14 @@ class Origins:
 
     def is_known(self, host: str | None) -> bool:
         """Whether a `Host` header names us."""
+        if host is None or not BARE.fullmatch(host):
+            return False
         try:
             split = urlsplit(f"//{host}")
             name, _ = split.hostname, split.port
         except ValueError:
             return False
-        is_bare = not (split.path or split.query or split.fragment or split.username)
-        return bool(name) and is_bare and (name in self._names or _is_address(str(name)))
+        return name is not None and (name in self._names or _is_address(name))
 
     def is_own(self, origin: str | None, host: str | None) -> bool:
         """Whether an `Origin` header names a page of ours, exactly as it was asked for."""

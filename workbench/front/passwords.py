@@ -22,13 +22,16 @@ def hash_of(password: str) -> str:
     """What is kept of a password, in the PHC string format.
 
     Raises:
-        InputError: it is too short or too long.
+        InputError: it is too short or too long, or holds bytes that are no text.
     """
     if len(password) < SHORTEST:
         raise InputError(f"a password needs at least {SHORTEST} characters, not {len(password)}")
     if len(password) > LONGEST:
         raise InputError(f"a password has at most {LONGEST} characters, not {len(password)}")
-    return _HASHER.hash(password)
+    try:
+        return _HASHER.hash(password)
+    except UnicodeEncodeError:
+        raise InputError("a password consists of characters; this one holds other bytes") from None
 
 
 def is_right(password: str, kept: str) -> bool:

@@ -18,7 +18,7 @@ import zstandard
 PROTOCOL = "viser-v1.1.1"
 
 FAREWELL = 0.1
-"""That connections over TLS, which take leave in steps, have before the event loop ends [s]."""
+"""How long connections over TLS, which close in steps, have before the event loop ends [s]."""
 
 CAMERA: Mapping[str, Any] = {
     "wxyz": (1.0, 0.0, 0.0, 0.0),
@@ -142,7 +142,7 @@ class RawBrowser:
         Raises:
             ConnectionError: the websocket was closed before.
         """
-        while self.disabled.get(self.widgets.get(label, "")) is not (not is_enabled):
+        while self.disabled.get(self.widgets.get(label, "")) != (not is_enabled):
             if await self.read() is None:
                 raise ConnectionError(f"closed before the widget {label!r} was so")
 

@@ -12,13 +12,12 @@ from dataclasses import dataclass
 from urllib.parse import quote
 
 from aiohttp import (
-    ClientConnectionError,
     ClientError,
     ClientSession,
     ClientTimeout,
+    ClientWebSocketResponse,
     ClientWSTimeout,
     TCPConnector,
-    WSServerHandshakeError,
     hdrs,
     web,
 )
@@ -40,7 +39,7 @@ HEARTBEAT = 40.0
 """A browser that does not answer for half of this [s] has gone."""
 
 ANSWER_SECONDS = 10.0
-"""That viser has for an answer."""
+"""[s] How long viser may take to answer, or to open a websocket."""
 
 PROTOCOL = "viser-v"
 """Begins the name of the websocket protocol; viser compares the version behind it."""
@@ -77,11 +76,10 @@ class Relay:
 
     async def open(self) -> None:
         """Get ready; in the event loop that everything else runs in."""
-        timeout = ClientTimeout(total=None, sock_connect=ANSWER_SECONDS)
         self._client = ClientSession(
             self._upstream.url,
             connector=TCPConnector(limit=0),
-            timeout=timeout,
+            timeout=ClientTimeout(total=None),
             auto_decompress=False,
         )
 
@@ -127,17 +125,7 @@ class Relay:
             if seat is None:
                 refused("websocket", why="too many", origin=request.remote, who=person.name)
                 raise web.HTTPTooManyRequests(text="Too many windows are open.\n")
-            try:
-                viser = await self._ready().ws_connect(
-                    "/",
-                    protocols=(protocol,),
-                    headers=self._credentials(person),
-                    max_msg_size=MOST_FROM_VISER,
-                    timeout=ClientWSTimeout(ws_close=1.0),  # pyright: ignore[reportCallIssue]
-                )
-            except (ClientConnectionError, WSServerHandshakeError) as error:
-                raise web.HTTPServiceUnavailable(text="The page does not answer.\n") from error
-            async with viser:
+            async with await self._connected(person, protocol) as viser:
                 browser = web.WebSocketResponse(
                     protocols=(protocol,),
                     timeout=CLOSE_SECONDS,
@@ -148,6 +136,20 @@ class Relay:
                 await browser.prepare(request)
                 await Conversation(browser, viser, seat, request).run()
         return browser
+
+    async def _connected(self, person: Person, protocol: str) -> ClientWebSocketResponse:
+        """A websocket to viser for somebody."""
+        try:
+            async with asyncio.timeout(ANSWER_SECONDS):
+                return await self._ready().ws_connect(
+                    "/",
+                    protocols=(protocol,),
+                    headers=self._credentials(person),
+                    max_msg_size=MOST_FROM_VISER,
+                    timeout=ClientWSTimeout(ws_close=1.0),  # pyright: ignore[reportCallIssue]
+                )
+        except (ClientError, TimeoutError) as error:
+            raise web.HTTPServiceUnavailable(text="The page does not answer.\n") from error
 
     async def _read(self) -> _Scene:
         """The page, packed; it is the same for everybody and as long as viser runs."""

@@ -35,7 +35,7 @@ START_SECONDS = 30.0
 END_SECONDS = 5.0
 
 CLOSING_SECONDS = 2.0
-"""That browsers have to take leave."""
+"""[s] How long browsers have to close their connections when the front ends."""
 
 Routes = Iterable[web.AbstractRouteDef]
 
@@ -49,7 +49,7 @@ class Options:
         port: 0 takes a free one.
         names: under which browsers may ask for it beside host, addresses and `localhost`.
         certificate: to serve over TLS with.
-        hours: that a login lasts.
+        hours: how long a login lasts.
     """
 
     host: str = "127.0.0.1"

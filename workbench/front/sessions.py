@@ -44,7 +44,8 @@ class Sessions:
         """A new login; None is who uses the page before there are users.
 
         Returns:
-            The cookie.
+            The cookie.  It stands for no login when the user has been removed or disabled
+            since the password was tried, or the first user added since the link was opened.
         """
         cookie = secrets.token_urlsafe(32)
         now = self._now()
@@ -52,8 +53,14 @@ class Sessions:
         with self._store.change() as connection:
             connection.execute("DELETE FROM sessions WHERE expires_at <= ?", (now,))
             connection.execute(
-                "INSERT INTO sessions (digest, user, expires_at) VALUES (?, ?, ?)",
-                (digest_of(cookie), user, now + self._seconds),
+                """
+                INSERT INTO sessions (digest, user, expires_at)
+                SELECT :digest, :user, :until WHERE CASE WHEN :user IS NULL
+                    THEN NOT EXISTS (SELECT 1 FROM users)
+                    ELSE EXISTS (SELECT 1 FROM users WHERE key = :user AND is_disabled = 0)
+                END
+                """,
+                {"digest": digest_of(cookie), "user": user, "until": now + self._seconds},
             )
         return cookie
 

@@ -120,11 +120,11 @@ class Store:
                 yield self._connection
                 self._connection.execute("COMMIT")
             except sqlite3.Error as error:
-                self._connection.execute("ROLLBACK")
                 raise FileError(self.path, f"cannot be written: {error}") from error
-            except BaseException:
-                self._connection.execute("ROLLBACK")
-                raise
+            finally:
+                # After some errors, such as a full disk, SQLite has rolled back already.
+                if self._connection.in_transaction:
+                    self._connection.execute("ROLLBACK")
 
     def close(self) -> None:
         """Close the file; twice does no harm."""

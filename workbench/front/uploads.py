@@ -8,7 +8,7 @@ MOST_BYTES = 50 * 1024 * 1024
 """Of one file."""
 
 MOST_AT_ONCE = 2
-"""Files."""
+"""Files of one browser."""
 
 PART_BYTES = 512 * 1024
 """Of every part but the last, by viser's page (`UploadButton.tsx`)."""

@@ -195,8 +195,11 @@ def digest_of(secret: str) -> str:
 
 
 def folded(name: str) -> str:
-    """The name by which a user is found: capitals and ways of writing an accent do not count."""
-    return unicodedata.normalize("NFKC", name).casefold()
+    """The name by which a user is found: capitals and ways of writing an accent do not count.
+
+    Bytes of a command line that are no text (surrogates) become question marks.
+    """
+    return unicodedata.normalize("NFKC", name).casefold().encode(errors="replace").decode()
 
 
 def key_of(name: str) -> str:

@@ -4,7 +4,7 @@ Every case is a function of its number alone, so where it runs changes nothing. 
 they run on Dask `distributed` (extra `cluster`); a case whose worker is lost runs again elsewhere.
 """
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Generator, Sequence
 from contextlib import contextmanager
 from typing import Any, TypeVar
 
@@ -12,7 +12,9 @@ from workbench.model.errors import InputError
 
 Case = TypeVar("Case")
 Result = TypeVar("Result")
+
 Report = Callable[[float, str], None]
+"""As in `app.pick`, which is not imported here: workers that need no planning start faster."""
 
 RETRIES = 5
 """How often a case is tried again when its worker is lost."""
@@ -54,7 +56,7 @@ def run_cases(
 
 
 @contextmanager
-def _client(workers: int, scheduler: str | None) -> Iterator[Any]:
+def _client(workers: int, scheduler: str | None) -> Generator[Any]:
     """A connection to a cluster; one of our own listens on this machine alone."""
     try:
         from distributed import Client, LocalCluster
@@ -75,7 +77,7 @@ def _client(workers: int, scheduler: str | None) -> Iterator[Any]:
             n_workers=workers,
             threads_per_worker=1,
             host="127.0.0.1",
-            dashboard_address=None,
+            dashboard_address=None,  # pyright: ignore[reportArgumentType]
             silence_logs=40,
         ) as cluster,
         Client(cluster) as client,

@@ -1,16 +1,18 @@
 """The same scene, start and goals given to Klamp't, the library that the thesis planned with."""
 
+import contextlib
 import json
 import subprocess
 import sys
 import tempfile
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from workbench.app.pick import Report
 from workbench.formats.klampt import Snapshot, robot_with_tools, write_world
 from workbench.formats.urdf_writer import depth_first
 from workbench.model.errors import InputError
@@ -18,8 +20,6 @@ from workbench.model.geometry import Floats
 from workbench.studies.planners import Course
 
 KLAMPT_PLANNERS = ("rrt", "birrt", "sbl")
-
-Report = Callable[[float, str], None]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -86,8 +86,11 @@ def _asked(request: dict[str, Any], count: int, report: Report) -> list[dict[str
     ):
         try:
             assert process.stdin is not None and process.stdout is not None
-            process.stdin.write(json.dumps(request))
-            process.stdin.close()
+            # When it has ended already, its complaint says more than the broken pipe.
+            with contextlib.suppress(BrokenPipeError):
+                process.stdin.write(json.dumps(request))
+            with contextlib.suppress(BrokenPipeError):
+                process.stdin.close()
             answers: list[dict[str, Any]] = []
             for line in process.stdout:
                 if line.startswith("{"):  # Klamp't itself talks on standard output, too

@@ -278,8 +278,8 @@ def _with_places(cell: Cell) -> Cell:
             continue
         places, top = found
         arms.append(replace(arm, Ts_world_place=places))
-        tray = Solid("tray", Box(np.array([0.16, 0.16, 0.01])), pose_from_rpy((0, 0, -0.005)))
-        fixtures.append(Fixture(f"tray_{arm.name}", top, (replace(tray, name="tray_top"),)))
+        tray = Solid("tray_top", Box(np.array([0.16, 0.16, 0.01])), pose_from_rpy((0, 0, -0.005)))
+        fixtures.append(Fixture(f"tray_{arm.name}", top, (tray,)))
     return replace(cell, arms=tuple(arms), fixtures=tuple(fixtures))
 
 

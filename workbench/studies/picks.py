@@ -4,12 +4,11 @@ Localization is left out on purpose: its own study tells how good it is.
 """
 
 import time
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
-from workbench.app.pick import plan_pick
+from workbench.app.pick import Report, plan_pick
 from workbench.formats.cells import read_cell
 from workbench.model.cell import PlannerName, Wishes
 from workbench.perception.piles import drop_parts
@@ -25,7 +24,7 @@ def measure(
     seed: int = 0,
     strategy: str = "auto",
     planner: PlannerName | None = None,
-    report: Callable[[float, str], None] = lambda done, note: None,
+    report: Report = lambda done, note: None,
 ) -> dict[str, Any]:
     """Plan every pile once; times [s] per stage, and what came of it.
 
@@ -44,20 +43,14 @@ def measure(
     part = cell.parts[0]
     seeds = range(seed, seed + scenes)
     piles = [drop_parts((part,) * parts, cell.bin, seed=s) for s in seeds]
-    plan_pick(cell, piles[0], "warm", strategy=strategy, seed=0)
+    wishes = Wishes(planner=planner)
+    plan_pick(cell, piles[0], "warm", strategy=strategy, wishes=wishes, seed=0)
     seconds: dict[str, list[float]] = {stage: [] for stage in STAGES}
     cycles: list[float] = []
     for number, (one, pile) in enumerate(zip(seeds, piles, strict=True)):
         report(number / scenes, f"pile {one}")
         began = time.perf_counter()
-        result = plan_pick(
-            cell,
-            pile,
-            "study",
-            strategy=strategy,
-            wishes=Wishes(planner=planner),
-            seed=one,
-        )
+        result = plan_pick(cell, pile, "study", strategy=strategy, wishes=wishes, seed=one)
         whole = time.perf_counter() - began
         for stage, value in result.seconds.items():
             seconds[stage].append(value)

@@ -5,13 +5,14 @@ counted apart: no planner can solve them.
 """
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
 
 import numpy as np
 
+from workbench.app.pick import Report
 from workbench.model.cell import Arm, Cell, PlannerName
 from workbench.model.geometry import Floats
 from workbench.planning.contact import Contact
@@ -21,8 +22,6 @@ from workbench.planning.search import PLANNERS, TRIES, as_sent, edge_check, join
 from workbench.planning.wire import on_wire
 from workbench.planning.world import World
 from workbench.studies.targets import Target, drawn_poses, judged
-
-Report = Callable[[float, str], None]
 
 STEPS = 20
 """Points at which the tool's way is measured, on each segment of a path."""

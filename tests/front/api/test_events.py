@@ -1,8 +1,11 @@
 """The stream of states: every listener is told the newest one, and nobody is waited for."""
 
+import asyncio
 import json
 
 import pytest
+import requests
+from aiohttp import web
 
 from workbench.app.commands import TakeControl
 from workbench.front import events
@@ -64,6 +67,20 @@ def test_a_login_that_ends_ends_the_stream(people, listen):
     next(stream)
     people.pop("Bearer ada")
     assert all(name == "beat" for name, _ in stream), "and it ends"
+
+
+def test_a_listener_that_does_not_read_is_cut(listen, site, monkeypatch):
+    monkeypatch.setattr(events, "WRITE_SECONDS", 0.1)
+    stream = listen()
+    next(stream)
+
+    async def never(response, data):
+        await asyncio.Event().wait()
+
+    monkeypatch.setattr(web.StreamResponse, "write", never)
+    site.bench.do(TakeControl(), "Ada")
+    with pytest.raises(requests.exceptions.ChunkedEncodingError):
+        next(stream)
 
 
 def test_so_many_listen_and_no_more(site, listen, monkeypatch):

@@ -6,7 +6,7 @@ import socket
 import pytest
 from asyncua import Client, ua
 
-from workbench.app.commands import Approve, WatchPlan
+from workbench.app.commands import Approve, TakeControl, WatchPlan
 from workbench.app.people import Person, Role
 from workbench.front.opcua import NAMESPACE, OpcUa, Options
 from workbench.front.opcua_values import VARIABLES
@@ -119,6 +119,21 @@ def test_whoever_calls_acts_as_the_named_operator(site, serve):
         assert not done and "parts must be a whole number" in says
         done, says = await cell.call("Stop")
         assert not done and "nothing is being sent" in says
+
+    talk(serve(), conversation)
+
+
+def test_a_change_while_the_server_starts_is_told(site, serve, monkeypatch):
+    subscribe = site.bench.subscribe
+
+    def late(observer):
+        site.bench.do(TakeControl(), "Ada")
+        return subscribe(observer)
+
+    monkeypatch.setattr(site.bench, "subscribe", late)
+
+    async def conversation(cell):
+        await cell.until("Control", "Ada")
 
     talk(serve(), conversation)
 
