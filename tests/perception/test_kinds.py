@@ -36,11 +36,9 @@ def test_each_kind_is_found_as_what_it_is(mixed, seed):
         scan, mixed, seed=0, report=lambda done, _: told.append(done), cancelled=lambda: False
     ).detections
     assert told == sorted(told)
-    for kind in KINDS:
-        real, claimed = ([d for d in ds if d.part == kind.name] for ds in (truth, found))
-        judged, is_found = compare(kind, real, claimed)
-        assert all(one.is_right for one in judged), f"a {kind.name} that is none"
-        assert is_found.count(False) <= 1, f"a {kind.name} is missed"
+    judged, is_found = compare(KINDS, truth, found)
+    assert all(one.is_right for one in judged)
+    assert is_found.count(False) <= 1
 
 
 def searched(surface, *found, gains, discarded=()):

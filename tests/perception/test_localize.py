@@ -22,7 +22,7 @@ from workbench.studies.localization import compare
 
 def compared(part, truth, found):
     """What is wrong, how many parts are missed, distances [m] and turns of what is right."""
-    judged, is_found = compare(part, truth, found)
+    judged, is_found = compare((part,), truth, found)
     right = [one for one in judged if one.is_right]
     return (
         [one for one in judged if not one.is_right],

@@ -61,7 +61,7 @@ def test_a_hexagon_may_be_turned_by_sixths_and_an_unknown_roll_claims_nothing(
 ):
     bolt, T = read_part("bolt"), pose_from_rpy((0.4, 0, 0.02), (1.3, 0.2, 0.5))
     found, is_found = compare(
-        bolt, (Detection("bolt", T),), (Detection("bolt", turned(T, degrees), roll_known=known),)
+        (bolt,), (Detection("bolt", T),), (Detection("bolt", turned(T, degrees), roll_known=known),)
     )
     assert (found[0].is_right, is_found) == (is_right, (is_right,))
 
@@ -71,7 +71,9 @@ def test_limits_are_two_millimetres_and_three_degrees():
     for off, is_right in ((0.0019, True), (0.0021, False)):
         moved = pin.SE3(T.rotation, T.translation + [off, 0, 0])
         assert (
-            compare(part, (Detection("bracket", T),), (Detection("bracket", moved),))[0][0].is_right
+            compare((part,), (Detection("bracket", T),), (Detection("bracket", moved),))[0][
+                0
+            ].is_right
             is is_right
         )
 

@@ -109,7 +109,7 @@ class StudyLocalization:
     scenes: int = 10
     """How many piles for each part, count and noise."""
     parts: tuple[str, ...] = ("keyed_cylinder", "bracket", "bolt")
-    """Names under parts/, or paths, one after the other."""
+    """Names under parts/, or paths, one after the other; a+b for both in one pile."""
     counts: tuple[int, ...] = (2, 8)
     """Parts in a pile."""
     noise: tuple[Literal["fine", "rough"], ...] = ("fine", "rough")

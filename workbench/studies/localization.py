@@ -10,14 +10,14 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 
+from workbench.app.value_checks import ALL_KINDS
+from workbench.app.work import find_parts, pile_of
 from workbench.formats.cells import read_cell
 from workbench.formats.parts import read_part
 from workbench.model.cell import Cell
 from workbench.model.part import Part
 from workbench.model.scan import Detection
-from workbench.perception.localize import localize
 from workbench.perception.near_symmetry import stated_symmetry
-from workbench.perception.piles import drop_parts
 from workbench.perception.scan_noise import FINE, ROUGH, NoiseModel
 from workbench.perception.synthesize import synthesize, visible_shares
 
@@ -44,9 +44,13 @@ BUILDS: Mapping[str, Build] = MappingProxyType(
 )
 
 
+TOGETHER = "+"
+"""Joins the names of parts that fall into one pile."""
+
+
 @dataclass(frozen=True, slots=True)
 class Task:
-    """One scene: whose pile it is, how large, and which build of scanner sees it."""
+    """One scene: which parts lie in it, how many, and which build of scanner sees them."""
 
     cell: str
     part: str
@@ -84,44 +88,59 @@ class Scene:
 def localized_scene(task: Task) -> Scene:
     """Drop parts, scan them, find them, and compare."""
     cell = _warm(task.cell, task.part, task.build)
-    part, noise = cell.parts[0], BUILDS[task.build].noise
-    truth = drop_parts((part,) * task.count, cell.bin, seed=task.seed)
-    scan = synthesize(cell, truth, seed=task.seed, noise=noise)
+    truth = pile_of(cell, ALL_KINDS, task.count, seed=task.seed)
+    scan = synthesize(cell, truth, seed=task.seed, noise=BUILDS[task.build].noise)
     began = time.perf_counter()
-    detections = localize(scan, part, cell, seed=task.seed)
+    detections = find_parts(cell, {"scan": scan, "seed": task.seed}, _silent, _never).detections
     seconds = time.perf_counter() - began
-    found, is_found = compare(part, truth, detections)
+    found, is_found = compare(cell.parts, truth, detections)
     return Scene(task, found, visible_shares(cell, truth), is_found, seconds)
 
 
 @lru_cache(maxsize=12)
-def _warm(name: str, part_name: str, build: str) -> Cell:
-    """The cell with that part and scanner, after a search: code and part are prepared."""
-    part, deviation = read_part(part_name), BUILDS[build].deviation
+def _warm(name: str, parts: str, build: str) -> Cell:
+    """The cell with those parts and scanner, after a search: code and parts are prepared."""
+    kinds, deviation = tuple(map(read_part, parts.split(TOGETHER))), BUILDS[build].deviation
     cell = read_cell(name)
     scanner = cell.scanner if deviation is None else replace(cell.scanner, depth_noise=deviation)
-    cell = replace(cell, parts=(part,), scanner=scanner)
-    localize(synthesize(cell, drop_parts((part,), cell.bin, seed=0), seed=0), part, cell, seed=0)
+    cell = replace(cell, parts=kinds, scanner=scanner)
+    scan = synthesize(cell, pile_of(cell, ALL_KINDS, len(kinds), seed=0), seed=0)
+    find_parts(cell, {"scan": scan, "seed": 0}, _silent, _never)
     return cell
 
 
+def _silent(done: float, note: str) -> None:
+    pass
+
+
+def _never() -> bool:
+    return False
+
+
 def compare(
-    part: Part, truth: Sequence[Detection], detections: Sequence[Detection]
+    parts: Sequence[Part], truth: Sequence[Detection], detections: Sequence[Detection]
 ) -> tuple[tuple[Found, ...], tuple[bool, ...]]:
-    """Each detection against the truth, and whether each true part is found rightly."""
+    """Each detection against the truth of its kind, and whether each true part is found rightly."""
+    kinds = {part.name: part for part in parts}
     left = list(range(len(truth)))
     right: set[int] = set()
     found: list[Found] = []
     for detection in detections:
-        errors = [_error(part, truth[k].T_world_part, detection) for k in left]
+        kind = kinds[detection.part]
+        errors = {
+            k: _error(kind, truth[k].T_world_part, detection)
+            for k in left
+            if truth[k].part == kind.name
+        }
         if not errors:
             found.append(Found(None, None, detection.roll_known, False))
             continue
-        fits = [d <= NEAR and turn <= TURNED for d, turn in errors]
-        best = min(range(len(left)), key=lambda k: (not fits[k], errors[k]))
+        fits = {k: d <= NEAR and turn <= TURNED for k, (d, turn) in errors.items()}
+        best = min(errors, key=lambda k: (not fits[k], errors[k]))
         found.append(Found(*errors[best], detection.roll_known, fits[best]))
         if fits[best]:
-            right.add(left.pop(best))
+            right.add(best)
+            left.remove(best)
     return tuple(found), tuple(k in right for k in range(len(truth)))
 
 
