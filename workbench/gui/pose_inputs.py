@@ -45,6 +45,7 @@ class PoseInputs:
         self._switch = gui.add_button("Show gizmo", color="gray")
         self._apply.on_click(lambda _: self._end(self._typed()))
         self._switch.on_click(lambda _: self._turn())
+        visitor.on_end(self._hide, in_scene=True)
 
     def show(self, T: pin.SE3 | None, *, is_enabled: bool) -> None:
         """What it is about is there; None: there is nothing to move."""

@@ -53,6 +53,7 @@ class Visitor:
         self.predictions = predictions
         self.folders: Mapping[str, Path] = folders or {}
         self._hints: dict[int, str | None] = {}
+        self._endings: list[tuple[Callable[[], None], bool]] = []
 
     @property
     def is_known(self) -> bool:
@@ -86,6 +87,21 @@ class Visitor:
         @self.gui.add_command(says, hotkey=key).on_trigger
         def _(_: Any) -> None:
             pressed()
+
+    def on_end(self, action: Callable[[], None], *, in_scene: bool = False) -> None:
+        """Have something ended when the browser has gone, or its controls are made anew.
+
+        Args:
+            action: ends it.
+            in_scene: it only changes what this browser shows, so who has gone does not need it.
+        """
+        self._endings.append((action, in_scene))
+
+    def end(self, *, is_gone: bool) -> None:
+        """These controls are used no more; `is_gone` says whether the browser is."""
+        for action, in_scene in self._endings:
+            if not (in_scene and is_gone):
+                action()
 
     def lacks(self, state: State, command: type) -> str:
         """Why a command of this type is not this person's now; empty when it is."""

@@ -121,6 +121,7 @@ class GraspsPanel:
         visitor.on_press(self._redo, RedoCell)
         visitor.on_key("G", "Open the part to put grasps on it, or go back", self._turn)
         editing.on_change(self._draw)
+        visitor.on_end(self._leave_stage, in_scene=True)
 
     def _unseen(self, number: int) -> str:
         """The id of a button that HTML presses to choose a grasp."""
@@ -218,14 +219,18 @@ class GraspsPanel:
         """To the part alone, or back to the cell."""
         self._is_adding = False
         if self._stage.is_open:
-            self._pose.hide()
-            self._stage.close()
+            self._leave_stage()
             self._open.label = "Open part"
         else:
             self._stage.open(self._editing.part, self._pressed)
             self._open.label = "Back to cell"
         self._label_add()
         self._draw()
+
+    def _leave_stage(self) -> None:
+        if self._stage.is_open:
+            self._pose.hide()
+            self._stage.close()
 
     def _begin_to_add(self) -> None:
         if not self._stage.is_open:
