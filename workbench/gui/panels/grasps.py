@@ -1,5 +1,6 @@
 """The tab in which grasps are put on the part: by clicking on it, gizmo, numbers, patterns."""
 
+import logging
 import threading
 from concurrent.futures import ThreadPoolExecutor
 
@@ -29,6 +30,8 @@ from workbench.model.part_edits import grasp_of
 from workbench.planning.grasp_check import GraspCheck
 from workbench.planning.grasp_frames import PLAY, fitted_opening, frame_at, outward_normal
 from workbench.planning.part_rays import NOTHING, first_hits
+
+log = logging.getLogger(__name__)
 
 WIDE = PLAY
 """[m] Opening and grip of a grasp with nothing between its fingers."""
@@ -167,6 +170,7 @@ class GraspsPanel:
         self._pose.show(entry, is_enabled=can, is_open=is_open, size=size)
         self._fields.show(entry, is_enabled=can)
         self._copies.show(entry, is_enabled=can)
+        self._suggestions.show(part)
         self._coverage.show(part, is_enabled=can)
         self._symmetry.show(part, is_enabled=can)
         self._pairs.show(part, is_enabled=can)
@@ -206,14 +210,18 @@ class GraspsPanel:
 
     def _look(self, part: Part, key: str) -> None:
         found: dict[str, GraspCheck | None] = {}
-        for entry in part.library.entries:
-            if key != self._checked:
-                return
-            checks = [self._editing.checked(grasp) for grasp in grasps_of(entry)]
-            found[entry.name] = next((check for check in checks if not check.is_ok), checks[0])
-        if key == self._checked:
-            self._checks = found
-            self._draw()
+        try:
+            for entry in part.library.entries:
+                if key != self._checked:
+                    return
+                checks = [self._editing.checked(grasp) for grasp in grasps_of(entry)]
+                found[entry.name] = next((check for check in checks if not check.is_ok), checks[0])
+            if key == self._checked:
+                self._checks = found
+                self._draw()
+        except Exception:
+            # A rim: grasps that cannot be looked at stay in the list, as not looked at.
+            log.exception("the grasps of a part could not be looked at")
 
     def _turn(self) -> None:
         """To the part alone, or back to the cell."""
