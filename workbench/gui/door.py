@@ -88,6 +88,11 @@ def person_of(client: viser.ClientHandle) -> Person:
     return Person(unquote(headers[USER]), Role(headers[ROLE]))
 
 
+def is_connected(client: viser.ClientHandle) -> bool:
+    """Whether a browser is still there."""
+    return client.client_id in client._viser_server._websock_server._live_connections
+
+
 def element_id(button: viser.GuiButtonHandle) -> str:
     """The id of a button in the browser's document."""
     return button._impl.uuid
