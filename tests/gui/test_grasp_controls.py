@@ -10,44 +10,22 @@ import workbench.gui.grasp_coverage
 import workbench.gui.visitor
 from workbench.app.bench import Bench
 from workbench.app.commands import ChangeCell
-from workbench.app.people import Person, Role
+from workbench.app.people import Role
 from workbench.formats.part_saves import versions, write_draft
 from workbench.formats.parts import read_part
 from workbench.formats.shipped import find
-from workbench.gui.door import close_door, open_door
 from workbench.gui.editing import Editing
 from workbench.gui.grasp_coverage import CoverageControls
 from workbench.gui.grasp_fields import GraspFields
 from workbench.gui.grasp_ideas import Suggestions
 from workbench.gui.grasp_library import NOW as AS_IT_IS
 from workbench.gui.grasp_library import LibraryControls
-from workbench.gui.look import SharedLook
 from workbench.gui.panels.grasps import GraspsPanel
-from workbench.gui.visitor import Visitor
 from workbench.model.errors import InputError
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.part import Grasp, GraspLibrary
 
 PART = "keyed_cylinder"
-
-
-@pytest.fixture
-def visitor(bench, monkeypatch):
-    """Somebody at a page whose controls nobody sees, with what was told."""
-    server = open_door("127.0.0.1", 0)
-    monkeypatch.setattr(workbench.gui.visitor, "person_of", lambda _: Person("Ada", Role.ENGINEER))
-    told = []
-    client = SimpleNamespace(
-        client_id=1,
-        gui=server.gui,
-        scene=server.scene,
-        told=told,
-        add_notification=lambda title, text, **_: told.append(text),
-    )
-    visitor = Visitor(client, bench, SharedLook(lambda: None))
-    yield visitor
-    visitor.end(is_gone=True)
-    close_door(server)
 
 
 def with_grasps(bench: Bench, *entries: Grasp) -> None:
