@@ -2,10 +2,10 @@
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 
 import viser
 
-from workbench.gui.door import element_id
 from workbench.gui.editing import Editing
 from workbench.gui.grasp_views import MOST_SUGGESTIONS, suggestions_html, symmetry_line
 from workbench.gui.views import line
@@ -92,9 +92,10 @@ class Suggestions:
         self._take = gui.add_button("Take", icon=viser.Icon.PLUS, disabled=True)
         self._all = gui.add_button("Take all", color="gray", disabled=True)
         self._table = gui.add_html("")
-        self._rows = [self._unseen(number) for number in range(MOST_SUGGESTIONS)]
-        rules = ",".join(f'div:has(> [id="{button}"])' for button in self._rows)
-        gui.add_html(f'<style class="wb-style">{rules}{{display:none}}</style>')
+        self._rows = [
+            visitor.unseen(partial(self._choose, number)) for number in range(MOST_SUGGESTIONS)
+        ]
+        visitor.hide(self._rows)
         self._suggest.on_click(lambda _: self._look())
         self._take.on_click(lambda _: self._add(self._found[self._chosen : self._chosen + 1]))
         self._all.on_click(lambda _: self._add(self._found))
@@ -107,11 +108,6 @@ class Suggestions:
         self._about, self._found = None, ()
         self._take.disabled = self._all.disabled = True
         self._table.content = ""
-
-    def _unseen(self, number: int) -> str:
-        button = self._visitor.gui.add_button("·")
-        button.on_click(lambda _: self._choose(number))
-        return element_id(button)
 
     def _look(self) -> None:
         self._table.content = line("Looking …", kind="hint")

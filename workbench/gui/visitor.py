@@ -1,7 +1,7 @@
 """One browser: whose it is, what it may ask, and how it hears that something is refused."""
 
 import logging
-from collections.abc import Callable, Mapping, Set
+from collections.abc import Callable, Iterable, Mapping, Set
 from pathlib import Path
 from typing import Any, Literal, Protocol
 
@@ -15,7 +15,7 @@ from workbench.app.people import Person
 from workbench.app.rights import NOBODY, lacks_right, obstacle
 from workbench.app.rules import NOT_REPORTED, allowed
 from workbench.app.state import State
-from workbench.gui.door import person_of
+from workbench.gui.door import element_id, person_of
 from workbench.gui.look import PLAYBACK, SharedLook, SteeredLook, View
 from workbench.model.cell import Cell
 from workbench.model.errors import CommandRefused, WorkbenchError
@@ -76,6 +76,17 @@ class Visitor:
         @button.on_click
         def _(_: Any) -> None:
             self.ask(command)
+
+    def unseen(self, pressed: Callable[[], object]) -> str:
+        """The id of a button for HTML to press; see `tables`.  `hide` takes it out of sight."""
+        button = self.gui.add_button("·")
+        button.on_click(lambda _: pressed())
+        return element_id(button)
+
+    def hide(self, buttons: Iterable[str]) -> None:
+        """Take unseen buttons, and the room they would have, out of sight."""
+        rules = ",".join(f'div:has(> [id="{button}"])' for button in buttons)
+        self.gui.add_html(f'<style class="wb-style">{rules}{{display:none}}</style>')
 
     def on_key(self, key: HotkeyKey, says: str, pressed: Callable[[], object]) -> None:
         """Have a key do something while no field is typed in; listed by Ctrl+K.

@@ -3,6 +3,7 @@
 import logging
 import threading
 from concurrent.futures import ThreadPoolExecutor
+from functools import partial
 
 import numpy as np
 import pinocchio as pin
@@ -10,7 +11,6 @@ import viser
 
 from workbench.app.commands import EditPart, RedoCell, UndoCell
 from workbench.app.grasp_use import NO_USES, Uses
-from workbench.gui.door import element_id
 from workbench.gui.editing import Editing
 from workbench.gui.grasp_copies import GraspCopies
 from workbench.gui.grasp_coverage import CoverageControls
@@ -98,9 +98,8 @@ class GraspsPanel:
             self._library = LibraryControls(visitor, editing)
         with gui.add_folder("New part from a CAD file", expand_by_default=False):
             self._upload = PartUpload(visitor)
-        self._rows = [self._unseen(number) for number in range(MOST_ROWS)]
-        rules = ",".join(f'div:has(> [id="{button}"])' for button in self._rows)
-        gui.add_html(f'<style class="wb-style">{rules}{{display:none}}</style>')
+        self._rows = [visitor.unseen(partial(self._chose, number)) for number in range(MOST_ROWS)]
+        visitor.hide(self._rows)
         self._react()
 
     def show(self, old: View | None, new: View) -> None:
@@ -125,12 +124,6 @@ class GraspsPanel:
         visitor.on_key("G", "Open the part to put grasps on it, or go back", self._turn)
         editing.on_change(self._draw)
         visitor.on_end(self._leave_stage, in_scene=True)
-
-    def _unseen(self, number: int) -> str:
-        """The id of a button that HTML presses to choose a grasp."""
-        button = self._visitor.gui.add_button("·")
-        button.on_click(lambda _: self._chose(number))
-        return element_id(button)
 
     def _chose(self, number: int) -> None:
         entries = self._editing.part.library.entries
