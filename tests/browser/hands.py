@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from workbench.gui.surroundings import ASPECT, FIELD_OF_VIEW, framed, interesting_points
+from workbench.gui import surroundings
 
 
 class Camera:
@@ -20,7 +20,7 @@ class Camera:
 
     def pixel(self, point) -> tuple[float, float]:
         x, y, z = self.axes @ (np.asarray(point) - self.position)
-        focal = 0.5 * self.box["height"] / math.tan(FIELD_OF_VIEW / 2)
+        focal = 0.5 * self.box["height"] / math.tan(surroundings.FIELD_OF_VIEW / 2)
         return (
             self.box["x"] + self.box["width"] / 2 + focal * x / z,
             self.box["y"] + self.box["height"] / 2 + focal * y / z,
@@ -29,12 +29,7 @@ class Camera:
 
 def first_look(page, cell) -> Camera:
     """The camera as the page looks at first."""
-    points = interesting_points(cell)
-    robot, goal = cell.T_world_robot.translation, cell.bin.T_world_bin.translation
-    azimuth = math.atan2(goal[1] - robot[1], goal[0] - robot[0]) - math.radians(38)
-    direction = np.array([math.cos(azimuth), math.sin(azimuth), 0.6])
-    direction /= np.linalg.norm(direction)
-    return Camera(page, *framed(points, direction, FIELD_OF_VIEW, ASPECT))
+    return Camera(page, *surroundings.first_look(cell))
 
 
 FRAMES = "() => new Promise(done => {let n = 0; (function next() {"

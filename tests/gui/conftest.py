@@ -2,20 +2,25 @@
 
 import time
 from dataclasses import dataclass, replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from idle import Idle
 
+import workbench.gui.visitor
 from workbench.app.bench import Bench
 from workbench.app.commands import PlanResult
 from workbench.app.live import Live
+from workbench.app.people import Person, Role
 from workbench.app.pick import plan_pick
 from workbench.app.rules import approve
 from workbench.app.state import Job, Phase, State
 from workbench.formats.cells import read_cell
-from workbench.gui.look import Look, View
+from workbench.gui.door import close_door, open_door
+from workbench.gui.look import Look, SharedLook, View
 from workbench.gui.playback import timeline
+from workbench.gui.visitor import Visitor
 from workbench.journal.journal import Journal
 from workbench.model.cell import Cell
 from workbench.model.geometry import pose_from_rpy
@@ -141,3 +146,22 @@ def bench(cell, tmp_path):
     bench = Bench(cell, Journal(tmp_path), effects=Idle)
     yield bench
     bench.close()
+
+
+@pytest.fixture
+def visitor(bench, monkeypatch):
+    """Somebody at a page whose controls nobody sees, with what was told."""
+    server = open_door("127.0.0.1", 0)
+    monkeypatch.setattr(workbench.gui.visitor, "person_of", lambda _: Person("Ada", Role.ENGINEER))
+    told = []
+    client = SimpleNamespace(
+        client_id=1,
+        gui=server.gui,
+        scene=server.scene,
+        told=told,
+        add_notification=lambda title, text, **_: told.append(text),
+    )
+    visitor = Visitor(client, bench, SharedLook(lambda: None))
+    yield visitor
+    visitor.end(is_gone=True)
+    close_door(server)

@@ -6,18 +6,16 @@ import socket
 import urllib.error
 import urllib.request
 
-import msgspec
 import pytest
 import websockets
 import websockets.asyncio.server
+from raw_browser import PROTOCOL, raw_browser
 from viser import _messages as messages
 
 from workbench.app.people import Person, Role
 from workbench.app.rights import NOBODY
 from workbench.gui.door import close_door, is_own_page, open_door, person_of
 from workbench.model.errors import InputError
-
-PROTOCOL = "viser-v1.1.1"
 
 
 @pytest.fixture
@@ -59,20 +57,6 @@ def test_no_browser_can_open_a_public_tunnel(server):
     assert messages.ShareUrlDisconnect not in handlers
 
 
-CAMERA = {
-    "type": "ViewerCameraMessage",
-    "wxyz": (1.0, 0.0, 0.0, 0.0),
-    "position": (1.0, 1.0, 1.0),
-    "fov": 1.0,
-    "near": 0.01,
-    "far": 1000.0,
-    "image_height": 480,
-    "image_width": 640,
-    "look_at": (0.0, 0.0, 0.0),
-    "up_direction": (0.0, 0.0, 1.0),
-}
-
-
 def person_at(secret: str | None, headers: dict[str, str]) -> Person:
     """Whom the page takes a browser for that shows these headers."""
     server = open_door("127.0.0.1", 0, secret)
@@ -80,12 +64,7 @@ def person_at(secret: str | None, headers: dict[str, str]) -> Person:
     server.on_client_connect(lambda client: found.put(person_of(client)))
 
     async def connect() -> Person:
-        async with websockets.connect(
-            f"ws://127.0.0.1:{server.get_port()}",
-            subprotocols=[PROTOCOL],
-            additional_headers=headers,
-        ) as connection:
-            await connection.send(msgspec.msgpack.encode(CAMERA))
+        async with raw_browser(server.get_port(), headers):
             return await asyncio.to_thread(found.get, timeout=20)
 
     try:
@@ -113,6 +92,7 @@ def test_at_an_open_door_nobody_is_believed():
         {"X-WB-Key": "key", "X-WB-User": "Anna"},
         {"X-WB-Key": "key", "X-WB-User": "Anna", "X-WB-Role": "owner"},
         {"X-WB-Key": "other", "X-WB-User": "Anna", "X-WB-Role": "viewer"},
+        {"X-WB-Key": "k\u00e9y", "X-WB-User": "Anna", "X-WB-Role": "viewer"},
     ],
 )
 def test_a_locked_door_stays_shut_without_the_key_and_a_person(headers):
@@ -170,6 +150,8 @@ def test_a_host_that_is_not_ours_is_an_input_error():
         ("http://evil.example:8080", "evil.example:8080", "127.0.0.1", False),
         ("null", "127.0.0.1:8080", "127.0.0.1", False),
         ("file://", "127.0.0.1:8080", "127.0.0.1", False),
+        ("http://cell-3:8080", "cell-3:8080", "Cell-3", True),
+        ("http://[::1", "127.0.0.1:8080", "127.0.0.1", False),
     ],
 )
 def test_own_pages_are_told_from_others(origin, asked_for, host, own):

@@ -1,12 +1,19 @@
 """What a click means, how distances read, and how far an arm reaches."""
 
+import threading
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
+import workbench.gui.panels.cell
 from workbench.formats.cells import read_cell
 from workbench.gui.cell_views import measured_line
+from workbench.gui.look import Look
 from workbench.gui.marks import measured_text
 from workbench.gui.measure import met
+from workbench.gui.panels.cell import CellPanel
+from workbench.gui.playback import moments
 from workbench.gui.reach import NOTHING, Reaches
 from workbench.planning.chain import chain_of
 from workbench.planning.reach_map import reach_map
@@ -35,11 +42,41 @@ def test_the_robot_is_met_where_it_is_jogged_to():
     arm = CELL.arms[0]
     home = met(np.array([0.0, 0.0, 3.0]), DOWN, CELL, {}, NONE)
     assert home[2] > 0.3, "the body of the robot"
-    q = np.asarray(arm.home) + [0.5, 0.3, 0, 0, 0, 0, 0]
+    q = np.asarray(arm.home) + [1.2, 0.6, 0, 0, 0, 0, 0]
     tip = chain_of(CELL, arm).pose(q)
-    aside = tip.translation + 0.5 * tip.rotation[:, 0] - 0.03 * tip.rotation[:, 2]
-    there = met(aside, -tip.rotation[:, 0], CELL, {arm.name: q}, NONE)
-    assert there is not None
+    palm, across = tip.translation - 0.1 * tip.rotation[:, 2], tip.rotation[:, 0]
+    there = met(palm + 0.15 * across, -across, CELL, {arm.name: q}, NONE)
+    assert there is not None and np.linalg.norm(there - palm) < 0.06
+    at_home = met(palm + 0.15 * across, -across, CELL, {}, NONE)
+    assert at_home is None or np.linalg.norm(at_home - there) > 0.05
+
+
+def test_the_robot_is_measured_to_as_it_is_drawn(visitor, states, view_of, result, monkeypatch):
+    asked = []
+    monkeypatch.setattr(
+        workbench.gui.panels.cell,
+        "met",
+        lambda origin, direction, cell, q, points: asked.append(q) or origin,
+    )
+    panel = CellPanel(visitor)
+    view = view_of(states.planned, Look(time=result.plan.cycle_seconds / 2))
+    panel.show(None, view)
+    panel._turn_measuring()
+    panel._clicked(SimpleNamespace(ray_origin=(1.0, 2.0, 3.0), ray_direction=DOWN))
+    for arm, moment in moments(CELL, view.runs, view.look.time).items():
+        assert np.array_equal(asked[0][arm], moment.q)
+    assert len(visitor.look.now.measured) == 1
+    panel._clicked(SimpleNamespace(ray_origin=(1.0, 2.0, 4.0), ray_direction=DOWN))
+    assert len(visitor.look.now.measured) == 2
+    assert panel._clicked is None and panel._measure.label == "Measure"
+
+
+def test_measuring_can_be_ended_before_the_second_point(visitor):
+    panel = CellPanel(visitor)
+    panel._turn_measuring()
+    assert panel._clicked is not None
+    panel._turn_measuring()
+    assert panel._clicked is None and panel._measure.label == "Measure"
 
 
 def test_a_distance_reads_with_its_parts():
@@ -70,8 +107,6 @@ def test_the_arm_on_the_other_side_reaches_the_other_side(reached):
 
 
 def test_a_reach_is_found_once_and_remembered():
-    import threading
-
     found = threading.Event()
     reaches = Reaches(found.set)
     assert reaches.of(CELL, "") is NOTHING

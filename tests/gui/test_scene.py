@@ -9,7 +9,7 @@ from workbench.app.live import Live
 from workbench.gui.door import close_door, open_door
 from workbench.gui.look import Look, Pose
 from workbench.gui.playback import part_poses
-from workbench.gui.scene import Scene, height_colours
+from workbench.gui.scene import Scene, height_colours, is_other_robot
 from workbench.model.geometry import Box, pose_from_rpy
 from workbench.model.scan import Discarded, Findings, Objection
 from workbench.planning.kinematics import Kinematics
@@ -178,3 +178,40 @@ def test_points_beside_the_bin_are_grey_and_high_ones_differ_from_low_ones(cell)
     assert colours.shape == (3, 3)
     assert not np.array_equal(colours[0], colours[1])
     assert len(set(colours[2].tolist())) <= 3 and np.ptp(colours[2].astype(int)) < 20
+
+
+def test_collision_shapes_stand_where_the_robot_does_from_the_first(
+    server, scene, cell, states, view_of
+):
+    looks = view_of(states.idle)
+    shapes = replace(looks, look=Look(shapes=True))
+    scene.draw(None, looks)
+    scene.draw(looks, shapes)
+    for name, T in Kinematics(cell).link_poses({}).items():
+        np.testing.assert_allclose(
+            node(server, f"/robot_checked/{name}").position, T.translation, err_msg=name
+        )
+
+
+def test_a_scan_is_coloured_anew_when_the_bin_is_moved(server, scene, cell, states, view_of):
+    scanned = view_of(states.scanned)
+    scene.draw(None, scanned)
+    before = np.array(node(server, "/scan").colors)
+    away = replace(cell.bin, T_world_bin=pose_from_rpy((2.0, 0.0, 0.0)) * cell.bin.T_world_bin)
+    moved = replace(scanned, state=replace(states.scanned, cell=replace(cell, bin=away)))
+    scene.draw(scanned, moved)
+    assert not np.array_equal(node(server, "/scan").colors, before)
+
+
+@pytest.mark.parametrize(("asked", "shown"), [(-7, 0), (0, 0), (1, 1), (99, 1)])
+def test_a_pose_that_does_not_exist_shows_the_nearest_one(states, view_of, asked, shown):
+    poses = tuple(Pose(f"{k}", np.zeros(7), 0.0, "") for k in range(2))
+    view = replace(view_of(states.planned, Look(pose=asked)), poses=poses)
+    assert view.pose is poses[shown]
+
+
+def test_a_robot_whose_tool_sits_on_another_link_is_another_robot(cell):
+    first, *others = cell.arms
+    elsewhere = replace(first, flange=cell.robot.links[0].name)
+    assert is_other_robot(cell, replace(cell, arms=(elsewhere, *others)))
+    assert not is_other_robot(cell, replace(cell, arms=tuple(cell.arms)))

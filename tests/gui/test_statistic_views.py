@@ -20,7 +20,7 @@ def test_success_and_causes_stand_beside_their_bars():
     html = statistics_html(Statistics((cycle("picked", "failed"),), (("tool collision", 40),)))
     assert "1, 1 failed" in html and "100 of the time" in html
     assert "1 of 2" in html and "width:50.0%" in html
-    assert "tool collision" in html and "0.25 s, most 0.2 s" in html
+    assert "tool collision" in html and "0.25 s, most 0.25 s" in html
 
 
 def test_parts_of_which_nothing_is_known_have_no_bar():

@@ -32,7 +32,7 @@ class ApprovalDialog:
         self._digest = ""
 
     def open(self) -> None:
-        """Show the facts of the current plan, unless the rules would refuse an approval."""
+        """Show the facts of the current plan, until `show` finds that it cannot be approved."""
         visitor, state = self._visitor, self._visitor.bench.state
         plan, proof = state.plan, state.proof
         with self._lock:

@@ -9,8 +9,8 @@ import numpy as np
 from workbench.app.calibration import moved_by
 from workbench.app.state import State
 from workbench.gui.calibrating import CLOSE, OFF, Overlay
-from workbench.gui.colours import BAD, BUSY, GOOD
-from workbench.gui.tables import clickable
+from workbench.gui.colours import BAD, BUSY, GOOD, MUTED
+from workbench.gui.tables import clickable, marked
 from workbench.gui.views import line, mm, sentence, table_html
 from workbench.model.calibration import Calibration, Light, PlateSighting, PoseResidual
 from workbench.model.cell import Cell
@@ -103,16 +103,15 @@ def poses_html(
 def _pose_row(
     sighting: PlateSighting, residual: PoseResidual | None, is_chosen: bool, button: str
 ) -> str:
-    mark = ' style="background:var(--wb-chosen)"' if is_chosen else ""
     distance = angle = ""
-    says, colour = "yes" if sighting.is_used else "left out by a person", "#868e96"
+    says, colour = "yes" if sighting.is_used else "left out by a person", MUTED
     if residual is not None:
         distance, angle = mm(residual.distance, 2), f"{np.rad2deg(residual.angle):.2f}°"
         colour = LIGHTS[residual.light]
         says = residual.left_out or "yes"
     dot = f'<span class="wb-verdict" style="background:{colour}">{escape(sighting.name)}</span>'
     return (
-        f'<tr{mark} title="{escape(says)}" {clickable(button)}><td>{dot}</td>'
+        f'<tr{marked(is_chosen)} title="{escape(says)}" {clickable(button)}><td>{dot}</td>'
         f'<td class="wb-number">{escape(distance)}</td><td class="wb-number">{escape(angle)}</td>'
         f"<td>{escape(says)}</td></tr>"
     )

@@ -11,11 +11,11 @@ BUSY = "#e67700"
 
 VERDICTS: dict[Reason, str] = {
     Reason.OK: GOOD,
-    Reason.DISABLED: "#868e96",
-    Reason.ARM_NOT_ALLOWED: "#868e96",
+    Reason.DISABLED: MUTED,
+    Reason.ARM_NOT_ALLOWED: MUTED,
     Reason.TOOL_COLLISION: "#e03131",
     Reason.OUT_OF_REACH: "#d9480f",
-    Reason.IN_COLLISION: "#c92a2a",
+    Reason.IN_COLLISION: BAD,
     Reason.APPROACH_BLOCKED: "#b35c00",
     Reason.EXTRACT_BLOCKED: "#996b00",
     Reason.NO_PATH: "#7048e8",

@@ -88,6 +88,11 @@ def person_of(client: viser.ClientHandle) -> Person:
     return Person(unquote(headers[USER]), Role(headers[ROLE]))
 
 
+def is_connected(client: viser.ClientHandle) -> bool:
+    """Whether a browser is still there."""
+    return client.client_id in client._viser_server._websock_server._live_connections
+
+
 def element_id(button: viser.GuiButtonHandle) -> str:
     """The id of a button in the browser's document."""
     return button._impl.uuid
@@ -114,9 +119,13 @@ def is_own_page(origin: str | None, asked_for: str, host: str) -> bool:
     """
     if origin is None:
         return True
-    page = urlsplit(origin)
-    name = page.hostname or ""
-    known = name in ("localhost", host) or _is_address(name)
+    try:
+        page = urlsplit(origin)
+        name = page.hostname or ""
+    except ValueError:  # brackets that hold no address
+        return False
+    # Browsers write names in small letters, whatever was typed.
+    known = name in ("localhost", host.lower()) or _is_address(name)
     return known and page.scheme in ("http", "https") and page.netloc == asked_for
 
 
@@ -142,7 +151,7 @@ def _guarded(secret: str | None) -> Generator[None]:
 
 
 def _look_at(request: Request, secret: str | None) -> Response | None:
-    """What a request is answered that has not the key; what anybody can say of himself goes."""
+    """The answer to a request without the key, or None; an open door believes no names."""
     headers = request.headers
     if secret is None:
         for name in (KEY, USER, ROLE):
@@ -150,7 +159,10 @@ def _look_at(request: Request, secret: str | None) -> Response | None:
                 del headers[name]
         return None
     shown = headers.get_all(KEY)
-    has_key = len(shown) == 1 and hmac.compare_digest(shown[0].encode(), secret.encode())
+    has_key = len(shown) == 1 and hmac.compare_digest(
+        shown[0].encode("ascii", "surrogateescape"),  # as the library decodes headers
+        secret.encode(),
+    )
     is_socket = headers.get("Upgrade") is not None
     roles = headers.get_all(ROLE)
     names_somebody = len(headers.get_all(USER)) == len(roles) == 1 and roles[0] in tuple(Role)

@@ -49,6 +49,9 @@ class Fixes:
         return known[number]
 
     def _try(self, state: State, candidate: Candidate, known: dict[int, str], number: int) -> None:
+        if known is not self._known:
+            # Of candidates that nobody looks at any more.
+            return
         try:
             seed = state.plan.seed if state.plan is not None else 0
             fix = nearest_fix(

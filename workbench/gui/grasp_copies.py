@@ -6,11 +6,10 @@ import numpy as np
 import viser
 
 from workbench.gui.editing import Editing
-from workbench.gui.typed_lists import numbers_in, shown_numbers
+from workbench.gui.typed_lists import direction_in, numbers_in, shown_numbers, shown_vector
 from workbench.gui.visitor import Visitor
 from workbench.model.digest import digest_of
 from workbench.model.errors import InputError
-from workbench.model.geometry import Floats
 from workbench.model.part import Entry, GraspPattern, grasps_of
 from workbench.model.part_edits import grasp_of, mirrored, with_grasp
 
@@ -71,11 +70,11 @@ class GraspCopies:
         self._seen = entry
 
     def _fill(self, pattern: GraspPattern) -> None:
-        self._axis.value = _triple(pattern.axis)
-        self._through.value = _triple(pattern.through * 1000)
+        self._axis.value = shown_vector(pattern.axis)
+        self._through.value = shown_vector(pattern.through * 1000)
         self._angles.value = shown_numbers(tuple(np.rad2deg(pattern.angles).tolist()))
         self._offsets.value = shown_numbers(tuple(d * 1000 for d in pattern.offsets))
-        self._across.value = _triple(pattern.across)
+        self._across.value = shown_vector(pattern.across)
         self._across_offsets.value = shown_numbers(tuple(d * 1000 for d in pattern.across_offsets))
 
     def duplicate(self) -> None:
@@ -101,11 +100,11 @@ class GraspCopies:
         try:
             pattern = GraspPattern(
                 grasp_of(entry),
-                axis=_unit("axis", self._axis.value),
+                axis=direction_in(self._axis.value, "axis"),
                 angles=tuple(np.deg2rad(numbers_in(self._angles.value, "around")).tolist()),
                 offsets=tuple(d / 1000 for d in numbers_in(self._offsets.value, "along")),
                 through=np.array(self._through.value) / 1000,
-                across=_unit("across", self._across.value),
+                across=direction_in(self._across.value, "across"),
                 across_offsets=tuple(
                     d / 1000 for d in numbers_in(self._across_offsets.value, "across")
                 ),
@@ -133,15 +132,3 @@ def _pattern_of(entry: Entry | None) -> str:
         return ""
     lists = (entry.angles, entry.offsets, entry.across_offsets)
     return digest_of((entry.name, entry.axis, entry.through, entry.across, lists))
-
-
-def _unit(name: str, vector: tuple[float, float, float]) -> Floats:
-    length = float(np.linalg.norm(vector))
-    if not 1e-9 < length < 1e9:
-        raise InputError(f"{name}: {vector} has no direction")
-    return np.array(vector) / length
-
-
-def _triple(vector: Floats) -> tuple[float, float, float]:
-    x, y, z = (round(float(value), 4) + 0.0 for value in vector)
-    return x, y, z

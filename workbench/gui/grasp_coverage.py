@@ -11,6 +11,7 @@ from workbench.gui.editing import Editing
 from workbench.gui.stage import Stage
 from workbench.gui.views import line
 from workbench.gui.visitor import Visitor
+from workbench.model.cell import Cell
 from workbench.model.digest import digest_of
 from workbench.model.errors import WorkbenchError
 from workbench.model.part import Part
@@ -43,11 +44,12 @@ class CoverageControls:
         self._add = gui.add_button("Add what helps", icon=viser.Icon.PLUS, disabled=True)
         self._look.on_click(lambda _: self._pressed())
         self._add.on_click(lambda _: self._added())
+        visitor.on_end(self._cancelled.set)
 
     def show(self, part: Part, *, is_enabled: bool) -> None:
         """The part is this one now; what was found for other grasps of it is gone."""
         found = self._found
-        if found is not None and found[0] != self._key(part):
+        if found is not None and found[0] != _key(part, self._visitor.cell):
             self._found = found = None
             self._stage.hide_sphere()
         missing = found[1].missing if found is not None else None
@@ -61,9 +63,6 @@ class CoverageControls:
         if self._stage.is_open:
             self._stage.show_sphere(found[1].directions, sphere_colours(found[1]))
 
-    def _key(self, part: Part) -> str:
-        return digest_of((part.digest, self._visitor.cell.digest))
-
     def _pressed(self) -> None:
         """Begin to look, or stop looking."""
         if self._is_looking:
@@ -74,11 +73,11 @@ class CoverageControls:
         threading.Thread(target=self._work, name="coverage", daemon=True).start()
 
     def _work(self) -> None:
-        part, cell = self._editing.part, self._visitor.cell
+        part, cell = self._editing.part, self._visitor.cell  # as they are when it begins
         try:
             found = coverage(cell, part, report=self._report, cancelled=self._cancelled.is_set)
             if not self._cancelled.is_set():
-                self._found = self._key(part), found
+                self._found = _key(part, cell), found
         except WorkbenchError as error:
             self._visitor.tell("Coverage", str(error))
         except Exception as error:
@@ -96,6 +95,11 @@ class CoverageControls:
         if missing is not None and missing.suggestion is not None:
             grasp = missing.suggestion.grasp
             self._editing.add((grasp,), f"{grasp.name} added, where no grasp worked")
+
+
+def _key(part: Part, cell: Cell) -> str:
+    """What a coverage is about."""
+    return digest_of((part.digest, cell.digest))
 
 
 def coverage_words(found: Coverage) -> list[str]:

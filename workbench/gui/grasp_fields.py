@@ -7,9 +7,9 @@ import viser
 
 from workbench.formats.grasp_files import keys_of
 from workbench.gui.editing import Editing
+from workbench.gui.typed_lists import direction_in, shown_vector
 from workbench.gui.visitor import Visitor, whole
 from workbench.model.errors import InputError
-from workbench.model.geometry import Floats
 from workbench.model.part import Entry, Grasp
 from workbench.model.part_edits import grasp_of, with_grasp
 from workbench.planning.grasp_frames import fitted_opening
@@ -113,13 +113,18 @@ class GraspFields:
         self._priority.value = grasp.priority
         for name, box in self._arms.items():
             box.value = not grasp.arms or name in grasp.arms
-        self._tool.value = grasp.tool if grasp.tool in self._tool.options else ANY
+        # It may be for a tool that this cell has not.
+        own = (grasp.tool,) if grasp.tool else ()
+        tools = tuple(dict.fromkeys((ANY, *self._editing.tools, *own)))
+        if self._tool.options != tools:
+            self._tool.options = tools
+        self._tool.value = grasp.tool or ANY
         self._opening.value, self._grip.value = _mm(grasp.opening), _mm(grasp.grip)
-        self._approach.value = _triple(grasp.approach)
+        self._approach.value = shown_vector(grasp.approach)
         self._approach_length.value = _mm(grasp.approach_length)
         self._way_out.value = AS_THE_CELL if grasp.retreat is None else ITS_OWN
         if grasp.retreat is not None:
-            self._retreat.value = _triple(grasp.retreat)
+            self._retreat.value = shown_vector(grasp.retreat)
         self._retreat_length.value = _mm(grasp.retreat_length)
         self._free.value, self._tilt.value = _deg(grasp.free_rotation), _deg(grasp.tilt)
         self._slide.value = _mm(grasp.slide)
@@ -128,29 +133,36 @@ class GraspFields:
         """The grasp with what stands in the fields; its pose is not among them.
 
         Raises:
-            InputError: a direction has no length.
+            InputError: a direction has no length, or no arm is left.
         """
-        arms = tuple(name for name, box in self._arms.items() if box.value)
-        if not arms:
-            raise InputError("no arm may use it; disable the grasp instead")
         is_own = self._way_out.value == ITS_OWN
         return replace(
             grasp_of(entry),
             name=self._name.value.strip(),
             is_enabled=bool(self._is_enabled.value),
             priority=whole(self._priority.value),
-            arms=() if len(arms) == len(self._arms) else arms,
+            arms=self._typed_arms(grasp_of(entry).arms),
             tool="" if self._tool.value == ANY else self._tool.value,
             opening=self._opening.value / 1000,
             grip=self._grip.value / 1000,
-            approach=_unit("approach", self._approach.value),
+            approach=direction_in(self._approach.value, "approach"),
             approach_length=self._approach_length.value / 1000,
-            retreat=_unit("retreat", self._retreat.value) if is_own else None,
+            retreat=direction_in(self._retreat.value, "retreat") if is_own else None,
             retreat_length=self._retreat_length.value / 1000,
             free_rotation=float(np.deg2rad(self._free.value)),
             tilt=float(np.deg2rad(self._tilt.value)),
             slide=self._slide.value / 1000,
         )
+
+    def _typed_arms(self, were: tuple[str, ...]) -> tuple[str, ...]:
+        """The arms that may use the grasp; those of other cells have no box and stay."""
+        elsewhere = [name for name in were if name not in self._arms]
+        arms = (*(name for name, box in self._arms.items() if box.value), *elsewhere)
+        if not arms:
+            raise InputError("no arm may use it; disable the grasp instead")
+        if set(arms) == set(were):
+            return were
+        return () if arms == tuple(self._arms) else arms
 
     def _take(self) -> None:
         entry = self._seen
@@ -188,18 +200,6 @@ def _differ_in_pose(one: Entry, other: Entry) -> bool:
     T = grasp_of(other).T_part_tcp
     same = with_grasp(one, replace(grasp_of(one), T_part_tcp=T))
     return keys_of(same) == keys_of(other) and keys_of(one) != keys_of(other)
-
-
-def _unit(name: str, vector: tuple[float, float, float]) -> Floats:
-    length = float(np.linalg.norm(vector))
-    if not 1e-9 < length < 1e9:
-        raise InputError(f"{name}: {vector} has no direction")
-    return np.array(vector) / length
-
-
-def _triple(vector: Floats) -> tuple[float, float, float]:
-    x, y, z = (round(float(value), 6) + 0.0 for value in vector)
-    return x, y, z
 
 
 def _mm(length: float) -> float:

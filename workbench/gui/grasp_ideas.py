@@ -1,10 +1,11 @@
 """What the program proposes for a part: its symmetry, and grasps to take or leave."""
 
 from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
 
 import viser
 
-from workbench.gui.door import element_id
 from workbench.gui.editing import Editing
 from workbench.gui.grasp_views import MOST_SUGGESTIONS, suggestions_html, symmetry_line
 from workbench.gui.views import line
@@ -13,6 +14,7 @@ from workbench.model.digest import digest_of
 from workbench.model.errors import WorkbenchError
 from workbench.model.geometry import Mesh
 from workbench.model.part import Grasp, Part, Symmetry
+from workbench.model.part_edits import free_name, names_in
 from workbench.planning.grasp_suggestions import Suggestion, suggest
 from workbench.planning.part_symmetry import proposed_symmetry
 
@@ -60,7 +62,7 @@ class SymmetryControls:
         part = self._editing.part
         found = proposed_symmetry(part.mesh)
         self._looked = part.mesh, Symmetry() if found is None else found.symmetry
-        self.show(part, is_enabled=True)
+        self._editing.tell()
 
     def _confirm(self) -> None:
         proposed = self._proposed(self._editing.part)
@@ -78,6 +80,7 @@ class Suggestions:
         """Add the controls; `preview` shows a grasp that is not in the library."""
         self._visitor, self._editing, self._preview = visitor, editing, preview
         self._found: tuple[Suggestion, ...] = ()
+        self._about: tuple[Mesh, str] | None = None
         self._chosen = 0
         gui = visitor.gui
         self._most = gui.add_slider(
@@ -89,28 +92,33 @@ class Suggestions:
         self._take = gui.add_button("Take", icon=viser.Icon.PLUS, disabled=True)
         self._all = gui.add_button("Take all", color="gray", disabled=True)
         self._table = gui.add_html("")
-        self._rows = [self._unseen(number) for number in range(MOST_SUGGESTIONS)]
-        rules = ",".join(f'div:has(> [id="{button}"])' for button in self._rows)
-        gui.add_html(f'<style class="wb-style">{rules}{{display:none}}</style>')
+        self._rows = [
+            visitor.unseen(partial(self._choose, number)) for number in range(MOST_SUGGESTIONS)
+        ]
+        visitor.hide(self._rows)
         self._suggest.on_click(lambda _: self._look())
         self._take.on_click(lambda _: self._add(self._found[self._chosen : self._chosen + 1]))
         self._all.on_click(lambda _: self._add(self._found))
 
-    def _unseen(self, number: int) -> str:
-        button = self._visitor.gui.add_button("·")
-        button.on_click(lambda _: self._choose(number))
-        return element_id(button)
+    def show(self, part: Part) -> None:
+        """The part is this one now; what was suggested for another part or tool is gone."""
+        about = self._about
+        if about is None or (about[0] is part.mesh and about[1] == self._editing.tool.name):
+            return
+        self._about, self._found = None, ()
+        self._take.disabled = self._all.disabled = True
+        self._table.content = ""
 
     def _look(self) -> None:
         self._table.content = line("Looking …", kind="hint")
+        part, tool = self._editing.part, self._editing.tool
         try:
             seed = int(self._seed.value)
-            found = suggest(
-                self._editing.part, self._editing.tool, most=int(self._most.value), seed=seed
-            )
+            found = suggest(part, tool, most=int(self._most.value), seed=seed)
         except (WorkbenchError, ValueError) as error:
             self._table.content = line(str(error), kind="bad")
             return
+        self._about = part.mesh, tool.name
         self._show(found, 0)
 
     def _show(self, found: tuple[Suggestion, ...], chosen: int) -> None:
@@ -131,7 +139,10 @@ class Suggestions:
         """Add suggestions to the library, under names that are free now."""
         if not wanted:
             return
-        grasps = tuple(one.grasp for one in wanted)
+        taken, grasps = set(names_in(self._editing.part.library.entries)), list[Grasp]()
+        for one in wanted:
+            grasps.append(replace(one.grasp, name=free_name(taken, one.grasp.name)))
+            taken.add(grasps[-1].name)
         count = f"{len(grasps)} suggested grasps" if len(grasps) > 1 else grasps[0].name
         if self._editing.add(grasps, f"{count} added"):
             left = tuple(one for one in self._found if one not in wanted)

@@ -1,5 +1,6 @@
 """A part's grasps as a whole: pairs for two arms, and what was saved and not saved."""
 
+from collections.abc import Callable
 from pathlib import Path
 
 import viser
@@ -101,28 +102,28 @@ class LibraryControls:
         is_changed = state.saved != state.cell.digest
         self._visitor.admit(self._save, state, SaveCell, is_ready=is_changed)
         folder = self._folder
+        known: tuple[Version, ...] = ()
         draft: GraspLibrary | None = None
         try:
-            self._known = versions(folder) if folder is not None else ()
-            is_untouched = state.saved == state.cell.digest
-            draft = draft_of(folder) if folder is not None and is_untouched else None
+            known = versions(folder) if folder is not None else ()
+            draft = draft_of(folder) if folder is not None and not is_changed else None
             self._show_draft(part, draft)
         except InputError as error:
             self._draft.content = line(str(error), kind="bad")
+        self._known = known
         self._take.visible = self._drop.visible = draft is not None
         self._take.disabled = self._drop.disabled = not is_enabled
-        self._list.content = versions_html(self._known)
-        options = (NOW, *(f"{one.number}: {one.remark[:30]}" for one in reversed(self._known)))
+        self._list.content = versions_html(known)
+        options = (NOW, *(f"{one.number}: {one.remark[:30]}" for one in reversed(known)))
         if self._version.options != options:
             self._version.options = options
         self._show_words(part)
         self._back.disabled = not is_enabled
-        if state.saved == state.cell.digest:
-            self._changes.content = line("As in the files.", kind="hint")
+        if is_changed:
+            says = "Changed and not saved; kept as a draft."
+            self._changes.content = _changes_html(known[-1] if known else None, part, says)
         else:
-            saved = self._known[-1].library if self._known else None
-            words = changes_in_words(saved, part.library) if saved is not None else ()
-            self._changes.content = words_html(words, "Changed and not saved; kept as a draft.")
+            self._changes.content = line("As in the files.", kind="hint")
 
     def _show_draft(self, part: Part, draft: GraspLibrary | None) -> None:
         if draft is None:
@@ -138,33 +139,40 @@ class LibraryControls:
 
     def _show_words(self, part: Part) -> None:
         version = self._chosen()
-        if version is None:
-            self._words.content = ""
-            return
-        try:
-            words = changes_in_words(version.library, part.library)
-        except InputError as error:
-            self._words.content = line(str(error), kind="bad")
-            return
-        self._words.content = words_html(words, "The grasps are as in this version.")
+        says = "The grasps are as in this version."
+        self._words.content = "" if version is None else _changes_html(version, part, says)
 
     def _gone_back(self) -> None:
         version = self._chosen()
         if version is not None:
-            self._taken_over(version.library, f"back to version {version.number} of the grasps")
+            says = f"back to version {version.number} of the grasps"
+            self._taken_over(lambda: version.library, says)
 
     def _taken(self) -> None:
         folder = self._folder
+        if folder is not None:
+            says = "the draft of an earlier session is taken"
+            self._taken_over(lambda: draft_of(folder), says)
+
+    def _taken_over(self, read: Callable[[], GraspLibrary | None], says: str) -> None:
+        """Put the library that is read from a file, if it is there, in place of the one now."""
         try:
-            draft = draft_of(folder) if folder is not None else None
+            library = read()
         except InputError as error:
             self._visitor.tell("Refused", str(error))
             return
-        if draft is not None:
-            self._taken_over(draft, "the draft of an earlier session is taken")
-
-    def _taken_over(self, library: GraspLibrary, says: str) -> None:
+        if library is None:
+            return
         if digest_of(library) == digest_of(self._editing.part.library):
             self._visitor.tell("Versions", "the grasps are as in this version already")
             return
         self._editing.take_library(library.entries, library.pairs, says)
+
+
+def _changes_html(version: Version | None, part: Part, otherwise: str) -> str:
+    """What a part's grasps have otherwise than a version, if there is one that can be read."""
+    try:
+        words = () if version is None else changes_in_words(version.library, part.library)
+    except InputError as error:
+        return line(str(error), kind="bad")
+    return words_html(words, otherwise)

@@ -1,15 +1,14 @@
 """Where the hand of the chosen grasp is: numbers, gizmo, keys, and the surface to snap to."""
 
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 import pinocchio as pin
 import viser
 
 from workbench.gui.editing import Editing
-from workbench.gui.gizmo_drag import NOT_BELIEVED, GizmoDrag
-from workbench.gui.robot import place, pose_of_node, quaternion
+from workbench.gui.gizmo_drag import follow
+from workbench.gui.robot import place, quaternion
 from workbench.gui.things import shown_pose, typed_pose
 from workbench.gui.visitor import Visitor
 from workbench.model.digest import digest_of
@@ -147,24 +146,23 @@ class GraspPose:
         )
         self._gizmo = gizmo
         self._place_gizmo()
-        drag = GizmoDrag()
+        follow(
+            gizmo,
+            self._visitor,
+            stood=lambda: self._T,
+            moved=self._dragged,
+            put_back=lambda: self._put(self._T),
+        )
 
-        @gizmo.on_update
-        def _(event: Any) -> None:
-            node = pose_of_node(gizmo)
-            if not drag.is_believed(event.phase, self._T, node):
-                if event.phase == "end":
-                    self._put(self._T)
-                    self._visitor.tell(*NOT_BELIEVED)
-                return
-            T = pin.SE3(node.rotation @ self._R_off, node.translation)
-            if self._steps.value:
-                T = in_steps(self._T, T)
-            # From the numbers that are shown: what a person reads is what is meant.
-            self._position.value, self._angles.value = shown_pose(T)
-            self._moving(self._typed())
-            if event.phase == "end":
-                self._end(self._typed(), "moved by gizmo")
+    def _dragged(self, T_part_gizmo: pin.SE3, is_over: bool) -> None:
+        T = pin.SE3(T_part_gizmo.rotation @ self._R_off, T_part_gizmo.translation)
+        if self._steps.value:
+            T = in_steps(self._T, T)
+        # From the numbers that are shown: what a person reads is what is meant.
+        self._position.value, self._angles.value = shown_pose(T)
+        self._moving(self._typed())
+        if is_over:
+            self._end(self._typed(), "moved by gizmo")
 
 
 def in_steps(T_from: pin.SE3, T_to: pin.SE3) -> pin.SE3:

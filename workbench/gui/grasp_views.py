@@ -1,12 +1,13 @@
 """What the page says about a part's grasps, as HTML; see `views` for how."""
 
+import math
 from collections.abc import Mapping, Sequence
 from html import escape
 
 from workbench.app.grasp_use import NO_USES, GraspUse, Uses
 from workbench.formats.part_saves import Version
 from workbench.gui.colours import BAD, BUSY, GOOD, MUTED
-from workbench.gui.tables import clickable
+from workbench.gui.tables import clickable, marked
 from workbench.gui.views import line, mm, sentence
 from workbench.model.part import Entry, GraspPair, GraspPattern, Part, Symmetry, grasps_of
 from workbench.model.part_edits import grasp_of
@@ -78,7 +79,6 @@ def _row(
     entry: Entry, is_chosen: bool, check: GraspCheck | None, button: str, use: GraspUse
 ) -> str:
     grasp = grasp_of(entry)
-    mark = ' style="background:var(--wb-chosen)"' if is_chosen else ""
     if not grasp.is_enabled:
         light, tip = MUTED, "disabled"
     elif check is None:
@@ -87,7 +87,7 @@ def _row(
         light, tip = (GOOD if check.is_ok else BAD), findings_text(check)
     kind = f" <small>× {entry.count}</small>" if isinstance(entry, GraspPattern) else ""
     return (
-        f'<tr{mark} title="{escape(tip)}" {clickable(button)}>'
+        f'<tr{marked(is_chosen)} title="{escape(tip)}" {clickable(button)}>'
         f'<td><i class="wb-dot" style="background:{light}"></i></td>'
         f"<td>{escape(grasp.name)}{kind}</td>"
         f'<td class="wb-number">{grasp.priority}</td>'
@@ -117,7 +117,7 @@ def check_line(name: str, check: GraspCheck | None) -> str:
     if check is None:
         return line("", kind="hint")
     text = sentence(f"{name}: {findings_text(check)}.")
-    return line(text, kind="" if check.is_ok else "bad")
+    return line(text, kind="result" if check.is_ok else "bad")
 
 
 def symmetry_line(symmetry: Symmetry, proposed: Symmetry | None) -> str:
@@ -147,11 +147,11 @@ def suggestions_html(found: Sequence[Suggestion], chosen: int, rows: Sequence[st
     )
     head = "".join(f'<th class="{style}">{title}</th>' for title, style in heads)
     body = "".join(
-        f"<tr{_marked(number == chosen)} {clickable(rows[number])}>"
+        f"<tr{marked(number == chosen)} {clickable(rows[number])}>"
         f"<td>{escape(one.grasp.name)}</td>"
         f'<td class="wb-number">{one.score:.2f}</td>'
         f'<td class="wb-number">{escape(mm(one.grasp.grip))}</td>'
-        f'<td class="wb-number">{one.angle * 57.29578:.0f}°</td>'
+        f'<td class="wb-number">{math.degrees(one.angle):.0f}°</td>'
         f'<td class="wb-number">{escape(mm(one.lever))}</td></tr>'
         for number, one in enumerate(found[:MOST_SUGGESTIONS])
     )
@@ -159,10 +159,6 @@ def suggestions_html(found: Sequence[Suggestion], chosen: int, rows: Sequence[st
         f'<div class="wb-list"><table class="wb-table wb-parts"><thead><tr>{head}</tr></thead>'
         f"<tbody>{body}</tbody></table></div>"
     )
-
-
-def _marked(is_chosen: bool) -> str:
-    return ' style="background:var(--wb-chosen)"' if is_chosen else ""
 
 
 def pairs_html(pairs: Sequence[GraspPair]) -> str:

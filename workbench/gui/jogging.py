@@ -62,6 +62,7 @@ class JogControls:
             hint="Turns the elbow while the tool stays where it is.",
         )
         self._react()
+        visitor.on_end(self._hide_gizmo, in_scene=True)
 
     def _sliders(self, gui: viser.GuiApi, arm: Arm) -> list[viser.GuiSliderHandle]:
         lower, upper, _ = self._visitor.cell.robot.limits(arm.joints)
@@ -124,9 +125,7 @@ class JogControls:
     def _show_gizmo(self, arm: Arm, is_on: bool) -> None:
         """The gizmo follows the tool of the chosen arm; only this browser has it."""
         if not is_on or self._drawn is None:
-            if self._gizmo is not None:
-                self._gizmo.remove()
-                self._gizmo = None
+            self._hide_gizmo()
             return
         T = self._chain(arm).pose(self._drawn[arm.name])
         if self._gizmo is None:
@@ -140,6 +139,11 @@ class JogControls:
             self._gizmo.on_update(self._lead)
         elif not self._is_dragged:
             place(self._gizmo, T)
+
+    def _hide_gizmo(self) -> None:
+        gizmo, self._gizmo = self._gizmo, None
+        if gizmo is not None:
+            gizmo.remove()
 
     def _chain(self, arm: Arm) -> Chain:
         return chain_of(self._visitor.cell, arm)

@@ -13,7 +13,7 @@ from workbench.app.rights import NOBODY
 from workbench.app.state import State
 from workbench.app.statistics import Statistics
 from workbench.gui.calibrating import Overlay
-from workbench.gui.playback import Run
+from workbench.gui.playback import Moment, Run, moments
 from workbench.model.calibration import Calibration
 from workbench.model.geometry import Floats, Shape
 from workbench.model.scan import Discarded
@@ -40,16 +40,14 @@ class Look:
     """Which moment of the plan and which candidate everybody sees.
 
     `time` [s] on the plan's clock; `candidate` is an index among the state's candidates, `pose`
-    one among the poses of its way;
-    `by` is the browser that moved the time last, None when nobody did (it plays); `player` is who
-    let it play.
-    `jog` holds the arms that are moved by hand, arm -> configuration (n,) [rad]; `shapes` and
-    `frames` say whether collision shapes and frames are shown, `reach` of which arm the reach is;
-    `measured` are the points (3,) [m] that somebody has clicked on, up to two.  `sighting` is the
-    pose of a calibration that is laid over the robot, `is_calibrated` says with which pose of the
-    scanner; `search` is a search whose parts are drawn beside those found, by its number;
-    `discarded` says whether the poses that the last search discarded are shown; `held` is what
-    somebody drags at this moment.
+    one among the poses of its way; `by` is the browser that moved the time last, None when nobody
+    did (it plays); `player` is who let it play.  `jog` holds the arms that are moved by hand,
+    arm -> configuration (n,) [rad]; `shapes` and `frames` say whether collision shapes and frames
+    are shown, `reach` of which arm the reach is; `measured` are the points (3,) [m] that somebody
+    has clicked on, up to two.  `sighting` is the pose of a calibration that is laid over the robot,
+    `is_calibrated` says with which pose of the scanner; `search` is a search whose parts are drawn
+    beside those found, by its number; `discarded` says whether the poses that the last search
+    discarded are shown; `held` is what somebody drags at this moment.
     """
 
     time: float = 0.0
@@ -113,7 +111,8 @@ class View:
     `runs` is the timeline of the state's plan, empty without one; `poses` those of the chosen
     candidate, and `fix` what would admit it; `jogged` is set while somebody moves the robot by
     hand; `reached` holds places (n, 3) [m] and shares (n,) of the reach that is shown;
-    `statistics` are those of the session; `at`
+    `statistics` are those of the session; `calibration` is the answer of the poses scanned so
+    far, or why there is none, and `overlay` the one of them that is laid over the robot; `at`
     [s since the epoch] is when it looked like this.
     """
 
@@ -133,7 +132,23 @@ class View:
     @property
     def pose(self) -> Pose | None:
         """The pose of the chosen candidate that is looked at."""
-        return self.poses[min(self.look.pose, len(self.poses) - 1)] if self.poses else None
+        # The index comes from a browser's slider, and may be any number.
+        last = len(self.poses) - 1
+        return self.poses[min(max(self.look.pose, 0), last)] if self.poses else None
+
+    @property
+    def moments(self) -> dict[str, Moment]:
+        """How every arm is drawn, by name: on its plan, as it is jogged, or as in a sighting."""
+        cell = self.state.cell
+        now = moments(cell, self.runs, self.look.time)
+        if self.jogged is not None:
+            now |= {
+                arm: Moment(q, cell.arm(arm).tool.stroke[1], None)
+                for arm, q in self.jogged.q.items()
+            }
+        if self.overlay is not None:
+            now[self.overlay.arm] = Moment(self.overlay.q, 0.0, None)
+        return now
 
     @property
     def discarded(self) -> tuple[Discarded, ...]:

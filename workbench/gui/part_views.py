@@ -6,7 +6,7 @@ from html import escape
 
 from workbench.app.state import State
 from workbench.gui.colours import part_colour
-from workbench.gui.tables import clickable
+from workbench.gui.tables import clickable, marked
 from workbench.gui.views import clock, line, mm, table_html
 from workbench.model.cell import PosesFolder
 from workbench.model.scan import Detection, Discarded
@@ -85,7 +85,6 @@ def discarded_html(discarded: Sequence[Discarded]) -> str:
 
 
 def _row(number: int, one: Detection, is_chosen: bool, button: str) -> str:
-    mark = ' style="background:var(--wb-chosen)"' if is_chosen else ""
     values = (
         f"{one.score:.2f}",
         f"{one.visible:.0%}",
@@ -94,7 +93,8 @@ def _row(number: int, one: Detection, is_chosen: bool, button: str) -> str:
     )
     numbers = "".join(f'<td class="wb-number">{escape(value)}</td>' for value in values)
     dot = f'<span class="wb-verdict" style="background:{part_colour(number)}">{number + 1}</span>'
+    roll = "known" if one.roll_known else "unknown"
     return (
-        f"<tr{mark} {clickable(button)}><td>{dot}</td><td>{escape(one.part)}</td>{numbers}"
-        f"<td>{'known' if one.roll_known else 'unknown'}</td></tr>"
+        f"<tr{marked(is_chosen)} {clickable(button)}><td>{dot}</td>"
+        f"<td>{escape(one.part)}</td>{numbers}<td>{roll}</td></tr>"
     )

@@ -1,15 +1,14 @@
 """A pose by numbers and by gizmo: for whatever a person may move."""
 
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 import pinocchio as pin
 import viser
 
-from workbench.gui.gizmo_drag import NOT_BELIEVED, GizmoDrag
+from workbench.gui.gizmo_drag import follow
 from workbench.gui.look import Held
-from workbench.gui.robot import place, pose_of_node, quaternion
+from workbench.gui.robot import place, quaternion
 from workbench.gui.things import shown_pose, typed_pose
 from workbench.gui.visitor import Visitor
 
@@ -45,6 +44,7 @@ class PoseInputs:
         self._switch = gui.add_button("Show gizmo", color="gray")
         self._apply.on_click(lambda _: self._end(self._typed()))
         self._switch.on_click(lambda _: self._turn())
+        visitor.on_end(self._hide, in_scene=True)
 
     def show(self, T: pin.SE3 | None, *, is_enabled: bool) -> None:
         """What it is about is there; None: there is nothing to move."""
@@ -89,20 +89,25 @@ class PoseInputs:
         )
         self._gizmo, self._switch.label = gizmo, "Hide gizmo"
 
-        drag = GizmoDrag()
+        follow(
+            gizmo,
+            self._visitor,
+            stood=lambda: self._T,
+            moved=self._dragged,
+            put_back=self._put_back,
+        )
 
-        @gizmo.on_update
-        def _(event: Any) -> None:
-            if not drag.is_believed(event.phase, self._T, pose_of_node(gizmo)):
-                if event.phase == "end":
-                    self._put(self._T)
-                    self._visitor.tell(*NOT_BELIEVED)
-                return
-            # From the numbers that are shown: what a person reads is what is meant.
-            self._position.value, self._angles.value = shown_pose(pose_of_node(gizmo))
-            is_over = event.phase == "end"
-            look, client = self._visitor.look, self._visitor.client
-            held = Held(self._visitor.person.name, client.client_id, self._typed())
-            look.change(held=None if is_over else held)
-            if is_over:
-                self._end(self._typed())
+    def _dragged(self, T: pin.SE3, is_over: bool) -> None:
+        # From the numbers that are shown: what a person reads is what is meant.
+        self._position.value, self._angles.value = shown_pose(T)
+        visitor = self._visitor
+        held = Held(visitor.person.name, visitor.number, self._typed())
+        visitor.look.change(held=None if is_over else held)
+        if is_over:
+            self._end(self._typed())
+
+    def _put_back(self) -> None:
+        held = self._visitor.look.now.held
+        if held is not None and held.browser == self._visitor.number:
+            self._visitor.look.change(held=None)
+        self._put(self._T)

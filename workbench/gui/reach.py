@@ -52,8 +52,11 @@ class Reaches:
         return self._known[arm]
 
     def _find(self, cell: Cell, arm: str, known: dict[str, Reached]) -> None:
+        def is_unwanted() -> bool:
+            return self._closing.is_set() or known is not self._known
+
         try:
-            known[arm] = reach_map(cell, cell.arm(arm), cancelled=self._closing.is_set)
+            known[arm] = reach_map(cell, cell.arm(arm), cancelled=is_unwanted)
         except Exception:
             # A rim: a reach that cannot be found leaves the page as it is.
             log.exception("the reach of an arm could not be found")

@@ -1,5 +1,6 @@
 """A plan as one page of HTML that plays it: no server, no network, all in the file."""
 
+import math
 from dataclasses import replace
 
 from workbench.app.live import Live
@@ -30,9 +31,11 @@ def scene_html(state: State) -> bytes:
         scene = Scene(server, state.cell, most_points=MOST_POINTS)
         scene.draw(None, view)
         recording = server.get_scene_serializer()
-        for frame in range(1, int(view.plan_seconds / FRAME) + 1):
+        for frame in range(1, math.ceil(view.plan_seconds / FRAME) + 1):
             recording.insert_sleep(FRAME)
-            after = replace(view, look=replace(view.look, time=frame * FRAME))
+            # The last picture is that of the end, which need not be a whole number of frames away.
+            at = min(frame * FRAME, view.plan_seconds)
+            after = replace(view, look=replace(view.look, time=at))
             scene.draw(view, after)
             view = after
         return recording.as_html().encode()

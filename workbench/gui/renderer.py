@@ -90,7 +90,7 @@ class Renderer:
         self._closed = threading.Event()
         self._look = SharedLook(self._woken.set)
         self._arrivals: queue.SimpleQueue[tuple[viser.ClientHandle, bool]] = queue.SimpleQueue()
-        self._clients: dict[int, viser.ClientHandle] = {}
+        self._visitors: dict[int, Visitor] = {}
         self._panels: dict[int, tuple[Panel, ...]] = {}
         self._runs: tuple[Run, ...] = ()
         self._played = 0.0
@@ -139,8 +139,8 @@ class Renderer:
             elapsed = time.monotonic() - last
             self._closed.wait(max(0.0, FRAME - elapsed))
             now = time.monotonic()
-            self._play(now - last)
-            self._draw()
+            _shielded(partial(self._play, now - last))
+            _shielded(self._draw)
             last = now
 
     def _patience(self) -> float:
@@ -182,21 +182,19 @@ class Renderer:
             log.info("that the plan was watched is not taken: %s", error)
 
     def _draw(self) -> None:
+        # Before anything is taken from the queue: a view may fail, and is tried again.
+        old, new = self._drawn, self._view()
         waiting = self._waiting()
         self._count_people(waiting)
-        old, new = self._drawn, self._view()
         for client, is_here in waiting:
             if is_here:
-                self._clients[client.client_id] = client
-                self._welcome(client, new)
+                _shielded(partial(self._welcome, client, new))
             else:
-                self._clients.pop(client.client_id, None)
-                self._panels.pop(client.client_id, None)
+                self._bid_farewell(client)
         if old is not None and _needs_other_controls(old.state.cell, new.state.cell):
             self._server.gui.set_panel_label(f"Cell {new.state.cell.name}")
-            for client in self._clients.values():
-                client.gui.reset()
-                self._welcome(client, new)
+            for visitor in tuple(self._visitors.values()):
+                _shielded(partial(self._rebuild, visitor, new))
         with self._server.atomic():
             _shielded(lambda: self._scene.draw(old, new))
         for panels in self._panels.values():
@@ -307,15 +305,26 @@ class Renderer:
         return found
 
     def _welcome(self, client: viser.ClientHandle, view: View) -> None:
-        def build() -> None:
-            visitor = Visitor(client, self._bench, self._look, self._predictions, self._folders)
-            header = Header(visitor, self._theme, self._style)
-            panels = (header, *tabs_of(visitor, self._woken.set))
-            for panel in panels:
-                panel.show(None, view)
-            self._panels[client.client_id] = panels
+        visitor = Visitor(client, self._bench, self._look, self._predictions, self._folders)
+        self._visitors[client.client_id] = visitor
+        header = Header(visitor, self._theme, self._style)
+        panels = (header, *tabs_of(visitor, self._woken.set))
+        for panel in panels:
+            panel.show(None, view)
+        self._panels[client.client_id] = panels
 
-        _shielded(build)
+    def _bid_farewell(self, client: viser.ClientHandle) -> None:
+        self._panels.pop(client.client_id, None)
+        visitor = self._visitors.pop(client.client_id, None)
+        if visitor is not None:
+            _shielded(partial(visitor.end, is_gone=True))
+
+    def _rebuild(self, visitor: Visitor, view: View) -> None:
+        """Make the controls of a browser anew, for another cell."""
+        self._panels.pop(visitor.number, None)
+        _shielded(partial(visitor.end, is_gone=False))
+        visitor.gui.reset()
+        self._welcome(visitor.client, view)
 
 
 def _count(presence: Presence, client: viser.ClientHandle, now: float, *, is_here: bool) -> None:

@@ -20,7 +20,7 @@ from workbench.gui.held import DrawnHeld
 from workbench.gui.look import View
 from workbench.gui.marks import draw_discarded, draw_measured, draw_reach
 from workbench.gui.meets import draw_meets
-from workbench.gui.playback import Moment, Run, joint_values, moments, part_poses, tcp_path
+from workbench.gui.playback import Run, joint_values, moments, part_poses, tcp_path
 from workbench.gui.robot import DrawnRobot, place
 from workbench.gui.searches import draw_search
 from workbench.gui.solids import with_hard_edges
@@ -41,7 +41,6 @@ from workbench.planning.kinematics import Kinematics
 
 PATH_POINTS = 24
 """Of the drawn way of the tool centre point, per leg."""
-
 
 SAME = np.deg2rad(2.0)
 """Up to here the reported robot would only hide the drawn one [rad]."""
@@ -111,6 +110,7 @@ class Scene:
             before is None
             or before.scan is not state.scan
             or before.detections is not state.detections
+            or before.cell.bin is not state.cell.bin
         ):
             self._draw_scan(state.scan, state.detections)
         is_other_plan = before is None or before.plan is not state.plan
@@ -135,7 +135,8 @@ class Scene:
             draw_overlay(self._scene, new.overlay)
         if old is None or old.jogged is not new.jogged:
             draw_meets(self._scene, "/jog_meets", new.jogged.meets if new.jogged else ())
-        if old is None or old.look.shapes != new.look.shapes:
+        are_other_shapes = old is None or old.look.shapes != new.look.shapes
+        if are_other_shapes:
             self._show_shapes(new.look.shapes)
         if old is None or old.look.frames != new.look.frames or before.cell is not state.cell:
             show_frames(self._scene, self._cell, self._kinematics, is_shown=new.look.frames)
@@ -152,7 +153,7 @@ class Scene:
         if shown is not self._discarded:
             draw_discarded(self._scene, self._cell, shown)
             self._discarded = shown
-        if is_other_plan or are_other_parts or is_other_time:
+        if is_other_plan or are_other_parts or is_other_time or are_other_shapes:
             self._pose(new)
         if is_other_plan or old is None or is_other_time or old.live.joints is not new.live.joints:
             self._pose_live_robot(new)
@@ -254,14 +255,7 @@ class Scene:
             self._checked.show(is_shown)
 
     def _pose(self, view: View) -> None:
-        now = moments(self._cell, view.runs, view.look.time)
-        if view.jogged is not None:
-            now |= {
-                arm: Moment(q, self._cell.arm(arm).tool.stroke[1], None)
-                for arm, q in view.jogged.q.items()
-            }
-        if view.overlay is not None:
-            now[view.overlay.arm] = Moment(view.overlay.q, 0.0, None)
+        now = view.moments
         links = self._kinematics.link_poses(joint_values(self._cell, now))
         openings = {arm: moment.opening for arm, moment in now.items()}
         for robot in (self._robot, self._checked):
@@ -288,11 +282,12 @@ class Scene:
 
 def is_other_robot(one: Cell, other: Cell) -> bool:
     """Whether robot, arms or tools are drawn otherwise."""
-    return digest_of((one.robot, [a.tool for a in one.arms])) != digest_of(
-        (other.robot, [a.tool for a in other.arms])
-    ) or [(arm.name, arm.joints) for arm in one.arms] != [
-        (arm.name, arm.joints) for arm in other.arms
-    ]
+
+    def drawn(cell: Cell) -> str:
+        arms = [(arm.name, arm.joints, arm.flange, arm.tool) for arm in cell.arms]
+        return digest_of((cell.robot, arms))
+
+    return drawn(one) != drawn(other)
 
 
 def point_colours(

@@ -1,8 +1,8 @@
 """Searches for parts in one scan, side by side: with other wishes, in a table and in the scene."""
 
 from collections.abc import Sequence
+from functools import partial
 from html import escape
-from typing import Any
 
 import numpy as np
 import viser
@@ -12,11 +12,10 @@ from workbench.app.state import State
 from workbench.app.value_checks import DETAIL, SEED_LIMIT
 from workbench.formats.triangles import triangles_of
 from workbench.gui.colours import COMPARED
-from workbench.gui.door import element_id
 from workbench.gui.look import View
 from workbench.gui.robot import place
 from workbench.gui.solids import with_hard_edges
-from workbench.gui.tables import clickable
+from workbench.gui.tables import clickable, marked
 from workbench.gui.views import line
 from workbench.gui.visitor import Visitor, whole
 from workbench.model.errors import InputError
@@ -63,9 +62,8 @@ class SearchInputs:
         self._search = gui.add_button("Search again", icon=viser.Icon.SEARCH)
         self._take = gui.add_button("Take this one", icon=viser.Icon.CHECK, color="gray")
         self._table = gui.add_html("")
-        self._rows = [self._unseen(place) for place in range(MOST_ROWS)]
-        rules = ",".join(f'div:has(> [id="{button}"])' for button in self._rows)
-        gui.add_html(f'<style class="wb-style">{rules}{{display:none}}</style>')
+        self._rows = [visitor.unseen(partial(self._chosen, place)) for place in range(MOST_ROWS)]
+        visitor.hide(self._rows)
         visitor.on_press(self._search, self._wanted)
         visitor.on_press(self._take, self._taken)
 
@@ -80,18 +78,12 @@ class SearchInputs:
         self._visitor.admit(self._take, state, UseDetections, is_ready=is_there)
         self._table.content = searches_html(state.searches, chosen, self._rows)
 
-    def _unseen(self, place: int) -> str:
-        """The id of a button that HTML presses to look at a search, and again to look away."""
-        button, look = self._visitor.gui.add_button("·"), self._visitor.look
-
-        @button.on_click
-        def _(_: Any) -> None:
-            searches = self._visitor.bench.state.searches
-            if place < len(searches):
-                number = searches[place].number
-                look.change(search=None if look.now.search == number else number)
-
-        return element_id(button)
+    def _chosen(self, place: int) -> None:
+        """Look at a search of the table, or away from it."""
+        searches, look = self._visitor.bench.state.searches, self._visitor.look
+        if place < len(searches):
+            number = searches[place].number
+            look.change(search=None if look.now.search == number else number)
 
     def _wanted(self) -> Command:
         wishes = SearchWishes(float(self._detail.value) / 100, float(self._least.value))
@@ -130,7 +122,6 @@ def searches_html(searches: Sequence[Search], chosen: int | None, rows: Sequence
 
 
 def _row(place: int, search: Search, is_chosen: bool, button: str) -> str:
-    mark = ' style="background:var(--wb-chosen)"' if is_chosen else ""
     found = search.detections
     gaps = [one.gap for one in found if one.gap is not None]
     values = (
@@ -146,7 +137,7 @@ def _row(place: int, search: Search, is_chosen: bool, button: str) -> str:
     tip = f"scores {', '.join(f'{one.score:.2f}' for one in found)}" if found else "no part"
     if search.wishes.least_score > 0:
         tip += f"; none below {search.wishes.least_score:.2f}"
-    return f'<tr{mark} title="{escape(tip)}" {clickable(button)}>{cells}</tr>'
+    return f'<tr{marked(is_chosen)} title="{escape(tip)}" {clickable(button)}>{cells}</tr>'
 
 
 def draw_search(scene: viser.SceneApi, state: State, number: int | None) -> None:

@@ -68,19 +68,23 @@ def serve(
     style = find("static", "page.css").read_text(encoding="utf-8")
     theme = Theme(is_framed=secret is not None)
     server = open_door(host, port, secret)
-    theme.apply(server.gui, is_dark=False)
-    server.gui.set_panel_label(f"Cell {bench.cell.name}")
-    server.gui.main_panel.dock_right()
-    server.gui.main_panel.set_width(PANEL_WIDTH)
-    renderer = Renderer(
-        server,
-        bench,
-        theme,
-        style=style,
-        most_points=most_points,
-        predictions=predictions,
-        folders=folders or {},
-    )
+    try:
+        theme.apply(server.gui, is_dark=False)
+        server.gui.set_panel_label(f"Cell {bench.cell.name}")
+        server.gui.main_panel.dock_right()
+        server.gui.main_panel.set_width(PANEL_WIDTH)
+        renderer = Renderer(
+            server,
+            bench,
+            theme,
+            style=style,
+            most_points=most_points,
+            predictions=predictions,
+            folders=folders or {},
+        )
+    except BaseException:
+        close_door(server)
+        raise
     shown = "localhost" if host in ("0.0.0.0", "::") else host
     bracketed = f"[{shown}]" if ":" in shown else shown
     return Page(f"http://{bracketed}:{server.get_port()}", server, renderer)

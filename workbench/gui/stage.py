@@ -44,7 +44,7 @@ class Stage:
         self._camera: tuple[Any, Any] | None = None
         self._clicked: Any = None
         self._size = 0.1
-        self._drawn: tuple[Part, str] | None = None
+        self._drawn: Part | None = None
         self._tool: str = ""
         self._hand: viser.FrameHandle | None = None
         self._meshes: list[viser.MeshHandle] = []
@@ -74,7 +74,7 @@ class Stage:
         def clicked(event: Any) -> None:
             origin = np.array(event.ray_origin, dtype=np.float64)
             direction = np.array(event.ray_direction, dtype=np.float64)
-            if np.all(np.isfinite(origin)) and np.linalg.norm(direction) > 0.5:
+            if np.all(np.isfinite([origin, direction])) and np.linalg.norm(direction) > 0.5:
                 pressed(origin - T_WORLD_STAGE.translation, direction)
 
         self._clicked = clicked
@@ -98,12 +98,12 @@ class Stage:
             chosen: entry whose marks stand out.
             bad: entries that cannot be taken so.
         """
-        if self._drawn is None or self._drawn[0].mesh is not part.mesh:
+        if self._drawn is None or self._drawn.mesh is not part.mesh:
             points, triangles = with_hard_edges(triangles_of(part.mesh))
             self._scene.add_mesh_simple(
                 "/stage/part", points, triangles, color=PART_COLOUR, side="double"
             )
-        self._drawn = part, chosen
+        self._drawn = part
         segments, colours = marks_of(part, chosen, bad, self._size)
         self._scene.remove_by_name("/stage/marks")
         if len(segments):

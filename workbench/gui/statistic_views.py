@@ -3,10 +3,8 @@
 from html import escape
 
 from workbench.app.statistics import GROUPS, Rate, Statistics
-from workbench.gui.colours import BRAND
+from workbench.gui.colours import BAD, BRAND
 from workbench.gui.views import clock, line, table_html
-
-FAILED = "#c92a2a"
 
 MOST_BARS = 12
 """Of one chart; a part may have very many grasps."""
@@ -32,7 +30,7 @@ def statistics_html(counted: Statistics) -> str:
         _bars(
             "Median time of each stage",
             [
-                (stage, usual, f"{usual:.2f} s, most {most:.1f} s")
+                (stage, usual, f"{usual:.2f} s, most {most:.2f} s")
                 for stage, usual, most in counted.stage_medians()
             ],
         ),
@@ -48,19 +46,17 @@ def _success(title: str, rates: tuple[Rate, ...]) -> str:
     """A bar for each, its length the share that was taken."""
     known = [rate for rate in rates if rate.picked + rate.failed]
     bars = [
-        _bar(rate.name, 100 * rate.share, f"{rate.picked} of {rate.picked + rate.failed}", FAILED)
+        _bar(rate.name, 100 * rate.share, f"{rate.picked} of {rate.picked + rate.failed}", BAD)
         for rate in known[:MOST_BARS]
     ]
     return _chart(title, bars)
 
 
 def _bars(title: str, values: list[tuple[str, float, str]]) -> str:
-    """A bar for each name, its length in proportion to the largest value."""
-    largest = max((value for _, value, _ in values), default=0.0) or 1.0
-    return _chart(
-        title,
-        [_bar(name, 100 * value / largest, text) for name, value, text in values[-MOST_BARS:]],
-    )
+    """A bar for each of the last names, its length in proportion to the largest value."""
+    shown = values[-MOST_BARS:]
+    largest = max((value for _, value, _ in shown), default=0.0) or 1.0
+    return _chart(title, [_bar(name, 100 * value / largest, text) for name, value, text in shown])
 
 
 def _bar(name: str, percent: float, text: str, rest: str = "transparent") -> str:

@@ -112,15 +112,24 @@ def paint_background(scene: viser.SceneApi, *, is_dark: bool = False) -> None:
 
 
 def aim_camera(server: viser.ViserServer, cell: Cell) -> None:
-    """Look at robot, bin, places and scanner from in front, from the side and from above."""
+    """Have every browser begin with the first look at a cell."""
+    position, centre = first_look(cell)
+    camera = server.initial_camera
+    camera.position, camera.look_at = position, centre
+    camera.up, camera.fov = (0.0, 0.0, 1.0), FIELD_OF_VIEW
+
+
+def first_look(cell: Cell) -> tuple[Floats, Floats]:
+    """Robot, bin, places and scanner from in front, from the side and from above.
+
+    Returns:
+        Position of the camera and the point it looks at, each (3,) [m] in the world.
+    """
     points = interesting_points(cell)
     robot, goal = cell.T_world_robot.translation, cell.bin.T_world_bin.translation
     azimuth = math.atan2(goal[1] - robot[1], goal[0] - robot[0]) - math.radians(38)
     direction = np.array([math.cos(azimuth), math.sin(azimuth), 0.6])
-    position, centre = framed(points, direction / np.linalg.norm(direction), FIELD_OF_VIEW, ASPECT)
-    camera = server.initial_camera
-    camera.position, camera.look_at = position, centre
-    camera.up, camera.fov = (0.0, 0.0, 1.0), FIELD_OF_VIEW
+    return framed(points, direction / np.linalg.norm(direction), FIELD_OF_VIEW, ASPECT)
 
 
 def interesting_points(cell: Cell) -> Floats:

@@ -92,6 +92,11 @@ def clickable(button: str) -> str:
     return f'tabindex="0" role="button" onclick="{press}" onkeydown="{key}"'
 
 
+def marked(is_chosen: bool) -> str:
+    """The attribute, with a blank before it, of a row that is chosen or not."""
+    return ' style="background:var(--wb-chosen)"' if is_chosen else ""
+
+
 def funnel_html(
     candidates: Sequence[Candidate], only: Reason | None, buttons: Mapping[Reason | None, str]
 ) -> str:

@@ -1,8 +1,11 @@
-"""Lists of numbers as people type them: `0, 72, 144`, or `5 x 72`, or `3 x 13 from -28`."""
+"""Numbers as people type them: `0, 72, 144`, or `5 x 72`, or `3 x 13 from -28`; and directions."""
 
 import re
 
+import numpy as np
+
 from workbench.model.errors import InputError
+from workbench.model.geometry import Floats
 
 MOST = 1000
 """Numbers in one list."""
@@ -50,3 +53,21 @@ def shown_numbers(values: tuple[float, ...]) -> str:
             start = f" from {short[0]:g}" if short[0] else ""
             return f"{len(short)} x {step:g}{start}"
     return ", ".join(f"{value:g}" for value in short)
+
+
+def direction_in(vector: tuple[float, float, float], name: str) -> Floats:
+    """The unit vector (3,) along what was typed into the field of that name.
+
+    Raises:
+        InputError: it has no length, or none that can be measured.
+    """
+    length = float(np.linalg.norm(vector))
+    if not 1e-9 < length < 1e9:
+        raise InputError(f"{name}: {vector} has no direction")
+    return np.array(vector) / length
+
+
+def shown_vector(vector: Floats) -> tuple[float, float, float]:
+    """A vector (3,) as a field shows it."""
+    x, y, z = (round(float(value), 6) + 0.0 for value in vector)
+    return x, y, z

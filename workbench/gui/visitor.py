@@ -1,7 +1,7 @@
 """One browser: whose it is, what it may ask, and how it hears that something is refused."""
 
 import logging
-from collections.abc import Callable, Mapping, Set
+from collections.abc import Callable, Iterable, Mapping, Set
 from pathlib import Path
 from typing import Any, Literal, Protocol
 
@@ -15,7 +15,7 @@ from workbench.app.people import Person
 from workbench.app.rights import NOBODY, lacks_right, obstacle
 from workbench.app.rules import NOT_REPORTED, allowed
 from workbench.app.state import State
-from workbench.gui.door import person_of
+from workbench.gui.door import element_id, person_of
 from workbench.gui.look import PLAYBACK, SharedLook, SteeredLook, View
 from workbench.model.cell import Cell
 from workbench.model.errors import CommandRefused, WorkbenchError
@@ -53,6 +53,7 @@ class Visitor:
         self.predictions = predictions
         self.folders: Mapping[str, Path] = folders or {}
         self._hints: dict[int, str | None] = {}
+        self._endings: list[tuple[Callable[[], None], bool]] = []
 
     @property
     def is_known(self) -> bool:
@@ -76,6 +77,17 @@ class Visitor:
         def _(_: Any) -> None:
             self.ask(command)
 
+    def unseen(self, pressed: Callable[[], object]) -> str:
+        """The id of a button for HTML to press; see `tables`.  `hide` takes it out of sight."""
+        button = self.gui.add_button("·")
+        button.on_click(lambda _: pressed())
+        return element_id(button)
+
+    def hide(self, buttons: Iterable[str]) -> None:
+        """Take unseen buttons, and the room they would have, out of sight."""
+        rules = ",".join(f'div:has(> [id="{button}"])' for button in buttons)
+        self.gui.add_html(f'<style class="wb-style">{rules}{{display:none}}</style>')
+
     def on_key(self, key: HotkeyKey, says: str, pressed: Callable[[], object]) -> None:
         """Have a key do something while no field is typed in; listed by Ctrl+K.
 
@@ -86,6 +98,21 @@ class Visitor:
         @self.gui.add_command(says, hotkey=key).on_trigger
         def _(_: Any) -> None:
             pressed()
+
+    def on_end(self, action: Callable[[], None], *, in_scene: bool = False) -> None:
+        """Have something ended when the browser has gone, or its controls are made anew.
+
+        Args:
+            action: ends it.
+            in_scene: it only changes what this browser shows, so who has gone does not need it.
+        """
+        self._endings.append((action, in_scene))
+
+    def end(self, *, is_gone: bool) -> None:
+        """These controls are used no more; `is_gone` says whether the browser is."""
+        for action, in_scene in self._endings:
+            if not (in_scene and is_gone):
+                action()
 
     def lacks(self, state: State, command: type) -> str:
         """Why a command of this type is not this person's now; empty when it is."""

@@ -2,6 +2,7 @@
 
 import time
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -10,7 +11,6 @@ import viser
 from workbench.app.calibration import calibrated, suggested_poses, with_calibration
 from workbench.app.commands import ChangeCell, Command, SaveCell, SightPlate, UseSightings
 from workbench.gui.calibration_views import answer_html, overlay_line, poses_html, record_line
-from workbench.gui.door import element_id
 from workbench.gui.look import View
 from workbench.gui.views import line
 from workbench.gui.visitor import Visitor
@@ -85,15 +85,16 @@ class CalibrationPanel:
             gui.add_html('<div class="wb-buttons wb-two"></div>')
             self._apply = gui.add_button("Apply", icon=viser.Icon.CHECK)
             self._save = gui.add_button("Save to file", icon=viser.Icon.DEVICE_FLOPPY)
-        self._rows = [self._unseen(number) for number in range(MOST_ROWS)]
-        rules = ",".join(f'div:has(> [id="{button}"])' for button in self._rows)
-        gui.add_html(f'<style class="wb-style">{rules}{{display:none}}</style>')
+        self._rows = [visitor.unseen(partial(self._look_at, number)) for number in range(MOST_ROWS)]
+        visitor.hide(self._rows)
         self._react()
 
     def show(self, old: View | None, new: View) -> None:
         """Bring what is shown from `old` to `new`."""
         state, chosen = new.state, new.look.sighting
         self._where.content = line(self._says_where(new), kind="hint")
+        if self._after.value != new.look.is_calibrated:
+            self._after.value = new.look.is_calibrated
         is_same = (
             old is not None
             and old.state is state
@@ -142,16 +143,11 @@ class CalibrationPanel:
             if event.client is not None:
                 look.change(is_calibrated=bool(event.target.value))
 
-    def _unseen(self, number: int) -> str:
-        """The id of a button that HTML presses to look at a pose, and again to look away."""
-        button, look = self._visitor.gui.add_button("·"), self._visitor.look
-
-        @button.on_click
-        def _(_: Any) -> None:
-            if number < len(self._visitor.bench.state.sightings):
-                look.change(sighting=None if look.now.sighting == number else number)
-
-        return element_id(button)
+    def _look_at(self, number: int) -> None:
+        """Look at a pose of the table, or away from it."""
+        look = self._visitor.look
+        if number < len(self._visitor.bench.state.sightings):
+            look.change(sighting=None if look.now.sighting == number else number)
 
     def _plate(self) -> BallPlate:
         return BallPlate(float(self._ball.value) / 2000, np.array(self._sides.value) / 1000)

@@ -2,12 +2,12 @@
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import viser
 
 from workbench.app.commands import TakeScan
-from workbench.gui.door import element_id
 from workbench.gui.look import View
 from workbench.gui.tables import (
     COLUMNS,
@@ -64,18 +64,13 @@ class CandidatesPanel:
         self._forth = gui.add_button("Next", color="gray")
         self._clear = gui.add_button("Hide in scene", icon=viser.Icon.EYE_OFF, color="gray")
         self._filters = {
-            reason: self._unseen(lambda reason=reason: self._filter(reason))
-            for reason in (None, *Reason)
+            reason: visitor.unseen(partial(self._filter, reason)) for reason in (None, *Reason)
         }
         self._headings: dict[Column, str] = {
-            column: self._unseen(lambda column=column: self._sort(column)) for column in COLUMNS
+            column: visitor.unseen(partial(self._sort, column)) for column in COLUMNS
         }
-        self._rows = [
-            self._unseen(lambda place=place: self._choose(place)) for place in range(PAGE)
-        ]
-        hidden = [*self._filters.values(), *self._headings.values(), *self._rows]
-        rules = ",".join(f'div:has(> [id="{button}"])' for button in hidden)
-        gui.add_html(f'<style class="wb-style">{rules}{{display:none}}</style>')
+        self._rows = [visitor.unseen(partial(self._choose, place)) for place in range(PAGE)]
+        visitor.hide([*self._filters.values(), *self._headings.values(), *self._rows])
         self._back.on_click(lambda _: self._turn(-1))
         self._forth.on_click(lambda _: self._turn(1))
         self._clear.on_click(lambda _: visitor.look.change(candidate=None, pose=0))
@@ -144,12 +139,6 @@ class CandidatesPanel:
             headings=self._headings,
             rows=self._rows,
         )
-
-    def _unseen(self, pressed: Callable[[], None]) -> str:
-        """The id of a button that HTML presses."""
-        button = self._visitor.gui.add_button("·")
-        button.on_click(lambda _: pressed())
-        return element_id(button)
 
     def _filter(self, reason: Reason | None) -> None:
         self._reorder(replace(self._order, only=reason, page=0))

@@ -14,8 +14,9 @@ from workbench.gui.measure import met
 from workbench.gui.pose_inputs import PoseInputs
 from workbench.gui.things import moved, pose_of, things, with_tool
 from workbench.gui.visitor import Visitor
+from workbench.model.geometry import Floats
 
-NOBODY = "not shown"
+NOT_SHOWN = "not shown"
 GIZMO = 0.18
 """[m] Size of the gizmo that moves a thing."""
 
@@ -31,6 +32,7 @@ class CellPanel:
         """Add the controls."""
         self._visitor = visitor
         self._clicked: Any = None
+        self._view: View | None = None
         gui, cell = visitor.gui, visitor.cell
         with gui.add_folder("What is there", expand_by_default=False):
             self._tree = gui.add_html("")
@@ -49,7 +51,7 @@ class CellPanel:
             )
             self._reach = gui.add_dropdown(
                 "Reach",
-                (NOBODY, *(arm.name for arm in cell.arms)),
+                (NOT_SHOWN, *(arm.name for arm in cell.arms)),
                 hint="Where an arm gets its tool pointing straight down, whatever stands there: "
                 "green at any turn of the tool, orange at some.",
             )
@@ -57,7 +59,7 @@ class CellPanel:
                 "Measure",
                 icon=viser.Icon.RULER,
                 color="gray",
-                hint="Then click on two points in the scene.",
+                hint="Then click on two points in the scene; once more ends it.",
             )
             self._measured = gui.add_html("")
         with gui.add_folder("Robot by hand"):
@@ -79,9 +81,11 @@ class CellPanel:
             self._save = gui.add_button("Save", icon=viser.Icon.DEVICE_FLOPPY)
             self._line = gui.add_html("")
         self._react()
+        visitor.on_end(self._end_measuring, in_scene=True)
 
     def show(self, old: View | None, new: View) -> None:
         """Bring what is shown from `old` to `new`."""
+        self._view = new
         state, cell = new.state, new.state.cell
         if old is None or old.state.cell is not cell:
             self._tree.content = tree_html(cell)
@@ -108,8 +112,8 @@ class CellPanel:
                 box.value = value
         if old is None or old.look.measured is not new.look.measured:
             self._measured.content = measured_line(new.look.measured)
-        if self._reach.value != (new.look.reach or NOBODY):
-            self._reach.value = new.look.reach or NOBODY
+        if self._reach.value != (new.look.reach or NOT_SHOWN):
+            self._reach.value = new.look.reach or NOT_SHOWN
         self._jog.show(old, new)
 
     def _react(self) -> None:
@@ -125,13 +129,13 @@ class CellPanel:
         visitor.on_press(self._save, lambda: SaveCell(self._remark.value))
         for name, dropdown in self._tools.items():
             dropdown.on_update(lambda event, name=name: self._mounted(event, name))
-        self._measure.on_click(lambda _: self._begin_to_measure())
+        self._measure.on_click(lambda _: self._turn_measuring())
 
         @self._reach.on_update
         async def _(event: Any) -> None:
             if event.client is not None:
                 chosen = event.target.value
-                look.change(reach="" if chosen == NOBODY else chosen)
+                look.change(reach="" if chosen == NOT_SHOWN else chosen)
 
         @self._shapes.on_update
         async def _(event: Any) -> None:
@@ -143,33 +147,40 @@ class CellPanel:
             if event.client is not None:
                 look.change(frames=bool(event.target.value))
 
-    def _begin_to_measure(self) -> None:
-        """The next two clicks into the scene are points to measure between."""
-        scene, look = self._visitor.client.scene, self._visitor.look
+    def _turn_measuring(self) -> None:
+        """The next two clicks into the scene are points to measure between; or none any more."""
         if self._clicked is not None:
+            self._end_measuring()
             return
-        look.change(measured=())
+        self._visitor.look.change(measured=())
         self._measure.label = "Click on two points"
 
-        @scene.on_click()
+        @self._visitor.client.scene.on_click()
         def clicked(event: Any) -> None:
-            state = self._visitor.bench.state
-            points = np.zeros((0, 3)) if state.scan is None else state.scan.points_world
-            p = met(
-                np.array(event.ray_origin),
-                np.array(event.ray_direction),
-                state.cell,
-                look.now.jog or {},
-                points,
-            )
-            if p is None:
-                return
-            look.change(measured=(*look.now.measured, p)[:2])
-            if len(look.now.measured) == 2:
-                scene.remove_click_callback(self._clicked)
-                self._clicked, self._measure.label = None, "Measure"
+            self._measure_to(np.array(event.ray_origin), np.array(event.ray_direction))
 
         self._clicked = clicked
+
+    def _end_measuring(self) -> None:
+        clicked, self._clicked = self._clicked, None
+        if clicked is not None:
+            self._visitor.client.scene.remove_click_callback(clicked)
+            self._measure.label = "Measure"
+
+    def _measure_to(self, origin: Floats, direction: Floats) -> None:
+        """A person has clicked along a ray, of which each is (3,) [m] in the world."""
+        view, look = self._view, self._visitor.look
+        if view is None:
+            return
+        scan = view.state.scan
+        points = np.zeros((0, 3)) if scan is None else scan.points_world
+        # The robot as it is drawn, not as it stands at home.
+        q = {arm: moment.q for arm, moment in view.moments.items()}
+        p = met(origin, direction, view.state.cell, q, points)
+        if p is not None:
+            look.change(measured=(*look.now.measured, p)[:2])
+        if len(look.now.measured) == 2:
+            self._end_measuring()
 
     def _mounted(self, event: Any, arm: str) -> None:
         """A person has put another tool on an arm."""

@@ -1,7 +1,9 @@
 """The tab in which grasps are put on the part: by clicking on it, gizmo, numbers, patterns."""
 
+import logging
 import threading
 from concurrent.futures import ThreadPoolExecutor
+from functools import partial
 
 import numpy as np
 import pinocchio as pin
@@ -9,7 +11,6 @@ import viser
 
 from workbench.app.commands import EditPart, RedoCell, UndoCell
 from workbench.app.grasp_use import NO_USES, Uses
-from workbench.gui.door import element_id
 from workbench.gui.editing import Editing
 from workbench.gui.grasp_copies import GraspCopies
 from workbench.gui.grasp_coverage import CoverageControls
@@ -29,6 +30,8 @@ from workbench.model.part_edits import grasp_of
 from workbench.planning.grasp_check import GraspCheck
 from workbench.planning.grasp_frames import PLAY, fitted_opening, frame_at, outward_normal
 from workbench.planning.part_rays import NOTHING, first_hits
+
+log = logging.getLogger(__name__)
 
 WIDE = PLAY
 """[m] Opening and grip of a grasp with nothing between its fingers."""
@@ -95,9 +98,8 @@ class GraspsPanel:
             self._library = LibraryControls(visitor, editing)
         with gui.add_folder("New part from a CAD file", expand_by_default=False):
             self._upload = PartUpload(visitor)
-        self._rows = [self._unseen(number) for number in range(MOST_ROWS)]
-        rules = ",".join(f'div:has(> [id="{button}"])' for button in self._rows)
-        gui.add_html(f'<style class="wb-style">{rules}{{display:none}}</style>')
+        self._rows = [visitor.unseen(partial(self._chose, number)) for number in range(MOST_ROWS)]
+        visitor.hide(self._rows)
         self._react()
 
     def show(self, old: View | None, new: View) -> None:
@@ -121,12 +123,7 @@ class GraspsPanel:
         visitor.on_press(self._redo, RedoCell)
         visitor.on_key("G", "Open the part to put grasps on it, or go back", self._turn)
         editing.on_change(self._draw)
-
-    def _unseen(self, number: int) -> str:
-        """The id of a button that HTML presses to choose a grasp."""
-        button = self._visitor.gui.add_button("·")
-        button.on_click(lambda _: self._chose(number))
-        return element_id(button)
+        visitor.on_end(self._leave_stage, in_scene=True)
 
     def _chose(self, number: int) -> None:
         entries = self._editing.part.library.entries
@@ -166,6 +163,7 @@ class GraspsPanel:
         self._pose.show(entry, is_enabled=can, is_open=is_open, size=size)
         self._fields.show(entry, is_enabled=can)
         self._copies.show(entry, is_enabled=can)
+        self._suggestions.show(part)
         self._coverage.show(part, is_enabled=can)
         self._symmetry.show(part, is_enabled=can)
         self._pairs.show(part, is_enabled=can)
@@ -205,27 +203,35 @@ class GraspsPanel:
 
     def _look(self, part: Part, key: str) -> None:
         found: dict[str, GraspCheck | None] = {}
-        for entry in part.library.entries:
-            if key != self._checked:
-                return
-            checks = [self._editing.checked(grasp) for grasp in grasps_of(entry)]
-            found[entry.name] = next((check for check in checks if not check.is_ok), checks[0])
-        if key == self._checked:
-            self._checks = found
-            self._draw()
+        try:
+            for entry in part.library.entries:
+                if key != self._checked:
+                    return
+                checks = [self._editing.checked(grasp) for grasp in grasps_of(entry)]
+                found[entry.name] = next((check for check in checks if not check.is_ok), checks[0])
+            if key == self._checked:
+                self._checks = found
+                self._draw()
+        except Exception:
+            # A rim: grasps that cannot be looked at stay in the list, as not looked at.
+            log.exception("the grasps of a part could not be looked at")
 
     def _turn(self) -> None:
         """To the part alone, or back to the cell."""
         self._is_adding = False
         if self._stage.is_open:
-            self._pose.hide()
-            self._stage.close()
+            self._leave_stage()
             self._open.label = "Open part"
         else:
             self._stage.open(self._editing.part, self._pressed)
             self._open.label = "Back to cell"
         self._label_add()
         self._draw()
+
+    def _leave_stage(self) -> None:
+        if self._stage.is_open:
+            self._pose.hide()
+            self._stage.close()
 
     def _begin_to_add(self) -> None:
         if not self._stage.is_open:

@@ -1,6 +1,7 @@
 """The tab with the parts found: what speaks for and against each, and a person's word on it."""
 
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -10,7 +11,6 @@ import viser
 from workbench.app.commands import Command, ForgetAvoided, TakeScan, UseDetections, UseScan
 from workbench.formats.clouds import parse_cloud
 from workbench.formats.poses import parse_poses
-from workbench.gui.door import element_id
 from workbench.gui.look import View
 from workbench.gui.part_views import (
     MOST_ROWS,
@@ -75,9 +75,8 @@ class PartsPanel:
         self._remarks = gui.add_html("")
         with gui.add_folder("Search again in this scan", expand_by_default=False):
             self._searches = SearchInputs(visitor)
-        self._rows = [self._unseen(number) for number in range(MOST_ROWS)]
-        rules = ",".join(f'div:has(> [id="{button}"])' for button in self._rows)
-        gui.add_html(f'<style class="wb-style">{rules}{{display:none}}</style>')
+        self._rows = [visitor.unseen(partial(self._choose, number)) for number in range(MOST_ROWS)]
+        visitor.hide(self._rows)
         self._scan.on_upload(lambda event: self._uploaded(event, self._scan_of))
         self._poses.on_upload(lambda event: self._uploaded(event, self._poses_of))
         visitor.on_press(self._veto, self._without)
@@ -129,12 +128,6 @@ class PartsPanel:
             self._table.content = line(hint, kind="hint")
         T = found[self._chosen].T_world_part if found else None
         self._inputs.show(T, is_enabled=can)
-
-    def _unseen(self, number: int) -> str:
-        """The id of a button that HTML presses to choose a part."""
-        button = self._visitor.gui.add_button("·")
-        button.on_click(lambda _: self._choose(number))
-        return element_id(button)
 
     def _choose(self, number: int) -> None:
         state = self._visitor.bench.state
