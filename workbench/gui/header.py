@@ -33,7 +33,7 @@ class Header:
             "Acknowledge", icon=viser.Icon.CHECK, color="red", visible=False
         )
         self._progress = gui.add_progress_bar(0.0)
-        self._theme, self._gui, self._is_dark = theme, gui, False
+        self._theme, self._gui = theme, gui
         self._control = ControlStrip(visitor)
         visitor.on_press(self._cancel, CancelJob)
         visitor.on_key("L", "Dark or light page", self._turn)
@@ -61,6 +61,7 @@ class Header:
             self._progress.value = 0.0
 
     def _turn(self) -> None:
-        self._is_dark = not self._is_dark
-        self._theme.apply(self._gui, is_dark=self._is_dark)
-        paint_background(self._visitor.client.scene, is_dark=self._is_dark)
+        visitor = self._visitor
+        visitor.is_dark = not visitor.is_dark
+        self._theme.apply(self._gui, is_dark=visitor.is_dark)
+        paint_background(visitor.client.scene, is_dark=visitor.is_dark)

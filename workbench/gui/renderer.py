@@ -325,6 +325,7 @@ class Renderer:
         _shielded(partial(visitor.end, is_gone=False))
         visitor.gui.reset()
         self._welcome(visitor.client, view)
+        self._visitors[visitor.number].is_dark = visitor.is_dark
 
 
 def _count(presence: Presence, client: viser.ClientHandle, now: float, *, is_here: bool) -> None:

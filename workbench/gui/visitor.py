@@ -52,6 +52,7 @@ class Visitor:
         self.look = SteeredLook(look, self._may_steer)
         self.predictions = predictions
         self.folders: Mapping[str, Path] = folders or {}
+        self.is_dark = False
         self._hints: dict[int, str | None] = {}
         self._endings: list[tuple[Callable[[], None], bool]] = []
 
