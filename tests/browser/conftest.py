@@ -160,6 +160,7 @@ def open_screen(browser: Browser, url: str, shots: Path) -> Iterator[Callable[[]
 
     def open_one() -> Screen:
         context = browser.new_context(viewport={"width": 1280, "height": 720})
+        context.set_default_timeout(PATIENCE * 1000)
         contexts.append(context)
         screen = Screen(context.new_page(), shots)
         screen.page.on(

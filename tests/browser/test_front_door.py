@@ -86,6 +86,7 @@ class Window:
 @pytest.fixture
 def window(browser):
     context = browser.new_context(viewport={"width": 1280, "height": 720})
+    context.set_default_timeout(PATIENCE)
     yield Window(context)
     context.close()
 

@@ -17,6 +17,7 @@ from workbench.model.errors import InputError, JobCancelled
 from workbench.model.plan import Plan, Strategy
 from workbench.model.scan import Detection, Obstacle
 from workbench.planning.dual_arm import OFFSETS, coordinate, pairs_of, side_by_side
+from workbench.planning.motion import path_contact
 from workbench.planning.order import Cost, cost_of
 from workbench.planning.propose import propose
 from workbench.planning.prove import prove
@@ -89,6 +90,7 @@ def plan_pick(
     lap("propose")
     policy = wishes.on(cell.policy)
     world = World(cell, detections, obstacles, policy)
+    _load_compiled(world)
     world.deadline = time.monotonic() + policy.seconds
     judged, picks = _judged(world, proposed, seed, report, cancelled)
     lap("resolve")
@@ -109,6 +111,15 @@ def plan_pick(
             plan = replace(plan, seconds=took)
         results.append(PlanResult(judged, plan, proof, verdict, took, obstacles, policy.planner))
     return _best(cell, results)
+
+
+def _load_compiled(world: World) -> None:
+    """Use once what is compiled: the first time on a machine that takes longer than a plan may."""
+    for arm in world.cell.arms:
+        chain, home = world.chains[arm.name], np.asarray(arm.home)
+        chain.solve(chain.pose(home), home[None])
+        columns, base = world.kinematics.columns[arm.name], world.configuration({})
+        path_contact(world, columns, base, np.array([home, home]), world.policy.zone)
 
 
 def _without(
