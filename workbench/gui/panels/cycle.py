@@ -64,6 +64,8 @@ class CyclePanel:
                 step=1,
                 hint="The same seed gives the same pile, the same poses and the same plan.",
             )
+            # Beside the kinds there is no room for the button: it goes below, to the right.
+            self._gap = gui.add_html('<div class="wb-span2"></div>', visible=False)
             self._scan = gui.add_button("Scan", icon=viser.Icon.SCAN)
             self._scan_line = gui.add_html("")
             self._bin_line = gui.add_html("")
@@ -155,7 +157,9 @@ class CyclePanel:
         kinds = _kinds(cell)
         if self._kind.options != kinds:
             self._kind.options = kinds
-        self._kind.visible = len(kinds) > 1 and cell.scanner.source == "simulated"
+        self._kind.visible = self._gap.visible = (
+            len(kinds) > 1 and cell.scanner.source == "simulated"
+        )
 
     def _draw_parts(self, state: State) -> None:
         typed = self._threshold.value
