@@ -248,7 +248,7 @@ def _planned(
     `auto` lets both arms work at once on parts that lie at least `threshold` [m] apart, where the
     controller can move them so.
     """
-    verdict = Verdict(Reason.NO_PATH, Stage.ROUTE, note=f"no two picks fit strategy {strategy}")
+    verdict = Verdict(Reason.NO_PATH, Stage.ROUTE, note=_nobody_for(picks, strategy))
     refused, cost = "", cost_of(world, world.policy.order)
     is_auto = strategy == "auto"
     if strategy == Strategy.COORDINATED or (is_auto and moves_both_arms(world.cell)):
@@ -275,6 +275,18 @@ def _planned(
         if verdict.reason is Reason.OUT_OF_TIME:
             break
     return None, verdict
+
+
+def _nobody_for(picks: Sequence[Pick], strategy: str) -> str:
+    """Why a strategy has nothing to do, though there are picks."""
+    arms: dict[int, set[str]] = {}
+    for pick in picks:
+        arms.setdefault(pick.candidate.detection, set()).add(pick.candidate.arm)
+    can = "; ".join(f"part-{k + 1} by the {' or '.join(sorted(arms[k]))} arm" for k in sorted(arms))
+    needs = f"works with the {strategy} arm"
+    if strategy in (Strategy.ALTERNATED, Strategy.COORDINATED):
+        needs = "gives each arm a part of its own, one arm alone would do"
+    return f"no choice of grasps {needs}: what can be taken is {can}"
 
 
 def _side_by_side_or_behind(

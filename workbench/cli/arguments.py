@@ -239,6 +239,8 @@ class Controller:
     """File to which every state that the arms go through is appended."""
     fault: tuple[str, ...] = ()
     """What goes wrong, each once: NAME or NAME:n, as in `drop:3 garbage:9`; n counts messages."""
+    home_after: float | None = None
+    """Seconds after which arms that were left somewhere go home; they stay when not given."""
     until_eof: bool = False
     """End when standard input ends, too."""
     json: bool = False

@@ -1,6 +1,7 @@
 """`workbench send` and `workbench controller`: the two ends of the robot link."""
 
 import logging
+import math
 import signal
 import sys
 import threading
@@ -75,6 +76,8 @@ def controller(typed: arguments.Controller) -> int:
     check_whole("--port", typed.port, 0, HIGHEST_PORT)
     check_whole("--state-port", state_port, 0, HIGHEST_PORT)
     check_number("--speed", typed.speed, 0.01, 1000)
+    if typed.home_after is not None:
+        check_number("--home-after", typed.home_after, 0.0, 3600.0)
     logging.basicConfig(level=logging.INFO, format="%(asctime)s %(message)s")
     cell = read_cell(typed.cell)
 
@@ -105,6 +108,7 @@ def controller(typed: arguments.Controller) -> int:
         record=typed.record,
         trace=typed.trace,
         faults=[parse_fault(text) for text in typed.fault],
+        home_after=math.inf if typed.home_after is None else typed.home_after,
         ready=ready,
     )
     return 0

@@ -13,6 +13,9 @@ from workbench.model.errors import LinkError
 PATIENCE = 5.0
 """How long [s] a controller may take to end."""
 
+HOME_AFTER = 3.0
+"""[s] After a stop the simulated arms go home by themselves: nobody is there to send them."""
+
 
 @contextmanager
 def simulated_controller(
@@ -32,7 +35,7 @@ def simulated_controller(
         LinkError: it did not start.
     """
     command = [sys.executable, "-m", "workbench", "controller", "--cell", cell, "--port", "0"]
-    command += ["--speed", str(speed), "--until-eof", "--json"]
+    command += ["--speed", str(speed), "--home-after", str(HOME_AFTER), "--until-eof", "--json"]
     with subprocess.Popen(
         command,
         stdin=subprocess.PIPE,

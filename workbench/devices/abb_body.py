@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from workbench.devices.abb_faults import Faults
-from workbench.model.cell import Cell
+from workbench.model.cell import Arm, Cell
 from workbench.model.geometry import Floats
 
 
@@ -85,6 +85,29 @@ class Body:
         """Nothing moves any more; `fault` says why, and may be empty."""
         with self._lock:
             self._moving, self._fault = "", fault
+
+    def step_home(self, most: float) -> None:
+        """Bring every arm nearer to its home, no joint by more than `most` [rad].
+
+        Once all are there, a fault is over, and hands hold nothing.
+        """
+        with self._lock:
+            for arm in self.cell.arms:
+                way = np.asarray(arm.home) - self._q[arm.name]
+                self._q[arm.name] = self._q[arm.name] + np.clip(way, -most, most)
+            away = [arm.name for arm in self.cell.arms if not self._is_home(arm)]
+            self._moving = " and ".join(away)
+            if not away:
+                self._fault = ""
+                self._holds.clear()
+
+    def is_home(self) -> bool:
+        """Whether all arms stand at home."""
+        with self._lock:
+            return all(self._is_home(arm) for arm in self.cell.arms)
+
+    def _is_home(self, arm: Arm) -> bool:
+        return bool(np.abs(self._q[arm.name] - np.asarray(arm.home)).max() < 1e-9)
 
     def open(self, arm: str, opening: float) -> str | None:
         """Open a hand to `opening` [m]; what became of its part, None when it had not closed.

@@ -2,9 +2,11 @@
 
 import json
 import logging
+import math
 import select
 import socket
 import threading
+import time
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
@@ -22,6 +24,9 @@ log = logging.getLogger(__name__)
 
 REPORT = 0.05
 """[s] Between two state reports while something changes."""
+
+HOMING = 1.0
+"""[rad/s] At speed 1, of the joint with the longest way home."""
 
 MOST_WATCHERS = 32
 
@@ -49,6 +54,7 @@ class SimulatedController:
         trace: Path | None = None,
         faults: Sequence[Fault] = (),
         paces: Mapping[str, float] | None = None,
+        home_after: float = math.inf,
     ) -> None:
         """Open the ports.
 
@@ -62,6 +68,8 @@ class SimulatedController:
             trace: file to which every state that the arms go through is.
             faults: that are to happen, each once.
             paces: arms that run legs slower than told, or faster, where they may; 1 is as told.
+            home_after: [s] so long after a client has left arms away from home they go home, as if
+                somebody at the robot had sent them there.
 
         Raises:
             LinkError: a port is taken.
@@ -69,6 +77,7 @@ class SimulatedController:
         self._stop = threading.Event()
         self._body = Body(cell, speed, record, trace, Faults(faults))
         self._station = Station(self._body, self._stop.is_set, self._refuse_others, paces or {})
+        self._home_after = home_after
         self._motion = _listening(host, port)
         try:
             self._states = _listening(host, state_port)
@@ -98,6 +107,7 @@ class SimulatedController:
         """Serve clients one after the other until `stop`."""
         reporter = threading.Thread(target=self._report, name="state reports", daemon=True)
         reporter.start()
+        left_at = time.monotonic()
         try:
             while not self._stop.is_set():
                 if select.select([self._motion], [], [], TICK)[0]:
@@ -105,6 +115,9 @@ class SimulatedController:
                     log.info("client %s connected", address)
                     with client:
                         self._serve(client)
+                    left_at = time.monotonic()
+                elif time.monotonic() > left_at + self._home_after and not self._body.is_home():
+                    self._body.step_home(HOMING * TICK * self._body.speed)
         finally:
             self._stop.set()
             reporter.join()
@@ -199,6 +212,7 @@ def serve(
     record: Path | None = None,
     trace: Path | None = None,
     faults: Sequence[Fault] = (),
+    home_after: float = math.inf,
     ready: Callable[[SimulatedController], None] = lambda controller: None,
 ) -> None:
     """Run a simulated controller in this thread until it is stopped; see `SimulatedController`.
@@ -206,7 +220,15 @@ def serve(
     `ready` is called once the ports are open.
     """
     controller = SimulatedController(
-        cell, host, port, state_port, speed=speed, record=record, trace=trace, faults=faults
+        cell,
+        host,
+        port,
+        state_port,
+        speed=speed,
+        record=record,
+        trace=trace,
+        faults=faults,
+        home_after=home_after,
     )
     ready(controller)
     controller.run()

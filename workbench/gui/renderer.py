@@ -318,6 +318,14 @@ class Renderer:
         visitor = self._visitors.pop(client.client_id, None)
         if visitor is not None:
             _shielded(partial(visitor.end, is_gone=True))
+            self._stop_playing_to_nobody(visitor)
+
+    def _stop_playing_to_nobody(self, left: Visitor) -> None:
+        """What plays on while its page is loaded anew was not watched."""
+        player = self._look.now.player.name
+        here = {visitor.person.name for visitor in self._visitors.values()}
+        if left.person.name == player and player not in here:
+            self._look.change(is_playing=False, by=None)
 
     def _rebuild(self, visitor: Visitor, view: View) -> None:
         """Make the controls of a browser anew, for another cell."""

@@ -1,5 +1,7 @@
 """The tab that runs a cycle: scan, find, plan, approve, send."""
 
+from typing import Any
+
 import viser
 
 from workbench.app.commands import (
@@ -125,6 +127,7 @@ class CyclePanel:
         if old is not None and old.state is state and _passing(old) == _passing(new):
             return
         self._show_kinds(state.cell)
+        self._follow_threshold(None if old is None else old.state, state)
         self._scan_line.content = scan_line(state)
         self._bin_line.content = bin_html(state, new.at)
         check = state.bin_check
@@ -171,7 +174,12 @@ class CyclePanel:
 
     def _react(self) -> None:
         visitor = self._visitor
-        self._threshold.on_update(lambda _: self._threshold_typed())
+
+        @self._threshold.on_update
+        def _(event: Any) -> None:
+            if event.client is not None:
+                self._threshold_typed()
+
         visitor.on_press(self._scan, self._wanted_scan)
         visitor.on_press(self._find, self._wanted_parts)
         visitor.on_press(self._move_bin, self._wanted_bin)
@@ -182,6 +190,15 @@ class CyclePanel:
         visitor.on_press(self._send, lambda: SendPlan(_digest(visitor.bench.state)))
         visitor.on_press(self._stop, Stop)
         self._approve.on_click(lambda _: self._dialog.open())
+
+    def _follow_threshold(self, old: State | None, new: State) -> None:
+        """Show the threshold that is wanted now, whichever browser it was typed in."""
+        wanted = new.wanted_threshold
+        if wanted is None or (old is not None and old.wanted_threshold == wanted):
+            return
+        shown = round(wanted * 1000, 1)
+        if self._threshold.value != shown:
+            self._threshold.value = int(shown) if shown == int(shown) else shown
 
     def _threshold_typed(self) -> None:
         """Show what it would give; a plan that was made with another one is stale now."""

@@ -80,7 +80,7 @@ class PartsPanel:
         self._scan.on_upload(lambda event: self._uploaded(event, self._scan_of))
         self._poses.on_upload(lambda event: self._uploaded(event, self._poses_of))
         visitor.on_press(self._veto, self._without)
-        visitor.on_press(self._add, self._with_one_more)
+        self._add.on_click(lambda _: self._add_one())
         visitor.on_press(self._forget, ForgetAvoided)
 
         @self._show_discarded.on_update
@@ -156,6 +156,12 @@ class PartsPanel:
         if not rest:
             raise InputError("the last part cannot be vetoed: take a new scan instead")
         return UseDetections(rest, f"part-{number + 1} ({found[number].part}) was vetoed")
+
+    def _add_one(self) -> None:
+        """Add a part and choose it, so that it is the one that is moved next."""
+        before, self._chosen = self._chosen, len(self._found)
+        if not self._visitor.ask(self._with_one_more):
+            self._chosen = before
 
     def _with_one_more(self) -> Command:
         cell = self._visitor.cell
