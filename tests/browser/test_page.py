@@ -5,8 +5,9 @@ import re
 import numpy as np
 import pytest
 from hands import field
+from playwright.sync_api import expect
 
-from workbench.app.commands import TakeScan, WatchPlan
+from workbench.app.commands import TakeScan, WantThreshold, WatchPlan
 from workbench.app.rights import NOBODY
 from workbench.app.state import Phase
 from workbench.gui.tables import Order, ordered
@@ -163,12 +164,18 @@ def test_what_the_rules_would_refuse_cannot_be_pressed(screen, reaches):
     assert screen.button("Send").is_disabled()
 
 
-def test_a_refusal_is_told_in_the_browser_that_asked_and_nowhere_else(
+def test_a_refusal_is_told_in_the_browser_that_asked_and_the_threshold_in_both(
     screen, open_screen, bench, reaches
 ):
     run_to_plan(screen, reaches)
     seen(bench)
+    bench.do(WantThreshold(0.123), "Otto")
     other = open_screen()
+    for each in (screen, other):
+        expect(field(each, "Threshold [mm]")).to_have_value("123", timeout=60_000)
+    bench.do(WantThreshold(bench.state.planned_threshold), "Otto")
+    for each in (screen, other):
+        expect(field(each, "Threshold [mm]")).to_have_value("200", timeout=60_000)
     screen.press("Approve")
     dialog = screen.page.get_by_role("dialog")
     dialog.locator("input").press_sequentially("worker", delay=100)
