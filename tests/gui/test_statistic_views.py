@@ -18,9 +18,15 @@ def test_without_a_cycle_there_is_a_hint():
 
 def test_success_and_causes_stand_beside_their_bars():
     html = statistics_html(Statistics((cycle("picked", "failed"),), (("tool collision", 40),)))
-    assert "1, 1 failed" in html and "100 of the time" in html
+    assert "1, 1 failed" in html and "100, pauses" in html
     assert "1 of 2" in html and "width:50.0%" in html
     assert "tool collision" in html and "0.25 s, most 0.25 s" in html
+
+
+def test_long_times_have_fewer_digits():
+    long = CycleRecord(2, 0.0, 36.0, "right", "done", (), {"plan": 9.25, "approve": 189.91})
+    html = statistics_html(Statistics((long,)))
+    assert "9.25 s, most 9.25 s" in html and "189.9 s, most 189.9 s" in html
 
 
 def test_parts_of_which_nothing_is_known_have_no_bar():

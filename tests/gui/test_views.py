@@ -336,3 +336,10 @@ def test_the_link_tells_protocol_state_acknowledgement_and_stop(states, view_of)
         "It is not a safety function",
     ):
         assert expected in text, expected
+
+
+def test_the_robots_last_word_is_told_from_the_fault_to_be_acknowledged_here(states, view_of):
+    live = Live(robot="fault: stopped by the client")
+    for state, here in ((states.fault, states.fault.fault), (states.idle, "none to acknowledge")):
+        text = Reader(link_views.link_html(view_of(state, live=live))).text
+        assert f"Robot's last word{live.robot}Fault here{here}" in text

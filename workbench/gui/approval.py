@@ -10,6 +10,7 @@ import viser
 from workbench.app.commands import Approve
 from workbench.gui.approval_views import facts_html
 from workbench.gui.look import View
+from workbench.gui.views import line
 from workbench.gui.visitor import Visitor
 
 
@@ -51,9 +52,8 @@ class ApprovalDialog:
         visitor, gui = self._visitor, self._visitor.gui
         name: viser.GuiTextHandle | None = None
         if not visitor.is_known:
-            hint = "It is recorded with the plan, the time and the scan."
-            name = gui.add_text("Your name", "", hint=hint)
-        gui.add_html('<div class="wb-buttons wb-two"></div>')
+            name = gui.add_text("Your name", "")
+            gui.add_html(line("It is recorded with the plan, the time and the scan.", kind="hint"))
         back = gui.add_button("Back", color="gray")
         confirm = gui.add_button(
             _word_of(visitor.person.name if visitor.is_known else ""),

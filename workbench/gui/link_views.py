@@ -27,7 +27,8 @@ def link_html(view: View) -> str:
         ("Controller", f"{controller.host} port {controller.port}"),
         ("Protocol", controller.protocol + (f" (speaks {link.version})" if link.version else "")),
         ("Link", phase),
-        ("Robot says", view.live.robot or "nothing (no state report)"),
+        ("Robot's last word", view.live.robot or "none (no state report)"),
+        ("Fault here", state.fault or "none to acknowledge"),
     ]
     if link.acknowledged:
         rows.append(("Acknowledged", f"{link.acknowledged}, {clock(link.acknowledged_at)}"))
@@ -45,7 +46,6 @@ def link_html(view: View) -> str:
     if state.plan is not None:
         rows.append(("Parts", parts_placed(state)))
     rows += [(f"{part.arm.capitalize()} arm", _part(part)) for part in state.part_reports]
-    rows.append(("Fault", state.fault or "none"))
     bar = ""
     if state.receipts:
         share = 100 * state.receipts[-1].done / state.receipts[-1].total

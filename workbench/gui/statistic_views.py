@@ -19,7 +19,7 @@ def statistics_html(counted: Statistics) -> str:
     rows = [
         ("Cycles", f"{len(counted.cycles)}"),
         ("Parts taken", f"{counted.picked}, {failed} failed"),
-        ("Parts per hour", "" if rate is None else f"{rate:.0f} of the time that cycles took"),
+        ("Parts per hour", "" if rate is None else f"{rate:.0f}, pauses between cycles left out"),
     ]
     charts = [
         *(_success(f"Success by {name}", counted.rates(of)) for name, of in GROUPS.items()),
@@ -30,7 +30,7 @@ def statistics_html(counted: Statistics) -> str:
         _bars(
             "Median time of each stage",
             [
-                (stage, usual, f"{usual:.2f} s, most {most:.2f} s")
+                (stage, usual, f"{_seconds(usual)}, most {_seconds(most)}")
                 for stage, usual, most in counted.stage_medians()
             ],
         ),
@@ -40,6 +40,10 @@ def statistics_html(counted: Statistics) -> str:
         ),
     ]
     return table_html(rows) + "".join(charts)
+
+
+def _seconds(time: float) -> str:
+    return f"{time:.1f} s" if time >= 10 else f"{time:.2f} s"
 
 
 def _success(title: str, rates: tuple[Rate, ...]) -> str:
