@@ -156,7 +156,7 @@ def test_keys_scan_find_plan_and_turn_the_page_dark(screen, reaches):
 
 def test_what_the_rules_would_refuse_cannot_be_pressed(screen, reaches):
     for name in ("Find parts", "Plan", "Approve", "Send", "Stop", "Cancel task"):
-        assert screen.button(name).is_disabled(), name
+        expect(screen.button(name)).to_be_disabled(timeout=60_000)
     screen.press("Scan")
     reaches("scanned")
     screen.page.locator('.wb-strip[data-phase="scanned"]').wait_for()

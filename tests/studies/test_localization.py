@@ -81,7 +81,7 @@ def test_limits_are_two_millimetres_and_three_degrees():
 def test_one_true_part_is_found_once():
     part, T = read_part("bracket"), pose_from_rpy((0.4, 0, 0.02))
     found, is_found = compare(
-        part, (Detection("bracket", T),), (Detection("bracket", T), Detection("bracket", T))
+        (part,), (Detection("bracket", T),), (Detection("bracket", T), Detection("bracket", T))
     )
     assert [one.is_right for one in found] == [True, False]
     assert is_found == (True,)

@@ -283,10 +283,10 @@ def _nobody_for(picks: Sequence[Pick], strategy: str) -> str:
     for pick in picks:
         arms.setdefault(pick.candidate.detection, set()).add(pick.candidate.arm)
     can = "; ".join(f"part-{k + 1} by the {' or '.join(sorted(arms[k]))} arm" for k in sorted(arms))
-    needs = f"works with the {strategy} arm"
+    needs = "a part for that arm"
     if strategy in (Strategy.ALTERNATED, Strategy.COORDINATED):
-        needs = "gives each arm a part of its own, one arm alone would do"
-    return f"no choice of grasps {needs}: what can be taken is {can}"
+        needs = "a part for each arm; one arm alone would do"
+    return f"strategy {strategy} needs {needs}: what can be taken is {can}"
 
 
 def _side_by_side_or_behind(
