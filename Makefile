@@ -14,11 +14,12 @@ ARGS :=
 
 export PYTHON
 
-.PHONY: help run test lint bench pictures constraints clean
+.PHONY: help run test test-portable lint bench pictures constraints clean
 
 help:
 	@echo "make run       start the workbench on the simulated YuMi cell and print its link"
 	@echo "make test      run all tests"
+	@echo "make test-portable  run them as if on another make of processor"
 	@echo "make lint      check style, types and imports"
 	@echo "make bench     measure what the README promises"
 	@echo "make pictures  make the pictures of the documents anew"
@@ -31,6 +32,17 @@ run: $(VENV)/.compiled
 test: $(VENV)/.test $(VENV)/.compiled
 	@bash setup/debian.sh $(BROWSER)
 	$(BIN)/python -m pytest -n 2 --dist loadfile $(ARGS)
+
+# As if on another processor: what libraries can be told to leave out is left out.  Everything is
+# compiled once more for it; browsers and processes that install something tell nothing new.
+OTHER_PROCESSOR := OPENBLAS_CORETYPE=Haswell NPY_DISABLE_CPU_FEATURES=X86_V3 \
+	GLIBC_TUNABLES=glibc.cpu.hwcaps=-AVX2,-FMA,-AVX,-FMA4 \
+	NUMBA_CPU_NAME=generic NUMBA_CACHE_DIR=$(CURDIR)/build/numba-generic
+
+test-portable: $(VENV)/.test
+	env $(OTHER_PROCESSOR) $(BIN)/workbench compile
+	env $(OTHER_PROCESSOR) $(BIN)/python -m pytest -n 2 --dist loadfile \
+		--ignore tests/browser --ignore tests/packaging $(ARGS)
 
 lint: $(VENV)/.lint $(VENV)/.test
 	$(BIN)/ruff check .

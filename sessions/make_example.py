@@ -1,11 +1,12 @@
 """Makes `sessions/example` anew: one cycle of the YuMi cell against a simulated controller.
 
-    .venv/bin/python sessions/make_example.py
+    .venv/bin/python sessions/make_example.py [FOLDER]
 
 The scanner sees less than that of the cell file, so that the session stays small.
 """
 
 import shutil
+import sys
 import threading
 import time
 from dataclasses import replace
@@ -19,21 +20,20 @@ from workbench.formats.cells import read_cell
 from workbench.journal.journal import Journal
 from workbench.model.cell import Controller
 
-FOLDER = Path(__file__).parent / "example"
 SEED = 0
 RESOLUTION = (160, 120)
 
 
-def main() -> None:
-    """Write the session."""
+def main(folder: Path) -> None:
+    """Write the session, in place of what was there."""
     cell = read_cell("yumi")
     cell = replace(cell, scanner=replace(cell.scanner, resolution=RESOLUTION))
     simulated = SimulatedController(cell, speed=500)
     thread = threading.Thread(target=simulated.run)
     thread.start()
-    shutil.rmtree(FOLDER, ignore_errors=True)
+    shutil.rmtree(folder, ignore_errors=True)
     controller = Controller(port=simulated.port, state_port=simulated.state_port)
-    bench = Bench(replace(cell, controller=controller), Journal(FOLDER))
+    bench = Bench(replace(cell, controller=controller), Journal(folder))
     try:
         time.sleep(1.0)  # until the controller's first report is there
         Cycle(bench, 1, [], lambda done, note: None).run(SEED)
@@ -44,9 +44,9 @@ def main() -> None:
         bench.close()
         simulated.stop()
         thread.join()
-    size = sum(file.stat().st_size for file in FOLDER.rglob("*") if file.is_file())
-    print(f"{FOLDER}: {size / 1024:.0f} kB")
+    size = sum(file.stat().st_size for file in folder.rglob("*") if file.is_file())
+    print(f"{folder}: {size / 1024:.0f} kB")
 
 
 if __name__ == "__main__":
-    main()
+    main(Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).parent / "example")

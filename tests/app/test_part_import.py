@@ -73,7 +73,7 @@ def test_a_file_becomes_a_part_that_is_scanned_saved_and_undone(bench, own):
     assert [part.name for part in read_cell("yumi").parts] == ["keyed_cylinder"]
     bench.close()
     equal = list(recomputed(Journal(own / "session")))
-    assert [one.task for one in equal] == ["scan"] and all(one.is_equal for one in equal)
+    assert [one.task for one in equal] == ["scan"] and all(one.says == "equal" for one in equal)
 
 
 BOMBS = {

@@ -1,21 +1,21 @@
-"""A session's results computed again from what it has kept: equal, or where they differ."""
+"""A session's results computed again from what it has kept, and how alike they are."""
 
 import json
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
-from workbench.app.commands import JobEnded, PlanResult
+from workbench.app.commands import JobEnded
 from workbench.app.decide import decide
 from workbench.app.effects import StartJob
 from workbench.app.forms import restored
+from workbench.app.likeness import Likeness, resemblance
 from workbench.app.record import SESSION
 from workbench.app.replay import replay
 from workbench.app.state import State
 from workbench.app.work import JOBS
 from workbench.journal.journal import Journal
 from workbench.model.cell import Cell
-from workbench.model.digest import digest_of
 from workbench.model.errors import JournalError, WorkbenchError
 from workbench.model.scan import Findings
 
@@ -26,7 +26,7 @@ class Comparison:
 
     number: int
     task: str
-    is_equal: bool
+    likeness: Likeness
     says: str
 
 
@@ -47,9 +47,10 @@ def cell_of(journal: Journal) -> Cell:
 
 
 def recomputed(journal: Journal) -> Iterator[Comparison]:
-    """Every task of a session that ended well, run again on the same inputs.
+    """Every task of a session that ended well, run again on the inputs that were recorded.
 
-    A scan of a real scanner cannot be taken again and is passed over; a simulated one is.
+    No result enters the next task: parts are looked for in the scan that was kept.  A scan of a
+    real scanner cannot be taken again and is passed over; a simulated one is.
 
     Raises:
         JournalError: the session cannot be computed again at all; see `replay`.
@@ -80,23 +81,8 @@ def _compared(cell: Cell, job: StartJob, kept: object) -> Comparison | None:
     try:
         again = JOBS[job.name](cell, job.arguments, lambda done, note: None, lambda: False)
     except WorkbenchError as error:
-        return Comparison(job.number, job.name, False, f"failed: {error}")
+        return Comparison(job.number, job.name, Likeness.OTHER, f"failed: {error}")
     if isinstance(again, Findings):
         again = again.detections
-    says = _difference(kept, again)
-    return Comparison(job.number, job.name, not says, says or "equal")
-
-
-def _difference(kept: object, again: object) -> str:
-    """In words, empty when both are the same; times that something took do not count."""
-    if isinstance(kept, PlanResult) and isinstance(again, PlanResult):
-        pairs = (
-            ("candidates", kept.candidates, again.candidates),
-            ("plan", kept.plan and kept.plan.digest, again.plan and again.plan.digest),
-            ("proof", kept.proof and kept.proof.digest, again.proof and again.proof.digest),
-            ("verdict", str(kept.verdict), str(again.verdict)),
-        )
-        return ", ".join(
-            f"another {name}" for name, one, other in pairs if digest_of(one) != digest_of(other)
-        )
-    return "" if digest_of(kept) == digest_of(again) else "another result"
+    found = resemblance(cell, kept, again)
+    return Comparison(job.number, job.name, found.likeness, found.says)

@@ -2,9 +2,11 @@
 
 import json
 import time
+from collections import Counter
 from pathlib import Path
 from typing import Any, assert_never
 
+from workbench.app.likeness import Likeness
 from workbench.app.recompute import recomputed
 from workbench.app.session_archive import DATABASE, told
 from workbench.cli.exits import NO_PLAN, SUCCESS
@@ -147,13 +149,20 @@ def _verify(typed: SessionVerify) -> int:
 
 def _replay(typed: SessionReplay) -> int:
     journal = opened(typed.session)
-    differ = 0
+    found: Counter[Likeness] = Counter()
     try:
         for one in recomputed(journal):
-            differ += not one.is_equal
+            found[one.likeness] += 1
             print(f"entry {one.number}, {one.task}: {one.says}", flush=True)
     finally:
         journal.close()
-    said = "every result is the same" if not differ else f"{differ} results differ"
-    print(f"{typed.session}: computed again, {said}")
-    return NO_PLAN if differ else SUCCESS
+    if not found:
+        said = "nothing that could be computed again"
+    elif found[Likeness.OTHER]:
+        said = f"computed again, {found[Likeness.OTHER]} of {found.total()} results differ"
+    elif found[Likeness.WITHIN]:
+        said = "computed again, every result is the same, or the same within tolerances"
+    else:
+        said = "computed again, every result is the same to the last digit"
+    print(f"{typed.session}: {said}")
+    return NO_PLAN if found[Likeness.OTHER] else SUCCESS

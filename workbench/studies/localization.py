@@ -8,7 +8,6 @@ from types import MappingProxyType
 from typing import Any
 
 import numpy as np
-import pinocchio as pin
 
 from workbench.app.value_checks import ALL_KINDS
 from workbench.app.work import find_parts, pile_of
@@ -17,7 +16,7 @@ from workbench.formats.parts import read_part
 from workbench.model.cell import Cell
 from workbench.model.part import Part
 from workbench.model.scan import Detection
-from workbench.perception.near_symmetry import stated_symmetry
+from workbench.perception.pose_error import pose_error
 from workbench.perception.scan_noise import FINE, ROUGH, NoiseModel
 from workbench.perception.synthesize import synthesize, visible_shares
 
@@ -128,7 +127,12 @@ def compare(
     for detection in detections:
         kind = kinds[detection.part]
         errors = {
-            k: _error(kind, truth[k].T_world_part, detection)
+            k: pose_error(
+                kind,
+                truth[k].T_world_part,
+                detection.T_world_part,
+                roll_known=detection.roll_known,
+            )
             for k in left
             if truth[k].part == kind.name
         }
@@ -142,21 +146,6 @@ def compare(
             right.add(best)
             left.remove(best)
     return tuple(found), tuple(k in right for k in range(len(truth)))
-
-
-def _error(part: Part, T_world_true: pin.SE3, detection: Detection) -> tuple[float, float]:
-    """Distance of the middle [m] and turn [rad] between two poses, under the stated symmetry."""
-    T = T_world_true.actInv(detection.T_world_part)
-    axis = np.asarray(part.symmetry.axis)
-    middle = (part.mesh.points.min(axis=0) + part.mesh.points.max(axis=0)) / 2
-    if part.symmetry.fold == 0 or not detection.roll_known:
-        on_axis = axis * float(axis @ middle)
-        tilt = float(np.arccos(np.clip(axis @ T.rotation @ axis, -1.0, 1.0)))
-        return float(np.linalg.norm(T.act(on_axis) - on_axis)), tilt
-    motions = stated_symmetry(part.symmetry)
-    turns = [float(np.linalg.norm(pin.log3(T.rotation @ M[:3, :3].T))) for M in motions]
-    best = motions[int(np.argmin(turns))]
-    return float(np.linalg.norm(T.act(middle) - best[:3, :3] @ middle)), min(turns)
 
 
 def summary(scenes: Sequence[Scene]) -> list[dict[str, Any]]:
