@@ -20,6 +20,7 @@ from typing import Any, assert_never
 from workbench.app.worker import (
     Failure,
     Flag,
+    GettingReady,
     Message,
     Progress,
     Ready,
@@ -49,6 +50,9 @@ Ended = Callable[[int, Any], None]
 Progressed = Callable[[int, float, str], None]
 """Told the number of a job, the share done 0..1, and what is being done."""
 
+Prepared = Callable[[GettingReady | None], None]
+"""Told how far what the first job waits for is, and None once jobs are taken."""
+
 
 class Jobs:
     """Runs jobs one after the other in a process that is kept warm.
@@ -57,12 +61,18 @@ class Jobs:
     does the end of this process, however that comes.
 
     Concurrency: `start`, `cancel` and `close` may be called from any thread; the first two
-    return at once.  `ended` and `progressed` are called from one thread of this object, one
-    call after the other; they may call `start` and `cancel`.
+    return at once.  `ended`, `progressed` and `prepared` are called from one thread of this
+    object, one call after the other; they may call `start` and `cancel`.
     """
 
     def __init__(
-        self, cell: Cell, ended: Ended, progressed: Progressed, *, module: str = WORK
+        self,
+        cell: Cell,
+        ended: Ended,
+        progressed: Progressed,
+        *,
+        prepared: Prepared = lambda what: None,
+        module: str = WORK,
     ) -> None:
         """Start the worker.
 
@@ -70,10 +80,12 @@ class Jobs:
             cell: that all jobs work on.
             ended: told once for every job, unless `close` came first.
             progressed: told now and then.
+            prepared: told while the worker gets ready, which jobs wait for.
             module: its `JOBS` maps names to job functions.
         """
         self._ended = ended
         self._progressed = progressed
+        self._prepared = prepared
         self._cell = packed(cell)
         self._make_worker = lambda: _Worker(module)
         self._lock = threading.Lock()
@@ -189,9 +201,12 @@ class Jobs:
             self._running_ended(WorkbenchError(f"{problem}{type(error).__name__}: {error}"))
             return
         match message:
+            case GettingReady():
+                self._tell(self._prepared, message)
             case Ready():
                 worker.is_ready = True
                 self._failed_starts = 0
+                self._tell(self._prepared, None)
             case Unable(error=error, trace=trace):
                 # It ends now: see _bury.
                 log.error("%s\n%s", error, trace)
@@ -215,6 +230,7 @@ class Jobs:
         how = self._worker.kill(patience=0.0 if was_cancelled else GRACE)
         if not self._worker.is_ready:
             self._failed_starts += 1
+            self._tell(self._prepared, None)
         if self._running is not None:
             name = self._running.name
             self._running_ended(

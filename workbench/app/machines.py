@@ -23,6 +23,7 @@ from workbench.app.jobs import WORK, Jobs
 from workbench.app.live import Live
 from workbench.app.rights import CELL_FILE, WORKER
 from workbench.app.robot_link import Clock, Do, RobotLink
+from workbench.app.worker import GettingReady
 from workbench.formats.cell_edits import log_change, save_cell
 from workbench.formats.cells import part_folders, read_cell
 from workbench.formats.part_saves import drop_draft, save_part, write_draft
@@ -69,7 +70,9 @@ class Machines:
         self._saving = threading.Lock()
         self._live = Live()
         self._robot = RobotLink(cell, do, now, self._show)
-        self._jobs = Jobs(cell, self._job_ended, self._job_progressed, module=module)
+        self._jobs = Jobs(
+            cell, self._job_ended, self._job_progressed, prepared=self._prepared, module=module
+        )
 
     @property
     def live(self) -> Live:
@@ -159,6 +162,11 @@ class Machines:
     def _show(self, **changes: Any) -> None:
         with self._lock:
             self._live = replace(self._live, **changes)
+
+    def _prepared(self, what: GettingReady | None) -> None:
+        # A job that has waited for it begins now: its clock does not count what it waited for.
+        began = {} if what is not None else {"started": self._now()}
+        self._show(getting_ready=what, **began)
 
     def _job_progressed(self, number: int, done: float, note: str) -> None:
         if number == self._live.job:

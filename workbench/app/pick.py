@@ -1,7 +1,6 @@
 """The line from detections to a proven plan: one function for page, command line and studies."""
 
 import math
-import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import islice
@@ -16,8 +15,8 @@ from workbench.model.cell import Cell, Wishes
 from workbench.model.errors import InputError, JobCancelled
 from workbench.model.plan import Plan, Strategy
 from workbench.model.scan import Detection, Obstacle
+from workbench.planning.clock import working_time
 from workbench.planning.dual_arm import OFFSETS, coordinate, pairs_of, side_by_side
-from workbench.planning.motion import path_contact
 from workbench.planning.order import Cost, cost_of
 from workbench.planning.propose import propose
 from workbench.planning.prove import prove
@@ -78,20 +77,19 @@ def plan_pick(
         raise InputError("no parts were given, so there is nothing to plan")
     if strategy not in STRATEGIES:
         raise InputError(f"strategy {strategy!r} is not one of {', '.join(STRATEGIES)}")
-    began = time.perf_counter()
+    began = working_time()
     seconds: dict[str, float] = {}
 
     def lap(stage: str) -> None:
         nonlocal began
-        now = time.perf_counter()
+        now = working_time()
         seconds[stage], began = now - began, now
 
     proposed = _without(avoided, propose(cell, detections, obstacles))
     lap("propose")
     policy = wishes.on(cell.policy)
     world = World(cell, detections, obstacles, policy)
-    _load_compiled(world)
-    world.deadline = time.monotonic() + policy.seconds
+    world.deadline = working_time() + policy.seconds
     judged, picks = _judged(world, proposed, seed, report, cancelled)
     lap("resolve")
     threshold = cell.policy.threshold if threshold is None else threshold
@@ -99,27 +97,18 @@ def plan_pick(
     results: list[PlanResult] = []
     for one in wanted:
         took = dict(seconds)
-        began = time.perf_counter()
+        began = working_time()
         plan, verdict, proof = None, _summary(judged), None
         if picks:
             plan, verdict = _planned(world, picks, one, threshold, scan_digest, seed, cancelled)
-            took["route"], began = time.perf_counter() - began, time.perf_counter()
+            took["route"], began = working_time() - began, working_time()
         if plan is not None:
             report(0.9, "proving the plan")
             proof = prove(cell, plan)
-            took["prove"] = time.perf_counter() - began
+            took["prove"] = working_time() - began
             plan = replace(plan, seconds=took)
         results.append(PlanResult(judged, plan, proof, verdict, took, obstacles, policy.planner))
     return _best(cell, results)
-
-
-def _load_compiled(world: World) -> None:
-    """Use once what is compiled: the first time on a machine that takes longer than a plan may."""
-    for arm in world.cell.arms:
-        chain, home = world.chains[arm.name], np.asarray(arm.home)
-        chain.solve(chain.pose(home), home[None])
-        columns, base = world.kinematics.columns[arm.name], world.configuration({})
-        path_contact(world, columns, base, np.array([home, home]), world.policy.zone)
 
 
 def _without(
@@ -177,7 +166,7 @@ def _judged(
         report(
             0.05 + 0.6 * number / len(candidates), f"candidate {number + 1} of {len(candidates)}"
         )
-        if time.monotonic() > world.deadline:
+        if working_time() > world.deadline:
             if candidate.verdict.is_ok:
                 late = Verdict(Reason.OUT_OF_TIME, candidate.verdict.stage)
                 judged.append(replace(candidate, verdict=late))

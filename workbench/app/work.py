@@ -12,6 +12,7 @@ from workbench.app.calibration import simulated_sight
 from workbench.app.commands import PlanResult
 from workbench.app.part_import import imported_part
 from workbench.app.pick import plan_pick
+from workbench.app.readiness import make_ready
 from workbench.app.value_checks import ALL_KINDS
 from workbench.app.worker import Cancelled, JobFunction, Report
 from workbench.devices.scanners import SCANNERS
@@ -146,3 +147,6 @@ JOBS: Mapping[str, JobFunction] = {
     "import": import_part,
 }
 """By the names that `decide` gives them."""
+
+GET_READY = make_ready
+"""What comes before the first of them."""

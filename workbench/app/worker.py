@@ -47,8 +47,19 @@ class Request:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class GettingReady:
+    """Everything is imported, and something has to be done once before the first job begins.
+
+    `done` (0..1) is the share done, `note` what is being done, for people.
+    """
+
+    done: float
+    note: str
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Ready:
-    """Everything is imported; requests are welcome."""
+    """Requests are welcome."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -85,7 +96,7 @@ class Failure:
     trace: str = ""
 
 
-Message = Ready | Unable | Progress | Success | Failure
+Message = GettingReady | Ready | Unable | Progress | Success | Failure
 
 
 def packed(message: Message | Request | Cell) -> bytes:
@@ -97,11 +108,12 @@ def packed(message: Message | Request | Cell) -> bytes:
 
 
 def run_worker(connection: Connection, module: str, to_cancel: Flag) -> None:
-    """The worker process: import everything, then answer requests until the other side ends.
+    """The worker process: get everything ready, then answer requests until the other side ends.
 
     Args:
         connection: to the process that started this one.
-        module: its `JOBS` maps names to job functions; importing it imports what they need.
+        module: its `JOBS` maps names to job functions; importing it imports what they need.  Its
+            `GET_READY`, if there is one, is called with `report` before the first job.
         to_cancel: number of the job that somebody has ended.
     """
     # Ctrl-C in a terminal reaches the whole group; the other process decides what it means.
@@ -118,7 +130,11 @@ def run_worker(connection: Connection, module: str, to_cancel: Flag) -> None:
 
 def _serve(connection: Connection, module: str, to_cancel: Flag) -> None:
     try:
-        jobs: Mapping[str, JobFunction] = importlib.import_module(module).JOBS
+        work = importlib.import_module(module)
+        jobs: Mapping[str, JobFunction] = work.JOBS
+        get_ready: Callable[[Report], object] | None = getattr(work, "GET_READY", None)
+        if get_ready is not None:
+            get_ready(lambda done, note: connection.send_bytes(packed(GettingReady(done, note))))
     except Exception as error:
         problem = WorkbenchError(f"the worker process cannot start: {_described(error)}")
         connection.send_bytes(packed(Unable(problem, traceback.format_exc())))

@@ -14,6 +14,7 @@ from workbench.app.calibration import (
     suggested_poses,
     with_calibration,
 )
+from workbench.app.readiness import make_ready
 from workbench.app.value_checks import SEED_LIMIT
 from workbench.cli import arguments
 from workbench.cli.exits import SUCCESS
@@ -88,6 +89,8 @@ def _simulate(cell: Cell, typed: arguments.Calibrate) -> None:
         raise InputError(f"{folder / FILE}: is there already; name another folder for --simulate")
     arm, plate = cell.arms[0], BallPlate()
     seen = replace(cell, scanner=replace(cell.scanner, T_world_scanner=_true_pose(cell)))
+    with progress("calibrate") as report:
+        make_ready(report, ("planning",))
     qs = suggested_poses(seen, arm, plate, typed.count, seed=typed.seed)
     if len(qs) < typed.count:
         raise InputError(

@@ -7,6 +7,7 @@ from typing import assert_never
 
 import numpy as np
 
+from workbench.app.readiness import make_ready
 from workbench.cli.exits import NO_PLAN, SUCCESS
 from workbench.cli.nested_arguments import CellCheck, CellCommands, CellNew, CellSchema, CellShow
 from workbench.cli.new_cell import new_cell
@@ -102,6 +103,7 @@ def _check(typed: CellCheck) -> int:
     cell = read_cell(typed.cell)
     reaches: list[Reach] = []
     with progress("check") as report:
+        make_ready(report, ("planning",))
         for number, arm in enumerate(cell.arms):
             report(number / len(cell.arms), f"{arm.name} arm")
             reaches.append(reach_of(cell, arm))

@@ -3,6 +3,7 @@
 from collections import Counter
 
 from workbench.app.pick import judge
+from workbench.app.readiness import make_ready
 from workbench.app.value_checks import SEED_LIMIT
 from workbench.cli import arguments
 from workbench.cli.exits import NO_PLAN, SUCCESS
@@ -26,6 +27,7 @@ def explain(typed: arguments.Explain) -> int:
     if not detections:
         raise InputError(f"{typed.poses}: holds no poses, so there is nothing to explain")
     with progress("explain") as report:
+        make_ready(report, ("planning",))
         obstacles = obstacles_in(cell, typed.scan, detections)
         candidates = judge(cell, detections, obstacles=obstacles, seed=typed.seed, report=report)
         report(0.9, "looking for the nearest fix")

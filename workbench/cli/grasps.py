@@ -4,9 +4,10 @@ from typing import Any
 
 import numpy as np
 
+from workbench.app.readiness import make_ready
 from workbench.cli.exits import NO_PLAN, SUCCESS
 from workbench.cli.part_arguments import Grasps
-from workbench.cli.terminal import check_whole, print_json, print_table
+from workbench.cli.terminal import check_whole, print_json, print_table, progress
 from workbench.formats.cells import read_cell
 from workbench.formats.grasp_files import add_grasps
 from workbench.formats.parts import read_part
@@ -20,7 +21,10 @@ def grasps(typed: Grasps) -> int:
     check_whole("--seed", typed.seed, 0, 2**32 - 1)
     part, cell = read_part(typed.part), read_cell(typed.cell)
     arm = cell.arms[0] if typed.arm is None else cell.arm(typed.arm)
-    found = suggest(part, arm.tool, most=typed.most, seed=typed.seed)
+    with progress("grasps") as report:
+        make_ready(report, ("planning",))
+        report(0.0, "looking at the shape")
+        found = suggest(part, arm.tool, most=typed.most, seed=typed.seed)
     names = [one.grasp.name for one in found]
     place = find("parts", typed.part)
     file = (place if place.is_dir() else place.parent) / "grasps.toml"

@@ -1,5 +1,6 @@
 """`workbench scan` and `workbench localize`: from a bin to a cloud, from a cloud to poses."""
 
+from workbench.app.readiness import make_ready
 from workbench.app.value_checks import DETAIL, MOST_PARTS, SEED_LIMIT
 from workbench.app.work import find_parts, pile_of
 from workbench.cli import arguments
@@ -37,8 +38,9 @@ def localize(typed: arguments.Localize) -> int:
     check_number("--least-score", typed.least_score, 0.0, 1.0)
     wishes = SearchWishes(typed.detail, typed.least_score)
     cell = read_cell(typed.cell)
-    cloud = read_cloud(typed.scan, cell.scanner.T_world_scanner)
     with progress("localize") as report:
+        make_ready(report, ("seeing",))
+        cloud = read_cloud(typed.scan, cell.scanner.T_world_scanner)
         given = {"scan": cloud, "seed": typed.seed, "wishes": wishes}
         findings = find_parts(cell, given, report, cancelled=lambda: False)
     found = findings.detections

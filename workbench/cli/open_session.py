@@ -3,17 +3,21 @@
 import logging
 
 from workbench.app.history import History
+from workbench.app.readiness import make_ready
 from workbench.cli.exits import SUCCESS
 from workbench.cli.fronted import front_options, fronted
 from workbench.cli.nested_arguments import SessionOpen
 from workbench.cli.serve import wait_for_the_end
 from workbench.cli.session import opened
+from workbench.cli.terminal import progress
 
 
 def open_session(typed: SessionOpen) -> int:
     """Serve the page until SIGINT or SIGTERM."""
     options = front_options(typed)
     logging.basicConfig(level=logging.WARNING, format="%(asctime)s %(name)s: %(message)s")
+    with progress("page") as report:
+        make_ready(report, ("planning",))
     journal = opened(typed.session)
     try:
         history = History(journal)

@@ -15,9 +15,17 @@ from statistics import median, quantiles
 from typing import Any
 
 from workbench.app.people import Role
+from workbench.app.readiness import make_ready
 from workbench.cli.exits import FAILURE, SUCCESS
 from workbench.cli.nested_arguments import BenchPage
-from workbench.cli.terminal import check_number, check_whole, milliseconds, print_json, print_table
+from workbench.cli.terminal import (
+    check_number,
+    check_whole,
+    milliseconds,
+    print_json,
+    print_table,
+    progress,
+)
 from workbench.front.connections import MOST_OF_ONE
 from workbench.front.load import Load, load
 from workbench.front.store import Store
@@ -51,6 +59,8 @@ def page_load(typed: BenchPage) -> int:
     check_whole("--browsers", typed.browsers, 1, MOST_OF_ONE)
     check_number("--seconds", typed.seconds, 1, 24 * 3600)
     password = secrets.token_urlsafe(16)
+    with progress("page") as report:
+        make_ready(report)
     with _served(typed.cell, password) as page:
         before = page.memory
         found = asyncio.run(load(page.url, NAME, password, typed.browsers, typed.seconds))

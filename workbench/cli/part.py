@@ -5,6 +5,7 @@ from typing import Any, assert_never
 import numpy as np
 
 from workbench.app.part_import import DENSITIES, make_part, symmetry_words
+from workbench.app.readiness import make_ready
 from workbench.cli.exits import SUCCESS
 from workbench.cli.part_arguments import PartCheck, PartCommands, PartImport, PartList
 from workbench.cli.part_check import check, counted, millimetres
@@ -38,6 +39,7 @@ def _import(typed: PartImport) -> int:
     if (typed.into / typed.name).exists():
         raise FileError(typed.into / typed.name, "is there already; choose another name")
     with progress("import") as report:
+        make_ready(report, ("planning",))
         made = make_part(
             typed.file,
             typed.name,

@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from workbench.app.readiness import make_ready
 from workbench.cli.exits import NO_PLAN, SUCCESS
 from workbench.cli.part_arguments import PartCheck
 from workbench.cli.terminal import print_json, print_table, progress
@@ -28,6 +29,7 @@ def check(typed: PartCheck) -> int:
     """Print what was found; the exit code is 0 only when nothing speaks against the part."""
     part, cell = read_part(typed.part), read_cell(typed.cell)
     with progress("check") as report:
+        make_ready(report, ("planning",))
         report(0.0, "grasps")
         checks = _grasp_checks(part, cell)
         covered = coverage(cell, part, report=lambda done, note: report(0.1 + 0.9 * done, note))

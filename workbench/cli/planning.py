@@ -7,6 +7,7 @@ from pathlib import Path
 
 from workbench.app.commands import PlanResult
 from workbench.app.pick import plan_pick
+from workbench.app.readiness import make_ready
 from workbench.app.value_checks import LARGEST_MARGIN, MOST_ITERATIONS, SEED_LIMIT
 from workbench.cli import arguments
 from workbench.cli.exits import NO_PLAN, SUCCESS
@@ -57,6 +58,7 @@ def plan(typed: arguments.Plan) -> int:
     wishes = Wishes(typed.planner, typed.iterations, typed.order, typed.margin, typed.metric)
     detections = detections_from(cell, typed.poses, typed.part)
     with progress("plan") as report:
+        make_ready(report, ("planning",))
         report(0.0, "getting ready")
         warm_up(cell)
         obstacles = obstacles_in(cell, typed.scan, detections)
@@ -99,6 +101,7 @@ def verify(typed: arguments.Verify) -> int:
     plan, stated = read_plan(typed.plan)
     cell = cell_of(plan, typed.cell)
     with progress("verify") as report:
+        make_ready(report, ("planning",))
         report(0.0, "proving the plan")
         proof = prove(cell, plan)
     if stated != plan.digest:

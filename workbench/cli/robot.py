@@ -10,6 +10,7 @@ from collections import Counter
 from dataclasses import replace
 from types import FrameType
 
+from workbench.app.readiness import make_ready
 from workbench.app.rules import approve
 from workbench.cli import arguments
 from workbench.cli.planning import cell_of
@@ -41,8 +42,9 @@ def send(typed: arguments.Send) -> int:
     cell = cell_of(plan, typed.cell)
     protocol = typed.protocol or cell.controller.protocol
     cell = replace(cell, controller=Controller(typed.host, typed.port, protocol=protocol))
-    began = time.monotonic()
     with progress("send") as report:
+        make_ready(report, ("planning",))
+        began = time.monotonic()
         report(0.0, "proving the plan")
         proof = prove(cell, plan)
         approval = approve(cell, plan, proof, typed.approve_as, time.time())

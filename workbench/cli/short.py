@@ -10,6 +10,7 @@ from pathlib import Path
 from statistics import median
 from typing import Any
 
+from workbench.app.readiness import make_ready
 from workbench.cli.exits import FAILURE, SUCCESS
 from workbench.cli.nested_arguments import BenchShort
 from workbench.cli.terminal import print_json, print_table, progress
@@ -86,6 +87,7 @@ def short(typed: BenchShort) -> int:
     now: dict[str, dict[str, float]] = {}
     failed: list[str] = []
     with progress("bench") as report:
+        make_ready(report)
         for number, (name, one) in enumerate(SHORT.items()):
             report(number / len(SHORT), name)
             said, problem = _run(one.words)

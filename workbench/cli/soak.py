@@ -13,6 +13,7 @@ import numpy as np
 
 from workbench.app.bench import Bench
 from workbench.app.commands import AcknowledgeFault
+from workbench.app.readiness import make_ready
 from workbench.app.sessions import new_session
 from workbench.app.state import Phase
 from workbench.app.value_checks import SEED_LIMIT
@@ -66,6 +67,8 @@ def soak(typed: BenchSoak) -> int:
     protocol = cell.controller.protocol
     with simulated_controller(typed.cell, protocol, speed=typed.speed) as controller:
         cell = replace(cell, controller=controller)
+        with progress("soak") as report:
+            make_ready(report)
         journal = new_session(typed.sessions, cell, time.time())
         bench = Bench(cell, journal)
         try:

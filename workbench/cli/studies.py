@@ -6,6 +6,7 @@ from typing import Any, assert_never
 
 import numpy as np
 
+from workbench.app.readiness import make_ready
 from workbench.app.value_checks import MOST_PARTS, SEED_LIMIT
 from workbench.cli.exits import SUCCESS
 from workbench.cli.nested_arguments import (
@@ -77,6 +78,7 @@ def _planners(typed: BenchPlanners) -> int:
         cell = replace(cell, arms=(replace(arm, home=np.zeros(len(arm.home))), *cell.arms[1:]))
     by_klampt: list[klampt.KlamptAttempt] = []
     with progress("planners") as report:
+        make_ready(report, ("planning",))
         report(0.0, "judging the targets")
         course = planners.Course(cell, typed.targets, typed.seed)
         if not course.goals:
@@ -133,6 +135,7 @@ def _pick(typed: BenchPick) -> int:
     check_whole("--parts", typed.parts, 1, MOST_PARTS)
     check_whole("--seed", typed.seed, 0, SEED_LIMIT - typed.scenes)
     with progress("picks") as report:
+        make_ready(report, ("planning",))
         measured = picks.measure(
             typed.cell,
             scenes=typed.scenes,
@@ -177,6 +180,7 @@ def _localization(typed: StudyLocalization) -> int:
         for seed in range(typed.seed, typed.seed + typed.scenes)
     ]
     with progress("localization") as report:
+        make_ready(report, ("seeing",))
         scenes = run_cases(localization.localized_scene, tasks, report=report)
     rows = localization.summary(scenes)
     if typed.plot is not None:
@@ -221,6 +225,7 @@ def _threshold(typed: StudyThreshold) -> int:
     if len(cell.arms) < 2:
         raise InputError(f"cell {typed.cell} has one arm; the threshold is about two")
     with progress("threshold") as report:
+        make_ready(report, ("planning",))
         cases = run_cases(
             threshold.planned_case,
             [(typed.cell, seed) for seed in range(typed.seed, typed.seed + typed.cycles)],

@@ -81,23 +81,25 @@ class Events:
             lambda old, new: _in_loop(loop, changed)  # the loop looks what is newest by itself
         )
         clock = loop.time
-        told: State | None = None
+        told: tuple[State, bool] | None = None
         progress, beat = b"", clock()
         try:
             while True:
                 changed.clear()
-                state = self._bench.state
-                if state is not told:
-                    told = state
-                    yield _event("state", state_form(state), state.number)
-                current = _event("job", job_form(state, self._bench.live))
-                if state.job is not None and current != progress:
+                state, live = self._bench.state, self._bench.live
+                is_preparing = live.getting_ready is not None
+                if told is None or told[0] is not state or told[1] is not is_preparing:
+                    told = state, is_preparing
+                    yield _event("state", state_form(state, live), state.number)
+                is_busy = is_preparing or state.job is not None
+                current = _event("job", job_form(state, live))
+                if is_busy and current != progress:
                     progress = current
                     yield current
                 if clock() - beat >= self._heartbeat:
                     beat = clock()
                     yield b""
-                patience = PROGRESS if state.job is not None else self._heartbeat
+                patience = PROGRESS if is_busy else self._heartbeat
                 with contextlib.suppress(TimeoutError):
                     await asyncio.wait_for(changed.wait(), min(patience, self._heartbeat))
         finally:

@@ -15,7 +15,7 @@ from workbench.model.scan import Scan
 Form = dict[str, Any]
 
 
-def state_form(state: State) -> Form:
+def state_form(state: State, live: Live) -> Form:
     """What everybody may know at a glance; the large values have answers of their own."""
     return {
         "number": state.number,
@@ -29,6 +29,7 @@ def state_form(state: State) -> Form:
         "control": state.control,
         "asking": list(state.asking),
         "job": None if state.job is None else state.job.number,
+        "getting_ready": _preparing(live),
         "scan": None if state.scan is None else state.scan.digest,
         "detections": None if state.detections is None else len(state.detections),
         "verdict": None if state.verdict is None else verdict_form(state.verdict),
@@ -60,10 +61,16 @@ def job_form(state: State, live: Live) -> Form:
             "number": job.number,
             "name": job.name,
             "at": job.at,
-            "done": finite(live.done) if live.job == job.number else 0.0,
-            "note": live.note if live.job == job.number else "",
+            "done": finite(live.told_of(job.number)[0]),
+            "note": live.told_of(job.number)[1],
         },
+        "getting_ready": _preparing(live),
     }
+
+
+def _preparing(live: Live) -> Form | None:
+    what = live.getting_ready
+    return None if what is None else {"done": finite(what.done), "note": what.note}
 
 
 def scan_form(scan: Scan) -> Form:

@@ -42,5 +42,5 @@ def values_of(state: State, live: Live) -> Mapping[str, Any]:
         "ApprovedBy": "" if state.approval is None else ", ".join(state.approval.people),
         "PartsPlaced": state.parts_placed,
         "Job": "" if job is None else job.name,
-        "JobDone": live.done if job is not None and live.job == job.number else 0.0,
+        "JobDone": 0.0 if job is None else live.told_of(job.number)[0],
     }

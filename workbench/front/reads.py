@@ -111,7 +111,7 @@ READS: tuple[Read, ...] = (
     Read(
         "/state",
         "Where the cycle stands.",
-        lambda source: forms.state_form(source.state),
+        lambda source: forms.state_form(source.state, source.bench.live),
         schemas.STATE,
     ),
     Read(

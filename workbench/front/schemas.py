@@ -59,6 +59,9 @@ VERDICT = record(
     q=or_none(many(NUMBER)),
     note=TEXT,
 )
+PREPARING = or_none(record(done=or_none(NUMBER), note=TEXT))
+"""What tasks wait for: it is done once, after an installation."""
+
 STATE = record(
     number=WHOLE,
     phase=PHASE,
@@ -71,6 +74,7 @@ STATE = record(
     control=TEXT,
     asking=many(TEXT),
     job=or_none(WHOLE),
+    getting_ready=PREPARING,
     scan=or_none(DIGEST),
     detections=or_none(WHOLE),
     verdict=or_none(VERDICT),
@@ -89,6 +93,7 @@ JOB = record(
     phase=PHASE,
     message=TEXT,
     job=or_none(record(number=WHOLE, name=TEXT, at=NUMBER, done=or_none(NUMBER), note=TEXT)),
+    getting_ready=PREPARING,
 )
 DONE = record(number=WHOLE, phase=PHASE, message=TEXT, job=or_none(WHOLE))
 PERSON = record(name=TEXT, role=TEXT, may=many(TEXT))

@@ -53,8 +53,9 @@ class Header:
             self._acknowledge.visible = state.phase is Phase.FAULT
         self._status.content = status_html(new)
         if state.job is not None:
-            share = live.done if live.job == state.job.number else 0.0
-            self._progress.value = round(100 * share, 1)
+            self._progress.value = round(100 * live.told_of(state.job.number)[0], 1)
+        elif live.getting_ready is not None:
+            self._progress.value = round(100 * live.getting_ready.done, 1)
         elif state.receipts:
             self._progress.value = round(100 * state.receipts[-1].done / state.receipts[-1].total)
         else:

@@ -13,6 +13,7 @@ from workbench.gui.jog import led
 from workbench.gui.look import View
 from workbench.gui.robot import place, pose_of_node, quaternion
 from workbench.gui.things import shown_pose, typed_pose, with_home, with_places
+from workbench.gui.views import sentence
 from workbench.gui.visitor import Visitor
 from workbench.model.cell import Arm
 from workbench.model.errors import InputError
@@ -36,7 +37,7 @@ class JogControls:
         self._visitor = visitor
         self._gizmo: viser.TransformControlsHandle | None = None
         self._is_dragged = False
-        self._key: tuple[object, ...] = (None, None, None, None)
+        self._key: tuple[object, ...] = (None,) * 5
         self._drawn: Mapping[str, Floats] | None = None
         # What this browser has made of it: the whole, and whether it was by the axes' sliders.
         self._mine: Mapping[str, Floats] | None = None
@@ -86,7 +87,8 @@ class JogControls:
             self._contacts.content = contacts_html(new.jogged)
         jog = new.look.jog
         is_on, name = jog is not None, self._arm.value
-        key = (jog, name, new.state.cell, new.state.control)
+        is_preparing = new.live.getting_ready is not None
+        key = (jog, name, new.state.cell, new.state.control, is_preparing)
         if all(one is other for one, other in zip(key, self._key, strict=True)):
             return
         self._key = key
@@ -95,8 +97,9 @@ class JogControls:
         self._switch.label = "End jogging" if is_on else "Jog"
         # Others look at what is jogged by whoever may.
         problem = self._visitor.lacks(new.state, TakeScan)
-        self._switch.disabled = bool(problem)
-        self._visitor.explain(self._switch, problem)
+        self._switch.disabled = bool(problem) or (is_preparing and not is_on)
+        waits = sentence(new.live.getting_ready.note) if new.live.getting_ready is not None else ""
+        self._visitor.explain(self._switch, problem or waits)
         for button in (self._home, self._teach_home, self._teach_place):
             button.disabled = not is_on or bool(problem)
         self._elbow.disabled = bool(problem)

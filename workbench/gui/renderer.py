@@ -149,7 +149,9 @@ class Renderer:
         view = self._drawn
         if view is not None and view.state.phase is Phase.SENDING:
             return FRAME
-        is_busy = view is not None and (view.state.job is not None or view.live.joints)
+        is_busy = view is not None and (
+            view.state.job is not None or view.live.joints or view.live.getting_ready is not None
+        )
         return BUSY if is_busy else QUIET
 
     def _play(self, elapsed: float) -> None:

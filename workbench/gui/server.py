@@ -9,6 +9,7 @@ from workbench.app.bench import Bench
 from workbench.app.history import History
 from workbench.formats.shipped import find
 from workbench.gui.door import close_door, open_door
+from workbench.gui.patience import Patience
 from workbench.gui.renderer import Renderer
 from workbench.gui.theme import Theme
 from workbench.model.prediction import Predictions
@@ -26,14 +27,16 @@ class Page:
     Lifetime: from `serve` until `close`; the bench outlives it.
     """
 
-    def __init__(self, url: str, server: viser.ViserServer, renderer: Renderer):
+    def __init__(self, url: str, server: viser.ViserServer, renderer: Renderer, patience: Patience):
         """Made by `serve`."""
         self.url = url
         self._server = server
         self._renderer = renderer
+        self._patience = patience
 
     def close(self) -> None:
         """Cut off the browsers and stop listening; twice does no harm."""
+        self._patience.close()
         if self._renderer.close():
             close_door(self._server)
 
@@ -87,4 +90,4 @@ def serve(
         raise
     shown = "localhost" if host in ("0.0.0.0", "::") else host
     bracketed = f"[{shown}]" if ":" in shown else shown
-    return Page(f"http://{bracketed}:{server.get_port()}", server, renderer)
+    return Page(f"http://{bracketed}:{server.get_port()}", server, renderer, Patience(bench))

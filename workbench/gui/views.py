@@ -79,10 +79,14 @@ def strip_html(state: State) -> str:
 def status_html(view: View) -> str:
     """What happened last, or what goes on now with its elapsed time."""
     state, live = view.state, view.live
+    if live.getting_ready is not None and state.phase not in (Phase.FAULT, Phase.SENDING):
+        # A task may wait for it, and runs then by itself.
+        waiting = "" if state.job is None else f"; then: {state.message}"
+        note = f"<b>{escape(sentence(live.getting_ready.note))}</b>{escape(waiting)}"
+        return _box("busy", note, f"{100 * live.getting_ready.done:.0f} %")
     if state.job is not None:
-        mine = live.job == state.job.number
-        note = live.note if mine and live.note else state.message
-        seconds = max(0.0, view.at - live.started) if mine else 0.0
+        note = live.told_of(state.job.number)[1] or state.message
+        seconds = max(0.0, view.at - live.started) if live.job == state.job.number else 0.0
         return _box("busy", f"<b>{escape(sentence(note))}</b>", f"{seconds:.1f} s")
     match state.phase:
         case Phase.FAULT:

@@ -173,20 +173,24 @@ def _vote(
         for first in range(len(counts)):
             best[first] = counts[first].argmax()
             heights[first] = counts[first, best[first]]
-        order = np.argsort(-heights, kind="mergesort")
-        for peak in range(min(peaks, len(order))):
-            first = order[peak]
+        for peak in range(min(peaks, len(counts))):
+            first = heights.argmax()
             turn, height = best[first], heights[first]
             if height < FEWEST_VOTES:
                 break
+            heights[first] = -1.0
             before, after = counts[first, turn - 1], counts[first, (turn + 1) % TURNS]
             angle = (turn + (after - before) / (before + height + after)) / TURNS * 2.0 * np.pi
             c, s = np.cos(angle), np.sin(angle)
             turned = np.array([[1.0, 0.0, 0.0], [0.0, c, -s], [0.0, s, c]])
             rotation = frame @ turned @ _frame(model_normals[first]).T
-            poses[number, peak] = np.eye(4)
-            poses[number, peak, :3, :3] = rotation
-            poses[number, peak, :3, 3] = point - rotation @ model_points[first]
+            moved = rotation @ model_points[first]
+            for i in range(3):
+                for k in range(3):
+                    poses[number, peak, i, k] = rotation[i, k]
+                poses[number, peak, i, 3] = point[i] - moved[i]
+                poses[number, peak, 3, i] = 0.0
+            poses[number, peak, 3, 3] = 1.0
             votes[number, peak] = height
     return poses, votes
 

@@ -125,7 +125,8 @@ def _quick_scores(
             elif foreground[v, u] and _dot(n, scan_normals[v, u]) > AGREEING:
                 scores[k, SUPPORT] += cosine
         if total > 0.0:
-            scores[k] /= total
+            for which in range(3):
+                scores[k, which] /= total
     return scores
 
 

@@ -103,7 +103,8 @@ def _settled(
                 for sign in (-1.0, 1.0):
                     tried = start.copy()
                     centre = transformed(tried, middle)
-                    x[:] = directions[:, weak] * (sign * step)
+                    for i in range(6):
+                        x[i] = directions[i, weak] * (sign * step)
                     move(tried, centre, x, radius)
                     says = counted(
                         rays, depth, scan_normals, foreground, focal, column, row, vertices,
@@ -112,7 +113,7 @@ def _settled(
                     found = says[EXPLAINED] - AGAINST * says[VIOLATED] - says[SQUARES]
                     if found > value:
                         value = found
-                        T[:] = tried
+                        _copy(tried, T)
                     if step == 0.0:
                         break
         # Counting pixels is coarse: what surfaces hold, they hold better, if the shape is right.
@@ -127,8 +128,16 @@ def _settled(
         )  # fmt: skip
         found = says[EXPLAINED] - AGAINST * says[VIOLATED] - says[SQUARES]
         if found >= value - 1.0 - GIVEN_UP * abs(value):
-            T[:] = tried
+            _copy(tried, T)
     return rested
+
+
+@njit(cache=True)
+def _copy(source, target):  # pragma: no cover (compiled)
+    """Write one pose (4, 4) over another; numba takes seconds to compile `target[:] = source`."""
+    for i in range(4):
+        for k in range(4):
+            target[i, k] = source[i, k]
 
 
 @njit(cache=True)

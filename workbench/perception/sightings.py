@@ -163,10 +163,12 @@ def _tally(
 ):  # fmt: skip  # pragma: no cover (compiled)
     tallies = np.empty((len(poses), 4))
     for k in range(len(poses)):
-        tallies[k] = counted(
+        tally = counted(
             rays, depth, scan_normals, foreground, focal, column, row, vertices, triangles,
             is_closed, tolerance, poses[k],
         )  # fmt: skip
+        for i in range(4):
+            tallies[k, i] = tally[i]
     return tallies
 
 

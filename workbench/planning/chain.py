@@ -40,14 +40,14 @@ class Chain:
         """`T_world_tcp` at `q` (n,) [rad]."""
         n = len(self.axes)
         R, p, z, o = np.empty((3, 3)), np.empty(3), np.empty((n, 3)), np.empty((n, 3))
-        _forward(self.R, self.p, self.axes, self.slides, np.asarray(q), R, p, z, o)
+        _forward(self.R, self.p, self.axes, self.slides, np.array(q), R, p, z, o)
         return pin.SE3(R, p)
 
     def joint_positions(self, q: Floats) -> Floats:
         """Where the joints are in the world at `q` (n,) [rad], shape (n, 3)."""
         n = len(self.axes)
         R, p, z, o = np.empty((3, 3)), np.empty(3), np.empty((n, 3)), np.empty((n, 3))
-        _forward(self.R, self.p, self.axes, self.slides, np.asarray(q), R, p, z, o)
+        _forward(self.R, self.p, self.axes, self.slides, np.array(q), R, p, z, o)
         return o
 
     def solve(
@@ -73,7 +73,8 @@ class Chain:
             self.upper,
             np.ascontiguousarray(T_world_tcp.rotation),
             np.ascontiguousarray(T_world_tcp.translation),
-            np.ascontiguousarray(np.atleast_2d(starts)),
+            # A copy can be written to: read-only arrays would be compiled for once more.
+            np.array(np.atleast_2d(starts), order="C"),
             iterations,
         )
 

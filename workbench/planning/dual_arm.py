@@ -15,7 +15,6 @@ tried in turn:
 A plan without legs in step is safe at any speeds: arms wait for each other between steps only.
 """
 
-import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import permutations
@@ -25,6 +24,7 @@ import numpy as np
 from workbench.model.candidate import Pick, Reason, Stage, Verdict
 from workbench.model.geometry import Floats
 from workbench.model.plan import LEG_NAMES, ArmPlan, Guarantee, Leg, LegName, Plan, Step, Strategy
+from workbench.planning.clock import working_time
 from workbench.planning.contact import Contact
 from workbench.planning.in_step import in_step
 from workbench.planning.legs import HOLDING, Run, phase_of
@@ -155,7 +155,7 @@ def coordinate(
     second: ArmPlan | Verdict | None = None
     was_carried = False
     for offset in offsets:
-        if time.monotonic() > world.deadline:
+        if working_time() > world.deadline:
             break
         is_carried = offset >= CARRYING
         if second is None or is_carried != was_carried:
@@ -187,7 +187,7 @@ def coordinate(
             best = plan
         if offset == 0:
             break
-    if best is None and time.monotonic() > world.deadline:
+    if best is None and working_time() > world.deadline:
         return Verdict(Reason.OUT_OF_TIME, Stage.ROUTE)
     return best or refusal or Verdict(Reason.NO_PATH, Stage.ROUTE)
 

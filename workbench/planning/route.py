@@ -1,6 +1,5 @@
 """From picks to a plan: the free legs between the straight ones, as they will be sent."""
 
-import time
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Literal
@@ -11,6 +10,7 @@ from workbench.model.candidate import Pick, Reason, Stage, Verdict
 from workbench.model.cell import Arm
 from workbench.model.geometry import Floats
 from workbench.model.plan import ArmPlan, Guarantee, Leg, LegName, Plan, Step, Strategy
+from workbench.planning.clock import working_time
 from workbench.planning.contact import Contact
 from workbench.planning.execution import timed
 from workbench.planning.legs import HOLDING, phase_of
@@ -54,7 +54,7 @@ def route(
     Returns:
         The plan, or the verdict of the leg for which no path was found.
     """
-    began = time.perf_counter()
+    began = working_time()
     arms: list[ArmPlan] = []
     steps: list[Step] = []
     gone: frozenset[int] = frozenset()
@@ -77,7 +77,7 @@ def route(
         arms=tuple(arms),
         sequence=tuple(steps),
         note=note,
-        seconds={"route": time.perf_counter() - began},
+        seconds={"route": working_time() - began},
     )
 
 

@@ -1,7 +1,6 @@
 """One free way: searched by the planner of that name, shortened, rounded, checked as it is run."""
 
 import math
-import time
 from collections.abc import Callable, Mapping
 
 import numpy as np
@@ -9,6 +8,7 @@ import numpy as np
 from workbench.model.candidate import Reason, Stage, Verdict
 from workbench.model.cell import PlannerName, Policy
 from workbench.model.geometry import Floats
+from workbench.planning.clock import working_time
 from workbench.planning.contact import Contact
 from workbench.planning.motion import Curves, curves_of, segment
 from workbench.planning.ompl_planners import ompl_planner
@@ -63,7 +63,7 @@ def searched(
 ) -> Floats | Verdict:
     """A path between two clear configurations (n,), rounded and checked as it will be run.
 
-    `deadline` [s] on the clock of `time.monotonic` ends the search wherever it stands.
+    `deadline` [s] on the clock of `working_time` ends the search wherever it stands.
 
     Returns:
         Waypoints (m, n) [rad]; or why there are none, with what was met last.
@@ -100,7 +100,7 @@ def edge_check(check: Check, deadline: float = math.inf) -> EdgeCheck:
     """Whether one straight joint motion is clear, by a check of whole motions."""
 
     def is_clear(a: Floats, b: Floats) -> bool:
-        if time.monotonic() > deadline:
+        if working_time() > deadline:
             raise _Late
         return check(segment(a, b)) is None
 

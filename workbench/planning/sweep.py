@@ -90,9 +90,13 @@ def swept(
     looks = 0
     if len(among) > MOST_OPEN:
         return 0, TOO_LONG, middle, looks
-    open_pairs[: len(among)] = among
+    # Loops, here and below: numba takes seconds to compile the assignment of an array to a slice.
+    for k in range(len(among)):
+        open_pairs[k] = among[k]
     for curve in range(len(points)):
-        pending[0] = points[curve]
+        for k in range(3):
+            for i in range(n):
+                pending[0, k, i] = points[curve, k, i]
         begins[0], sizes[0] = 0, len(among)
         used, last, at = len(among), 1, 0
         while at < last:

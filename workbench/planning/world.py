@@ -29,7 +29,7 @@ AT_REST = "at rest"
 class World:
     """The cell with the parts found, ready to answer "how close?" for any configuration.
 
-    `deadline` [s], on the clock of `time.monotonic`, is when searches in it give up.
+    `deadline` [s], on the clock of `working_time`, is when searches in it give up.
 
     Lifetime: as long as cell and detections; `enter` changes what is attached, nothing is rebuilt.
     Concurrency: one thread at a time.

@@ -1,6 +1,5 @@
 """How well and how fast parts are found: seeded piles, simulated scans, true poses to compare."""
 
-import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
@@ -19,6 +18,7 @@ from workbench.model.scan import Detection
 from workbench.perception.pose_error import pose_error
 from workbench.perception.scan_noise import FINE, ROUGH, NoiseModel
 from workbench.perception.synthesize import synthesize, visible_shares
+from workbench.planning.clock import working_time
 
 NEAR, TURNED = 0.002, float(np.deg2rad(3.0))
 """[m], [rad] A detection that is further from a true pose is wrong."""
@@ -89,9 +89,9 @@ def localized_scene(task: Task) -> Scene:
     cell = _warm(task.cell, task.part, task.build)
     truth = pile_of(cell, ALL_KINDS, task.count, seed=task.seed)
     scan = synthesize(cell, truth, seed=task.seed, noise=BUILDS[task.build].noise)
-    began = time.perf_counter()
+    began = working_time()
     detections = find_parts(cell, {"scan": scan, "seed": task.seed}, _silent, _never).detections
-    seconds = time.perf_counter() - began
+    seconds = working_time() - began
     found, is_found = compare(cell.parts, truth, detections)
     return Scene(task, found, visible_shares(cell, truth), is_found, seconds)
 

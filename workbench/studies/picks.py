@@ -3,7 +3,6 @@
 Localization is left out on purpose: its own study tells how good it is.
 """
 
-import time
 from typing import Any
 
 import numpy as np
@@ -12,6 +11,7 @@ from workbench.app.pick import Report, plan_pick
 from workbench.formats.cells import read_cell
 from workbench.model.cell import PlannerName, Wishes
 from workbench.perception.piles import drop_parts
+from workbench.planning.clock import working_time
 
 STAGES = ("propose", "resolve", "route", "prove")
 
@@ -49,9 +49,9 @@ def measure(
     cycles: list[float] = []
     for number, (one, pile) in enumerate(zip(seeds, piles, strict=True)):
         report(number / scenes, f"pile {one}")
-        began = time.perf_counter()
+        began = working_time()
         result = plan_pick(cell, pile, "study", strategy=strategy, wishes=wishes, seed=one)
-        whole = time.perf_counter() - began
+        whole = working_time() - began
         for stage, value in result.seconds.items():
             seconds[stage].append(value)
         if result.plan is None or result.proof is None:

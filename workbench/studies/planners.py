@@ -4,7 +4,6 @@ Targets that no configuration reaches, and those where every configuration touch
 counted apart: no planner can solve them.
 """
 
-import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
@@ -15,6 +14,7 @@ import numpy as np
 from workbench.app.pick import Report
 from workbench.model.cell import Arm, Cell, PlannerName
 from workbench.model.geometry import Floats
+from workbench.planning.clock import working_time
 from workbench.planning.contact import Contact
 from workbench.planning.motion import Curves, chain_contact, curves_of
 from workbench.planning.pairing import Phase
@@ -84,7 +84,7 @@ class Course:
         search = finish = 0.0
         iterations, path = 0, None
         for _ in range(TRIES):
-            began = time.perf_counter()
+            began = working_time()
             found, used = PLANNERS[planner](
                 self.start,
                 goal,
@@ -95,13 +95,13 @@ class Course:
                 iterations=allowed,
                 rng=rng,
             )
-            middle = time.perf_counter()
+            middle = working_time()
             search, iterations = search + middle - began, iterations + used
             if found is None:
                 break
             sent = as_sent(found, is_clear, policy.free_points)
             is_spoiled = check(curves_of(sent, policy.zone)) is not None
-            finish += time.perf_counter() - middle
+            finish += working_time() - middle
             if not is_spoiled:
                 path = sent
                 break
