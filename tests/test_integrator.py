@@ -32,7 +32,7 @@ def acme(monkeypatch):
 def device():
     """A scanner that sends what it is told to, once."""
     server = socket.create_server(("127.0.0.1", 0))
-    server.settimeout(20)
+    server.settimeout(120)
     content: list[bytes] = []
 
     def serve() -> None:

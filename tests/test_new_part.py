@@ -25,7 +25,7 @@ def test_the_page_leads_from_a_cad_file_to_a_proven_plan(tmp_path):
         env={**os.environ, "XDG_CACHE_HOME": str(tmp_path / "cache")},
         capture_output=True,
         text=True,
-        timeout=280,
+        timeout=800,
     )
     assert ran.returncode == 0, ran.stdout[-2000:] + ran.stderr[-4000:]
     assert "size 40, 24, 15 mm" in ran.stdout

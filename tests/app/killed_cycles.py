@@ -13,6 +13,7 @@ import time
 from pathlib import Path
 
 from conftest import Samples, made_cell
+from patient import LONG, PATIENT
 
 from workbench.app.bench import Bench
 from workbench.app.commands import (
@@ -39,7 +40,7 @@ class QuickMachines:
     def __init__(self, cell, do, now):
         self.live = Live()
         self._samples, self._do = Samples(cell), do
-        self._robot = RobotLink(cell, do, now, lambda **changes: None)
+        self._robot = RobotLink(cell, do, now, lambda **changes: None, patience=PATIENT)
 
     def run(self, effect):
         if isinstance(effect, StartJob):
@@ -81,7 +82,7 @@ def run(folder: str, port: str, state_port: str) -> None:
     os.write(1, f"{bench.state.number}\n".encode())
     bench.subscribe(lambda old, new: os.write(1, f"{new.number}\n".encode()))
     while True:
-        state = bench.wait(lambda s: s.job is None and s.phase is not Phase.SENDING, 10)
+        state = bench.wait(lambda s: s.job is None and s.phase is not Phase.SENDING, LONG)
         bench.do(next_command(state), "ada")
         time.sleep(0)
 

@@ -31,7 +31,7 @@ from workbench.journal.journal import Journal
 from workbench.model.errors import CommandRefused, JournalError
 from workbench.model.release import Receipt
 
-PATIENCE = 30
+PATIENCE = 120
 """How long [s] a test waits for what has to happen; far more than it takes."""
 
 

@@ -18,7 +18,7 @@ from workbench.app.worker import packed
 from workbench.model.errors import FileError, JobCancelled, WorkbenchError
 
 HERE = Path(__file__).parent
-PATIENCE = 30
+PATIENCE = 120
 """How long [s] a test waits for what has to happen; far more than it takes."""
 
 
@@ -154,7 +154,8 @@ def test_an_unknown_job_is_refused_with_those_there_are(jobs, listener):
     )
 
 
-def test_a_polite_job_ends_when_cancelled_and_its_process_lives_on(jobs, listener):
+def test_a_polite_job_ends_when_cancelled_and_its_process_lives_on(jobs, listener, monkeypatch):
+    monkeypatch.setattr("workbench.app.jobs.GRACE", PATIENCE)
     before = worker_of(jobs, listener)
     jobs.start(1, "wait_politely", {})
     listener.progress.get(timeout=PATIENCE)

@@ -12,6 +12,7 @@ from pathlib import Path
 
 import pytest
 from idle import Idle
+from patient import LONG, PATIENT
 
 from workbench.app.bench import Bench
 from workbench.app.state import Phase
@@ -21,13 +22,16 @@ from workbench.journal.journal import Journal
 HERE = Path(__file__).parent
 KILLS = 60
 SESSIONS = 6
-LONGEST = 0.3
-"""[s] A process lives at most so long from where it has taken up the session."""
+MOST_ENTRIES = 14
+"""That a process makes from where it has taken up the session: those of a whole cycle."""
+
+MOMENT = 0.005
+"""[s] It lives for so long at most after the last of them; about as long as the next one takes."""
 
 
 @pytest.fixture
 def controller(cell):
-    simulated = SimulatedController(cell, speed=1000)
+    simulated = SimulatedController(cell, speed=1000, patience=PATIENT)
     thread = threading.Thread(target=simulated.run)
     thread.start()
     yield simulated
@@ -45,21 +49,24 @@ def nursery():
         text=True,
         bufsize=1,
         cwd=HERE.parents[1],
-        env={"PYTHONPATH": f"{HERE.parents[1]}:{HERE}", "PATH": ""},
+        env={"PYTHONPATH": f"{HERE.parents[1]}:{HERE}:{HERE.parent / 'devices'}", "PATH": ""},
     )
     assert process.stdout.readline() == "ready\n"
     yield process
     process.stdin.close()
-    process.wait(10)
+    process.wait(LONG)
     process.stdout.close()
 
 
-def lived(nursery, folder, controller, seconds) -> list[int]:
-    """Have a process go on with a session and kill it; the entries that it said were done."""
+def lived(nursery, folder, controller, entries, seconds) -> list[int]:
+    """Have a process go on with a session and kill it; the entries that it said were done.
+
+    It is killed so many seconds after it has said that of so many beside the one that it found.
+    """
     nursery.stdin.write(f"{folder} {controller.port} {controller.state_port}\n")
     told: list[int] = []
     child = 0
-    while not (child and told):
+    while not (child and len(told) > entries):
         line = nursery.stdout.readline().split()
         if line[0] == "pid":
             child = int(line[1])
@@ -78,7 +85,9 @@ def test_a_session_killed_at_random_moments_is_always_whole(tmp_path, cell, nurs
     jobs = interrupted = 0
     for number in range(KILLS):
         folder = tmp_path / f"session-{number % SESSIONS}"
-        told = lived(nursery, folder, controller, chance.uniform(0, LONGEST))
+        told = lived(
+            nursery, folder, controller, chance.randint(1, MOST_ENTRIES), chance.uniform(0, MOMENT)
+        )
         journal = Journal(folder)
         # What was said to be done is there; what was in work is there wholly or not at all.
         assert journal.verify() == ()

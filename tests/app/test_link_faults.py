@@ -5,6 +5,7 @@ stands, and the journal holds every message.
 """
 
 import dataclasses
+import functools
 import re
 import socket
 import threading
@@ -12,6 +13,7 @@ import time
 
 import numpy as np
 import pytest
+from patient import LONG, PATIENT, Hurried, until
 
 from workbench.app.bench import Bench
 from workbench.app.commands import (
@@ -30,7 +32,7 @@ from workbench.app.pick import plan_pick
 from workbench.app.replay import replay
 from workbench.app.robot_link import RobotLink
 from workbench.app.state import Phase
-from workbench.devices import abb_link
+from workbench.devices import abb_serve_program
 from workbench.devices.abb_faults import FAULT_NAMES, parse_fault
 from workbench.devices.abb_messages import messages
 from workbench.devices.abb_program import lines_of, program_of
@@ -43,7 +45,6 @@ from workbench.model.errors import CommandRefused, InputError
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.scan import Detection
 
-PATIENCE = 60
 OLD, NEW = "abb-socket", "abb-socket/2"
 
 
@@ -74,6 +75,7 @@ def planned(yumi, found):
 class Rig:
     bench: Bench
     controller: SimulatedController
+    clock: Hurried
     plan: object
     expected: list[str]
 
@@ -81,11 +83,15 @@ class Rig:
     def state(self):
         return self.bench.state
 
+    @property
+    def has_failed(self):
+        return not self.controller._body.faults._left
+
     def send(self):
         self.bench.do(SendPlan(self.plan.digest), "ada")
 
     def ended(self):
-        return self.bench.wait(lambda state: state.phase is not Phase.SENDING, PATIENCE)
+        return self.bench.wait(lambda state: state.phase is not Phase.SENDING, LONG)
 
 
 @pytest.fixture
@@ -93,13 +99,21 @@ def rig(tmp_path, yumi, found, planned):
     """A bench with an approved plan, beside a controller that will do something wrong."""
     made = []
 
-    def build(protocol, *faults, speed=200.0, strategy="alternated"):
-        one = SimulatedController(yumi, speed=speed, faults=[parse_fault(text) for text in faults])
+    def build(protocol, *faults, speed=200.0, strategy="alternated", **patience):
+        clock = Hurried()
+        one = SimulatedController(
+            yumi,
+            speed=speed,
+            faults=[parse_fault(text) for text in faults],
+            patience=PATIENT,
+        )
         thread = threading.Thread(target=one.run)
         thread.start()
         address = Controller("127.0.0.1", one.port, one.state_port, protocol)
         cell = dataclasses.replace(yumi, controller=address)
-        bench = Bench(cell, Journal(tmp_path / "session"), effects=Machines)
+        ours = dataclasses.replace(PATIENT, clock=clock, **patience)
+        effects = functools.partial(Machines, patience=ours)
+        bench = Bench(cell, Journal(tmp_path / "session"), effects=effects)
         made.append((bench, one, thread))
         bench.do(UseDetections(found), "ada")
         number = bench.do(MakePlan(), "ada").number
@@ -113,21 +127,14 @@ def rig(tmp_path, yumi, found, planned):
         else:
             program = program_of(cell, plan, bench.state.approval)
             expected = [f"{line.word} {line.rest}" for line in lines_of(cell, program)]
-        return Rig(bench, one, plan, expected)
+        return Rig(bench, one, clock, plan, expected)
 
     yield build
     for bench, one, thread in made:
         bench.close()
         one.stop()
-        thread.join(10)
+        thread.join(LONG)
         assert not thread.is_alive()
-
-
-def until(condition, patience=PATIENCE):
-    deadline = time.monotonic() + patience
-    while not condition():
-        assert time.monotonic() < deadline, "it did not happen"
-        time.sleep(0.01)
 
 
 def check_evidence(rig, protocol):
@@ -157,17 +164,17 @@ def check_evidence(rig, protocol):
 FAULTS = [
     (OLD, "drop:5", 200, "(closed the link|broke) at message 6"),
     (NEW, "drop:5", 200, "(closed the link|broke) at message 6"),
-    (NEW, "drop:98", 4, "(closed the link|broke) at step"),
+    (NEW, "drop:98", 0.5, "(closed the link|broke) at step"),
     (OLD, "garbage:5", 200, "where one b'send' was expected"),
     (NEW, "garbage:5", 200, "does not begin like a frame|is not text"),
     (NEW, "slow:5", 200, "did not acknowledge '0005 "),
-    (OLD, "half-open:5", 200, "silent for 1 s at message 6"),
+    (OLD, "half-open:5", 200, f"silent for {LONG:.0f} s at message 6"),
     (NEW, "half-open:5", 200, "did not acknowledge '0005 "),
-    (NEW, "half-open:98", 4, r"did not acknowledge '\d+ ping'|was silent"),
+    (NEW, "half-open:98", 0.5, r"did not acknowledge '\d+ ping'|was silent"),
     (OLD, "double-send:5", 200, "b'sendsend' where one"),
     (NEW, "double-send:5", 200, r"frame 0\d+ came where 0\d+ was expected"),
-    (OLD, "wrong-arm:2", 1, "moves arm left, arm right was told to"),
-    (NEW, "wrong-arm:1", 1, "arm left goes to waypoint .* in step 1; the plan moves right"),
+    (OLD, "wrong-arm:2", 0.1, "moves arm left, arm right was told to"),
+    (NEW, "wrong-arm:1", 0.1, "arm left goes to waypoint .* in step 1; the plan moves right"),
     (OLD, "emergency-stop:3", 200, "reports a fault: emergency stop"),
     (NEW, "emergency-stop:3", 200, "reports a fault at step .*: emergency stop"),
     (OLD, "pointer-lost:3", 200, "the program pointer of an arm is lost"),
@@ -177,13 +184,26 @@ FAULTS = [
 ]
 
 
+SAID_BY_REPORTS = {
+    (OLD, "half-open:5"): {"report": 0.0},
+    (OLD, "emergency-stop:3"): {"doubt": 0.0},
+    (OLD, "pointer-lost:3"): {"doubt": 0.0},
+}
+"""Who says nothing on the link any more is not waited for there, and one who reports nothing either
+is not waited for at all."""
+
+
 @pytest.mark.parametrize(
     ("protocol", "fault", "speed", "says"), FAULTS, ids=[f"{p}-{f}" for p, f, _, _ in FAULTS]
 )
 def test_a_fault_of_the_controller(rig, monkeypatch, protocol, fault, speed, says):
-    monkeypatch.setattr(abb_link, "ANSWER_SECONDS", 1.0)
-    one = rig(protocol, fault, speed=speed)
+    # A slow controller is so until the silence was noticed.
+    monkeypatch.setattr(abb_serve_program, "SLOW_SECONDS", LONG)
+    one = rig(protocol, fault, speed=speed, **SAID_BY_REPORTS.get((protocol, fault), {}))
     one.send()
+    if fault.startswith(("slow", "half-open")):
+        until(lambda: one.has_failed)
+        until(lambda: one.clock.let_pass(LONG) or one.state.phase is not Phase.SENDING)
     state = one.ended()
     assert state.phase is Phase.FAULT
     assert re.search(says, state.fault), state.fault
@@ -251,6 +271,7 @@ def test_joints_that_only_the_link_reports_are_not_shown_once_it_is_closed(rig):
         lambda command, actor: told.append(command),
         time.time,
         show,
+        patience=PATIENT,
     )
     link.send(one.plan, one.state.approval)
     until(lambda: any(isinstance(command, LinkEnded) for command in told))
@@ -283,7 +304,11 @@ def test_one_approval_is_good_for_one_sending(rig):
     one = rig(OLD)
     told = []
     link = RobotLink(
-        one.bench.cell, lambda command, actor: told.append(command), time.time, lambda **_: None
+        one.bench.cell,
+        lambda command, actor: told.append(command),
+        time.time,
+        lambda **_: None,
+        patience=PATIENT,
     )
     for number in (1, 2):
         link.send(one.plan, one.state.approval)

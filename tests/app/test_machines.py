@@ -9,12 +9,12 @@ import signal
 import socket
 import sqlite3
 import threading
-import time
 from pathlib import Path
 
 import numpy as np
 import pytest
 from idle import Idle
+from patient import LONG, PATIENT, until
 
 from workbench.app.bench import Bench
 from workbench.app.commands import (
@@ -41,18 +41,7 @@ from workbench.model.digest import digest_of
 from workbench.model.errors import CommandRefused
 
 HERE = Path(__file__).parent
-PATIENCE = 30
-"""How long [s] a test waits for what has to happen; far more than it takes."""
-
 MESSAGES = ["startR#", "inR#*30.00*", "outR#*60.00*", "stopR#"]
-
-
-def until(condition):
-    """Wait for something that has no event to wait for."""
-    deadline = time.monotonic() + PATIENCE
-    while not condition():
-        assert time.monotonic() < deadline, "it did not happen"
-        time.sleep(0.005)
 
 
 def at(cell, port, state_port):
@@ -66,7 +55,7 @@ def tiny_work_is_found(monkeypatch):
 
 @pytest.fixture
 def machines():
-    return functools.partial(Machines, module="tiny_work")
+    return functools.partial(Machines, module="tiny_work", patience=PATIENT)
 
 
 @pytest.fixture
@@ -101,7 +90,7 @@ def controller(cell):
     running = []
 
     def start(speed, of=cell):
-        simulated = SimulatedController(of, speed=speed)
+        simulated = SimulatedController(of, speed=speed, patience=PATIENT)
         thread = threading.Thread(target=simulated.run)
         thread.start()
         running.append((simulated, thread))
@@ -122,7 +111,7 @@ def bench(cell, tmp_path, machines):
 
 def test_a_scan_comes_from_the_worker_with_progress(bench):
     number = bench.do(TakeScan(seed=5), "ada").number
-    state = bench.wait(lambda state: state.job is None, PATIENCE)
+    state = bench.wait(lambda state: state.job is None, LONG)
     assert (state.phase, len(state.scan.points)) == (Phase.SCANNED, 5000)
     assert not state.scan.points.flags.writeable
     live = bench.live
@@ -133,7 +122,7 @@ def test_a_scan_comes_from_the_worker_with_progress(bench):
 def test_a_failed_job_leaves_its_sentence(bench, samples):
     bench.do(UseDetections(samples.detections()), "ada")
     bench.do(MakePlan("right"), "ada")
-    state = bench.wait(lambda state: state.job is None, PATIENCE)
+    state = bench.wait(lambda state: state.job is None, LONG)
     assert state.message == "task 'plan' failed: no plan by strategy right"
 
 
@@ -143,7 +132,7 @@ def test_a_cancelled_job_is_gone_at_once_and_its_end_is_recorded(bench, samples)
     until(lambda: bench.live.note == "waiting")
     state = bench.do(CancelJob(), "ada")
     assert state.job is None
-    ended = bench.wait(lambda newer: newer.number > state.number, PATIENCE)
+    ended = bench.wait(lambda newer: newer.number > state.number, LONG)
     assert (ended.phase, ended.message) == (Phase.SCANNED, "task 'localize' cancelled by ada")
 
 
@@ -152,14 +141,14 @@ def test_the_next_job_runs_after_a_cancel(bench, samples):
     bench.do(FindParts(), "ada")
     bench.do(CancelJob(), "ada")
     bench.do(TakeScan(), "ada")
-    state = bench.wait(lambda state: state.job is None, PATIENCE)
+    state = bench.wait(lambda state: state.job is None, LONG)
     assert len(state.scan.points) == 5000
 
 
 def test_a_result_that_cannot_be_recorded_ends_the_job_with_an_error(bench, samples, caplog):
     bench.do(UseScan(samples.scan()), "ada")
     bench.do(FindParts(seed=13), "ada")
-    state = bench.wait(lambda state: state.job is None, PATIENCE)
+    state = bench.wait(lambda state: state.job is None, LONG)
     assert "internal error, see the log: TypeError: no canonical form for complex" in state.message
     assert "Traceback" in caplog.text
 
@@ -170,7 +159,7 @@ def test_an_approved_plan_goes_out_and_the_parts_are_counted(cell, controller, b
     until(lambda: bench.live.joints)
     assert bench.live.joints == {"joint_1": 0.0}
     bench.do(SendPlan(bench.state.plan.digest), "ada")
-    state = bench.wait(lambda state: state.phase is not Phase.SENDING, PATIENCE)
+    state = bench.wait(lambda state: state.phase is not Phase.SENDING, LONG)
     assert (state.phase, state.fault, state.parts_placed) == (Phase.DONE, "", 1)
     assert [receipt.sent for receipt in state.receipts] == MESSAGES
     until(lambda: np.isclose(bench.live.joints["joint_1"], np.deg2rad(60)))
@@ -183,10 +172,10 @@ def test_a_stop_closes_the_link_in_the_middle_of_a_motion(cell, controller, benc
     simulated = controller(speed=0.001)
     bench = bench_at(at(cell, simulated.port, simulated.state_port))
     bench.do(SendPlan(bench.state.plan.digest), "ada")
-    bench.wait(lambda state: len(state.receipts) == 2, PATIENCE)
+    bench.wait(lambda state: len(state.receipts) == 2, LONG)
     until(lambda: bench.live.robot == "moves arm right")
     bench.do(Stop(), "bob")
-    state = bench.wait(lambda state: state.phase is Phase.FAULT, PATIENCE)
+    state = bench.wait(lambda state: state.phase is Phase.FAULT, LONG)
     assert state.fault == "sending was stopped before message 3 of 4"
     assert len(state.receipts) == 2
     until(lambda: bench.live.robot.startswith("fault"))
@@ -198,7 +187,7 @@ def test_a_controller_that_is_not_there_is_a_fault_with_its_address(cell, bench_
         port = closed.getsockname()[1]
     bench = bench_at(at(cell, port, port))
     bench.do(SendPlan(bench.state.plan.digest), "ada")
-    state = bench.wait(lambda state: state.phase is Phase.FAULT, PATIENCE)
+    state = bench.wait(lambda state: state.phase is Phase.FAULT, LONG)
     assert f"no controller answers at 127.0.0.1:{port}" in state.fault
     assert state.receipts == ()
     assert (bench.live.joints, bench.live.robot) == ({}, "")
@@ -211,7 +200,7 @@ def test_a_controller_that_talks_nonsense_is_a_fault(cell, bench_at):
         client, _ = server.accept()
         with client:
             client.sendall(b"hello")
-            state = bench.wait(lambda state: state.phase is Phase.FAULT, PATIENCE)
+            state = bench.wait(lambda state: state.phase is Phase.FAULT, LONG)
     assert "the controller said b'hello'" in state.fault
 
 
@@ -223,7 +212,7 @@ def test_what_the_controller_says_of_a_fault_is_part_of_it(cell, controller, ben
     bench = bench_at(at(cell, simulated.port, simulated.state_port))
     until(lambda: bench.live.joints)
     bench.do(SendPlan(bench.state.plan.digest), "ada")
-    state = bench.wait(lambda state: state.phase is Phase.FAULT, PATIENCE)
+    state = bench.wait(lambda state: state.phase is Phase.FAULT, LONG)
     assert "closed the link at message 3 of 4; the controller says: joint joint_1" in state.fault
     assert "30.00 deg is outside" in state.fault
     assert [receipt.sent for receipt in state.receipts] == MESSAGES[:2]
@@ -233,7 +222,7 @@ def test_sending_ends_when_it_can_no_longer_be_recorded(cell, controller, bench_
     simulated = controller(speed=1)
     bench = bench_at(at(cell, simulated.port, simulated.state_port))
     bench.do(SendPlan(bench.state.plan.digest), "ada")
-    bench.wait(lambda state: len(state.receipts) == 2, PATIENCE)
+    bench.wait(lambda state: len(state.receipts) == 2, LONG)
     other = sqlite3.connect(bench._journal.folder / "journal.sqlite", isolation_level=None)
     with caplog.at_level(logging.ERROR):
         other.execute("BEGIN IMMEDIATE")
@@ -244,7 +233,7 @@ def test_sending_ends_when_it_can_no_longer_be_recorded(cell, controller, bench_
     assert simulated.state()["received"] == 3
     assert bench.state.phase is Phase.SENDING
     bench.do(Stop(), "ada")
-    state = bench.wait(lambda state: state.phase is Phase.FAULT, PATIENCE)
+    state = bench.wait(lambda state: state.phase is Phase.FAULT, LONG)
     assert state.fault == "the sending had ended without a record of it"
 
 
@@ -252,7 +241,7 @@ def test_closing_while_sending_stops_the_robot_and_records_it(cell, controller, 
     simulated = controller(speed=0.001)
     bench = bench_at(at(cell, simulated.port, simulated.state_port))
     bench.do(SendPlan(bench.state.plan.digest), "ada")
-    bench.wait(lambda state: len(state.receipts) == 2, PATIENCE)
+    bench.wait(lambda state: len(state.receipts) == 2, LONG)
     bench.close()
     assert bench.state.phase is Phase.FAULT
     again = Journal(bench._journal.folder)
@@ -265,11 +254,11 @@ def test_a_stop_does_not_wait_for_a_journal_that_is_read(cell, controller, bench
     simulated = controller(speed=0.001)
     bench = bench_at(at(cell, simulated.port, simulated.state_port))
     bench.do(SendPlan(bench.state.plan.digest), "ada")
-    bench.wait(lambda state: len(state.receipts) == 2, PATIENCE)
+    bench.wait(lambda state: len(state.receipts) == 2, LONG)
     rows = bench._journal.entries()
     next(rows)
     bench.do(Stop(), "ada")
-    assert bench.wait(lambda state: state.phase is Phase.FAULT, PATIENCE).fault
+    assert bench.wait(lambda state: state.phase is Phase.FAULT, LONG).fault
     rows.close()
 
 
@@ -279,10 +268,10 @@ def test_a_worker_killed_in_a_job_ends_the_job_and_the_next_one_runs(bench, samp
     until(lambda: bench.live.note == "waiting")
     (worker,) = (p for p in multiprocessing.active_children() if p.name == "workbench worker")
     os.kill(worker.pid, signal.SIGKILL)
-    state = bench.wait(lambda state: state.job is None, PATIENCE)
+    state = bench.wait(lambda state: state.job is None, LONG)
     assert "the worker process ended (SIGKILL) during task 'localize'" in state.message
     bench.do(TakeScan(), "ada")
-    assert bench.wait(lambda state: state.job is None, PATIENCE).phase is Phase.SCANNED
+    assert bench.wait(lambda state: state.job is None, LONG).phase is Phase.SCANNED
 
 
 def test_a_plan_is_not_sent_twice_even_by_two_people_at_once(cell, controller, bench_at):
@@ -303,7 +292,7 @@ def test_a_plan_is_not_sent_twice_even_by_two_people_at_once(cell, controller, b
         person.start()
     for person in people:
         person.join()
-    bench.wait(lambda state: state.phase is Phase.DONE, PATIENCE)
+    bench.wait(lambda state: state.phase is Phase.DONE, LONG)
     assert sorted(outcomes) == ["refused", "refused", "sent"]
     assert simulated.state()["received"] == 4
 
@@ -313,7 +302,7 @@ def test_what_a_search_discarded_is_shown_and_not_recorded(cell, tmp_path, machi
     try:
         bench.do(UseScan(samples.scan()), "ada")
         bench.do(FindParts(seed=14), "ada")
-        state = bench.wait(lambda state: state.detections is not None, PATIENCE)
+        state = bench.wait(lambda state: state.detections is not None, LONG)
         findings = bench.live.findings
         assert findings is not None and findings.detections is state.detections
         assert [one.words for one in findings.discarded] == ["reaches into part-1"]

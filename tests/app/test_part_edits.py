@@ -201,7 +201,7 @@ def test_a_bench_keeps_drafts_and_saves_versions(tmp_path, monkeypatch):
         with pytest.raises(CommandRefused):
             bench.do(ChangeCell(replace(bench.state.cell, bin=moved), "nothing"), "ada")
         bench.do(SaveCell("wider for the new fingers"), "ada")
-        until = time.monotonic() + 20
+        until = time.monotonic() + 120
         while bench.state.saved != bench.state.cell.digest and time.monotonic() < until:
             time.sleep(0.02)
         assert (bench.state.cell_problem, bench.state.saved) == ("", bench.state.cell.digest)

@@ -36,7 +36,7 @@ def wait_politely(cell, arguments, report, cancelled):
 def wait_stubbornly(cell, arguments, report, cancelled):
     report(0.0, "waiting")
     while True:
-        time.sleep(60)
+        time.sleep(600)
 
 
 def refuse(cell, arguments, report, cancelled):

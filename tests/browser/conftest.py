@@ -11,7 +11,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import Browser, Locator, Page, sync_playwright
+from playwright.sync_api import Browser, Locator, Page, expect, sync_playwright
 
 from workbench.app.bench import Bench
 from workbench.app.state import State
@@ -23,6 +23,9 @@ from workbench.model.cell import Controller
 ROOT = Path(__file__).resolve().parents[2]
 PATIENCE = 120.0
 """How long [s] to wait for what must happen; far more than it takes."""
+
+# Otherwise what is expected has to be so within five seconds.
+expect.set_options(timeout=PATIENCE * 1000)
 
 FLAGS = [
     "--no-sandbox",

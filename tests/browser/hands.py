@@ -37,15 +37,21 @@ FRAMES += "if (++n > 4) done(); else requestAnimationFrame(next);})();})"
 """Resolved when the page has drawn itself some times more: what was sent is where it is seen."""
 
 
+def settle(page, milliseconds):
+    """Let so much time pass, and as many pictures as it takes on a machine that draws slowly."""
+    page.wait_for_timeout(milliseconds)
+    page.evaluate(FRAMES)
+
+
 def drag(page, start, end):
     """As a hand does it: there, down, along, up."""
-    page.evaluate(FRAMES)
+    settle(page, 0)
     page.mouse.move(*start)
-    page.wait_for_timeout(300)
+    settle(page, 300)
     page.mouse.down()
-    page.wait_for_timeout(100)
+    settle(page, 100)
     page.mouse.move(*end, steps=12)
-    page.wait_for_timeout(200)
+    settle(page, 200)
     page.mouse.up()
 
 

@@ -7,7 +7,7 @@ from functools import partial
 import numpy as np
 import pinocchio as pin
 import pytest
-from hands import drag, field, first_look
+from hands import drag, field, first_look, settle
 
 from workbench.app.bench import Bench
 from workbench.app.machines import Machines
@@ -83,7 +83,7 @@ def test_the_tool_follows_its_gizmo_and_is_taught(screen, bench, wait):
     screen.tab("Cell")
     screen.press("Jog")
     screen.wait_for("Clear; nearest are")
-    screen.page.wait_for_timeout(1000)
+    settle(screen.page, 1000)
     camera = first_look(screen.page, cell)
     tip = T.translation + 0.9 * TOOL_GIZMO * T.rotation[:, 2]
     away = tip - 0.06 * T.rotation[:, 2]
@@ -111,7 +111,7 @@ def test_a_bin_moved_by_its_gizmo_is_undone_redone_and_saved(
     cell = bench.state.cell
     screen.tab("Cell")
     screen.press("Show gizmo")
-    screen.page.wait_for_timeout(1000)
+    settle(screen.page, 1000)
     camera = first_look(screen.page, cell)
     p = cell.bin.T_world_bin.translation
     tip = p + [0, 0, 0.9 * GIZMO]
@@ -144,16 +144,16 @@ def test_two_clicks_measure_a_distance(screen, bench):
     screen.tab("Cell")
     screen.press("Measure")
     screen.button("Click on two points").wait_for()
-    screen.page.wait_for_timeout(1000)
+    settle(screen.page, 1000)
     camera = first_look(screen.page, cell)
     centre = cell.bin.T_world_bin.translation
     for p in (centre, centre + [0.0, 0.08, 0.0]):
         screen.page.mouse.move(*camera.pixel(p))
-        screen.page.wait_for_timeout(200)
+        settle(screen.page, 200)
         screen.page.mouse.down()
-        screen.page.wait_for_timeout(60)
+        settle(screen.page, 60)
         screen.page.mouse.up()
-        screen.page.wait_for_timeout(700)
+        settle(screen.page, 700)
     screen.button("Measure").wait_for()
     said = screen.page.get_by_text(" mm: x ").inner_text()
     distance = float(said.split(" mm")[0])

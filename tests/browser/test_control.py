@@ -4,7 +4,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from hands import first_look
+from hands import first_look, settle
 
 import workbench.gui.renderer
 import workbench.gui.visitor
@@ -93,7 +93,7 @@ def test_a_viewer_looks_and_a_watcher_sees_what_is_dragged(
     origin = bench.state.cell.bin.T_world_bin.translation
     along = origin + np.array([0.0, GIZMO * 0.9, 0.0])
     ada.page.mouse.move(*camera.pixel(along))
-    ada.page.wait_for_timeout(300)
+    settle(ada.page, 300)
     ada.page.mouse.down()
     ada.page.mouse.move(*camera.pixel(along + np.array([0.0, 0.05, 0.0])), steps=12)
     wait(lambda: shown.held is not None and shown.held.name == "Ada", "what Ada drags")

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import trimesh
-from hands import Camera, drag, field
+from hands import Camera, drag, field, settle
 
 from workbench.app.bench import Bench
 from workbench.app.machines import Machines
@@ -59,7 +59,7 @@ def grasp(bench, name: str):
 
 
 def stage_camera(screen, bench) -> Camera:
-    screen.page.wait_for_timeout(1500)
+    settle(screen.page, 1500)
     return Camera(screen.page, *view_of(bench.state.cell.part(PART)))
 
 
@@ -85,7 +85,7 @@ def test_a_grasp_is_made_with_the_mouse_and_picks_a_part(screen, bench, wait, re
     aim = np.array([0.65, -0.76, 0.0]) / np.linalg.norm([0.65, -0.76])
     point = np.array([0.0, 0.0, -0.012]) + 0.015 * aim
     screen.press("Add grasp")
-    screen.page.wait_for_timeout(300)
+    settle(screen.page, 300)
     screen.page.mouse.click(*camera.pixel(T_WORLD_STAGE.act(point)))
     wait(lambda: len(library(bench).entries) == 2, "the grasp that was clicked")
     made = grasp(bench, "grasp")
@@ -210,7 +210,7 @@ def test_a_cad_file_becomes_a_part_that_gets_a_grasp(screen, bench, wait, own):
     wait(lambda: "brick" in [part.name for part in bench.state.cell.parts], "the part")
     screen.wait_for("No grasps yet")
     screen.press("Add grasp")
-    screen.page.wait_for_timeout(2000)
+    settle(screen.page, 2000)
     part = bench.state.cell.part("brick")
     camera = Camera(screen.page, *view_of(part))
     screen.page.mouse.click(*camera.pixel(T_WORLD_STAGE.act(np.array([0.0, 0.0, 0.01]))))

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hands import drag, first_look
+from hands import drag, first_look, settle
 
 from workbench.formats.cells import read_cell
 from workbench.formats.clouds import write_cloud
@@ -57,7 +57,7 @@ def test_an_uploaded_scan_gives_parts_to_veto_and_correct(screen, bench, wait, r
     rows.nth(0).click()
     screen.page.wait_for_timeout(300)
     screen.press("Show gizmo")
-    screen.page.wait_for_timeout(1000)
+    settle(screen.page, 1000)
     T = bench.state.detections[0].T_world_part
     camera = first_look(screen.page, bench.state.cell)
     axes = T.rotation.T @ camera.axes[2]

@@ -89,5 +89,5 @@ def robot(tmp_path: Path) -> Iterator[Robot]:
     ports = json.loads(process.stdout.readline())
     yield Robot(ports["port"], ports["state_port"], record)
     process.stdin.close()
-    assert process.wait(timeout=30) == 0
+    assert process.wait(timeout=120) == 0
     process.stdout.close()

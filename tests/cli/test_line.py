@@ -123,7 +123,7 @@ def test_demo_prints_one_object_and_nothing_else(tmp_path):
         cwd=tmp_path,
         capture_output=True,
         text=True,
-        timeout=120,
+        timeout=600,
         check=False,
     )
     assert ended.returncode == 0, ended.stderr

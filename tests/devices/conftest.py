@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from patient import LONG, PATIENT
 
 from workbench.app.pick import plan_pick
 from workbench.devices.abb_simulated import SimulatedController
@@ -50,7 +51,7 @@ def waypoints(plan: Plan) -> list[tuple[str, Floats]]:
 @pytest.fixture
 def approval(cell: Cell, plan: Plan) -> Approval:
     now = time.time()
-    return Approval(plan.digest, "proof", cell.digest, plan.scan_digest, "tester", now, now + 60)
+    return Approval(plan.digest, "proof", cell.digest, plan.scan_digest, "tester", now, now + 3600)
 
 
 @pytest.fixture
@@ -60,7 +61,9 @@ def controller(cell: Cell, tmp_path: Path) -> Iterator[Callable[..., SimulatedCo
 
     def start(**options) -> SimulatedController:
         one = SimulatedController(
-            cell, record=tmp_path / "arrived.jsonl", **({"speed": 1000.0} | options)
+            cell,
+            record=tmp_path / "arrived.jsonl",
+            **({"speed": 1000.0, "patience": PATIENT} | options),
         )
         thread = threading.Thread(target=one.run)
         thread.start()
@@ -70,7 +73,7 @@ def controller(cell: Cell, tmp_path: Path) -> Iterator[Callable[..., SimulatedCo
     yield start
     for one, thread in running:
         one.stop()
-        thread.join(5)
+        thread.join(LONG)
         assert not thread.is_alive()
 
 

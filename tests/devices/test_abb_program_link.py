@@ -1,5 +1,6 @@
 """abb-socket/2 over real TCP: what is executed is what was proven, however bytes and arms go."""
 
+import itertools
 import json
 import random
 import socket
@@ -10,10 +11,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from patient import LONG, PATIENT, Hurried, send, until
 
 from workbench.app.pick import plan_pick
 from workbench.devices.abb_faults import Fault
-from workbench.devices.abb_link import send
+from workbench.devices.abb_frames import framed
+from workbench.devices.abb_messages import REQUEST
+from workbench.devices.abb_patience import USUAL
 from workbench.model.errors import JobCancelled, LinkError
 from workbench.model.plan import Guarantee
 from workbench.planning.execution import RoundedPolyline
@@ -77,7 +81,7 @@ def splitting(port, seed):
         accepting = threading.Thread(target=serve, daemon=True)
         accepting.start()
         yield server.getsockname()[1]
-        accepting.join(5)
+        accepting.join(LONG)
         for one in sockets:
             one.close()
 
@@ -194,12 +198,12 @@ def test_a_controller_of_the_older_protocol_is_told_apart(at, plan, approval):
         port = server.getsockname()[1]
         with pytest.raises(LinkError, match="perhaps it speaks abb-socket alone"):
             list(send(plan, approval, at(port, protocol="abb-socket/2")))
-        thread.join(5)
+        thread.join(LONG)
     assert got[0].startswith(b"0001 hello abb-socket/2") and len(got[0]) == 80
 
 
 def test_a_stop_is_acknowledged_while_the_robot_moves(controller, at, plan, approval):
-    one = controller(speed=1.0)
+    one = controller(speed=0.05)
     moving = threading.Event()
     shown: list = []
 
@@ -220,14 +224,55 @@ def test_a_stop_is_acknowledged_while_the_robot_moves(controller, at, plan, appr
 
 def test_a_client_that_falls_silent_stops_the_robot(controller, cell, at, plan, approval):
     """The link stays open; nobody says anything on it any more."""
-    one = controller(speed=0.2)
+    clock = Hurried()
+    one = controller(speed=0.05, patience=replace(USUAL, clock=clock))
     receipts = send(plan, approval, at(one.port, protocol="abb-socket/2"))
     for receipt in receipts:
         if receipt.kind == "run":
             break
-    until = time.monotonic() + 10
-    while time.monotonic() < until and not one.state()["fault"]:
-        time.sleep(0.05)
+    clock.let_pass(USUAL.silence)
+    until(lambda: one.state()["fault"])
     assert "the client was silent for 2 s while the robot moved" in one.state()["fault"]
     with pytest.raises(LinkError):
         list(receipts)
+
+
+def test_a_robot_that_has_much_to_catch_up_with_is_heard_of_meanwhile(
+    controller, at, plan, approval
+):
+    """As on a machine that does not get round to it for seconds."""
+    seconds = itertools.count()
+    patience = replace(PATIENT, silence=1e9, clock=lambda: float(next(seconds)))
+    one = controller(speed=1000.0, patience=patience)
+    steps: list[int] = []
+    target = at(one.port, protocol="abb-socket/2")
+    list(send(plan, approval, target, show=lambda status: steps.append(status.step)))
+    assert len(set(steps) - {0, len(plan.sequence)}) > 5
+
+
+def test_what_is_said_while_we_are_busy_is_no_silence(at, plan, approval):
+    clock, busy, told = Hurried(), threading.Event(), threading.Event()
+    with socket.create_server(("127.0.0.1", 0)) as server:
+
+        def serve():
+            client, _ = server.accept()
+            with client:
+                client.sendall(REQUEST)
+                client.recv(256)
+                client.sendall(framed(1, "hello abb-socket/2 R7 L7"))
+                busy.wait(LONG)
+                client.sendall(framed(2, "state ready 00 R00 L00"))
+                told.set()
+                client.recv(256)
+
+        thread = threading.Thread(target=serve)
+        thread.start()
+        target = at(server.getsockname()[1], protocol="abb-socket/2")
+        receipts = send(plan, approval, target, patience=replace(PATIENT, clock=clock))
+        assert next(receipts).kind == "hello"
+        busy.set()
+        assert told.wait(LONG)
+        clock.let_pass(2 * LONG)
+        with pytest.raises(LinkError, match="closed the link at message 2"):
+            list(receipts)
+        thread.join(LONG)

@@ -1,6 +1,7 @@
 """Scans from a folder and from a page: complete ones only, in time, and a word when not."""
 
 import contextlib
+import functools
 import http.server
 import threading
 import time
@@ -9,6 +10,7 @@ from collections.abc import Callable
 import numpy as np
 import pinocchio as pin
 import pytest
+from patient import LONG
 
 from workbench.devices.scanners import FolderScanner, HttpScanner
 from workbench.formats.clouds import write_cloud
@@ -18,53 +20,58 @@ from workbench.model.geometry import pose_from_rpy
 from workbench.model.scan import Scan
 
 T = pose_from_rpy((0.4, 0.0, 0.9), (np.pi, 0, 0))
+DRIBBLES = 2400
+"""Pieces of an answer that takes two minutes."""
+
 SCAN = Scan(np.random.default_rng(0).uniform(0.1, 0.5, (500, 3)), T, "made")
 
 
-def mount(source, address, patience=5.0, unit="m") -> ScannerMount:
+def mount(source, address, patience=LONG, unit="m") -> ScannerMount:
     return ScannerMount(T, source=source, address=str(address), patience=patience, unit=unit)
 
 
-def taken(scanner, cancelled: Callable[[], bool] = lambda: False) -> Scan:
-    return scanner.scan(lambda done, note: None, cancelled)
+def taken(scanner, *then: Callable[[], object], cancelled=lambda: False) -> Scan:
+    """A scan, and what happens while it is awaited: one thing at each report."""
+    left = list(then)
 
+    def report(done: float, note: str) -> None:
+        if left:
+            left.pop(0)()
 
-def later(action: Callable[[], object], seconds: float = 0.3) -> None:
-    threading.Timer(seconds, action).start()
+    return scanner.scan(report, cancelled)
 
 
 def test_the_next_file_is_the_scan(tmp_path):
     write_cloud(tmp_path / "old.ply", SCAN)
     newer = Scan(SCAN.points + 0.01, T, "newer")
-    later(lambda: write_cloud(tmp_path / "new.ply", newer))
-    assert taken(FolderScanner(mount("folder", tmp_path))).digest == newer.digest
+    scanner = FolderScanner(mount("folder", tmp_path))
+    assert taken(scanner, lambda: write_cloud(tmp_path / "new.ply", newer)).digest == newer.digest
 
 
 def test_a_file_is_read_when_it_is_complete(tmp_path):
     write_cloud(tmp_path / "whole.bin", SCAN)
     content = (tmp_path / "whole.bin").read_bytes()
 
-    def dribble() -> None:
-        with (tmp_path / "scan.ply").open("wb") as file:
-            for start in range(0, len(content), 2000):
-                file.write(content[start : start + 2000])
-                file.flush()
-                time.sleep(0.1)
+    def more(start: int) -> None:
+        with (tmp_path / "scan.ply").open("ab") as file:
+            file.write(content[start : start + 2000])
 
-    threading.Thread(target=dribble).start()
-    assert taken(FolderScanner(mount("folder", tmp_path))).digest == SCAN.digest
+    pieces = [functools.partial(more, start) for start in range(0, len(content), 2000)]
+    assert len(pieces) > 5
+    assert taken(FolderScanner(mount("folder", tmp_path)), *pieces).digest == SCAN.digest
 
 
 def test_a_file_that_is_renamed_into_place_counts(tmp_path):
     write_cloud(tmp_path / "scan.part", SCAN)
-    later(lambda: (tmp_path / "scan.part").rename(tmp_path / "scan.ply"))
-    assert taken(FolderScanner(mount("folder", tmp_path))).digest == SCAN.digest
+    scanner = FolderScanner(mount("folder", tmp_path))
+    found = taken(scanner, lambda: (tmp_path / "scan.part").rename(tmp_path / "scan.ply"))
+    assert found.digest == SCAN.digest
 
 
 def test_millimetres_are_millimetres(tmp_path):
     in_mm = Scan(SCAN.points * 1000, T, "mm")
-    later(lambda: write_cloud(tmp_path / "scan.ply", in_mm))
-    found = taken(FolderScanner(mount("folder", tmp_path, unit="mm")))
+    scanner = FolderScanner(mount("folder", tmp_path, unit="mm"))
+    found = taken(scanner, lambda: write_cloud(tmp_path / "scan.ply", in_mm))
     np.testing.assert_allclose(found.points, SCAN.points, rtol=1e-12)
 
 
@@ -74,24 +81,22 @@ def test_no_file_no_folder_and_a_broken_file_are_told(tmp_path):
         taken(FolderScanner(mount("folder", tmp_path, patience=0.4)))
     with pytest.raises(LinkError, match="there is no folder"):
         taken(FolderScanner(mount("folder", tmp_path / "nowhere")))
-    later(lambda: (tmp_path / "scan.pcd").write_bytes(b"not a cloud"))
+    scanner = FolderScanner(mount("folder", tmp_path))
     with pytest.raises(FileError, match="neither a PLY nor a PCD"):
-        taken(FolderScanner(mount("folder", tmp_path)))
+        taken(scanner, lambda: (tmp_path / "scan.pcd").write_bytes(b"not a cloud"))
 
 
 def test_a_folder_that_goes_while_a_scan_is_awaited_is_told(tmp_path):
     folder = tmp_path / "scans"
     folder.mkdir()
-    later(folder.rmdir)
     with pytest.raises(LinkError, match="scans: No such file"):
-        taken(FolderScanner(mount("folder", folder)))
+        taken(FolderScanner(mount("folder", folder)), folder.rmdir)
 
 
 def test_waiting_can_be_cancelled(tmp_path):
     over = threading.Event()
-    later(over.set)
     with pytest.raises(JobCancelled):
-        taken(FolderScanner(mount("folder", tmp_path, patience=60)), over.is_set)
+        taken(FolderScanner(mount("folder", tmp_path)), over.set, cancelled=over.is_set)
 
 
 @pytest.fixture
@@ -105,7 +110,7 @@ def page(tmp_path):
                 self.send_response(200)
                 self.end_headers()
                 with contextlib.suppress(OSError):
-                    for _ in range(100):
+                    for _ in range(DRIBBLES):
                         self.wfile.write(b"ply\n")
                         answers["/dribble"] += b"ply\n"
                         time.sleep(0.05)
@@ -155,9 +160,9 @@ def test_a_page_that_gives_a_scan_too_slowly_is_not_waited_for(page):
     scanner = HttpScanner(mount("http", f"{address}/dribble", patience=0.3))
     with pytest.raises(LinkError, match="is too slow"):
         taken(scanner)
-    assert len(answers["/dribble"]) < 400, "it waited for the end"
+    assert len(answers["/dribble"]) < 4 * DRIBBLES, "it waited for the end"
     with pytest.raises(JobCancelled):
-        taken(scanner, lambda: True)
+        taken(scanner, cancelled=lambda: True)
 
 
 @pytest.mark.parametrize("path", ["nonsense", "scan 1.ply"])
@@ -167,7 +172,7 @@ def test_an_answer_or_an_address_that_is_no_http_is_told(page, path):
 
 
 def test_the_scan_stands_where_the_scanner_does(tmp_path):
-    later(lambda: write_cloud(tmp_path / "scan.ply", SCAN))
-    found = taken(FolderScanner(mount("folder", tmp_path)))
+    scanner = FolderScanner(mount("folder", tmp_path))
+    found = taken(scanner, lambda: write_cloud(tmp_path / "scan.ply", SCAN))
     assert isinstance(found.T_world_scanner, pin.SE3)
     assert found.T_world_scanner.isApprox(T)

@@ -45,7 +45,9 @@ def test_a_moved_bin_changes_one_line(path):
 
 
 @settings(
-    max_examples=15, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
+    max_examples=15,
+    deadline=None,
+    suppress_health_check=[HealthCheck.too_slow, HealthCheck.function_scoped_fixture],
 )
 @given(
     xyz=st.tuples(*[st.floats(-1, 1)] * 3),

@@ -155,7 +155,9 @@ def test_a_pair_of_links_that_are_not_there_is_refused(folder: Path) -> None:
 
 @given(content=mutated((SHIPPED / "cell.toml").read_bytes()))
 @settings(
-    suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=40, deadline=None
+    suppress_health_check=[HealthCheck.too_slow, HealthCheck.function_scoped_fixture],
+    max_examples=40,
+    deadline=None,
 )
 def test_no_file_is_worse_than_an_error(tmp_path: Path, content: bytes) -> None:
     only_file_errors(tmp_path / "cell.toml", content, read_cell)

@@ -209,7 +209,9 @@ def test_an_unknown_unit_is_refused(tmp_path: Path) -> None:
 coordinates = st.floats(-50, 50).filter(lambda x: abs(x) > 0.01)
 
 
-@settings(deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(
+    deadline=None, suppress_health_check=[HealthCheck.too_slow, HealthCheck.function_scoped_fixture]
+)
 @given(
     points=arrays.arrays(float, st.tuples(st.integers(1, 12), st.just(3)), elements=coordinates),
     organised=st.booleans(),
@@ -232,7 +234,9 @@ def test_any_scan_survives_its_file(
 
 
 @settings(
-    deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=400
+    deadline=None,
+    suppress_health_check=[HealthCheck.too_slow, HealthCheck.function_scoped_fixture],
+    max_examples=400,
 )
 @given(data=st.data())
 def test_only_file_errors_come_out_of_broken_clouds(tmp_path: Path, data: st.DataObject) -> None:

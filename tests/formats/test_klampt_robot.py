@@ -34,7 +34,7 @@ def klampt_says(path: Path, configurations) -> dict:
         input=json.dumps([list(map(float, q)) for q in configurations]),
         capture_output=True,
         text=True,
-        timeout=120,
+        timeout=600,
     )
     assert ran.returncode == 0, ran.stderr
     return json.loads(ran.stdout)

@@ -155,7 +155,9 @@ def test_an_unknown_part_is_refused_with_those_that_are_there() -> None:
         read_part("cube")
 
 
-@settings(deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(
+    deadline=None, suppress_health_check=[HealthCheck.too_slow, HealthCheck.function_scoped_fixture]
+)
 @given(data=st.data())
 def test_only_file_errors_come_out_of_broken_parts(tmp_path: Path, data: st.DataObject) -> None:
     folder = Path(shutil.copytree(SHIPPED, tmp_path / "part", dirs_exist_ok=True))

@@ -177,7 +177,9 @@ finite = st.floats(-1e3, 1e3)
 
 
 @settings(
-    deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=60
+    deadline=None,
+    suppress_health_check=[HealthCheck.too_slow, HealthCheck.function_scoped_fixture],
+    max_examples=60,
 )
 @given(
     q=st.lists(st.lists(finite, min_size=7, max_size=7), min_size=1, max_size=4),
@@ -210,7 +212,9 @@ def test_any_plan_survives_its_file(
 
 
 @settings(
-    deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=300
+    deadline=None,
+    suppress_health_check=[HealthCheck.too_slow, HealthCheck.function_scoped_fixture],
+    max_examples=300,
 )
 @given(data=st.data())
 def test_only_file_errors_come_out_of_broken_plan_files(

@@ -166,7 +166,9 @@ angles = st.tuples(*[st.floats(-3.2, 3.2)] * 3)
 places = st.tuples(*[st.floats(-19, 19)] * 3)
 
 
-@settings(deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(
+    deadline=None, suppress_health_check=[HealthCheck.too_slow, HealthCheck.function_scoped_fixture]
+)
 @given(poses=st.lists(st.tuples(places, angles), max_size=4))
 def test_any_poses_survive_both_kinds_of_file(tmp_path: Path, poses: Any) -> None:
     made = [Detection("peg", pose_from_rpy(xyz, rpy)) for xyz, rpy in poses]
@@ -178,7 +180,9 @@ def test_any_poses_survive_both_kinds_of_file(tmp_path: Path, poses: Any) -> Non
 
 
 @settings(
-    deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=300
+    deadline=None,
+    suppress_health_check=[HealthCheck.too_slow, HealthCheck.function_scoped_fixture],
+    max_examples=300,
 )
 @given(data=st.data())
 def test_only_file_errors_come_out_of_broken_pose_files(

@@ -140,7 +140,9 @@ def test_a_byte_order_mark_is_passed_over(tmp_path: Path) -> None:
     assert read_toml(tmp_path / "thing.toml").text("name") == "peg"
 
 
-@settings(deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(
+    deadline=None, suppress_health_check=[HealthCheck.too_slow, HealthCheck.function_scoped_fixture]
+)
 @given(data=st.data())
 def test_only_file_errors_come_out_of_broken_toml(tmp_path: Path, data: st.DataObject) -> None:
     def read(path: Path) -> None:

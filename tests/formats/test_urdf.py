@@ -141,7 +141,10 @@ def test_what_is_wrong_is_named(tmp_path: Path, old: str, new: str, problem: str
 
 
 @given(content=mutated(ARM.encode()))
-@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=150)
+@settings(
+    suppress_health_check=[HealthCheck.too_slow, HealthCheck.function_scoped_fixture],
+    max_examples=150,
+)
 def test_no_file_is_worse_than_an_error(tmp_path: Path, content: bytes) -> None:
     only_file_errors(tmp_path / "arm.urdf", content, read_urdf)
 

@@ -11,7 +11,7 @@ from workbench.front.raw_browser import raw_browser
 
 SECRET = "a secret of this start"
 PASSWORD = "correct horse battery"
-PATIENCE = 20.0
+PATIENCE = 120.0
 """How long [s] to wait for what must happen; far more than it takes."""
 
 

@@ -1,6 +1,7 @@
 """When a websocket ends: with the login, with the front, and when there are too many."""
 
 import asyncio
+import time
 
 import pytest
 from attackers import PASSWORD, PATIENCE, at_the_page, cookie_of, refused_with, run
@@ -8,6 +9,7 @@ from attackers import PASSWORD, PATIENCE, at_the_page, cookie_of, refused_with, 
 from workbench.app.people import Role
 from workbench.front.connections import MOST_OF_ONE, OVER
 from workbench.front.raw_browser import raw_browser
+from workbench.front.store import Store
 
 
 def test_logging_out_cuts_all_windows_of_the_browser(front):
@@ -51,12 +53,21 @@ def test_what_another_process_does_to_a_user_cuts(front, users, change):
     run(look())
 
 
-def test_a_login_that_expires_cuts(users, start):
-    front = start(hours=2.0 / 3600)
+def test_a_login_that_expires_cuts(users, start, file):
+    front = start(hours=3.0)
+
+    def let_expire() -> None:
+        store = Store(file)
+        with store.change() as connection:
+            ((until,),) = connection.execute("SELECT expires_at FROM sessions").fetchall()
+            assert 2 * 3600 < until - time.time() <= 3 * 3600
+            connection.execute("UPDATE sessions SET expires_at = ?", (time.time() - 1,))
+        store.close()
 
     async def look():
         async with at_the_page(front, "Otto") as browser:
             cookie = await cookie_of(browser)
+            await asyncio.to_thread(let_expire)
             assert await browser.close_code() == OVER
             assert await refused_with(browser.open(Cookie=cookie)) == 401
 

@@ -25,7 +25,7 @@ def certificate(tmp_path_factory):
         ],
         check=True,
         capture_output=True,
-        timeout=60,
+        timeout=600,
     )
     return made
 

@@ -65,7 +65,7 @@ def person_at(secret: str | None, headers: dict[str, str]) -> Person:
 
     async def connect() -> Person:
         async with raw_browser(server.get_port(), headers):
-            return await asyncio.to_thread(found.get, timeout=20)
+            return await asyncio.to_thread(found.get, timeout=120)
 
     try:
         return asyncio.run(connect())

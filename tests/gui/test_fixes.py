@@ -7,7 +7,7 @@ import workbench.gui.fixes
 from workbench.gui.fixes import LOOKING, NOTHING, Fixes
 from workbench.model.candidate import Reason, Stage, Verdict
 
-PATIENCE = 60.0
+PATIENCE = 120.0
 """How long [s] to wait for what must happen."""
 
 

@@ -16,7 +16,7 @@ from workbench.gui.panels.cell import CellPanel
 from workbench.gui.panels.grasps import GraspsPanel
 from workbench.gui.server import serve
 
-PATIENCE = 60.0
+PATIENCE = 120.0
 """How long [s] to wait for what must happen."""
 
 

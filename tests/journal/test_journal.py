@@ -57,7 +57,9 @@ def with_three_entries(journal: Journal) -> Journal:
 
 
 @settings(
-    max_examples=15, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
+    max_examples=15,
+    deadline=None,
+    suppress_health_check=[HealthCheck.too_slow, HealthCheck.function_scoped_fixture],
 )
 @given(bodies=st.lists(st.tuples(st.text(min_size=1), st.binary(), st.binary()), max_size=5))
 def test_what_was_appended_comes_back_after_opening_again(tmp_path_factory, bodies):

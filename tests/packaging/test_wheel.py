@@ -15,7 +15,7 @@ ROOT = Path(__file__).resolve().parents[2]
 def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("dist")
     command = [sys.executable, "-m", "hatchling", "build", "-t", "wheel", "-d", str(folder)]
-    subprocess.run(command, cwd=ROOT, check=True, capture_output=True, timeout=120)
+    subprocess.run(command, cwd=ROOT, check=True, capture_output=True, timeout=600)
     (built,) = folder.glob("*.whl")
     return built
 
@@ -40,16 +40,16 @@ def test_it_holds_code_and_data_and_nothing_else(wheel):
 def venv(wheel, tmp_path_factory) -> Path:
     """An environment of its own with nothing but the wheel; dependencies are those of the tests."""
     folder = tmp_path_factory.mktemp("installed")
-    subprocess.run([sys.executable, "-m", "venv", "--without-pip", folder], check=True, timeout=60)
+    subprocess.run([sys.executable, "-m", "venv", "--without-pip", folder], check=True, timeout=600)
     python = folder / "bin" / "python"
     ask = "import sysconfig; print(sysconfig.get_path('purelib'))"
-    site = Path(subprocess.check_output([python, "-c", ask], text=True, timeout=60).strip())
+    site = Path(subprocess.check_output([python, "-c", ask], text=True, timeout=600).strip())
     # Paths in a .pth file lend packages, but not the editable install of the checkout.
     lent = [path for path in sys.path if path.endswith("site-packages")]
     (site / "dependencies.pth").write_text("\n".join(lent) + "\n")
     install = ["install", "--quiet", "--no-deps", "--no-index", str(wheel)]
     command = [sys.executable, "-m", "pip", "--python", str(python), *install]
-    subprocess.run(command, check=True, capture_output=True, timeout=120)
+    subprocess.run(command, check=True, capture_output=True, timeout=600)
     return folder
 
 
@@ -61,7 +61,7 @@ def test_installed_elsewhere_it_runs_the_demo_on_its_own_cell(venv, tmp_path):
             check=True,
             capture_output=True,
             text=True,
-            timeout=280,
+            timeout=800,
         ).stdout
 
     where = "from workbench.formats.shipped import find; print(find('robots', 'yumi'))"

@@ -24,6 +24,7 @@ from workbench.app.live import Live
 from workbench.app.rights import CELL_FILE, WORKER
 from workbench.app.robot_link import Clock, Do, RobotLink
 from workbench.app.worker import GettingReady
+from workbench.devices.abb_patience import USUAL, Patience
 from workbench.formats.cell_edits import log_change, save_cell
 from workbench.formats.cells import part_folders, read_cell
 from workbench.formats.part_saves import drop_draft, save_part, write_draft
@@ -53,6 +54,7 @@ class Machines:
         *,
         module: str = WORK,
         cell_file: Path | None = None,
+        patience: Patience = USUAL,
     ) -> None:
         """Start the worker, and the watch over the robot's state.
 
@@ -62,6 +64,7 @@ class Machines:
             now: seconds since the epoch.
             module: the module of the worker's jobs.
             cell_file: where changes of the cell are written to.
+            patience: how long the controller is waited for.
         """
         self._do = do
         self._now = now
@@ -69,7 +72,7 @@ class Machines:
         self._lock = threading.Lock()
         self._saving = threading.Lock()
         self._live = Live()
-        self._robot = RobotLink(cell, do, now, self._show)
+        self._robot = RobotLink(cell, do, now, self._show, patience=patience)
         self._jobs = Jobs(
             cell, self._job_ended, self._job_progressed, prepared=self._prepared, module=module
         )

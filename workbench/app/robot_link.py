@@ -12,6 +12,7 @@ from workbench.app.commands import Command, LinkEnded, Sent
 from workbench.app.rights import ROBOT_LINK
 from workbench.app.state import State
 from workbench.devices.abb_link import send
+from workbench.devices.abb_patience import USUAL, Patience
 from workbench.devices.abb_reports import ControllerState, watch_state
 from workbench.devices.abb_status import LinkStatus
 from workbench.model.cell import Cell
@@ -31,31 +32,26 @@ Do = Callable[[Command, str], State]
 RETRY = 1.0
 """How long [s] to wait before asking again a controller that does not report its state."""
 
-REPORT_SECONDS = 1.0
-"""How long [s] a report may lag behind what the controller has done."""
-
-PATIENCE = 0.3
-"""[s] A controller that reports a fault mostly says so on the link as well, and better."""
-
 
 @dataclass(slots=True)
 class Run:
     """One sending, as it goes.
 
     `before` is what the controller reported last before it, `receipts` what has gone out since.
-    `doubt` says why the sending must not go on from the time `doubted_at` [s] on.
+    `doubt` says why the sending must not go on from the time `doubted_at` [s] of `clock` on.
     """
 
     plan: Plan
     before: ControllerState | None
     stopped: threading.Event
+    clock: Callable[[], float]
     receipts: list[Receipt] = field(default_factory=list[Receipt])
     doubt: str = ""
     doubted_at: float = 0.0
 
     def is_to_stop(self) -> bool:
         """Whether somebody stops it, or what is reported does not fit what was sent."""
-        return self.stopped.is_set() or (self.doubt != "" and time.monotonic() >= self.doubted_at)
+        return self.stopped.is_set() or (self.doubt != "" and self.clock() >= self.doubted_at)
 
 
 class RobotLink:
@@ -68,7 +64,15 @@ class RobotLink:
     reported.  `do` is called from the sending's thread, `show` from the listening one.
     """
 
-    def __init__(self, cell: Cell, do: Do, now: Clock, show: Callable[..., None]) -> None:
+    def __init__(
+        self,
+        cell: Cell,
+        do: Do,
+        now: Clock,
+        show: Callable[..., None],
+        *,
+        patience: Patience = USUAL,
+    ) -> None:
         """Begin to listen.
 
         Args:
@@ -76,11 +80,13 @@ class RobotLink:
             do: takes `Sent` and `LinkEnded`.
             now: seconds since the epoch.
             show: takes `joints`, `robot` and `link` of `Live` as keywords.
+            patience: how long the controller is waited for.
         """
         self._cell = cell
         self._do = do
         self._now = now
         self._show = show
+        self._patience = patience
         self._stopped = threading.Event()
         self._closing = threading.Event()
         self._reports = threading.Condition()
@@ -99,7 +105,7 @@ class RobotLink:
     def send(self, plan: Plan, approval: Approval) -> None:
         """Begin to send; each message and the end are given to `do`."""
         self._stopped = threading.Event()
-        run = Run(plan, self._report, self._stopped)
+        run = Run(plan, self._report, self._stopped, self._patience.clock)
         self._start_sender(self._send, run, approval)
 
     def stop(self) -> None:
@@ -137,6 +143,7 @@ class RobotLink:
                 now=self._now,
                 cancelled=run.is_to_stop,
                 show=self._show_link,
+                patience=self._patience,
             )
             # Closing the generator closes the link, whoever breaks off.
             with closing(cast(Generator[Receipt, None, None], receipts)):
@@ -227,7 +234,7 @@ class RobotLink:
         """The newest report, waiting a little for one that fulfils the condition."""
         with self._reports:
             self._reports.wait_for(
-                lambda: self._report is None or condition(self._report), REPORT_SECONDS
+                lambda: self._report is None or condition(self._report), self._patience.report
             )
             return self._report
 
@@ -263,7 +270,7 @@ class RobotLink:
             return
         received = report.received - (run.before.received if run.before else 0)
         if report.fault and (received or run.before is None or report.fault != run.before.fault):
-            run.doubted_at = time.monotonic() + PATIENCE
+            run.doubted_at = self._patience.clock() + self._patience.doubt
             run.doubt = f"the controller reports a fault: {report.fault}"
         elif run.before is not None and report.moving and 1 <= received <= len(run.receipts):
             told = run.receipts[received - 1].arm

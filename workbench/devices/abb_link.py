@@ -7,6 +7,7 @@ from contextlib import suppress
 
 from workbench.devices.abb_connecting import connected
 from workbench.devices.abb_messages import Requests, messages
+from workbench.devices.abb_patience import USUAL, Patience
 from workbench.devices.abb_program import program_of
 from workbench.devices.abb_sending import Sending
 from workbench.devices.abb_status import LinkStatus
@@ -15,11 +16,8 @@ from workbench.model.errors import CommandRefused, JobCancelled, LinkError, Work
 from workbench.model.plan import Plan
 from workbench.model.release import Approval, Receipt
 
-ANSWER_SECONDS = 30.0
-"""`abb-socket` only: the robot moves between two requests; longer than this is too long."""
-
-STOP_SECONDS = 2.0
-"""How long a controller may take to acknowledge a stop."""
+MOST_HEARD = 65536
+"""Bytes taken at once: many times what a controller says within the longest silence."""
 
 
 def check_approval(plan: Plan, approval: Approval, cell: Cell, now: float) -> None:
@@ -55,7 +53,7 @@ def send(
     now: Callable[[], float] = time.time,
     cancelled: Callable[[], bool] = lambda: False,
     show: Callable[[LinkStatus], None] = lambda status: None,
-    answer_seconds: float | None = None,
+    patience: Patience = USUAL,
 ) -> Iterator[Receipt]:
     """Send a plan to the controller of the cell, in the protocol of the cell.
 
@@ -71,7 +69,7 @@ def send(
         now: seconds since the epoch.
         cancelled: asked all the time; True stops the robot as far as the protocol can.
         show: takes how the link stands, when that changes.
-        answer_seconds: [s] see `ANSWER_SECONDS`.
+        patience: how long the controller is waited for.
 
     Raises:
         CommandRefused: the approval is not for this, or has run out; nothing has moved.
@@ -88,23 +86,23 @@ def send(
     controller = cell.controller
     if controller.protocol == "abb-socket/2":
         program = program_of(cell, plan, approval)
-        talk = Sending(cell, plan, program, now=now, released=check)
+        silence = patience.silence
+        talk = Sending(cell, plan, program, now=now, released=check, silence=silence)
         with connected(controller.host, controller.port, "answers") as link:
-            yield from _converse(link, talk, cancelled, show)
+            yield from _converse(link, talk, cancelled, show, patience)
         return
     ready = messages(cell, plan)
-    seconds = ANSWER_SECONDS if answer_seconds is None else answer_seconds
     with connected(controller.host, controller.port, "answers") as link:
         requests, total = Requests(), len(ready)
         for number, message in enumerate(ready, start=1):
-            _await_request(link, requests, f"message {number} of {total}", cancelled, seconds)
+            _await_request(link, requests, f"message {number} of {total}", cancelled, patience)
             if number == 1:
                 # The connection may have waited; the approval must hold when motion begins.
                 check()
             show(LinkStatus("abb-socket", "sending", number, total, "send", now(), now()))
             _say(link, message.text.encode("ascii"), f"message {number} of {total}")
             yield Receipt(now(), message.arm, message.kind, message.text, number, total)
-        _await_request(link, requests, "the end of the last motion", cancelled, seconds)
+        _await_request(link, requests, "the end of the last motion", cancelled, patience)
         show(LinkStatus("abb-socket", "done", total, total, "send", now(), now()))
 
 
@@ -113,17 +111,21 @@ def _converse(
     talk: Sending,
     cancelled: Callable[[], bool],
     show: Callable[[LinkStatus], None],
+    patience: Patience,
 ) -> Iterator[Receipt]:
     """Say and hear until the end; whatever else happens, the robot is told to stop."""
+    clock = patience.clock
     try:
         while not talk.is_over:
             if cancelled():
-                yield from _stop(link, talk, show)
-            if data := talk.say(time.monotonic()):
+                yield from _stop(link, talk, show, patience)
+            if data := talk.say(clock()):
                 _say(link, data, talk.where)
             before = talk.status
-            yield from _heard(link, talk)
-            talk.check(time.monotonic())
+            data, at = _received(link, talk), clock()
+            # How long the receipts are worked on is not the controller's silence.
+            yield from talk.hear(data, at)
+            talk.check(at)
             if talk.status is not before:
                 show(talk.status)
     except WorkbenchError:
@@ -133,11 +135,11 @@ def _converse(
         if talk.is_begun and not talk.is_over and not talk.has_stopped:
             # The controller stops by itself when the link ends; this is quicker.
             with suppress(OSError):
-                link.sendall(talk.abort(time.monotonic()))
+                link.sendall(talk.abort(clock()))
 
 
 def _stop(
-    link: socket.socket, talk: Sending, show: Callable[[LinkStatus], None]
+    link: socket.socket, talk: Sending, show: Callable[[LinkStatus], None], patience: Patience
 ) -> Iterator[Receipt]:
     """Ask the controller to stop, and wait for its word.
 
@@ -150,27 +152,28 @@ def _stop(
     yield from talk.unanswered()
     missing = "the controller did not acknowledge the stop: use the emergency stop"
     try:
-        _say(link, talk.abort(time.monotonic()), talk.where)
-        until = time.monotonic() + STOP_SECONDS
-        while not talk.has_stopped and time.monotonic() < until:
-            yield from _heard(link, talk)
+        _say(link, talk.abort(patience.clock()), talk.where)
+        until = patience.clock() + patience.stop
+        while not talk.has_stopped and patience.clock() < until:
+            yield from talk.hear(_received(link, talk), patience.clock())
     except LinkError as error:
         raise JobCancelled(f"{where}; {missing} ({error})") from None
     show(talk.status)
     raise JobCancelled(f"{where}; {talk.status.stop or missing}")
 
 
-def _heard(link: socket.socket, talk: Sending) -> Iterator[Receipt]:
+def _received(link: socket.socket, talk: Sending) -> bytes:
+    """All that has arrived; nothing when nothing does within a moment."""
     try:
-        data = link.recv(4096)
+        data = link.recv(MOST_HEARD)
     except TimeoutError:
-        return
+        return b""
     except OSError as error:
         raise LinkError(f"the link broke at {talk.where}: {error.strerror or error}") from None
     if not data:
         hint = "" if talk.status.version else "; perhaps it speaks abb-socket alone"
         raise LinkError(f"the controller closed the link at {talk.where}{hint}")
-    yield from talk.hear(data, time.monotonic())
+    return data
 
 
 def _say(link: socket.socket, data: bytes, where: str) -> None:
@@ -185,18 +188,18 @@ def _await_request(
     requests: Requests,
     where: str,
     cancelled: Callable[[], bool],
-    seconds: float,
+    patience: Patience,
 ) -> None:
-    until = time.monotonic() + seconds
+    until = patience.clock() + patience.answer
     while True:
         if cancelled():
             raise JobCancelled(f"sending was stopped before {where}")
         try:
             data = link.recv(256)
         except TimeoutError:
-            if time.monotonic() > until:
+            if patience.clock() > until:
                 raise LinkError(
-                    f"the controller was silent for {seconds:.0f} s at {where}"
+                    f"the controller was silent for {patience.answer:.0f} s at {where}"
                 ) from None
             continue
         except OSError as error:

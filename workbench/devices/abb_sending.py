@@ -26,6 +26,7 @@ from workbench.devices.abb_frames import (
     number_after,
 )
 from workbench.devices.abb_messages import REQUEST, angles_of
+from workbench.devices.abb_patience import SILENCE
 from workbench.devices.abb_program import Line, Program, lines_of
 from workbench.devices.abb_status import LinkStatus
 from workbench.model.cell import Cell
@@ -34,9 +35,6 @@ from workbench.model.plan import Plan
 from workbench.model.release import PartReport, Receipt
 
 VERSION = "abb-socket/2"
-
-SILENCE = 2.0
-"""[s] Without a word from the other side, and the link counts as dead."""
 
 PING = 0.5
 """[s] We say something at least this often."""
@@ -61,6 +59,7 @@ class Sending:
         *,
         now: Callable[[], float],
         released: Callable[[], None],
+        silence: float = SILENCE,
     ) -> None:
         """Get ready to send.
 
@@ -70,9 +69,10 @@ class Sending:
             program: what is sent.
             now: seconds since the epoch, for the receipts.
             released: called before the robot moves; raises when the approval does not hold.
+            silence: [s] without a word after which the controller counts as gone.
         """
         self._cell, self._plan, self._program = cell, plan, program
-        self._now, self._released = now, released
+        self._now, self._released, self._silence = now, released, silence
         self._lines = (
             Line("", "hello", VERSION),
             *lines_of(cell, program),
@@ -159,13 +159,13 @@ class Sending:
         """
         if self._heard_at is None:
             self._heard_at = at
-        if self._waiting is not None and at - self._waiting[2] > SILENCE:
+        if self._waiting is not None and at - self._waiting[2] > self._silence:
             raise LinkError(
                 f"the controller did not acknowledge {self._waiting[0].text!r} within "
-                f"{SILENCE:.0f} s, at {self.where}"
+                f"{self._silence:.0f} s, at {self.where}"
             )
-        if at - self._heard_at > SILENCE:
-            raise LinkError(f"the controller was silent for {SILENCE:.0f} s at {self.where}")
+        if at - self._heard_at > self._silence:
+            raise LinkError(f"the controller was silent for {self._silence:.0f} s at {self.where}")
 
     def hear(self, data: bytes, at: float) -> Iterator[Receipt]:
         """Take what arrived; receipts of what it settles, one by one.

@@ -13,7 +13,7 @@ from workbench.devices.abb_faults import SLOW_SECONDS
 from workbench.devices.abb_frames import Frame
 from workbench.devices.abb_messages import in_degrees
 from workbench.devices.abb_motion import Motion
-from workbench.devices.abb_sending import SILENCE
+from workbench.devices.abb_patience import USUAL, Patience
 from workbench.devices.abb_serving import LONGEST_WORDS, Serving
 from workbench.model.errors import LinkError, ProtocolError
 
@@ -22,6 +22,9 @@ TICK = 0.02
 
 REPORT = 0.2
 """[s] Between two reports of the state."""
+
+SLICE = 1.0
+"""[s] Of the robot's time that is computed at once: between two of them the client is heard."""
 
 LEFT = "the client left while the robot moved"
 
@@ -38,11 +41,12 @@ class Station:
     look_around: Callable[[], None]
     paces: Mapping[str, float] = field(default_factory=dict[str, float])
     tickets: list[str] = field(default_factory=list[str])
+    patience: Patience = USUAL
 
     def wait(self, seconds: float) -> None:
         """Do nothing for so long, unless the controller ends."""
-        until = time.monotonic() + seconds
-        while time.monotonic() < until and not self.is_over():
+        until = self.patience.clock() + seconds
+        while self.patience.clock() < until and not self.is_over():
             time.sleep(TICK)
 
     def play_dead(self, client: socket.socket) -> None:
@@ -65,7 +69,9 @@ class ProgramClient:
         self._serving = Serving(self._body.cell, self._body.standing, station.tickets)
         self._motion: Motion | None = None
         self._messages = 0
-        self._heard_at = self._moved_at = time.monotonic()
+        self._silence, self._clock = station.patience.silence, station.patience.clock
+        self._heard_at = self._moved_at = self._clock()
+        self._behind = 0.0
         self._reported_at = 0.0
 
     def serve(self) -> None:
@@ -74,10 +80,11 @@ class ProgramClient:
         Raises:
             LinkError: something was; nothing moves any more.
         """
-        self._client.settimeout(SILENCE)
+        self._client.settimeout(self._silence)
         try:
             while not self._station.is_over():
-                if select.select([self._client], [], [], TICK)[0] and not self._hear():
+                tick = 0.0 if self._motion is not None and self._behind else TICK
+                if select.select([self._client], [], [], tick)[0] and not self._hear():
                     return
                 # Only now: who comes after this one has left is not turned away.
                 self._station.look_around()
@@ -97,7 +104,7 @@ class ProgramClient:
             if self._motion is not None:
                 raise LinkError(LEFT)
             return False
-        self._heard_at = time.monotonic()
+        self._heard_at = self._clock()
         for frame, answer in self._serving.hear(data):
             self._messages += 1
             self._body.arrived()
@@ -115,7 +122,7 @@ class ProgramClient:
             if faults.is_due("start-refused", count):
                 raise LinkError("an arm is 12.3 degrees from its start")
             self._motion = Motion(program, self._body, self._station.paces)
-            self._moved_at = time.monotonic()
+            self._moved_at, self._behind = self._clock(), 0.0
         if frame.word == "abort":
             self._motion = None
             self._body.halt("stopped by the client")
@@ -139,14 +146,16 @@ class ProgramClient:
         return True
 
     def _check_silence(self) -> None:
-        if self._motion is not None and time.monotonic() - self._heard_at > SILENCE:
-            self._fail(f"the client was silent for {SILENCE:.0f} s while the robot moved")
+        if self._motion is not None and self._clock() - self._heard_at > self._silence:
+            self._fail(f"the client was silent for {self._silence:.0f} s while the robot moved")
 
     def _move(self) -> None:
         if self._motion is None:
             return
-        now = time.monotonic()
-        seconds, self._moved_at = (now - self._moved_at) * self._body.speed, now
+        now = self._clock()
+        due = self._behind + (now - self._moved_at) * self._body.speed
+        seconds, self._moved_at = min(due, SLICE), now
+        self._behind = due - seconds
         try:
             for event in self._motion.advance(seconds):
                 if event.startswith("done"):
@@ -164,7 +173,7 @@ class ProgramClient:
         self._say(f"fault {why}"[:LONGEST_WORDS])
 
     def _report(self) -> None:
-        now = time.monotonic()
+        now = self._clock()
         if self._serving.phase == "greeted" or now - self._reported_at < REPORT:
             return
         self._reported_at = now

@@ -14,9 +14,6 @@ from workbench.model.cell import Arm
 from workbench.model.errors import LinkError, ProtocolError
 from workbench.model.geometry import Floats
 
-ANSWER_SECONDS = 30.0
-"""How long a client may take within a sequence; between sequences as long as it likes."""
-
 LEFT = "the client left in the middle of a sequence"
 
 
@@ -30,6 +27,7 @@ class RequestClient:
         """`client` has been told `send` once."""
         self._client, self._station, self._body = client, station, station.body
         self._commands = Commands(self._body.cell)
+        self._patience = station.patience
         self._messages = 0
 
     def serve(self) -> None:
@@ -65,13 +63,17 @@ class RequestClient:
         return True
 
     def _next(self) -> Message | None:
-        """The next message; None when the client leaves between two sequences."""
-        until = time.monotonic() + ANSWER_SECONDS
+        """The next message; None when the client leaves between two sequences.
+
+        Between sequences it may take as long as it likes.
+        """
+        answer, clock = self._patience.answer, self._patience.clock
+        until = clock() + answer
         while not self._station.is_over():
             self._station.look_around()
             if not select.select([self._client], [], [], TICK)[0]:
-                if time.monotonic() > until and not self._commands.is_between:
-                    raise LinkError(f"no message for {ANSWER_SECONDS:.0f} s within a sequence")
+                if clock() > until and not self._commands.is_between:
+                    raise LinkError(f"no message for {answer:.0f} s within a sequence")
                 continue
             data = self._client.recv(256)
             if not data:

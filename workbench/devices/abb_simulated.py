@@ -15,6 +15,7 @@ from typing import Any
 from workbench.devices.abb_body import Body
 from workbench.devices.abb_faults import Fault, Faults
 from workbench.devices.abb_messages import REQUEST
+from workbench.devices.abb_patience import USUAL, Patience
 from workbench.devices.abb_serve_program import TICK, ProgramClient, Station
 from workbench.devices.abb_serve_requests import RequestClient
 from workbench.model.cell import Cell
@@ -55,6 +56,7 @@ class SimulatedController:
         faults: Sequence[Fault] = (),
         paces: Mapping[str, float] | None = None,
         home_after: float = math.inf,
+        patience: Patience = USUAL,
     ) -> None:
         """Open the ports.
 
@@ -70,13 +72,16 @@ class SimulatedController:
             paces: arms that run legs slower than told, or faster, where they may; 1 is as told.
             home_after: [s] so long after a client has left arms away from home they go home, as if
                 somebody at the robot had sent them there.
+            patience: how long clients are waited for.
 
         Raises:
             LinkError: a port is taken.
         """
         self._stop = threading.Event()
         self._body = Body(cell, speed, record, trace, Faults(faults))
-        self._station = Station(self._body, self._stop.is_set, self._refuse_others, paces or {})
+        self._station = Station(
+            self._body, self._stop.is_set, self._refuse_others, paces or {}, patience=patience
+        )
         self._home_after = home_after
         self._motion = _listening(host, port)
         try:

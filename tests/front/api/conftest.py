@@ -15,7 +15,7 @@ from workbench.app.people import Person, Role
 from workbench.front.api import api_routes
 from workbench.journal.journal import Journal
 
-PATIENCE = 30
+PATIENCE = 120
 
 PEOPLE = {
     "Bearer ada": Person("Ada", Role.ENGINEER),

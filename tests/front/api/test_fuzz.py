@@ -37,6 +37,6 @@ def planned(site):
 @pytest.mark.parametrize("who", ["ada", "vic"])
 def test_every_answer_is_one_that_the_description_names(case, planned, who):
     case.call_and_validate(
-        base_url=planned.url, headers=planned.token(who), session=planned.session, timeout=30
+        base_url=planned.url, headers=planned.token(who), session=planned.session, timeout=120
     )
     assert planned.bench.state.number > 1

@@ -13,7 +13,7 @@ from workbench.front.opcua_values import VARIABLES
 from workbench.model.errors import InputError
 
 PLC = Person("plc", Role.OPERATOR)
-PATIENCE = 30.0
+PATIENCE = 120.0
 
 
 @pytest.fixture
