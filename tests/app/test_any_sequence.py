@@ -26,6 +26,7 @@ from workbench.app.commands import (
     JobEnded,
     LinkEnded,
     MakePlan,
+    Opened,
     ReportPick,
     SendPlan,
     Sent,
@@ -37,7 +38,7 @@ from workbench.app.commands import (
     WatchPlan,
 )
 from workbench.app.effects import Send, StartJob
-from workbench.app.rights import ROBOT_LINK
+from workbench.app.rights import ROBOT_LINK, SESSION_START
 from workbench.app.rules import staleness
 from workbench.app.state import Phase, State
 from workbench.model.digest import digest_of
@@ -60,6 +61,7 @@ class AnySequence(RuleBasedStateMachine):
         self.people = people
         self.line = Line(dataclasses.replace(self.samples.cell, approvers=people))
         self.sent: set[str] = set()
+        self.is_opened_again = False
         # What was said and shown for each plan, kept by this test alone.
         self.said: list[tuple[str, str, float]] = []
         self.shown: set[str] = set()
@@ -102,6 +104,8 @@ class AnySequence(RuleBasedStateMachine):
 
     def note(self, before: State, after: State, command: Command, actor: str) -> None:
         match command:
+            case SendPlan():
+                self.is_opened_again = False
             case WatchPlan(plan_digest=digest):
                 self.shown.add(digest)
             case Approve(plan_digest=digest):
@@ -113,6 +117,11 @@ class AnySequence(RuleBasedStateMachine):
                 self.threshold = threshold
             case TakeScan() | FindParts():
                 self.said.clear()
+            case Opened():
+                self.said.clear()
+                self.shown.clear()
+                self.is_opened_again = True
+                assert after.approval is None and not after.words and not after.watched
             case _:
                 pass
         if after.plan is not None and after.plan is not before.plan:
@@ -329,6 +338,13 @@ class AnySequence(RuleBasedStateMachine):
     def link_ends(self, fault, actor):
         self.attempt(LinkEnded(fault, 1), actor)
 
+    @rule()
+    def opened_again(self):
+        """As a bench does it, where a session is continued."""
+        if self.line.state.phase is Phase.SENDING:
+            self.attempt(LinkEnded("ended while sending", 0))
+        self.attempt(Opened(), SESSION_START)
+
     @rule(command=st.sampled_from([Stop(), CancelJob(), AcknowledgeFault(), ForgetAvoided()]))
     def interrupt(self, command):
         self.attempt(command)
@@ -348,7 +364,8 @@ class AnySequence(RuleBasedStateMachine):
             assert state.approval is not None
         if state.phase in (Phase.SENDING, Phase.FAULT):
             assert state.job is None
-            assert state.approval is not None
+            # What was spent stays to be seen until the session is opened again.
+            assert (state.approval is None) == self.is_opened_again
 
     @invariant()
     def a_stage_leaves_the_digests_of_its_inputs_alone(self):

@@ -271,7 +271,10 @@ def test_a_session_goes_on_where_it_ended(cell, journal, clock, samples):
     digest = approved(bench, samples)
     bench.close()
     again = Bench(cell, Journal(journal.folder), now=clock, effects=Noted)
-    assert again.state.phase is Phase.APPROVED
+    assert again.state.phase is Phase.PLANNED
+    assert again.state.plan.digest == digest
+    again.do(WatchPlan(digest), "ada")
+    again.do(Approve(digest), "ada")
     assert again.do(SendPlan(digest), "ada").phase is Phase.SENDING
     again.close()
 

@@ -116,7 +116,7 @@ def test_a_session_killed_at_random_moments_is_always_whole(tmp_path, cell, nurs
 
 
 def check_order(kinds: list[str]) -> bool:
-    """No message without a sending, no sending without an approval since the last one.
+    """No message without a sending, none of those without an approval since it and in this start.
 
     Returns:
         Whether the last sending has not ended.
@@ -134,6 +134,9 @@ def check_order(kinds: list[str]) -> bool:
             case "LinkEnded":
                 assert is_sending
                 is_sending = False
+            case "Opened":
+                assert not is_sending
+                is_approved = False
             case _:
                 assert not is_sending
     return is_sending

@@ -72,12 +72,13 @@ def bench_at(tmp_path, machines, samples):
         state = first.do(MakePlan(), "ada")
         result = samples.planned(state.scene_digest)
         first.do(JobEnded(state.number, result), "worker")
-        first.do(WatchPlan(result.plan.digest), "ada")
-        first.do(Approve(result.plan.digest), "ada")
         first.close()
         # Continued with machines, as a session is after a restart.
-        benches.append(Bench(cell, Journal(folder, patience=0.1), effects=machines))
-        return benches[-1]
+        bench = Bench(cell, Journal(folder, patience=0.1), effects=machines)
+        benches.append(bench)
+        bench.do(WatchPlan(result.plan.digest), "ada")
+        bench.do(Approve(result.plan.digest), "ada")
+        return bench
 
     yield make
     for bench in benches:

@@ -1,33 +1,38 @@
 """The bench: the one place where commands become states, one at a time and on record."""
 
-import logging
 import threading
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Protocol
 
-from workbench.app.commands import Approve, Command, Entry, JobEnded, LinkEnded, SendPlan, Stop
+from workbench.app.commands import (
+    Approve,
+    Command,
+    Entry,
+    JobEnded,
+    LinkEnded,
+    Opened,
+    SendPlan,
+    Stop,
+)
 from workbench.app.decide import decide
 from workbench.app.effects import Effect
 from workbench.app.live import Live
 from workbench.app.machines import Machines
+from workbench.app.observers import Observer, ObserverThread
 from workbench.app.people import Role
 from workbench.app.record import command_form, entry_record
 from workbench.app.replay import replay
-from workbench.app.rights import MACHINES, ROBOT_LINK, WORKER
+from workbench.app.rights import MACHINES, ROBOT_LINK, SESSION_START, WORKER
 from workbench.app.robot_link import Clock, Do
 from workbench.app.rules import NOT_REPORTED, allowed
 from workbench.app.sessions import begin
 from workbench.app.state import Phase, State
+from workbench.app.word_ages import WordAges
 from workbench.journal.journal import Journal, Row
 from workbench.model.cell import Cell
 from workbench.model.errors import CommandRefused, JournalError, WorkbenchError
-
-log = logging.getLogger(__name__)
-
-Observer = Callable[[State, State], None]
-"""Told the state that it was told last, and the newest one."""
 
 
 class Effects(Protocol):
@@ -52,7 +57,8 @@ class Bench:
 
     Lifetime: from construction until `close`.  It takes over the journal: an empty one begins
     a session; one with entries is continued where it ended, and what was under way then is
-    entered as ended (a sending as a fault, since nobody knows how far the robot came).
+    entered as ended (a sending as a fault, since nobody knows how far the robot came).  So are
+    words and approvals: they let nothing out but in the bench that they were given to.
 
     Concurrency: every method may be called from any thread, except that an observer may not
     call `close`.  Commands are serialised by a lock that is held for rules, decision and one
@@ -66,6 +72,7 @@ class Bench:
         journal: Journal,
         *,
         now: Clock = time.time,
+        steady: Clock = time.monotonic,
         effects: Callable[[Cell, Do, Clock], Effects] = Machines,
     ) -> None:
         """Begin or continue a session.
@@ -74,17 +81,20 @@ class Bench:
             cell: that the session runs with.
             journal: of the session; `close` closes it.
             now: seconds since the epoch; with the actor, the only input besides commands.
+            steady: seconds that only go on; a word lapses by them, too.
             effects: makes what carries out effects.
 
         Raises:
             JournalError: the journal cannot be written, or its entries do not fit.
+            CommandRefused: the end of what was under way cannot be written.
         """
         self.cell = cell
         self._journal = journal
         self._now = now
         self._changed = threading.Condition()
-        self._observers: list[_Observer] = []
+        self._observers: list[ObserverThread] = []
         self._closing = False
+        self._ages = WordAges(steady)
         if journal.count == 0:
             begin(journal, cell, now())
         self._state = State(cell, number=journal.count, saved=cell.digest)
@@ -133,6 +143,8 @@ class Bench:
                 raise CommandRefused("the workbench is closing")
             before, now = self._state, self._now()
             allowed(before, command, actor, now, joints, role)
+            if isinstance(command, SendPlan) and (problem := self._ages.lapsed(before)):
+                raise CommandRefused(problem)
             entry = Entry(before.number + 1, now, actor, command, joints, role)
             after, effects = decide(before, entry)
             record = entry_record(entry, form, after)
@@ -176,7 +188,7 @@ class Bench:
             A function that ends it; a call under way is not waited for.
         """
         with self._changed:
-            observer = _Observer(callback, self._state)
+            observer = ObserverThread(callback, self._state)
             self._observers.append(observer)
 
         def unsubscribe() -> None:
@@ -202,6 +214,7 @@ class Bench:
 
     def _publish(self, state: State) -> None:
         self._state = state
+        self._ages.note(state)
         for observer in self._observers:
             observer.put(state)
         self._changed.notify_all()
@@ -217,37 +230,6 @@ class Bench:
         if self._state.phase is Phase.SENDING:
             fault = "the workbench was ended while sending; look how far the robot has come"
             self.do(LinkEnded(fault, self._state.parts_placed), ROBOT_LINK)
-
-
-class _Observer:
-    """Calls one callback with the newest state, in a thread of its own."""
-
-    def __init__(self, callback: Observer, state: State) -> None:
-        self._callback = callback
-        self._seen = self._newest = state
-        self._changed = threading.Condition()
-        self._closed = False
-        threading.Thread(target=self._run, name="observer", daemon=True).start()
-
-    def put(self, state: State) -> None:
-        with self._changed:
-            self._newest = state
-            self._changed.notify()
-
-    def close(self) -> None:
-        with self._changed:
-            self._closed = True
-            self._changed.notify()
-
-    def _run(self) -> None:
-        while True:
-            with self._changed:
-                self._changed.wait_for(lambda: self._closed or self._newest is not self._seen)
-                if self._closed:
-                    return
-                newest = self._newest
-            try:
-                self._callback(self._seen, newest)
-            except Exception:
-                log.exception("an observer of the state failed")
-            self._seen = newest
+        # A session that has only begun has nothing that could end.
+        if self._journal.count > 1:
+            self.do(Opened(), SESSION_START)

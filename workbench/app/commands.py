@@ -276,6 +276,14 @@ class ReleaseControl:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class Opened:
+    """A bench goes on with this session: by a new start, or with a copy of it elsewhere.
+
+    Words and approvals belong to one start of one bench: those given before have ended.
+    """
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class CellRead:
     """The cell file was read: what it holds now, or why that cannot be used.
 
@@ -374,6 +382,7 @@ Command = (
     | GiveControl
     | DenyControl
     | ReleaseControl
+    | Opened
     | CellRead
     | PosesRefused
     | JobEnded

@@ -30,6 +30,7 @@ from workbench.app.commands import (
     JobEnded,
     LinkEnded,
     MakePlan,
+    Opened,
     PlanResult,
     PosesRefused,
     RedoCell,
@@ -61,7 +62,7 @@ from workbench.app.effects import (
 )
 from workbench.app.outcomes import after_one_more_scan, avoided_parts, with_outcome
 from workbench.app.planned import with_plan
-from workbench.app.release import without_approval, words_of_others
+from workbench.app.release import opened_again, without_approval, words_of_others
 from workbench.app.rules import approve
 from workbench.app.sent import after_sending, with_receipt
 from workbench.app.state import Job, Phase, State, anew, counted, overtaken_by
@@ -149,6 +150,8 @@ def decide(state: State, entry: Entry) -> Outcome:
             AskForControl() | TakeControl() | GiveControl() | DenyControl() | ReleaseControl()
         ) as word:
             return with_control(state, word, entry.actor), ()
+        case Opened():
+            return opened_again(state), ()
         case CellRead():
             return cell_read(state, entry.command)
         case PosesRefused(problem=problem):

@@ -58,6 +58,17 @@ def without_approval(state: State) -> State:
     return replace(state, phase=phase, approval=None, words=())
 
 
+def opened_again(state: State) -> State:
+    """The state of a session that a bench goes on with, which may be a copy of it elsewhere.
+
+    Nobody there has seen the plan or let it out: what was said before was said to another bench.
+    """
+    had, message = state.words or state.approval or state.watched, state.message
+    if had and state.phase in (Phase.PLANNED, Phase.APPROVED):
+        message = "the session was opened again: previews and approvals before that do not count"
+    return replace(without_approval(state), watched=(), message=message)
+
+
 def lacks_people(cell: Cell, approval: Approval) -> str:
     """Why an approval is by too few people for the cell; empty when it is not."""
     different = {_plain(name) for name in approval.people}

@@ -21,6 +21,7 @@ from workbench.app.commands import (
     JobEnded,
     LinkEnded,
     MakePlan,
+    Opened,
     PosesRefused,
     RedoCell,
     ReleaseControl,
@@ -47,7 +48,8 @@ ROBOT_LINK = "robot link"
 CELL_FILE = "cell file"
 POSES_FOLDER = "poses folder"
 FRONT_DOOR = "front door"
-MACHINES = frozenset({WORKER, ROBOT_LINK, CELL_FILE, POSES_FOLDER, FRONT_DOOR})
+SESSION_START = "session start"
+MACHINES = frozenset({WORKER, ROBOT_LINK, CELL_FILE, POSES_FOLDER, FRONT_DOOR, SESSION_START})
 """Actors that are not people; only they report what happened, and they may do nothing else."""
 
 NOBODY = "operator"
@@ -118,6 +120,7 @@ RIGHTS: Mapping[type, Right] = {
     GiveControl: Right("handing control over", EVERY, beside_job=True),
     DenyControl: Right("keeping control", EVERY, beside_job=True),
     ReleaseControl: Right("giving control back", EVERY, beside_job=True, also_by=FRONT_DOOR),
+    Opened: Right("going on with a session", EVERY, beside_job=True, by_machine=True),
     CellRead: Right("a new cell file", SAFE, by_machine=True),
     PosesRefused: Right("a problem with poses", EVERY, beside_job=True, by_machine=True),
     JobEnded: Right("the end of a task", EVERY, beside_job=True, by_machine=True),

@@ -23,6 +23,7 @@ from workbench.app.commands import (
     JobEnded,
     LinkEnded,
     MakePlan,
+    Opened,
     PosesRefused,
     RedoCell,
     ReleaseControl,
@@ -195,7 +196,7 @@ def allowed(
             check_integer("parts_placed", parts_placed, 0, SEED_LIMIT - 1)
         case UseScan() | Stop() | CancelJob() | AcknowledgeFault() | JobEnded() | Sent():
             pass
-        case CellRead() | PosesRefused():
+        case Opened() | CellRead() | PosesRefused():
             pass
         case _:
             assert_never(command)
