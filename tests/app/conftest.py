@@ -64,6 +64,7 @@ class Samples:
             None,
             () if holds else (finding,),
             (("right", "reach", np.array([0.02, 0.006])),),
+            zone=0.2,
         )
 
     def planned(self, scan_digest: str, seed: int = 0, *, holds: bool = True) -> PlanResult:

@@ -152,6 +152,7 @@ def allowed(
         case SendPlan(plan_digest=digest):
             plan = _named_plan(state, digest)
             _refuse(staleness(state.approval, plan, state.cell, state.scene_digest, now))
+            _refuse(unwalked(state.cell, state.proof))
             _refuse(overtaken(state, plan, joints))
         case WatchPlan(plan_digest=digest):
             _named_plan(state, digest)
@@ -270,12 +271,26 @@ def check_approvable(cell: Cell, plan: Plan, proof: Proof, actor: str) -> None:
         raise CommandRefused("the proof was made for another cell or scan; make a new plan")
     if not proof.holds:
         raise CommandRefused(f"the proof does not hold: {proof.findings[0]}")
+    _refuse(unwalked(cell, proof))
     if not can_be_sent(cell, plan):
         raise CommandRefused(
             f"the controller's protocol {cell.controller.protocol} moves one arm at a time, "
             "this plan moves both; make an alternated plan to send it, or use a controller that "
             "speaks abb-socket/2"
         )
+
+
+def unwalked(cell: Cell, proof: Proof | None) -> str:
+    """Why a proof says nothing about the cell's controller; empty when it does.
+
+    The controller is not in the cell's digest: a session may go on with another one.
+    """
+    if proof is None or cell.zone > proof.zone:
+        return (
+            f"the controller rounds corners by {cell.zone:g} of the segments, which the proof has "
+            "not walked; make a new plan"
+        )
+    return ""
 
 
 def staleness(

@@ -127,7 +127,7 @@ def _step(cell: Cell, plan: Plan, step: Step, before: dict[str, Leg]) -> Program
     legs: list[ProgramLeg] = []
     for name, leg_name in step.runs:
         leg = plan.arm(name).leg(leg_name)
-        hand, zone = _hand(leg, before.get(name)), cell.policy.zone
+        hand, zone = _hand(leg, before.get(name)), cell.zone
         seconds = np.maximum(np.round(np.diff(leg.t), 3), 0.001)
         legs.append(ProgramLeg(name, leg_name, zone, hand, leg.opening, leg.q, seconds))
         before[name] = leg

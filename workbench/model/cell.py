@@ -201,6 +201,11 @@ class Controller:
     state_port: int = 1026
     protocol: ProtocolName = "abb-socket"
 
+    @property
+    def stops_at_waypoints(self) -> bool:
+        """Whether the robot comes to rest at every waypoint; otherwise it rounds the corners."""
+        return self.protocol == "abb-socket"
+
 
 @dataclass(frozen=True, slots=True)
 class Policy:
@@ -210,11 +215,12 @@ class Policy:
     `self_margin` between links of the same arm, whose wrist is built closer than any margin.
     `lift_length` and `lift_lean` shape the extraction: straight up, leaning to the bin centre.
     `speed` scales joint velocities.  `zone` is the largest corner rounding, as a fraction of
-    the shorter neighbouring segment.  `planner` searches the free legs, within `iterations` a
-    call; `birrt` is the thesis' name for `rrtconnect`.  `seconds` [s] end a planning wherever it
-    stands: a stop against input that nobody foresaw, not a budget.  `order` says which part is
-    taken first: that with the least joint travel, the highest, the best score, the nearest to
-    the tool, the farthest from the walls, or by the thesis' rules (see `planning.order`).
+    the shorter neighbouring segment, where the controller rounds at all (`Cell.zone`).  `planner`
+    searches the free legs, within `iterations` a call; `birrt` is the thesis' name for
+    `rrtconnect`.  `seconds` [s] end a planning wherever it stands: a stop against input that nobody
+    foresaw, not a budget.  `order` says which part is taken first: that with the least joint
+    travel, the highest, the best score, the nearest to the tool, the farthest from the walls, or by
+    the thesis' rules (see `planning.order`).
     `metric` weighs the joints in the planners' distance: each counts this fraction of the one
     before it, since the first joints move more of the arm.
     """
@@ -281,6 +287,11 @@ class Cell:
     def __post_init__(self) -> None:
         put(self, T_world_robot=copied(self.T_world_robot))
         put(self, digest=digest_of(self, without=frozenset({"controller", "approvers"})))
+
+    @property
+    def zone(self) -> float:
+        """How far corners are rounded: the policy's `zone`, 0 where the robot stops at them."""
+        return 0.0 if self.controller.stops_at_waypoints else self.policy.zone
 
     def arm(self, name: str) -> Arm:
         """The arm of that name.

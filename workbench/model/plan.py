@@ -177,7 +177,9 @@ class Proof:
     """What was checked again, independently of the planner, on what will be sent.
 
     `checks` states were looked at; between two of them no point of the robot moves further
-    than its distance to the nearest obstacle allows, down to `resolution` [m].  `clearance`
+    than its distance to the nearest obstacle allows, down to `resolution` [m].  Corners were walked
+    sharp, and rounded by `zone`: 0 says that it holds only where the robot stops at every waypoint.
+    `clearance`
     [m] is the smallest found over free legs, `nearest` where; `clearances` (steps) holds per
     arm and leg the smallest distance after each waypoint, for the plot, and `apart` (steps) the
     distance between the arms at each waypoint, measured as far as `planning.prove.FAR_SIGHT`.
@@ -193,6 +195,7 @@ class Proof:
     findings: tuple[Finding, ...]
     clearances: tuple[tuple[str, str, Floats], ...] = ()
     apart: tuple[tuple[str, str, Floats], ...] = ()
+    zone: float = 0.0
     digest: str = field(init=False, repr=False)
 
     def __post_init__(self) -> None:

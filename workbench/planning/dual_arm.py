@@ -29,7 +29,7 @@ from workbench.planning.contact import Contact
 from workbench.planning.in_step import in_step
 from workbench.planning.legs import HOLDING, Run, phase_of
 from workbench.planning.meeting import Course, Meeting, first_meeting, standing
-from workbench.planning.motion import Curves, chain_contact, curves_of
+from workbench.planning.motion import Curves, chain_contact, walked
 from workbench.planning.order import Cost
 from workbench.planning.route import MOTIONS, arm_plan, leg_of
 from workbench.planning.search import joint_weights, searched
@@ -249,7 +249,7 @@ def _enter(world: World, pair: Pair) -> None:
 
 
 def _course(world: World, task: Task) -> Course:
-    curves = curves_of(np.asarray(task.leg.q), world.policy.zone)
+    curves = walked(np.asarray(task.leg.q), world.policy.zone)
     return Course(world.kinematics.columns[task.plan.arm], curves.points)
 
 

@@ -9,7 +9,7 @@ from workbench.model.geometry import Floats
 from workbench.model.plan import ArmPlan, Leg, LegName
 from workbench.planning.contact import Contact
 from workbench.planning.execution import timed
-from workbench.planning.motion import Curves, chain_contact, curves_of
+from workbench.planning.motion import Curves, chain_contact, walked
 from workbench.planning.route import MOTIONS
 from workbench.planning.search import joint_weights, searched
 from workbench.planning.world import World
@@ -57,7 +57,7 @@ def in_step(
         if len(legs[0].q) != len(legs[1].q):
             return None
         path = np.hstack([legs[0].q, legs[1].q])
-        if check(curves_of(path, policy.zone)) is not None:
+        if check(walked(path, policy.zone)) is not None:
             return None
     return _timed(world, plans, legs, path)
 

@@ -1,8 +1,10 @@
 """What the robot really does between waypoints, as curves, and the continuous check of them.
 
-The controller interpolates all joints of an arm linearly and rounds the corners: within a
-`zone` (a fraction of the neighbouring segments) it follows a parabola that touches both.  So a
-motion is a chain of quadratic Bezier curves in joint space: straight pieces and corners.
+The controller interpolates all joints of an arm linearly.  Either it stops at every waypoint, or
+it rounds the corners: within a `zone` (a fraction of the neighbouring segments) it follows a
+parabola that touches both.  So a motion is a chain of quadratic Bezier curves in joint space:
+straight pieces and corners.  A corner that the controller cannot round becomes a stop, so where
+corners are rounded the sharp ones are checked as well (`walked`).
 
 A curve is proven clear by halving: at its middle no pair may be closer than its margin plus
 the most that the rest of the curve can bring it nearer (`bounds`).  Where that cannot be told,
@@ -53,6 +55,21 @@ def curves_of(path: Floats, zone: float) -> Curves:
     return Curves(points, np.arange(len(points)) // 2)
 
 
+def walked(path: Floats, zone: float) -> Curves:
+    """All that the controller may make of waypoints (m, n), with a zone as in `curves_of`.
+
+    That is every straight way from waypoint to waypoint, where it stops or a zone cannot be done,
+    and every corner rounded.
+    """
+    sharp = curves_of(path, 0.0)
+    if zone <= 0:
+        return sharp
+    rounded = curves_of(path, zone)
+    points = rounded.points.copy()
+    points[::2] = sharp.points
+    return Curves(points, rounded.waypoints)
+
+
 @njit(cache=True)
 def halved(points: Floats) -> tuple[Floats, Floats, Floats, Floats]:
     """Middle of a quadratic Bezier curve (3, n), the most any joint leaves it, and both halves."""
@@ -78,7 +95,7 @@ def path_contact(
     among: Ints | None = None,
 ) -> tuple[Contact, Floats, int] | None:
     """The first contact along waypoints (m, n) as executed; see `chain_contact`."""
-    return chain_contact(world, columns, base, curves_of(path, zone), resolution, among)
+    return chain_contact(world, columns, base, walked(path, zone), resolution, among)
 
 
 def chain_contact(

@@ -1,7 +1,7 @@
 """The proof: a second look at a finished plan, on exactly what will be sent.
 
 It builds its own world from the cell and the plan, takes nothing from the planner, and walks
-the curves that the controller will follow (`motion`).  What it finds against the plan is
+the curves that the controller may follow (`motion`).  What it finds against the plan is
 listed; a plan is approved only when there is nothing.
 """
 
@@ -75,6 +75,7 @@ def prove(cell: Cell, plan: Plan, *, resolution: float = RESOLUTION) -> Proof:
         scan_digest=plan.scan_digest,
         checks=checks,
         resolution=resolution,
+        zone=cell.zone,
         clearance=clearance,
         nearest=nearest,
         findings=tuple(findings),
@@ -216,7 +217,6 @@ def _leg_values(cell: Cell, arm: Arm, leg: Leg) -> Iterator[Finding]:
         yield Finding("has times that do not increase", arm.name, name)
     # A rounded corner is shorter than its waypoints make it look, never by more than its zone.
     elif np.any(
-        np.abs(np.diff(q, axis=0)) / np.diff(t)[:, None]
-        > velocity * 1.001 / (1.0 - cell.policy.zone)
+        np.abs(np.diff(q, axis=0)) / np.diff(t)[:, None] > velocity * 1.001 / (1.0 - cell.zone)
     ):
         yield Finding("is faster than the joints may turn", arm.name, name)

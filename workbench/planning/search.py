@@ -10,7 +10,7 @@ from workbench.model.cell import PlannerName, Policy
 from workbench.model.geometry import Floats
 from workbench.planning.clock import working_time
 from workbench.planning.contact import Contact
-from workbench.planning.motion import Curves, curves_of, segment
+from workbench.planning.motion import Curves, segment, walked
 from workbench.planning.ompl_planners import ompl_planner
 from workbench.planning.planners import (
     EdgeCheck,
@@ -81,7 +81,7 @@ def searched(
             if path is None:
                 break
             path = as_sent(path, is_clear, policy.free_points)
-            met = check(curves_of(path, policy.zone))
+            met = check(walked(path, policy.zone))
             if met is None:
                 return path
     except _Late:

@@ -10,7 +10,7 @@ from workbench.model.plan import Finding, Guarantee, Leg, are_in_step
 from workbench.planning.contact import Contact
 from workbench.planning.legs import Stretch
 from workbench.planning.meeting import Course, first_meeting
-from workbench.planning.motion import curves_of, path_contact
+from workbench.planning.motion import path_contact, walked
 from workbench.planning.world import World
 
 
@@ -82,7 +82,7 @@ def _along(
         world.kinematics.columns[arm],
         world.configuration(standing),
         np.asarray(leg.q),
-        world.cell.policy.zone,
+        world.policy.zone,
         resolution,
         None if with_others else world.alone(arm),
     )
@@ -96,8 +96,8 @@ def _at_any_speed(world: World, stretch: Stretch, resolution: float) -> Finding 
         if finding is not None:
             return finding
     (first, first_leg), (second, second_leg) = stretch.runs
-    zone, columns = world.cell.policy.zone, world.kinematics.columns
-    curves = [curves_of(np.asarray(leg.q), zone) for _, leg in stretch.runs]
+    zone, columns = world.policy.zone, world.kinematics.columns
+    curves = [walked(np.asarray(leg.q), zone) for _, leg in stretch.runs]
     met = first_meeting(
         world,
         world.configuration(stretch.standing),
@@ -125,7 +125,7 @@ def _in_step(world: World, stretch: Stretch, resolution: float) -> Finding | Non
     columns = np.concatenate([world.kinematics.columns[plan.arm] for plan, _ in stretch.runs])
     path = np.hstack([np.asarray(leg.q) for _, leg in stretch.runs])
     base = world.configuration(stretch.standing)
-    found = path_contact(world, columns, base, path, world.cell.policy.zone, resolution)
+    found = path_contact(world, columns, base, path, world.policy.zone, resolution)
     if found is None:
         return None
     arm_plan, leg = stretch.runs[0]

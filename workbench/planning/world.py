@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 import pinocchio as pin
@@ -50,12 +51,13 @@ class World:
             cell: as it is.
             detections: the parts found.
             obstacles: what the scan shows beside them.
-            policy: by which to plan, where a request differs from the cell.
+            policy: by which to plan, where a request differs from the cell; how far corners are
+                rounded is a matter of the cell alone.
             by_coal: measure every distance with Coal, as a proof does; otherwise curves are
                 checked by our own compiled search, which is some times as fast.
         """
         self.cell = cell
-        self.policy = cell.policy if policy is None else policy
+        self.policy = replace(cell.policy if policy is None else policy, zone=cell.zone)
         self.detections = detections
         self.obstacles = obstacles
         self.kinematics = Kinematics(cell)

@@ -16,7 +16,7 @@ from workbench.model.cell import Arm, Cell, PlannerName
 from workbench.model.geometry import Floats
 from workbench.planning.clock import working_time
 from workbench.planning.contact import Contact
-from workbench.planning.motion import Curves, chain_contact, curves_of
+from workbench.planning.motion import Curves, chain_contact, walked
 from workbench.planning.pairing import Phase
 from workbench.planning.search import PLANNERS, TRIES, as_sent, edge_check, joint_weights
 from workbench.planning.wire import on_wire
@@ -100,7 +100,7 @@ class Course:
             if found is None:
                 break
             sent = as_sent(found, is_clear, policy.free_points)
-            is_spoiled = check(curves_of(sent, policy.zone)) is not None
+            is_spoiled = check(walked(sent, policy.zone)) is not None
             finish += working_time() - middle
             if not is_spoiled:
                 path = sent
