@@ -67,6 +67,7 @@ WORKING = [
         "part_index": 0,
         "content": b"abc",
     },
+    {"type": "GetRenderResponseMessage", "payload": b"jpeg", "render_uuid": "a"},
 ]
 
 

@@ -1,10 +1,17 @@
 """What a browser says to viser when it comes, without the browser."""
 
-from collections.abc import AsyncIterator, Mapping
-from contextlib import asynccontextmanager
+import asyncio
+import contextlib
+import threading
+from collections.abc import AsyncIterator, Iterator, Mapping
+from contextlib import asynccontextmanager, contextmanager
 
+import imageio.v3 as iio
 import msgspec
+import numpy as np
 import websockets
+
+from workbench.front.raw_browser import unpacked
 
 PROTOCOL = "viser-v1.1.1"
 
@@ -32,3 +39,49 @@ async def raw_browser(
     ) as connection:
         await connection.send(msgspec.msgpack.encode(CAMERA))
         yield connection
+
+
+PICTURE = iio.imwrite("<bytes>", np.zeros((8, 8, 3), np.uint8), extension=".jpeg")
+
+
+class Sitting:
+    """A browser that reads what it is sent, and draws it while its page `is_in_front`."""
+
+    def __init__(self, port: int):
+        self.is_in_front = True
+        self.drawn = 0
+        self._left = threading.Event()
+        self._port = port
+
+    def leave(self) -> None:
+        self._left.set()
+
+    async def sit(self) -> None:
+        async with raw_browser(self._port) as connection:
+            asked: list[str] = []
+            while not self._left.is_set():
+                with contextlib.suppress(TimeoutError):
+                    frame = await asyncio.wait_for(connection.recv(), 0.02)
+                    asked += [
+                        message["render_uuid"]
+                        for message in unpacked(frame)
+                        if message["type"] == "GetRenderRequestMessage"
+                    ]
+                while asked and self.is_in_front:
+                    answer = {"type": "GetRenderResponseMessage", "payload": PICTURE}
+                    answer["render_uuid"] = asked.pop(0)
+                    await connection.send(msgspec.msgpack.encode(answer))
+                    self.drawn += 1
+
+
+@contextmanager
+def sitting(port: int) -> Iterator[Sitting]:
+    """A browser in a thread of its own, until the block ends or it leaves."""
+    browser = Sitting(port)
+    thread = threading.Thread(target=lambda: asyncio.run(browser.sit()))
+    thread.start()
+    try:
+        yield browser
+    finally:
+        browser.leave()
+        thread.join()

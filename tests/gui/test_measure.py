@@ -65,9 +65,9 @@ def test_the_robot_is_measured_to_as_it_is_drawn(visitor, states, view_of, resul
     panel._clicked(SimpleNamespace(ray_origin=(1.0, 2.0, 3.0), ray_direction=DOWN))
     for arm, moment in moments(CELL, view.runs, view.look.time).items():
         assert np.array_equal(asked[0][arm], moment.q)
-    assert len(visitor.look.now.measured) == 1
+    assert len(visitor.own.now.measured) == 1
     panel._clicked(SimpleNamespace(ray_origin=(1.0, 2.0, 4.0), ray_direction=DOWN))
-    assert len(visitor.look.now.measured) == 2
+    assert len(visitor.own.now.measured) == 2
     assert panel._clicked is None and panel._measure.label == "Measure"
 
 

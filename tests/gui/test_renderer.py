@@ -36,12 +36,27 @@ def wait_until(condition, what):
 
 def test_what_cannot_be_worked_out_is_logged_and_the_page_goes_on(page, caplog):
     renderer = page._renderer
-    with caplog.at_level(logging.ERROR, "workbench.gui.renderer"):
-        # An arm of the cell before may be jogged by a browser that has its controls still.
-        renderer._look.change(jog={"no such arm": np.zeros(7)})
-        wait_until(lambda: caplog.records, "the message")
-    renderer._look.change(jog=None, frames=True)
-    wait_until(lambda: renderer._drawn is not None and renderer._drawn.look.frames, "the frames")
+
+    def look_and_jog() -> None:
+        wait_until(lambda: renderer._panels, "the controls")
+        ((number, visitor),) = renderer._visitors.items()
+        with caplog.at_level(logging.ERROR, "workbench.gui.renderer"):
+            # An arm of the cell before may be jogged by a browser that has its controls still.
+            visitor.own.change(jog={"no such arm": np.zeros(7)})
+            wait_until(lambda: caplog.records, "the message")
+        # The others go on, and so does this one.
+        renderer._look.change(frames=True)
+        wait_until(
+            lambda: renderer._drawn is not None and renderer._drawn.look.frames, "the frames"
+        )
+        visitor.own.change(jog=None)
+        wait_until(lambda: renderer._shown[number].look.frames, "the frames in its controls")
+
+    async def sit_there() -> None:
+        async with raw_browser(int(page.url.rpartition(":")[2])):
+            await asyncio.to_thread(look_and_jog)
+
+    asyncio.run(sit_there())
 
 
 def test_controls_made_anew_take_their_gizmos_and_the_stage_along(page, bench):

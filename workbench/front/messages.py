@@ -139,6 +139,13 @@ class FileTransferPart(Message, frozen=True):
     content: bytes
 
 
+class GetRenderResponseMessage(Message, frozen=True):
+    """The browser has drawn what it was sent; the picture is small, and nobody looks at it."""
+
+    payload: Annotated[bytes, Meta(max_length=100_000)]
+    render_uuid: Word
+
+
 Looking: TypeAlias = (
     ViewerCameraMessage
     | ScenePointerMessage
@@ -153,6 +160,7 @@ Working: TypeAlias = (
     | TransformControlsDragEndMessage
     | FileTransferStartUpload
     | FileTransferPart
+    | GetRenderResponseMessage
 )
 
 _DECODERS: dict[Role, msgspec.msgpack.Decoder[Any]] = {

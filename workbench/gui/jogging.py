@@ -1,4 +1,4 @@
-"""The controls that move the robot by hand, on the page only: nothing is sent to it."""
+"""The controls that move the robot by hand, in one browser only: nothing is sent to it."""
 
 import math
 from collections.abc import Mapping
@@ -8,6 +8,7 @@ import numpy as np
 import viser
 
 from workbench.app.commands import ChangeCell, Command, TakeScan
+from workbench.app.state import Phase
 from workbench.gui.cell_views import contacts_html
 from workbench.gui.jog import led
 from workbench.gui.look import View
@@ -25,6 +26,8 @@ from workbench.planning.wire import on_wire
 GIZMO = 0.15
 """[m] Size of the gizmo at the tool."""
 
+WATCH = "while a plan is sent, everybody sees where the robot is"
+
 
 class JogControls:
     """An arm, its axes as the controller counts them, its elbow, and a gizmo at its tool.
@@ -37,7 +40,7 @@ class JogControls:
         self._visitor = visitor
         self._gizmo: viser.TransformControlsHandle | None = None
         self._is_dragged = False
-        self._key: tuple[object, ...] = (None,) * 5
+        self._key: tuple[object, ...] = (None,) * 6
         self._drawn: Mapping[str, Floats] | None = None
         # What this browser has made of it: the whole, and whether it was by the axes' sliders.
         self._mine: Mapping[str, Floats] | None = None
@@ -85,18 +88,19 @@ class JogControls:
         """Bring what is shown from `old` to `new`."""
         if old is None or old.jogged is not new.jogged:
             self._contacts.content = contacts_html(new.jogged)
-        jog = new.look.jog
+        jog = new.own.jog
         is_on, name = jog is not None, self._arm.value
+        is_sending = new.state.phase is Phase.SENDING
         is_preparing = new.live.getting_ready is not None
-        key = (jog, name, new.state.cell, new.state.control, is_preparing)
+        key = (jog, name, new.state.cell, new.state.control, is_sending, is_preparing)
         if all(one is other for one, other in zip(key, self._key, strict=True)):
             return
         self._key = key
         arm = new.state.cell.arm(name)
         has_spare = len(arm.joints) > 6
         self._switch.label = "End jogging" if is_on else "Jog"
-        # Others look at what is jogged by whoever may.
-        problem = self._visitor.lacks(new.state, TakeScan)
+        # It serves to teach and to scan: who may not do that has no use for it.
+        problem = self._visitor.lacks(new.state, TakeScan) or (WATCH if is_sending else "")
         self._switch.disabled = bool(problem) or (is_preparing and not is_on)
         waits = sentence(new.live.getting_ready.note) if new.live.getting_ready is not None else ""
         self._visitor.explain(self._switch, problem or waits)
@@ -157,7 +161,7 @@ class JogControls:
         self._home.on_click(lambda _: self._move(np.asarray(self._chosen.home)))
         visitor.on_press(self._teach_home, self._wanted_home)
         visitor.on_press(self._teach_place, self._wanted_place)
-        self._arm.on_update(lambda _: visitor.look.change())
+        self._arm.on_update(lambda _: visitor.own.change())
         for name, sliders in self._axes.items():
             for slider in sliders:
                 slider.on_update(lambda event, name=name: self._slid(event, name))
@@ -172,28 +176,28 @@ class JogControls:
         return self._visitor.cell.arm(self._arm.value)
 
     def _turn(self) -> None:
-        look = self._visitor.look
-        if look.now.jog is not None:
-            look.change(jog=None)
+        visitor = self._visitor
+        if visitor.own.now.jog is not None:
+            visitor.own.change(jog=None)
             return
-        jog = {arm.name: np.asarray(arm.home) for arm in self._visitor.cell.arms}
-        look.change(jog=jog, is_playing=False)
+        visitor.turn_away()
+        visitor.own.change(jog={arm.name: np.asarray(arm.home) for arm in visitor.cell.arms})
 
     def _move(
         self, q: Floats, *, by_axes: bool = False, elbows: tuple[Floats, Floats] | None = None
     ) -> None:
         """Move the chosen arm to `q` (n,), as far as its limits let it."""
-        arm, look = self._chosen, self._visitor.look
-        if look.now.jog is None or not np.all(np.isfinite(q)):
+        arm, own = self._chosen, self._visitor.own
+        if own.now.jog is None or not np.all(np.isfinite(q)):
             return
         lower, upper, _ = self._visitor.cell.robot.limits(arm.joints)
-        jog = {**look.now.jog, arm.name: np.clip(q, lower, upper)}
+        jog = {**own.now.jog, arm.name: np.clip(q, lower, upper)}
         self._mine, self._by_axes, self._elbows = jog, by_axes, elbows
-        look.change(jog=jog)
+        own.change(jog=jog)
 
     def _slid(self, event: Any, name: str) -> None:
         # The renderer sets sliders too; only a person's hand comes with a browser.
-        jog = self._visitor.look.now.jog
+        jog = self._visitor.own.now.jog
         if event.client is None or jog is None or name != self._arm.value:
             return
         arm, q = self._chosen, np.array(jog[name])
@@ -204,7 +208,7 @@ class JogControls:
 
     def _turn_elbow(self, share: float) -> None:
         """To a share of the way, -1..1, along what the elbow can do from where it was first."""
-        jog, arm = self._visitor.look.now.jog, self._chosen
+        jog, arm = self._visitor.own.now.jog, self._chosen
         if jog is None or not math.isfinite(share):
             return
         elbows = self._elbows
@@ -218,7 +222,7 @@ class JogControls:
     async def _lead(self, event: Any) -> None:
         """The tool follows the gizmo as far as the arm reaches."""
         self._is_dragged = event.phase != "end"
-        jog, arm, gizmo = self._visitor.look.now.jog, self._chosen, self._gizmo
+        jog, arm, gizmo = self._visitor.own.now.jog, self._chosen, self._gizmo
         if jog is None or gizmo is None:
             return
         position, angles = shown_pose(pose_of_node(gizmo))
@@ -231,7 +235,7 @@ class JogControls:
 
     def _now(self, arm: Arm) -> Floats:
         """Where the arm stands."""
-        jog = self._visitor.look.now.jog
+        jog = self._visitor.own.now.jog
         if jog is None:
             raise InputError("nobody jogs the robot")
         return jog[arm.name]

@@ -8,21 +8,17 @@ from typing import Any
 import pinocchio as pin
 
 from workbench.app.live import Live
-from workbench.app.people import Person, Role
-from workbench.app.rights import NOBODY
 from workbench.app.state import State
 from workbench.app.statistics import Statistics
 from workbench.gui.calibrating import Overlay
+from workbench.gui.own import NOTHING_OWN, Own
 from workbench.gui.playback import Moment, Run, moments
 from workbench.model.calibration import Calibration
 from workbench.model.geometry import Floats, Shape
 from workbench.model.scan import Discarded
 from workbench.planning.contact import Contact
 
-SOMEBODY = Person(NOBODY, Role.ENGINEER)
-"""Who sits at a browser without a login."""
-
-PLAYBACK = frozenset({"time", "is_playing", "by", "player"})
+PLAYBACK = frozenset({"time", "is_playing", "by", "browser"})
 """Fields of a look that playing a plan changes."""
 
 
@@ -41,13 +37,10 @@ class Look:
 
     `time` [s] on the plan's clock; `candidate` is an index among the state's candidates, `pose`
     one among the poses of its way; `by` is the browser that moved the time last, None when nobody
-    did (it plays); `player` is who let it play.  `jog` holds the arms that are moved by hand,
-    arm -> configuration (n,) [rad]; `shapes` and `frames` say whether collision shapes and frames
-    are shown, `reach` of which arm the reach is; `measured` are the points (3,) [m] that somebody
-    has clicked on, up to two.  `sighting` is the pose of a calibration that is laid over the robot,
-    `is_calibrated` says with which pose of the scanner; `search` is a search whose parts are drawn
-    beside those found, by its number; `discarded` says whether the poses that the last search
-    discarded are shown; `held` is what somebody drags at this moment.
+    did (it plays); `browser` let it play, None: no browser did.  `shapes` and `frames` say whether
+    collision shapes and frames are shown, `reach` of which arm the reach is; `search` is a search
+    whose parts are drawn beside those found, by its number; `discarded` says whether the poses that
+    the last search discarded are shown; `held` is what somebody drags at this moment.
     """
 
     time: float = 0.0
@@ -55,14 +48,10 @@ class Look:
     candidate: int | None = None
     pose: int = 0
     by: int | None = None
-    jog: Mapping[str, Floats] | None = None
+    browser: int | None = None
     shapes: bool = False
     frames: bool = False
     reach: str = ""
-    measured: tuple[Floats, ...] = ()
-    player: Person = SOMEBODY
-    sighting: int | None = None
-    is_calibrated: bool = True
     search: int | None = None
     discarded: bool = False
     held: Held | None = None
@@ -109,11 +98,14 @@ class View:
     """Everything that the page shows.
 
     `runs` is the timeline of the state's plan, empty without one; `poses` those of the chosen
-    candidate, and `fix` what would admit it; `jogged` is set while somebody moves the robot by
-    hand; `reached` holds places (n, 3) [m] and shares (n,) of the reach that is shown;
-    `statistics` are those of the session; `calibration` is the answer of the poses scanned so
-    far, or why there is none, and `overlay` the one of them that is laid over the robot; `at`
-    [s since the epoch] is when it looked like this.
+    candidate, and `fix` what would admit it; `reached` holds places (n, 3) [m] and shares (n,) of
+    the reach that is shown; `statistics` are those of the session; `calibration` is the answer of
+    the poses scanned so far, or why there is none; `at` [s since the epoch] is when it looked like
+    this.
+
+    The rest is of one browser alone, and as if it did nothing in the view that all share: its `own`
+    look, `jogged` while the robot is moved by hand there, and `overlay`, the pose of a calibration
+    that is laid over the robot.
     """
 
     state: State
@@ -123,10 +115,11 @@ class View:
     at: float
     poses: tuple[Pose, ...] = ()
     fix: str = ""
-    jogged: Jogged | None = None
     reached: tuple[Floats, Floats] | None = None
     statistics: Statistics = NOT_COUNTED
     calibration: Calibration | str = ""
+    own: Own = NOTHING_OWN
+    jogged: Jogged | None = None
     overlay: Overlay | None = None
 
     @property

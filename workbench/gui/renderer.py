@@ -11,17 +11,18 @@ from pathlib import Path
 import viser
 
 from workbench.app.bench import Bench
-from workbench.app.commands import WatchPlan
+from workbench.app.commands import TakeScan
 from workbench.app.history import History
-from workbench.app.people import Person
 from workbench.app.state import Phase, State
-from workbench.gui.calibrating import Overlay, overlay, solved
+from workbench.gui.calibrating import solved
 from workbench.gui.door import person_of
 from workbench.gui.fixes import Fixes
 from workbench.gui.header import Header
-from workbench.gui.jog import JogFinder
-from workbench.gui.look import SOMEBODY, Jogged, Look, Pose, SharedLook, View
+from workbench.gui.look import Look, Pose, SharedLook, View
+from workbench.gui.own_scene import OwnScene
+from workbench.gui.own_views import OwnViews
 from workbench.gui.playback import Run, followed, timeline
+from workbench.gui.player import Player
 from workbench.gui.poses import PoseFinder
 from workbench.gui.presence import Presence
 from workbench.gui.reach import Reaches
@@ -33,7 +34,6 @@ from workbench.gui.visitor import Panel, Visitor
 from workbench.model.calibration import Calibration
 from workbench.model.cell import Cell
 from workbench.model.digest import digest_of
-from workbench.model.errors import WorkbenchError
 from workbench.model.prediction import Predictions
 
 log = logging.getLogger(__name__)
@@ -93,11 +93,11 @@ class Renderer:
         self._visitors: dict[int, Visitor] = {}
         self._panels: dict[int, tuple[Panel, ...]] = {}
         self._runs: tuple[Run, ...] = ()
-        self._played = 0.0
-        self._player = SOMEBODY
+        self._player = Player(bench, self._look)
+        self._shown: dict[int, View] = {}
         self._presence = None if isinstance(bench, History) else Presence(bench, time.monotonic())
         self._finder = PoseFinder()
-        self._jogger = JogFinder()
+        self._own_views = OwnViews()
         self._reaches = Reaches(self._woken.set)
         self._fixes = Fixes(self._woken.set)
         self._counted = Counted(bench, self._woken.set)
@@ -118,6 +118,7 @@ class Renderer:
         self._woken.set()
         self._unsubscribe()
         self._thread.join()
+        self._player.close()
         self._fixes.close()
         self._reaches.close()
         self._counted.close()
@@ -139,7 +140,7 @@ class Renderer:
             elapsed = time.monotonic() - last
             self._closed.wait(max(0.0, FRAME - elapsed))
             now = time.monotonic()
-            _shielded(partial(self._play, now - last))
+            _shielded(partial(self._player.step, self._drawn, self._visitors, now - last))
             _shielded(self._draw)
             last = now
 
@@ -153,35 +154,6 @@ class Renderer:
             view.state.job is not None or view.live.joints or view.live.getting_ready is not None
         )
         return BUSY if is_busy else QUIET
-
-    def _play(self, elapsed: float) -> None:
-        """Move a plan that plays on by the time [s] since the last drawing."""
-        look = self._look.now
-        view = self._drawn
-        # The first drawing after Play was pressed only begins.
-        if not look.is_playing or view is None or not view.look.is_playing:
-            return
-        end = view.plan_seconds
-        # From the end, Play begins at the start again.
-        begin = 0.0 if look.time >= end else look.time
-        moved = min(begin + elapsed, end)
-        self._look.change(time=moved, is_playing=moved < end, by=None)
-        if look.player != self._player:
-            # Whoever plays it has to see it from the start.
-            self._player, self._played = look.player, 0.0
-        # What was skipped by the scrubber was not played.
-        if begin <= self._played:
-            self._played = max(self._played, moved)
-        if self._played >= end and view.state.plan is not None:
-            self._tell_watched(view.state.plan.digest, look.player)
-
-    def _tell_watched(self, digest: str, player: Person) -> None:
-        if player.name in self._bench.state.watched:
-            return
-        try:
-            self._bench.do(WatchPlan(digest), player.name, player.role)
-        except WorkbenchError as error:
-            log.info("that the plan was watched is not taken: %s", error)
 
     def _draw(self) -> None:
         # Before anything is taken from the queue: a view may fail, and is tried again.
@@ -198,11 +170,30 @@ class Renderer:
             for visitor in tuple(self._visitors.values()):
                 _shielded(partial(self._rebuild, visitor, new))
         with self._server.atomic():
-            _shielded(lambda: self._scene.draw(old, new))
-        for panels in self._panels.values():
-            for panel in panels:
-                _shielded(lambda panel=panel: panel.show(old, new))
+            is_drawn = _shielded(lambda: self._scene.draw(old, new))
+        self._end_own_views(old, new)
+        for visitor in tuple(self._visitors.values()):
+            _shielded(partial(self._show, visitor, new))
         self._drawn = new
+        if is_drawn:
+            self._player.drawn(new)
+
+    def _end_own_views(self, old: View | None, new: View) -> None:
+        """The robot is where everybody sees it, when a plan is played or sent, and after that."""
+        is_begun = new.look.is_playing and (old is None or not old.look.is_playing)
+        is_sending = new.state.phase is Phase.SENDING
+        is_other = old is not None and old.state.cell is not new.state.cell
+        for visitor in self._visitors.values():
+            if is_begun or is_sending or is_other or visitor.lacks(new.state, TakeScan):
+                visitor.own.end()
+
+    def _show(self, visitor: Visitor, shared: View) -> None:
+        """Bring one browser's controls, and what it alone sees, to the newest view."""
+        old = self._shown.get(visitor.number)
+        new = self._own_views.of(visitor.own.now, old, shared)
+        for panel in self._panels.get(visitor.number, ()):
+            _shielded(lambda panel=panel: panel.show(old, new))
+        self._shown[visitor.number] = new
 
     def _count_people(self, waiting: list[tuple[viser.ClientHandle, bool]]) -> None:
         """Browsers come and go: control goes with their people, and what they drag is let go."""
@@ -221,7 +212,6 @@ class Renderer:
         before = self._drawn.state if self._drawn is not None else None
         if before is None or before.plan is not state.plan:
             self._runs = timeline(state.plan) if state.plan is not None else ()
-            self._played = 0.0
         if before is not None and _is_other_scene(before, state):
             self._look.change(time=0.0, is_playing=False, candidate=None, pose=0, by=None)
         live = self._bench.live
@@ -232,10 +222,7 @@ class Renderer:
         if before is not None and before.phase is Phase.SENDING and state.phase is Phase.DONE:
             # The last reports of a quick robot may never have been drawn.
             self._look.change(time=max((run.end for run in self._runs), default=0.0), by=None)
-        if before is not None and before.cell is not state.cell:
-            self._look.change(jog=None)
         look = self._look.now
-        calibration = self._calibration(state)
         return View(
             state,
             live,
@@ -244,11 +231,9 @@ class Renderer:
             time.time(),
             self._poses(state, look),
             self._fixes.of(state, look.candidate),
-            self._jogged(state, look),
             self._reaches.of(state.cell, look.reach),
             self._counted.of(state),
-            calibration,
-            self._overlay(state, look, calibration),
+            self._calibration(state),
         )
 
     def _calibration(self, state: State) -> Calibration | str:
@@ -261,29 +246,6 @@ class Renderer:
         ):
             return before.calibration
         return solved(state)
-
-    def _overlay(self, state: State, look: Look, found: Calibration | str) -> Overlay | None:
-        """The chosen pose over the robot, worked out when another one is chosen."""
-        if look.sighting is None or look.sighting >= len(state.sightings):
-            return None
-        before, sighting = self._drawn, state.sightings[look.sighting]
-        if before is not None and before.overlay is not None:
-            number = before.look.sighting
-            is_same = number is not None and before.state.sightings[number] is sighting
-            is_alike = before.look.is_calibrated == look.is_calibrated
-            if is_same and is_alike and before.calibration is found:
-                return before.overlay
-        is_after = look.is_calibrated and isinstance(found, Calibration)
-        return overlay(state, sighting, found if is_after else None)  # type: ignore[arg-type]
-
-    def _jogged(self, state: State, look: Look) -> Jogged | None:
-        """What the jogged robot meets, worked out when it has moved."""
-        before = self._drawn
-        if look.jog is None:
-            return None
-        if before is not None and before.look.jog is look.jog and before.state is state:
-            return before.jogged
-        return self._jogger.jogged(state, look.jog)
 
     def _poses(self, state: State, look: Look) -> tuple[Pose, ...]:
         """The poses of the chosen candidate, worked out when another one is chosen."""
@@ -310,24 +272,18 @@ class Renderer:
         visitor = Visitor(client, self._bench, self._look, self._predictions, self._folders)
         self._visitors[client.client_id] = visitor
         header = Header(visitor, self._theme, self._style)
-        panels = (header, *tabs_of(visitor, self._woken.set))
+        panels = (header, OwnScene(visitor), *tabs_of(visitor, self._woken.set))
         for panel in panels:
             panel.show(None, view)
+        self._shown[client.client_id] = view
         self._panels[client.client_id] = panels
 
     def _bid_farewell(self, client: viser.ClientHandle) -> None:
         self._panels.pop(client.client_id, None)
+        self._shown.pop(client.client_id, None)
         visitor = self._visitors.pop(client.client_id, None)
         if visitor is not None:
             _shielded(partial(visitor.end, is_gone=True))
-            self._stop_playing_to_nobody(visitor)
-
-    def _stop_playing_to_nobody(self, left: Visitor) -> None:
-        """What plays on while its page is loaded anew was not watched."""
-        player = self._look.now.player.name
-        here = {visitor.person.name for visitor in self._visitors.values()}
-        if left.person.name == player and player not in here:
-            self._look.change(is_playing=False, by=None)
 
     def _rebuild(self, visitor: Visitor, view: View) -> None:
         """Make the controls of a browser anew, for another cell."""
@@ -362,8 +318,11 @@ def _is_other_scene(before: State, state: State) -> bool:
     return is_new or is_sent_now
 
 
-def _shielded(action: Callable[[], None]) -> None:
+def _shielded(action: Callable[[], None]) -> bool:
     """Draw the scene or the controls of one browser; the others do not suffer if that fails.
+
+    Returns:
+        Whether it was drawn.
 
     A rim: a browser may have gone, and nothing that cannot be drawn may end the page.
     """
@@ -371,3 +330,5 @@ def _shielded(action: Callable[[], None]) -> None:
         action()
     except Exception:
         log.exception("something could not be drawn")
+        return False
+    return True

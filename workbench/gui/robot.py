@@ -11,6 +11,9 @@ from workbench.model.cell import Arm, Cell, Finger
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats, Solid
 
+ROBOT, ROBOT_CHECKED = "/robot", "/robot_checked"
+"""Nodes of the robot that all browsers share: as it looks, and as it is checked."""
+
 
 class DrawnRobot:
     """Every link, tool and finger as a node that follows its link."""
@@ -60,8 +63,8 @@ class DrawnRobot:
             self._add(f"{tool}/body", arm.tool.body)
             self._fingers[arm.name] = []
             for finger in arm.tool.fingers:
-                node = scene.add_frame(f"{tool}/{finger.solid.name}", show_axes=False)
-                self._add(f"{tool}/{finger.solid.name}/visual", (finger.solid,))
+                node = scene.add_frame(f"{name}/{finger_name(arm, finger)}", show_axes=False)
+                self._add(f"{name}/{finger_name(arm, finger)}/visual", (finger.solid,))
                 self._fingers[arm.name].append((finger, node))
 
     def pose(self, Ts_world_link: Mapping[str, pin.SE3], openings: Mapping[str, float]) -> None:
@@ -111,6 +114,11 @@ class DrawnRobot:
             return False
         self._shown[name] = value
         return True
+
+
+def finger_name(arm: Arm, finger: Finger) -> str:
+    """A finger's node, below that of the robot."""
+    return f"{arm.flange}/{arm.tool.name}/{finger.solid.name}"
 
 
 def moved_by(cell: Cell, arm: Arm) -> set[str]:

@@ -4,7 +4,6 @@ import numpy as np
 import viser
 
 from workbench.formats.triangles import triangles_of
-from workbench.gui.calibrating import draw_overlay
 from workbench.gui.candidate import DrawnCandidates
 from workbench.gui.colours import (
     BESIDE_BIN,
@@ -18,10 +17,9 @@ from workbench.gui.colours import (
 )
 from workbench.gui.held import DrawnHeld
 from workbench.gui.look import View
-from workbench.gui.marks import draw_discarded, draw_measured, draw_reach
-from workbench.gui.meets import draw_meets
+from workbench.gui.marks import draw_discarded, draw_reach
 from workbench.gui.playback import Run, joint_values, moments, part_poses, tcp_path
-from workbench.gui.robot import DrawnRobot, place
+from workbench.gui.robot import ROBOT, ROBOT_CHECKED, DrawnRobot, place
 from workbench.gui.searches import draw_search
 from workbench.gui.solids import with_hard_edges
 from workbench.gui.surroundings import (
@@ -73,7 +71,7 @@ class Scene:
         self._cell, self._kinematics = cell, Kinematics(cell)
         paint_background(scene)
         add_surroundings(scene, cell)
-        self._robot = DrawnRobot(scene, "/robot", cell)
+        self._robot = DrawnRobot(scene, ROBOT, cell)
         self._checked: DrawnRobot | None = None
         self._live_robot = DrawnRobot(
             scene,
@@ -127,14 +125,8 @@ class Scene:
             old is None
             or before is None
             or old.look.time != new.look.time
-            or old.jogged is not new.jogged
-            or old.overlay is not new.overlay
             or before.cell is not state.cell
         )
-        if old is None or old.overlay is not new.overlay:
-            draw_overlay(self._scene, new.overlay)
-        if old is None or old.jogged is not new.jogged:
-            draw_meets(self._scene, "/jog_meets", new.jogged.meets if new.jogged else ())
         are_other_shapes = old is None or old.look.shapes != new.look.shapes
         if are_other_shapes:
             self._show_shapes(new.look.shapes)
@@ -145,8 +137,6 @@ class Scene:
         is_other_search = old is None or old.look.search != new.look.search
         if is_other_search or before.searches is not state.searches:
             draw_search(self._scene, state, new.look.search)
-        if old is None or old.look.measured is not new.look.measured:
-            draw_measured(self._scene, new.look.measured)
         if old is None or old.look.held is not new.look.held:
             self._held.draw(new.look.held)
         shown = new.discarded if new.look.discarded else ()
@@ -248,7 +238,7 @@ class Scene:
         """Show what is checked for collisions in place of what it looks like."""
         if is_shown and self._checked is None:
             self._checked = DrawnRobot(
-                self._scene, "/robot_checked", self._cell, colour=CHECKED, as_checked=True
+                self._scene, ROBOT_CHECKED, self._cell, colour=CHECKED, as_checked=True
             )
         self._robot.show(not is_shown)
         if self._checked is not None:

@@ -17,6 +17,7 @@ from workbench.app.rules import NOT_REPORTED, allowed
 from workbench.app.state import State
 from workbench.gui.door import element_id, person_of
 from workbench.gui.look import PLAYBACK, SharedLook, SteeredLook, View
+from workbench.gui.own import OwnLook
 from workbench.model.cell import Cell
 from workbench.model.errors import CommandRefused, WorkbenchError
 from workbench.model.prediction import Predictions
@@ -50,6 +51,7 @@ class Visitor:
         self.gui = client.gui
         self.bench = bench
         self.look = SteeredLook(look, self._may_steer)
+        self.own = OwnLook(look.change)
         self.predictions = predictions
         self.folders: Mapping[str, Path] = folders or {}
         self.is_dark = False
@@ -70,6 +72,11 @@ class Visitor:
     def number(self) -> int:
         """Tells this browser from the others."""
         return self.client.client_id
+
+    def turn_away(self) -> None:
+        """What this browser shows from now on is no plan: what it plays stops for all."""
+        if self.look.now.is_playing and self.look.now.browser == self.number:
+            self.look.change(is_playing=False, by=None)
 
     def on_press(self, button: viser.GuiButtonHandle, command: Callable[[], Command]) -> None:
         """Have a button give the command that is made when it is pressed."""

@@ -27,8 +27,8 @@ SUGGESTED = 12
 class CalibrationPanel:
     """Plate, poses, their residuals with a light each, the answer, and its use.
 
-    Concurrency: callbacks come from viser's threads, change the shared look, or give commands;
-    suggestions are worked out in the callback's thread.
+    Concurrency: callbacks come from viser's threads, change this browser's own look, or give
+    commands; suggestions are worked out in the callback's thread.
     """
 
     def __init__(self, visitor: Visitor):
@@ -91,14 +91,14 @@ class CalibrationPanel:
 
     def show(self, old: View | None, new: View) -> None:
         """Bring what is shown from `old` to `new`."""
-        state, chosen = new.state, new.look.sighting
+        state, chosen = new.state, new.own.sighting
         self._where.content = line(self._says_where(new), kind="hint")
-        if self._after.value != new.look.is_calibrated:
-            self._after.value = new.look.is_calibrated
+        if self._after.value != new.own.is_calibrated:
+            self._after.value = new.own.is_calibrated
         is_same = (
             old is not None
             and old.state is state
-            and old.look.sighting == chosen
+            and old.own.sighting == chosen
             and old.calibration is new.calibration
             and old.overlay is new.overlay
         )
@@ -125,12 +125,12 @@ class CalibrationPanel:
             if not view.live.joints:
                 return "The controller reports no joint values, so no pose can be scanned here."
             return "A scan is taken where the controller reports the robot to be."
-        if view.look.jog is not None:
+        if view.own.jog is not None:
             return "A scan is taken of the robot as it is jogged on the page."
         return "A scan is taken where the robot stands; jog it, or have a pose suggested."
 
     def _react(self) -> None:
-        visitor, look = self._visitor, self._visitor.look
+        visitor, own = self._visitor, self._visitor.own
         visitor.on_press(self._take, self._wanted_scan)
         visitor.on_press(self._leave, self._left_out)
         visitor.on_press(self._remove, self._removed)
@@ -141,31 +141,32 @@ class CalibrationPanel:
         @self._after.on_update
         async def _(event: Any) -> None:
             if event.client is not None:
-                look.change(is_calibrated=bool(event.target.value))
+                own.change(is_calibrated=bool(event.target.value))
 
     def _look_at(self, number: int) -> None:
         """Look at a pose of the table, or away from it."""
-        look = self._visitor.look
+        own = self._visitor.own
         if number < len(self._visitor.bench.state.sightings):
-            look.change(sighting=None if look.now.sighting == number else number)
+            self._visitor.turn_away()
+            own.change(sighting=None if own.now.sighting == number else number)
 
     def _plate(self) -> BallPlate:
         return BallPlate(float(self._ball.value) / 2000, np.array(self._sides.value) / 1000)
 
     def _wanted_scan(self) -> Command:
-        state, look = self._visitor.bench.state, self._visitor.look.now
+        state, own = self._visitor.bench.state, self._visitor.own.now
         arm = state.cell.arm(self._arm.value)
         joints = self._visitor.bench.live.joints
         is_real = state.cell.scanner.source != "simulated"
-        if look.jog is not None and not is_real:
-            q = look.jog[arm.name]
+        if own.jog is not None and not is_real:
+            q = own.jog[arm.name]
         elif all(joint in joints for joint in arm.joints):
             q = np.array([joints[joint] for joint in arm.joints])
         elif is_real:
             raise InputError("the controller does not report where the robot is")
         else:
             q = np.asarray(arm.home)
-        self._visitor.look.change(sighting=None)
+        self._visitor.own.change(sighting=None)
         return SightPlate(arm.name, q, self._plate(), seed=state.number)
 
     def _suggest_next(self) -> None:
@@ -186,11 +187,12 @@ class CalibrationPanel:
             return
         q = left.pop(0)
         jog = {one.name: np.asarray(one.home) for one in cell.arms} | {arm.name: q}
-        visitor.look.change(jog=jog, is_playing=False, sighting=None)
+        visitor.turn_away()
+        visitor.own.change(jog=jog, sighting=None)
 
     @property
     def _chosen(self) -> tuple[int, tuple[PlateSighting, ...]]:
-        sightings, number = self._visitor.bench.state.sightings, self._visitor.look.now.sighting
+        sightings, number = self._visitor.bench.state.sightings, self._visitor.own.now.sighting
         if number is None or number >= len(sightings):
             raise InputError("choose a pose in the list first")
         return number, sightings
@@ -204,7 +206,7 @@ class CalibrationPanel:
 
     def _removed(self) -> Command:
         number, sightings = self._chosen
-        self._visitor.look.change(sighting=None)
+        self._visitor.own.change(sighting=None)
         rest = sightings[:number] + sightings[number + 1 :]
         return UseSightings(rest, f"{sightings[number].name} is removed")
 

@@ -24,8 +24,8 @@ GIZMO = 0.18
 class CellPanel:
     """Things with their poses, the robot by hand, undo, redo and save.
 
-    Concurrency: callbacks of viser change this browser's gizmo and controls, the shared look, or
-    give commands; the renderer's thread draws what came of them.
+    Concurrency: callbacks of viser change this browser's gizmo, controls and own look, the shared
+    look, or give commands; the renderer's thread draws what came of them.
     """
 
     def __init__(self, visitor: Visitor):
@@ -110,8 +110,8 @@ class CellPanel:
         for box, value in ((self._shapes, new.look.shapes), (self._frames, new.look.frames)):
             if box.value != value:
                 box.value = value
-        if old is None or old.look.measured is not new.look.measured:
-            self._measured.content = measured_line(new.look.measured)
+        if old is None or old.own.measured is not new.own.measured:
+            self._measured.content = measured_line(new.own.measured)
         if self._reach.value != (new.look.reach or NOT_SHOWN):
             self._reach.value = new.look.reach or NOT_SHOWN
         self._jog.show(old, new)
@@ -152,7 +152,7 @@ class CellPanel:
         if self._clicked is not None:
             self._end_measuring()
             return
-        self._visitor.look.change(measured=())
+        self._visitor.own.change(measured=())
         self._measure.label = "Click on two points"
 
         @self._visitor.client.scene.on_click()
@@ -169,7 +169,7 @@ class CellPanel:
 
     def _measure_to(self, origin: Floats, direction: Floats) -> None:
         """A person has clicked along a ray, of which each is (3,) [m] in the world."""
-        view, look = self._view, self._visitor.look
+        view, own = self._view, self._visitor.own
         if view is None:
             return
         scan = view.state.scan
@@ -178,8 +178,8 @@ class CellPanel:
         q = {arm: moment.q for arm, moment in view.moments.items()}
         p = met(origin, direction, view.state.cell, q, points)
         if p is not None:
-            look.change(measured=(*look.now.measured, p)[:2])
-        if len(look.now.measured) == 2:
+            own.change(measured=(*own.now.measured, p)[:2])
+        if len(own.now.measured) == 2:
             self._end_measuring()
 
     def _mounted(self, event: Any, arm: str) -> None:

@@ -104,6 +104,10 @@ class GraspsPanel:
 
     def show(self, old: View | None, new: View) -> None:
         """Bring what is shown from `old` to `new`."""
+        look = new.look
+        if look.is_playing and look.browser == self._visitor.number and self._stage.is_open:
+            # Who lets the plan play wants to see the cell.
+            self._turn()
         is_counted = old is None or old.statistics is not new.statistics
         if is_counted:
             self._uses = new.statistics.grasps()
@@ -223,6 +227,7 @@ class GraspsPanel:
             self._leave_stage()
             self._open.label = "Open part"
         else:
+            self._visitor.turn_away()
             self._stage.open(self._editing.part, self._pressed)
             self._open.label = "Back to cell"
         self._label_add()

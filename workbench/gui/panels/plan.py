@@ -157,6 +157,7 @@ class PlanPanel:
         self._start.on_click(lambda _: look.change(time=0.0, is_playing=False, by=None))
 
     def _play_or_pause(self) -> None:
-        look = self._visitor.look
+        visitor, look = self._visitor, self._visitor.look
         if not self._play.disabled:
-            look.change(is_playing=not look.now.is_playing, by=None, player=self._visitor.person)
+            visitor.own.end()
+            look.change(is_playing=not look.now.is_playing, by=None, browser=visitor.number)

@@ -1,0 +1,122 @@
+"""The browser before which a plan is played: how much of it was really drawn there."""
+
+import logging
+import threading
+
+import viser
+
+log = logging.getLogger(__name__)
+
+STEP = 1.0
+"""[s] On the plan's clock: between two drawings that a browser has confirmed lies no more."""
+
+SIZE = 8
+"""[pixels] Of the picture that a browser draws to confirm; nobody looks at it."""
+
+PAUSE = 0.1
+"""[s] Between an answer and the next question: to answer is work for a slow browser."""
+
+
+class Audience:
+    """Asks one browser again and again to draw what it was sent, and believes only answers.
+
+    A browser draws when its page is in front: one that is hidden, that hangs or that has gone does
+    not answer.  What was drawn for everybody and the question travel apart, so an answer stands
+    for what was drawn before the question before it.
+
+    Lifetime: from construction until `close`, or until the browser has gone.
+
+    Concurrency: a thread of its own, which waits for answers; any thread may call anything.
+    """
+
+    def __init__(self, client: viser.ClientHandle):
+        """Nothing was seen yet.
+
+        Args:
+            client: the browser.
+        """
+        self._client = client
+        self._changed = threading.Condition()
+        self._stretch = 0
+        self._is_on = self._is_whole = self._is_closed = False
+        self._drawn = self._seen = self._covered = 0.0
+        threading.Thread(target=self._run, name="audience", daemon=True).start()
+
+    @property
+    def covered(self) -> float:
+        """Up to here [s] on the plan's clock all was seen, from the start on."""
+        return self._covered
+
+    @property
+    def is_on(self) -> bool:
+        """Whether a stretch is being played."""
+        return self._is_on
+
+    @property
+    def limit(self) -> float:
+        """How far [s] the plan may be played now: further on it would not be seen."""
+        return self._seen + STEP
+
+    def begin(self, time: float) -> float:
+        """A stretch is played from a time [s] on.
+
+        Returns:
+            From where: a little is repeated that was drawn before a pause, but perhaps not seen.
+        """
+        with self._changed:
+            if self._covered < time <= self._covered + STEP:
+                time = self._covered
+            self._stretch += 1
+            self._is_on, self._is_whole = True, time <= self._covered
+            self._drawn = self._seen = time
+            self._changed.notify()
+        return time
+
+    def drawn(self, time: float) -> None:
+        """The moment at a time [s] was sent to be drawn."""
+        with self._changed:
+            if self._is_on:
+                self._drawn = time
+                self._changed.notify()
+
+    def stop(self) -> None:
+        """The stretch ends here; what is not confirmed now was not seen."""
+        with self._changed:
+            self._is_on = False
+
+    def close(self) -> None:
+        """Ask no more."""
+        with self._changed:
+            self._is_on, self._is_closed = False, True
+            self._changed.notify()
+
+    def _run(self) -> None:
+        before: tuple[int, float] | None = None
+        while True:
+            with self._changed:
+                self._changed.wait_for(
+                    lambda: self._is_closed or (self._is_on and self._drawn > self._seen)
+                )
+                if self._is_closed:
+                    return
+                asked = (self._stretch, self._drawn)
+            try:
+                # It waits until the browser draws, however long that takes, or has gone.
+                self._client.get_render(SIZE, SIZE)
+            except Exception as error:
+                log.info("the browser that plays the plan does not draw it: %s", error)
+                before = None
+            else:
+                if before is not None:
+                    self._confirm(*before)
+                before = asked
+            with self._changed:
+                self._changed.wait_for(lambda: self._is_closed, PAUSE)
+
+    def _confirm(self, stretch: int, time: float) -> None:
+        with self._changed:
+            if not self._is_on or stretch != self._stretch:
+                return
+            self._seen = max(self._seen, time)
+            if self._is_whole:
+                self._covered = max(self._covered, time)
