@@ -2,6 +2,7 @@
 
 import asyncio
 import logging
+import subprocess
 import threading
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
@@ -11,6 +12,7 @@ import pytest
 from attackers import PASSWORD, PATIENCE, SECRET
 
 from workbench.app.people import Person, Role
+from workbench.front.listening import Certificate
 from workbench.front.passwords import hash_of
 from workbench.front.relay import Upstream
 from workbench.front.server import Front, Options, serve_front
@@ -114,6 +116,24 @@ def start(scene: Scene, file: Path) -> Iterator[Callable[..., Front]]:
 @pytest.fixture
 def front(users: Users, start: Callable[..., Front]) -> Front:
     return start()
+
+
+@pytest.fixture(scope="session")
+def certificate(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("tls")
+    made = Certificate(folder / "page.pem", folder / "page.key")
+    subprocess.run(
+        [
+            *("openssl", "req", "-x509", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:P-256"),
+            *("-nodes", "-days", "2", "-subj", "/CN=workbench of a test"),
+            *("-addext", "subjectAltName=IP:127.0.0.1,DNS:localhost"),
+            *("-keyout", str(made.key), "-out", str(made.certificate)),
+        ],
+        check=True,
+        capture_output=True,
+        timeout=60,
+    )
+    return made
 
 
 @pytest.fixture

@@ -1,10 +1,7 @@
 """Which names are ours, and which pages."""
 
-import asyncio
-
 import pytest
 
-from workbench.front.doorstep import MOST_CONNECTIONS, SILENT_SECONDS, Doorstep
 from workbench.front.origins import Origins, is_loopback
 
 
@@ -75,44 +72,3 @@ def test_pages_that_are_ours(origin, host, own):
 )
 def test_what_is_reached_from_this_machine_alone(host, is_here):
     assert is_loopback(host) is is_here
-
-
-class Transport(asyncio.WriteTransport):
-    def __init__(self):
-        super().__init__()
-        self.is_there = True
-
-    def abort(self):
-        self.is_there = False
-
-
-class Connection:
-    def __init__(self):
-        self.transport = Transport()
-
-
-class Request:
-    def __init__(self, connection):
-        self.protocol = connection
-
-
-async def answered(request):
-    return "answer"
-
-
-def test_a_connection_that_asks_nothing_is_dropped():
-    doorstep, silent, talking = Doorstep(), Connection(), Connection()
-    assert asyncio.run(doorstep.note(Request(talking), answered)) == "answer"
-    for now in (0.0, SILENT_SECONDS - 1):
-        doorstep.look([silent, talking], now)
-        assert silent.transport.is_there
-    doorstep.look([silent, talking], SILENT_SECONDS)
-    assert not silent.transport.is_there
-    assert talking.transport.is_there
-
-
-def test_when_there_are_too_many_the_silent_ones_go_at_once():
-    doorstep = Doorstep()
-    crowd = [Connection() for _ in range(MOST_CONNECTIONS)]
-    doorstep.look(crowd, 0.0)
-    assert not any(one.transport.is_there for one in crowd)

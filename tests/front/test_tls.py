@@ -1,7 +1,6 @@
 """Over TLS: the page, its cookie, its websocket; and certificates that cannot be used."""
 
 import ssl
-import subprocess
 
 import pytest
 from attackers import PASSWORD, run
@@ -10,24 +9,6 @@ from workbench.front.connections import OVER
 from workbench.front.listening import Certificate
 from workbench.front.raw_browser import raw_browser
 from workbench.model.errors import FileError
-
-
-@pytest.fixture(scope="module")
-def certificate(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("tls")
-    made = Certificate(folder / "page.pem", folder / "page.key")
-    subprocess.run(
-        [
-            *("openssl", "req", "-x509", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:P-256"),
-            *("-nodes", "-days", "2", "-subj", "/CN=workbench of a test"),
-            *("-addext", "subjectAltName=IP:127.0.0.1,DNS:localhost"),
-            *("-keyout", str(made.key), "-out", str(made.certificate)),
-        ],
-        check=True,
-        capture_output=True,
-        timeout=600,
-    )
-    return made
 
 
 def test_the_page_over_tls(certificate, users, start):

@@ -7,7 +7,8 @@ from pathlib import Path
 
 from workbench.model.errors import FileError, InputError
 
-BACKLOG = 128
+BACKLOG = 1024
+"""Connections that the machine holds until they are taken; others try again, seconds later."""
 
 
 @dataclass(frozen=True, slots=True)

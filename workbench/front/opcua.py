@@ -37,6 +37,12 @@ PROGRESS = 0.5
 STARTING = 60.0
 """[s] After which a server that has not begun does not begin any more."""
 
+MOST_CLIENTS = 32
+"""Connections at the same time; a PLC has one."""
+
+LOGIN_SECONDS = 10.0
+"""After which a connection is dropped that has not logged in."""
+
 
 @dataclass(frozen=True, slots=True)
 class Options:
@@ -113,6 +119,8 @@ class OpcUa:
         options = self._options
         server = Server(user_manager=_Door(options))
         await server.init()
+        server.iserver.max_connections = MOST_CLIENTS
+        server.iserver.max_pending_activation_seconds = LOGIN_SECONDS
         server.set_endpoint(f"opc.tcp://{options.host}:{options.port}/workbench")
         server.set_server_name("Workbench")
         server.set_security_policy([ua.SecurityPolicyType.NoSecurity])

@@ -18,8 +18,8 @@ def refused(what: str, *, why: str, origin: str | None, who: str | None = None) 
         who: name of the user; None when nobody has logged in.
     """
     log.warning(
-        "refused %s: who=%s from=%s why=%s",
-        what,
+        # A form for each: of those that come too often some are left out (`sparing.py`).
+        f"refused {what}: who=%s from=%s why=%s",
         _quoted(who or "nobody"),
         _quoted(origin or "unknown"),
         _quoted(why),

@@ -5,6 +5,7 @@ import concurrent.futures
 import socket
 import ssl
 import threading
+import time
 from collections.abc import Iterable
 from contextlib import ExitStack
 from dataclasses import dataclass, field
@@ -13,10 +14,11 @@ from pathlib import Path
 from aiohttp import web
 
 from workbench.front.connections import Connections
-from workbench.front.doorstep import Doorstep
+from workbench.front.doorstep import Doorstep, room_for
 from workbench.front.first_key import FirstKey
+from workbench.front.gate import Gate, descriptors
 from workbench.front.guard import guard, strictly
-from workbench.front.identity import ACCESS, Access
+from workbench.front.identity import ACCESS, Access, identify
 from workbench.front.listening import Certificate, listen
 from workbench.front.lockout import Lockout
 from workbench.front.logins import Logins
@@ -25,6 +27,7 @@ from workbench.front.pages import Pages
 from workbench.front.relay import Relay, Upstream
 from workbench.front.sessions import HOURS, Sessions
 from workbench.front.shell import Shell
+from workbench.front.sparing import sparing
 from workbench.front.store import Store
 from workbench.front.users import Users
 
@@ -120,7 +123,8 @@ def serve_front(
             f"{'' if tls is None else '__Host-'}workbench-{port}",
         )
         first = FirstKey(access.users, from_anywhere=not is_loopback(options.host))
-        connections, doorstep = Connections(access.sessions), Doorstep()
+        connections = Connections(access.sessions)
+        doorstep = Doorstep(_is_login, time.monotonic, room_for(descriptors()))
         relay = Relay(upstream, connections)
         logins = Logins(pages, Lockout(store), first, connections, title)
         app = web.Application(
@@ -134,6 +138,11 @@ def serve_front(
         running.start()
         undo.pop_all()
     return Front(f"{scheme}://{_written(options.host)}:{port}", first, store, running)
+
+
+async def _is_login(request: web.Request) -> bool:
+    """Whether a request comes from somebody."""
+    return await identify(request) is not None
 
 
 def _written(host: str) -> str:
@@ -190,17 +199,21 @@ class _Running:
         self.thread.join(END_SECONDS)
 
     async def _serve(self) -> None:
+        with sparing():
+            await self._serve_until_stopped()
+
+    async def _serve_until_stopped(self) -> None:
         self.loop, self.stop = asyncio.get_running_loop(), asyncio.Event()
         # Requests go on when the browser goes: a password is being tried in a thread, and how
         # many of them there are is counted by their requests.
-        runner = web.AppRunner(self.app, access_log=None, shutdown_timeout=CLOSING_SECONDS)
+        runner = web.AppRunner(self.app, shutdown_timeout=CLOSING_SECONDS)
         tasks = [asyncio.create_task(self.connections.watch())]
         try:
             await self.relay.open()
             await runner.setup()
-            if runner.server is not None:
-                tasks.append(asyncio.create_task(self.doorstep.watch(runner.server)))
-            await web.SockSite(runner, self.bound, ssl_context=self.tls).start()
+            assert runner.server is not None
+            gate = Gate(self.bound, self.tls, self.doorstep, runner.server)
+            tasks.append(asyncio.create_task(gate.serve()))
             self.started.set_result(None)
             await self.stop.wait()
         except Exception as error:
@@ -210,6 +223,7 @@ class _Running:
             for task in tasks:
                 task.cancel()
             await asyncio.gather(*tasks, return_exceptions=True)
+            self.bound.close()
             self.connections.close()
             await runner.cleanup()
             await self.relay.close()

@@ -8,7 +8,7 @@ from asyncua import Client, ua
 
 from workbench.app.commands import Approve, TakeControl, WatchPlan
 from workbench.app.people import Person, Role
-from workbench.front.opcua import NAMESPACE, OpcUa, Options
+from workbench.front.opcua import MOST_CLIENTS, NAMESPACE, OpcUa, Options
 from workbench.front.opcua_values import VARIABLES
 from workbench.model.errors import InputError
 
@@ -164,3 +164,26 @@ def test_a_port_that_is_taken_is_said(site, serve, port):
     serve()
     with pytest.raises(InputError, match="choose another port"):
         OpcUa(site.bench, Options(port, PLC))
+
+
+def test_a_crowd_is_not_taken_in_and_not_kept_for_long(serve, port):
+    url = serve()
+    crowd = []
+    try:
+        for _ in range(MOST_CLIENTS + 1):
+            crowd.append(socket.create_connection(("127.0.0.1", port), timeout=3 * PATIENCE))
+        assert crowd[-1].recv(1) == b""
+        crowd[0].setblocking(False)
+        with pytest.raises(BlockingIOError):
+            crowd[0].recv(1)
+        crowd[0].settimeout(3 * PATIENCE)
+        for one in crowd:
+            assert one.recv(1) == b""
+    finally:
+        for one in crowd:
+            one.close()
+
+    async def look(hands):
+        assert await hands.read("Fault") == ""
+
+    talk(url, look)
