@@ -9,6 +9,7 @@ import pytest
 
 from workbench.app.live import Live
 from workbench.app.state import Avoided, Outcome, Phase
+from workbench.app.worker import GettingReady
 from workbench.devices.abb_status import LinkStatus
 from workbench.gui import link_views, views
 from workbench.gui.approval_views import approval_line, facts_html
@@ -95,6 +96,25 @@ def test_the_status_of_a_task_tells_its_step_and_its_time(states, view_of):
 def test_progress_of_another_task_is_not_shown(states, view_of):
     live = Live(job=6, done=0.5, note="old news", started=1.0)
     assert "old news" not in views.status_html(view_of(states.planning, live=live))
+
+
+@pytest.mark.parametrize("name", ["idle", "planned", "planning"])
+def test_while_it_gets_ready_the_page_says_so_and_how_far_it_is(states, view_of, name):
+    ready = GettingReady(0.4, "getting ready, once, about a minute")
+    state = getattr(states, name)
+    number = state.job.number if state.job is not None else 0
+    live = Live(job=number, started=NOW - 2.5, getting_ready=ready)
+    text = Reader(views.status_html(view_of(state, live=live))).text
+    assert "Getting ready, once, about a minute" in text and "40 %" in text
+    assert "2.5 s" not in text
+    assert (f"then: {state.message}" in text) is (name == "planning")
+    assert "etting ready" not in views.status_html(view_of(state))
+
+
+def test_a_fault_and_a_sending_are_shown_although_it_gets_ready(states, view_of):
+    live = Live(getting_ready=GettingReady(0.4, "getting ready"))
+    assert "wb-status-fault" in views.status_html(view_of(states.fault, live=live))
+    assert "placed" in views.status_html(view_of(states.sending, live=live))
 
 
 def test_a_fault_is_shown_in_full(states, view_of):

@@ -1,14 +1,24 @@
 """The wheel: holds what it needs, and plans far away from the checkout."""
 
+import contextlib
 import json
+import os
+import pty
 import subprocess
 import sys
+import threading
 import zipfile
 from pathlib import Path
 
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
+
+PATIENCE = 3600
+"""[s] For what compiles everything from nothing, which a busy machine takes its time for."""
+
+UNWANTED = ("NUMBA_CACHE_DIR", "PYTHONPATH")
+"""What would have the installed package compile, or be, somewhere else."""
 
 
 @pytest.fixture(scope="module")
@@ -53,18 +63,108 @@ def venv(wheel, tmp_path_factory) -> Path:
     return folder
 
 
-def test_installed_elsewhere_it_runs_the_demo_on_its_own_cell(venv, tmp_path):
-    def run(command: str, *words: str) -> str:
-        return subprocess.run(
-            [venv / "bin" / command, *words],
-            cwd=tmp_path,
-            check=True,
-            capture_output=True,
-            text=True,
-            timeout=800,
-        ).stdout
+@pytest.fixture(scope="module")
+def first_demo(venv, tmp_path_factory):
+    """What the first demo printed, with nothing compiled before, and what a terminal showed."""
+    ours, theirs = pty.openpty()
+    shown = bytearray()
 
+    def watch():
+        # The terminal ends with an error when nobody can write to it any more.
+        with contextlib.suppress(OSError):
+            while read := os.read(ours, 4096):
+                shown.extend(read)
+
+    watcher = threading.Thread(target=watch)
+    watcher.start()
+    try:
+        ended = subprocess.run(
+            [venv / "bin" / "workbench", "demo", "--json"],
+            cwd=tmp_path_factory.mktemp("elsewhere"),
+            env=surroundings() | {"TERM": "xterm", "COLUMNS": "200"},
+            stdout=subprocess.PIPE,
+            stderr=theirs,
+            timeout=PATIENCE,
+        )
+    finally:
+        os.close(theirs)
+        watcher.join()
+        os.close(ours)
+    assert ended.returncode == 0, shown.decode(errors="replace")[-2000:]
+    return json.loads(ended.stdout), shown.decode(errors="replace")
+
+
+def surroundings():
+    return {name: value for name, value in os.environ.items() if name not in UNWANTED}
+
+
+def said_in(venv, code, **about):
+    return subprocess.run(
+        [venv / "bin" / "python", "-c", code],
+        cwd=venv,
+        env=surroundings() | about,
+        check=True,
+        capture_output=True,
+        text=True,
+        timeout=PATIENCE,
+    ).stdout
+
+
+@pytest.mark.timeout(PATIENCE)
+def test_installed_elsewhere_it_runs_the_demo_at_once_on_its_own_cell(venv, first_demo):
     where = "from workbench.formats.shipped import find; print(find('robots', 'yumi'))"
-    assert run("python", "-c", where).strip().startswith(str(venv))
-    told = json.loads(run("workbench", "demo", "--json"))
+    assert said_in(venv, where).strip().startswith(str(venv))
+    told, _ = first_demo
     assert told["ok"], told
+
+
+@pytest.mark.timeout(PATIENCE)
+def test_the_first_demo_says_that_it_gets_ready(first_demo):
+    _, shown = first_demo
+    assert "getting ready, once, about a minute" in shown
+
+
+COMPILED = """
+import importlib, pkgutil
+from pathlib import Path
+from numba.core.dispatcher import Dispatcher
+from workbench import formats, perception, planning
+from workbench.app.readiness import USES, is_ready
+
+assert all(map(is_ready, USES))
+for room in (formats, perception, planning):
+    for found in pkgutil.iter_modules(room.__path__, room.__name__ + "."):
+        module = importlib.import_module(found.name)
+        for one in vars(module).values():
+            if isinstance(one, Dispatcher) and one.py_func.__module__ == found.name:
+                name = f"{one.py_func.__name__}-{one.py_func.__code__.co_firstlineno}.*.nbc"
+                kept = list(Path(one.stats.cache_path).glob("*." + name))
+                print("compiled" if kept else "left out:", found.name, one.py_func.__name__)
+"""
+
+
+@pytest.mark.timeout(PATIENCE)
+def test_all_that_is_compiled_was_compiled_before_the_first_task(venv, first_demo):
+    said = said_in(venv, COMPILED).splitlines()
+    assert len(said) > 50
+    assert [line for line in said if not line.startswith("compiled ")] == []
+
+
+PLANNED = """
+from dataclasses import replace
+from workbench.app.pick import plan_pick
+from workbench.formats.cells import read_cell
+from workbench.perception.piles import drop_parts
+
+cell = read_cell("yumi")
+cell = replace(cell, policy=replace(cell.policy, seconds=20.0))
+result = plan_pick(cell, drop_parts(cell.parts[:1] * 2, cell.bin, seed=28), "scan")
+print(result.verdict.reason.name, *{one.verdict.reason.name for one in result.candidates})
+"""
+"""Compiling takes longer than that, planning a hundredth of it."""
+
+
+@pytest.mark.timeout(PATIENCE)
+def test_a_plan_for_which_everything_is_compiled_first_is_not_out_of_time(venv, tmp_path):
+    said = said_in(venv, PLANNED, NUMBA_CACHE_DIR=str(tmp_path)).split()
+    assert said[0] == "OK" and "OUT_OF_TIME" not in said

@@ -110,6 +110,17 @@ def only_one(use: Use) -> Generator[None]:
         yield
 
 
+def end_with_input() -> None:
+    """From now on this process ends when nobody holds the other end of its standard input."""
+
+    def wait() -> None:
+        # Not through the buffer, whose lock the end of the interpreter wants.
+        os.read(0, 1)
+        os._exit(1)
+
+    threading.Thread(target=wait, name="end with input", daemon=True).start()
+
+
 @contextlib.contextmanager
 def _compiling(use: Use, told: SimpleQueue[tuple[Use, float | None]]) -> Generator[None]:
     """A process that compiles while the block runs; `told` its shares done, None at its end."""
@@ -127,14 +138,16 @@ def _compiling(use: Use, told: SimpleQueue[tuple[Use, float | None]]) -> Generat
         listener.start()
         try:
             yield
+        except BaseException:
+            process.kill()
+            raise
         finally:
-            if listener.is_alive():
-                process.kill()
             listener.join()
-            if process.wait() > 0:
-                errors.seek(0)
-                said = errors.read().decode(errors="replace").strip().splitlines() or ["no reason"]
-                log.warning("what %s needs could not be compiled ahead: %s", use, said[-1])
+        if process.wait() != 0:
+            errors.seek(0)
+            said = errors.read().decode(errors="replace").strip().splitlines()
+            why = said[-1] if said else f"exit code {process.returncode}"
+            log.warning("what %s needs could not be compiled ahead: %s", use, why)
 
 
 def _listen(output: IO[str] | None, use: Use, told: SimpleQueue[tuple[Use, float | None]]) -> None:
@@ -145,16 +158,19 @@ def _listen(output: IO[str] | None, use: Use, told: SimpleQueue[tuple[Use, float
     told.put((use, None))
 
 
+def _package() -> Path:
+    return Path(workbench.__file__).parent
+
+
 def _stamp(use: Use) -> Path:
-    package = Path(workbench.__file__).parent
-    kept = os.environ.get("NUMBA_CACHE_DIR")
+    package, kept = _package(), os.environ.get("NUMBA_CACHE_DIR")
     name = hashlib.sha256(os.fsencode(package)).hexdigest()[:12]
     return (Path(kept) if kept else package / "__pycache__") / f"workbench-{name}-{use}.ready"
 
 
 def _fingerprint() -> str:
     """Of all that compiled code depends on."""
-    package = Path(workbench.__file__).parent
+    package = _package()
     files = sorted(file for room in ROOMS for file in (package / room).glob("*.py"))
     stats = [(file.name, status.st_size, status.st_mtime_ns) for file in files
              for status in [file.stat()]]  # fmt: skip

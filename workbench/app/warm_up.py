@@ -5,11 +5,9 @@ with whoever has started it.
 """
 
 import math
-import os
 import struct
 import sys
 import tempfile
-import threading
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
@@ -17,7 +15,7 @@ import numpy as np
 from numba.core import event
 
 from workbench.app.pick import plan_pick
-from workbench.app.readiness import Use, is_ready, mark_ready, only_one
+from workbench.app.readiness import Use, end_with_input, is_ready, mark_ready, only_one
 from workbench.app.work import find_parts
 from workbench.formats.cells import read_cell
 from workbench.formats.clouds import read_cloud
@@ -31,7 +29,7 @@ from workbench.planning.part_rays import nearest_points
 
 def main(use: Use) -> int:
     """Compile for that use, unless another process has just done so."""
-    threading.Thread(target=_end_with_input, daemon=True).start()
+    end_with_input()
     with only_one(use):
         if not is_ready(use):
             event.register("numba:compile", _Teller(COMPILED[use]))
@@ -90,11 +88,6 @@ class _Teller(event.Listener):
         """One more is compiled."""
         self._done += 1
         print(min(self._done / self._expected, 0.99), flush=True)
-
-
-def _end_with_input() -> None:
-    sys.stdin.read()
-    os._exit(1)
 
 
 if __name__ == "__main__":

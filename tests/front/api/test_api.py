@@ -6,8 +6,10 @@ import json
 import numpy as np
 import pytest
 
+from workbench.app.live import Live
 from workbench.app.people import Person, Role
 from workbench.app.rights import NOBODY
+from workbench.app.worker import GettingReady
 from workbench.formats.plans import read_plan
 from workbench.front.calls import CALLS
 from workbench.front.fields import LARGEST_BODY
@@ -74,6 +76,18 @@ def test_a_task_is_told_while_it_runs_and_can_be_cancelled(site):
     assert "'scan' ends or is cancelled" in detail(site.post("/localize"), 409)
     assert site.post("/cancel").json()["job"] is None
     assert site.get("/jobs/current").json()["job"] is None
+
+
+def test_what_tasks_wait_for_is_told_with_the_state_and_with_the_task(site):
+    assert site.get("/state").json()["getting_ready"] is None
+    site.effects.hold.set()
+    site.effects.live = Live(getting_ready=GettingReady(0.4, "getting ready"))
+    site.post("/scan")
+    told = {"done": 0.4, "note": "getting ready"}
+    assert site.get("/state").json()["getting_ready"] == told
+    answer = site.get("/jobs/current").json()
+    assert answer["getting_ready"] == told
+    assert (answer["job"]["done"], answer["job"]["note"]) == (0.4, "getting ready")
 
 
 @pytest.mark.parametrize("read", [read for read in READS if read.missing], ids=lambda r: r.path)

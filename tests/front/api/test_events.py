@@ -8,6 +8,8 @@ import requests
 from aiohttp import web
 
 from workbench.app.commands import TakeControl
+from workbench.app.live import Live
+from workbench.app.worker import GettingReady
 from workbench.front import events
 
 
@@ -53,6 +55,17 @@ def test_a_running_task_is_told_too(site, listen):
     site.post("/scan")
     told = {name: content for name, content in (next(stream), next(stream))}
     assert told["job"]["job"]["name"] == "scan"
+
+
+def test_that_it_is_ready_is_told_when_nothing_else_has_changed(site, listen):
+    site.effects.live = Live(getting_ready=GettingReady(0.4, "getting ready"))
+    stream = listen()
+    assert next(stream)[1]["getting_ready"]["done"] == 0.4
+    name, told = next(stream)
+    assert (name, told["job"], told["getting_ready"]["done"]) == ("job", None, 0.4)
+    site.effects.live = Live()
+    name, told = next(stream)
+    assert (name, told["getting_ready"]) == ("state", None)
 
 
 @pytest.mark.parametrize("heartbeat", [0.05])
