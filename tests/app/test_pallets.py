@@ -1,9 +1,11 @@
 """Pallets: parts stay where they are put, and the next one goes elsewhere."""
 
 from dataclasses import replace
+from itertools import product
 
 import numpy as np
 import pytest
+from through import deepest, nearest
 
 from workbench.app.commands import EmptyPallets, Entry, LinkEnded
 from workbench.app.decide import decide
@@ -16,6 +18,7 @@ from workbench.formats.cells import read_cell
 from workbench.formats.shipped import find
 from workbench.model.errors import CommandRefused, FileError, InputError
 from workbench.model.geometry import pose_from_rpy
+from workbench.model.plan import LEG_NAMES
 from workbench.model.scan import Detection
 
 
@@ -70,6 +73,12 @@ def test_every_part_goes_to_a_place_of_its_own_until_the_pallet_is_full(cell):
         result = plan_pick(cell, in_the_bin(cell), f"scan {number}", obstacles=obstacles)
         assert result.plan is not None, str(result.verdict)
         assert result.proof.holds, result.proof.findings
+        (one,) = result.plan.arms
+        for leg, earlier in product(LEG_NAMES, state.placed):
+            part = cell.part(earlier.part)
+            assert nearest(cell, result.plan, one, leg, part, earlier.T_world_part) > 0.0
+        # The cup leaves the part as deep in its lip as it has held it, and not through it.
+        assert deepest(cell, result.plan, one, "home", one) > -cell.arms[0].tool.press - 0.001
         state = done(replace(state, phase=Phase.SENDING, plan=result.plan))
         assert len(state.placed) == number + 1
         spots.append(state.placed[-1].T_world_part.translation[:2])

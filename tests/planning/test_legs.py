@@ -57,6 +57,10 @@ def test_tilt_and_slide_are_covered_in_steps_the_authored_pose_first(cell):
     assert len(found) == len(tilts) * len(slides)
 
 
+def where(phase) -> dict[str, int]:
+    return {arm: number for arm, (number, _, _) in phase.placed.items()}
+
+
 def test_the_stretches_a_plan_tell_where_each_part_is(result):
     first, second = result.plan.arms
     seen = {
@@ -68,9 +72,13 @@ def test_the_stretches_a_plan_tell_where_each_part_is(result):
     assert seen[first.arm, "approach"].targets == {first.arm: first.detection}
     assert not seen[first.arm, "approach"].held
     assert seen[first.arm, "return"].held[first.arm][0] == first.detection
-    assert seen[first.arm, "home"].absent == {first.detection}
-    assert seen[second.arm, "reach"].absent == {first.detection}
-    assert seen[second.arm, "home"].absent == {first.detection, second.detection}
+    assert not seen[first.arm, "place"].placed
+    assert where(seen[first.arm, "home"]) == {first.arm: first.detection}
+    assert where(seen[second.arm, "reach"]) == {first.arm: first.detection}
+    both = {one.arm: one.detection for one in (first, second)}
+    assert where(seen[second.arm, "home"]) == both
+    for phase in seen.values():
+        assert not phase.absent
 
 
 def test_a_turned_hand_still_comes_and_leaves_as_authored(cell, detections):

@@ -105,6 +105,9 @@ def test_phases_of_both_arms_hold_both_parts(result):
     assert phase.openings == {first.arm: 0.03, second.arm: 0.04}
     waiting = phase_of([(second, "approach", 0.04)], [(first, "place", 0.03)])
     assert waiting.moving == {second.arm}
-    assert waiting.absent == {first.detection}
+    number, T_tcp_part, q = waiting.placed[first.arm]
+    assert number == first.detection
+    assert T_tcp_part == first.T_tcp_part
+    np.testing.assert_array_equal(q, first.leg("place").q[-1])
     assert not waiting.held
     assert waiting.straight == {second.arm}

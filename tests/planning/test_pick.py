@@ -197,9 +197,9 @@ def test_both_strategies_are_planned_and_what_can_be_sent_is_taken(cell, detecti
 
 
 def test_a_wider_margin_is_kept(cell, detections):
-    wide = plan_pick(cell, detections, "s", wishes=Wishes(margin=0.015))
+    wide = plan_pick(cell, detections, "s", wishes=Wishes(margin=0.02))
     usual = plan_pick(cell, detections, "s")
-    assert usual.proof.clearance < 0.015 <= wide.proof.clearance
+    assert usual.proof.clearance < 0.02 <= wide.proof.clearance
 
 
 def test_planning_can_be_cancelled(cell, detections):

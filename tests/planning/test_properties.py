@@ -163,7 +163,7 @@ def test_a_leg_for_which_no_time_was_left_is_not_called_impossible():
     picks = [resolve(world, one, seed=0) for one in propose(CELL, detections)]
     picks = [pick for pick in picks if isinstance(pick, Pick)]
     world.deadline = 0.0
-    alone = [arm_plan(world, pick, frozenset(), 0) for pick in picks]
+    alone = [arm_plan(world, pick, 0) for pick in picks]
     refused = {one.reason for one in alone if isinstance(one, Verdict)}
     assert refused == {Reason.OUT_OF_TIME}
     pairs = pairs_of(world, picks, cost_of(world, "travel"))

@@ -1,6 +1,7 @@
 """`workbench export-world`: what was planned, for checking with other tools."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 
@@ -14,6 +15,7 @@ from workbench.model.cell import Cell
 from workbench.model.errors import InputError
 from workbench.model.plan import Plan
 from workbench.planning.bodies import part_label
+from workbench.planning.chain import chain_of
 from workbench.planning.legs import stretches
 from workbench.planning.prove import form_findings
 from workbench.planning.walk import at
@@ -50,7 +52,15 @@ def _snapshots(cell: Cell, plan: Plan) -> Iterator[tuple[str, Snapshot]]:
             for arm, (detection, T_tcp_part) in phase.held.items()
         }
         away = phase.absent | {detection for detection, _ in phase.held.values()}
-        parts = tuple(part for k, part in enumerate(placed) if k not in away)
+        put = {
+            detection: chain_of(cell, cell.arm(arm)).pose(q) * T_tcp_part
+            for arm, (detection, T_tcp_part, q) in phase.placed.items()
+        }
+        parts = tuple(
+            replace(part, T=put[k]) if k in put else part
+            for k, part in enumerate(placed)
+            if k not in away
+        )
         names = [f"{arm_plan.arm}-{leg.name}" for arm_plan, leg in stretch.runs]
         t = np.unique(np.concatenate([leg.t for _, leg in stretch.runs]))
         rows = [np.array([at(leg, time) for time in t]) for _, leg in stretch.runs]

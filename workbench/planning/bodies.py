@@ -47,6 +47,11 @@ class Body:
     shape: Shape
     finger: Floats | None = None
 
+    @property
+    def is_loose(self) -> bool:
+        """Whether it is elsewhere in another phase: fingers open, parts are carried away."""
+        return self.kind == "part" or self.finger is not None
+
 
 def bodies_of(
     cell: Cell,
@@ -251,6 +256,26 @@ def coal_shape(shape: Shape) -> coal.CollisionGeometry:
             tree.addSubModel(points, triangles)
             tree.endModel()
             return tree
+
+
+def in_their_parts(bodies: Sequence[Body], detections: Sequence[Detection]) -> dict[int, pin.SE3]:
+    """By number, the poses of the pieces of parts in the frame of their part."""
+    return {
+        number: detections[int(body.owner)].T_world_part.actInv(body.T_joint_body)
+        for number, body in enumerate(bodies)
+        if body.kind == "part"
+    }
+
+
+def geometry_of(bodies: Sequence[Body]) -> pin.GeometryModel:
+    """The bodies where they are now, named by their numbers, without pairs."""
+    geometry = pin.GeometryModel()
+    for number, body in enumerate(bodies):
+        shape = coal_shape(body.shape)
+        geometry.addGeometryObject(
+            pin.GeometryObject(f"{number}", body.joint, body.T_joint_body, shape)
+        )
+    return geometry
 
 
 @lru_cache(maxsize=4096)

@@ -27,19 +27,19 @@ from workbench.model.plan import LEG_NAMES, ArmPlan, Guarantee, Leg, LegName, Pl
 from workbench.planning.clock import working_time
 from workbench.planning.contact import Contact
 from workbench.planning.in_step import in_step
-from workbench.planning.legs import HOLDING, Run, phase_of
+from workbench.planning.legs import HOLDING, LEAVING, Run, lead_of, phase_of
 from workbench.planning.meeting import Course, Meeting, first_meeting, standing
 from workbench.planning.motion import Curves, chain_contact, walked
 from workbench.planning.order import Cost
-from workbench.planning.route import MOTIONS, arm_plan, leg_of
-from workbench.planning.search import joint_weights, searched
+from workbench.planning.route import MOTIONS, along_placed, arm_plan, leg_of
+from workbench.planning.search import joint_weights, onward
 from workbench.planning.world import World
 
 OFFSETS = range(5)
 """By how many legs the second arm may follow the first; with more they would not overlap much."""
 
 CARRYING = LEG_NAMES.index("return")
-"""From this leg on the first arm's part is out of the bin."""
+"""From this leg on the first arm's part is out of the bin: in its hand, or where it is put."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -147,20 +147,19 @@ def coordinate(
         The plan with the shortest cycle, side by side if that works; or the verdict of the first
         offset, `OUT_OF_TIME` once the world's deadline has passed.
     """
-    first = arm_plan(world, picks[0], frozenset(), seed)
+    first = arm_plan(world, picks[0], seed)
     if isinstance(first, Verdict):
         return first
     refusal: Verdict | None = None
     best: Plan | None = None
     second: ArmPlan | Verdict | None = None
-    was_carried = False
+    planned_since = -1
     for offset in offsets:
         if working_time() > world.deadline:
             break
-        is_carried = offset >= CARRYING
-        if second is None or is_carried != was_carried:
-            gone = frozenset({first.detection} if is_carried else ())
-            second, was_carried = arm_plan(world, picks[1], gone, seed), is_carried
+        since = max(0, CARRYING - offset)
+        if second is None or since != planned_since:
+            second, planned_since = arm_plan(world, picks[1], seed, (first,), since), since
         if isinstance(second, Verdict):
             refusal = refusal or second
             continue
@@ -243,7 +242,7 @@ def _together(
 def _enter(world: World, pair: Pair) -> None:
     """Both legs under way."""
     world.enter(phase_of([(task.plan, task.name, task.leg.opening) for task in pair]))
-    if any(task.name == "extract" for task in pair):
+    if any(task.name in LEAVING for task in pair):
         starts = {task.plan.arm: task.leg.q[0] for task in pair}
         world.allow_start_contacts(world.configuration(starts))
 
@@ -254,8 +253,12 @@ def _course(world: World, task: Task) -> Course:
 
 
 def _met(world: World, pair: Pair) -> Meeting | None:
-    """Where the arms meet on the ways that they have, at any speeds."""
+    """Where the arms meet, or one what the other has placed, on the ways that they have."""
     _enter(world, pair)
+    for task in pair:
+        contact = along_placed(world, task.plan.arm, np.asarray(task.leg.q))
+        if contact is not None:
+            return Meeting(contact, (pair[0].leg.q[0], pair[1].leg.q[0]), (0, 0))
     first, second = (_course(world, task) for task in pair)
     return first_meeting(world, world.configuration({}), first, second)
 
@@ -267,9 +270,15 @@ def _around(world: World, pair: Pair, rng: np.random.Generator) -> Iterator[Pair
         if MOTIONS[task.name] != "joint":
             continue
         columns, base = world.kinematics.columns[task.plan.arm], world.configuration({})
-        way, start, goal = _course(world, pair[master]), task.leg.q[0], task.leg.q[-1]
-        posts = (standing(columns, np.asarray(q)) for q in (start, goal))
-        if any(first_meeting(world, base, post, way) is not None for post in posts):
+        way, goal = _course(world, pair[master]), np.asarray(task.leg.q[-1])
+        lead = lead_of(task.leg, world.policy.straight_points)
+        begin = standing(columns, lead[0])
+        if len(lead) > 1:
+            begin = Course(columns, walked(lead, world.policy.zone).points)
+        ends = (begin, standing(columns, goal))
+        if any(first_meeting(world, base, end, way) is not None for end in ends):
+            continue
+        if along_placed(world, task.plan.arm, lead) is not None:
             continue
         alone = world.alone(task.plan.arm)
 
@@ -288,16 +297,8 @@ def _around(world: World, pair: Pair, rng: np.random.Generator) -> Iterator[Pair
 
         chain, weights = world.chains[task.plan.arm], joint_weights(len(columns), world.policy)
         limits = (chain.lower, chain.upper)
-        path = searched(
-            np.asarray(start),
-            np.asarray(goal),
-            limits,
-            weights,
-            check,
-            world.policy,
-            rng,
-            world.deadline,
-        )
+        with world.at_full_margins():
+            path = onward(lead, goal, limits, weights, check, world.policy, rng, world.deadline)
         if isinstance(path, Verdict):
             continue
         leg = leg_of(world, world.arm(task.plan.arm), task.name, path, task.leg.opening)
@@ -321,9 +322,11 @@ def _passes(world: World, moving: Task, waiting: Task, *, is_done: bool) -> bool
         waits.append((waiting.plan, last, waiting.plan.leg(last).opening))
     world.enter(phase_of([(moving.plan, moving.name, moving.leg.opening)], waits))
     q = np.asarray(waiting.leg.q[-1 if is_done else 0])
-    if moving.name == "extract":
+    if moving.name in LEAVING:
         starts = {moving.plan.arm: moving.leg.q[0], waiting.plan.arm: q}
         world.allow_start_contacts(world.configuration(starts))
+    if along_placed(world, moving.plan.arm, np.asarray(moving.leg.q)) is not None:
+        return False
     post = standing(world.kinematics.columns[waiting.plan.arm], q)
     return first_meeting(world, world.configuration({}), _course(world, moving), post) is None
 

@@ -9,9 +9,10 @@ from workbench.model.geometry import Floats
 from workbench.model.plan import ArmPlan, Leg, LegName
 from workbench.planning.contact import Contact
 from workbench.planning.execution import timed
+from workbench.planning.legs import lead_of
 from workbench.planning.motion import Curves, chain_contact, walked
 from workbench.planning.route import MOTIONS
-from workbench.planning.search import joint_weights, searched
+from workbench.planning.search import joint_weights, onward
 from workbench.planning.world import World
 
 ITERATIONS = 100
@@ -42,6 +43,9 @@ def in_step(
         whole[columns] = q
         if world.contact(whole) is not None:
             return None
+    lead = np.hstack([lead_of(leg, policy.straight_points) for leg in legs])
+    if len(lead) > 1 and check(walked(lead, policy.zone)) is not None:
+        return None
     if MOTIONS[name] == "joint":
         chains = [world.chains[plan.arm] for plan in plans]
         limits = (
@@ -50,7 +54,8 @@ def in_step(
         )
         weights = np.concatenate([joint_weights(len(plan.joints), policy) for plan in plans])
         fewer = replace(policy, iterations=min(policy.iterations, ITERATIONS))
-        path = searched(start, goal, limits, weights, check, fewer, rng, world.deadline)
+        with world.at_full_margins():
+            path = onward(lead, goal, limits, weights, check, fewer, rng, world.deadline)
         if isinstance(path, Verdict):
             return None
     else:

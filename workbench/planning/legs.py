@@ -24,6 +24,9 @@ HOLDING: frozenset[LegName] = frozenset({"extract", "return", "place"})
 FREE_STEP, TILT_STEP, SLIDE_STEP = math.radians(30.0), math.radians(15.0), 0.01
 """[rad, rad, m] What a grasp leaves free is tried this far apart, or closer."""
 
+LEAVING: frozenset[LegName] = frozenset({"extract", "home"})
+"""Legs on which a part comes away from what it lies on, or the arm from the part it has placed."""
+
 TARGETED: frozenset[LegName] = frozenset({"approach"})
 """Legs on which the tool goes around the part that it takes."""
 
@@ -62,6 +65,14 @@ def _steps(most: float, step: float) -> list[tuple[int, float]]:
     return [(0, 0.0), *values]
 
 
+def lead_of(leg: Leg, points: int) -> Floats:
+    """The waypoints (k, n) that a leg begins with however it goes on.
+
+    On the way home these are the `points` of the hand's straight way out of the place.
+    """
+    return np.asarray(leg.q[: points if leg.name == "home" else 1])
+
+
 Run = tuple[ArmPlan, LegName, float]
 """A leg of an arm, with the opening of its fingers [m]."""
 
@@ -72,18 +83,22 @@ def phase_of(runs: Sequence[Run], waiting: Sequence[Run] = (), gone: Iterable[in
     Args:
         runs: legs that run now, each of another arm.
         waiting: the last legs of arms that stand where these ended.
-        gone: detections that have been taken away before.
+        gone: detections that are somewhere else.
     """
-    # A part is in the hand from the lift on, and no more once it has been placed.
+    # A part is in the hand from the lift on, and lies where it was put once it has been placed.
     holding = [plan for plan, name, _ in runs if name in HOLDING]
     holding += [plan for plan, name, _ in waiting if name in HOLDING - {"place"}]
-    left = [plan for plan, name, _ in runs if name == "home"]
-    left += [plan for plan, name, _ in waiting if name in ("place", "home")]
+    placed = [plan for plan, name, _ in runs if name == "home"]
+    placed += [plan for plan, name, _ in waiting if name in ("place", "home")]
     return Phase(
         moving=frozenset(plan.arm for plan, _, _ in runs),
         openings={plan.arm: opening for plan, _, opening in (*runs, *waiting)},
         held={plan.arm: (plan.detection, plan.T_tcp_part) for plan in holding},
-        absent=frozenset(gone) | {plan.detection for plan in left},
+        placed={
+            plan.arm: (plan.detection, plan.T_tcp_part, np.asarray(plan.leg("place").q[-1]))
+            for plan in placed
+        },
+        absent=frozenset(gone),
         targets={plan.arm: plan.detection for plan, name, _ in runs if name in TARGETED},
         straight=frozenset(plan.arm for plan, name, _ in runs if name in STRAIGHT),
     )

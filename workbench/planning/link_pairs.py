@@ -12,7 +12,7 @@ import pinocchio as pin
 
 from workbench.model.cell import Cell
 from workbench.model.geometry import Bools
-from workbench.planning.bodies import bodies_of, coal_shape
+from workbench.planning.bodies import bodies_of, geometry_of
 from workbench.planning.kinematics import Kinematics
 
 SAMPLES = 1000
@@ -33,11 +33,7 @@ def pairs_without_check(cell: Cell, *, seed: int = 0) -> Mapping[tuple[str, str]
     owners = [f"{one.owner}_tool" if one.kind == "tool" else one.owner for one in bodies]
     joints = np.array([one.joint for one in bodies])
     parents = np.array(list(model.parents))
-    geometry = pin.GeometryModel()
-    for number, body in enumerate(bodies):
-        geometry.addGeometryObject(
-            pin.GeometryObject(f"{number}", body.joint, body.T_joint_body, coal_shape(body.shape))
-        )
+    geometry = geometry_of(bodies)
     geometry.setCollisionPairs(np.triu(joints[:, None] != joints, 1), True)
     first, second = (
         np.array([getattr(pair, end) for pair in geometry.collisionPairs])

@@ -21,14 +21,17 @@ class Phase:
     """What is true during one leg.
 
     `moving`: the arms that move.  `openings`: arm -> finger opening [m]; arms not named keep
-    their fingers closed.  `held`: arm -> (detection, `T_tcp_part`).  `absent`: detections that
-    have left.  `targets`: arm -> the part that its tool is about to take.  `straight`: arms whose
-    tool and held part may come as near as the policy's `near_margin`.
+    their fingers closed.  `held`: arm -> (detection, `T_tcp_part`).  `placed`: arm -> (detection,
+    `T_tcp_part`, configuration (n,) [rad] in which it has let go of it); there the part stays.
+    `absent`: detections that are in none of these places.  `targets`: arm -> the part that its tool
+    is about to take.  `straight`: arms whose tool and held part may come as near as the policy's
+    `near_margin`.
     """
 
     moving: frozenset[str]
     openings: Mapping[str, float] = field(default_factory=dict)
     held: Mapping[str, tuple[int, pin.SE3]] = field(default_factory=dict)
+    placed: Mapping[str, tuple[int, pin.SE3, Floats]] = field(default_factory=dict)
     absent: frozenset[int] = frozenset()
     targets: Mapping[str, int] = field(default_factory=dict)
     straight: frozenset[str] = frozenset()
@@ -37,8 +40,9 @@ class Phase:
     def key(self) -> tuple[object, ...]:
         """What the pairs depend on: all but the numbers of the poses."""
         holders = tuple(sorted((arm, number) for arm, (number, _) in self.held.items()))
+        placers = tuple(sorted((arm, number) for arm, (number, _, _) in self.placed.items()))
         targets = tuple(sorted(self.targets.items()))
-        return (self.moving, holders, self.absent, targets, self.straight)
+        return (self.moving, holders, placers, self.absent, targets, self.straight)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -46,20 +50,43 @@ class Checks:
     """The pairs of a phase.
 
     `among` are the numbers of those that count.  For every pair there is its margin [m], the
-    arms that carry its bodies in `carriers` (pairs, 2), -1 where none does, in `commons` the
-    deepest joint that carries both, and in `of_held` whether one of them is a part in a hand.
+    arms that carry its bodies in `carriers` (pairs, 2), -1 where none does, and in `commons` the
+    deepest joint that carries both.  `lifts` tells whether one of them is a part that is being
+    lifted, `leaves` whether it is a part that has been placed and the other is of the arm that now
+    goes away from it, `placed` whether it is a placed part at all.
     """
 
     among: Ints
     margins: Floats
     carriers: Ints
     commons: Ints
-    of_held: Bools
+    lifts: Bools
+    leaves: Bools
+    placed: Bools
 
     @property
     def own(self) -> Bools:
         """Whether both bodies are of one arm."""
         return (self.carriers[:, 0] == self.carriers[:, 1]) & (self.carriers[:, 0] >= 0)
+
+    @property
+    def may_begin_close(self) -> Bools:
+        """Pairs that may be closer than their margin where a leg begins; none of two arms."""
+        first, second = self.carriers.T
+        return (self.lifts | self.leaves) & ((first < 0) | (second < 0) | (first == second))
+
+    def at_start(self, pairs: Ints, distances: Floats, near: float, slack: float) -> Floats:
+        """The margins [m] of a leg for which pairs are as close as `distances` where it begins.
+
+        A part lies on the bin's floor and on other parts when it is taken: as it is lifted, its
+        margin to these is the distance there, less `slack`.  A hand that has let go of a part is
+        around it or on it: on its way out it keeps `near` to it as on any straight way, and where
+        it is closer already it may not come nearer.  `leaving.comes_back` says what follows.
+        """
+        # The margins of the phase serve others too; these are for this leg alone.
+        margins = np.where(self.leaves, np.minimum(self.margins, near), self.margins)
+        margins[pairs] = np.minimum(margins[pairs], distances - slack)
+        return margins
 
     def alone(self, arm: int) -> Ints:
         """The pairs that one arm has with itself and with what no arm carries."""
@@ -70,6 +97,16 @@ class Checks:
     def involving(self, arm: int) -> Ints:
         """The pairs of which one body at least is carried by an arm."""
         return self.among[(self.carriers[self.among] == arm).any(axis=1)]
+
+    def to_placed(self, arm: int) -> Ints:
+        """The pairs of an arm with parts that other arms have placed."""
+        among = self.involving(arm)
+        return among[self.placed[among] & ~self.leaves[among]]
+
+    def left_behind(self, arm: int) -> Ints:
+        """The pairs of an arm with the part that it has just let go of."""
+        among = self.involving(arm)
+        return among[self.leaves[among]]
 
     def between(self) -> Ints:
         """The pairs of bodies that different arms carry."""
@@ -146,8 +183,22 @@ class Pairing:
         both = self._ancestors[joint[a]] & self._ancestors[joint[b]]
         commons = np.where(both, np.arange(both.shape[1]), 0).max(axis=1)
         carriers = np.stack([carrier[a], carrier[b]], axis=1)
-        of_held = (held[a] >= 0) | (held[b] >= 0)
-        return Checks(np.flatnonzero(counts), margins, carriers, commons, of_held)
+        lifted = (held >= 0) & np.isin(held, [self._arm[name] for name in phase.straight])
+        # Who has placed each body, -1 for all but parts that lie where an arm has put them.
+        placer = np.full(len(self._carrier), -1)
+        for name, (number, _, _) in phase.placed.items():
+            placer[self._part == number] = self._arm[name]
+        is_left = np.isin(placer, moving)
+        leaves = (is_left[a] & (carrier[b] == placer[a])) | (is_left[b] & (carrier[a] == placer[b]))
+        return Checks(
+            np.flatnonzero(counts),
+            margins,
+            carriers,
+            commons,
+            lifted[a] | lifted[b],
+            leaves,
+            (placer[a] >= 0) | (placer[b] >= 0),
+        )
 
 
 _PAIRINGS: dict[tuple[str, Policy, tuple[str, ...], int], Pairing] = {}

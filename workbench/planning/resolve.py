@@ -11,9 +11,10 @@ from workbench.model.cell import Arm
 from workbench.model.geometry import Floats, frozen
 from workbench.planning.chain import Chain, is_solution
 from workbench.planning.contact import Contact
-from workbench.planning.legs import grips, hand_turns
+from workbench.planning.legs import grips
 from workbench.planning.motion import path_contact
 from workbench.planning.pairing import Phase
+from workbench.planning.put_down import ways_down
 from workbench.planning.straight import follow
 from workbench.planning.wire import on_wire
 from workbench.planning.world import World
@@ -23,11 +24,6 @@ STARTS = 12
 
 TRIES = 3
 """Grasp configurations of one candidate that are followed to the end."""
-
-PLACE_LIFT = 0.05
-"""[m] The last straight way down to the place."""
-
-UP = np.array([0.0, 0.0, 1.0])
 
 SAME = np.deg2rad(5.0)
 """Two solutions closer than this in every joint are one."""
@@ -233,25 +229,12 @@ def _place(
     world: World, candidate: Candidate, arm: Arm, q_from: Floats, T_tcp_part: pin.SE3
 ) -> Floats | Verdict:
     """The straight way down to the first place that works, shape (m, n)."""
-    policy = world.policy
-    chain, columns = world.chains[arm.name], world.kinematics.columns[arm.name]
-    base = world.configuration({})
-    world.enter(holding_phase(candidate, arm, T_tcp_part, straight=False))
     reaches = "the arm reaches none of its places"
     note = reaches if arm.Ts_world_place else "the cell has no place for this arm"
     refusal = Verdict(Reason.NO_PLACE, Stage.PLACE, note=note)
-    for T_world_place in arm.Ts_world_place:
-        for T_world_tcp in (T_world_place * T for T in hand_turns(arm)):
-            answers, residuals = chain.solve(T_world_tcp, np.vstack([q_from, arm.home]))
-            for q in answers[is_solution(residuals)]:
-                above = pin.SE3(T_world_tcp.rotation, T_world_tcp.translation + PLACE_LIFT * UP)
-                path, share = follow(chain, on_wire(q), above, policy.straight_points)
-                if share < 1.0:
-                    refusal = _broken_off(Reason.NO_PLACE, Stage.PLACE, path[-1], share)
-                    continue
-                path = on_wire(path[::-1])
-                found = path_contact(world, columns, base, path, policy.zone)
-                if found is None:
-                    return path
-                refusal = _refused(Reason.NO_PLACE, Stage.PLACE, found[0], found[1])
+    phase = holding_phase(candidate, arm, T_tcp_part, straight=False)
+    for way in ways_down(world, arm, phase, q_from):
+        if not isinstance(way, Verdict):
+            return way
+        refusal = way
     return refusal

@@ -9,14 +9,23 @@ import numpy as np
 from workbench.model.candidate import Pick, Reason, Stage, Verdict
 from workbench.model.cell import Arm
 from workbench.model.geometry import Floats
-from workbench.model.plan import ArmPlan, Guarantee, Leg, LegName, Plan, Step, Strategy
+from workbench.model.plan import (
+    LEG_NAMES,
+    ArmPlan,
+    Guarantee,
+    Leg,
+    LegName,
+    Plan,
+    Step,
+    Strategy,
+)
 from workbench.planning.clock import working_time
 from workbench.planning.contact import Contact
 from workbench.planning.execution import timed
-from workbench.planning.legs import HOLDING, phase_of
-from workbench.planning.motion import Curves, chain_contact
-from workbench.planning.search import joint_weights, searched
-from workbench.planning.wire import on_wire
+from workbench.planning.legs import HOLDING, Run, phase_of
+from workbench.planning.motion import Curves, chain_contact, path_contact
+from workbench.planning.put_down import PutDown, home_of, put_down
+from workbench.planning.search import joint_weights, onward
 from workbench.planning.world import World
 
 MOTIONS: Mapping[LegName, Literal["joint", "linear"]] = {
@@ -27,6 +36,12 @@ MOTIONS: Mapping[LegName, Literal["joint", "linear"]] = {
     "place": "linear",
     "home": "joint",
 }
+
+STRAIGHT_REASONS: Mapping[LegName, Reason] = {
+    "approach": Reason.APPROACH_BLOCKED,
+    "extract": Reason.EXTRACT_BLOCKED,
+}
+"""Legs that are known to be clear but for what other arms have placed; what they are refused by."""
 
 
 def route(
@@ -41,7 +56,7 @@ def route(
     """A plan in which the arms work one after the other, in the order of `picks`.
 
     Each arm reaches, approaches, closes, extracts, returns, places, opens and goes home while
-    the other stands at home as an obstacle.
+    the other stands at home as an obstacle; what the arms before have placed is one, too.
 
     Args:
         world: of the cell and the detections that the picks were made from.
@@ -57,14 +72,12 @@ def route(
     began = working_time()
     arms: list[ArmPlan] = []
     steps: list[Step] = []
-    gone: frozenset[int] = frozenset()
     for pick in picks:
-        planned = arm_plan(world, pick, gone, seed)
+        planned = arm_plan(world, pick, seed, arms)
         if isinstance(planned, Verdict):
             return planned
         arms.append(planned)
         steps.extend(Step(((planned.arm, leg.name),)) for leg in planned.legs)
-        gone = gone | {planned.detection}
     return Plan(
         cell=world.cell.name,
         cell_digest=world.cell.digest,
@@ -81,45 +94,80 @@ def route(
     )
 
 
-def arm_plan(world: World, pick: Pick, gone: frozenset[int], seed: int) -> ArmPlan | Verdict:
+def arm_plan(
+    world: World, pick: Pick, seed: int, before: Sequence[ArmPlan] = (), since: int = 0
+) -> ArmPlan | Verdict:
     """All legs of one arm, the others standing at home.
 
-    `gone` are detections that have been taken away before.  The verdict is that of the first
-    leg for which no path was found.
+    Args:
+        world: of the cell and the detections that the pick was made from.
+        pick: what the arm does.
+        seed: of the request.
+        before: plans of arms that have placed their parts where this one comes by.
+        since: number of the leg from which on they have; before it their parts lie in the bin.
+
+    Returns:
+        The plan, or the verdict of the first leg for which no path was found.
     """
-    candidate = pick.candidate
-    arm = world.arm(candidate.arm)
-    plan = ArmPlan(
-        arm.name, candidate.detection, candidate.grasp.name, pick.T_tcp_part, arm.joints, ()
-    )
-    chain = world.chains[arm.name]
-    home = np.clip(on_wire(np.asarray(arm.home)), chain.lower, chain.upper)
-    seeds = np.random.SeedSequence([seed, candidate.detection, ord(arm.letter)])
+    arm, grasp = world.arm(pick.candidate.arm), pick.candidate.grasp
+
+    def waiting(name: LegName) -> list[Run]:
+        is_placed = LEG_NAMES.index(name) >= since
+        return [(one, "home", one.leg("home").opening) for one in before] if is_placed else []
+
+    put = put_down(world, pick, phase_of([], waiting("place")))
+    if isinstance(put, Verdict):
+        return put
+    plan = _straight_legs(world, pick, put)
+    for name in STRAIGHT_REASONS:
+        world.enter(phase_of([(plan, name, plan.leg(name).opening)], waiting(name)))
+        contact = along_placed(world, arm.name, np.asarray(plan.leg(name).q))
+        if contact is not None:
+            reason = STRAIGHT_REASONS[name]
+            return Verdict(reason, Stage.ROUTE, contact.pair, contact.distance)
+    home = home_of(world, arm)
+    seeds = np.random.SeedSequence([seed, plan.detection, ord(arm.letter)])
     rng = np.random.default_rng(seeds)
-    free: dict[LegName, Floats] = {}
+    free: list[Leg] = []
     ways: tuple[tuple[LegName, Floats, Floats], ...] = (
-        ("reach", home, pick.approach[0]),
-        ("return", pick.extract[-1], pick.place[0]),
-        ("home", pick.place[-1], home),
+        ("reach", home[None], pick.approach[0]),
+        ("return", pick.extract[-1:], put.down[0]),
+        ("home", put.out, home),
     )
-    for name, start, end in ways:
-        opening = candidate.grasp.grip if name in HOLDING else candidate.grasp.opening
-        world.enter(phase_of([(plan, name, opening)], gone=gone))
-        path = free_path(world, arm, start, end, rng)
+    for name, lead, goal in ways:
+        opening = grasp.grip if name in HOLDING else grasp.opening
+        world.enter(phase_of([(plan, name, opening)], waiting(name)))
+        if name == "home" and len(lead) == 1:
+            # The place is at home, the hand stays around the part.
+            world.allow_start_contacts(world.configuration({arm.name: lead[0]}))
+        path = free_path(world, arm, lead, goal, rng)
         if isinstance(path, Verdict):
             return path if name == "reach" else _without_return(path, name)
-        free[name] = path
+        free.append(leg_of(world, arm, name, path, opening))
+    legs = sorted((*plan.legs, *free), key=lambda leg: LEG_NAMES.index(leg.name))
+    return replace(plan, legs=tuple(legs))
+
+
+def _straight_legs(world: World, pick: Pick, put: PutDown) -> ArmPlan:
+    """The plan of an arm with its straight legs alone."""
+    candidate, grasp = pick.candidate, pick.candidate.grasp
+    arm = world.arm(candidate.arm)
     legs = (
-        leg_of(world, arm, "reach", free["reach"], candidate.grasp.opening),
-        leg_of(world, arm, "approach", pick.approach, candidate.grasp.opening),
-        leg_of(world, arm, "extract", pick.extract, candidate.grasp.grip),
-        leg_of(world, arm, "return", free["return"], candidate.grasp.grip),
-        leg_of(world, arm, "place", pick.place, candidate.grasp.grip),
-        leg_of(world, arm, "home", free["home"], candidate.grasp.opening),
+        leg_of(world, arm, "approach", pick.approach, grasp.opening),
+        leg_of(world, arm, "extract", pick.extract, grasp.grip),
+        leg_of(world, arm, "place", put.down, grasp.grip),
     )
-    return ArmPlan(
-        arm.name, candidate.detection, candidate.grasp.name, pick.T_tcp_part, arm.joints, legs
-    )
+    return ArmPlan(arm.name, candidate.detection, grasp.name, pick.T_tcp_part, arm.joints, legs)
+
+
+def along_placed(world: World, arm: str, path: Floats) -> Contact | None:
+    """What an arm meets, in the world's present phase, of parts that other arms have placed."""
+    among = world.to_placed(arm)
+    if len(among) == 0:
+        return None
+    columns, base = world.kinematics.columns[arm], world.configuration({})
+    found = path_contact(world, columns, base, path, world.policy.zone, among=among)
+    return None if found is None else found[0]
 
 
 def _without_return(verdict: Verdict, name: LegName) -> Verdict:
@@ -138,16 +186,24 @@ def leg_of(world: World, arm: Arm, name: LegName, path: Floats, opening: float) 
 
 
 def free_path(
-    world: World, arm: Arm, start: Floats, goal: Floats, rng: np.random.Generator
+    world: World, arm: Arm, lead: Floats, goal: Floats, rng: np.random.Generator
 ) -> Floats | Verdict:
     """A path of one arm in the world's present phase, rounded and checked as it will be run.
+
+    Args:
+        world: in the phase of the leg.
+        arm: that moves.
+        lead: waypoints (k, n) that the path begins with; only the last one and the corner there
+            are checked.
+        goal: where it ends (n,).
+        rng: of everything random.
 
     Returns:
         Waypoints (m, n) [rad]; or why there are none, with the pair in the way when an end
         of the path is itself too close to something.
     """
     columns, base = world.kinematics.columns[arm.name], world.configuration({})
-    for q in (start, goal):
+    for q in (lead[-1], goal):
         contact = world.contact(world.configuration({arm.name: q}))
         if contact is not None:
             return Verdict(
@@ -159,11 +215,11 @@ def free_path(
         return None if found is None else found[:2]
 
     chain = world.chains[arm.name]
-    return searched(
-        start,
+    return onward(
+        lead,
         goal,
         (chain.lower, chain.upper),
-        joint_weights(len(start), world.policy),
+        joint_weights(len(goal), world.policy),
         check,
         world.policy,
         rng,

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 
 import numpy as np
 
@@ -60,10 +61,13 @@ def searched(
     policy: Policy,
     rng: np.random.Generator,
     deadline: float = math.inf,
+    before: Floats | None = None,
 ) -> Floats | Verdict:
     """A path between two clear configurations (n,), rounded and checked as it will be run.
 
-    `deadline` [s] on the clock of `working_time` ends the search wherever it stands.
+    `before` (n,) is the waypoint from which the arm comes to the start: the corner there belongs to
+    what is checked.  Without it the arm begins at the start.  `deadline` [s] on the clock of
+    `working_time` ends the search wherever it stands.
 
     Returns:
         Waypoints (m, n) [rad]; or why there are none, with what was met last.
@@ -81,7 +85,7 @@ def searched(
             if path is None:
                 break
             path = as_sent(path, is_clear, policy.free_points)
-            met = check(walked(path, policy.zone))
+            met = check(_walked_from(before, path, policy.zone))
             if met is None:
                 return path
     except _Late:
@@ -90,6 +94,35 @@ def searched(
         return Verdict(Reason.NO_PATH, Stage.ROUTE)
     contact, q = met
     return Verdict(Reason.NO_PATH, Stage.ROUTE, contact.pair, contact.distance, q)
+
+
+def onward(
+    lead: Floats,
+    goal: Floats,
+    limits: tuple[Floats, Floats],
+    weights: Floats,
+    check: Check,
+    policy: Policy,
+    rng: np.random.Generator,
+    deadline: float = math.inf,
+) -> Floats | Verdict:
+    """A path that begins with `lead` (k, n), searched from its last waypoint on; see `searched`.
+
+    All of it has as many waypoints as other paths, or as many as it needs.
+    """
+    count = len(lead) - 1
+    before = lead[-2] if count else None
+    fewer = replace(policy, free_points=max(2, policy.free_points - count))
+    path = searched(lead[-1], goal, limits, weights, check, fewer, rng, deadline, before)
+    return path if isinstance(path, Verdict) else np.vstack([lead[:-1], path])
+
+
+def _walked_from(before: Floats | None, path: Floats, zone: float) -> Curves:
+    """All curves of a path, with the corner at its start where it comes from `before`."""
+    if before is None:
+        return walked(path, zone)
+    curves = walked(np.vstack([before, path]), zone)
+    return Curves(curves.points[1:], curves.waypoints[1:])
 
 
 class _Late(Exception):

@@ -8,7 +8,8 @@ import numpy as np
 from workbench.model.geometry import Floats
 from workbench.model.plan import Finding, Guarantee, Leg, are_in_step
 from workbench.planning.contact import Contact
-from workbench.planning.legs import Stretch
+from workbench.planning.leaving import comes_back
+from workbench.planning.legs import LEAVING, Stretch, lead_of
 from workbench.planning.meeting import Course, first_meeting
 from workbench.planning.motion import path_contact, walked
 from workbench.planning.world import World
@@ -49,7 +50,7 @@ def walk(
     """
     world.enter(stretch.phase)
     starts = {plan.arm: np.asarray(leg.q[0]) for plan, leg in stretch.runs}
-    if any(leg.name == "extract" for _, leg in stretch.runs):
+    if any(leg.name in LEAVING for _, leg in stretch.runs):
         world.allow_start_contacts(world.configuration({**stretch.standing, **starts}))
     legs = [leg for _, leg in stretch.runs]
     if len(legs) == 1:
@@ -77,15 +78,10 @@ def _along(
     *,
     with_others: bool,
 ) -> Finding | None:
-    found = path_contact(
-        world,
-        world.kinematics.columns[arm],
-        world.configuration(standing),
-        np.asarray(leg.q),
-        world.policy.zone,
-        resolution,
-        None if with_others else world.alone(arm),
-    )
+    path, columns = np.asarray(leg.q), world.kinematics.columns[arm]
+    base, among = world.configuration(standing), None if with_others else world.alone(arm)
+    found = path_contact(world, columns, base, path, world.policy.zone, resolution, among)
+    found = found or comes_back(world, (arm,), columns, base, path, resolution)
     return None if found is None else _finding(found[0], arm, leg, found[2], found[1])
 
 
@@ -125,7 +121,9 @@ def _in_step(world: World, stretch: Stretch, resolution: float) -> Finding | Non
     columns = np.concatenate([world.kinematics.columns[plan.arm] for plan, _ in stretch.runs])
     path = np.hstack([np.asarray(leg.q) for _, leg in stretch.runs])
     base = world.configuration(stretch.standing)
+    arms = [plan.arm for plan, _ in stretch.runs]
     found = path_contact(world, columns, base, path, world.policy.zone, resolution)
+    found = found or comes_back(world, arms, columns, base, path, resolution)
     if found is None:
         return None
     arm_plan, leg = stretch.runs[0]
@@ -141,13 +139,18 @@ def _finding(contact: Contact, arm: str, leg: Leg, waypoint: int, q: Floats) -> 
 def _clearances(
     world: World, stretch: Stretch, sight: float
 ) -> tuple[tuple[tuple[str, str, Floats], ...], Finding | None]:
-    """Distances at the waypoints of every leg, the others where the timing has them."""
+    """Distances at the waypoints of every leg, the others where the timing has them.
+
+    On its straight way out the hand is close to the part that it has let go of: that is left out.
+    """
     clearances: list[tuple[str, str, Floats]] = []
     closest: Finding | None = None
     for arm_plan, leg in stretch.runs:
-        distances, among = np.empty(len(leg.q)), world.involving(arm_plan.arm)
+        distances, all_of_it = np.empty(len(leg.q)), world.involving(arm_plan.arm)
+        but_the_part = np.setdiff1d(all_of_it, world.left_behind(arm_plan.arm))
+        out = len(lead_of(leg, world.policy.straight_points))
         for number, whole in enumerate(_states(world, stretch, arm_plan.arm, leg)):
-            q = leg.q[number]
+            q, among = leg.q[number], but_the_part if number < out else all_of_it
             distance, pair = world.clearance(whole, sight, among)
             distances[number] = distance
             if pair is not None and (closest is None or distance < (closest.distance or 0.0)):

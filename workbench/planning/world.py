@@ -1,7 +1,8 @@
 """The world of one scan: one collision model whose attachments and margins change by phase."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Generator, Mapping
+from contextlib import contextmanager
 from dataclasses import replace
 
 import numpy as np
@@ -10,7 +11,7 @@ import pinocchio as pin
 from workbench.model.cell import Arm, Cell, Policy
 from workbench.model.geometry import Floats, Ints, Shape
 from workbench.model.scan import Detection, Obstacle
-from workbench.planning.bodies import bodies_of, boxes_of, coal_shape, extent
+from workbench.planning.bodies import bodies_of, boxes_of, extent, geometry_of, in_their_parts
 from workbench.planning.bounds import close_pairs
 from workbench.planning.chain import Chain, chain_of
 from workbench.planning.contact import Contact, Swept
@@ -67,7 +68,11 @@ class World:
         self._by_coal = by_coal
         self._arm_index = {arm.name: index for index, arm in enumerate(cell.arms)}
         self._bodies = bodies_of(cell, self.kinematics, detections, obstacles)
-        self._make_geometry()
+        self._geometry = geometry_of(self._bodies)
+        self._T_part_piece = in_their_parts(self._bodies, detections)
+        self._loose = [g for g, body in enumerate(self._bodies) if body.is_loose]
+        self._centre = np.array([extent(body.shape)[0] for body in self._bodies])
+        self._boxes = boxes_of(self._bodies)
         self._still = np.zeros(self.kinematics.model.nq)
         self._placed: dict[int, float | str | None] = {}
         self._make_pairs()
@@ -82,6 +87,10 @@ class World:
     def enter(self, phase: Phase) -> None:
         """Attach, release and set margins for a leg."""
         holders = {number: arm for arm, (number, _) in phase.held.items()}
+        lying = {
+            number: self.chains[arm].pose(q) * T_tcp_part
+            for arm, (number, T_tcp_part, q) in phase.placed.items()
+        }
         for g in self._loose:
             body = self._bodies[g]
             if body.finger is not None:
@@ -97,12 +106,18 @@ class World:
                 T_tcp_body = phase.held[arm.name][1] * self._T_part_piece[g]
                 self._place(g, joint, T_joint_flange * arm.tool.T_flange_tcp * T_tcp_body)
                 self._placed[g] = None
+            elif int(body.owner) in lying:
+                self._place(g, 0, lying[int(body.owner)] * self._T_part_piece[g])
+                self._placed[g] = None
             elif self._placed.get(g) != AT_REST:
                 self._place(g, 0, body.T_joint_body)
                 self._placed[g] = AT_REST
         self._checks = self._pairing.checks(phase, self._boxes.joint)
-        self._margins = self._checks.margins
         self._own = self._checks.own
+        self._use(self._checks.margins)
+
+    def _use(self, margins: Floats) -> None:
+        self._margins = margins
         self._split = self._split_of(self._checks.among)
 
     def _split_of(self, among: Ints) -> tuple[Ints, Ints]:
@@ -279,6 +294,14 @@ class World:
         """Pairs of this phase whose bodies different arms carry."""
         return self._checks.between()
 
+    def to_placed(self, arm: str) -> Ints:
+        """Pairs of this phase of an arm with parts that other arms have placed."""
+        return self._checks.to_placed(self._arm_index[arm])
+
+    def left_behind(self, arm: str) -> Ints:
+        """Pairs of this phase of an arm with the part that it has just let go of."""
+        return self._checks.left_behind(self._arm_index[arm])
+
     def between_hands(self) -> Ints:
         """As `between`, without the pairs of two shoulders, which never come far apart.
 
@@ -291,21 +314,24 @@ class World:
         return among[~both]
 
     def allow_start_contacts(self, q: Floats, slack: float = 0.0005) -> None:
-        """Let the part in the hand leave what it touches: it may not come nearer than at `q`.
+        """Let parts that touch something where a leg begins, at `q` (nq,), come away from it.
 
-        A part lies on the bin's floor and on other parts when it is taken.  For the pairs of
-        held parts that are closer than their margin at `q`, the margin becomes the distance
-        there, less `slack` [m] for the lean of the lift.  Tools are allowed nothing, and nor is
-        anything between arms.
+        See `Checks.at_start`; `slack` [m] is for the lean of the lift.
         """
         pairs, _, _ = self._close(q, self._still, 0.0, None)
-        # The margins of the phase serve others too; these are for this leg alone.
-        self._margins = self._margins.copy()
-        between = set(self.between().tolist())
-        for k in pairs.tolist():
-            if self._checks.of_held[k] and k not in between:
-                self._margins[k] = min(self._margins[k], self._distance(k) - slack)
-        self._split = self._split_of(self._checks.among)
+        pairs = pairs[self._checks.may_begin_close[pairs]]
+        distances = np.array([self._distance(k) for k in pairs.tolist()])
+        self._use(self._checks.at_start(pairs, distances, self.policy.near_margin, slack))
+
+    @contextmanager
+    def at_full_margins(self, more: float = 0.0) -> Generator[None]:
+        """Within it nothing of `allow_start_contacts` holds; margins are larger by `more` [m]."""
+        allowed = self._margins
+        self._use(self._checks.margins + more if more else self._checks.margins)
+        try:
+            yield
+        finally:
+            self._use(allowed)
 
     def placed(self, q: Floats, pair: tuple[str, str]) -> tuple[tuple[Shape, pin.SE3], ...]:
         """The shapes of the bodies with these labels, with their poses in the world at `q` (nq,).
@@ -360,24 +386,6 @@ class World:
 
     def _contact_of(self, k: int, distance: float) -> Contact:
         return Contact(self._labels(k), distance, float(self._margins[k]))
-
-    def _make_geometry(self) -> None:
-        self._geometry = pin.GeometryModel()
-        self._T_part_piece: dict[int, pin.SE3] = {}
-        for g, body in enumerate(self._bodies):
-            self._geometry.addGeometryObject(
-                pin.GeometryObject(f"{g}", body.joint, body.T_joint_body, coal_shape(body.shape))
-            )
-            if body.kind == "part":
-                T_world_part = self.detections[int(body.owner)].T_world_part
-                self._T_part_piece[g] = T_world_part.actInv(body.T_joint_body)
-        self._centre = np.array([extent(body.shape)[0] for body in self._bodies])
-        self._boxes = boxes_of(self._bodies)
-        self._loose = [
-            g
-            for g, body in enumerate(self._bodies)
-            if body.kind == "part" or body.finger is not None
-        ]
 
     def _make_pairs(self) -> None:
         parts = tuple(detection.part for detection in self.detections)
