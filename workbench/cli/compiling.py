@@ -18,6 +18,7 @@ from workbench.formats.cells import read_cell
 from workbench.model.geometry import pose_from_rpy
 from workbench.perception.piles import drop_parts
 from workbench.perception.synthesize import synthesize
+from workbench.perception.unexplained import unexplained
 from workbench.planning.grasp_suggestions import suggest
 from workbench.planning.grasp_trial import Trial
 
@@ -45,6 +46,7 @@ def _seeing() -> None:
     cell = read_cell("yumi")
     scan = synthesize(cell, drop_parts(cell.parts[:1] * 2, cell.bin, seed=28), seed=28)
     find_parts(cell, {"scan": scan, "seed": 0}, lambda done, note: None, lambda: False)
+    unexplained(cell, scan, ())
 
 
 def _grasping() -> None:
