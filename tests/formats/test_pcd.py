@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from mutations import mutated, only_file_errors
+from stand_ins import COLUMNS, DATA, RECORDED, ROWS, make_recording, sources
 
 from workbench.formats.clouds import parse_cloud, read_cloud
 from workbench.formats.meshes import read_mesh
@@ -16,7 +17,6 @@ from workbench.model.errors import FileError
 
 HERE = pin.SE3.Identity()
 POINTS = np.random.default_rng(1).uniform(0.2, 0.8, (24, 3)).astype(np.float32)
-REAL = Path(__file__).resolve().parents[3] / "shared" / "data" / "real_scan"
 
 
 def packed(data: bytes) -> bytes:
@@ -138,9 +138,16 @@ def test_no_file_is_too_strange(tmp_path_factory, data, encoding):
     only_file_errors(path, b"# FIELDS\n" + content, read)
 
 
-@pytest.mark.skipif(not REAL.exists(), reason="the recording is not here")
-def test_a_real_recording_is_read():
-    scene = parse_cloud(Path("s.pcd"), (REAL / "scene_milk_carton_clorox.pcd").read_bytes(), HERE)
-    assert scene.resolution == (640, 480) and len(scene.points) == 241_407
-    model = parse_cloud(Path("m.pcd"), (REAL / "milk.pcd").read_bytes(), HERE)
-    assert len(model.points) == 12_575
+@pytest.mark.parametrize("source", sources("real_scan"))
+def test_a_recording_by_other_programs_is_read(source, tmp_path):
+    is_real = source == "real"
+    expected = RECORDED if is_real else make_recording(tmp_path)
+    folder = DATA / "real_scan" if is_real else tmp_path
+    scene = read(folder / "scene_milk_carton_clorox.pcd")
+    assert scene.resolution == (COLUMNS, ROWS) and len(scene.points) == expected.scene
+    assert expected.scene < COLUMNS * ROWS
+    # Neighbours in the picture are neighbours in space: pixels and points belong together.
+    steps = np.linalg.norm(np.diff(scene.points, axis=0), axis=1)[np.diff(scene.pixels) == 1]
+    assert np.median(steps) < 0.01
+    model = read(folder / "milk.pcd")
+    assert len(model.points) == expected.taught and model.resolution is None

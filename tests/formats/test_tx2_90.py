@@ -6,24 +6,26 @@ import numpy as np
 import pytest
 import trimesh
 from scipy.spatial import ConvexHull
+from stand_ins import folder_of, make_tx2_90, sources
 
 from workbench.formats.cells import read_cell
 from workbench.formats.urdf import read_urdf
 from workbench.model.geometry import Mesh
 
-PUBLIC = Path(__file__).resolve().parents[3] / "shared" / "data" / "tx2_90"
-
 OUTSIDE = 0.004
 """[m] The most by which a point of the real robot may stand out of our geometry."""
 
-needs_public_data = pytest.mark.skipif(not PUBLIC.is_dir(), reason="no ../shared/data/tx2_90 here")
+
+@pytest.fixture(scope="module", params=sources("tx2_90"))
+def public(request, tmp_path_factory) -> Path:
+    """The folder of the description that others made of the machine."""
+    return folder_of(request.param, "tx2_90", make_tx2_90, tmp_path_factory.mktemp("tx2_90"))
 
 
-@needs_public_data
-def test_the_axes_are_those_of_the_machine():
-    ours, public = read_cell("tx2_90").robot, read_urdf(PUBLIC / "tx2_90.urdf")
+def test_the_axes_are_those_of_the_machine(public):
+    ours, theirs = read_cell("tx2_90").robot, read_urdf(public / "tx2_90.urdf")
     for number in range(1, 7):
-        one, other = ours.joint(f"joint_{number}"), public.joint(f"joint_{number}")
+        one, other = ours.joint(f"joint_{number}"), theirs.joint(f"joint_{number}")
         assert one.T_parent_joint.isApprox(other.T_parent_joint, 1e-9)
         np.testing.assert_allclose(one.axis, other.axis)
         np.testing.assert_allclose(
@@ -32,12 +34,16 @@ def test_the_axes_are_those_of_the_machine():
         )  # fmt: skip
 
 
-@needs_public_data
 @pytest.mark.parametrize("link", ["base_link", *(f"link_{number}" for number in range(1, 7))])
-def test_the_geometry_holds_the_real_link(link):
-    surface = trimesh.load_mesh(PUBLIC / "meshes" / "visual" / f"{link}.stl")
+def test_the_geometry_holds_the_real_link(public, link):
+    surface = trimesh.load_mesh(public / "meshes" / "visual" / f"{link}.stl")
     sampled, _ = trimesh.sample.sample_surface(surface, 5000, seed=0)
     points = np.vstack([surface.vertices, sampled])
+    # Read by us as well, in the same place.
+    (read,) = read_urdf(public / "tx2_90.urdf").link(link).visual
+    np.testing.assert_allclose(
+        [read.shape.points.min(axis=0), read.shape.points.max(axis=0)], surface.bounds, atol=1e-6
+    )
     depths = []
     for solid in read_cell("tx2_90").robot.link(link).collision:
         assert isinstance(solid.shape, Mesh)

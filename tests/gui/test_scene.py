@@ -9,7 +9,7 @@ from workbench.app.live import Live
 from workbench.gui.door import close_door, open_door
 from workbench.gui.look import Look, Pose
 from workbench.gui.playback import part_poses
-from workbench.gui.scene import Scene, height_colours, is_other_robot
+from workbench.gui.scene import Scene, is_other_robot
 from workbench.model.geometry import Box, pose_from_rpy
 from workbench.model.scan import Discarded, Findings, Objection
 from workbench.planning.kinematics import Kinematics
@@ -167,17 +167,6 @@ def test_a_candidate_refused_at_a_configuration_shows_the_arm_there(
     shown = node(server, "/candidate_left/left_link_5")
     np.testing.assert_allclose(shown.position, expected["left_link_5"].translation)
     np.testing.assert_allclose(node(server, "/meets/0").position, (0.4, 0.1, 0.0))
-
-
-def test_points_beside_the_bin_are_grey_and_high_ones_differ_from_low_ones(cell):
-    T = cell.bin.T_world_bin
-    low, high, beside = (
-        T.act(np.array(p)) for p in ((0, 0, 0), (0, 0, cell.bin.size[2]), (1, 0, 0))
-    )
-    colours = height_colours(cell, np.array([low, high, beside]))
-    assert colours.shape == (3, 3)
-    assert not np.array_equal(colours[0], colours[1])
-    assert len(set(colours[2].tolist())) <= 3 and np.ptp(colours[2].astype(int)) < 20
 
 
 def test_collision_shapes_stand_where_the_robot_does_from_the_first(

@@ -4,12 +4,12 @@ Data: PointCloudLibrary/data, tutorials/correspondence_grouping (BSD); a Kinect,
 """
 
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pinocchio as pin
 import pytest
 from scipy.spatial import KDTree
+from stand_ins import TURN, folder_of, make_recording, sources
 
 from workbench.formats.cells import read_cell
 from workbench.formats.clouds import read_cloud
@@ -19,31 +19,33 @@ from workbench.model.geometry import pose_from_rpy
 from workbench.model.scan import Scan
 from workbench.perception.localize import localize
 
-DATA = Path(__file__).resolve().parents[3] / "shared" / "data" / "real_scan"
-pytestmark = pytest.mark.skipif(not DATA.exists(), reason="the recording is not here")
-
-# The recording looks along -z; a scanner here looks along z.
-TURN = pose_from_rpy((0, 0, 0), (np.pi, 0, 0)).rotation
-
-PART = f"""
+PART = """
 name = "carton"
 mass_g = 500
 [mesh]
-file = "{DATA / "milk.pcd"}"
+file = "{}"
 unit = "m"
 """
 
 
+@pytest.fixture(scope="module", params=sources("real_scan"))
+def data(request, tmp_path_factory):
+    """The folder with the recording and the cloud by which its part is taught."""
+    made = tmp_path_factory.mktemp("recording")
+    return folder_of(request.param, "real_scan", make_recording, made)
+
+
 @pytest.fixture(scope="module")
-def part(tmp_path_factory):
+def part(data, tmp_path_factory):
     folder = tmp_path_factory.mktemp("carton")
-    (folder / "part.toml").write_text(PART)
+    (folder / "part.toml").write_text(PART.format(data / "milk.pcd"))
     return read_part(folder)
 
 
 @pytest.fixture(scope="module")
-def scene() -> Scan:
-    found = read_cloud(DATA / "scene_milk_carton_clorox.pcd", pin.SE3.Identity())
+def scene(data) -> Scan:
+    found = read_cloud(data / "scene_milk_carton_clorox.pcd", pin.SE3.Identity())
+    # The recording looks along -z; a scanner here looks along z.
     points = found.points @ TURN.T
     return Scan(points, pin.SE3.Identity(), found.source, found.pixels, found.resolution)
 
@@ -55,7 +57,7 @@ def test_a_taught_part_is_the_hull_of_its_points(part):
 
 
 @pytest.mark.parametrize("seed", [0, 1, 2])
-def test_the_carton_is_found_where_it_stands(part, scene, seed):
+def test_the_carton_is_found_where_it_stands(data, part, scene, seed):
     cell = read_cell("yumi")
     bin = Bin(pose_from_rpy((0, 0, 1.1), (np.pi, 0, 0)), np.array([2.4, 2.4, 0.7]))
     mount = replace(
@@ -63,7 +65,7 @@ def test_the_carton_is_found_where_it_stands(part, scene, seed):
     )
     cell = replace(cell, parts=(part,), bin=bin, scanner=mount)
     best = localize(scene, part, cell, seed=seed)[0]
-    taught = read_cloud(DATA / "milk.pcd", pin.SE3.Identity()).points
+    taught = read_cloud(data / "milk.pcd", pin.SE3.Identity()).points
     points = taught - taught.mean(axis=0)
     there = points @ best.T_world_part.rotation.T + best.T_world_part.translation
     distances = KDTree(scene.points).query(there)[0]

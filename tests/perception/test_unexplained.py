@@ -14,7 +14,6 @@ from workbench.perception.synthesize import synthesize
 from workbench.perception.unexplained import (
     OF_THE_CELL,
     UNEXPLAINED,
-    _heaps,
     explained_by,
     unexplained,
 )
@@ -82,17 +81,11 @@ def test_a_strange_thing_in_the_bin_is_found_where_it_is():
     np.testing.assert_allclose(np.sort(found.size), [0.03, 0.04, 0.05], atol=0.012)
 
 
-@pytest.mark.parametrize("far", [10.0, 1e4, 1e30])
+@pytest.mark.parametrize("far", [10.0, 1e4, 1e30, 1e300])
 def test_points_far_away_do_not_exhaust_the_memory(far):
     scan, detections = pile(0, 3)
     points = np.array(scan.points)
     points[:: len(points) // 200] = far
     boxes = unexplained(CELL, Scan(points, scan.T_world_scanner, "far"), detections[:-1])
-    near = [one for one in boxes if np.abs(one.T_world_box.translation).max() < 2]
-    assert 1 <= len(near) <= len(boxes) <= len(near) + 1
-
-
-def test_two_heaps_are_two_boxes_and_a_corner_joins_cells():
-    cells = np.array([[0, 0], [1, 1], [1, 2], [4, 0], [5, 1], [1000, 3]])
-    assert _heaps(cells).tolist() == [0, 0, 0, 1, 1, 2]
-    assert _heaps(cells[:0]).tolist() == []
+    assert boxes
+    assert all(np.abs(one.T_world_box.translation).max() < 2 for one in boxes)

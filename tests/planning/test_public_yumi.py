@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from stand_ins import public_yumi, sources
 
 from workbench.app.commands import PlanResult
 from workbench.app.pick import plan_pick
@@ -14,22 +15,21 @@ from workbench.model.cell import Cell
 from workbench.planning.kinematics import Kinematics
 from workbench.planning.prove import prove
 
-FOLDER = Path(__file__).resolve().parents[1] / "cells" / "public_yumi"
-DESCRIPTION = (FOLDER / "../../../../shared/data/yumi/yumi.urdf").resolve()
 
-pytestmark = pytest.mark.skipif(
-    not DESCRIPTION.exists(), reason=f"the public YuMi description is not at {DESCRIPTION}"
-)
-
-
-@pytest.fixture(scope="module")
-def cell() -> Cell:
-    return read_cell(FOLDER)
+@pytest.fixture(scope="module", params=sources("yumi"))
+def folder(request, tmp_path_factory) -> Path:
+    """A cell around a description that others made, or around its stand-in."""
+    return public_yumi(request.param, tmp_path_factory.mktemp("public_yumi"))
 
 
 @pytest.fixture(scope="module")
-def result(cell: Cell) -> PlanResult:
-    return plan_pick(cell, read_poses(FOLDER / "Poses.txt", "keyed_cylinder"), "poses", seed=0)
+def cell(folder: Path) -> Cell:
+    return read_cell(folder)
+
+
+@pytest.fixture(scope="module")
+def result(cell: Cell, folder: Path) -> PlanResult:
+    return plan_pick(cell, read_poses(folder / "Poses.txt", "keyed_cylinder"), "poses", seed=0)
 
 
 def test_both_parts_are_taken_and_the_plan_is_proven(cell: Cell, result: PlanResult) -> None:

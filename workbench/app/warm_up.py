@@ -22,6 +22,7 @@ from workbench.formats.clouds import read_cloud
 from workbench.model.geometry import pose_from_rpy
 from workbench.perception.piles import drop_parts
 from workbench.perception.synthesize import synthesize
+from workbench.perception.unexplained import unexplained
 from workbench.planning.grasp_suggestions import suggest
 from workbench.planning.grasp_trial import Trial
 from workbench.planning.part_rays import nearest_points
@@ -50,10 +51,11 @@ def see() -> None:
 
 
 def plan() -> None:
-    """Plan and prove, suggest grasps and try them."""
+    """Look for obstacles in a scan, plan and prove, suggest grasps and try them."""
     cell = read_cell("yumi")
     part = cell.parts[0]
     pile = drop_parts((part, part), cell.bin, seed=28)
+    unexplained(cell, synthesize(cell, pile, seed=28), pile)
     plan_pick(cell, pile, "", strategy="both")
     suggest(part, cell.arms[0].tool, most=1, seed=0)
     lying = pose_from_rpy((0.0, 0.0, 0.03), (0.0, math.pi / 2, 0.0))

@@ -27,7 +27,7 @@ from workbench.formats.calibrations import (
 )
 from workbench.formats.cell_edits import log_change, save_cell
 from workbench.formats.cells import cell_path, read_cell
-from workbench.formats.clouds import read_cloud, write_cloud
+from workbench.formats.clouds import read_scan, write_cloud
 from workbench.formats.whole_files import make_folder
 from workbench.model.calibration import BallPlate, Calibration, PlateSighting
 from workbench.model.cell import Cell
@@ -51,13 +51,14 @@ def calibrate(typed: arguments.Calibrate) -> int:
         check_whole("--seed", typed.seed, 0, SEED_LIMIT - 1)
         _simulate(cell, typed)
     found = read_scanned_poses(typed.poses, cell)
+    mount = replace(cell.scanner, unit=found.unit)
     sightings: list[PlateSighting] = []
     missed: list[str] = []
     with progress("calibrate") as report:
         for number, pose in enumerate(found.poses):
             name = pose.scan.name
             report(number / len(found.poses), name)
-            scan = read_cloud(pose.scan, cell.scanner.T_world_scanner, unit=found.unit)
+            scan = read_scan(pose.scan, mount, key=f"`unit` in {FILE}, or that of the cell")
             try:
                 sightings.append(sight_plate(scan, found.plate, name, found.arm, pose.q))
             except InputError as error:

@@ -6,7 +6,7 @@ from workbench.app.work import find_parts, pile_of
 from workbench.cli import arguments
 from workbench.cli.terminal import check_number, check_whole, print_table, progress
 from workbench.formats.cells import read_cell
-from workbench.formats.clouds import read_cloud, write_cloud
+from workbench.formats.clouds import read_scan, write_cloud
 from workbench.formats.poses import write_poses
 from workbench.model.scan import Discarded
 from workbench.model.search import SearchWishes
@@ -24,7 +24,7 @@ def scan(typed: arguments.Scan) -> int:
         truth = pile_of(cell, typed.part, typed.parts, seed=typed.seed)
         report(0.6, "the scanner looks")
         found = synthesize(cell, truth, seed=typed.seed)
-        write_cloud(typed.out, found)
+        write_cloud(typed.out, found, unit=cell.scanner.unit)
     if typed.truth is not None:
         write_poses(typed.truth, truth)
     print(f"{typed.out}: {len(found.points):,} points")
@@ -40,7 +40,7 @@ def localize(typed: arguments.Localize) -> int:
     cell = read_cell(typed.cell)
     with progress("localize") as report:
         make_ready(report, ("seeing",))
-        cloud = read_cloud(typed.scan, cell.scanner.T_world_scanner)
+        cloud = read_scan(typed.scan, cell.scanner)
         given = {"scan": cloud, "seed": typed.seed, "wishes": wishes}
         findings = find_parts(cell, given, report, cancelled=lambda: False)
     found = findings.detections

@@ -30,7 +30,7 @@ from workbench.cli.terminal import (
     seconds_since_start,
 )
 from workbench.formats.cells import read_cell
-from workbench.formats.clouds import read_cloud
+from workbench.formats.clouds import read_scan
 from workbench.formats.plans import read_plan, write_plan
 from workbench.formats.poses import read_poses
 from workbench.model.cell import Cell, Wishes
@@ -160,7 +160,7 @@ def obstacles_in(
     """What a scan in a file shows beside the parts; nothing without a scan."""
     if scan is None:
         return ()
-    return unexplained(cell, read_cloud(scan, cell.scanner.T_world_scanner), detections)
+    return unexplained(cell, read_scan(scan, cell.scanner), detections)
 
 
 def _print_form(

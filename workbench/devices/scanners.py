@@ -11,7 +11,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Protocol
 
-from workbench.formats.clouds import LARGEST_FILE, parse_cloud, read_cloud
+from workbench.formats.clouds import LARGEST_FILE, parse_scan, read_scan
 from workbench.model.cell import ScannerMount, ScanSource
 from workbench.model.errors import JobCancelled, LinkError
 from workbench.model.scan import Scan
@@ -70,8 +70,7 @@ class FolderScanner:
                 if known != stamp:
                     seen[path] = (stamp, time.monotonic())
                 elif time.monotonic() - since >= STILL and stamp[1] > 0:
-                    T = self._mount.T_world_scanner
-                    return read_cloud(path, T, unit=self._mount.unit)
+                    return read_scan(path, self._mount)
             time.sleep(GLANCE)
         raise LinkError(
             f"scanner: no new PLY or PCD file came into {self._folder} within "
@@ -121,8 +120,7 @@ class HttpScanner:
         except (OSError, http.client.HTTPException, ValueError) as error:
             raise LinkError(f"scanner: {address}: {error}") from None
         name = Path(urllib.request.url2pathname(address).rpartition("/")[2] or "scan")
-        mount = self._mount
-        return parse_cloud(name, bytes(content), mount.T_world_scanner, unit=mount.unit)
+        return parse_scan(name, bytes(content), self._mount)
 
 
 SCANNERS: Mapping[ScanSource, Callable[[ScannerMount], Scanner]] = {

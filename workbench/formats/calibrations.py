@@ -71,10 +71,11 @@ def read_scanned_poses(folder: Path, cell: Cell) -> ScannedPoses:
     """The poses that `calibration.toml` in a folder lists; the scans are not read yet.
 
     Args:
-        folder: holds `calibration.toml`: `format`, `arm`, `unit` of the scans, a table `[plate]`
-            with `ball_mm` (diameter) and `sides_mm` (first ball to second, second to third, third
-            to first), and for each pose a table `[[pose]]` with `scan`, a file beside it, and
-            `joints_deg`, as the controller counts and shows them.
+        folder: holds `calibration.toml`: `format`, `arm`, `unit` of the scans, that of the cell's
+            scanner when left out, a table `[plate]` with `ball_mm` (diameter) and `sides_mm` (first
+            ball to second, second to third, third to first), and for each pose a table `[[pose]]`
+            with `scan`, a file beside it, and `joints_deg`, as the controller counts and shows
+            them.
         cell: whose arm it is.
 
     Raises:
@@ -83,7 +84,7 @@ def read_scanned_poses(folder: Path, cell: Cell) -> ScannedPoses:
     table = read_toml(folder / FILE)
     table.text("format", among=(POSES_FORMAT,))
     arm = cell.arm(table.text("arm", among=tuple(arm.name for arm in cell.arms)))
-    unit = table.text("unit", "m", among=tuple(UNITS))
+    unit = table.text("unit", cell.scanner.unit, among=tuple(UNITS))
     plate = _plate(table.table("plate"))
     poses = tuple(_pose(pose, cell, arm) for pose in table.tables("pose"))
     if not 1 <= len(poses) <= MOST_POSES:

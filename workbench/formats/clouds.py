@@ -1,7 +1,8 @@
 """Point clouds in PLY and PCD files to scans, and scans to PLY files.
 
-An organised PLY file carries the line `obj_info resolution <columns> <rows>` in its header and
-the vertex property `pixel`, row * columns + column.
+A scan of a cell's scanner comes in by `read_scan` or `parse_scan`, which go by the unit that the
+cell file gives.  An organised PLY file carries the line `obj_info resolution <columns> <rows>` in
+its header and the vertex property `pixel`, row * columns + column.
 """
 
 import re
@@ -16,6 +17,7 @@ from workbench.formats.solids import UNITS
 from workbench.formats.text_rows import read_rows
 from workbench.formats.toml_keys import shown
 from workbench.formats.whole_files import MB, read_whole, write_whole
+from workbench.model.cell import ScannerMount
 from workbench.model.errors import FileError
 from workbench.model.geometry import Floats
 from workbench.model.scan import Scan
@@ -30,7 +32,47 @@ MOST_PIXELS = 2**31 - 1
 NEAREST, FARTHEST = 0.005, 100.0
 """[m] A cloud of which every point is nearer, or one is further, was read in a wrong unit."""
 
+BESIDE = 6.0
+"""By this factor the middle point of a scan may be nearer or further than the scanner measures:
+less than lies between any two units."""
+
+KEY = "`unit` in [scanner] of the cell file"
+
 _RESOLUTION = re.compile(r"resolution +([0-9]{1,6}) +([0-9]{1,6})")
+
+
+def read_scan(path: str | Path, mount: ScannerMount, *, key: str = KEY) -> Scan:
+    """A scan of a cell's scanner from a PLY or PCD file; see `parse_scan`.
+
+    Raises:
+        FileError: it cannot be read, or as `parse_scan` has it.
+    """
+    path = Path(path)
+    return parse_scan(path, read_whole(path, LARGEST_FILE), mount, key=key)
+
+
+def parse_scan(path: Path, content: bytes, mount: ScannerMount, *, key: str = KEY) -> Scan:
+    """A scan of a cell's scanner from the content of a file, in the unit that the mount says.
+
+    Args:
+        path: of the file, for messages.
+        content: of the file, points in the scanner's frame.
+        mount: where the scanner hangs, how far it measures, the unit of its files.
+        key: which gives the unit, for messages.
+
+    Raises:
+        FileError: as `parse_cloud` has it, or most of it lies where the scanner cannot measure.
+    """
+    scan = parse_cloud(path, content, mount.T_world_scanner, unit=mount.unit, key=key)
+    middle = float(np.median(np.linalg.norm(scan.points, axis=1)))
+    if not mount.near / BESIDE <= middle <= mount.far * BESIDE:
+        raise FileError(
+            path,
+            f"its points are {middle:.4g} m from the scanner when read in {mount.unit} ({key}), "
+            f"and the scanner measures from {mount.near:g} to {mount.far:g} m (near_mm, far_mm). "
+            f"Is the file in another unit ({', '.join(UNITS)})?",
+        )
+    return scan
 
 
 def read_cloud(path: str | Path, T_world_scanner: pin.SE3, *, unit: str = "m") -> Scan:
@@ -43,7 +85,9 @@ def read_cloud(path: str | Path, T_world_scanner: pin.SE3, *, unit: str = "m") -
     return parse_cloud(path, read_whole(path, LARGEST_FILE), T_world_scanner, unit=unit)
 
 
-def parse_cloud(path: Path, content: bytes, T_world_scanner: pin.SE3, *, unit: str = "m") -> Scan:
+def parse_cloud(
+    path: Path, content: bytes, T_world_scanner: pin.SE3, *, unit: str = "m", key: str = ""
+) -> Scan:
     """A scan from the content of a PLY or PCD file; only where the points are counts.
 
     Points that are not finite, and those at exactly (0, 0, 0), where many scanners put pixels
@@ -54,6 +98,7 @@ def parse_cloud(path: Path, content: bytes, T_world_scanner: pin.SE3, *, unit: s
         content: of the file, points in the scanner's frame.
         T_world_scanner: where the scanner was.
         unit: of the file: mm, m or inch.
+        key: which gives the unit, for messages.
 
     Raises:
         FileError: neither a PLY nor a PCD file, cut off, without points, or of another unit.
@@ -73,7 +118,7 @@ def parse_cloud(path: Path, content: bytes, T_world_scanner: pin.SE3, *, unit: s
     if not measured.any():
         raise FileError(path, f"is an empty cloud: none of its {len(points)} points was measured")
     points = points[measured]
-    _check_distance(path, points, unit)
+    _check_distance(path, points, unit, key)
     pixels = None
     if resolution is not None and has_pixels:
         pixels = _pixels(path, values, resolution)[measured]
@@ -95,14 +140,14 @@ def _ply(path: Path, content: bytes) -> tuple[Floats, tuple[int, int] | None, bo
     return columns(path, content, header, names), resolution, resolution is not None
 
 
-def write_cloud(path: str | Path, scan: Scan) -> None:
-    """Write the points of a scan in its own frame, binary, every digit kept.
+def write_cloud(path: str | Path, scan: Scan, *, unit: str = "m") -> None:
+    """Write the points of a scan in its own frame and a unit, binary; in metres no digit is lost.
 
     Raises:
         FileError: the file cannot be written.
     """
     fields = [("x", "<f8"), ("y", "<f8"), ("z", "<f8")]
-    header = ["ply", "format binary_little_endian 1.0", "comment metres, scanner frame"]
+    header = ["ply", "format binary_little_endian 1.0", f"comment {unit}, scanner frame"]
     if scan.resolution is not None and scan.pixels is not None:
         fields.append(("pixel", "<i4"))
         header.append("obj_info resolution {} {}".format(*scan.resolution))
@@ -111,7 +156,7 @@ def write_cloud(path: str | Path, scan: Scan) -> None:
     header.append("end_header\n")
     rows = np.empty(len(scan.points), dtype=fields)
     for column, name in enumerate("xyz"):
-        rows[name] = scan.points[:, column]
+        rows[name] = scan.points[:, column] / UNITS[unit]
     if "pixel" in (rows.dtype.names or ()):
         rows["pixel"] = scan.pixels
     write_whole(Path(path), "\n".join(header).encode("ascii") + rows.tobytes())
@@ -135,13 +180,14 @@ def _ascii(path: Path, content: bytes, header: Header, names: tuple[str, ...]) -
     return read_rows(path, content, header.end, columns=columns, count=count, skip=skip)
 
 
-def _check_distance(path: Path, points: Floats, unit: str) -> None:
+def _check_distance(path: Path, points: Floats, unit: str, key: str) -> None:
     reach = float(np.abs(points).max())
     if not NEAREST <= reach <= FARTHEST:
         raise FileError(
             path,
-            f"the furthest point is {reach:.4g} m from the scanner when read in {unit}; expected "
-            f"{NEAREST:g} to {FARTHEST:g} m. Is the file in another unit ({', '.join(UNITS)})?",
+            f"the furthest point is {reach:.4g} m from the scanner when read in {unit}"
+            f"{key and f' ({key})'}; expected {NEAREST:g} to {FARTHEST:g} m. Is the file in "
+            f"another unit ({', '.join(UNITS)})?",
         )
 
 

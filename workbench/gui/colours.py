@@ -40,8 +40,8 @@ SKY = ("#d3deea", "#f8fafc")
 NIGHT_SKY = ("#141a22", "#333d4a")
 """Behind the scene, from top to bottom: on a light page, and on a dark one."""
 
-UNEXPLAINED_COLOUR = BAD
-"""Of what the scan shows and nothing known explains."""
+AVOIDED = BAD
+"""Of the boxes that a plan keeps clear of besides cell and parts, and of the points in them."""
 
 COMPARED = (217, 70, 239)
 """Of the parts of another search."""

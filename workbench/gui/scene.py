@@ -5,12 +5,12 @@ import viser
 
 from workbench.formats.triangles import triangles_of
 from workbench.gui.candidate import DrawnCandidates
+from workbench.gui.cloud import PaintedCloud, avoided_red, painted_cloud
 from workbench.gui.colours import (
+    AVOIDED,
     BESIDE_BIN,
     CHECKED,
-    HEIGHTS,
     LIVE_ROBOT,
-    UNEXPLAINED_COLOUR,
     arm_colour,
     part_colour,
     rgb_of,
@@ -31,9 +31,7 @@ from workbench.gui.surroundings import (
 )
 from workbench.model.cell import Cell
 from workbench.model.digest import digest_of
-from workbench.model.geometry import Floats
 from workbench.model.scan import Detection, Discarded, Obstacle, Scan
-from workbench.perception.unexplained import UNEXPLAINED, explained_by
 from workbench.planning.bodies import obstacle_label
 from workbench.planning.kinematics import Kinematics
 
@@ -62,6 +60,7 @@ class Scene:
         self._most_points = most_points
         self._parts: list[viser.FrameHandle] = []
         self._discarded: tuple[Discarded, ...] = ()
+        self._cloud: PaintedCloud | None = None
         aim_camera(server, cell)
         self._build(cell)
 
@@ -104,13 +103,16 @@ class Scene:
         if self._cell is not new.state.cell and self._use(new.state.cell):
             old = None
         before, state = old and old.state, new.state
-        if (
+        is_other_scan = (
             before is None
             or before.scan is not state.scan
             or before.detections is not state.detections
             or before.cell.bin is not state.cell.bin
-        ):
-            self._draw_scan(state.scan, state.detections)
+        )
+        if is_other_scan:
+            self._cloud = self._painted(state.scan, state.detections)
+        if is_other_scan or before.obstacles is not state.obstacles:
+            self._draw_scan(state.obstacles)
         is_other_plan = before is None or before.plan is not state.plan
         are_other_parts = before is None or before.detections is not state.detections
         if are_other_parts:
@@ -149,20 +151,29 @@ class Scene:
             self._pose_live_robot(new)
         self._candidates.draw(old, new)
 
-    def _draw_scan(self, scan: Scan | None, detections: tuple[Detection, ...] | None) -> None:
+    def _painted(
+        self, scan: Scan | None, detections: tuple[Detection, ...] | None
+    ) -> PaintedCloud | None:
+        """What is drawn of a scan."""
         if scan is None:
-            self._scene.remove_by_name("/scan")
-            return
+            return None
         points = scan.points_world
         if len(points) > self._most_points:
             chosen = np.random.default_rng(0).choice(
                 len(points), self._most_points, replace=False, shuffle=False
             )
             points = points[chosen]
+        return painted_cloud(self._cell, points, detections or ())
+
+    def _draw_scan(self, obstacles: tuple[Obstacle, ...]) -> None:
+        cloud = self._cloud
+        if cloud is None:
+            self._scene.remove_by_name("/scan")
+            return
         self._scene.add_point_cloud(
             "/scan",
-            points.astype(np.float32),
-            point_colours(self._cell, points, detections),
+            cloud.points.astype(np.float32),
+            avoided_red(cloud, obstacles),
             point_size=0.0016,
             point_shape="circle",
             point_shading="flat",
@@ -175,7 +186,7 @@ class Scene:
             name = f"/seen/{obstacle_label(number)}"
             box = self._scene.add_box(
                 name,
-                rgb_of(UNEXPLAINED_COLOUR),
+                rgb_of(AVOIDED),
                 dimensions=tuple(obstacle.size.tolist()),
                 opacity=0.35,
             )
@@ -278,36 +289,3 @@ def is_other_robot(one: Cell, other: Cell) -> bool:
         return digest_of((cell.robot, arms))
 
     return drawn(one) != drawn(other)
-
-
-def point_colours(
-    cell: Cell, points: Floats, detections: tuple[Detection, ...] | None
-) -> np.ndarray:
-    """A colour (n, 3) 0..255 for each world point (n, 3).
-
-    Points of the cell go by height; once parts were looked for, theirs have the part's colour
-    and those that nothing explains are red: what planning masks out and what it avoids.
-    """
-    colours = height_colours(cell, points)
-    if detections is None:
-        return colours
-    owners = explained_by(cell, detections, points)
-    colours[owners == UNEXPLAINED] = rgb_of(UNEXPLAINED_COLOUR)
-    for number in range(len(detections)):
-        colours[owners == number] = rgb_of(part_colour(number))
-    return colours
-
-
-def height_colours(cell: Cell, points: Floats) -> np.ndarray:
-    """A colour (n, 3) 0..255 for each world point (n, 3): by height in the bin, grey beside it."""
-    T_bin_world = cell.bin.T_world_bin.inverse()
-    inside = points @ T_bin_world.rotation.T + T_bin_world.translation
-    length, width, height = cell.bin.size
-    share = np.clip(inside[:, 2] / height, 0.0, 1.0) * (len(HEIGHTS) - 1)
-    steps = np.arange(len(HEIGHTS))
-    colours = np.stack(
-        [np.interp(share, steps, channel) for channel in np.array(HEIGHTS).T], axis=1
-    )
-    beside = (np.abs(inside[:, 0]) > length / 2) | (np.abs(inside[:, 1]) > width / 2)
-    colours[beside] = BESIDE_BIN
-    return colours.astype(np.uint8)

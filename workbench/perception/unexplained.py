@@ -1,48 +1,39 @@
 """What a scan shows that neither the cell nor the parts found explain: obstacles nobody modelled.
 
-Points near a known surface are explained by it.  What is left is gathered on a grid seen from
-above, lonely points are dropped, and each heap becomes a few upright boxes.  They reach down to
-the floor below: the scanner does not see what is underneath.
+Points near a known surface are explained by it.  What is left is counted in small cubes, so that
+the cost goes by how much there is to see and not by how finely it was seen; mistakes of the
+scanner are dropped (`spurious`), and the rest becomes a few upright boxes.  They reach down to the
+floor below: the scanner does not see what is underneath.
 """
 
 import numpy as np
 import open3d as o3d
 import pinocchio as pin
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
-from scipy.spatial import ConvexHull, cKDTree
+from numba import njit
 
 from workbench.model.cell import Cell
-from workbench.model.geometry import Floats, Ints
+from workbench.model.geometry import Box, Floats, Ints, Solid
+from workbench.model.reach import reach
 from workbench.model.scan import Detection, Obstacle, Scan
+from workbench.perception.spurious import believed, pixel_angle
 from workbench.perception.surfaces import add_surface, surface_of
+from workbench.perception.upright_boxes import upright_boxes
+from workbench.perception.voxels import Voxels, counted
 
 TOLERANCE = 0.006
 """[m] So far from a known surface a point still belongs to it: noise, and pose errors."""
 
-CELL = 0.006
-"""[m] Of the grid seen from above."""
+CUBE = 0.002
+"""[m] Edge of the cubes that points are counted in: a third of the tolerance."""
 
-ENOUGH = 60_000
-"""Points that are looked at; of a denser scan every second, third, ... is left out."""
+NARROWEST = 0.006
+"""[m] Of the grid seen from above; a scan with wide pixels gets a wider one."""
+
+BETWEEN = 1.5
+"""Width of a grid cell over the distance of points: what lies between them is not seen."""
 
 FARTHEST = 20.0
-"""[m] Points further from the bin along one of its axes are outliers: no arm gets there."""
-
-FEWEST = 3
-"""Points in a grid cell, and cells in a heap, below which it counts as noise."""
-
-FILLED = 0.75
-"""Share of its box that a heap must fill seen from above; otherwise it is split in two."""
-
-STEEPEST = 0.03
-"""[m] Heights in one box may differ by this much before it is split."""
-
-NARROW = 0.03
-"""[m] A box no wider than this is not split."""
-
-MOST = 40
-"""Boxes; from then on a heap is no longer split."""
+"""[m] No arm gets further, whatever the limits of its joints say."""
 
 OF_THE_CELL = -1
 UNEXPLAINED = -2
@@ -54,113 +45,113 @@ def explained_by(cell: Cell, detections: tuple[Detection, ...], points: Floats) 
     Returns:
         The number of the detection, `OF_THE_CELL` for bin and fixtures, or `UNEXPLAINED`.
     """
-    scene = o3d.t.geometry.RaycastingScene(nthreads=1)
-    owners: list[int] = []
-    solids = [(solid, cell.bin.T_world_bin) for solid in cell.bin.solids]
-    solids += [
-        (solid, fixture.T_world_fixture) for fixture in cell.fixtures for solid in fixture.solids
-    ]
-    for solid, T in solids:
-        add_surface(scene, surface_of(solid.shape), T * solid.T_owner_shape)
-        owners.append(OF_THE_CELL)
-    for number, detection in enumerate(detections):
-        mesh = cell.part(detection.part).mesh
-        add_surface(scene, surface_of(mesh), detection.T_world_part)
-        owners.append(number)
-    queries = np.ascontiguousarray(points, dtype=np.float32)
-    nearest = scene.compute_closest_points(o3d.core.Tensor(queries), nthreads=1)
-    away = np.linalg.norm(nearest["points"].numpy() - queries, axis=1)
-    found = np.array(owners, dtype=np.int64)[nearest["geometry_ids"].numpy().astype(np.int64)]
-    return np.where(away <= TOLERANCE, found, UNEXPLAINED)
+    scene, owners = _known(cell, detections, pin.SE3.Identity())
+    return _owners(scene, owners, points)
 
 
 def unexplained(cell: Cell, scan: Scan, detections: tuple[Detection, ...]) -> tuple[Obstacle, ...]:
-    """Upright boxes around all that nothing known explains, in the frame of the bin.
+    """Upright boxes around all within the robot's reach that nothing known explains.
 
     Args:
         cell: bin and fixtures; the robot is expected to be out of the picture.
         scan: what was seen.
         detections: the parts found in it.
     """
-    points = scan.points_world[:: -(-len(scan.points) // ENOUGH)]
     T_bin_world = cell.bin.T_world_bin.inverse()
-    p_bin = points @ T_bin_world.rotation.T + T_bin_world.translation
-    is_near = np.abs(p_bin).max(axis=1) <= FARTHEST
-    points, p_bin = points[is_near], p_bin[is_near]
-    p_bin = p_bin[explained_by(cell, detections, points) == UNEXPLAINED]
-    if len(p_bin) == 0:
+    T_bin_scanner = T_bin_world * scan.T_world_scanner
+    centre = T_bin_world.act(cell.T_world_robot.translation)
+    radius = min(reach(cell), FARTHEST)
+    boxes = [(T_bin_world * T, solid.shape.size) for T, solid in _solids(cell) if _is_box(solid)]
+    Ts = np.array([T.inverse().homogeneous for T, _ in boxes])
+    halves = np.array([size / 2 for _, size in boxes])
+    states = _states(scan.points, T_bin_scanner.homogeneous, centre, radius, Ts, halves, TOLERANCE)
+    points = scan.points[states == _LEFT]
+    if len(points) == 0:
         return ()
-    low = p_bin[:, :2].min(axis=0)
-    cells, tops = _grid_cells(p_bin, low)
-    heaps = _heaps(cells)
-    boxes: list[Obstacle] = []
-    for number in range(heaps.max(initial=-1) + 1):
-        heap = heaps == number
-        if np.count_nonzero(heap) >= FEWEST:
-            centres = low + (cells[heap] + 0.5) * CELL
-            boxes += _boxes(cell, centres, tops[heap], MOST - len(boxes))
-    return tuple(boxes)
+    voxels = counted(points @ T_bin_scanner.rotation.T + T_bin_scanner.translation, CUBE)
+    scene, owners = _known(cell, detections, T_bin_world)
+    voxels = voxels.only(_owners(scene, owners, voxels.centres) == UNEXPLAINED)
+    if len(voxels.counts) == 0:
+        return ()
+    angle = pixel_angle(scan.points[states != _OUT_OF_REACH])
+    pitch = angle * float(np.linalg.norm(T_bin_scanner.translation))
+    voxels = voxels.only(believed(voxels, T_bin_scanner.translation, angle, pitch, scene))
+    return tuple(
+        Obstacle(cell.bin.T_world_bin * one.T_world_box, one.size)
+        for one in _boxes_around(voxels, pitch)
+    )
 
 
-def _grid_cells(p_bin: Floats, low: Floats) -> tuple[Ints, Floats]:
-    """Cells (k, 2) of the grid from `low` (2,) [m] that hold enough points; their heights [m].
-
-    Only cells that hold points are listed: a grid over the room would not fit into memory.
-    """
-    index = np.floor((p_bin[:, :2] - low) / CELL).astype(np.int64)
-    cells, place, counts = np.unique(index, axis=0, return_inverse=True, return_counts=True)
+def _boxes_around(voxels: Voxels, pitch: float) -> tuple[Obstacle, ...]:
+    """Boxes in the frame of the voxels, which hold all of them."""
+    many = int(np.ceil(max(NARROWEST, BETWEEN * pitch) / voxels.edge))
+    cells, place = np.unique(voxels.index[:, :2] // many, axis=0, return_inverse=True)
     tops = np.full(len(cells), -np.inf)
-    np.maximum.at(tops, place.reshape(-1), p_bin[:, 2])
-    is_kept = counts >= FEWEST
-    return cells[is_kept], tops[is_kept]
+    np.maximum.at(tops, place.reshape(-1), (voxels.index[:, 2] + 1) * voxels.edge)
+    return upright_boxes(cells, tops, many * voxels.edge)
 
 
-def _heaps(cells: Ints) -> Ints:
-    """Which heap each of the cells (k, 2) belongs to, (k,); it ends where no neighbour is."""
-    if len(cells) == 0:
-        return np.empty(0, np.int64)
-    first, second = cKDTree(cells).query_pairs(1.5, p=np.inf, output_type="ndarray").T
-    graph = coo_array((np.ones(len(first)), (first, second)), shape=(len(cells), len(cells)))
-    return connected_components(graph, directed=False)[1]
+def _solids(cell: Cell) -> list[tuple[pin.SE3, Solid]]:
+    """All that stands still, with its pose in the world."""
+    owners = [(cell.bin.T_world_bin, cell.bin.solids)]
+    owners += [(fixture.T_world_fixture, fixture.solids) for fixture in cell.fixtures]
+    return [(T * solid.T_owner_shape, solid) for T, solids in owners for solid in solids]
 
 
-def _boxes(cell: Cell, centres: Floats, heights: Floats, most: int) -> list[Obstacle]:
-    """A heap of grid cells (n, 2) with heights (n,) [m], in the bin's frame, as few boxes."""
-    yaw, middle, size = _rectangle(centres)
-    # The grid adds a rim of half a cell to whatever lies aslant in it.
-    is_full = len(centres) * CELL**2 >= FILLED * (size[0] - CELL) * (size[1] - CELL)
-    is_level = float(np.ptp(heights)) <= STEEPEST
-    along = (centres - middle) @ np.array([np.cos(yaw), np.sin(yaw)])
-    first = along <= float(np.median(along))
-    is_small = size[0] <= NARROW or len(centres) <= 2 * FEWEST or first.all()
-    if (is_full and is_level) or is_small or most <= 1:
-        return [_box(cell, yaw, middle, size, float(heights.max()))]
-    one = _boxes(cell, centres[first], heights[first], most - 1)
-    return one + _boxes(cell, centres[~first], heights[~first], most - len(one))
+def _is_box(solid: Solid) -> bool:
+    return isinstance(solid.shape, Box)
 
 
-def _rectangle(centres: Floats) -> tuple[float, Floats, Floats]:
-    """The smallest rectangle around grid cells (n, 2): yaw of its longer side, middle, sizes."""
-    half = CELL / 2
-    corners = np.vstack([centres + (x, y) for x in (-half, half) for y in (-half, half)])
-    hull = corners[ConvexHull(corners).vertices]
-    edges = np.roll(hull, -1, axis=0) - hull
-    best: tuple[float, float, Floats, Floats] | None = None
-    for yaw in np.unique(np.round(np.arctan2(edges[:, 1], edges[:, 0]) % (np.pi / 2), 6)):
-        axes = np.array([[np.cos(yaw), np.sin(yaw)], [-np.sin(yaw), np.cos(yaw)]])
-        turned = hull @ axes.T
-        low, high = turned.min(axis=0), turned.max(axis=0)
-        area = float(np.prod(high - low))
-        if best is None or area < best[0] - 1e-12:
-            best = area, float(yaw), (low + high) / 2 @ axes, high - low
-    assert best is not None
-    _, yaw, middle, size = best
-    return (yaw, middle, size) if size[0] >= size[1] else (yaw + np.pi / 2, middle, size[::-1])
+def _known(
+    cell: Cell, detections: tuple[Detection, ...], T_frame_world: pin.SE3
+) -> tuple[o3d.t.geometry.RaycastingScene, Ints]:
+    """All known surfaces in some frame, and whose each is."""
+    scene = o3d.t.geometry.RaycastingScene(nthreads=1)
+    solids = _solids(cell)
+    for T, solid in solids:
+        add_surface(scene, surface_of(solid.shape), T_frame_world * T)
+    for detection in detections:
+        mesh = cell.part(detection.part).mesh
+        add_surface(scene, surface_of(mesh), T_frame_world * detection.T_world_part)
+    return scene, np.array([OF_THE_CELL] * len(solids) + list(range(len(detections))))
 
 
-def _box(cell: Cell, yaw: float, middle: Floats, size: Floats, top: float) -> Obstacle:
-    """From the floor of the bin, or from the top itself where that is lower, up to `top`."""
-    bottom = min(0.0, top - CELL)
-    centre = np.array([*middle, (top + bottom) / 2])
-    T_bin_box = pin.SE3(pin.rpy.rpyToMatrix(0.0, 0.0, yaw), centre)
-    return Obstacle(cell.bin.T_world_bin * T_bin_box, np.array([*size, top - bottom]))
+def _owners(scene: o3d.t.geometry.RaycastingScene, owners: Ints, points: Floats) -> Ints:
+    """Whose the surface near each point (n, 3) is, `UNEXPLAINED` where none is, (n,)."""
+    queries = np.ascontiguousarray(points, dtype=np.float32)
+    nearest = scene.compute_closest_points(o3d.core.Tensor(queries), nthreads=1)
+    away = np.linalg.norm(nearest["points"].numpy() - queries, axis=1)
+    found = owners[nearest["geometry_ids"].numpy().astype(np.int64)]
+    return np.where(away <= TOLERANCE, found, UNEXPLAINED)
+
+
+_OUT_OF_REACH, _EXPLAINED, _LEFT = 0, 1, 2
+
+
+@njit(cache=True)
+def _states(points, T, centre, radius, Ts, halves, tolerance):  # pragma: no cover (compiled)
+    """Which points (n, 3) are out of a ball, near the surface of a box, or neither, (n,).
+
+    A scan shows bin and table above all, and these are boxes: their distance is quickly told.
+    """
+    states = np.empty(len(points), np.uint8)
+    for k in range(len(points)):
+        a, b, c = points[k, 0], points[k, 1], points[k, 2]
+        x = T[0, 0] * a + T[0, 1] * b + T[0, 2] * c + T[0, 3]
+        y = T[1, 0] * a + T[1, 1] * b + T[1, 2] * c + T[1, 3]
+        z = T[2, 0] * a + T[2, 1] * b + T[2, 2] * c + T[2, 3]
+        states[k] = _LEFT
+        if not (x - centre[0]) ** 2 + (y - centre[1]) ** 2 + (z - centre[2]) ** 2 <= radius**2:
+            states[k] = _OUT_OF_REACH
+            continue
+        for i in range(len(Ts)):
+            deepest, outside = -np.inf, 0.0
+            for j in range(3):
+                B = Ts[i, j]
+                over = abs(B[0] * x + B[1] * y + B[2] * z + B[3]) - halves[i, j]
+                deepest = max(deepest, over)
+                outside += max(over, 0.0) ** 2
+            if -tolerance <= deepest and outside <= tolerance**2:
+                states[k] = _EXPLAINED
+                break
+    return states

@@ -9,7 +9,7 @@ import pinocchio as pin
 import viser
 
 from workbench.app.commands import Command, ForgetAvoided, TakeScan, UseDetections, UseScan
-from workbench.formats.clouds import parse_cloud
+from workbench.formats.clouds import parse_scan
 from workbench.formats.poses import parse_poses
 from workbench.gui.look import View
 from workbench.gui.part_views import (
@@ -174,8 +174,7 @@ class PartsPanel:
         self._visitor.ask(lambda: made(Path(file.name).name, file.content))
 
     def _scan_of(self, name: str, content: bytes) -> Command:
-        mount = self._visitor.cell.scanner
-        scan = parse_cloud(Path(name), content, mount.T_world_scanner, unit=mount.unit)
+        scan = parse_scan(Path(name), content, self._visitor.cell.scanner)
         return UseScan(replace(scan, source=name))
 
     def _poses_of(self, name: str, content: bytes) -> Command:
