@@ -2,6 +2,7 @@
 
 import logging
 import threading
+import time
 
 import viser
 
@@ -13,16 +14,16 @@ STEP = 1.0
 SIZE = 8
 """[pixels] Of the picture that a browser draws to confirm; nobody looks at it."""
 
-PAUSE = 0.1
-"""[s] Between an answer and the next question: to answer is work for a slow browser."""
+AHEAD = 0.1
+"""[s] What is asked about was sent so long before the question; viser gathers for 1/60 s."""
 
 
 class Audience:
     """Asks one browser again and again to draw what it was sent, and believes only answers.
 
     A browser draws when its page is in front: one that is hidden, that hangs or that has gone does
-    not answer.  What was drawn for everybody and the question travel apart, so an answer stands
-    for what was drawn before the question before it.
+    not answer.  What is drawn for everybody and the question travel apart, so the question comes
+    a while later.
 
     Lifetime: from construction until `close`, or until the browser has gone.
 
@@ -57,26 +58,26 @@ class Audience:
         """How far [s] the plan may be played now: further on it would not be seen."""
         return self._seen + STEP
 
-    def begin(self, time: float) -> float:
+    def begin(self, at: float) -> float:
         """A stretch is played from a time [s] on.
 
         Returns:
             From where: a little is repeated that was drawn before a pause, but perhaps not seen.
         """
         with self._changed:
-            if self._covered < time <= self._covered + STEP:
-                time = self._covered
+            if self._covered < at <= self._covered + STEP:
+                at = self._covered
             self._stretch += 1
-            self._is_on, self._is_whole = True, time <= self._covered
-            self._drawn = self._seen = time
+            self._is_on, self._is_whole = True, at <= self._covered
+            self._drawn = self._seen = at
             self._changed.notify()
-        return time
+        return at
 
-    def drawn(self, time: float) -> None:
+    def drawn(self, at: float) -> None:
         """The moment at a time [s] was sent to be drawn."""
         with self._changed:
             if self._is_on:
-                self._drawn = time
+                self._drawn = at
                 self._changed.notify()
 
     def stop(self) -> None:
@@ -91,32 +92,34 @@ class Audience:
             self._changed.notify()
 
     def _run(self) -> None:
-        before: tuple[int, float] | None = None
+        took = 0.0
         while True:
             with self._changed:
                 self._changed.wait_for(
                     lambda: self._is_closed or (self._is_on and self._drawn > self._seen)
                 )
+                # A slow browser is asked seldom: the plan may go on meanwhile as far as it may.
+                self._changed.wait_for(
+                    lambda: self._is_closed or self._drawn >= self.limit, min(took, STEP)
+                )
+                asked = (self._stretch, self._drawn)
+                self._changed.wait_for(lambda: self._is_closed, AHEAD)
                 if self._is_closed:
                     return
-                asked = (self._stretch, self._drawn)
+            began = time.monotonic()
             try:
                 # It waits until the browser draws, however long that takes, or has gone.
                 self._client.get_render(SIZE, SIZE)
             except Exception as error:
                 log.info("the browser that plays the plan does not draw it: %s", error)
-                before = None
             else:
-                if before is not None:
-                    self._confirm(*before)
-                before = asked
-            with self._changed:
-                self._changed.wait_for(lambda: self._is_closed, PAUSE)
+                self._confirm(*asked)
+            took = time.monotonic() - began
 
-    def _confirm(self, stretch: int, time: float) -> None:
+    def _confirm(self, stretch: int, at: float) -> None:
         with self._changed:
             if not self._is_on or stretch != self._stretch:
                 return
-            self._seen = max(self._seen, time)
+            self._seen = max(self._seen, at)
             if self._is_whole:
-                self._covered = max(self._covered, time)
+                self._covered = max(self._covered, at)
