@@ -101,8 +101,6 @@ class DrawnRobot:
                     triangles,
                     color=self._colour or colour,
                     opacity=self._opacity,
-                    cast_shadow=self._opacity is None,
-                    receive_shadow=self._opacity is None,
                 )
             )
 
