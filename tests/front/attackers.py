@@ -20,9 +20,9 @@ PATIENCE = 120.0
 """How long [s] to wait for what must happen; far more than it takes."""
 
 
-def run(scenario: Coroutine):
+def run(scenario: Coroutine, patience: float = 3 * PATIENCE):
     """Run what a test does in an event loop; it fails when that hangs."""
-    return asyncio.run(asyncio.wait_for(scenario, 3 * PATIENCE))
+    return asyncio.run(asyncio.wait_for(scenario, patience))
 
 
 @asynccontextmanager
@@ -113,7 +113,7 @@ def crowd(url: str, says: bytes, size: int, trickle: bytes = b""):
     thread = threading.Thread(target=found.push)
     thread.start()
     try:
-        deadline = time.monotonic() + PATIENCE
+        deadline = time.monotonic() + 6 * PATIENCE
         while found.comes < size and time.monotonic() < deadline:
             time.sleep(0.02)
         yield found

@@ -54,4 +54,9 @@ def fill(held: list[int]) -> None:
 
 
 if __name__ == "__main__":
-    main()
+    try:
+        main()
+    except BaseException:
+        logging.exception("the front did not start, or broke")
+        # viser's threads would go on, and whoever reads our output would wait.
+        os._exit(1)

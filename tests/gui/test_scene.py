@@ -1,11 +1,14 @@
 """What is drawn, and that drawing moves things instead of making them anew."""
 
+import asyncio
 from dataclasses import replace
 
 import numpy as np
 import pytest
+from raw_browser import raw_browser
 
 from workbench.app.live import Live
+from workbench.front.raw_browser import unpacked
 from workbench.gui.door import close_door, open_door
 from workbench.gui.look import Look, Pose
 from workbench.gui.playback import part_poses
@@ -47,6 +50,20 @@ def test_the_cell_stands_there_before_anything_has_happened(server, scene, cell,
         assert node(server, name) is not None, name
     assert node(server, "/scan") is None
     assert not node(server, "/robot_now").visible
+
+
+def test_no_browser_has_to_draw_shadows_not_even_at_first(server, scene):
+    async def look():
+        async with raw_browser(server.get_port()) as browser:
+            kinds = []
+            while "MeshMessage" not in kinds:
+                for message in unpacked(await browser.recv()):
+                    kinds.append(message["type"])
+                    if message["type"] == "EnableLightsMessage":
+                        assert message["cast_shadow"] is False
+            assert "EnableLightsMessage" in kinds
+
+    asyncio.run(asyncio.wait_for(look(), 60))
 
 
 def test_links_stand_where_forward_kinematics_puts_them(server, scene, cell, states, view_of):

@@ -195,7 +195,7 @@ class Doorstep:
             return True
         idle = [one for one in known if one.request is None]
         if idle:
-            self._drop(min(idle, key=_since), "too many with a login")
+            self._drop(min(idle, key=lambda one: one.since), "too many with a login")
         return bool(idle)
 
     def _first_to_go(self, strangers: list[Visitor]) -> Visitor:
@@ -247,7 +247,3 @@ def _has_unread(taken: socket.socket) -> bool:
         return bool(taken.recv(1, socket.MSG_PEEK | socket.MSG_DONTWAIT))
     except OSError:
         return False
-
-
-def _since(visitor: Visitor) -> float:
-    return visitor.since

@@ -118,7 +118,6 @@ class DrawnCandidates:
                 triangles,
                 color=colour,
                 opacity=0.45,
-                cast_shadow=False,
             )
 
     def _pose(self, pose: Pose | None) -> None:

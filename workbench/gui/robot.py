@@ -104,8 +104,6 @@ class DrawnRobot:
                     triangles,
                     color=self._colour or colour,
                     opacity=self._opacity,
-                    cast_shadow=self._opacity is None,
-                    receive_shadow=self._opacity is None,
                 )
             )
 

@@ -68,6 +68,9 @@ class Scene:
         """Add robot and surroundings of a cell to an empty scene."""
         scene = self._scene
         self._cell, self._kinematics = cell, Kinematics(cell)
+        # Where no graphics processor draws, shadows take a third or more of the time
+        # of the first picture.  First, since what is drawn with them is prepared anew without.
+        scene.configure_default_lights(cast_shadow=False)
         paint_background(scene)
         add_surroundings(scene, cell)
         self._robot = DrawnRobot(scene, ROBOT, cell)

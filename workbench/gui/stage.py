@@ -169,8 +169,6 @@ class Stage:
                     triangles,
                     color=rgb_of(GOOD),
                     opacity=0.3,
-                    cast_shadow=False,
-                    receive_shadow=False,
                 )
             )
 
