@@ -33,8 +33,11 @@ NEAREST, FARTHEST = 0.005, 100.0
 """[m] A cloud of which every point is nearer, or one is further, was read in a wrong unit."""
 
 BESIDE = 6.0
-"""By this factor the middle point of a scan may be nearer or further than the scanner measures:
-less than lies between any two units."""
+"""By this factor a scan may lie nearer or further than the scanner measures: less than lies
+between any two units."""
+
+FEW = 0.05
+"""Share of the points that may lie anywhere: stray ones say nothing about the unit."""
 
 KEY = "`unit` in [scanner] of the cell file"
 
@@ -61,16 +64,18 @@ def parse_scan(path: Path, content: bytes, mount: ScannerMount, *, key: str = KE
         key: which gives the unit, for messages.
 
     Raises:
-        FileError: as `parse_cloud` has it, or most of it lies where the scanner cannot measure.
+        FileError: as `parse_cloud` has it, or next to nothing of it lies where the scanner can
+            measure: its unit is another one.
     """
     scan = parse_cloud(path, content, mount.T_world_scanner, unit=mount.unit, key=key)
-    middle = float(np.median(np.linalg.norm(scan.points, axis=1)))
-    if not mount.near / BESIDE <= middle <= mount.far * BESIDE:
+    away = np.linalg.norm(scan.points, axis=1)
+    nearest, farthest = (float(value) for value in np.quantile(away, (FEW, 1 - FEW)))
+    if nearest > mount.far * BESIDE or farthest < mount.near / BESIDE:
         raise FileError(
             path,
-            f"its points are {middle:.4g} m from the scanner when read in {mount.unit} ({key}), "
-            f"and the scanner measures from {mount.near:g} to {mount.far:g} m (near_mm, far_mm). "
-            f"Is the file in another unit ({', '.join(UNITS)})?",
+            f"its points are {nearest:.4g} to {farthest:.4g} m from the scanner when read in "
+            f"{mount.unit} ({key}), and the scanner measures from {mount.near:g} to "
+            f"{mount.far:g} m (near_mm, far_mm). Is the file in another unit ({', '.join(UNITS)})?",
         )
     return scan
 
