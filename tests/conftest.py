@@ -6,6 +6,8 @@ from collections.abc import Iterable
 import pytest
 from hypothesis import HealthCheck, settings
 
+import workbench  # noqa: F401 - before NumPy is: it says which instructions that takes
+
 # How long an example takes is a matter of the machine; what is slow shows in the benchmarks.
 settings.register_profile("workbench", deadline=None, suppress_health_check=[HealthCheck.too_slow])
 settings.load_profile("workbench")

@@ -136,7 +136,8 @@ def installed(tmp_path):
     """A package that somebody else has installed: there is no room for what is compiled."""
     package = tmp_path / "installed" / "workbench"
     package.mkdir(parents=True)
-    shutil.copy(Path(workbench.__file__), package)
+    for file in ("__init__.py", "environment.py"):
+        shutil.copy(Path(workbench.__file__).parent / file, package)
     (package / "__pycache__").write_text("a file, so that not even root can make the folder")
     loops = "from numba import njit\n@njit(cache=True)\ndef add(a, b):\n    return a + b\n"
     (package / "loops.py").write_text(loops)

@@ -19,6 +19,7 @@ from workbench.app.commands import (
     JobEnded,
     LinkEnded,
     MakePlan,
+    Opened,
     PosesRefused,
     ReportPick,
     SendPlan,
@@ -89,7 +90,7 @@ def test_every_obstacle_is_a_sentence_and_no_obstacle_means_the_table_says_so(ce
 def test_nothing_but_reports_passes_beside_a_running_task_except_to_cancel_it(planned):
     busy = dataclasses.replace(planned, job=Job(3, "plan"))
     free = {command for command in RIGHTS if not obstacle(busy, command)}
-    assert free == {CancelJob, JobEnded, PosesRefused, WantThreshold} | CONTROL
+    assert free == {CancelJob, JobEnded, Opened, PosesRefused, WantThreshold} | CONTROL
     assert "'plan' ends or is cancelled" in refusal(busy, Approve(planned.plan.digest))
 
 
@@ -98,6 +99,7 @@ def test_a_fault_lets_pass_only_its_acknowledgement_and_late_results(cell):
     assert {c for c in RIGHTS if not obstacle(state, c)} == {
         AcknowledgeFault,
         JobEnded,
+        Opened,
         PosesRefused,
         ReportPick,
     } | CONTROL

@@ -137,13 +137,13 @@ def test_presses_and_values_arrive(front, scene):
         ("ShareUrlRequest", {}),
         ("ShareUrlDisconnect", {}),
         ("RunJavascriptMessage", {"source": "alert(1)"}),
-        ("GetRenderResponseMessage", {"payload": b"", "render_uuid": "x"}),
+        ("GetRenderResponseMessage", {"payload": bytes(200_000), "render_uuid": "x"}),
         ("NoSuchMessage", {}),
         ("TransformControlsUpdateMessage", {**GIZMO, "position": (9e9, 0.0, 0.0)}),
         ("TransformControlsUpdateMessage", {**GIZMO, "position": (float("nan"), 0.0, 0.0)}),
         ("TransformControlsUpdateMessage", {**GIZMO, "position": (0.0, 0.0)}),
     ],
-    ids=str,
+    ids=lambda value: str(value)[:80],
 )
 def test_what_the_page_never_says_is_dropped(front, scene, said, kind, fields):
     async def look():
