@@ -9,16 +9,23 @@ INSTALL := $(PIP) --no-build-isolation --editable
 LIBRARIES := libusb-1.0-0 libgl1 libegl1 libx11-6 libgomp1
 BROWSER := chromium fonts-dejavu-core
 
+# What `make test-fast` leaves out: browsers, whole commands, and what takes longest in its folder.
+SLOW := browser cli front packaging perception studies test_new_part.py test_new_robot.py \
+	app/test_any_sequence.py app/test_calibration.py app/test_killed.py app/test_link_faults.py \
+	app/test_part_import.py formats/test_part_import.py planning/test_planners.py \
+	planning/test_properties.py robots/test_third_party.py
+
 # More for the command behind a target: make run ARGS="--port 9000", make test ARGS="-k plan"
 ARGS :=
 
 export PYTHON
 
-.PHONY: help run test test-portable lint bench pictures constraints clean
+.PHONY: help run test test-fast test-portable lint bench pictures constraints clean
 
 help:
 	@echo "make run       start the workbench on the simulated YuMi cell and print its link"
 	@echo "make test      run all tests"
+	@echo "make test-fast run those that take little, while you work"
 	@echo "make test-portable  run them as if on another make of processor"
 	@echo "make lint      check style, types and imports"
 	@echo "make bench     measure what the README promises"
@@ -32,6 +39,9 @@ run: $(VENV)/.compiled
 test: $(VENV)/.test $(VENV)/.compiled
 	@bash setup/debian.sh $(BROWSER)
 	$(BIN)/python -m pytest -n 2 --dist loadfile $(ARGS)
+
+test-fast: $(VENV)/.test $(VENV)/.compiled
+	$(BIN)/python -m pytest -n 2 --dist loadfile $(SLOW:%=--ignore=tests/%) $(ARGS)
 
 # As if on another processor: what libraries can be told to leave out is left out.  Everything is
 # compiled once more for it; browsers and processes that install something tell nothing new.
