@@ -11,7 +11,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import Browser, BrowserContext, Locator, Page, expect, sync_playwright
+from playwright.sync_api import Browser, Locator, Page, expect, sync_playwright
 
 from workbench.app.bench import Bench
 from workbench.app.state import State
@@ -36,27 +36,6 @@ FLAGS = [
     "--disable-dev-shm-usage",
 ]
 """WebGL drawn by the processor."""
-
-FEWER_PICTURES = """
-(() => {
-  const next = window.requestAnimationFrame.bind(window);
-  let last = 0, waiting = new Map(), timer = null;
-  const draw = (now) => {
-    const due = waiting;
-    waiting = new Map();
-    timer = null;
-    for (const one of due.values()) one(now);
-  };
-  window.requestAnimationFrame = (one) => {
-    waiting.set(++last, one);
-    timer ??= setTimeout(() => next(draw), 100);
-    return last;
-  };
-  window.cancelAnimationFrame = (number) => waiting.delete(number);
-})();
-"""
-"""Ten pictures a second at most: each takes a processor as long as it is drawn, also of a page on
-which nothing happens, and there are other things to do."""
 
 
 @dataclass
@@ -135,23 +114,6 @@ def browser() -> Iterator[Browser]:
 
 
 @pytest.fixture
-def new_context(browser: Browser) -> Iterator[Callable[[], BrowserContext]]:
-    """Makes windows of their own, patient and without haste."""
-    contexts: list[BrowserContext] = []
-
-    def make() -> BrowserContext:
-        context = browser.new_context(viewport={"width": 1280, "height": 720})
-        context.set_default_timeout(PATIENCE * 1000)
-        context.add_init_script(FEWER_PICTURES)
-        contexts.append(context)
-        return context
-
-    yield make
-    for context in contexts:
-        context.close()
-
-
-@pytest.fixture
 def speed() -> float:
     """Of the simulated robot; 1 is real time."""
     return 20.0
@@ -195,13 +157,15 @@ def url(bench: Bench) -> Iterator[str]:
 
 
 @pytest.fixture
-def open_screen(
-    new_context: Callable[[], BrowserContext], url: str, shots: Path
-) -> Callable[[], Screen]:
+def open_screen(browser: Browser, url: str, shots: Path) -> Iterator[Callable[[], Screen]]:
     """Opens the page in a new window, ready to be used."""
+    contexts = []
 
     def open_one() -> Screen:
-        screen = Screen(new_context().new_page(), shots)
+        context = browser.new_context(viewport={"width": 1280, "height": 720})
+        context.set_default_timeout(PATIENCE * 1000)
+        contexts.append(context)
+        screen = Screen(context.new_page(), shots)
         screen.page.on(
             "console",
             lambda message: message.type == "error" and screen.errors.append(message.text),
@@ -215,7 +179,9 @@ def open_screen(
         screen.page.evaluate(close)
         return screen
 
-    return open_one
+    yield open_one
+    for context in contexts:
+        context.close()
 
 
 @pytest.fixture

@@ -84,8 +84,11 @@ class Window:
 
 
 @pytest.fixture
-def window(new_context):
-    return Window(new_context())
+def window(browser):
+    context = browser.new_context(viewport={"width": 1280, "height": 720})
+    context.set_default_timeout(PATIENCE)
+    yield Window(context)
+    context.close()
 
 
 def test_the_first_link_leads_to_the_page_and_nowhere_else(start, window, reaches, shots):
