@@ -98,11 +98,11 @@ def surroundings():
     return {name: value for name, value in os.environ.items() if name not in UNWANTED}
 
 
-def said_in(venv, code, **about):
+def said_in(venv, code):
     return subprocess.run(
         [venv / "bin" / "python", "-c", code],
         cwd=venv,
-        env=surroundings() | about,
+        env=surroundings(),
         check=True,
         capture_output=True,
         text=True,
@@ -148,23 +148,3 @@ def test_all_that_is_compiled_was_compiled_before_the_first_task(venv, first_dem
     said = said_in(venv, COMPILED).splitlines()
     assert len(said) > 50
     assert [line for line in said if not line.startswith("compiled ")] == []
-
-
-PLANNED = """
-from dataclasses import replace
-from workbench.app.pick import plan_pick
-from workbench.formats.cells import read_cell
-from workbench.perception.piles import drop_parts
-
-cell = read_cell("yumi")
-cell = replace(cell, policy=replace(cell.policy, seconds=20.0))
-result = plan_pick(cell, drop_parts(cell.parts[:1] * 2, cell.bin, seed=28), "scan")
-print(result.verdict.reason.name, *{one.verdict.reason.name for one in result.candidates})
-"""
-"""Compiling takes longer than that, planning a hundredth of it."""
-
-
-@pytest.mark.timeout(PATIENCE)
-def test_a_plan_for_which_everything_is_compiled_first_is_not_out_of_time(venv, tmp_path):
-    said = said_in(venv, PLANNED, NUMBA_CACHE_DIR=str(tmp_path)).split()
-    assert said[0] == "OK" and "OUT_OF_TIME" not in said
