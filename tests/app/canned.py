@@ -6,10 +6,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from workbench.app.commands import JobEnded, LinkEnded, PlanResult
+from workbench.app.commands import (
+    JobEnded,
+    LinkEnded,
+)
 from workbench.app.effects import Send, StartJob, StopSending
 from workbench.app.live import Live
 from workbench.app.pick import plan_pick
+from workbench.app.plan_result import PlanResult
 from workbench.app.rights import ROBOT_LINK, WORKER
 from workbench.formats.cells import read_cell
 from workbench.model.cell import Cell

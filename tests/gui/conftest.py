@@ -10,10 +10,10 @@ from idle import Idle
 
 import workbench.gui.visitor
 from workbench.app.bench import Bench
-from workbench.app.commands import PlanResult
 from workbench.app.live import Live
 from workbench.app.people import Person, Role
 from workbench.app.pick import plan_pick
+from workbench.app.plan_result import PlanResult
 from workbench.app.rules import approve
 from workbench.app.state import Job, Phase, State
 from workbench.formats.cells import read_cell

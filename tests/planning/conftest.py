@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from workbench.app.commands import PlanResult
 from workbench.app.pick import plan_pick
+from workbench.app.plan_result import PlanResult
 from workbench.formats.cells import read_cell
 from workbench.model.cell import Cell
 from workbench.model.geometry import pose_from_rpy

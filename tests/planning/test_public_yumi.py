@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from stand_ins import public_yumi, sources
 
-from workbench.app.commands import PlanResult
 from workbench.app.pick import plan_pick
+from workbench.app.plan_result import PlanResult
 from workbench.formats.cells import read_cell
 from workbench.formats.poses import read_poses
 from workbench.model.candidate import Reason

@@ -12,16 +12,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from workbench.app.people import Role
+from workbench.app.plan_result import PlanResult
 from workbench.model.calibration import BallPlate, PlateSighting
-from workbench.model.candidate import Candidate, Verdict
-from workbench.model.cell import Cell, PlannerName, Wishes
+from workbench.model.cell import Cell, Wishes
 from workbench.model.errors import WorkbenchError
 from workbench.model.geometry import Floats, frozen, put
 from workbench.model.part import Entry as GraspEntry
 from workbench.model.part import GraspPair, Part, Symmetry
-from workbench.model.plan import Plan, Proof
 from workbench.model.release import PartReport, Receipt
-from workbench.model.scan import Detection, Obstacle, Scan
+from workbench.model.scan import Detection, Scan
 from workbench.model.search import SearchWishes
 
 Bytes = NDArray[np.uint8]
@@ -314,23 +313,6 @@ class JobEnded:
 
     number: int
     result: "Scan | tuple[Detection, ...] | PlanResult | PlateSighting | Part | WorkbenchError"
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class PlanResult:
-    """What a planning job brings: every candidate judged, and the plan or why there is none.
-
-    `beside` is what the other strategy brought, where both were asked for.
-    """
-
-    candidates: tuple[Candidate, ...]
-    plan: Plan | None
-    proof: Proof | None
-    verdict: Verdict
-    seconds: dict[str, float]
-    obstacles: tuple[Obstacle, ...] = ()
-    planner: PlannerName = "rrtconnect"
-    beside: "tuple[PlanResult, ...]" = ()
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -31,7 +31,6 @@ from workbench.app.commands import (
     LinkEnded,
     MakePlan,
     Opened,
-    PlanResult,
     PosesRefused,
     RedoCell,
     ReleaseControl,
@@ -61,6 +60,7 @@ from workbench.app.effects import (
     WriteCell,
 )
 from workbench.app.outcomes import after_one_more_scan, avoided_parts, with_outcome
+from workbench.app.plan_result import PlanResult
 from workbench.app.planned import with_plan
 from workbench.app.release import opened_again, without_approval, words_of_others
 from workbench.app.rules import approve

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from workbench.app.commands import PlanResult
+from workbench.app.plan_result import PlanResult
 from workbench.model.calibration import PlateSighting
 from workbench.model.cell import Cell
 from workbench.model.digest import digest_of

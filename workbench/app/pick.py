@@ -8,7 +8,7 @@ from types import MappingProxyType
 
 import numpy as np
 
-from workbench.app.commands import PlanResult
+from workbench.app.plan_result import PlanResult
 from workbench.app.rules import STRATEGIES, can_be_sent, moves_both_arms
 from workbench.model.candidate import Candidate, Pick, Reason, Stage, Verdict
 from workbench.model.cell import Cell, Wishes

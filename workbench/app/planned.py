@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from workbench.app.commands import PlanResult
+from workbench.app.plan_result import PlanResult
 from workbench.app.state import Outline, Phase, State
 
 MOST_OUTLINES = 20

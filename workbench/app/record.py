@@ -11,9 +11,14 @@ from dataclasses import dataclass
 from typing import Any, get_args
 
 from workbench import __version__
-from workbench.app.commands import Command, Entry, JobEnded, PlanResult
+from workbench.app.commands import (
+    Command,
+    Entry,
+    JobEnded,
+)
 from workbench.app.forms import ReadFile, large_arrays, restored
 from workbench.app.people import Role
+from workbench.app.plan_result import PlanResult
 from workbench.app.rights import MACHINES
 from workbench.app.state import State
 from workbench.model.calibration import PlateSighting

@@ -9,9 +9,9 @@ import numpy as np
 import pinocchio as pin
 
 from workbench.app.calibration import simulated_sight
-from workbench.app.commands import PlanResult
 from workbench.app.part_import import imported_part
 from workbench.app.pick import plan_pick
+from workbench.app.plan_result import PlanResult
 from workbench.app.readiness import make_ready
 from workbench.app.value_checks import ALL_KINDS
 from workbench.app.worker import Cancelled, JobFunction, Report

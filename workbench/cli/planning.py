@@ -5,8 +5,8 @@ import time
 from dataclasses import replace
 from pathlib import Path
 
-from workbench.app.commands import PlanResult
 from workbench.app.pick import plan_pick
+from workbench.app.plan_result import PlanResult
 from workbench.app.readiness import make_ready
 from workbench.app.value_checks import LARGEST_MARGIN, MOST_ITERATIONS, SEED_LIMIT
 from workbench.cli import arguments

@@ -12,8 +12,8 @@ from typing import Any
 
 import numpy as np
 
-from workbench.app.commands import PlanResult
 from workbench.app.pick import plan_pick
+from workbench.app.plan_result import PlanResult
 from workbench.formats.cells import read_cell
 from workbench.model.cell import Cell
 from workbench.model.plan import Strategy
