@@ -66,7 +66,7 @@ bench: $(VENV)/.test $(VENV)/.compiled
 # ARGS="grasps cell" makes only those; `docs/more_stories.py` has the names.
 pictures: $(VENV)/.test $(VENV)/.compiled
 	@bash setup/debian.sh $(BROWSER)
-	PYTHONPATH=$(CURDIR)/tests/browser $(BIN)/python docs/make_pictures.py $(ARGS)
+	PYTHONPATH=$(CURDIR)/tests:$(CURDIR)/tests/browser $(BIN)/python docs/make_pictures.py $(ARGS)
 
 # After a dependency was changed and the tests pass with the newest versions.
 constraints: $(VENV)/.lint $(VENV)/.test

@@ -13,7 +13,8 @@ import time
 from pathlib import Path
 
 from conftest import Samples, made_cell
-from patient import LONG, PATIENT
+from patient import PATIENT
+from waiting import PATIENCE
 
 from workbench.app.bench import Bench
 from workbench.app.commands import (
@@ -82,7 +83,7 @@ def run(folder: str, port: str, state_port: str) -> None:
     os.write(1, f"{bench.state.number}\n".encode())
     bench.subscribe(lambda old, new: os.write(1, f"{new.number}\n".encode()))
     while True:
-        state = bench.wait(lambda s: s.job is None and s.phase is not Phase.SENDING, LONG)
+        state = bench.wait(lambda s: s.job is None and s.phase is not Phase.SENDING, PATIENCE)
         bench.do(next_command(state), "ada")
         time.sleep(0)
 

@@ -7,6 +7,7 @@ import sqlite3
 import threading
 
 import pytest
+from waiting import PATIENCE
 
 from workbench.app.bench import Bench
 from workbench.app.commands import (
@@ -30,9 +31,6 @@ from workbench.app.state import Phase
 from workbench.journal.journal import Journal
 from workbench.model.errors import CommandRefused, JournalError
 from workbench.model.release import Receipt
-
-PATIENCE = 120
-"""How long [s] a test waits for what has to happen; far more than it takes."""
 
 
 class Noted:

@@ -1,12 +1,12 @@
 """Changes of the cell: what they leave standing, how they are undone, how the file follows."""
 
 import json
-import time
 from dataclasses import replace
 
 import numpy as np
 import pytest
 from idle import Idle
+from waiting import wait_until
 
 from workbench.app.bench import Bench
 from workbench.app.cell_changes import MOST_UNDO
@@ -230,13 +230,6 @@ class Noted:
         self.state, _ = decide(self.state, Entry(self.state.number + 1, 1.0, actor, command))
 
 
-def wait_for(condition) -> None:
-    until = time.monotonic() + 120
-    while not condition():
-        assert time.monotonic() < until
-        time.sleep(0.01)
-
-
 @pytest.mark.parametrize("name", ["arm.STL", "arm.dae", "arm.glb", "taught.pcd"])
 def test_every_kind_of_mesh_is_watched(tmp_path, cell, name):
     watch = CellWatch(tmp_path / "cell.toml", Noted(State(cell)), every=60.0)
@@ -259,14 +252,14 @@ def test_the_file_is_read_again_when_it_was_written(tmp_path):
     bench = Noted(State(cell, saved=cell.digest))
     watch = CellWatch(path, bench, every=0.02)
     path.write_text(text.replace("position_mm = [410, 0, -5]", "position_mm = [420, 0, -5]"))
-    wait_for(lambda: bench.state.cell.digest != cell.digest)
+    wait_until(lambda: bench.state.cell.digest != cell.digest)
     assert bench.state.cell.bin.T_world_bin.translation[0] == 0.42
     path.write_text(text.replace("[bin]", "[bim]"))
-    wait_for(lambda: bench.state.cell_problem != "")
+    wait_until(lambda: bench.state.cell_problem != "")
     assert "bin" in bench.state.cell_problem
     assert bench.state.cell.bin.T_world_bin.translation[0] == 0.42, "the last good cell stays"
     path.write_text(text)
-    wait_for(lambda: bench.state.cell.digest == cell.digest)
+    wait_until(lambda: bench.state.cell.digest == cell.digest)
     assert bench.state.cell_problem == ""
     watch.close()
     assert len(bench.commands) == 3

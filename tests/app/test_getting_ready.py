@@ -1,10 +1,10 @@
 """What the worker does once before the first task: tasks wait for it, and it is not their time."""
 
 import functools
-import time
 from pathlib import Path
 
 import pytest
+from waiting import PATIENCE, wait_until
 
 from workbench.app.bench import Bench
 from workbench.app.commands import CancelJob, FindParts, TakeScan, UseScan
@@ -14,15 +14,6 @@ from workbench.app.state import Phase
 from workbench.journal.journal import Journal
 
 HERE = Path(__file__).parent
-PATIENCE = 60
-"""How long [s] a test waits for what has to happen; far more than it takes."""
-
-
-def until(condition):
-    deadline = time.monotonic() + PATIENCE
-    while not condition():
-        assert time.monotonic() < deadline, "it did not happen"
-        time.sleep(0.005)
 
 
 @pytest.fixture
@@ -37,7 +28,7 @@ def go(tmp_path, monkeypatch) -> Path:
 def bench(cell, tmp_path, go):
     machines = functools.partial(Machines, module="slow_work")
     bench = Bench(cell, Journal(tmp_path / "session"), effects=machines)
-    until(lambda: bench.live.getting_ready is not None)
+    wait_until(lambda: bench.live.getting_ready is not None)
     yield bench
     bench.close()
 
@@ -46,7 +37,7 @@ def test_the_worker_tells_how_far_it_is_before_the_first_task(bench, go):
     told = bench.live.getting_ready
     assert (told.done, told.note) == (0.4, NOTE)
     go.touch()
-    until(lambda: bench.live.getting_ready is None)
+    wait_until(lambda: bench.live.getting_ready is None)
 
 
 def test_a_task_waits_says_for_what_and_runs_by_itself_with_its_own_clock(bench, go):

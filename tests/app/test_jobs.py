@@ -12,14 +12,13 @@ import time
 from pathlib import Path
 
 import pytest
+from waiting import PATIENCE
 
 from workbench.app.jobs import Jobs
 from workbench.app.worker import packed
 from workbench.model.errors import FileError, JobCancelled, WorkbenchError
 
 HERE = Path(__file__).parent
-PATIENCE = 120
-"""How long [s] a test waits for what has to happen; far more than it takes."""
 
 
 class Listener:

@@ -12,7 +12,8 @@ from pathlib import Path
 
 import pytest
 from idle import Idle
-from patient import LONG, PATIENT
+from patient import PATIENT
+from waiting import PATIENCE
 
 from workbench.app.bench import Bench
 from workbench.app.state import Phase
@@ -54,7 +55,7 @@ def nursery():
     assert process.stdout.readline() == "ready\n"
     yield process
     process.stdin.close()
-    process.wait(LONG)
+    process.wait(PATIENCE)
     process.stdout.close()
 
 

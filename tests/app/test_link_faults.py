@@ -13,7 +13,8 @@ import time
 
 import numpy as np
 import pytest
-from patient import LONG, PATIENT, Hurried, until
+from patient import PATIENT, Hurried
+from waiting import PATIENCE, wait_until
 
 from workbench.app.bench import Bench
 from workbench.app.commands import (
@@ -91,7 +92,7 @@ class Rig:
         self.bench.do(SendPlan(self.plan.digest), "ada")
 
     def ended(self):
-        return self.bench.wait(lambda state: state.phase is not Phase.SENDING, LONG)
+        return self.bench.wait(lambda state: state.phase is not Phase.SENDING, PATIENCE)
 
 
 @pytest.fixture
@@ -121,7 +122,7 @@ def rig(tmp_path, yumi, found, planned):
         plan = planned[strategy].plan
         bench.do(WatchPlan(plan.digest), "ada")
         bench.do(Approve(plan.digest), "ada")
-        until(lambda: bench.live.joints)
+        wait_until(lambda: bench.live.joints)
         if protocol == OLD:
             expected = [message.text for message in messages(cell, plan)]
         else:
@@ -133,7 +134,7 @@ def rig(tmp_path, yumi, found, planned):
     for bench, one, thread in made:
         bench.close()
         one.stop()
-        thread.join(LONG)
+        thread.join(PATIENCE)
         assert not thread.is_alive()
 
 
@@ -158,7 +159,7 @@ def check_evidence(rig, protocol):
     assert last.fault == state.fault
     assert digest_of(last.parts) == digest_of(state.part_reports)
     assert [part.arm for part in state.part_reports] == [one.arm for one in rig.plan.arms]
-    until(lambda: rig.controller.state()["moving"] == "")
+    wait_until(lambda: rig.controller.state()["moving"] == "")
 
 
 FAULTS = [
@@ -168,7 +169,7 @@ FAULTS = [
     (OLD, "garbage:5", 200, "where one b'send' was expected"),
     (NEW, "garbage:5", 200, "does not begin like a frame|is not text"),
     (NEW, "slow:5", 200, "did not acknowledge '0005 "),
-    (OLD, "half-open:5", 200, f"silent for {LONG:.0f} s at message 6"),
+    (OLD, "half-open:5", 200, f"silent for {PATIENCE:.0f} s at message 6"),
     (NEW, "half-open:5", 200, "did not acknowledge '0005 "),
     (NEW, "half-open:98", 0.5, r"did not acknowledge '\d+ ping'|was silent"),
     (OLD, "double-send:5", 200, "b'sendsend' where one"),
@@ -198,12 +199,12 @@ is not waited for at all."""
 )
 def test_a_fault_of_the_controller(rig, monkeypatch, protocol, fault, speed, says):
     # A slow controller is so until the silence was noticed.
-    monkeypatch.setattr(abb_serve_program, "SLOW_SECONDS", LONG)
+    monkeypatch.setattr(abb_serve_program, "SLOW_SECONDS", PATIENCE)
     one = rig(protocol, fault, speed=speed, **SAID_BY_REPORTS.get((protocol, fault), {}))
     one.send()
     if fault.startswith(("slow", "half-open")):
-        until(lambda: one.has_failed)
-        until(lambda: one.clock.let_pass(LONG) or one.state.phase is not Phase.SENDING)
+        wait_until(lambda: one.has_failed)
+        wait_until(lambda: one.clock.let_pass(PATIENCE) or one.state.phase is not Phase.SENDING)
     state = one.ended()
     assert state.phase is Phase.FAULT
     assert re.search(says, state.fault), state.fault
@@ -274,7 +275,7 @@ def test_joints_that_only_the_link_reports_are_not_shown_once_it_is_closed(rig):
         patience=PATIENT,
     )
     link.send(one.plan, one.state.approval)
-    until(lambda: any(isinstance(command, LinkEnded) for command in told))
+    wait_until(lambda: any(isinstance(command, LinkEnded) for command in told))
     link.close()
     assert any(moved), "while it was sent the joints were shown"
     assert shown["joints"] == {}, "nobody knows where the robot is moved to from now on"
@@ -284,7 +285,7 @@ def test_joints_that_only_the_link_reports_are_not_shown_once_it_is_closed(rig):
 def test_a_stop_while_the_robot_moves(rig, protocol):
     one = rig(protocol, speed=0.5)
     one.send()
-    until(lambda: one.controller.state()["moving"] == "right")
+    wait_until(lambda: one.controller.state()["moving"] == "right")
     one.bench.do(Stop(), "ada")
     state = one.ended()
     assert state.phase is Phase.FAULT and "sending was stopped" in state.fault
@@ -312,7 +313,7 @@ def test_one_approval_is_good_for_one_sending(rig):
     )
     for number in (1, 2):
         link.send(one.plan, one.state.approval)
-        until(lambda number=number: sum(isinstance(c, LinkEnded) for c in told) == number)
+        wait_until(lambda number=number: sum(isinstance(c, LinkEnded) for c in told) == number)
     link.close()
     assert [c.fault for c in told if isinstance(c, LinkEnded)] == [
         "",

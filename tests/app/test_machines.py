@@ -14,7 +14,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 from idle import Idle
-from patient import LONG, PATIENT, until
+from patient import PATIENT
+from waiting import PATIENCE, wait_until
 
 from workbench.app.bench import Bench
 from workbench.app.commands import (
@@ -112,7 +113,7 @@ def bench(cell, tmp_path, machines):
 
 def test_a_scan_comes_from_the_worker_with_progress(bench):
     number = bench.do(TakeScan(seed=5), "ada").number
-    state = bench.wait(lambda state: state.job is None, LONG)
+    state = bench.wait(lambda state: state.job is None, PATIENCE)
     assert (state.phase, len(state.scan.points)) == (Phase.SCANNED, 5000)
     assert not state.scan.points.flags.writeable
     live = bench.live
@@ -123,17 +124,17 @@ def test_a_scan_comes_from_the_worker_with_progress(bench):
 def test_a_failed_job_leaves_its_sentence(bench, samples):
     bench.do(UseDetections(samples.detections()), "ada")
     bench.do(MakePlan("right"), "ada")
-    state = bench.wait(lambda state: state.job is None, LONG)
+    state = bench.wait(lambda state: state.job is None, PATIENCE)
     assert state.message == "task 'plan' failed: no plan by strategy right"
 
 
 def test_a_cancelled_job_is_gone_at_once_and_its_end_is_recorded(bench, samples):
     bench.do(UseScan(samples.scan()), "ada")
     bench.do(FindParts(), "ada")
-    until(lambda: bench.live.note == "waiting")
+    wait_until(lambda: bench.live.note == "waiting")
     state = bench.do(CancelJob(), "ada")
     assert state.job is None
-    ended = bench.wait(lambda newer: newer.number > state.number, LONG)
+    ended = bench.wait(lambda newer: newer.number > state.number, PATIENCE)
     assert (ended.phase, ended.message) == (Phase.SCANNED, "task 'localize' cancelled by ada")
 
 
@@ -142,14 +143,14 @@ def test_the_next_job_runs_after_a_cancel(bench, samples):
     bench.do(FindParts(), "ada")
     bench.do(CancelJob(), "ada")
     bench.do(TakeScan(), "ada")
-    state = bench.wait(lambda state: state.job is None, LONG)
+    state = bench.wait(lambda state: state.job is None, PATIENCE)
     assert len(state.scan.points) == 5000
 
 
 def test_a_result_that_cannot_be_recorded_ends_the_job_with_an_error(bench, samples, caplog):
     bench.do(UseScan(samples.scan()), "ada")
     bench.do(FindParts(seed=13), "ada")
-    state = bench.wait(lambda state: state.job is None, LONG)
+    state = bench.wait(lambda state: state.job is None, PATIENCE)
     assert "internal error, see the log: TypeError: no canonical form for complex" in state.message
     assert "Traceback" in caplog.text
 
@@ -157,14 +158,14 @@ def test_a_result_that_cannot_be_recorded_ends_the_job_with_an_error(bench, samp
 def test_an_approved_plan_goes_out_and_the_parts_are_counted(cell, controller, bench_at):
     simulated = controller(speed=200)
     bench = bench_at(at(cell, simulated.port, simulated.state_port))
-    until(lambda: bench.live.joints)
+    wait_until(lambda: bench.live.joints)
     assert bench.live.joints == {"joint_1": 0.0}
     bench.do(SendPlan(bench.state.plan.digest), "ada")
-    state = bench.wait(lambda state: state.phase is not Phase.SENDING, LONG)
+    state = bench.wait(lambda state: state.phase is not Phase.SENDING, PATIENCE)
     assert (state.phase, state.fault, state.parts_placed) == (Phase.DONE, "", 1)
     assert [receipt.sent for receipt in state.receipts] == MESSAGES
-    until(lambda: np.isclose(bench.live.joints["joint_1"], np.deg2rad(60)))
-    until(lambda: bench.live.robot == "stands")
+    wait_until(lambda: np.isclose(bench.live.joints["joint_1"], np.deg2rad(60)))
+    wait_until(lambda: bench.live.robot == "stands")
     kinds = [entry.command.__class__.__name__ for entry, _ in replay(bench._journal, bench.cell)]
     assert kinds[-7:] == ["Approve", "SendPlan", *["Sent"] * 4, "LinkEnded"]
 
@@ -173,13 +174,13 @@ def test_a_stop_closes_the_link_in_the_middle_of_a_motion(cell, controller, benc
     simulated = controller(speed=0.001)
     bench = bench_at(at(cell, simulated.port, simulated.state_port))
     bench.do(SendPlan(bench.state.plan.digest), "ada")
-    bench.wait(lambda state: len(state.receipts) == 2, LONG)
-    until(lambda: bench.live.robot == "moves arm right")
+    bench.wait(lambda state: len(state.receipts) == 2, PATIENCE)
+    wait_until(lambda: bench.live.robot == "moves arm right")
     bench.do(Stop(), "bob")
-    state = bench.wait(lambda state: state.phase is Phase.FAULT, LONG)
+    state = bench.wait(lambda state: state.phase is Phase.FAULT, PATIENCE)
     assert state.fault == "sending was stopped before message 3 of 4"
     assert len(state.receipts) == 2
-    until(lambda: bench.live.robot.startswith("fault"))
+    wait_until(lambda: bench.live.robot.startswith("fault"))
     assert bench.do(AcknowledgeFault(), "ada").phase is Phase.IDLE
 
 
@@ -188,7 +189,7 @@ def test_a_controller_that_is_not_there_is_a_fault_with_its_address(cell, bench_
         port = closed.getsockname()[1]
     bench = bench_at(at(cell, port, port))
     bench.do(SendPlan(bench.state.plan.digest), "ada")
-    state = bench.wait(lambda state: state.phase is Phase.FAULT, LONG)
+    state = bench.wait(lambda state: state.phase is Phase.FAULT, PATIENCE)
     assert f"no controller answers at 127.0.0.1:{port}" in state.fault
     assert state.receipts == ()
     assert (bench.live.joints, bench.live.robot) == ({}, "")
@@ -201,7 +202,7 @@ def test_a_controller_that_talks_nonsense_is_a_fault(cell, bench_at):
         client, _ = server.accept()
         with client:
             client.sendall(b"hello")
-            state = bench.wait(lambda state: state.phase is Phase.FAULT, LONG)
+            state = bench.wait(lambda state: state.phase is Phase.FAULT, PATIENCE)
     assert "the controller said b'hello'" in state.fault
 
 
@@ -211,9 +212,9 @@ def test_what_the_controller_says_of_a_fault_is_part_of_it(cell, controller, ben
     strict = dataclasses.replace(cell.robot, joints=(narrow,))
     simulated = controller(speed=200, of=dataclasses.replace(cell, robot=strict))
     bench = bench_at(at(cell, simulated.port, simulated.state_port))
-    until(lambda: bench.live.joints)
+    wait_until(lambda: bench.live.joints)
     bench.do(SendPlan(bench.state.plan.digest), "ada")
-    state = bench.wait(lambda state: state.phase is Phase.FAULT, LONG)
+    state = bench.wait(lambda state: state.phase is Phase.FAULT, PATIENCE)
     assert "closed the link at message 3 of 4; the controller says: joint joint_1" in state.fault
     assert "30.00 deg is outside" in state.fault
     assert [receipt.sent for receipt in state.receipts] == MESSAGES[:2]
@@ -223,18 +224,18 @@ def test_sending_ends_when_it_can_no_longer_be_recorded(cell, controller, bench_
     simulated = controller(speed=1)
     bench = bench_at(at(cell, simulated.port, simulated.state_port))
     bench.do(SendPlan(bench.state.plan.digest), "ada")
-    bench.wait(lambda state: len(state.receipts) == 2, LONG)
+    bench.wait(lambda state: len(state.receipts) == 2, PATIENCE)
     other = sqlite3.connect(bench._journal.folder / "journal.sqlite", isolation_level=None)
     with caplog.at_level(logging.ERROR):
         other.execute("BEGIN IMMEDIATE")
-        until(lambda: "is not recorded" in caplog.text)
+        wait_until(lambda: "is not recorded" in caplog.text)
         other.execute("ROLLBACK")
     other.close()
     # The third message is out, its record is missing; nothing followed it.
     assert simulated.state()["received"] == 3
     assert bench.state.phase is Phase.SENDING
     bench.do(Stop(), "ada")
-    state = bench.wait(lambda state: state.phase is Phase.FAULT, LONG)
+    state = bench.wait(lambda state: state.phase is Phase.FAULT, PATIENCE)
     assert state.fault == "the sending had ended without a record of it"
 
 
@@ -242,7 +243,7 @@ def test_closing_while_sending_stops_the_robot_and_records_it(cell, controller, 
     simulated = controller(speed=0.001)
     bench = bench_at(at(cell, simulated.port, simulated.state_port))
     bench.do(SendPlan(bench.state.plan.digest), "ada")
-    bench.wait(lambda state: len(state.receipts) == 2, LONG)
+    bench.wait(lambda state: len(state.receipts) == 2, PATIENCE)
     bench.close()
     assert bench.state.phase is Phase.FAULT
     again = Journal(bench._journal.folder)
@@ -255,24 +256,24 @@ def test_a_stop_does_not_wait_for_a_journal_that_is_read(cell, controller, bench
     simulated = controller(speed=0.001)
     bench = bench_at(at(cell, simulated.port, simulated.state_port))
     bench.do(SendPlan(bench.state.plan.digest), "ada")
-    bench.wait(lambda state: len(state.receipts) == 2, LONG)
+    bench.wait(lambda state: len(state.receipts) == 2, PATIENCE)
     rows = bench._journal.entries()
     next(rows)
     bench.do(Stop(), "ada")
-    assert bench.wait(lambda state: state.phase is Phase.FAULT, LONG).fault
+    assert bench.wait(lambda state: state.phase is Phase.FAULT, PATIENCE).fault
     rows.close()
 
 
 def test_a_worker_killed_in_a_job_ends_the_job_and_the_next_one_runs(bench, samples):
     bench.do(UseScan(samples.scan()), "ada")
     bench.do(FindParts(), "ada")
-    until(lambda: bench.live.note == "waiting")
+    wait_until(lambda: bench.live.note == "waiting")
     (worker,) = (p for p in multiprocessing.active_children() if p.name == "workbench worker")
     os.kill(worker.pid, signal.SIGKILL)
-    state = bench.wait(lambda state: state.job is None, LONG)
+    state = bench.wait(lambda state: state.job is None, PATIENCE)
     assert "the worker process ended (SIGKILL) during task 'localize'" in state.message
     bench.do(TakeScan(), "ada")
-    assert bench.wait(lambda state: state.job is None, LONG).phase is Phase.SCANNED
+    assert bench.wait(lambda state: state.job is None, PATIENCE).phase is Phase.SCANNED
 
 
 def test_a_plan_is_not_sent_twice_even_by_two_people_at_once(cell, controller, bench_at):
@@ -293,7 +294,7 @@ def test_a_plan_is_not_sent_twice_even_by_two_people_at_once(cell, controller, b
         person.start()
     for person in people:
         person.join()
-    bench.wait(lambda state: state.phase is Phase.DONE, LONG)
+    bench.wait(lambda state: state.phase is Phase.DONE, PATIENCE)
     assert sorted(outcomes) == ["refused", "refused", "sent"]
     assert simulated.state()["received"] == 4
 
@@ -303,7 +304,7 @@ def test_what_a_search_discarded_is_shown_and_not_recorded(cell, tmp_path, machi
     try:
         bench.do(UseScan(samples.scan()), "ada")
         bench.do(FindParts(seed=14), "ada")
-        state = bench.wait(lambda state: state.detections is not None, LONG)
+        state = bench.wait(lambda state: state.detections is not None, PATIENCE)
         findings = bench.live.findings
         assert findings is not None and findings.detections is state.detections
         assert [one.words for one in findings.discarded] == ["reaches into part-1"]

@@ -14,6 +14,7 @@ from pathlib import Path
 
 import pytest
 from idle import Idle
+from waiting import PATIENCE
 
 from workbench.app.bench import Bench
 from workbench.app.commands import (
@@ -42,7 +43,6 @@ from workbench.model.cell import Controller
 from workbench.model.errors import CommandRefused
 
 ROOT = Path(__file__).resolve().parents[2]
-PATIENCE = 60
 MESSAGES = ["startR#", "inR#*30.00*", "outR#*60.00*", "stopR#"]
 """Of one run of the plan."""
 

@@ -7,6 +7,7 @@ from functools import partial
 
 import numpy as np
 import pytest
+from waiting import wait_until
 
 from workbench.app.bench import Bench
 from workbench.app.commands import (
@@ -201,10 +202,8 @@ def test_a_bench_keeps_drafts_and_saves_versions(tmp_path, monkeypatch):
         with pytest.raises(CommandRefused):
             bench.do(ChangeCell(replace(bench.state.cell, bin=moved), "nothing"), "ada")
         bench.do(SaveCell("wider for the new fingers"), "ada")
-        until = time.monotonic() + 120
-        while bench.state.saved != bench.state.cell.digest and time.monotonic() < until:
-            time.sleep(0.02)
-        assert (bench.state.cell_problem, bench.state.saved) == ("", bench.state.cell.digest)
+        wait_until(lambda: bench.state.saved == bench.state.cell.digest)
+        assert bench.state.cell_problem == ""
     finally:
         bench.close()
     assert not (folder / DRAFT).exists()

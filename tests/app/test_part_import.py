@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import trimesh
 from idle import Idle
+from waiting import PATIENCE
 
 from workbench.app.bench import Bench
 from workbench.app.commands import ImportPart, SaveCell, TakeScan, UndoCell
@@ -20,8 +21,6 @@ from workbench.formats.parts import read_part
 from workbench.formats.shipped import find
 from workbench.journal.journal import Journal
 from workbench.model.errors import CommandRefused
-
-PATIENCE = 120.0
 
 
 @pytest.fixture

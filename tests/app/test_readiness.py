@@ -8,18 +8,16 @@ import subprocess
 import sys
 import textwrap
 import threading
-import time
 from pathlib import Path
 
 import pytest
+from waiting import PATIENCE, wait_until
 
 import workbench
 from workbench.app import readiness
 from workbench.app.readiness import NOTE, is_ready, make_ready
 
 HERE = Path(__file__).parent
-PATIENCE = 60
-"""How long [s] a test waits for what has to happen; far more than it takes."""
 
 
 @pytest.fixture
@@ -30,13 +28,6 @@ def folder(tmp_path, monkeypatch):
     monkeypatch.setenv("PYTHONPATH", f"{HERE}:{HERE.parents[1]}")
     monkeypatch.setattr(readiness, "WARM_UP", "tiny_warm_up")
     return tmp_path
-
-
-def until(condition):
-    deadline = time.monotonic() + PATIENCE
-    while not condition():
-        assert time.monotonic() < deadline, "it did not happen"
-        time.sleep(0.01)
 
 
 def begun(folder, use):
@@ -96,7 +87,7 @@ def test_two_that_need_it_at_the_same_time_have_it_compiled_once(folder):
     ]
     for thread in threads:
         thread.start()
-    until(lambda: begun(folder, "seeing"))
+    wait_until(lambda: begun(folder, "seeing"))
     (folder / "hold").unlink()
     for thread in threads:
         thread.join()
@@ -114,12 +105,12 @@ def test_who_compiles_ends_with_whom_it_compiles_for(folder):
         """
     )
     waiting = subprocess.Popen([sys.executable, "-c", program], stdout=subprocess.PIPE, text=True)
-    until(lambda: begun(folder, "seeing"))
+    wait_until(lambda: begun(folder, "seeing"))
     compiling = int(begun(folder, "seeing")[0].name.rpartition("-")[2])
     waiting.kill()
     waiting.communicate()
     assert waiting.returncode == -signal.SIGKILL
-    until(lambda: not _lives(compiling))
+    wait_until(lambda: not _lives(compiling))
     (folder / "hold").unlink()
     assert make_ready(lambda done, note: None, ("seeing",))
 

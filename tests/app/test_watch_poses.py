@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from idle import Idle
+from waiting import PATIENCE
 
 from workbench.app.bench import Bench
 from workbench.app.commands import CancelJob, ChangeCell, TakeScan, UseDetections
@@ -21,8 +22,6 @@ from workbench.model.cell import PosesFolder
 from workbench.model.errors import CommandRefused
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.scan import Detection
-
-PATIENCE = 120.0
 
 
 @pytest.fixture

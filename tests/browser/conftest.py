@@ -5,13 +5,13 @@ import os
 import shutil
 import subprocess
 import sys
-import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import pytest
 from playwright.sync_api import Browser, Locator, Page, expect, sync_playwright
+from waiting import PATIENCE, wait_until
 
 from workbench.app.bench import Bench
 from workbench.app.state import State
@@ -21,8 +21,6 @@ from workbench.journal.journal import Journal
 from workbench.model.cell import Controller
 
 ROOT = Path(__file__).resolve().parents[2]
-PATIENCE = 120.0
-"""How long [s] to wait for what must happen; far more than it takes."""
 
 # Otherwise what is expected has to be so within five seconds.
 expect.set_options(timeout=PATIENCE * 1000)
@@ -187,14 +185,6 @@ def open_screen(browser: Browser, url: str, shots: Path) -> Iterator[Callable[[]
 @pytest.fixture
 def screen(open_screen: Callable[[], Screen]) -> Screen:
     return open_screen()
-
-
-def wait_until(condition: Callable[[], bool], what: str) -> None:
-    """Wait for what must happen; a test fails when it does not."""
-    until = time.monotonic() + PATIENCE
-    while not condition():
-        assert time.monotonic() < until, f"waited {PATIENCE:.0f} s in vain for {what}"
-        time.sleep(0.02)
 
 
 @pytest.fixture

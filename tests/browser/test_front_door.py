@@ -4,6 +4,7 @@ from urllib.parse import urlsplit
 
 import pytest
 from playwright.sync_api import expect
+from waiting import PATIENCE
 
 from workbench.app.people import Role
 from workbench.front.relay import Upstream
@@ -14,8 +15,6 @@ from workbench.gui.server import serve
 
 PASSWORD = "correct horse battery"
 SECRET = "a secret of this start"
-PATIENCE = 120_000
-"""[ms]; far more than it takes."""
 
 
 @pytest.fixture
@@ -80,13 +79,13 @@ class Window:
         self.page.get_by_role("button", name="Log in").click()
 
     def sees_the_scene(self):
-        self.scan.wait_for(timeout=PATIENCE)
+        self.scan.wait_for()
 
 
 @pytest.fixture
 def window(browser):
     context = browser.new_context(viewport={"width": 1280, "height": 720})
-    context.set_default_timeout(PATIENCE)
+    context.set_default_timeout(PATIENCE * 1000)
     yield Window(context)
     context.close()
 
@@ -126,7 +125,7 @@ def test_who_is_kept_out_is_at_the_login_at_once(users, start, window):
     window.log_in(front.url, "Otto", PASSWORD)
     window.sees_the_scene()
     users.set_disabled("Otto", True)
-    window.page.get_by_label("Password").wait_for(timeout=PATIENCE)
+    window.page.get_by_label("Password").wait_for()
     assert urlsplit(window.page.url).path == "/login"
 
 
@@ -137,12 +136,12 @@ def test_after_a_restart_the_page_comes_back_by_itself(users, start, window, rea
     window.sees_the_scene()
     end()
     line = window.page.locator("#link")
-    expect(line).to_contain_text("No connection", timeout=PATIENCE)
+    expect(line).to_contain_text("No connection")
     begin(port=urlsplit(front.url).port)
-    expect(line).to_be_empty(timeout=PATIENCE)
+    expect(line).to_be_empty()
     # Controls of before are greyed out until the scene is connected again.
-    expect(window.scan).to_be_enabled(timeout=PATIENCE)
-    window.scan.click(timeout=PATIENCE)
+    expect(window.scan).to_be_enabled()
+    window.scan.click()
     reaches("scanned")
     expect(window.page.locator("header")).to_contain_text("Otto operator")
 
@@ -150,7 +149,7 @@ def test_after_a_restart_the_page_comes_back_by_itself(users, start, window, rea
 def test_a_viewer_sees_the_scene(users, start, window):
     front = start[0]()
     window.log_in(front.url, "Vera", PASSWORD)
-    window.scene.locator("canvas").first.wait_for(timeout=PATIENCE)
+    window.scene.locator("canvas").first.wait_for()
     expect(window.page.locator("header")).to_contain_text("Vera viewer")
     assert window.errors == []
 
@@ -162,4 +161,4 @@ def test_the_frame_is_dark_when_the_scene_is(users, start, window):
     root = window.page.locator("html")
     expect(root).to_have_attribute("data-scheme", "light")
     window.page.keyboard.press("l")
-    expect(root).to_have_attribute("data-scheme", "dark", timeout=PATIENCE)
+    expect(root).to_have_attribute("data-scheme", "dark")

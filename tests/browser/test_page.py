@@ -156,7 +156,7 @@ def test_keys_scan_find_plan_and_turn_the_page_dark(screen, reaches):
 
 def test_what_the_rules_would_refuse_cannot_be_pressed(screen, reaches):
     for name in ("Find parts", "Plan", "Approve", "Send", "Stop", "Cancel task"):
-        expect(screen.button(name)).to_be_disabled(timeout=60_000)
+        expect(screen.button(name)).to_be_disabled()
     screen.press("Scan")
     reaches("scanned")
     screen.page.locator('.wb-strip[data-phase="scanned"]').wait_for()
@@ -172,10 +172,10 @@ def test_a_refusal_is_told_in_the_browser_that_asked_and_the_threshold_in_both(
     bench.do(WantThreshold(0.123), "Otto")
     other = open_screen()
     for each in (screen, other):
-        expect(field(each, "Threshold [mm]")).to_have_value("123", timeout=60_000)
+        expect(field(each, "Threshold [mm]")).to_have_value("123")
     bench.do(WantThreshold(bench.state.planned_threshold), "Otto")
     for each in (screen, other):
-        expect(field(each, "Threshold [mm]")).to_have_value("200", timeout=60_000)
+        expect(field(each, "Threshold [mm]")).to_have_value("200")
     screen.press("Approve")
     dialog = screen.page.get_by_role("dialog")
     dialog.locator("input").press_sequentially("worker", delay=100)

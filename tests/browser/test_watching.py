@@ -39,6 +39,16 @@ def shared_link(served, cell):
     return np.array(scene.get_handle_by_name(f"/robot/{cell.arms[0].flange}").position)
 
 
+def still(picture):
+    """What is drawn once nothing changes any more: a browser reads meshes one after another."""
+    drawn = [picture()]
+    while len(drawn) < 5:
+        drawn.append(picture())
+        if np.abs(drawn[-1] - drawn[-2]).max() > 0:
+            drawn = drawn[-1:]
+    return drawn[-1]
+
+
 # The plan waits for each drawing, which the processor makes here: for long where others compute.
 @pytest.mark.timeout(1200)
 def test_a_jog_that_is_left_on_does_not_hide_the_plan_that_is_played(
@@ -83,7 +93,7 @@ def test_a_jogged_robot_is_drawn_over_the_shared_one_and_gives_it_back(served, s
         drawn = visitor.client.get_render(180, 320, transport_format="png")
         return drawn[..., :3].astype(float)
 
-    before = picture()
+    before = still(picture)
     stood = shared_link(served, bench.state.cell)
     screen.tab("Cell")
     screen.press("Jog")
@@ -94,5 +104,5 @@ def test_a_jogged_robot_is_drawn_over_the_shared_one_and_gives_it_back(served, s
     assert np.array_equal(shared_link(served, bench.state.cell), stood)
     screen.shoot("own-jog")
     screen.press("End jogging")
-    wait(lambda: np.abs(picture() - before).mean() < 0.2, "the robot that all see")
+    wait(lambda: np.abs(still(picture) - before).mean() < 0.2, "the robot that all see")
     assert screen.errors == []

@@ -14,6 +14,7 @@ from pathlib import Path
 
 import pytest
 from idle import Idle
+from waiting import PATIENCE
 
 from workbench.app.bench import Bench
 from workbench.app.commands import UseDetections
@@ -24,8 +25,6 @@ from workbench.front.store import Store
 from workbench.front.users import Users
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.scan import Detection
-
-PATIENCE = 120
 
 
 @pytest.fixture

@@ -8,7 +8,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from patient import LONG, PATIENT
+from patient import PATIENT
+from waiting import PATIENCE
 
 from workbench.app.pick import plan_pick
 from workbench.devices.abb_simulated import SimulatedController
@@ -73,7 +74,7 @@ def controller(cell: Cell, tmp_path: Path) -> Iterator[Callable[..., SimulatedCo
     yield start
     for one, thread in running:
         one.stop()
-        thread.join(LONG)
+        thread.join(PATIENCE)
         assert not thread.is_alive()
 
 

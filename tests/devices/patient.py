@@ -3,13 +3,14 @@
 import functools
 import time
 
+from waiting import PATIENCE
+
 from workbench.devices import abb_link
 from workbench.devices.abb_patience import Patience
 
-LONG = 120.0
-"""[s] Far more than anything takes."""
-
-PATIENT = Patience(silence=LONG, answer=LONG, stop=LONG, report=LONG, doubt=LONG)
+PATIENT = Patience(
+    silence=PATIENCE, answer=PATIENCE, stop=PATIENCE, report=PATIENCE, doubt=PATIENCE
+)
 
 send = functools.partial(abb_link.send, patience=PATIENT)
 
@@ -25,11 +26,3 @@ class Hurried:
 
     def let_pass(self, seconds: float) -> None:
         self._passed += seconds
-
-
-def until(condition) -> None:
-    """Wait for something that has no event to wait for."""
-    deadline = time.monotonic() + LONG
-    while not condition():
-        assert time.monotonic() < deadline, "it did not happen"
-        time.sleep(0.01)

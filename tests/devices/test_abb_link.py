@@ -10,7 +10,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from patient import LONG, PATIENT, send, until
+from patient import PATIENT, send
+from waiting import PATIENCE, wait_until
 
 from workbench.devices.abb_messages import messages
 from workbench.devices.abb_reports import watch_state
@@ -23,7 +24,7 @@ def controller_that(behaves) -> Iterator[tuple[int, list[bytes]]]:
     """A server for one client that does what `behaves(client, got)` says; the bytes it got."""
     got: list[bytes] = []
     with socket.create_server(("127.0.0.1", 0)) as server:
-        server.settimeout(LONG)
+        server.settimeout(PATIENCE)
 
         def serve() -> None:
             try:
@@ -31,13 +32,13 @@ def controller_that(behaves) -> Iterator[tuple[int, list[bytes]]]:
             except TimeoutError:
                 return
             with client:
-                client.settimeout(LONG)
+                client.settimeout(PATIENCE)
                 behaves(client, got)
 
         thread = threading.Thread(target=serve)
         thread.start()
         yield server.getsockname()[1], got
-        thread.join(LONG)
+        thread.join(PATIENCE)
 
 
 def test_what_arrives_is_the_approved_plan(controller, at, plan, waypoints, approval, tmp_path):
@@ -67,12 +68,12 @@ def test_two_watchers_see_the_parts_placed(controller, at, plan, approval):
     threads = [threading.Thread(target=watch, args=(into,)) for into in seen]
     for thread in threads:
         thread.start()
-    until(lambda: all(seen))
+    wait_until(lambda: all(seen))
     list(send(plan, approval, at(one.port)))
-    until(lambda: all(states[-1].placed == 2 for states in seen))
+    wait_until(lambda: all(states[-1].placed == 2 for states in seen))
     over.set()
     for thread in threads:
-        thread.join(LONG)
+        thread.join(PATIENCE)
     for states in seen:
         assert states[-1].placed == 2
         assert {"right", "left"} <= {state.moving for state in states}
@@ -188,7 +189,7 @@ def test_stop_ends_the_sending_and_the_controller_faults(controller, at, plan, a
         for receipt in send(plan, approval, at(one.port), cancelled=lambda: len(sent) >= 3):
             sent.append(receipt)
     assert len(sent) == 3
-    until(lambda: one.state()["fault"])
+    wait_until(lambda: one.state()["fault"])
     assert "left in the middle" in one.state()["fault"]
     assert one.state()["placed"] == 0
 
@@ -209,7 +210,7 @@ def test_a_second_client_is_turned_away(controller):
     with socket.create_connection(("127.0.0.1", one.port)) as first:
         assert first.recv(4) == b"send"
         with socket.create_connection(("127.0.0.1", one.port)) as second:
-            second.settimeout(LONG)
+            second.settimeout(PATIENCE)
             assert second.recv(4) == b""
         first.sendall(b"startR#")
         assert first.recv(4) == b"send"
@@ -218,7 +219,7 @@ def test_a_second_client_is_turned_away(controller):
 def test_bytes_in_small_pieces_are_understood(controller, cell, plan):
     one = controller()
     with socket.create_connection(("127.0.0.1", one.port)) as link:
-        link.settimeout(LONG)
+        link.settimeout(PATIENCE)
         link.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         for message in messages(cell, plan)[:4]:
             assert link.recv(4) == b"send"
@@ -261,5 +262,5 @@ def test_watchers_that_have_left_make_room_for_others(controller):
     one = controller()
     for _ in range(MOST_WATCHERS + 5):
         with socket.create_connection(("127.0.0.1", one.state_port)) as watcher:
-            watcher.settimeout(LONG)
+            watcher.settimeout(PATIENCE)
             assert watcher.recv(4096).endswith(b"\n")

@@ -11,7 +11,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from patient import LONG, PATIENT, Hurried, send, until
+from patient import PATIENT, Hurried, send
+from waiting import PATIENCE, wait_until
 
 from workbench.app.pick import plan_pick
 from workbench.devices.abb_faults import Fault
@@ -81,7 +82,7 @@ def splitting(port, seed):
         accepting = threading.Thread(target=serve, daemon=True)
         accepting.start()
         yield server.getsockname()[1]
-        accepting.join(LONG)
+        accepting.join(PATIENCE)
         for one in sockets:
             one.close()
 
@@ -198,7 +199,7 @@ def test_a_controller_of_the_older_protocol_is_told_apart(at, plan, approval):
         port = server.getsockname()[1]
         with pytest.raises(LinkError, match="perhaps it speaks abb-socket alone"):
             list(send(plan, approval, at(port, protocol="abb-socket/2")))
-        thread.join(LONG)
+        thread.join(PATIENCE)
     assert got[0].startswith(b"0001 hello abb-socket/2") and len(got[0]) == 80
 
 
@@ -231,7 +232,7 @@ def test_a_client_that_falls_silent_stops_the_robot(controller, cell, at, plan, 
         if receipt.kind == "run":
             break
     clock.let_pass(USUAL.silence)
-    until(lambda: one.state()["fault"])
+    wait_until(lambda: one.state()["fault"])
     assert "the client was silent for 2 s while the robot moved" in one.state()["fault"]
     with pytest.raises(LinkError):
         list(receipts)
@@ -260,7 +261,7 @@ def test_what_is_said_while_we_are_busy_is_no_silence(at, plan, approval):
                 client.sendall(REQUEST)
                 client.recv(256)
                 client.sendall(framed(1, "hello abb-socket/2 R7 L7"))
-                busy.wait(LONG)
+                busy.wait(PATIENCE)
                 client.sendall(framed(2, "state ready 00 R00 L00"))
                 told.set()
                 client.recv(256)
@@ -271,8 +272,8 @@ def test_what_is_said_while_we_are_busy_is_no_silence(at, plan, approval):
         receipts = send(plan, approval, target, patience=replace(PATIENT, clock=clock))
         assert next(receipts).kind == "hello"
         busy.set()
-        assert told.wait(LONG)
-        clock.let_pass(2 * LONG)
+        assert told.wait(PATIENCE)
+        clock.let_pass(2 * PATIENCE)
         with pytest.raises(LinkError, match="closed the link at message 2"):
             list(receipts)
-        thread.join(LONG)
+        thread.join(PATIENCE)

@@ -5,7 +5,7 @@ import time
 
 import numpy as np
 import pytest
-from patient import until
+from waiting import wait_until
 
 from workbench.devices.abb_simulated import SimulatedController
 from workbench.formats.cells import read_cell
@@ -34,7 +34,7 @@ def left_away():
 
 def test_arms_that_were_left_go_home_and_the_fault_is_over(left_away):
     controller = left_away(home_after=0.2)
-    until(controller._body.is_home)
+    wait_until(controller._body.is_home)
     home = np.asarray(controller._body.cell.arm("right").home)
     state = controller.state()
     assert np.allclose(state["joints"]["right"], home)

@@ -10,7 +10,7 @@ from collections.abc import Callable
 import numpy as np
 import pinocchio as pin
 import pytest
-from patient import LONG
+from waiting import PATIENCE
 
 from workbench.devices.scanners import FolderScanner, HttpScanner
 from workbench.formats.clouds import write_cloud
@@ -26,7 +26,7 @@ DRIBBLES = 2400
 SCAN = Scan(np.random.default_rng(0).uniform(0.1, 0.5, (500, 3)), T, "made")
 
 
-def mount(source, address, patience=LONG, unit="m") -> ScannerMount:
+def mount(source, address, patience=PATIENCE, unit="m") -> ScannerMount:
     return ScannerMount(T, source=source, address=str(address), patience=patience, unit=unit)
 
 

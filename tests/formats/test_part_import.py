@@ -3,7 +3,6 @@
 import stat
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +12,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from mutations import mutated, only_file_errors
 from step_files import step_of_prism
+from waiting import wait_until
 
 from workbench.formats import cad_files
 from workbench.formats.cad_files import read_cad
@@ -209,17 +209,10 @@ def test_the_reader_ends_with_the_process_that_started_it(tmp_path):
     parent = subprocess.Popen([sys.executable, "-c", code, str(tmp_path), str(tmp_path / "a.step")])
     try:
         began = tmp_path / "began"
-        until(lambda: began.is_file() and began.read_text())
+        wait_until(lambda: began.is_file() and began.read_text())
     finally:
         parent.kill()
         parent.wait()
     assert int(began.read_text()) != parent.pid
     status = Path(f"/proc/{began.read_text()}/status")
-    until(lambda: not status.exists() or "State:\tZ" in status.read_text())
-
-
-def until(condition) -> None:
-    deadline = time.monotonic() + 120
-    while not condition():
-        assert time.monotonic() < deadline, "it did not happen"
-        time.sleep(0.05)
+    wait_until(lambda: not status.exists() or "State:\tZ" in status.read_text())

@@ -11,13 +11,12 @@ from urllib.parse import urlsplit
 
 import aiohttp
 import pytest
+from waiting import PATIENCE
 
 from workbench.front.raw_browser import raw_browser
 
 SECRET = "a secret of this start"
 PASSWORD = "correct horse battery"
-PATIENCE = 120.0
-"""How long [s] to wait for what must happen; far more than it takes."""
 
 
 def run(scenario: Coroutine, patience: float = 3 * PATIENCE):

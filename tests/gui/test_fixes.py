@@ -3,12 +3,11 @@
 import threading
 from dataclasses import replace
 
+from waiting import PATIENCE
+
 import workbench.gui.fixes
 from workbench.gui.fixes import LOOKING, NOTHING, Fixes
 from workbench.model.candidate import Reason, Stage, Verdict
-
-PATIENCE = 120.0
-"""How long [s] to wait for what must happen."""
 
 
 def test_candidates_of_a_plan_before_are_not_tried_any_more(states, monkeypatch):

@@ -8,6 +8,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 from raw_browser import raw_browser
+from waiting import wait_until
 
 from workbench.gui.gizmo_drag import GizmoDrag
 from workbench.gui.panels.cell import CellPanel
@@ -58,14 +59,8 @@ def test_a_thing_stays_where_it_was_when_its_browser_goes_in_the_middle_of_a_dra
     renderer = page._renderer
     T = bench.state.cell.bin.T_world_bin
 
-    def until(condition) -> None:
-        end = time.monotonic() + 120.0
-        while not condition():
-            assert time.monotonic() < end
-            time.sleep(0.02)
-
     def take_gizmo() -> None:
-        until(lambda: renderer._panels)
+        wait_until(lambda: renderer._panels)
         (panels,) = renderer._panels.values()
         next(panel for panel in panels if isinstance(panel, CellPanel))._inputs._turn()
 
@@ -75,14 +70,14 @@ def test_a_thing_stays_where_it_was_when_its_browser_goes_in_the_middle_of_a_dra
             await asyncio.to_thread(take_gizmo)
             await browser.send(message("DragStart"))
             await browser.send(message("Update", wxyz=(1.0, 0.0, 0.0, 0.0), position=p))
-            await asyncio.to_thread(until, lambda: renderer._look.now.held is not None)
+            await asyncio.to_thread(wait_until, lambda: renderer._look.now.held is not None)
             if lets_go:
                 await browser.send(message("DragEnd"))
-                await asyncio.to_thread(until, lambda: bench.state.before != ())
+                await asyncio.to_thread(wait_until, lambda: bench.state.before != ())
 
     try:
         asyncio.run(drag())
-        until(lambda: not renderer._visitors)
+        wait_until(lambda: not renderer._visitors)
         time.sleep(0.3)
         shift = bench.state.cell.bin.T_world_bin.translation - T.translation
         np.testing.assert_allclose(shift, [0, 0, height], atol=1e-6)

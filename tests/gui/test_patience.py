@@ -5,12 +5,11 @@ from types import SimpleNamespace
 
 import pytest
 from numba.core import event
+from waiting import PATIENCE
 
 from workbench.app.live import Live
 from workbench.app.worker import GettingReady
 from workbench.gui.patience import Patience
-
-PATIENCE = 30
 
 
 @pytest.fixture

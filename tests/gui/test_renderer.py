@@ -2,12 +2,12 @@
 
 import asyncio
 import logging
-import time
 from dataclasses import replace
 
 import numpy as np
 import pytest
 from raw_browser import raw_browser
+from waiting import wait_until
 
 import workbench.gui.server
 from workbench.app.commands import ChangeCell
@@ -16,22 +16,12 @@ from workbench.gui.panels.cell import CellPanel
 from workbench.gui.panels.grasps import GraspsPanel
 from workbench.gui.server import serve
 
-PATIENCE = 120.0
-"""How long [s] to wait for what must happen."""
-
 
 @pytest.fixture
 def page(bench):
     page = serve(bench, port=0, most_points=100)
     yield page
     page.close()
-
-
-def wait_until(condition, what):
-    until = time.monotonic() + PATIENCE
-    while not condition():
-        assert time.monotonic() < until, f"waited in vain for {what}"
-        time.sleep(0.02)
 
 
 def test_what_cannot_be_worked_out_is_logged_and_the_page_goes_on(page, caplog):

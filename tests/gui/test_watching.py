@@ -11,6 +11,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from raw_browser import sitting
+from waiting import PATIENCE, wait_until
 
 from workbench.app.commands import Approve, FindParts, JobEnded, MakePlan, SendPlan, UseScan
 from workbench.app.live import Live
@@ -24,9 +25,6 @@ from workbench.gui.panels.plan import PlanPanel
 from workbench.gui.playback import joint_values, moments
 from workbench.gui.server import serve
 from workbench.planning.kinematics import Kinematics
-
-PATIENCE = 120.0
-"""How long [s] to wait for what must happen."""
 
 
 @pytest.fixture
@@ -44,13 +42,6 @@ def page(planned):
     page = serve(planned, port=0, most_points=100)
     yield page
     page.close()
-
-
-def wait_until(condition, what):
-    until = time.monotonic() + PATIENCE
-    while not condition():
-        assert time.monotonic() < until, f"waited in vain for {what}"
-        time.sleep(0.02)
 
 
 class Hands:

@@ -9,13 +9,12 @@ import pytest
 import requests
 from aiohttp import web
 from canned import Canned, Results, make_results
+from waiting import PATIENCE
 
 from workbench.app.bench import Bench
 from workbench.app.people import Person, Role
 from workbench.front.api import api_routes
 from workbench.journal.journal import Journal
-
-PATIENCE = 120
 
 PEOPLE = {
     "Bearer ada": Person("Ada", Role.ENGINEER),

@@ -5,6 +5,7 @@ import socket
 
 import pytest
 from asyncua import Client, ua
+from waiting import PATIENCE
 
 from workbench.app.commands import Approve, TakeControl, WatchPlan
 from workbench.app.people import Person, Role
@@ -13,7 +14,6 @@ from workbench.front.opcua_values import VARIABLES
 from workbench.model.errors import InputError
 
 PLC = Person("plc", Role.OPERATOR)
-PATIENCE = 120.0
 
 
 @pytest.fixture
