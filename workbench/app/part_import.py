@@ -8,8 +8,6 @@ from pathlib import Path, PurePosixPath
 import numpy as np
 
 from workbench.app.commands import ImportPart
-from workbench.app.value_checks import check_among, check_number, check_text
-from workbench.formats.cad_files import KINDS, LARGEST_CAD
 from workbench.formats.part_import import (
     PLASTIC,
     Imported,
@@ -18,18 +16,9 @@ from workbench.formats.part_import import (
     import_mesh,
     write_part,
 )
-from workbench.formats.solids import UNITS
-from workbench.formats.whole_files import MB
-from workbench.model.cell import Cell
-from workbench.model.errors import CommandRefused, InputError, JobCancelled
+from workbench.model.errors import JobCancelled
 from workbench.model.part import Part
 from workbench.planning.part_symmetry import FoundSymmetry, proposed_symmetry
-
-DENSITIES = (10.0, 25_000.0)
-"""[kg/m3] From foam to more than gold."""
-
-MOST_KINDS = 20
-"""Parts of one cell: each is searched for in every scan."""
 
 LONGEST_FILE_NAME = 60
 
@@ -130,30 +119,3 @@ def imported_part(command: ImportPart, report: Report, cancelled: Callable[[], b
             is_symmetric=command.is_symmetric,
             report=go_on,
         ).written.part
-
-
-def check_import(cell: Cell, command: ImportPart) -> None:
-    """A part of this name can be made of such a file.
-
-    Raises:
-        CommandRefused: it cannot.
-    """
-    check_text("file", command.file)
-    try:
-        check_name(command.name)
-    except InputError as error:
-        raise CommandRefused(str(error)) from error
-    if command.name in (part.name for part in cell.parts):
-        raise CommandRefused(f"the cell has a part {command.name} already; choose another name")
-    if len(cell.parts) >= MOST_KINDS:
-        raise CommandRefused(f"a cell has up to {MOST_KINDS} parts")
-    kind = PurePosixPath(command.file).suffix.lower()
-    if kind not in KINDS:
-        raise CommandRefused(f"{command.file} is no CAD file: one of {', '.join(KINDS)} is")
-    if not 0 < command.content.size <= LARGEST_CAD:
-        raise CommandRefused(
-            f"{command.file} has {command.content.size:,} bytes; up to {LARGEST_CAD / MB:g} MB "
-            "are taken"
-        )
-    check_among("unit", command.unit, ("", *UNITS))
-    check_number("density", command.density, *DENSITIES, "kg/m3")

@@ -44,8 +44,7 @@ from workbench.app.commands import (
 )
 from workbench.app.control import control_problem
 from workbench.app.outcomes import outcome_problem
-from workbench.app.part_import import check_import
-from workbench.app.part_rules import check_edit, part_of
+from workbench.app.part_rules import check_edit, check_import, part_of
 from workbench.app.people import Role
 from workbench.app.release import lacks_people, overtaken, said_already, unwatched
 from workbench.app.rights import MACHINES, RIGHTS, lacks_right, lacks_role, obstacle

@@ -15,7 +15,7 @@ from workbench.formats.archives import unpacked_beside, write_archive
 from workbench.journal.files import file_path
 from workbench.journal.journal import Journal
 from workbench.journal.schema import is_foreign
-from workbench.model.errors import FileError, JournalError
+from workbench.model.errors import FileError, InputError, JournalError
 
 DATABASE = "journal.sqlite"
 
@@ -31,6 +31,17 @@ class Told:
 
     head: Mapping[str, Any]
     entries: tuple[Mapping[str, Any], ...]
+
+
+def opened(folder: Path) -> Journal:
+    """The journal of a session's folder.
+
+    Raises:
+        InputError: the folder holds none.
+    """
+    if not (folder / DATABASE).exists():
+        raise InputError(f"{folder}: is not the folder of a session (there is no {DATABASE})")
+    return Journal(folder)
 
 
 def told(journal: Journal) -> Told:

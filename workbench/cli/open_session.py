@@ -4,11 +4,11 @@ import logging
 
 from workbench.app.history import History
 from workbench.app.readiness import make_ready
+from workbench.app.session_archive import opened
 from workbench.cli.exits import SUCCESS
 from workbench.cli.fronted import front_options, fronted
 from workbench.cli.nested_arguments import SessionOpen
 from workbench.cli.serve import wait_for_the_end
-from workbench.cli.session import opened
 from workbench.cli.terminal import progress
 
 

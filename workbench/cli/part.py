@@ -4,7 +4,8 @@ from typing import Any, assert_never
 
 import numpy as np
 
-from workbench.app.part_import import DENSITIES, make_part, symmetry_words
+from workbench.app.part_import import make_part, symmetry_words
+from workbench.app.part_rules import DENSITIES
 from workbench.app.readiness import make_ready
 from workbench.cli.exits import SUCCESS
 from workbench.cli.part_arguments import PartCheck, PartCommands, PartImport, PartList

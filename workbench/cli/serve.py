@@ -14,13 +14,13 @@ from types import FrameType
 from workbench.app.bench import Bench
 from workbench.app.machines import Machines
 from workbench.app.recompute import cell_of
+from workbench.app.session_archive import opened
 from workbench.app.sessions import new_session
 from workbench.app.watch import CellWatch
 from workbench.app.watch_poses import PosesWatch
 from workbench.cli import arguments
 from workbench.cli.fronted import front_options, fronted
 from workbench.cli.plc import plc
-from workbench.cli.session import opened
 from workbench.cli.simulation import simulated_controller
 from workbench.formats.cells import cell_path, part_folders, read_cell
 from workbench.formats.predictions import predictions_path, read_predictions

@@ -8,7 +8,7 @@ from typing import Any, assert_never
 
 from workbench.app.likeness import Likeness
 from workbench.app.recompute import recomputed
-from workbench.app.session_archive import DATABASE, told
+from workbench.app.session_archive import DATABASE, opened, told
 from workbench.cli.exits import NO_PLAN, SUCCESS
 from workbench.cli.nested_arguments import (
     SessionCommands,
@@ -23,7 +23,7 @@ from workbench.cli.nested_arguments import (
 )
 from workbench.cli.terminal import print_json, print_table
 from workbench.journal.journal import Journal
-from workbench.model.errors import InputError, JournalError
+from workbench.model.errors import JournalError
 
 
 def session(typed: SessionCommands) -> int:
@@ -93,17 +93,6 @@ def _summary(folder: Path) -> tuple[str, ...]:
         return (folder.name, "", str(journal.count), "", str(error))
     finally:
         journal.close()
-
-
-def opened(folder: Path) -> Journal:
-    """The journal of a session's folder.
-
-    Raises:
-        InputError: the folder holds none.
-    """
-    if not (folder / DATABASE).exists():
-        raise InputError(f"{folder}: is not the folder of a session (there is no {DATABASE})")
-    return Journal(folder)
 
 
 def _show(typed: SessionShow) -> int:

@@ -9,11 +9,10 @@ from pathlib import Path
 
 from workbench.app.recompute import cell_of
 from workbench.app.replay import replay
-from workbench.app.session_archive import DATABASE, export_session, import_session
+from workbench.app.session_archive import DATABASE, export_session, import_session, opened
 from workbench.app.state import State
 from workbench.cli.exits import SUCCESS
 from workbench.cli.nested_arguments import SessionExport, SessionImport, SessionPrune
-from workbench.cli.session import opened
 from workbench.cli.terminal import check_number, check_whole
 from workbench.journal.journal import Journal
 from workbench.model.errors import FileError, InputError, JournalError

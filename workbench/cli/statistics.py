@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import Any
 
-from workbench.app.session_archive import DATABASE
+from workbench.app.session_archive import DATABASE, opened
 from workbench.app.statistics import (
     GROUPS,
     Statistics,
@@ -13,7 +13,6 @@ from workbench.app.statistics import (
 )
 from workbench.cli import arguments
 from workbench.cli.exits import SUCCESS
-from workbench.cli.session import opened
 from workbench.cli.terminal import milliseconds, print_json, print_table
 from workbench.formats.whole_files import write_whole
 from workbench.model.errors import InputError

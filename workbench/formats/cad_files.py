@@ -18,8 +18,8 @@ from pathlib import Path
 import numpy as np
 
 from workbench.formats.meshes import LARGEST_MESH, MOST_TRIANGLES, read_mesh
-from workbench.formats.solids import UNITS
 from workbench.formats.toml_keys import shown
+from workbench.formats.units import UNITS
 from workbench.formats.whole_files import MB, is_file
 from workbench.model.errors import FileError
 from workbench.model.geometry import Mesh

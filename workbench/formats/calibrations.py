@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 
 from workbench.formats.change_log import utc
-from workbench.formats.solids import UNITS
 from workbench.formats.toml_keys import Table, read_toml
+from workbench.formats.units import UNITS
 from workbench.formats.whole_files import is_file, write_whole
 from workbench.model.calibration import BallPlate, CalibrationRecord
 from workbench.model.cell import Arm, Cell

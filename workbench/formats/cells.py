@@ -13,8 +13,9 @@ from workbench.formats.calibrations import read_record
 from workbench.formats.dh import read_dh
 from workbench.formats.parts import read_part
 from workbench.formats.shipped import exists, find
-from workbench.formats.solids import UNITS, read_pose, read_solid
+from workbench.formats.solids import read_pose, read_solid
 from workbench.formats.toml_keys import Table, read_toml
+from workbench.formats.units import UNITS
 from workbench.formats.urdf import read_srdf, read_urdf
 from workbench.model.cell import (
     ORDER_NAMES,

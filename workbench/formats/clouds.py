@@ -13,9 +13,9 @@ import pinocchio as pin
 
 from workbench.formats.pcd import read_pcd
 from workbench.formats.ply_header import Header, read_header
-from workbench.formats.solids import UNITS
 from workbench.formats.text_rows import read_rows
 from workbench.formats.toml_keys import shown
+from workbench.formats.units import UNITS
 from workbench.formats.whole_files import MB, read_whole, write_whole
 from workbench.model.cell import ScannerMount
 from workbench.model.errors import FileError

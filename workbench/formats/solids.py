@@ -5,6 +5,7 @@ import pinocchio as pin
 
 from workbench.formats.meshes import convex_hull, read_mesh
 from workbench.formats.toml_keys import Table
+from workbench.formats.units import UNITS
 from workbench.model.geometry import (
     Box,
     Capsule,
@@ -17,7 +18,6 @@ from workbench.model.geometry import (
 )
 
 SHAPES = ("box", "cylinder", "capsule", "sphere", "mesh")
-UNITS = {"mm": 0.001, "m": 1.0, "inch": 0.0254}
 REACH_MM = 20_000.0
 """Positions further away are refused: somebody wrote other units."""
 

@@ -10,7 +10,7 @@ from workbench.app.commands import Command, ImportPart
 from workbench.app.state import State
 from workbench.formats.cad_files import KINDS
 from workbench.formats.part_import import PLASTIC
-from workbench.formats.solids import UNITS
+from workbench.formats.units import UNITS
 from workbench.formats.whole_files import MB
 from workbench.gui.views import line
 from workbench.gui.visitor import Visitor
