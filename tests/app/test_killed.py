@@ -1,5 +1,6 @@
 """`kill -9` at any moment: a session goes on before or after what was done, never in between."""
 
+import os
 import random
 import signal
 import subprocess
@@ -50,7 +51,7 @@ def nursery():
         text=True,
         bufsize=1,
         cwd=HERE.parents[1],
-        env={"PYTHONPATH": f"{HERE.parents[1]}:{HERE}:{HERE.parent / 'devices'}", "PATH": ""},
+        env={"PYTHONPATH": os.pathsep.join(sys.path), "PATH": ""},
     )
     assert process.stdout.readline() == "ready\n"
     yield process

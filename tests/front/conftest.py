@@ -9,7 +9,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import pytest
-from attackers import PASSWORD, PATIENCE, SECRET
+from attackers import PASSWORD, SECRET
+from waiting import PATIENCE
 
 from workbench.app.people import Person, Role
 from workbench.front.listening import Certificate

@@ -2,6 +2,7 @@
 
 import asyncio
 import http.client
+import os
 import ssl
 import subprocess
 import sys
@@ -11,7 +12,8 @@ from pathlib import Path
 from urllib.parse import urlsplit
 
 import pytest
-from attackers import PASSWORD, PATIENCE, at_the_page, cookie_of, crowd, run
+from attackers import PASSWORD, at_the_page, cookie_of, crowd, run
+from waiting import PATIENCE
 
 from workbench.front.raw_browser import raw_browser
 
@@ -69,7 +71,12 @@ def cramped_front(file, folder, *more):
     command = [sys.executable, str(script), str(file), str(LIMIT), *map(str, more)]
     with log.open("w") as errors:
         process = subprocess.Popen(
-            command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=errors, text=True
+            command,
+            env=os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)},
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=errors,
+            text=True,
         )
         try:
             yield Cramped(process, process.stdout.readline().strip(), log)

@@ -4,7 +4,8 @@ import asyncio
 import time
 
 import pytest
-from attackers import PASSWORD, PATIENCE, at_the_page, cookie_of, refused_with, run
+from attackers import PASSWORD, at_the_page, cookie_of, refused_with, run
+from waiting import PATIENCE
 
 from workbench.app.people import Role
 from workbench.front.connections import MOST_OF_ONE, OVER
