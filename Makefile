@@ -10,10 +10,10 @@ LIBRARIES := libusb-1.0-0 libgl1 libegl1 libx11-6 libgomp1
 BROWSER := chromium fonts-dejavu-core
 
 # What `make test-fast` leaves out: browsers, whole commands, and what takes longest in its folder.
-SLOW := browser cli front packaging perception studies test_new_part.py test_new_robot.py \
-	app/test_any_sequence.py app/test_calibration.py app/test_killed.py app/test_link_faults.py \
-	app/test_part_import.py formats/test_part_import.py planning/test_planners.py \
-	planning/test_properties.py robots/test_third_party.py
+SLOW := browser cli web packaging perception studies test_new_part.py test_new_robot.py \
+	app/core/test_any_sequence.py app/picking/test_calibration.py app/runtime/test_killed.py app/runtime/test_link_faults.py \
+	app/picking/test_part_import.py formats/parts/test_part_import.py planning/planners/test_planners.py \
+	planning/picking/test_properties.py robots/test_third_party.py
 
 # More for the command behind a target: make run ARGS="--port 9000", make test ARGS="-k plan"
 ARGS :=

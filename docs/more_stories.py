@@ -13,18 +13,18 @@ from page_stories import cycle, fault
 from picture_tools import ROOT, SIZE, Desk, desk, save, settled, window
 from playwright.sync_api import Browser
 
-from workbench.app.commands import ReportPick, UseScan
-from workbench.app.history import History
-from workbench.cli.demo import Cycle
-from workbench.gui.server import serve
-from workbench.gui.stage import T_WORLD_STAGE, view_of
-from workbench.gui.things import BIN, moved
+from workbench.app.core.commands import ReportPick, UseScan
+from workbench.app.review.history import History
+from workbench.cli.serving.demo import Cycle
+from workbench.gui.page.server import serve
+from workbench.gui.scene.stage import T_WORLD_STAGE, view_of
+from workbench.gui.shared.things import BIN, moved
 from workbench.journal.journal import Journal
 from workbench.model.cell import Cell
 from workbench.model.geometry import Floats, pose_from_rpy
 from workbench.model.part import GraspPattern
-from workbench.perception.synthesize import synthesize
-from workbench.planning.chain import chain_of, is_solution
+from workbench.perception.simulation.synthesize import synthesize
+from workbench.planning.kinematics.chain import chain_of, is_solution
 
 PART = "keyed_cylinder"
 SIDE = math.radians(-100)

@@ -16,11 +16,11 @@ from conftest import FLAGS, PATIENCE, Screen
 from PIL import Image
 from playwright.sync_api import Browser, Page, sync_playwright
 
-from workbench.app.bench import Bench
-from workbench.app.machines import Machines
-from workbench.app.state import State
-from workbench.formats.cells import cell_path, part_folders, read_cell
-from workbench.gui.server import serve
+from workbench.app.core.state import State
+from workbench.app.runtime.bench import Bench
+from workbench.app.runtime.machines import Machines
+from workbench.formats.cells.reading import cell_path, part_folders, read_cell
+from workbench.gui.page.server import serve
 from workbench.journal.journal import Journal
 
 ROOT = Path(__file__).resolve().parents[1]

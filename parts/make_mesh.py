@@ -11,8 +11,8 @@ import numpy as np
 import trimesh
 from trimesh.creation import box, cylinder
 
-from workbench.formats.solids import read_solid
-from workbench.formats.toml_keys import read_toml
+from workbench.formats.files.toml_keys import read_toml
+from workbench.formats.meshes.solids import read_solid
 from workbench.model.geometry import Box, Cylinder, Solid, pose_from_rpy
 
 PARTS = Path(__file__).resolve().parent

@@ -12,11 +12,11 @@ import time
 from dataclasses import replace
 from pathlib import Path
 
-from workbench.app.bench import Bench
-from workbench.app.commands import ReportPick
-from workbench.cli.demo import Cycle
-from workbench.devices.abb_simulated import SimulatedController
-from workbench.formats.cells import read_cell
+from workbench.app.core.commands import ReportPick
+from workbench.app.runtime.bench import Bench
+from workbench.cli.serving.demo import Cycle
+from workbench.devices.abb_simulated.controller import SimulatedController
+from workbench.formats.cells.reading import read_cell
 from workbench.journal.journal import Journal
 from workbench.model.cell import Controller
 

@@ -12,9 +12,9 @@ from pathlib import Path
 import pytest
 
 import workbench
-from workbench.app import commands
-from workbench.app.state import Phase
-from workbench.cli import arguments
+from workbench.app.core import commands
+from workbench.app.core.state import Phase
+from workbench.cli.arguments import top as arguments
 from workbench.cli.main import parse
 from workbench.model.candidate import Reason
 

@@ -9,10 +9,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from workbench.app.work import JOBS
+from workbench.app.runtime.work import JOBS
 from workbench.devices.scanners import SCANNERS
-from workbench.formats.calibrations import read_scanned_poses
-from workbench.formats.cells import read_cell
+from workbench.formats.cells.calibrations import read_scanned_poses
+from workbench.formats.cells.reading import read_cell
 from workbench.model.cell import SCAN_SOURCES
 from workbench.model.errors import JobCancelled, LinkError
 

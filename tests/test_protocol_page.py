@@ -5,12 +5,12 @@ from pathlib import Path
 
 import numpy as np
 
-from workbench.devices.abb_faults import FAULT_NAMES
-from workbench.devices.abb_frames import Frames, framed
-from workbench.devices.abb_messages import REQUEST, Commands, encode
-from workbench.devices.abb_sending import VERSION, arms_of
-from workbench.devices.abb_states import NEXT
-from workbench.formats.cells import read_cell
+from workbench.devices.abb_simulated.faults import FAULT_NAMES
+from workbench.devices.abb_socket.frames import Frames, framed
+from workbench.devices.abb_socket.messages import REQUEST, Commands, encode
+from workbench.devices.abb_socket.sending import VERSION, arms_of
+from workbench.devices.abb_socket.states import NEXT
+from workbench.formats.cells.reading import read_cell
 
 PAGE = (Path(__file__).parents[1] / "docs" / "protocol.md").read_text(encoding="utf-8")
 CELL = read_cell("yumi")

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from workbench.app.rights import RIGHTS, Right
+from workbench.app.core.rights import RIGHTS, Right
 
 PAGE = Path(__file__).parents[1] / "docs" / "rights.md"
 

@@ -6,16 +6,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from workbench.app.commands import (
+from workbench.app.core.commands import (
     JobEnded,
     LinkEnded,
 )
-from workbench.app.effects import Send, StartJob, StopSending
-from workbench.app.live import Live
-from workbench.app.pick import plan_pick
-from workbench.app.plan_result import PlanResult
-from workbench.app.rights import ROBOT_LINK, WORKER
-from workbench.formats.cells import read_cell
+from workbench.app.core.effects import Send, StartJob, StopSending
+from workbench.app.core.plan_result import PlanResult
+from workbench.app.core.rights import ROBOT_LINK, WORKER
+from workbench.app.picking.pipeline import plan_pick
+from workbench.app.runtime.live import Live
+from workbench.formats.cells.reading import read_cell
 from workbench.model.cell import Cell
 from workbench.model.errors import CommandRefused
 from workbench.model.geometry import pose_from_rpy

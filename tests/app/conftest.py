@@ -7,7 +7,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from workbench.app.plan_result import PlanResult
+from workbench.app.core.plan_result import PlanResult
 from workbench.model.candidate import Candidate, Reason, Stage, Verdict
 from workbench.model.cell import Arm, Bin, Cell, Controller, Policy, ScannerMount, Tool
 from workbench.model.geometry import Box, Mesh, Solid

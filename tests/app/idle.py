@@ -1,6 +1,6 @@
 """Effects for a bench that records and decides, and moves nothing."""
 
-from workbench.app.live import Live
+from workbench.app.runtime.live import Live
 
 
 class Idle:

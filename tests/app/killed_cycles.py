@@ -16,8 +16,7 @@ from conftest import Samples, made_cell
 from patient import PATIENT
 from waiting import PATIENCE
 
-from workbench.app.bench import Bench
-from workbench.app.commands import (
+from workbench.app.core.commands import (
     AcknowledgeFault,
     Approve,
     FindParts,
@@ -27,10 +26,11 @@ from workbench.app.commands import (
     TakeScan,
     WatchPlan,
 )
-from workbench.app.effects import Send, StartJob
-from workbench.app.live import Live
-from workbench.app.robot_link import RobotLink
-from workbench.app.state import Phase
+from workbench.app.core.effects import Send, StartJob
+from workbench.app.core.state import Phase
+from workbench.app.runtime.bench import Bench
+from workbench.app.runtime.live import Live
+from workbench.app.runtime.robot_link import RobotLink
 from workbench.journal.journal import Journal
 from workbench.model.cell import Controller
 

@@ -3,12 +3,12 @@
 from collections.abc import Mapping
 from typing import Any
 
-from workbench.app.commands import Command, Entry, JobEnded
-from workbench.app.decide import decide
-from workbench.app.effects import Effect
-from workbench.app.rights import RIGHTS, ROBOT_LINK, WORKER
-from workbench.app.rules import allowed
-from workbench.app.state import State
+from workbench.app.core.commands import Command, Entry, JobEnded
+from workbench.app.core.decide import decide
+from workbench.app.core.effects import Effect
+from workbench.app.core.rights import RIGHTS, ROBOT_LINK, WORKER
+from workbench.app.core.rules import allowed
+from workbench.app.core.state import State
 
 NOW = 1_000_000.0
 

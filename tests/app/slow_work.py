@@ -6,7 +6,7 @@ from pathlib import Path
 
 from tiny_work import JOBS  # noqa: F401
 
-from workbench.app.readiness import NOTE
+from workbench.app.runtime.readiness import NOTE
 
 
 def GET_READY(report):

@@ -5,7 +5,7 @@ import sys
 import time
 from pathlib import Path
 
-from workbench.app.readiness import end_with_input, is_ready, mark_ready, only_one
+from workbench.app.runtime.readiness import end_with_input, is_ready, mark_ready, only_one
 
 use = sys.argv[1]
 folder = Path(os.environ["TINY_FOLDER"])

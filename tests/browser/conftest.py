@@ -13,10 +13,10 @@ import pytest
 from playwright.sync_api import Browser, Locator, Page, expect, sync_playwright
 from waiting import PATIENCE, wait_until
 
-from workbench.app.bench import Bench
-from workbench.app.state import State
-from workbench.formats.cells import read_cell
-from workbench.gui.server import serve
+from workbench.app.core.state import State
+from workbench.app.runtime.bench import Bench
+from workbench.formats.cells.reading import read_cell
+from workbench.gui.page.server import serve
 from workbench.journal.journal import Journal
 from workbench.model.cell import Controller
 

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from workbench.gui import surroundings
+from workbench.gui.scene import surroundings
 
 
 class Camera:

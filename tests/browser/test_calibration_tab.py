@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from hands import field
 
-from workbench.app.commands import ChangeCell, UseScan
-from workbench.gui.things import BIN, moved
+from workbench.app.core.commands import ChangeCell, UseScan
+from workbench.gui.shared.things import BIN, moved
 from workbench.model.geometry import pose_from_rpy
-from workbench.perception.synthesize import synthesize
+from workbench.perception.simulation.synthesize import synthesize
 
 WRONG = pose_from_rpy((0.012, -0.008, 0.015), np.deg2rad((1.2, -0.8, 1.5)))
 

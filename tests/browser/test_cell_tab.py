@@ -9,15 +9,15 @@ import pinocchio as pin
 import pytest
 from hands import drag, field, first_look, settle
 
-from workbench.app.bench import Bench
-from workbench.app.machines import Machines
-from workbench.formats.cells import read_cell
-from workbench.formats.shipped import find
-from workbench.gui.jogging import GIZMO as TOOL_GIZMO
-from workbench.gui.panels.cell import GIZMO
+from workbench.app.runtime.bench import Bench
+from workbench.app.runtime.machines import Machines
+from workbench.formats.cells.reading import read_cell
+from workbench.formats.files.shipped import find
+from workbench.gui.cell.jogging import GIZMO as TOOL_GIZMO
+from workbench.gui.cell.panel import GIZMO
 from workbench.journal.journal import Journal
 from workbench.model.geometry import pose_from_rpy
-from workbench.planning.chain import chain_of, is_solution
+from workbench.planning.kinematics.chain import chain_of, is_solution
 
 
 @pytest.fixture

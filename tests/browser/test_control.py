@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from hands import first_look, settle
 
-import workbench.gui.renderer
-import workbench.gui.visitor
-from workbench.app.commands import AskForControl, ReleaseControl, TakeControl
-from workbench.app.people import Person, Role
-from workbench.gui.held import DrawnHeld
-from workbench.gui.panels.cell import GIZMO
+import workbench.gui.page.renderer
+import workbench.gui.shared.visitor
+from workbench.app.core.commands import AskForControl, ReleaseControl, TakeControl
+from workbench.app.core.people import Person, Role
+from workbench.gui.cell.panel import GIZMO
+from workbench.gui.scene.held import DrawnHeld
 
 ADA = Person("Ada", Role.ENGINEER)
 BOB = Person("Bob", Role.OPERATOR)
@@ -27,8 +27,8 @@ def next_to_come(monkeypatch):
     def person_of(client):
         return people.setdefault(client.client_id, come.person)
 
-    monkeypatch.setattr(workbench.gui.renderer, "person_of", person_of)
-    monkeypatch.setattr(workbench.gui.visitor, "person_of", person_of)
+    monkeypatch.setattr(workbench.gui.page.renderer, "person_of", person_of)
+    monkeypatch.setattr(workbench.gui.shared.visitor, "person_of", person_of)
     return come
 
 

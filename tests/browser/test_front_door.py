@@ -6,12 +6,12 @@ import pytest
 from playwright.sync_api import expect
 from waiting import PATIENCE
 
-from workbench.app.people import Role
-from workbench.front.relay import Upstream
-from workbench.front.server import Options, serve_front
-from workbench.front.store import Store
-from workbench.front.users import Users
-from workbench.gui.server import serve
+from workbench.app.core.people import Role
+from workbench.gui.page.server import serve
+from workbench.web.access.store import Store
+from workbench.web.access.users import Users
+from workbench.web.page.relay import Upstream
+from workbench.web.server import Options, serve_front
 
 PASSWORD = "correct horse battery"
 SECRET = "a secret of this start"

@@ -4,9 +4,9 @@ from functools import partial
 
 import pytest
 
-from workbench.app.bench import Bench
-from workbench.app.machines import Machines
-from workbench.formats.cells import read_cell
+from workbench.app.runtime.bench import Bench
+from workbench.app.runtime.machines import Machines
+from workbench.formats.cells.reading import read_cell
 from workbench.journal.journal import Journal
 
 

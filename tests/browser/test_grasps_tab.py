@@ -10,15 +10,15 @@ import pytest
 import trimesh
 from hands import Camera, drag, field, settle
 
-from workbench.app.bench import Bench
-from workbench.app.machines import Machines
-from workbench.formats.cells import cell_path, part_folders, read_cell
-from workbench.formats.part_saves import DRAFT, versions
-from workbench.formats.parts import read_part
-from workbench.formats.shipped import find
-from workbench.gui.grasp_pose import GIZMO
-from workbench.gui.server import serve
-from workbench.gui.stage import T_WORLD_STAGE, size_of, view_of
+from workbench.app.runtime.bench import Bench
+from workbench.app.runtime.machines import Machines
+from workbench.formats.cells.reading import cell_path, part_folders, read_cell
+from workbench.formats.files.shipped import find
+from workbench.formats.parts.reading import read_part
+from workbench.formats.parts.saves import DRAFT, versions
+from workbench.gui.grasps.pose import GIZMO
+from workbench.gui.page.server import serve
+from workbench.gui.scene.stage import T_WORLD_STAGE, size_of, view_of
 from workbench.journal.journal import Journal
 from workbench.model.part import GraspPattern
 

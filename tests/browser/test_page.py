@@ -7,10 +7,10 @@ import pytest
 from hands import field
 from playwright.sync_api import expect
 
-from workbench.app.commands import TakeScan, WantThreshold, WatchPlan
-from workbench.app.rights import NOBODY
-from workbench.app.state import Phase
-from workbench.gui.tables import Order, ordered
+from workbench.app.core.commands import TakeScan, WantThreshold, WatchPlan
+from workbench.app.core.rights import NOBODY
+from workbench.app.core.state import Phase
+from workbench.gui.shared.tables import Order, ordered
 
 MARKED = """() => {
   const row = document.querySelector(".wb-table tbody tr:nth-child(3)");

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 from hands import drag, first_look, settle
 
-from workbench.formats.cells import read_cell
-from workbench.formats.clouds import write_cloud
-from workbench.gui.panels.parts import GIZMO
-from workbench.perception.piles import drop_parts
-from workbench.perception.synthesize import synthesize
+from workbench.formats.cells.reading import read_cell
+from workbench.formats.clouds.scans import write_cloud
+from workbench.gui.parts.panel import GIZMO
+from workbench.perception.simulation.piles import drop_parts
+from workbench.perception.simulation.synthesize import synthesize
 
 
 @pytest.fixture(scope="module")

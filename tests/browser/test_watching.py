@@ -5,7 +5,7 @@ import time
 import numpy as np
 import pytest
 
-from workbench.gui.server import serve
+from workbench.gui.page.server import serve
 
 LONG = 900.0
 """[s] That a plan may take to be played."""

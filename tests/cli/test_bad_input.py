@@ -13,13 +13,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from workbench.formats.cells import read_cell
-from workbench.formats.plans import read_plan, write_plan
-from workbench.formats.shipped import find
+from workbench.formats.cells.reading import read_cell
+from workbench.formats.files.shipped import find
+from workbench.formats.plans.plan_files import read_plan, write_plan
 from workbench.model.geometry import pose_from_rpy
-from workbench.planning.chain import chain_of, is_solution
-from workbench.planning.prove import prove
-from workbench.planning.wire import on_wire
+from workbench.planning.kinematics.chain import chain_of, is_solution
+from workbench.planning.kinematics.wire import on_wire
+from workbench.planning.proving.prove import prove
 
 POSES = Path(__file__).resolve().parents[1] / "cells" / "public_yumi" / "Poses.txt"
 

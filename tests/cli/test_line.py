@@ -7,8 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
-from workbench.formats.plans import read_plan
-from workbench.formats.poses import read_poses
+from workbench.formats.plans.plan_files import read_plan
+from workbench.formats.plans.pose_files import read_poses
 
 
 def test_found_parts_are_where_they_truly_are(line):

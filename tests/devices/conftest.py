@@ -11,9 +11,9 @@ import pytest
 from patient import PATIENT
 from waiting import PATIENCE
 
-from workbench.app.pick import plan_pick
-from workbench.devices.abb_simulated import SimulatedController
-from workbench.formats.cells import read_cell
+from workbench.app.picking.pipeline import plan_pick
+from workbench.devices.abb_simulated.controller import SimulatedController
+from workbench.formats.cells.reading import read_cell
 from workbench.model.cell import Cell, Controller, ProtocolName
 from workbench.model.geometry import Floats, pose_from_rpy
 from workbench.model.plan import Plan

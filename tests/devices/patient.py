@@ -5,8 +5,8 @@ import time
 
 from waiting import PATIENCE
 
-from workbench.devices import abb_link
-from workbench.devices.abb_patience import Patience
+from workbench.devices.abb_socket import link as abb_link
+from workbench.devices.abb_socket.patience import Patience
 
 PATIENT = Patience(
     silence=PATIENCE, answer=PATIENCE, stop=PATIENCE, report=PATIENCE, doubt=PATIENCE

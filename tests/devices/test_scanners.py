@@ -13,7 +13,7 @@ import pytest
 from waiting import PATIENCE
 
 from workbench.devices.scanners import FolderScanner, HttpScanner
-from workbench.formats.clouds import write_cloud
+from workbench.formats.clouds.scans import write_cloud
 from workbench.model.cell import ScannerMount
 from workbench.model.errors import FileError, JobCancelled, LinkError
 from workbench.model.geometry import pose_from_rpy

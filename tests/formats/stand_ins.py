@@ -17,7 +17,7 @@ import pinocchio as pin
 import pytest
 import trimesh
 
-from workbench.formats.cells import read_cell
+from workbench.formats.cells.reading import read_cell
 from workbench.model.geometry import Cylinder, Mesh, Solid, pose_from_rpy
 from workbench.model.robot import Robot
 

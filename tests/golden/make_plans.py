@@ -14,13 +14,13 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 
-from workbench.app.pick import plan_pick
-from workbench.formats.cells import read_cell
-from workbench.formats.parts import read_part
+from workbench.app.picking.pipeline import plan_pick
+from workbench.formats.cells.reading import read_cell
+from workbench.formats.parts.reading import read_part
 from workbench.model.cell import Cell
 from workbench.model.plan import Plan
 from workbench.model.scan import Detection
-from workbench.perception.piles import drop_parts
+from workbench.perception.simulation.piles import drop_parts
 
 FILE = Path(__file__).with_name("plans.jsonl")
 

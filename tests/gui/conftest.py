@@ -8,19 +8,19 @@ import numpy as np
 import pytest
 from idle import Idle
 
-import workbench.gui.visitor
-from workbench.app.bench import Bench
-from workbench.app.live import Live
-from workbench.app.people import Person, Role
-from workbench.app.pick import plan_pick
-from workbench.app.plan_result import PlanResult
-from workbench.app.rules import approve
-from workbench.app.state import Job, Phase, State
-from workbench.formats.cells import read_cell
-from workbench.gui.door import close_door, open_door
-from workbench.gui.look import Look, SharedLook, View
-from workbench.gui.playback import timeline
-from workbench.gui.visitor import Visitor
+import workbench.gui.shared.visitor
+from workbench.app.core.people import Person, Role
+from workbench.app.core.plan_result import PlanResult
+from workbench.app.core.rules import approve
+from workbench.app.core.state import Job, Phase, State
+from workbench.app.picking.pipeline import plan_pick
+from workbench.app.runtime.bench import Bench
+from workbench.app.runtime.live import Live
+from workbench.formats.cells.reading import read_cell
+from workbench.gui.shared.door import close_door, open_door
+from workbench.gui.shared.look import Look, SharedLook, View
+from workbench.gui.shared.playback import timeline
+from workbench.gui.shared.visitor import Visitor
 from workbench.journal.journal import Journal
 from workbench.model.cell import Cell
 from workbench.model.geometry import pose_from_rpy
@@ -152,7 +152,9 @@ def bench(cell, tmp_path):
 def visitor(bench, monkeypatch):
     """Somebody at a page whose controls nobody sees, with what was told."""
     server = open_door("127.0.0.1", 0)
-    monkeypatch.setattr(workbench.gui.visitor, "person_of", lambda _: Person("Ada", Role.ENGINEER))
+    monkeypatch.setattr(
+        workbench.gui.shared.visitor, "person_of", lambda _: Person("Ada", Role.ENGINEER)
+    )
     told = []
     client = SimpleNamespace(
         client_id=1,

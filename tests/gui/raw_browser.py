@@ -11,7 +11,7 @@ import msgspec
 import numpy as np
 import websockets
 
-from workbench.front.raw_browser import unpacked
+from workbench.studies.load.raw_browser import unpacked
 
 PROTOCOL = "viser-v1.1.1"
 

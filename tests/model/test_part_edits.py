@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from workbench.formats.parts import read_part
+from workbench.formats.parts.reading import read_part
 from workbench.model.errors import InputError
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.part import (

@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from workbench.formats.cells import read_cell
+from workbench.formats.cells.reading import read_cell
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.reach import reach
-from workbench.planning.kinematics import Kinematics
+from workbench.planning.kinematics.robot import Kinematics
 
 
 @pytest.mark.parametrize("name", ["yumi", "tx2_90"])

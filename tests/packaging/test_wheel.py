@@ -112,7 +112,7 @@ def said_in(venv, code):
 
 @pytest.mark.timeout(PATIENCE)
 def test_installed_elsewhere_it_runs_the_demo_at_once_on_its_own_cell(venv, first_demo):
-    where = "from workbench.formats.shipped import find; print(find('robots', 'yumi'))"
+    where = "from workbench.formats.files.shipped import find; print(find('robots', 'yumi'))"
     assert said_in(venv, where).strip().startswith(str(venv))
     told, _ = first_demo
     assert told["ok"], told
@@ -129,7 +129,7 @@ import importlib, pkgutil
 from pathlib import Path
 from numba.core.dispatcher import Dispatcher
 from workbench import formats, perception, planning
-from workbench.app.readiness import USES, is_ready
+from workbench.app.runtime.readiness import USES, is_ready
 
 assert all(map(is_ready, USES))
 for room in (formats, perception, planning):

@@ -2,12 +2,12 @@
 
 import pytest
 
-from workbench.formats.cells import read_cell
+from workbench.formats.cells.reading import read_cell
 from workbench.model.cell import Cell
 from workbench.model.part import Part
 from workbench.model.scan import Detection, Scan
-from workbench.perception.piles import drop_parts
-from workbench.perception.synthesize import synthesize
+from workbench.perception.simulation.piles import drop_parts
+from workbench.perception.simulation.synthesize import synthesize
 
 
 @pytest.fixture(scope="session")

@@ -11,10 +11,10 @@ import pinocchio as pin
 
 from workbench.model.cell import Cell
 from workbench.model.plan import ArmPlan, Plan
-from workbench.planning.bodies import coal_shape
-from workbench.planning.kinematics import Kinematics
-from workbench.planning.pairing import Phase
-from workbench.planning.world import World
+from workbench.planning.collision.bodies import coal_shape
+from workbench.planning.collision.pairing import Phase
+from workbench.planning.collision.world import World
+from workbench.planning.kinematics.robot import Kinematics
 
 STATES = 40
 """Between two waypoints."""

@@ -5,10 +5,13 @@ import re
 import pytest
 from rapid_reader import RapidError, read, strings_of, unknown_names
 
-from workbench.devices import abb_frames, abb_program, abb_sending, abb_serving
-from workbench.devices.abb_states import NEXT
-from workbench.formats.cells import read_cell
-from workbench.formats.shipped import find
+from workbench.devices.abb_simulated import serving as abb_serving
+from workbench.devices.abb_socket import frames as abb_frames
+from workbench.devices.abb_socket import program as abb_program
+from workbench.devices.abb_socket import sending as abb_sending
+from workbench.devices.abb_socket.states import NEXT
+from workbench.formats.cells.reading import read_cell
+from workbench.formats.files.shipped import find
 
 FOLDER = find("robots", "yumi") / "rapid"
 README = (FOLDER / "README.md").read_text(encoding="utf-8")

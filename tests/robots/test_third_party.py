@@ -6,11 +6,11 @@ from pathlib import Path
 
 import pytest
 
-from workbench.app.pick import plan_pick
+from workbench.app.picking.pipeline import plan_pick
 from workbench.cli.main import main
-from workbench.formats.cells import read_cell
-from workbench.formats.convex_pieces import cache_folder
-from workbench.perception.piles import drop_parts
+from workbench.formats.cells.reading import read_cell
+from workbench.formats.meshes.convex_pieces import cache_folder
+from workbench.perception.simulation.piles import drop_parts
 
 SHARE = Path(sysconfig.get_path("purelib")) / "cmeel.prefix" / "share"
 ROBOTS = {

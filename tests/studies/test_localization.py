@@ -4,7 +4,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from workbench.formats.parts import read_part
+from workbench.formats.parts.reading import read_part
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.scan import Detection
 from workbench.studies.localization import (

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from workbench.formats.cells import read_cell
+from workbench.formats.cells.reading import read_cell
 from workbench.model.errors import InputError
 from workbench.studies.klampt import attempts_by_klampt
 from workbench.studies.planners import Course, compare, summary

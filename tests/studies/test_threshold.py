@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from workbench.formats.cells import read_cell
+from workbench.formats.cells.reading import read_cell
 from workbench.model.prediction import Forecast
 from workbench.studies.threshold import Case, Way, planned_case, predictions, summary
 

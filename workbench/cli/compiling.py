@@ -6,7 +6,7 @@ and keeps them on disk: tens of seconds once on a machine, and after a change of
 
 import time
 
-from workbench.app.readiness import make_ready
+from workbench.app.runtime.readiness import make_ready
 from workbench.cli.exits import FAILURE, SUCCESS
 from workbench.cli.terminal import progress
 

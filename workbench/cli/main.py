@@ -7,7 +7,7 @@ from typing import assert_never
 
 import tyro
 
-from workbench.cli import arguments
+from workbench.cli.arguments import top as arguments
 from workbench.cli.exits import BAD_INPUT, FAILURE, INTERRUPTED, NO_LINK, OUTPUT_CLOSED
 from workbench.model.errors import InputError, LinkError, WorkbenchError
 
@@ -68,91 +68,91 @@ def run(typed: arguments.Arguments) -> int:
     """Carry a command out and give its exit code."""
     match typed:
         case arguments.Serve():
-            from workbench.cli.serve import serve
+            from workbench.cli.serving.serve import serve
 
             return serve(typed)
         case arguments.Demo():
-            from workbench.cli.demo import demo
+            from workbench.cli.serving.demo import demo
 
             return demo(typed)
         case arguments.Scan():
-            from workbench.cli.look import scan
+            from workbench.cli.picking.look import scan
 
             return scan(typed)
         case arguments.Localize():
-            from workbench.cli.look import localize
+            from workbench.cli.picking.look import localize
 
             return localize(typed)
         case arguments.Calibrate():
-            from workbench.cli.calibrate import calibrate
+            from workbench.cli.authoring.calibrate import calibrate
 
             return calibrate(typed)
         case arguments.Plan():
-            from workbench.cli.planning import plan
+            from workbench.cli.picking.planning import plan
 
             return plan(typed)
         case arguments.Explain():
-            from workbench.cli.explain import explain
+            from workbench.cli.picking.explain import explain
 
             return explain(typed)
         case arguments.Verify():
-            from workbench.cli.planning import verify
+            from workbench.cli.picking.planning import verify
 
             return verify(typed)
         case arguments.Send():
-            from workbench.cli.robot import send
+            from workbench.cli.serving.robot import send
 
             return send(typed)
         case arguments.Controller():
-            from workbench.cli.robot import controller
+            from workbench.cli.serving.robot import controller
 
             return controller(typed)
         case arguments.ExportWorld():
-            from workbench.cli.world import export_world
+            from workbench.cli.picking.world import export_world
 
             return export_world(typed)
         case arguments.Bench():
-            from workbench.cli.studies import bench
+            from workbench.cli.measuring.studies import bench
 
             return bench(typed)
         case arguments.Study():
-            from workbench.cli.studies import study
+            from workbench.cli.measuring.studies import study
 
             return study(typed)
         case arguments.CellCommands():
-            from workbench.cli.cell import cell
+            from workbench.cli.authoring.cell import cell
 
             return cell(typed)
         case arguments.PartCommands():
-            from workbench.cli.part import part
+            from workbench.cli.authoring.part import part
 
             return part(typed)
         case arguments.Grasps():
-            from workbench.cli.grasps import grasps
+            from workbench.cli.authoring.grasps import grasps
 
             return grasps(typed)
         case arguments.SessionCommands():
-            from workbench.cli.session import session
+            from workbench.cli.sessions.inspecting import session
 
             return session(typed)
         case arguments.UserCommands():
-            from workbench.cli.user import user
+            from workbench.cli.serving.user import user
 
             return user(typed)
         case arguments.Statistics():
-            from workbench.cli.statistics import tell_statistics
+            from workbench.cli.sessions.statistics import tell_statistics
 
             return tell_statistics(typed)
         case arguments.Backup():
-            from workbench.cli.backup import backup
+            from workbench.cli.serving.backup import backup
 
             return backup(typed)
         case arguments.Restore():
-            from workbench.cli.backup import restore
+            from workbench.cli.serving.backup import restore
 
             return restore(typed)
         case arguments.Import():
-            from workbench.cli.new_cell import import_world
+            from workbench.cli.authoring.new_cell import import_world
 
             return import_world(typed)
         case arguments.Compile():

@@ -11,7 +11,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Protocol
 
-from workbench.formats.clouds import LARGEST_FILE, parse_scan, read_scan
+from workbench.formats.clouds.scans import LARGEST_FILE, parse_scan, read_scan
 from workbench.model.cell import ScannerMount, ScanSource
 from workbench.model.errors import JobCancelled, LinkError
 from workbench.model.scan import Scan
@@ -127,4 +127,4 @@ SCANNERS: Mapping[ScanSource, Callable[[ScannerMount], Scanner]] = {
     "folder": FolderScanner,
     "http": HttpScanner,
 }
-"""By the names in the cell file; `simulated` needs a pile and is made in `app/work.py`."""
+"""By the names in the cell file; `simulated` needs a pile and is made in `app/runtime/work.py`."""

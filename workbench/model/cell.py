@@ -220,7 +220,7 @@ class Policy:
     `rrtconnect`.  `seconds` [s] end a planning wherever it stands: a stop against input that nobody
     foresaw, not a budget.  `order` says which part is taken first: that with the least joint
     travel, the highest, the best score, the nearest to the tool, the farthest from the walls, or by
-    the thesis' rules (see `planning.order`).
+    the thesis' rules (see `planning.picking.order`).
     `metric` weighs the joints in the planners' distance: each counts this fraction of the one
     before it, since the first joints move more of the arm.
     """

@@ -182,7 +182,7 @@ class Proof:
     `clearance`
     [m] is the smallest found over free legs, `nearest` where; `clearances` (steps) holds per
     arm and leg the smallest distance after each waypoint, for the plot, and `apart` (steps) the
-    distance between the arms at each waypoint, measured as far as `planning.prove.FAR_SIGHT`.
+    distance between the arms at each waypoint, measured as far as `planning.proving.prove.FAR_SIGHT`.
     """
 
     plan_digest: str

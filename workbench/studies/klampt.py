@@ -12,9 +12,9 @@ from typing import Any
 
 import numpy as np
 
-from workbench.app.pick import Report
-from workbench.formats.klampt import Snapshot, robot_with_tools, write_world
-from workbench.formats.urdf_writer import depth_first
+from workbench.app.picking.pipeline import Report
+from workbench.formats.klampt.worlds import Snapshot, robot_with_tools, write_world
+from workbench.formats.robots.urdf_writer import depth_first
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats
 from workbench.studies.planners import Course

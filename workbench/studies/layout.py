@@ -16,10 +16,10 @@ from workbench.model.cell import Arm, Cell, Fixture, ScannerMount
 from workbench.model.errors import InputError
 from workbench.model.geometry import Box, Floats, Solid, pose_from_rpy
 from workbench.model.robot import Robot
-from workbench.planning.chain import Chain, chain_of, is_solution
-from workbench.planning.pairing import Phase
-from workbench.planning.wire import on_wire
-from workbench.planning.world import World
+from workbench.planning.collision.pairing import Phase
+from workbench.planning.collision.world import World
+from workbench.planning.kinematics.chain import Chain, chain_of, is_solution
+from workbench.planning.kinematics.wire import on_wire
 from workbench.studies.targets import judged
 
 FEWEST_JOINTS = 5

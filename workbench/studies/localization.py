@@ -8,17 +8,17 @@ from typing import Any
 
 import numpy as np
 
-from workbench.app.value_checks import ALL_KINDS
-from workbench.app.work import find_parts, pile_of
-from workbench.formats.cells import read_cell
-from workbench.formats.parts import read_part
+from workbench.app.core.value_checks import ALL_KINDS
+from workbench.app.runtime.work import find_parts, pile_of
+from workbench.formats.cells.reading import read_cell
+from workbench.formats.parts.reading import read_part
 from workbench.model.cell import Cell
 from workbench.model.part import Part
 from workbench.model.scan import Detection
-from workbench.perception.pose_error import pose_error
-from workbench.perception.scan_noise import FINE, ROUGH, NoiseModel
-from workbench.perception.synthesize import synthesize, visible_shares
-from workbench.planning.clock import working_time
+from workbench.perception.localization.pose_error import pose_error
+from workbench.perception.simulation.scan_noise import FINE, ROUGH, NoiseModel
+from workbench.perception.simulation.synthesize import synthesize, visible_shares
+from workbench.planning.planners.clock import working_time
 
 NEAR, TURNED = 0.002, float(np.deg2rad(3.0))
 """[m], [rad] A detection that is further from a true pose is wrong."""

@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from workbench.app.pick import Report, plan_pick
-from workbench.formats.cells import read_cell
+from workbench.app.picking.pipeline import Report, plan_pick
+from workbench.formats.cells.reading import read_cell
 from workbench.model.cell import PlannerName, Wishes
-from workbench.perception.piles import drop_parts
-from workbench.planning.clock import working_time
+from workbench.perception.simulation.piles import drop_parts
+from workbench.planning.planners.clock import working_time
 
 STAGES = ("propose", "resolve", "route", "prove")
 

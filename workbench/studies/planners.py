@@ -11,16 +11,16 @@ from typing import Any
 
 import numpy as np
 
-from workbench.app.pick import Report
+from workbench.app.picking.pipeline import Report
 from workbench.model.cell import Arm, Cell, PlannerName
 from workbench.model.geometry import Floats
-from workbench.planning.clock import working_time
-from workbench.planning.contact import Contact
-from workbench.planning.motion import Curves, chain_contact, walked
-from workbench.planning.pairing import Phase
-from workbench.planning.search import PLANNERS, TRIES, as_sent, edge_check, joint_weights
-from workbench.planning.wire import on_wire
-from workbench.planning.world import World
+from workbench.planning.collision.contact import Contact
+from workbench.planning.collision.motion import Curves, chain_contact, walked
+from workbench.planning.collision.pairing import Phase
+from workbench.planning.collision.world import World
+from workbench.planning.kinematics.wire import on_wire
+from workbench.planning.picking.search import PLANNERS, TRIES, as_sent, edge_check, joint_weights
+from workbench.planning.planners.clock import working_time
 from workbench.studies.targets import Target, drawn_poses, judged
 
 STEPS = 20

@@ -7,9 +7,9 @@ import pinocchio as pin
 
 from workbench.model.cell import Arm, Bin, Cell
 from workbench.model.geometry import pose_from_rpy
-from workbench.planning.contact import Contact
-from workbench.planning.pairing import Phase
-from workbench.planning.world import World
+from workbench.planning.collision.contact import Contact
+from workbench.planning.collision.pairing import Phase
+from workbench.planning.collision.world import World
 from workbench.studies.targets import Target, judged
 
 GRID = (5, 5, 3)

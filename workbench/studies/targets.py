@@ -9,9 +9,9 @@ import pinocchio as pin
 
 from workbench.model.cell import Arm, Bin
 from workbench.model.geometry import Floats, Ints, pose_from_rpy
-from workbench.planning.chain import is_solution
-from workbench.planning.wire import on_wire
-from workbench.planning.world import World
+from workbench.planning.collision.world import World
+from workbench.planning.kinematics.chain import is_solution
+from workbench.planning.kinematics.wire import on_wire
 
 TILT = np.deg2rad(20.0)
 """[rad] The tool points straight down but for up to this turn about y, to either side."""

@@ -12,14 +12,14 @@ from typing import Any
 
 import numpy as np
 
-from workbench.app.pick import plan_pick
-from workbench.app.plan_result import PlanResult
-from workbench.formats.cells import read_cell
+from workbench.app.core.plan_result import PlanResult
+from workbench.app.picking.pipeline import plan_pick
+from workbench.formats.cells.reading import read_cell
 from workbench.model.cell import Cell
 from workbench.model.plan import Strategy
 from workbench.model.prediction import Forecast, Predictions
 from workbench.model.scan import Detection
-from workbench.perception.piles import drop_parts
+from workbench.perception.simulation.piles import drop_parts
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,0 +1,386 @@
+"""No sequence of commands, however odd, sends without a fresh and matching approval."""
+
+import dataclasses
+from typing import Any, ClassVar
+
+import numpy as np
+from hypothesis import settings
+from hypothesis import strategies as st
+from hypothesis.stateful import (
+    RuleBasedStateMachine,
+    initialize,
+    invariant,
+    rule,
+    run_state_machine_as_test,
+)
+from line import NOW, Line
+
+from workbench.app.core.commands import (
+    AcknowledgeFault,
+    Approve,
+    CancelJob,
+    ChangeCell,
+    Command,
+    FindParts,
+    ForgetAvoided,
+    JobEnded,
+    LinkEnded,
+    MakePlan,
+    Opened,
+    ReportPick,
+    SendPlan,
+    Sent,
+    Stop,
+    TakeScan,
+    UseDetections,
+    UseScan,
+    WantThreshold,
+    WatchPlan,
+)
+from workbench.app.core.effects import Send, StartJob
+from workbench.app.core.rights import ROBOT_LINK, SESSION_START
+from workbench.app.core.rules import staleness
+from workbench.app.core.state import Phase, State
+from workbench.model.digest import digest_of
+from workbench.model.errors import CommandRefused, InputError
+from workbench.model.geometry import pose_from_rpy
+from workbench.model.plan import UNSIGNED
+from workbench.model.release import Receipt
+
+RECEIPT = Receipt(NOW, "right", "start", "startR#", 1, 4)
+SEEDS = st.integers(0, 2)
+
+
+class AnySequence(RuleBasedStateMachine):
+    """People and machines do whatever they like, in any order, with right and wrong values."""
+
+    samples: ClassVar[Any]
+
+    @initialize(steps=st.integers(0, 9), people=st.sampled_from([1, 1, 2, 3]))
+    def begin(self, steps, people):
+        self.people = people
+        self.line = Line(dataclasses.replace(self.samples.cell, approvers=people))
+        self.sent: set[str] = set()
+        self.is_opened_again = False
+        # What was said and shown for each plan, kept by this test alone.
+        self.said: list[tuple[str, str, float]] = []
+        self.shown: set[str] = set()
+        self.threshold_of: dict[str, float] = {}
+        self.threshold = self.asked = 0.2
+        # Pure chance seldom gets far: some sequences begin where a good cycle has led.
+        scan = self.samples.scan()
+        result = self.samples.planned(scan.digest)
+        cycle = (
+            UseScan(scan),
+            FindParts(),
+            JobEnded(2, self.samples.detections()),
+            MakePlan(),
+            JobEnded(4, result),
+            WatchPlan(result.plan.digest),
+            Approve(result.plan.digest),
+            SendPlan(result.plan.digest),
+            LinkEnded("", 1),
+        )
+        for command in cycle[:steps]:
+            self.attempt(command)
+        self.line.effects.clear()
+
+    def attempt(self, command: Command, actor: str = "") -> None:
+        self.line.now += 0.001
+        before, effects = self.line.state, len(self.line.effects)
+        try:
+            after = self.line.do(command, actor)
+        except CommandRefused:
+            assert self.line.state is before
+            return
+        self.note(before, after, command, actor or "ada")
+        self.check_results(before, after, command)
+        if after.approval is not None and after.approval is not before.approval:
+            self.check_approval(before, after, command, actor)
+        sends = [one for one in self.line.effects[effects:] if isinstance(one, Send)]
+        assert (after.phase is Phase.SENDING and before.phase is not Phase.SENDING) == bool(sends)
+        for send in sends:
+            self.check_sending(before, command, send)
+
+    def note(self, before: State, after: State, command: Command, actor: str) -> None:
+        match command:
+            case SendPlan():
+                self.is_opened_again = False
+            case WatchPlan(plan_digest=digest):
+                self.shown.add(digest)
+            case Approve(plan_digest=digest):
+                self.said.append((digest, actor.casefold(), self.line.now))
+            case MakePlan(threshold=threshold):
+                self.threshold = self.asked = threshold
+                self.said.clear()
+            case WantThreshold(threshold=threshold):
+                self.threshold = threshold
+            case TakeScan() | FindParts():
+                self.said.clear()
+            case Opened():
+                self.said.clear()
+                self.shown.clear()
+                self.is_opened_again = True
+                assert after.approval is None and not after.words and not after.watched
+            case _:
+                pass
+        if after.plan is not None and after.plan is not before.plan:
+            # The same plan made again is another one: it has to be looked at again.
+            self.threshold_of[after.plan.digest] = self.asked
+            self.shown.discard(after.plan.digest)
+            self.said.clear()
+
+    # What must never be otherwise, said without the code under test.
+
+    def check_results(self, before: State, after: State, command: Command) -> None:
+        if isinstance(command, JobEnded) and (
+            before.job is None or before.job.number != command.number
+        ):
+            assert dataclasses.replace(after, number=before.number).message == before.message
+            for field in ("scan", "detections", "plan", "proof", "approval", "phase", "job"):
+                assert getattr(after, field) is getattr(before, field)
+
+    def check_approval(self, before: State, after: State, command: Command, actor: str) -> None:
+        assert isinstance(command, Approve)
+        assert (actor or "ada") == after.approval.actor
+        assert len({name.casefold() for name in after.approval.people}) == self.people
+        assert command.plan_digest in self.shown
+        assert before.proof.holds
+        assert before.proof.plan_digest == before.plan.digest == command.plan_digest
+        assert before.plan.scan_digest == before.scene_digest
+        assert before.plan.cell_digest == before.cell.digest
+
+    def check_sending(self, before: State, command: Command, send: Send) -> None:
+        assert isinstance(command, SendPlan)
+        assert before.phase is Phase.APPROVED
+        approval = before.approval
+        assert send.approval is approval
+        assert approval.at <= self.line.now < approval.until
+        assert approval.plan_digest == command.plan_digest == send.plan.digest
+        assert approval.plan_digest == digest_of(send.plan, without=UNSIGNED)
+        assert approval.scan_digest == before.scene_digest == send.plan.scan_digest
+        assert before.proof.holds
+        now, digest = self.line.now, send.plan.digest
+        gave = {name for plan, name, at in self.said if plan == digest and at <= now < at + 300}
+        assert len(gave) >= self.people, "everybody's word is for this plan, and has not lapsed"
+        assert gave >= {name.casefold() for name in approval.people}
+        assert abs(self.line.joints.get("joint_1", 0.0)) <= np.deg2rad(1.0)
+        assert self.threshold == self.threshold_of[digest]
+        assert send.plan.cell_digest == before.cell.digest
+        assert approval.digest not in self.sent, "one approval, one sending"
+        self.sent.add(approval.digest)
+
+    @rule(steps=st.integers(1, 3), holds=st.sampled_from([True, True, False]), seed=SEEDS)
+    def go_on(self, steps, holds, seed):
+        """Do what a sensible person would do next, or let the running task end well."""
+        for _ in range(steps):
+            state = self.line.state
+            if state.job is not None:
+                self.job_ends("right", seed, holds, False)
+                continue
+            digest = state.plan.digest if state.plan is not None else ""
+            sensible = {
+                Phase.IDLE: TakeScan(seed),
+                Phase.SCANNED: FindParts(seed),
+                Phase.LOCALIZED: MakePlan(seed=seed),
+                Phase.PLANNED: Approve(digest) if state.watched else WatchPlan(digest),
+                Phase.APPROVED: SendPlan(digest),
+                Phase.SENDING: LinkEnded("" if holds else "lost", 1),
+                Phase.DONE: TakeScan(seed),
+                Phase.FAULT: AcknowledgeFault(),
+            }
+            command = sensible[state.phase]
+            people = ("ada", "bob", "eve")
+            actor = people[len(state.words) % 3] if isinstance(command, Approve) else "operator"
+            self.attempt(command, ROBOT_LINK if isinstance(command, LinkEnded) else actor)
+
+    @rule(
+        meddle=st.sampled_from(
+            ["nothing", "robot", "threshold", "cell", "scan", "plan", "time", "late"]
+        ),
+        pause=st.sampled_from([0.0, 150.0]),
+        seed=SEEDS,
+    )
+    def hurry(self, meddle, pause, seed):
+        """Get to an approved plan, let one thing go wrong, and send all the same."""
+        for _ in range(12):
+            if self.line.state.phase is Phase.APPROVED:
+                break
+            if self.line.state.words:
+                self.line.now += pause
+            self.go_on(1, True, seed)
+        match meddle:
+            case "robot":
+                self.robot_moves(5.0)
+            case "threshold":
+                self.want_threshold(0.3)
+            case "cell":
+                self.change_cell(1)
+            case "scan":
+                self.use_scan(seed + 1)
+            case "plan":
+                self.plan(seed + 1, 0.2)
+            case "time":
+                self.line.now += 151.0
+            case "late":
+                self.line.now += 301.0
+            case _:
+                pass
+        self.insist_on_sending()
+
+    def insist_on_sending(self):
+        plan = self.line.state.plan
+        self.attempt(SendPlan(plan.digest if plan is not None else "0" * 64), "ada")
+
+    @rule(seed=SEEDS, parts=st.integers(0, 3))
+    def scan(self, seed, parts):
+        self.attempt(TakeScan(seed, parts))
+
+    @rule(seed=SEEDS)
+    def use_scan(self, seed):
+        self.attempt(UseScan(self.samples.scan(seed)))
+
+    @rule(seed=SEEDS)
+    def find(self, seed):
+        self.attempt(FindParts(seed))
+
+    @rule(seed=SEEDS)
+    def use_detections(self, seed):
+        self.attempt(UseDetections(self.samples.detections(seed)))
+
+    @rule(seed=SEEDS, threshold=st.sampled_from([0.2, 0.3, float("nan")]))
+    def plan(self, seed, threshold):
+        self.attempt(MakePlan("auto", threshold, seed))
+
+    @rule(
+        kind=st.sampled_from(["right", "right", "right", "wrong", "late", "error"]),
+        seed=SEEDS,
+        holds=st.sampled_from([True, True, False]),
+        other_scan=st.sampled_from([False, False, True]),
+    )
+    def job_ends(self, kind, seed, holds, other_scan):
+        job = self.line.state.job
+        number = job.number if job is not None else 1
+        scene = "0" * 64 if other_scan else self.line.state.scene_digest
+        results = {
+            "scan": self.samples.scan(seed),
+            "localize": self.samples.detections(seed),
+            "plan": self.samples.planned(scene, seed, holds=holds),
+        }
+        name = job.name if job is not None else "plan"
+        match kind:
+            case "right":
+                self.attempt(JobEnded(number, results[name]))
+            case "wrong":
+                self.attempt(JobEnded(number, results["scan" if name == "plan" else "plan"]))
+            case "late":
+                self.attempt(JobEnded(number - 1, results[name]))
+            case _:
+                self.attempt(JobEnded(number, InputError("no")))
+
+    @rule(
+        actor=st.sampled_from(["ada", "ADA", "bob", "eve", "", "worker"]),
+        wrong=st.sampled_from([0, 0, 1]),
+    )
+    def approve(self, actor, wrong):
+        plan = self.line.state.plan
+        digest = plan.digest if plan is not None and not wrong else "0" * 64
+        allowed_actor = actor or " "
+        self.attempt(Approve(digest), allowed_actor)
+
+    @rule(
+        actor=st.sampled_from(["ada", "bob", "robot link"]),
+        wait=st.sampled_from([0.0, 1.0, 299.0, 301.0, -2.0]),
+    )
+    def send(self, actor, wait):
+        self.line.now += wait
+        plan = self.line.state.plan
+        self.attempt(SendPlan(plan.digest if plan is not None else "0" * 64), actor)
+
+    @rule(actor=st.sampled_from(["ada", "bob", "operator", "worker"]))
+    def watch(self, actor):
+        plan = self.line.state.plan
+        self.attempt(WatchPlan(plan.digest if plan is not None else "0" * 64), actor)
+
+    @rule(threshold=st.sampled_from([0.2, 0.2, 0.3, -1.0]))
+    def want_threshold(self, threshold):
+        self.attempt(WantThreshold(threshold))
+
+    @rule(degrees=st.sampled_from([None, 0.0, 0.0, 0.5, 5.0]))
+    def robot_moves(self, degrees):
+        self.line.joints = {} if degrees is None else {"joint_1": np.deg2rad(degrees)}
+
+    @rule(millimetres=st.integers(0, 2))
+    def change_cell(self, millimetres):
+        cell = self.line.state.cell
+        away = pose_from_rpy((millimetres / 1000, 0.0, 0.0))
+        moved = dataclasses.replace(cell.bin, T_world_bin=away)
+        self.attempt(ChangeCell(dataclasses.replace(cell, bin=moved), "the bin is moved"))
+
+    @rule(detection=st.integers(0, 1), is_picked=st.booleans())
+    def outcome(self, detection, is_picked):
+        self.attempt(ReportPick(detection, is_picked))
+
+    @rule()
+    def insist(self):
+        """Approve and send what is there, whatever the phase."""
+        plan = self.line.state.plan
+        if plan is not None:
+            self.attempt(SendPlan(plan.digest), "ada")
+            self.attempt(Approve(plan.digest), "ada")
+            self.attempt(SendPlan(plan.digest), "ada")
+
+    @rule()
+    def message_goes_out(self):
+        self.attempt(Sent(RECEIPT))
+
+    @rule(fault=st.sampled_from(["", "lost"]), actor=st.sampled_from(["", "ada"]))
+    def link_ends(self, fault, actor):
+        self.attempt(LinkEnded(fault, 1), actor)
+
+    @rule()
+    def opened_again(self):
+        """As a bench does it, where a session is continued."""
+        if self.line.state.phase is Phase.SENDING:
+            self.attempt(LinkEnded("ended while sending", 0))
+        self.attempt(Opened(), SESSION_START)
+
+    @rule(command=st.sampled_from([Stop(), CancelJob(), AcknowledgeFault(), ForgetAvoided()]))
+    def interrupt(self, command):
+        self.attempt(command)
+
+    @invariant()
+    def what_stands_together_belongs_together(self):
+        if not hasattr(self, "line"):
+            return
+        state = self.line.state
+        assert (state.phase is Phase.FAULT) == bool(state.fault)
+        if state.approval is not None:
+            assert state.plan is not None
+            assert not staleness(
+                state.approval, state.plan, state.cell, state.scene_digest, state.approval.at
+            )
+        if state.phase is Phase.APPROVED:
+            assert state.approval is not None
+        if state.phase in (Phase.SENDING, Phase.FAULT):
+            assert state.job is None
+            # What was spent stays to be seen until the session is opened again.
+            assert (state.approval is None) == self.is_opened_again
+
+    @invariant()
+    def a_stage_leaves_the_digests_of_its_inputs_alone(self):
+        if not hasattr(self, "line"):
+            return
+        for effect in self.line.effects:
+            if isinstance(effect, StartJob) and "scan" in effect.arguments:
+                scan = effect.arguments["scan"]
+                if scan is None:
+                    continue
+                assert digest_of(scan, without=frozenset({"at", "source"})) == scan.digest
+
+
+def test_no_sequence_of_commands_sends_without_a_fresh_matching_approval(samples):
+    AnySequence.samples = samples
+    run_state_machine_as_test(
+        AnySequence, settings=settings(max_examples=300, stateful_step_count=30, deadline=None)
+    )

@@ -1,0 +1,17 @@
+"""What differs between two cells is told in an order that does not change from run to run."""
+
+from dataclasses import replace
+
+import pinocchio as pin
+
+from workbench.app.core.differences import difference
+from workbench.model.cell import Fixture
+
+
+def test_fixtures_are_told_in_the_order_of_the_cells(cell):
+    names = [f"fixture {number}" for number in range(20)]
+    full = replace(cell, fixtures=tuple(Fixture(n, pin.SE3.Identity(), ()) for n in names))
+    gone = "fixture 0 was taken away, fixture 1 was taken away, fixture 2 was taken away"
+    assert difference(full, cell) == f"{gone}, 17 more differences"
+    come = "fixture 0 was added, fixture 1 was added, fixture 2 was added"
+    assert difference(cell, full) == f"{come}, 17 more differences"

@@ -1,0 +1,178 @@
+"""Failed parts are left alone for a while, and too many failures stop the cycle."""
+
+from dataclasses import replace
+
+import numpy as np
+import pinocchio as pin
+import pytest
+from line import NOW, Line
+
+from workbench.app.core.commands import (
+    AcknowledgeFault,
+    Approve,
+    FindParts,
+    ForgetAvoided,
+    LinkEnded,
+    MakePlan,
+    ReportPick,
+    SendPlan,
+    TakeScan,
+    UseScan,
+    WatchPlan,
+)
+from workbench.app.core.outcomes import AVOID_SCANS, MOST_FAILURES, avoided_parts
+from workbench.app.core.state import Phase
+from workbench.model.errors import CommandRefused
+from workbench.model.release import PartReport
+from workbench.model.scan import Detection
+
+
+@pytest.fixture
+def line(cell) -> Line:
+    return Line(cell)
+
+
+def send(line, samples) -> None:
+    """A cycle until its plan is on its way."""
+    line.do(TakeScan())
+    line.ended(samples.scan())
+    line.do(FindParts())
+    line.ended(samples.detections())
+    line.do(MakePlan())
+    digest = line.ended(samples.planned(line.state.scene_digest)).plan.digest
+    line.do(WatchPlan(digest))
+    line.do(Approve(digest))
+    line.do(SendPlan(digest))
+
+
+def cycle(line, samples) -> None:
+    """One whole cycle, all of it well as far as the controller knows."""
+    send(line, samples)
+    line.do(LinkEnded(parts_placed=1))
+
+
+def refused(line, command, actor="ada") -> str:
+    with pytest.raises(CommandRefused) as caught:
+        line.do(command, actor)
+    return str(caught.value)
+
+
+def test_a_person_or_the_robot_link_says_what_became_of_a_part(line, samples):
+    cycle(line, samples)
+    state = line.do(ReportPick(0, True), "robot link")
+    assert state.message == "part-1 was picked, says robot link"
+    state = line.do(ReportPick(0, False, "it fell"), "ada")
+    (outcome,) = state.outcomes
+    assert (outcome.is_picked, outcome.by, outcome.why) == (False, "ada", "it fell")
+    assert state.message == "part-1 failed, says ada: it fell"
+
+
+@pytest.mark.parametrize(
+    ("command", "expected"),
+    [
+        (ReportPick(7, True), "does not take that part; it takes part-1"),
+        (ReportPick(0, "yes"), "is neither"),
+        (ReportPick(0, False, "x" * 201), "up to 200"),
+        (ReportPick(0, False, "a\nb"), "printable"),
+    ],
+)
+def test_outcomes_that_make_no_sense_are_refused(line, samples, command, expected):
+    cycle(line, samples)
+    assert expected in refused(line, command)
+
+
+def test_an_outcome_needs_something_sent_and_is_taken_once(line, samples):
+    assert "nothing was sent" in refused(line, ReportPick(0, True))
+    cycle(line, samples)
+    line.do(ReportPick(0, True))
+    assert "ada has said so already" in refused(line, ReportPick(0, True), "bob")
+
+
+def test_a_failed_part_is_avoided_where_it_lies_for_some_scans(line, samples):
+    cycle(line, samples)
+    line.do(ReportPick(0, False, "slipped"))
+    for number in range(AVOID_SCANS):
+        line.do(UseScan(samples.scan(number)))
+        line.do(FindParts())
+        line.ended(samples.detections())
+        line.do(MakePlan())
+        assert line.effects[-1].arguments["avoided"] == (
+            (0, "avoided since its pick failed, slipped"),
+        )
+        line.ended(samples.refused())
+    line.do(UseScan(samples.scan(9)))
+    assert line.state.avoided == ()
+
+
+def test_a_part_elsewhere_or_of_another_kind_is_not_avoided(line, samples):
+    cycle(line, samples)
+    state = line.do(ReportPick(0, False))
+    (one,) = state.detections
+    beside = Detection("peg", one.T_world_part * pin.SE3(np.eye(3), np.array([0.0, 0.0, 0.016])))
+    near = Detection("peg", one.T_world_part * pin.SE3(np.eye(3), np.array([0.0, 0.0, 0.014])))
+    other = replace(one, part="gear")
+    found = replace(state, detections=(beside, near, other))
+    assert [number for number, _ in avoided_parts(found, NOW)] == [1]
+
+
+def test_a_moved_bin_takes_its_failed_parts_along(line, samples):
+    cycle(line, samples)
+    state = line.do(ReportPick(0, False))
+    T = pin.SE3(pin.utils.rotate("z", 0.3), np.array([0.1, 0.0, 0.0]))
+    bin_ = replace(state.cell.bin, T_world_bin=T * state.cell.bin.T_world_bin)
+    (one,) = state.detections
+    moved = Detection("peg", T * one.T_world_part)
+    found = replace(state, cell=replace(state.cell, bin=bin_), detections=(one, moved))
+    assert [number for number, _ in avoided_parts(found, NOW)] == [1]
+
+
+def test_avoiding_ends_with_time_and_by_a_word(line, samples):
+    cycle(line, samples)
+    line.do(ReportPick(0, False))
+    assert avoided_parts(line.state, NOW + 599) and not avoided_parts(line.state, NOW + 600)
+    assert line.do(ForgetAvoided()).avoided == ()
+    assert "nothing is avoided" in refused(line, ForgetAvoided())
+
+
+def test_a_part_picked_after_all_is_not_avoided(line, samples):
+    cycle(line, samples)
+    line.do(ReportPick(0, False))
+    state = line.do(ReportPick(0, True))
+    assert (state.avoided, state.failures) == ((), 0)
+
+
+def test_failures_in_a_row_stop_the_cycle_until_somebody_has_looked(line, samples):
+    for number in range(1, MOST_FAILURES + 1):
+        cycle(line, samples)
+        state = line.do(ReportPick(0, False))
+        assert state.failures == number
+    assert state.phase is Phase.FAULT
+    assert "3 picks in a row have failed" in state.fault
+    assert "3 picks in a row have failed" in refused(line, TakeScan())
+    state = line.do(AcknowledgeFault())
+    assert (state.phase, state.failures) == (Phase.IDLE, 0)
+
+
+def test_a_failure_that_a_person_has_reported_before_the_link_counts_once(line, samples):
+    send(line, samples)
+    line.do(ReportPick(0, False, "it fell"), "bob")
+    state = line.do(LinkEnded(parts=(PartReport("right", 0, False, "no vacuum"),)))
+    assert (state.failures, len(state.avoided)) == (1, 1)
+    (outcome,) = state.outcomes
+    assert (outcome.by, outcome.why) == ("bob", "it fell")
+
+
+def test_a_picked_part_breaks_the_row(line, samples):
+    for is_picked in (False, False, True, False):
+        cycle(line, samples)
+        line.do(ReportPick(0, is_picked))
+    assert (line.state.phase, line.state.failures) == (Phase.DONE, 1)
+
+
+def test_what_a_gripper_says_while_sending_stops_the_cycle_at_its_end(line, samples):
+    for _ in range(MOST_FAILURES - 1):
+        cycle(line, samples)
+        line.do(ReportPick(0, False))
+    send(line, samples)
+    assert line.do(ReportPick(0, False, "no vacuum"), "robot link").phase is Phase.SENDING
+    assert line.do(LinkEnded()).phase is Phase.FAULT

@@ -1,0 +1,243 @@
+"""Nothing goes out before it was watched, by enough people, from where the robot stands."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from line import NOW, Line
+
+from workbench.app.core.cell_changes import cell_read
+from workbench.app.core.commands import (
+    Approve,
+    CellRead,
+    ChangeCell,
+    FindParts,
+    MakePlan,
+    SendPlan,
+    TakeScan,
+    UndoCell,
+    UseScan,
+    WantThreshold,
+    WatchPlan,
+)
+from workbench.app.core.effects import Send
+from workbench.app.core.release import is_same_person, moved_away, start_of
+from workbench.app.core.rules import approve, staleness
+from workbench.app.core.state import Phase
+from workbench.model.errors import CommandRefused
+from workbench.model.geometry import pose_from_rpy
+
+
+def planned_line(samples, cell) -> Line:
+    line = Line(cell)
+    line.do(TakeScan())
+    scan = samples.scan()
+    line.ended(scan)
+    line.do(FindParts())
+    line.ended(samples.detections())
+    line.do(MakePlan(threshold=0.2))
+    line.ended(samples.planned(scan.digest))
+    return line
+
+
+@pytest.fixture
+def line(samples, cell) -> Line:
+    return planned_line(samples, cell)
+
+
+@pytest.fixture
+def watched(line) -> Line:
+    line.do(WatchPlan(line.state.plan.digest))
+    return line
+
+
+@pytest.fixture
+def by_two(samples, cell) -> Line:
+    """A watched plan in a cell that wants two people; its digest is that of the cell with one."""
+    line = planned_line(samples, replace(cell, approvers=2))
+    line.do(WatchPlan(line.state.plan.digest), "operator")
+    return line
+
+
+def refused(line, command, actor="ada") -> str:
+    with pytest.raises(CommandRefused) as caught:
+        line.do(command, actor)
+    return str(caught.value)
+
+
+def moved(cell, millimetres):
+    away = pose_from_rpy(cell.bin.T_world_bin.translation + [millimetres / 1000, 0, 0])
+    return replace(cell, bin=replace(cell.bin, T_world_bin=away))
+
+
+# -- the preview
+
+
+def test_a_plan_that_nobody_has_watched_is_not_approved(line):
+    digest = line.state.plan.digest
+    assert "has not been played to its end" in refused(line, Approve(digest))
+    line.do(WatchPlan(digest), "bob")
+    assert "has not been played to its end" in refused(line, Approve(digest), "ada")
+    assert line.do(Approve(digest), "Bob").phase is Phase.APPROVED
+
+
+def test_what_played_in_a_browser_without_a_login_was_watched_by_whoever_was_there(line):
+    digest = line.state.plan.digest
+    line.do(WatchPlan(digest), "operator")
+    line.do(WatchPlan(digest), "operator")
+    assert line.state.watched == ("operator",)
+    assert line.do(Approve(digest), "ada").phase is Phase.APPROVED
+
+
+def test_another_plan_has_to_be_watched_again(watched, samples):
+    watched.do(MakePlan(seed=1))
+    other = samples.planned(watched.state.scene_digest, seed=1)
+    watched.ended(other)
+    assert watched.state.watched == ()
+    assert "has not been played" in refused(watched, Approve(other.plan.digest))
+    assert "the current plan is" in refused(watched, WatchPlan("0" * 64))
+
+
+# -- two people
+
+
+def test_the_number_of_people_changes_no_plan(cell):
+    assert replace(cell, approvers=2).digest == cell.digest
+
+
+def test_the_first_of_two_words_is_kept_and_the_second_approves(by_two):
+    digest = by_two.state.plan.digest
+    state = by_two.do(Approve(digest), "Ada")
+    assert (state.phase, state.approval) == (Phase.PLANNED, None)
+    assert state.message == "approved by Ada, 1 of 2 people"
+    assert "have the plan approved first" in refused(by_two, SendPlan(digest))
+    by_two.now += 60
+    state = by_two.do(Approve(digest), "Bob")
+    assert state.phase is Phase.APPROVED
+    assert state.approval.people == ("Ada", "Bob")
+    assert state.approval.until == NOW + 300, "the first word decides the end"
+    assert by_two.do(SendPlan(digest)).phase is Phase.SENDING
+
+
+@pytest.mark.parametrize("name", ["Ada", "ada", " ADA ", "Ａｄａ"])
+def test_one_person_does_not_count_twice(by_two, name):
+    digest = by_two.state.plan.digest
+    by_two.do(Approve(digest), "Ada")
+    assert "has approved already; 2 different people have to" in refused(
+        by_two, Approve(digest), name
+    )
+    assert is_same_person("Ada  Lovelace", "ada lovelace")
+    assert not is_same_person("Ada", "Adam")
+
+
+def test_a_first_word_lapses_and_the_second_becomes_the_first(by_two):
+    digest = by_two.state.plan.digest
+    by_two.do(Approve(digest), "Ada")
+    by_two.now += 301
+    state = by_two.do(Approve(digest), "Bob")
+    assert state.approval is None
+    assert [word.actor for word in state.words] == ["Bob"]
+    assert by_two.do(Approve(digest), "Ada").approval.people == ("Bob", "Ada")
+
+
+def test_words_do_not_outlive_the_plan_they_were_given_for(by_two, samples):
+    by_two.do(Approve(by_two.state.plan.digest), "Ada")
+    by_two.do(MakePlan())
+    by_two.ended(samples.planned(by_two.state.scene_digest))
+    by_two.do(WatchPlan(by_two.state.plan.digest), "operator")
+    state = by_two.do(Approve(by_two.state.plan.digest), "Bob")
+    assert (state.approval, len(state.words)) == (None, 1)
+
+
+def test_an_approval_by_one_does_not_do_for_two(by_two, cell):
+    state = by_two.state
+    with pytest.raises(CommandRefused, match="wants 2 different people"):
+        approve(state.cell, state.plan, state.proof, "ada", NOW)
+    one = approve(cell, state.plan, state.proof, "ada", NOW)
+    said = staleness(one, state.plan, state.cell, state.scene_digest, NOW)
+    assert "wants 2 different people" in said
+
+
+def test_a_cell_file_that_wants_more_people_takes_an_approval_back(watched, cell):
+    digest = watched.state.plan.digest
+    watched.do(Approve(digest))
+    state = watched.do(CellRead(replace(cell, approvers=2)), "cell file")
+    assert (state.phase, state.approval, state.cell.approvers) == (Phase.PLANNED, None, 2)
+    assert state.plan.digest == digest, "nothing else has changed"
+    assert state.message == "2 different people have to approve a plan now"
+
+
+def test_no_change_on_the_page_and_no_undo_asks_fewer_people(watched, cell):
+    watched.do(ChangeCell(moved(cell, 5), "the bin was moved"))
+    watched.do(CellRead(replace(watched.state.cell, approvers=2)), "cell file")
+    assert watched.do(UndoCell()).cell.approvers == 2
+    assert watched.do(ChangeCell(moved(cell, 7), "moved again")).cell.approvers == 2
+    state, _ = cell_read(watched.state, CellRead(replace(moved(cell, 9), approvers=3)))
+    assert (state.cell.approvers, state.cell.digest) == (3, moved(cell, 9).digest)
+
+
+# -- where the robot stands
+
+
+def test_a_plan_starts_where_its_first_leg_does(line):
+    assert start_of(line.state.cell, line.state.plan, "right") == pytest.approx([0.0])
+
+
+@pytest.mark.parametrize(("degrees", "is_away"), [(0.0, False), (0.9, False), (1.1, True)])
+def test_a_robot_elsewhere_makes_the_plan_stale_and_says_by_how_much(watched, degrees, is_away):
+    digest = watched.state.plan.digest
+    watched.do(Approve(digest))
+    watched.joints = {"joint_1": -np.deg2rad(degrees)}
+    if not is_away:
+        assert watched.do(SendPlan(digest)).phase is Phase.SENDING
+        return
+    said = refused(watched, SendPlan(digest))
+    assert "axis 1 of the right arm stands 1.1 degrees from where the plan starts" in said
+    assert said in refused(watched, Approve(digest))
+    watched.joints = {"joint_1": 0.0}
+    assert watched.do(SendPlan(digest)).phase is Phase.SENDING
+
+
+def test_a_joint_whose_report_is_no_number_does_not_let_a_plan_out(watched):
+    digest = watched.state.plan.digest
+    watched.do(Approve(digest))
+    watched.joints = {"joint_1": float("nan")}
+    assert "axis 1 of the right arm" in refused(watched, SendPlan(digest))
+
+
+def test_joints_that_nobody_reports_are_not_compared(line):
+    assert moved_away(line.state.cell, line.state.plan, {"other": 3.0}) == ""
+
+
+# -- the threshold, the scan, the cell
+
+
+def test_another_threshold_makes_the_plan_stale_until_it_is_the_same_again(watched):
+    digest = watched.state.plan.digest
+    watched.do(Approve(digest))
+    watched.do(WantThreshold(0.15))
+    said = refused(watched, SendPlan(digest))
+    assert "made with a threshold of 200 mm, now it is 150 mm" in said
+    assert said == refused(watched, Approve(digest))
+    watched.do(WantThreshold(0.2))
+    assert watched.do(SendPlan(digest)).phase is Phase.SENDING
+
+
+def test_a_plan_with_the_new_threshold_is_fresh(watched, samples):
+    watched.do(WantThreshold(0.15))
+    watched.do(MakePlan(threshold=0.15))
+    state = watched.ended(samples.planned(watched.state.scene_digest))
+    watched.do(WatchPlan(state.plan.digest))
+    assert watched.do(Approve(state.plan.digest)).phase is Phase.APPROVED
+
+
+def test_the_state_says_what_has_overtaken_the_plan(watched, cell, samples):
+    digest = watched.state.plan.digest[:12]
+    before = watched.state
+    state = watched.do(ChangeCell(moved(cell, 5), "the bin is moved"))
+    assert state.stale == f"plan {digest} is stale: the bin was moved by 5.0 mm"
+    watched.state = before
+    state = watched.do(UseScan(samples.scan(3)))
+    assert state.stale == f"plan {digest} is stale: there is a newer scan"
+    assert (state.plan, state.approval, state.watched, state.words) == (None, None, (), ())
+    assert not [effect for effect in watched.effects if isinstance(effect, Send)]

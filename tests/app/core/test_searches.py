@@ -1,0 +1,98 @@
+"""Searches in one scan side by side, who changed what was found, and the check of the bin."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from idle import Idle
+
+from workbench.app.core.commands import (
+    ChangeCell,
+    FindParts,
+    JobEnded,
+    TakeScan,
+    UseDetections,
+    UseScan,
+)
+from workbench.app.core.rights import WORKER
+from workbench.app.runtime.bench import Bench
+from workbench.journal.journal import Journal
+from workbench.model.errors import CommandRefused
+from workbench.model.geometry import pose_from_rpy
+from workbench.model.search import SearchWishes
+
+
+@pytest.fixture
+def clock():
+    return [1000.0]
+
+
+@pytest.fixture
+def bench(cell, tmp_path, clock):
+    bench = Bench(cell, Journal(tmp_path / "s"), now=lambda: clock[0], effects=Idle)
+    yield bench
+    bench.close()
+
+
+def search(bench, clock, found, command=None, seconds=0.5):
+    number = bench.do(command or FindParts(), "ada").number
+    clock[0] += seconds
+    return bench.do(JobEnded(number, found), WORKER)
+
+
+def test_searches_in_a_scan_are_kept_and_one_is_taken(bench, samples, clock):
+    bench.do(UseScan(samples.scan()), "ada")
+    first, second = samples.detections(1), samples.detections(2)
+    search(bench, clock, first)
+    state = search(bench, clock, second, FindParts(4, SearchWishes(1.5, 0.2)), 2.0)
+    one, other = state.searches
+    assert (one.detections, one.seed, one.seconds) == (first, 0, pytest.approx(0.5))
+    assert (other.wishes, other.seed) == (SearchWishes(1.5, 0.2), 4)
+    assert other.seconds == pytest.approx(2.0)
+    assert state.detections is second
+    state = bench.do(UseDetections(one.detections, "search 1 is taken"), "ben")
+    assert state.searches == (one, other) and state.scan is not None
+    assert [(r.by, r.says) for r in state.remarks] == [("ben", "search 1 is taken")]
+    assert state.message == "search 1 is taken, by ben"
+    state = bench.do(UseScan(samples.scan(seed=3)), "ada")
+    assert state.searches == () and state.remarks == ()
+
+
+def test_remarks_gather_until_parts_are_found_anew(bench, samples, clock):
+    bench.do(UseScan(samples.scan()), "ada")
+    for name, says in (("ada", "part-1 was corrected by hand"), ("ben", "a part was added")):
+        clock[0] += 10
+        state = bench.do(UseDetections(samples.detections(), says), name)
+    assert [(r.by, r.at) for r in state.remarks] == [("ada", 1010.0), ("ben", 1020.0)]
+    assert search(bench, clock, samples.detections()).remarks == ()
+
+
+@pytest.mark.parametrize(
+    "wishes", [SearchWishes(0.1), SearchWishes(9.0), SearchWishes(1, 1.5), SearchWishes(np.nan)]
+)
+def test_wishes_out_of_range_are_refused(bench, samples, wishes):
+    bench.do(UseScan(samples.scan()), "ada")
+    with pytest.raises(CommandRefused, match="must lie between"):
+        bench.do(FindParts(0, wishes), "ada")
+
+
+def test_the_check_of_the_bin_follows_scan_and_cell(bench, samples):
+    assert bench.state.bin_check is None
+    state = bench.do(UseScan(samples.scan()), "ada")
+    assert state.bin_check is not None and state.bin_check.T_world_bin is None
+    moved = replace(bench.cell, bin=replace(bench.cell.bin, T_world_bin=pose_from_rpy((1, 0, 0))))
+    after = bench.do(ChangeCell(moved, "moved"), "ada")
+    assert after.scan is state.scan and after.bin_check is not state.bin_check
+    assert bench.do(TakeScan(), "ada").bin_check is after.bin_check
+
+
+def test_the_session_tells_the_same_when_it_is_read_again(bench, samples, clock, tmp_path):
+    bench.do(UseScan(samples.scan()), "ada")
+    search(bench, clock, samples.detections(), FindParts(2, SearchWishes(0.5)))
+    bench.do(UseDetections(samples.detections(), "part-1 was corrected by hand"), "ben")
+    before = bench.state
+    bench.close()
+    again = Bench(bench.cell, Journal(tmp_path / "s"), effects=Idle)
+    assert again.state.searches[0].wishes == SearchWishes(0.5)
+    assert again.state.remarks == before.remarks
+    again.close()

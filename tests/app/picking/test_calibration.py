@@ -1,0 +1,155 @@
+"""Sightings of the plate in the state: taken, left out, kept, recorded, computed again."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from workbench.app.core.commands import ChangeCell, JobEnded, SightPlate, UndoCell, UseSightings
+from workbench.app.core.rights import WORKER
+from workbench.app.core.value_checks import MOST_SIGHTINGS
+from workbench.app.picking.calibration import (
+    calibrated,
+    moved_by,
+    simulated_sight,
+    suggested_poses,
+    with_calibration,
+)
+from workbench.app.review.recompute import recomputed
+from workbench.app.runtime.bench import Bench
+from workbench.app.runtime.live import Live
+from workbench.app.runtime.work import JOBS
+from workbench.formats.cells.reading import read_cell
+from workbench.journal.journal import Journal
+from workbench.model.calibration import BallPlate
+from workbench.model.errors import CommandRefused, InputError
+from workbench.model.geometry import pose_from_rpy
+from workbench.perception.calibration.balls import sight_plate
+
+PLATE = BallPlate()
+WRONG = pose_from_rpy((0.012, -0.008, 0.015), np.deg2rad((1.2, -0.8, 1.5)))
+
+
+class Worker:
+    """Does each job at once, when it is told to answer."""
+
+    def __init__(self, cell, do, now):
+        self.live, self.jobs, self.cell = Live(), [], cell
+
+    def run(self, effect):
+        self.jobs.append(effect)
+
+    def close(self):
+        pass
+
+
+@pytest.fixture(scope="module")
+def yumi():
+    return read_cell("yumi")
+
+
+@pytest.fixture(scope="module")
+def poses(yumi):
+    return suggested_poses(yumi, yumi.arms[0], PLATE, 5, seed=0)
+
+
+@pytest.fixture(scope="module")
+def sightings(yumi, poses):
+    arm = yumi.arms[0]
+    return tuple(
+        sight_plate(
+            simulated_sight(yumi, arm, q, PLATE, seed=k), PLATE, f"pose {k + 1}", arm.name, q
+        )
+        for k, q in enumerate(poses)
+    )
+
+
+@pytest.fixture
+def bench(yumi, tmp_path):
+    bench = Bench(yumi, Journal(tmp_path / "session"), effects=Worker)
+    yield bench
+    bench.close()
+
+
+def test_the_suggested_poses_are_seen_and_different(yumi, poses):
+    assert len(poses) == 5
+    lower, upper, _ = yumi.robot.limits(yumi.arms[0].joints)
+    for q in poses:
+        assert np.all((q >= lower) & (q <= upper))
+    assert np.abs(poses[0] - poses[1]).max() > 0.1
+
+
+def test_a_scanner_that_hangs_elsewhere_is_found(yumi, sightings):
+    mount = replace(yumi.scanner, T_world_scanner=yumi.scanner.T_world_scanner * WRONG)
+    wrong = replace(yumi, scanner=mount)
+    found = calibrated(wrong, sightings)
+    off = yumi.scanner.T_world_scanner.actInv(found.T_world_scanner)
+    assert np.linalg.norm(off.translation) < 0.0008
+    distance, angle, shift = moved_by(wrong, found)
+    assert distance == pytest.approx(np.linalg.norm(WRONG.translation), abs=0.001)
+    assert angle == pytest.approx(np.deg2rad(2.08), abs=0.002)
+    assert 0.02 < shift < 0.05
+    after = with_calibration(wrong, found, 1_000.4, "ada")
+    assert (after.scanner.calibration.by, after.scanner.calibration.at) == ("ada", 1000.0)
+    assert moved_by(after, found)[0] < 1e-12
+
+
+def test_sightings_of_two_plates_or_of_none_are_refused(yumi, sightings):
+    with pytest.raises(InputError, match="no pose was scanned"):
+        calibrated(yumi, ())
+    other = replace(sightings[1], plate=BallPlate(0.015, np.array([0.09, 0.1, 0.12])))
+    with pytest.raises(InputError, match="of another plate"):
+        calibrated(yumi, (sightings[0], other, *sightings[2:]))
+
+
+def test_a_pose_is_scanned_recorded_and_computed_again(bench, poses, tmp_path):
+    state = bench.do(SightPlate("right", poses[0], PLATE, seed=3), "ada")
+    (job,) = bench._effects.jobs
+    assert (state.job.name, job.arguments["name"]) == ("sight", "pose 1")
+    seen = JOBS["sight"](bench.cell, job.arguments, lambda done, note: None, lambda: False)
+    state = bench.do(JobEnded(state.number, seen), WORKER)
+    assert [one.name for one in state.sightings] == ["pose 1"] and "pose 1" in state.message
+    left = replace(state.sightings[0], is_used=False)
+    state = bench.do(UseSightings((left,), "pose 1 is left out"), "ada")
+    assert not state.sightings[0].is_used
+    bench.close()
+    journal = Journal(tmp_path / "session")
+    assert [(one.task, one.says) for one in recomputed(journal)] == [("sight", "equal")]
+    again = Bench(bench.cell, journal, effects=Worker)
+    assert np.array_equal(again.state.sightings[0].balls, seen.balls)
+    again.close()
+
+
+def test_poses_stay_when_the_cell_changes_and_a_calibration_is_undone(bench, sightings):
+    bench.do(UseSightings(sightings, "from elsewhere"), "ada")
+    found = calibrated(bench.state.cell, sightings)
+    before = bench.state.cell.digest
+    state = bench.do(ChangeCell(with_calibration(bench.cell, found, 5.0, "ada"), "calib"), "ada")
+    assert state.cell.scanner.calibration is not None and len(state.sightings) == 5
+    state = bench.do(UndoCell(), "ada")
+    assert state.cell.digest == before and state.cell.scanner.calibration is None
+
+
+def test_so_many_poses_are_taken_and_no_more(bench, poses, sightings):
+    many = tuple(replace(sightings[0], name=f"pose {k}") for k in range(MOST_SIGHTINGS))
+    bench.do(UseSightings(many, "from elsewhere"), "ada")
+    with pytest.raises(CommandRefused, match="remove one of them first"):
+        bench.do(SightPlate("right", poses[0], PLATE), "ada")
+    bench.do(UseSightings(many[1:], "pose 0 is removed"), "ada")
+    assert bench.do(SightPlate("right", poses[0], PLATE), "ada").job is not None
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        SightPlate("middle", np.zeros(7), PLATE),
+        SightPlate("right", np.zeros(3), PLATE),
+        SightPlate("right", np.full(7, 100.0), PLATE),
+        SightPlate("right", np.full(7, np.nan), PLATE),
+        SightPlate("right", np.zeros(7), PLATE, seed=-1),
+    ],
+)
+def test_what_no_arm_can_do_is_refused(bench, command):
+    with pytest.raises(CommandRefused):
+        bench.do(command, "ada")
+    assert bench.state.job is None

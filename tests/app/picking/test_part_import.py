@@ -1,0 +1,130 @@
+"""A CAD file becomes a part of the cell, as a task, with the files that a shell would have made."""
+
+import shutil
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trimesh
+from idle import Idle
+from waiting import PATIENCE
+
+from workbench.app.core.commands import ImportPart, SaveCell, TakeScan, UndoCell
+from workbench.app.core.people import Role
+from workbench.app.core.state import Phase
+from workbench.app.review.recompute import recomputed
+from workbench.app.runtime.bench import Bench
+from workbench.app.runtime.machines import Machines
+from workbench.formats.cells.reading import cell_path, part_folders, read_cell
+from workbench.formats.files.shipped import find
+from workbench.formats.parts.reading import read_part
+from workbench.journal.journal import Journal
+from workbench.model.errors import CommandRefused
+
+
+@pytest.fixture
+def own(tmp_path, monkeypatch) -> Path:
+    """A working directory with its own cell and parts."""
+    for kind, name in (("robots", "yumi"), ("parts", "keyed_cylinder")):
+        shutil.copytree(find(kind, name), tmp_path / kind / name)
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.fixture
+def bench(own):
+    machines = partial(Machines, cell_file=cell_path("yumi"))
+    bench = Bench(read_cell("yumi"), Journal(own / "session"), effects=machines)
+    yield bench
+    bench.close()
+
+
+@pytest.fixture
+def idle(tmp_path):
+    """A bench that begins nothing: a worker takes seconds to start."""
+    bench = Bench(read_cell("yumi"), Journal(tmp_path / "session"), effects=Idle)
+    yield bench
+    bench.close()
+
+
+def box(sides=(60, 30, 20)) -> np.ndarray:
+    return np.frombuffer(trimesh.creation.box(sides).export(file_type="stl"), np.uint8)
+
+
+def done(bench):
+    state = bench.wait(lambda state: state.job is None, PATIENCE)
+    assert state.job is None
+    return state
+
+
+def test_a_file_becomes_a_part_that_is_scanned_saved_and_undone(bench, own):
+    bench.do(ImportPart("brick", "brick.stl", box(), is_symmetric=True), "ada")
+    state = done(bench)
+    assert state.message == "the part brick is in the cell"
+    brick = state.cell.part("brick")
+    assert brick.mass == pytest.approx(0.0432) and brick.symmetry.fold == 2
+    assert read_part(own / "parts" / "brick").digest == brick.digest
+
+    bench.do(TakeScan(parts=1, part="brick"), "ada")
+    assert done(bench).phase is Phase.SCANNED
+    bench.do(SaveCell("a brick too"), "ada")
+    saved = bench.wait(lambda state: state.saved == state.cell.digest, PATIENCE)
+    assert saved.cell_problem == ""
+    assert [part.name for part in read_cell("yumi").parts] == ["keyed_cylinder", "brick"]
+    assert part_folders(cell_path("yumi"))["brick"].samefile(own / "parts" / "brick")
+
+    bench.do(UndoCell(), "ada")
+    assert [part.name for part in bench.state.cell.parts] == ["keyed_cylinder"]
+    bench.do(SaveCell("no brick"), "ada")
+    bench.wait(lambda state: state.saved == state.cell.digest, PATIENCE)
+    assert [part.name for part in read_cell("yumi").parts] == ["keyed_cylinder"]
+    bench.close()
+    equal = list(recomputed(Journal(own / "session")))
+    assert [one.task for one in equal] == ["scan"] and all(one.says == "equal" for one in equal)
+
+
+BOMBS = {
+    "brick.stl": b"\0" * 80 + b"\xff\xff\xff\xff" + b"\0" * 500,
+    "brick.ply": b"ply\nformat binary_little_endian 1.0\nelement vertex 4000000000\n"
+    b"property float x\nproperty float y\nproperty float z\nend_header\n",
+    "brick.obj": b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 2000000000\n",
+    "brick.step": b"ISO-10303-21;\n" + b"(" * 200_000,
+}
+"""Small files that claim, or would take, more memory than there is."""
+
+
+def test_a_bomb_fails_and_leaves_nothing(bench, own):
+    for number, (file, content) in enumerate(BOMBS.items()):
+        bench.do(ImportPart("brick", file, np.frombuffer(content, np.uint8)), "ada")
+        state = done(bench)
+        assert "failed" in state.message and file in state.message
+        assert [part.name for part in state.cell.parts] == ["keyed_cylinder"]
+        assert not (own / "parts" / "brick").exists()
+        before = state.scan
+        bench.do(TakeScan(parts=1, seed=number), "ada")
+        state = done(bench)
+        assert state.phase is Phase.SCANNED and state.scan is not before, "the worker goes on"
+
+
+@pytest.mark.parametrize(
+    ("changed", "says"),
+    [
+        ({"name": "../brick"}, "letters, digits"),
+        ({"name": "keyed_cylinder"}, "has a part keyed_cylinder already"),
+        ({"file": "brick.exe"}, "is no CAD file"),
+        ({"content": np.zeros(0, np.uint8)}, "has 0 bytes"),
+        ({"unit": "furlong"}, "unit 'furlong' is not known"),
+        ({"density": float("nan")}, "density must lie between"),
+        ({"density": 1e9}, "density must lie between"),
+    ],
+)
+def test_what_cannot_be_meant_is_refused(idle, changed, says):
+    wanted = {"name": "brick", "file": "brick.stl", "content": box(), **changed}
+    with pytest.raises(CommandRefused, match=says):
+        idle.do(ImportPart(**wanted), "ada")
+
+
+def test_an_operator_may_not_add_parts(idle):
+    with pytest.raises(CommandRefused, match="engineer"):
+        idle.do(ImportPart("brick", "brick.stl", box()), "ada", Role.OPERATOR)

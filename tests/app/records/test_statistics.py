@@ -1,0 +1,255 @@
+"""What is counted is what happened, whoever says it, and nothing is counted twice."""
+
+import csv
+import io
+
+import pytest
+from line import Line
+
+from workbench.app.core.commands import (
+    Approve,
+    CancelJob,
+    Entry,
+    FindParts,
+    JobEnded,
+    LinkEnded,
+    MakePlan,
+    ReportPick,
+    SendPlan,
+    Sent,
+    TakeScan,
+    UseDetections,
+    WatchPlan,
+)
+from workbench.app.records.grasp_use import GraspUse
+from workbench.app.records.record import command_form, entry_record
+from workbench.app.records.statistics import (
+    GROUPS,
+    Count,
+    Statistics,
+    csv_text,
+    statistics,
+    together,
+)
+from workbench.journal.journal import Row
+from workbench.model.errors import JobCancelled, JournalError
+from workbench.model.release import PartReport, Receipt
+
+
+class Written(Line):
+    """A line whose entries are written as the bench writes them; each takes a second."""
+
+    def __init__(self, cell):
+        super().__init__(cell)
+        self.rows: list[Row] = []
+
+    def do(self, command, actor=""):
+        self.now += 1
+        state = super().do(command, actor)
+        entry = Entry(state.number, self.now, actor or "ada", command)
+        record = entry_record(entry, command_form(command), state)
+        files = tuple(record.files)
+        self.rows.append(Row(state.number, record.kind, record.body, files, "", ""))
+        return state
+
+    def plan(self, samples, *, is_possible=True):
+        self.do(TakeScan())
+        self.now += 1
+        self.ended(samples.scan())
+        self.do(FindParts())
+        self.now += 2
+        self.ended(samples.detections())
+        self.do(MakePlan())
+        self.now += 3
+        scene = self.state.scene_digest
+        return self.ended(samples.planned(scene) if is_possible else samples.refused())
+
+    def cycle(self, samples, end=None):
+        digest = self.plan(samples).plan.digest
+        self.do(WatchPlan(digest))
+        self.do(Approve(digest))
+        self.do(SendPlan(digest))
+        for number in range(3):
+            self.do(Sent(Receipt(self.now, "right", "in", "inR#", number + 1, 3)))
+        self.do(end or LinkEnded(parts_placed=1))
+
+
+@pytest.fixture
+def written(cell) -> Written:
+    return Written(cell)
+
+
+def results(counted: Statistics) -> list[str]:
+    return [pick.result for _, pick in counted.picks]
+
+
+def test_a_cycle_is_counted_with_its_stages(written, samples):
+    written.cycle(samples)
+    counted = statistics(written.rows)
+    (cycle,) = counted.cycles
+    assert (cycle.strategy, cycle.end) == ("right", "done")
+    assert dict(cycle.seconds) == {
+        "scan": 2.0,
+        "find parts": 3.0,
+        "plan": 4.0,
+        "approve": 3.0,
+        "send": 4.0,
+    }
+    assert cycle.until - cycle.at == 18.0
+    ((_, pick),) = counted.picks
+    assert (pick.part, pick.grasp, pick.arm, pick.result) == ("peg", "top", "right", "picked")
+    assert counted.picks_per_hour == pytest.approx(3600 / 18)
+    assert [(s, m) for s, m, _ in counted.stage_medians()][:2] == [("scan", 2.0), ("find parts", 3)]
+
+
+def test_a_person_knows_better_than_the_controller(written, samples):
+    written.cycle(samples)
+    written.do(ReportPick(0, False, "slipped"))
+    counted = statistics(written.rows)
+    assert results(counted) == ["failed"]
+    (rate,) = counted.rates(GROUPS["arm"])
+    assert (rate.name, rate.picked, rate.failed, rate.share) == ("right", 0, 1, 0.0)
+    written.do(ReportPick(0, True))
+    assert results(statistics(written.rows)) == ["picked"]
+
+
+def test_what_nobody_knows_is_neither_taken_nor_failed(written, samples):
+    written.cycle(samples, LinkEnded(parts_placed=0))
+    counted = statistics(written.rows)
+    assert results(counted) == ["unknown"]
+    assert counted.rates(GROUPS["part"])[0].share == 0.0 and counted.picked == 0
+
+
+def test_a_fault_ends_a_cycle_and_its_parts_are_unknown(written, samples):
+    written.cycle(samples, LinkEnded("the link broke", 1))
+    counted = statistics(written.rows)
+    assert counted.cycles[0].end == "fault" and results(counted) == ["unknown"]
+
+
+def test_causes_of_refusal_are_counted_and_no_plan_is_an_end(written, samples):
+    written.plan(samples, is_possible=False)
+    written.plan(samples)
+    counted = statistics(written.rows)
+    assert counted.refusals == (("in collision", 1),)
+    assert [cycle.end for cycle in counted.cycles] == ["no plan", ""]
+    assert counted.picks == (), "a plan that was not sent has taken nothing"
+
+
+def test_each_grasp_is_counted_as_tried_possible_planned_and_taken(written, samples):
+    written.plan(samples, is_possible=False)
+    written.cycle(samples)
+    written.do(ReportPick(0, False, "slipped"))
+    counted = statistics(written.rows)
+    assert counted.grasps() == {("peg", "top"): GraspUse(2, 1, 1, 0, 1)}
+    twice = together([counted, counted])
+    assert twice.grasps()["peg", "top"] == GraspUse(4, 2, 2, 0, 2)
+
+
+def test_poses_from_outside_say_of_which_part_a_grasp_is(written, samples):
+    written.do(UseDetections(samples.detections()))
+    written.do(MakePlan())
+    written.ended(samples.refused())
+    assert statistics(written.rows).grasps() == {("peg", "top"): GraspUse(tried=1)}
+
+
+def test_a_cancelled_task_takes_no_time(written, samples):
+    number = written.do(TakeScan()).number
+    written.do(CancelJob())
+    written.do(JobEnded(number, JobCancelled("")))
+    assert dict(statistics(written.rows).cycles[0].seconds) == {}
+
+
+def test_a_late_end_of_a_cancelled_task_is_not_taken_for_the_next_one(written, samples):
+    written.do(UseDetections(samples.detections()))
+    late = written.do(MakePlan()).number
+    written.do(CancelJob())
+    written.do(MakePlan(seed=1))
+    written.do(JobEnded(late, samples.refused()))
+    digest = written.ended(samples.planned(written.state.scene_digest)).plan.digest
+    written.do(WatchPlan(digest))
+    written.do(Approve(digest))
+    written.do(SendPlan(digest))
+    written.do(LinkEnded(parts_placed=1))
+    counted = statistics(written.rows)
+    assert counted.refusals == (), "the plan that was cancelled has refused nothing"
+    assert results(counted) == ["picked"]
+    assert counted.cycles[0].seconds["plan"] == 2.0
+
+
+def test_cycles_without_a_scan_are_counted_one_by_one(written, samples):
+    for _ in range(2):
+        written.do(UseDetections(samples.detections()))
+        written.do(UseDetections(samples.detections(), "part-1 was corrected by hand"))
+        written.do(MakePlan())
+        digest = written.ended(samples.planned(written.state.scene_digest)).plan.digest
+        written.do(WatchPlan(digest))
+        written.do(Approve(digest))
+        written.do(SendPlan(digest))
+        written.do(LinkEnded(parts_placed=1))
+    counted = statistics(written.rows)
+    assert [cycle.end for cycle in counted.cycles] == ["done", "done"]
+    assert results(counted) == ["picked", "picked"]
+
+
+@pytest.mark.parametrize("fault", ["", "the link broke"])
+@pytest.mark.parametrize(
+    ("is_picked", "result"), [(True, "picked"), (False, "failed"), (None, "unknown")]
+)
+def test_what_the_controller_told_of_each_part_counts(written, samples, fault, is_picked, result):
+    why = "closed to 0.0 mm" if result == "failed" else ""
+    part = PartReport("right", 0, is_picked, why)
+    written.cycle(samples, LinkEnded(fault, 0, (part,)))
+    ((_, pick),) = statistics(written.rows).picks
+    assert (pick.result, pick.why) == (result, why)
+
+
+def test_counting_goes_on_where_it_was(written, samples):
+    count = Count()
+    for _ in range(2):
+        before = len(written.rows)
+        written.cycle(samples)
+        count.add(written.rows[before:])
+        assert count.last == written.rows[-1].number
+    assert count.value == statistics(written.rows)
+    both = together([statistics(written.rows), statistics(written.rows)])
+    assert both.picked == 4 and len(both.cycles) == 4
+
+
+def test_messages_on_the_wire_are_not_even_read(written, samples):
+    written.cycle(samples)
+    spoilt = [
+        Row(row.number, row.kind, b"not json", (), "", "") if row.kind == "Sent" else row
+        for row in written.rows
+    ]
+    assert statistics(spoilt) == statistics(written.rows)
+
+
+def test_an_entry_that_cannot_be_read_is_named(written, samples):
+    written.cycle(samples)
+    rows = [*written.rows, Row(99, "LinkEnded", b"{}", (), "", "")]
+    with pytest.raises(JournalError, match=r"entry 99 \(LinkEnded\)"):
+        statistics(rows)
+
+
+def test_the_table_has_a_row_for_each_part_and_no_formula(written, samples):
+    written.cycle(samples)
+    written.do(ReportPick(0, False, '=HYPERLINK("x")'))
+    (row,) = csv.DictReader(io.StringIO(csv_text(statistics(written.rows))))
+    assert (row["part"], row["result"], row["plan_s"]) == ("peg", "failed", "4.000")
+    assert row["why"] == '\'=HYPERLINK("x")'
+    assert row["scan_at"] == "1970-01-12T13:46:41+00:00"
+
+
+def test_hours_are_those_of_the_clock(written, samples):
+    written.cycle(samples)
+    written.now += 3600
+    written.cycle(samples)
+    (first, taken, failed), (second, _, _) = statistics(written.rows).by_hour()
+    assert second - first == 3600 and (taken, failed) == (1, 0) and first % 3600 == 0
+
+
+def test_ten_thousand_entries_are_counted_as_those_of_their_cycles(written, samples):
+    written.cycle(samples)
+    one = written.rows
+    many = [row for _ in range(10_000 // len(one)) for row in one]
+    assert statistics(many).picked == 10_000 // len(one)

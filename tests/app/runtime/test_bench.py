@@ -1,0 +1,315 @@
+"""The bench takes commands from many threads, records each before it acts, and tells everybody."""
+
+import dataclasses
+import logging
+import queue
+import sqlite3
+import threading
+
+import pytest
+from waiting import PATIENCE
+
+from workbench.app.core.commands import (
+    Approve,
+    FindParts,
+    JobEnded,
+    LinkEnded,
+    MakePlan,
+    SendPlan,
+    Sent,
+    Stop,
+    TakeScan,
+    UseDetections,
+    UseScan,
+    WatchPlan,
+)
+from workbench.app.core.effects import Send, StartJob, StopSending
+from workbench.app.core.state import Phase
+from workbench.app.records.replay import replay
+from workbench.app.runtime.bench import Bench
+from workbench.app.runtime.live import Live
+from workbench.journal.journal import Journal
+from workbench.model.errors import CommandRefused, JournalError
+from workbench.model.release import Receipt
+
+
+class Noted:
+    """Effects that are noted and not carried out."""
+
+    def __init__(self, cell, do, now):
+        self.ran = []
+        self.live = Live()
+        self.closed = False
+
+    def run(self, effect):
+        self.ran.append(effect)
+
+    def close(self):
+        self.closed = True
+
+
+class Clock:
+    """Time that passes when the test says so."""
+
+    def __init__(self):
+        self.now = 1_000_000.0
+
+    def __call__(self):
+        return self.now
+
+
+@pytest.fixture
+def clock():
+    return Clock()
+
+
+@pytest.fixture
+def journal(tmp_path):
+    return Journal(tmp_path / "session", patience=0.05)
+
+
+@pytest.fixture
+def noted():
+    return []
+
+
+@pytest.fixture
+def bench(cell, journal, clock, noted):
+    def effects(cell, do, now):
+        noted.append(Noted(cell, do, now))
+        return noted[-1]
+
+    made = Bench(cell, journal, now=clock, effects=effects)
+    yield made
+    made.close()
+
+
+def approved(bench, samples):
+    """Bring the bench to an approved plan; its digest."""
+    scan = samples.scan()
+    bench.do(UseScan(scan), "ada")
+    bench.do(UseDetections(samples.detections()), "ada")
+    state = bench.do(MakePlan(), "ada")
+    result = samples.planned(state.scene_digest)
+    bench.do(JobEnded(state.number, result), "worker")
+    bench.do(WatchPlan(result.plan.digest), "ada")
+    bench.do(Approve(result.plan.digest), "ada")
+    return result.plan.digest
+
+
+def test_a_command_is_recorded_published_and_set_in_motion(bench, journal, noted):
+    state = bench.do(TakeScan(seed=3), "ada")
+    assert bench.state is state
+    assert journal.count == state.number == 2
+    (effect,) = noted[0].ran
+    assert isinstance(effect, StartJob)
+    assert (effect.number, effect.name) == (2, "scan")
+
+
+def test_a_refused_command_leaves_no_trace(bench, journal, noted):
+    before = bench.state
+    for command in (FindParts(), TakeScan(seed=object()), TakeScan(parts=float("nan"))):
+        with pytest.raises(CommandRefused):
+            bench.do(command, "ada")
+    assert bench.state is before
+    assert journal.count == before.number
+    assert noted[0].ran == []
+
+
+def test_what_cannot_be_recorded_is_not_done(bench, journal, noted, samples):
+    digest = approved(bench, samples)
+    before, ran = bench.state, list(noted[0].ran)
+    other = sqlite3.connect(journal.folder / "journal.sqlite", isolation_level=None)
+    other.execute("BEGIN IMMEDIATE")
+    with pytest.raises(CommandRefused, match="nothing was done"):
+        bench.do(SendPlan(digest), "ada")
+    assert bench.state is before
+    assert noted[0].ran == ran
+    other.execute("ROLLBACK")
+    other.close()
+    assert bench.do(SendPlan(digest), "ada").phase is Phase.SENDING
+
+
+def test_a_stop_is_carried_out_even_when_it_cannot_be_recorded(bench, journal, noted, samples):
+    bench.do(SendPlan(approved(bench, samples)), "ada")
+    other = sqlite3.connect(journal.folder / "journal.sqlite", isolation_level=None)
+    other.execute("BEGIN IMMEDIATE")
+    with pytest.raises(CommandRefused, match="the stop is carried out"):
+        bench.do(Stop(), "ada")
+    other.close()
+    assert isinstance(noted[0].ran[-1], StopSending)
+    assert bench.state.phase is Phase.SENDING
+
+
+def test_an_approval_is_on_the_disk_before_anything_is_sent(cell, journal, clock, samples):
+    recorded = []
+
+    class Looking(Noted):
+        def run(self, effect):
+            if isinstance(effect, Send):
+                recorded.extend(row.kind for row in journal.entries())
+
+    bench = Bench(cell, journal, now=clock, effects=Looking)
+    bench.do(SendPlan(approved(bench, samples)), "ada")
+    assert recorded[-2:] == ["Approve", "SendPlan"]
+    bench.close()
+
+
+def test_time_comes_from_the_clock_given(bench, clock, samples):
+    digest = approved(bench, samples)
+    assert bench.state.approval.at == clock.now
+    clock.now += 301
+    with pytest.raises(CommandRefused, match="has run out"):
+        bench.do(SendPlan(digest), "ada")
+
+
+def test_no_command_of_many_threads_is_lost(bench, journal, samples):
+    scans = [samples.scan(seed, points=3) for seed in range(8)]
+    numbers = queue.Queue()
+
+    def ask(scan):
+        for _ in range(200):
+            numbers.put(bench.do(UseScan(scan), "ada").number)
+
+    threads = [threading.Thread(target=ask, args=(scan,)) for scan in scans]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert sorted(numbers.queue) == list(range(2, 1602))
+    assert bench.state.number == journal.count == 1601
+    assert journal.verify() == ()
+    *_, (_, last) = replay(journal, bench.cell)
+    assert (last.number, last.scan.digest) == (1601, bench.state.scan.digest)
+
+
+def test_an_observer_sees_every_change_when_it_keeps_up(bench, samples):
+    seen = queue.Queue()
+    first = bench.state
+    bench.subscribe(lambda old, new: seen.put((old, new)))
+    previous = first
+    for seed in range(3):
+        state = bench.do(UseScan(samples.scan(seed)), "ada")
+        old, new = seen.get(timeout=PATIENCE)
+        assert (old, new) == (previous, state)
+        previous = state
+
+
+def test_a_slow_observer_delays_nobody_and_next_sees_the_newest(bench, samples):
+    entered, go_on, seen = threading.Event(), threading.Event(), queue.Queue()
+
+    def slow(old, new):
+        entered.set()
+        go_on.wait(PATIENCE)
+        seen.put((old.number, new.number))
+
+    bench.subscribe(slow)
+    bench.do(UseScan(samples.scan()), "ada")
+    entered.wait(PATIENCE)
+    for seed in range(20):
+        bench.do(UseScan(samples.scan(seed)), "ada")
+    go_on.set()
+    assert seen.get(timeout=PATIENCE) == (1, 2)
+    assert seen.get(timeout=PATIENCE) == (2, 22)
+
+
+def test_an_observer_that_fails_is_logged_and_told_again(bench, samples, caplog):
+    seen = queue.Queue()
+
+    def broken(old, new):
+        seen.put(new.number)
+        raise ValueError("a broken page")
+
+    bench.subscribe(broken)
+    with caplog.at_level(logging.ERROR):
+        for seed in range(2):
+            number = bench.do(UseScan(samples.scan(seed)), "ada").number
+            assert seen.get(timeout=PATIENCE) == number
+    assert "a broken page" in caplog.text
+
+
+def test_an_observer_may_give_commands(bench, samples):
+    def follow(old, new):
+        if new.phase is Phase.SCANNED and new.job is None:
+            bench.do(FindParts(), "ada")
+
+    bench.subscribe(follow)
+    bench.do(UseScan(samples.scan()), "ada")
+    assert bench.wait(lambda state: state.job is not None, PATIENCE).job.name == "localize"
+
+
+def test_nobody_is_told_after_unsubscribing(bench, samples):
+    told, kept = queue.Queue(), queue.Queue()
+    unsubscribe = bench.subscribe(lambda old, new: told.put(new))
+    bench.subscribe(lambda old, new: kept.put(new))
+    unsubscribe()
+    unsubscribe()
+    bench.do(UseScan(samples.scan()), "ada")
+    kept.get(timeout=PATIENCE)
+    assert told.empty()
+
+
+def test_waiting_gives_up_with_the_state_as_it_is(bench):
+    assert bench.wait(lambda state: state.phase is Phase.DONE, 0.01) is bench.state
+
+
+def test_a_closed_bench_refuses_people_and_ends_its_effects(cell, journal, clock, noted):
+    bench = Bench(
+        cell, journal, now=clock, effects=lambda *with_: noted.append(Noted(*with_)) or noted[-1]
+    )
+    bench.close()
+    bench.close()
+    assert noted[0].closed
+    with pytest.raises(CommandRefused, match="is closing"):
+        bench.do(TakeScan(), "ada")
+
+
+def test_a_session_goes_on_where_it_ended(cell, journal, clock, samples):
+    bench = Bench(cell, journal, now=clock, effects=Noted)
+    digest = approved(bench, samples)
+    bench.close()
+    again = Bench(cell, Journal(journal.folder), now=clock, effects=Noted)
+    assert again.state.phase is Phase.PLANNED
+    assert again.state.plan.digest == digest
+    again.do(WatchPlan(digest), "ada")
+    again.do(Approve(digest), "ada")
+    assert again.do(SendPlan(digest), "ada").phase is Phase.SENDING
+    again.close()
+
+
+def test_a_sending_that_was_interrupted_is_a_fault_in_the_continued_session(
+    cell, journal, clock, samples
+):
+    bench = Bench(cell, journal, now=clock, effects=Noted)
+    bench.do(SendPlan(approved(bench, samples)), "ada")
+    bench.do(Sent(Receipt(clock.now, "right", "start", "startR#", 1, 4)), "robot link")
+    journal.close()
+    again = Bench(cell, Journal(journal.folder), now=clock, effects=Noted)
+    assert again.state.phase is Phase.FAULT
+    assert "ended while sending" in again.state.fault
+    assert len(again.state.receipts) == 1
+    again.close()
+
+
+def test_a_job_that_was_interrupted_has_failed_in_the_continued_session(cell, journal, clock):
+    bench = Bench(cell, journal, now=clock, effects=Noted)
+    bench.do(TakeScan(), "ada")
+    bench.close()
+    again = Bench(cell, Journal(journal.folder), now=clock, effects=Noted)
+    assert again.state.job is None
+    assert again.state.message == "task 'scan' failed: the workbench was ended before it was done"
+    again.close()
+
+
+def test_a_session_of_another_cell_is_not_continued(cell, journal, clock, make_cell):
+    Bench(cell, journal, now=clock, effects=Noted).close()
+    with pytest.raises(JournalError, match="ran with the cell"):
+        Bench(make_cell("other"), Journal(journal.folder), now=clock, effects=Noted)
+
+
+def test_people_cannot_report_for_machines(bench, samples):
+    bench.do(SendPlan(approved(bench, samples)), "ada")
+    with pytest.raises(CommandRefused, match="reported by a machine"):
+        bench.do(LinkEnded(parts_placed=1), "ada")
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        bench.state.phase = Phase.DONE

@@ -1,0 +1,314 @@
+"""The bench with a real worker process, and a simulated controller spoken to over TCP."""
+
+import dataclasses
+import functools
+import logging
+import multiprocessing
+import os
+import signal
+import socket
+import sqlite3
+import threading
+from pathlib import Path
+
+import numpy as np
+import pytest
+from idle import Idle
+from patient import PATIENT
+from waiting import PATIENCE, wait_until
+
+from workbench.app.core.commands import (
+    AcknowledgeFault,
+    Approve,
+    CancelJob,
+    FindParts,
+    JobEnded,
+    MakePlan,
+    SendPlan,
+    Stop,
+    TakeScan,
+    UseDetections,
+    UseScan,
+    WatchPlan,
+)
+from workbench.app.core.state import Phase
+from workbench.app.records.replay import replay
+from workbench.app.runtime.bench import Bench
+from workbench.app.runtime.machines import Machines
+from workbench.devices.abb_simulated.controller import SimulatedController
+from workbench.journal.journal import Journal
+from workbench.model.cell import Controller
+from workbench.model.digest import digest_of
+from workbench.model.errors import CommandRefused
+
+HERE = Path(__file__).parents[1]
+MESSAGES = ["startR#", "inR#*30.00*", "outR#*60.00*", "stopR#"]
+
+
+def at(cell, port, state_port):
+    return dataclasses.replace(cell, controller=Controller(port=port, state_port=state_port))
+
+
+@pytest.fixture(autouse=True)
+def tiny_work_is_found(monkeypatch):
+    monkeypatch.syspath_prepend(HERE)
+
+
+@pytest.fixture
+def machines():
+    return functools.partial(Machines, module="tiny_work", patience=PATIENT)
+
+
+@pytest.fixture
+def bench_at(tmp_path, machines, samples):
+    """Makes a bench with an approved plan and real machines, for a cell."""
+    benches = []
+
+    def make(cell):
+        folder = tmp_path / "session"
+        first = Bench(cell, Journal(folder), effects=Idle)
+        scan = samples.scan()
+        first.do(UseScan(scan), "ada")
+        first.do(UseDetections(samples.detections()), "ada")
+        state = first.do(MakePlan(), "ada")
+        result = samples.planned(state.scene_digest)
+        first.do(JobEnded(state.number, result), "worker")
+        first.close()
+        # Continued with machines, as a session is after a restart.
+        bench = Bench(cell, Journal(folder, patience=0.1), effects=machines)
+        benches.append(bench)
+        bench.do(WatchPlan(result.plan.digest), "ada")
+        bench.do(Approve(result.plan.digest), "ada")
+        return bench
+
+    yield make
+    for bench in benches:
+        bench.close()
+
+
+@pytest.fixture
+def controller(cell):
+    """Starts simulated controllers; they end with the test."""
+    running = []
+
+    def start(speed, of=cell):
+        simulated = SimulatedController(of, speed=speed, patience=PATIENT)
+        thread = threading.Thread(target=simulated.run)
+        thread.start()
+        running.append((simulated, thread))
+        return simulated
+
+    yield start
+    for simulated, thread in running:
+        simulated.stop()
+        thread.join()
+
+
+@pytest.fixture
+def bench(cell, tmp_path, machines):
+    made = Bench(cell, Journal(tmp_path / "session"), effects=machines)
+    yield made
+    made.close()
+
+
+def test_a_scan_comes_from_the_worker_with_progress(bench):
+    number = bench.do(TakeScan(seed=5), "ada").number
+    state = bench.wait(lambda state: state.job is None, PATIENCE)
+    assert (state.phase, len(state.scan.points)) == (Phase.SCANNED, 5000)
+    assert not state.scan.points.flags.writeable
+    live = bench.live
+    assert (live.job, live.done, live.note) == (number, 0.5, "the scanner looks")
+    assert live.started > 0
+
+
+def test_a_failed_job_leaves_its_sentence(bench, samples):
+    bench.do(UseDetections(samples.detections()), "ada")
+    bench.do(MakePlan("right"), "ada")
+    state = bench.wait(lambda state: state.job is None, PATIENCE)
+    assert state.message == "task 'plan' failed: no plan by strategy right"
+
+
+def test_a_cancelled_job_is_gone_at_once_and_its_end_is_recorded(bench, samples):
+    bench.do(UseScan(samples.scan()), "ada")
+    bench.do(FindParts(), "ada")
+    wait_until(lambda: bench.live.note == "waiting")
+    state = bench.do(CancelJob(), "ada")
+    assert state.job is None
+    ended = bench.wait(lambda newer: newer.number > state.number, PATIENCE)
+    assert (ended.phase, ended.message) == (Phase.SCANNED, "task 'localize' cancelled by ada")
+
+
+def test_the_next_job_runs_after_a_cancel(bench, samples):
+    bench.do(UseScan(samples.scan()), "ada")
+    bench.do(FindParts(), "ada")
+    bench.do(CancelJob(), "ada")
+    bench.do(TakeScan(), "ada")
+    state = bench.wait(lambda state: state.job is None, PATIENCE)
+    assert len(state.scan.points) == 5000
+
+
+def test_a_result_that_cannot_be_recorded_ends_the_job_with_an_error(bench, samples, caplog):
+    bench.do(UseScan(samples.scan()), "ada")
+    bench.do(FindParts(seed=13), "ada")
+    state = bench.wait(lambda state: state.job is None, PATIENCE)
+    assert "internal error, see the log: TypeError: no canonical form for complex" in state.message
+    assert "Traceback" in caplog.text
+
+
+def test_an_approved_plan_goes_out_and_the_parts_are_counted(cell, controller, bench_at):
+    simulated = controller(speed=200)
+    bench = bench_at(at(cell, simulated.port, simulated.state_port))
+    wait_until(lambda: bench.live.joints)
+    assert bench.live.joints == {"joint_1": 0.0}
+    bench.do(SendPlan(bench.state.plan.digest), "ada")
+    state = bench.wait(lambda state: state.phase is not Phase.SENDING, PATIENCE)
+    assert (state.phase, state.fault, state.parts_placed) == (Phase.DONE, "", 1)
+    assert [receipt.sent for receipt in state.receipts] == MESSAGES
+    wait_until(lambda: np.isclose(bench.live.joints["joint_1"], np.deg2rad(60)))
+    wait_until(lambda: bench.live.robot == "stands")
+    kinds = [entry.command.__class__.__name__ for entry, _ in replay(bench._journal, bench.cell)]
+    assert kinds[-7:] == ["Approve", "SendPlan", *["Sent"] * 4, "LinkEnded"]
+
+
+def test_a_stop_closes_the_link_in_the_middle_of_a_motion(cell, controller, bench_at):
+    simulated = controller(speed=0.001)
+    bench = bench_at(at(cell, simulated.port, simulated.state_port))
+    bench.do(SendPlan(bench.state.plan.digest), "ada")
+    bench.wait(lambda state: len(state.receipts) == 2, PATIENCE)
+    wait_until(lambda: bench.live.robot == "moves arm right")
+    bench.do(Stop(), "bob")
+    state = bench.wait(lambda state: state.phase is Phase.FAULT, PATIENCE)
+    assert state.fault == "sending was stopped before message 3 of 4"
+    assert len(state.receipts) == 2
+    wait_until(lambda: bench.live.robot.startswith("fault"))
+    assert bench.do(AcknowledgeFault(), "ada").phase is Phase.IDLE
+
+
+def test_a_controller_that_is_not_there_is_a_fault_with_its_address(cell, bench_at):
+    with socket.create_server(("127.0.0.1", 0)) as closed:
+        port = closed.getsockname()[1]
+    bench = bench_at(at(cell, port, port))
+    bench.do(SendPlan(bench.state.plan.digest), "ada")
+    state = bench.wait(lambda state: state.phase is Phase.FAULT, PATIENCE)
+    assert f"no controller answers at 127.0.0.1:{port}" in state.fault
+    assert state.receipts == ()
+    assert (bench.live.joints, bench.live.robot) == ({}, "")
+
+
+def test_a_controller_that_talks_nonsense_is_a_fault(cell, bench_at):
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        bench = bench_at(at(cell, server.getsockname()[1], 1))
+        bench.do(SendPlan(bench.state.plan.digest), "ada")
+        client, _ = server.accept()
+        with client:
+            client.sendall(b"hello")
+            state = bench.wait(lambda state: state.phase is Phase.FAULT, PATIENCE)
+    assert "the controller said b'hello'" in state.fault
+
+
+def test_what_the_controller_says_of_a_fault_is_part_of_it(cell, controller, bench_at):
+    (joint,) = cell.robot.joints
+    narrow = dataclasses.replace(joint, lower=-0.1, upper=0.1)
+    strict = dataclasses.replace(cell.robot, joints=(narrow,))
+    simulated = controller(speed=200, of=dataclasses.replace(cell, robot=strict))
+    bench = bench_at(at(cell, simulated.port, simulated.state_port))
+    wait_until(lambda: bench.live.joints)
+    bench.do(SendPlan(bench.state.plan.digest), "ada")
+    state = bench.wait(lambda state: state.phase is Phase.FAULT, PATIENCE)
+    assert "closed the link at message 3 of 4; the controller says: joint joint_1" in state.fault
+    assert "30.00 deg is outside" in state.fault
+    assert [receipt.sent for receipt in state.receipts] == MESSAGES[:2]
+
+
+def test_sending_ends_when_it_can_no_longer_be_recorded(cell, controller, bench_at, caplog):
+    simulated = controller(speed=1)
+    bench = bench_at(at(cell, simulated.port, simulated.state_port))
+    bench.do(SendPlan(bench.state.plan.digest), "ada")
+    bench.wait(lambda state: len(state.receipts) == 2, PATIENCE)
+    other = sqlite3.connect(bench._journal.folder / "journal.sqlite", isolation_level=None)
+    with caplog.at_level(logging.ERROR):
+        other.execute("BEGIN IMMEDIATE")
+        wait_until(lambda: "is not recorded" in caplog.text)
+        other.execute("ROLLBACK")
+    other.close()
+    # The third message is out, its record is missing; nothing followed it.
+    assert simulated.state()["received"] == 3
+    assert bench.state.phase is Phase.SENDING
+    bench.do(Stop(), "ada")
+    state = bench.wait(lambda state: state.phase is Phase.FAULT, PATIENCE)
+    assert state.fault == "the sending had ended without a record of it"
+
+
+def test_closing_while_sending_stops_the_robot_and_records_it(cell, controller, bench_at):
+    simulated = controller(speed=0.001)
+    bench = bench_at(at(cell, simulated.port, simulated.state_port))
+    bench.do(SendPlan(bench.state.plan.digest), "ada")
+    bench.wait(lambda state: len(state.receipts) == 2, PATIENCE)
+    bench.close()
+    assert bench.state.phase is Phase.FAULT
+    again = Journal(bench._journal.folder)
+    *_, (last, state) = replay(again, bench.cell)
+    assert state.fault == last.command.fault == "sending was stopped before message 3 of 4"
+    again.close()
+
+
+def test_a_stop_does_not_wait_for_a_journal_that_is_read(cell, controller, bench_at):
+    simulated = controller(speed=0.001)
+    bench = bench_at(at(cell, simulated.port, simulated.state_port))
+    bench.do(SendPlan(bench.state.plan.digest), "ada")
+    bench.wait(lambda state: len(state.receipts) == 2, PATIENCE)
+    rows = bench._journal.entries()
+    next(rows)
+    bench.do(Stop(), "ada")
+    assert bench.wait(lambda state: state.phase is Phase.FAULT, PATIENCE).fault
+    rows.close()
+
+
+def test_a_worker_killed_in_a_job_ends_the_job_and_the_next_one_runs(bench, samples):
+    bench.do(UseScan(samples.scan()), "ada")
+    bench.do(FindParts(), "ada")
+    wait_until(lambda: bench.live.note == "waiting")
+    (worker,) = (p for p in multiprocessing.active_children() if p.name == "workbench worker")
+    os.kill(worker.pid, signal.SIGKILL)
+    state = bench.wait(lambda state: state.job is None, PATIENCE)
+    assert "the worker process ended (SIGKILL) during task 'localize'" in state.message
+    bench.do(TakeScan(), "ada")
+    assert bench.wait(lambda state: state.job is None, PATIENCE).phase is Phase.SCANNED
+
+
+def test_a_plan_is_not_sent_twice_even_by_two_people_at_once(cell, controller, bench_at):
+    simulated = controller(speed=200)
+    bench = bench_at(at(cell, simulated.port, simulated.state_port))
+    digest = bench.state.plan.digest
+    outcomes = []
+
+    def ask(actor):
+        try:
+            bench.do(SendPlan(digest), actor)
+            outcomes.append("sent")
+        except CommandRefused:
+            outcomes.append("refused")
+
+    people = [threading.Thread(target=ask, args=(name,)) for name in ("ada", "bob", "eve")]
+    for person in people:
+        person.start()
+    for person in people:
+        person.join()
+    bench.wait(lambda state: state.phase is Phase.DONE, PATIENCE)
+    assert sorted(outcomes) == ["refused", "refused", "sent"]
+    assert simulated.state()["received"] == 4
+
+
+def test_what_a_search_discarded_is_shown_and_not_recorded(cell, tmp_path, machines, samples):
+    bench = Bench(cell, Journal(tmp_path / "session"), effects=machines)
+    try:
+        bench.do(UseScan(samples.scan()), "ada")
+        bench.do(FindParts(seed=14), "ada")
+        state = bench.wait(lambda state: state.detections is not None, PATIENCE)
+        findings = bench.live.findings
+        assert findings is not None and findings.detections is state.detections
+        assert [one.words for one in findings.discarded] == ["reaches into part-1"]
+    finally:
+        bench.close()
+    *_, (_, last) = replay(Journal(tmp_path / "session"), cell)
+    assert digest_of(last.detections) == digest_of(findings.detections)

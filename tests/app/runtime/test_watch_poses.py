@@ -1,0 +1,177 @@
+"""Poses that another program puts into a folder are taken; broken ones are told of."""
+
+import json
+import os
+import time
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from idle import Idle
+from waiting import PATIENCE
+
+from workbench.app.core.commands import CancelJob, ChangeCell, TakeScan, UseDetections
+from workbench.app.core.rights import POSES_FOLDER
+from workbench.app.core.rules import allowed
+from workbench.app.core.state import State
+from workbench.app.runtime.bench import Bench
+from workbench.app.runtime.watch_poses import PosesWatch
+from workbench.formats.plans.pose_files import write_poses
+from workbench.journal.journal import Journal
+from workbench.model.cell import PosesFolder
+from workbench.model.errors import CommandRefused
+from workbench.model.geometry import pose_from_rpy
+from workbench.model.scan import Detection
+
+
+@pytest.fixture
+def bench(cell, tmp_path):
+    (tmp_path / "poses").mkdir()
+    watched = replace(cell, poses_folder=PosesFolder(str(tmp_path / "poses"), ""))
+    bench = Bench(watched, Journal(tmp_path / "session"), effects=Idle)
+    yield bench
+    bench.close()
+
+
+@pytest.fixture
+def watch(bench):
+    watch = PosesWatch(bench, every=0.02, still=0.1)
+    yield watch
+    watch.close()
+
+
+def reaches(bench, condition):
+    state = bench.wait(condition, PATIENCE)
+    assert condition(state), state.message
+    return state
+
+
+def halcon(*positions_mm) -> str:
+    numbers = [v for x, y, z in positions_mm for v in (1, 0, 0, x, 0, 1, 0, y, 0, 0, 1, z)]
+    return "\n".join([str(len(numbers)), *(f"2 {value}" for value in numbers)])
+
+
+def test_a_file_of_halcon_is_taken(bench, watch, tmp_path):
+    (tmp_path / "poses" / "Poses.txt").write_text(halcon((100, 20, 30), (50, 0, 10)))
+    state = reaches(bench, lambda state: len(state.detections or ()) == 2)
+    assert state.detections[0].part == "peg"
+    assert np.allclose(state.detections[0].T_world_part.translation, (0.1, 0.02, 0.03))
+    assert state.phase == "localized"
+    (remark,) = state.remarks
+    assert (remark.by, remark.says) == (POSES_FOLDER, "2 poses from Poses.txt")
+    assert state.message == "2 poses from Poses.txt, by poses folder"
+
+
+def test_our_json_and_a_file_written_again_are_taken(bench, watch, tmp_path):
+    path = tmp_path / "poses" / "found.json"
+    write_poses(path, (Detection("peg", pose_from_rpy((0.1, 0, 0)), 0.7),))
+    assert reaches(bench, lambda s: s.detections is not None).detections[0].score == 0.7
+    write_poses(path, (Detection("peg", pose_from_rpy((0.2, 0, 0)), 0.8),))
+    reaches(bench, lambda s: s.detections[0].score == 0.8)
+
+
+def test_a_file_is_read_when_it_is_complete(bench, tmp_path):
+    text = halcon(*[(k, k, k) for k in range(6)])
+    # It looks when it is told to here, between the pieces.
+    watch = PosesWatch(bench, every=PATIENCE, still=0.0)
+    try:
+        with (tmp_path / "poses" / "Poses.txt").open("w") as file:
+            for start in range(0, len(text), 60):
+                file.write(text[start : start + 60])
+                file.flush()
+                watch._look()
+                assert bench.state.detections is None
+        watch._look()
+        assert len(bench.state.detections) == 6
+    finally:
+        watch.close()
+    assert all("cannot be used" not in message for message in said(bench))
+
+
+def said(bench) -> list[str]:
+    """All messages of the session."""
+    rows = [json.loads(row.body) for row in bench._journal.entries()]
+    return [row["after"]["message"] for row in rows if "after" in row]
+
+
+def test_a_renamed_file_counts_and_one_from_before_does_not(bench, tmp_path):
+    (tmp_path / "poses" / "old.txt").write_text(halcon((1, 1, 1)))
+    watch = PosesWatch(bench, every=0.02, still=0.1)
+    try:
+        (tmp_path / "poses" / "new.part").write_text(halcon((2, 2, 2), (3, 3, 3)))
+        (tmp_path / "poses" / "new.part").rename(tmp_path / "poses" / "new.txt")
+        assert len(reaches(bench, lambda s: s.detections is not None).detections) == 2
+    finally:
+        watch.close()
+
+
+@pytest.mark.parametrize(
+    ("content", "problem"),
+    [
+        (b"no poses at all", "neither JSON nor a HALCON tuple"),
+        (b"", "is empty"),
+        (b"12\n2 1.0", "promises 12 numbers"),
+        (b"\xff\xfe\x00", "neither JSON nor a HALCON tuple"),
+        (b'{"format": "workbench-poses/1", "detections": [{"part": "nut"}]}', "T_world_part"),
+        (halcon((99999, 0, 0)).encode(), "m"),
+    ],
+)
+def test_a_broken_file_is_told_of_and_the_next_one_taken(bench, watch, tmp_path, content, problem):
+    (tmp_path / "poses" / "bad.txt").write_bytes(content)
+    state = reaches(bench, lambda s: "cannot be used" in s.message)
+    assert problem in state.message and "bad.txt" in state.message
+    assert state.detections is None
+    (tmp_path / "poses" / "good.txt").write_text(halcon((10, 10, 10)))
+    reaches(bench, lambda s: s.detections is not None)
+
+
+def test_poses_of_a_part_that_is_not_known_are_told_of(bench, watch, tmp_path):
+    write_poses(tmp_path / "poses" / "nuts.json", (Detection("nut", pose_from_rpy((0, 0, 0))),))
+    state = reaches(bench, lambda s: "cannot be used" in s.message)
+    assert "has no part 'nut'" in state.message
+
+
+def test_a_cell_without_parts_says_that_the_part_is_not_known(bench, watch, tmp_path):
+    bench.do(ChangeCell(replace(bench.state.cell, parts=()), "no parts"), "ada")
+    (tmp_path / "poses" / "Poses.txt").write_text(halcon((1, 1, 1)))
+    reaches(bench, lambda s: "poses from outside cannot be used: Poses.txt" in s.message)
+
+
+@pytest.mark.parametrize("name", [b"\xff.txt", b"a\nb.txt", b"x" * 240 + b".txt"])
+@pytest.mark.parametrize("content", [halcon((1, 1, 1)), "no poses"])
+def test_a_file_with_a_name_that_cannot_be_recorded_is_read(bench, watch, tmp_path, name, content):
+    (tmp_path / "poses" / os.fsdecode(name)).write_text(content)
+    reaches(bench, lambda s: s.message)
+    assert (bench.state.detections is None) == (content == "no poses")
+
+
+def test_the_newest_of_several_files_is_taken_last(bench, watch, tmp_path):
+    bench.do(TakeScan(), "ada")
+    for number, name in enumerate(("b", "c", "a", "d"), start=1):
+        path = tmp_path / "poses" / f"{name}.txt"
+        path.write_text(halcon((number, 0, 0)))
+        os.utime(path, (number, number))
+    time.sleep(0.3)
+    bench.do(CancelJob(), "ada")
+    reaches(bench, lambda s: len(s.remarks) == 4)
+    assert [one.says for one in bench.state.remarks] == [
+        f"1 pose from {name}.txt" for name in ("b", "c", "a", "d")
+    ]
+
+
+def test_a_folder_that_comes_later_is_watched(bench, watch, tmp_path):
+    later = PosesFolder(str(tmp_path / "later"), "peg")
+    bench.do(ChangeCell(replace(bench.state.cell, poses_folder=later), "another folder"), "ada")
+    time.sleep(0.1)
+    (tmp_path / "later").mkdir()
+    (tmp_path / "later" / "Poses.txt").write_text(halcon((5, 5, 5)))
+    reaches(bench, lambda s: s.detections is not None)
+
+
+def test_the_folder_may_give_poses_and_nothing_else(cell, samples):
+    state = State(cell)
+    allowed(state, UseDetections(samples.detections()), POSES_FOLDER, 0.0)
+    with pytest.raises(CommandRefused, match="name of a machine"):
+        allowed(state, TakeScan(), POSES_FOLDER, 0.0)
+    with pytest.raises(CommandRefused, match="name of a machine"):
+        allowed(state, UseDetections(samples.detections()), "worker", 0.0)

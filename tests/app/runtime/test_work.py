@@ -1,0 +1,63 @@
+"""The real jobs, as the worker runs them: from a seed to a proven plan."""
+
+import dataclasses
+
+import pytest
+
+from workbench.app.runtime.work import JOBS
+from workbench.formats.cells.reading import read_cell
+from workbench.model.cell import Wishes
+from workbench.model.errors import InputError, JobCancelled
+
+
+@pytest.fixture(scope="module")
+def yumi():
+    return read_cell("yumi")
+
+
+def run(name, cell, arguments, cancelled=lambda: False):
+    """A job's result and what it reported."""
+    told = []
+    result = JOBS[name](cell, arguments, lambda *what: told.append(what), cancelled)
+    return result, told
+
+
+def test_the_jobs_lead_from_a_seed_to_a_proven_plan(yumi):
+    scan, told = run("scan", yumi, {"seed": 0, "parts": 2})
+    assert [note for _, note in told] == ["parts fall into the bin", "the scanner looks"]
+    again, _ = run("scan", yumi, {"seed": 0, "parts": 2})
+    assert again.digest == scan.digest
+    findings, _ = run("localize", yumi, {"scan": scan, "seed": 0})
+    detections = findings.detections
+    assert len(detections) == 2
+    assert [one.score for one in detections] == sorted(
+        (one.score for one in detections), reverse=True
+    )
+    arguments = {
+        "detections": detections,
+        "scan_digest": scan.digest,
+        "scan": scan,
+        "strategy": "auto",
+        "threshold": 0.2,
+        "wishes": Wishes(planner="sbl"),
+        "placed": (),
+        "avoided": (),
+        "seed": 0,
+    }
+    result, told = run("plan", yumi, arguments)
+    assert result.plan.scan_digest == scan.digest
+    assert result.proof.holds
+    assert result.proof.plan_digest == result.plan.digest
+    shares = [done for done, _ in told]
+    assert shares == sorted(shares)
+    assert 0 <= shares[0] <= shares[-1] <= 1
+
+
+def test_a_cancelled_job_ends_as_cancelled(yumi):
+    with pytest.raises(JobCancelled):
+        run("scan", yumi, {"seed": 0, "parts": 2}, cancelled=lambda: True)
+
+
+def test_a_cell_without_parts_cannot_be_scanned(cell):
+    with pytest.raises(InputError, match="has no part"):
+        run("scan", dataclasses.replace(cell, parts=()), {"seed": 0, "parts": 2})

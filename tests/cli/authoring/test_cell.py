@@ -1,0 +1,78 @@
+"""`workbench cell`: what a cell is made of, and whether it can work."""
+
+import json
+import shutil
+from pathlib import Path
+
+import pytest
+
+from workbench.formats.files.shipped import find
+
+
+@pytest.fixture
+def changed(tmp_path: Path):
+    """A copy of the YuMi's cell file with a text replaced."""
+
+    def made(old: str, new: str) -> Path:
+        folder = tmp_path / "cell"
+        shutil.copytree(find("robots", "yumi"), folder)
+        path = folder / "cell.toml"
+        text = path.read_text()
+        assert old in text
+        path.write_text(text.replace(old, new))
+        return path
+
+    return made
+
+
+@pytest.mark.parametrize("cell", ["yumi", "tx2_90"])
+def test_nothing_speaks_against_the_shipped_cells(say, cell):
+    said = say("cell", "check", cell)
+    assert said.code == 0, said.out
+    assert "nothing speaks against this cell" in said.out
+
+
+def test_the_form_tells_reach_by_arm(say):
+    told = json.loads(say("cell", "check", "yumi", "--json").out)
+    assert told["ok"] is True
+    assert [arm["arm"] for arm in told["arms"]] == ["right", "left"]
+    for arm in told["arms"]:
+        assert arm["clear_at_home"] is True
+        assert sum(arm["bin"].values()) == 300
+        assert arm["bin"]["clear"] > 150
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "expected"),
+    [
+        ("position_mm = [410, 0, -5]", "position_mm = [2410, 0, -5]", "no pose in the bin"),
+        (
+            "position_mm = [330, -330, 110]",
+            "position_mm = [330, -2330, 110]",
+            "right arm: reaches none of its places",
+        ),
+        (
+            "home_deg = [0, -130, 30, 0, 40, 0, -135]",
+            "home_deg = [90, -100, 0, 0, 0, 0, -135]",
+            "right arm: at home",
+        ),
+    ],
+    ids=["bin far away", "places far away", "home in collision"],
+)
+def test_what_speaks_against_a_cell_is_told(say, changed, old, new, expected):
+    said = say("cell", "check", changed(old, new))
+    assert said.code == 3, said.out
+    assert expected in said.out
+
+
+def test_show_names_all_that_is_there(say):
+    said = say("cell", "show", "tx2_90")
+    assert said.code == 0
+    for expected in ("suction_cup", "puck", "400, 600, 350 mm", "abb-socket", "policy margin"):
+        assert expected in said.out
+
+
+def test_a_cell_that_is_not_there_is_bad_input(say):
+    said = say("cell", "check", "nowhere")
+    assert said.code == 2
+    assert "nowhere" in said.problem

@@ -1,0 +1,52 @@
+"""`workbench part` and `workbench grasps`, from a CAD file to grasps in a library."""
+
+import json
+
+import pytest
+import trimesh
+
+from workbench.formats.parts.reading import read_part
+
+
+@pytest.fixture
+def box(tmp_path, monkeypatch):
+    """A closed box in a file, in a working directory of its own."""
+    monkeypatch.chdir(tmp_path)
+    trimesh.creation.box((60, 30, 20)).export(tmp_path / "box.stl")
+    return tmp_path / "box.stl"
+
+
+def test_a_box_becomes_a_part_with_grasps(say, box):
+    said = say("part", "import", box, "--name", "box", "--accept-symmetry", "--json")
+    assert said.code == 0, said.err
+    told = json.loads(said.out)
+    assert told["unit_assumed"] and told["size_mm"] == [60, 30, 20]
+    assert told["mass_g"] == pytest.approx(36 * 1.2)
+    part = read_part("box")
+    assert part.symmetry.fold == 2
+    said = say("grasps", "suggest", "box", "--most", 4, "--add", "--json")
+    assert said.code == 0, said.err
+    names = [one["name"] for one in json.loads(said.out)["grasps"]]
+    assert [one.name for one in read_part("box").library.grasps] == names and len(names) == 4
+    listed = json.loads(say("part", "list", "--json").out)["parts"]
+    assert {one["name"]: one["grasps"] for one in listed}["box"] == 4
+    again = say("part", "import", box, "--name", "box")
+    assert again.code == 2 and "is there already" in again.problem
+
+
+def test_bad_input_is_one_line(say, box):
+    assert "letters, digits" in say("part", "import", box, "--name", "../box").problem
+    assert "no such CAD file" in say("part", "import", "gone.stl", "--name", "gone").problem
+    assert "--mass-g" in say("part", "import", box, "--name", "b", "--mass-g", -1).problem
+    assert "no such name under parts/" in say("part", "check", "nothing").problem
+    assert "--most" in say("grasps", "suggest", "puck", "--most", 0).problem
+    assert "no arm 'middle'" in say("grasps", "suggest", "puck", "--arm", "middle").problem
+
+
+def test_a_part_without_grasps_does_not_pass(say, box):
+    assert say("part", "import", box, "--name", "bare").code == 0
+    said = say("part", "check", "bare", "--json")
+    told = json.loads(said.out)
+    assert said.code == 3 and not told["ok"]
+    assert told["problems"] == ["it has no grasps: workbench grasps suggest bare --add"]
+    assert told["watertight"] and told["coverage"]["share"] == 0.0

@@ -1,0 +1,91 @@
+"""`workbench session`: a session told, checked, and computed again."""
+
+import json
+import sqlite3
+import time
+
+import pytest
+
+from workbench.app.core.commands import (
+    Approve,
+    ChangeCell,
+    FindParts,
+    MakePlan,
+    TakeScan,
+    WatchPlan,
+)
+from workbench.app.records.sessions import new_session
+from workbench.app.runtime.bench import Bench
+from workbench.formats.cells.reading import read_cell
+from workbench.gui.shared.things import moved
+from workbench.model.geometry import pose_from_rpy
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """A session with two plans in it, one in a cell whose bin was moved."""
+    cell = read_cell("yumi")
+    journal = new_session(tmp_path_factory.mktemp("sessions"), cell, time.time())
+    folder = journal.folder
+    bench = Bench(cell, journal)
+
+    def step(command, phase: str) -> None:
+        bench.do(command, "Ada")
+        state = bench.wait(lambda state: state.phase == phase and state.job is None, 120)
+        assert state.phase == phase, state.message
+
+    for _ in range(2):
+        step(TakeScan(seed=1), "scanned")
+        step(FindParts(seed=1), "localized")
+        step(MakePlan(seed=1), "planned")
+        bench.do(WatchPlan(bench.state.plan.digest), "Ada")
+        step(Approve(bench.state.plan.digest), "approved")
+        away = pose_from_rpy(bench.state.cell.bin.T_world_bin.translation + [0.005, 0, 0])
+        bench.do(ChangeCell(moved(bench.state.cell, "bin", away), "the bin is moved"), "Ada")
+    bench.close()
+    return folder
+
+
+def test_a_session_is_listed(say, folder):
+    said = say("session", "list", "--sessions", folder.parent, "--json")
+    (one,) = json.loads(said.out)["sessions"]
+    assert (one["session"], one["cell"]) == (folder.name, "yumi")
+    assert int(one["entries"]) > 12 and one["message"] == "the bin is moved"
+
+
+def test_a_session_tells_who_did_what(say, folder):
+    entries = json.loads(say("session", "show", folder, "--json").out)["entries"]
+    kinds = [one["kind"] for one in entries]
+    assert kinds[:3] == ["Session", "TakeScan", "JobEnded"]
+    assert kinds.count("Approve") == 2 and kinds.count("ChangeCell") == 2
+    assert {one["actor"] for one in entries if one["kind"] == "Approve"} == {"Ada"}
+    assert "approved by Ada" in say("session", "show", folder).out
+
+
+def test_a_session_is_computed_again_with_the_same_results(say, folder):
+    said = say("session", "replay", folder)
+    assert said.code == 0, said.out
+    assert said.out.count(": equal") == 6
+    assert "every result is the same" in said.out
+
+
+def test_a_changed_session_is_found_out(say, folder, tmp_path):
+    import shutil
+
+    copy = tmp_path / "copy"
+    shutil.copytree(folder, copy)
+    assert say("session", "verify", copy).code == 0
+    connection = sqlite3.connect(copy / "journal.sqlite")
+    connection.execute("DROP TRIGGER entries_stay")
+    connection.execute(
+        "UPDATE entries SET body = CAST(replace(body, 'Ada', 'Eve') AS BLOB) WHERE kind = 'Approve'"
+    )
+    connection.commit()
+    connection.close()
+    said = say("session", "verify", copy)
+    assert said.code == 3 and "was changed after it was written" in said.out
+
+
+def test_a_folder_that_holds_none_is_refused(say, tmp_path):
+    said = say("session", "show", tmp_path)
+    assert said.code == 2 and "is not the folder of a session" in said.problem

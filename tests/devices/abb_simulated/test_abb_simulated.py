@@ -1,0 +1,48 @@
+"""What the simulated robot does by itself."""
+
+import threading
+import time
+
+import numpy as np
+import pytest
+from waiting import wait_until
+
+from workbench.devices.abb_simulated.controller import SimulatedController
+from workbench.formats.cells.reading import read_cell
+
+
+@pytest.fixture
+def left_away():
+    """Starts a controller whose right arm was left away from home, with a fault; its end."""
+    running: list[tuple[SimulatedController, threading.Thread]] = []
+
+    def start(**how) -> SimulatedController:
+        controller = SimulatedController(read_cell("yumi"), speed=50.0, **how)
+        home = np.asarray(controller._body.cell.arm("right").home)
+        controller._body.put({"right": home + 0.5}, "")
+        controller._body.halt("stopped by the client")
+        thread = threading.Thread(target=controller.run)
+        thread.start()
+        running.append((controller, thread))
+        return controller
+
+    yield start
+    for controller, thread in running:
+        controller.stop()
+        thread.join()
+
+
+def test_arms_that_were_left_go_home_and_the_fault_is_over(left_away):
+    controller = left_away(home_after=0.2)
+    wait_until(controller._body.is_home)
+    home = np.asarray(controller._body.cell.arm("right").home)
+    state = controller.state()
+    assert np.allclose(state["joints"]["right"], home)
+    assert (state["fault"], state["moving"]) == ("", "")
+
+
+def test_unless_it_is_asked_for_they_stay_like_a_real_one(left_away):
+    controller = left_away()
+    time.sleep(0.3)
+    assert not controller._body.is_home()
+    assert controller.state()["fault"] == "stopped by the client"

@@ -1,0 +1,381 @@
+"""abb-socket/2 as conversations, without sockets: our side and the controller's, word by word."""
+
+import itertools
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from workbench.app.picking.pipeline import plan_pick
+from workbench.devices.abb_simulated.serving import Serving
+from workbench.devices.abb_socket.frames import FIRST_CRC, LAST_NUMBER, TEXT, Frames, crc_of, framed
+from workbench.devices.abb_socket.messages import REQUEST
+from workbench.devices.abb_socket.program import lines_of, program_of
+from workbench.devices.abb_socket.sending import PING, SILENCE, Sending
+from workbench.devices.abb_socket.states import NEXT
+from workbench.model.errors import CommandRefused, InputError, LinkError, ProtocolError
+from workbench.model.plan import Guarantee
+
+
+@pytest.fixture(scope="module")
+def both(cell, plan):
+    """The same parts, both arms at once."""
+    return plan_pick(cell, plan.detections, "scan", strategy="coordinated", seed=0).plan
+
+
+class Talk:
+    """Both sides in one place; the clock is turned by hand."""
+
+    def __init__(self, cell, plan, approval, *, released=lambda: None, tickets=None, away=0.0):
+        self.program = program_of(cell, plan, approval)
+        self.ours = Sending(cell, plan, self.program, now=lambda: 1000.0, released=released)
+        standing = {name: q + away for name, q in self.program.starts.items()}
+        self.theirs = Serving(cell, lambda: standing, [] if tickets is None else tickets)
+        self.receipts = []
+        self.at = 0.0
+
+    def tell(self, text):
+        """The controller says something."""
+        self.hear(self.theirs.say(text))
+
+    def hear(self, data):
+        for receipt in self.ours.hear(data, self.at):
+            self.receipts.append(receipt)
+
+    def go_on(self, until="run"):
+        """Load, up to and with a word."""
+        if not self.receipts:
+            self.hear(REQUEST)
+        while data := self.ours.say(self.at):
+            for frame, answer in self.theirs.hear(data):
+                self.tell(answer)
+                if frame.word == until:
+                    return
+
+    def report(self, step, right=0, left=0):
+        self.tell(f"state {self.theirs.phase} {step:02d} R{right:02d} L{left:02d}")
+
+
+@pytest.fixture
+def talk(cell, plan, approval):
+    return Talk(cell, plan, approval)
+
+
+def finish(talk):
+    for letter in "RL":
+        talk.tell(f"part {letter} picked")
+    talk.theirs.note("done")
+    talk.tell(f"done {len(talk.program.steps):02d}")
+
+
+@pytest.mark.parametrize("kind", ["plan", "both", "sync"])
+def test_what_is_loaded_is_what_was_planned(cell, plan, both, approval, kind):
+    chosen = plan if kind == "plan" else both
+    if kind == "sync":
+        # As `in_step` makes them: the same times on both legs of a step.
+        pairs = [step.runs for step in both.sequence if len(step.runs) == 2]
+        legs = {run: both.arm(run[0]).leg(run[1]) for runs in pairs for run in runs}
+        same = {run: replace(legs[run], t=np.arange(len(legs[run].q)) * 1.0) for run in legs}
+        arms = tuple(
+            replace(one, legs=tuple(same.get((one.arm, leg.name), leg) for leg in one.legs))
+            for one in both.arms
+        )
+        chosen = replace(both, arms=arms, guarantee=Guarantee.SYNCHRONISED)
+    talk = Talk(cell, chosen, approval)
+    talk.go_on()
+    loaded = talk.theirs.program
+    assert (loaded.digest, loaded.ticket) == (chosen.digest, approval.digest[:16])
+    assert [tuple((leg.arm, leg.name) for leg in step.legs) for step in loaded.steps] == [
+        step.runs for step in chosen.sequence
+    ]
+    modes = {step.mode for step in loaded.steps}
+    expected = {"plan": {"alone"}, "both": {"alone", "free"}, "sync": {"alone", "sync", "free"}}
+    assert modes <= expected[kind] and (kind == "plan" or len(modes) > 1)
+    for leg in loaded.legs:
+        wanted = chosen.arm(leg.arm).leg(leg.name)
+        np.testing.assert_allclose(leg.q, wanted.q, atol=1e-9)
+        np.testing.assert_allclose(np.cumsum(leg.seconds), wanted.t[1:], atol=0.01)
+        assert leg.zone == cell.policy.zone
+    hands = [leg.hand for leg in loaded.legs if leg.arm == "right"]
+    assert hands == ["open", "keep", "grip", "keep", "keep", "open"]
+
+
+def test_every_message_is_acknowledged_before_the_next(talk):
+    talk.hear(REQUEST)
+    first = talk.ours.say(0.0)
+    assert first and not talk.ours.say(0.0)
+    for _, answer in talk.theirs.hear(first):
+        talk.tell(answer)
+    assert talk.ours.say(0.0)
+    (receipt,) = talk.receipts
+    assert (receipt.kind, receipt.sent) == ("hello", "0001 hello abb-socket/2")
+    assert receipt.heard == "0001 hello abb-socket/2 R7 L7"
+
+
+def test_a_whole_cycle(cell, plan, talk):
+    talk.go_on()
+    talk.report(1, right=3)
+    talk.report(7, left=2)
+    finish(talk)
+    assert talk.ours.is_over and talk.theirs.phase == "ready"
+    parts = [receipt.part for receipt in talk.receipts if receipt.part]
+    assert [(part.arm, part.is_picked) for part in parts] == [("right", True), ("left", True)]
+    assert {part.detection for part in parts} == {one.detection for one in plan.arms}
+    sent = [receipt.sent for receipt in talk.receipts if receipt.sent]
+    assert len(sent) == len(set(sent)) == talk.receipts[-1].total
+    assert all(receipt.heard for receipt in talk.receipts)
+
+
+def test_what_comes_in_one_piece_with_the_end_does_not_count(talk):
+    talk.go_on()
+    talk.tell("part R picked")
+    talk.tell("part L picked")
+    end = talk.theirs.say("done 12") + talk.theirs.say("state ready 00 R00 L00")
+    talk.hear(end)
+    assert talk.ours.is_over and talk.receipts[-1].heard.endswith("done 12")
+
+
+def test_a_part_that_was_missed_is_told_with_its_reason(talk):
+    talk.go_on()
+    talk.tell("part R failed closed to 0.0 mm where 30.0 mm were expected")
+    part = talk.receipts[-1].part
+    assert (part.is_picked, part.why) == (False, "closed to 0.0 mm where 30.0 mm were expected")
+
+
+def test_we_say_something_while_the_robot_moves_and_notice_silence(talk):
+    talk.go_on()
+    assert talk.ours.say(PING / 2) == b""
+    assert b"ping" in talk.ours.say(PING * 1.1)
+    talk.ours.check(PING + SILENCE / 2)
+    with pytest.raises(LinkError, match=r"did not acknowledge '\d{4} ping' within 2 s"):
+        talk.ours.check(PING * 1.1 + SILENCE + 0.1)
+
+
+def test_silence_counts_from_the_last_word(talk):
+    talk.at = 5.0
+    talk.go_on()
+    talk.at = 5.0 + SILENCE * 0.9
+    talk.report(1, right=1)
+    talk.ours.check(5.0 + SILENCE * 1.5)
+    with pytest.raises(LinkError, match="was silent for 2 s at step 1 of 12"):
+        talk.ours.check(5.0 + SILENCE * 2)
+
+
+def test_the_approval_is_asked_again_before_the_robot_moves(cell, plan, approval):
+    def late():
+        raise CommandRefused("the approval ran out 3 s ago")
+
+    talk = Talk(cell, plan, approval, released=late)
+    with pytest.raises(CommandRefused, match="ran out"):
+        talk.go_on()
+    assert talk.theirs.phase == "loaded"
+
+
+def test_abort_is_answered_and_timed(talk):
+    talk.go_on()
+    ((_, answer),) = talk.theirs.hear(talk.ours.abort(1.0))
+    assert (answer, talk.theirs.phase) == ("stopped", "stopped")
+    talk.at = 1.25
+    talk.tell("state running 01 R01 L00")
+    talk.tell(answer)
+    assert talk.ours.has_stopped
+    assert talk.ours.status.stop == "the controller acknowledged the stop after 250 ms"
+    assert talk.receipts[-1].heard.endswith("stopped")
+
+
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [
+        (
+            ["state running 01 R00 L01"],
+            "arm left goes to waypoint 1 in step 1; the plan moves right",
+        ),
+        (["state running 01 R99 L00"], "arm right goes to waypoint 99"),
+        (["state running 01 R-1 L00"], "arm right goes to waypoint -1"),
+        (["state running 03 R01 L00", "state running 02 R01 L00"], "step 2 after step 3"),
+        (["state running 13 R00 L00"], "step 13 after step 0"),
+        (["state ready 00 R00 L00"], "says it is ready, it should be running"),
+        (["state running 01 R01"], "does not tell of every arm"),
+        (["state running x R01 L00"], "no report of a state"),
+        (["at X 0.00"], "about no arm"),
+        (["at R 0.00"], "1 numbers came for the 7 axes"),
+        (["part R picked", "part R picked"], "comes twice"),
+        (["part R perhaps"], "about no part"),
+        (["done 12"], "0 of 2 parts reported"),
+        (["part R picked", "part L picked", "done 11"], "done 11"),
+        (["ok 0001 0000"], "acknowledged twice"),
+        (["nonsense"], "means nothing"),
+        (["fault emergency stop"], "reports a fault at step 0 of 12: emergency stop"),
+    ],
+)
+def test_what_cannot_be_ends_the_sending(talk, words, says):
+    talk.go_on()
+    with pytest.raises(LinkError, match=says):
+        for text in words:
+            talk.tell(text)
+
+
+@pytest.mark.parametrize(
+    ("answer", "says"),
+    [
+        ("hello abb-socket/3 R7 L7", "speaks 'hello abb-socket/3 R7 L7', here it is abb-socket/2"),
+        ("hello abb-socket/2 R6", "has the arms R6, cell yumi R7 L7"),
+        ("ok 0001 FFFF", "speaks 'ok 0001 FFFF'"),
+    ],
+)
+def test_the_handshake_is_about_version_and_arms(talk, answer, says):
+    talk.hear(REQUEST)
+    talk.ours.say(0.0)
+    with pytest.raises(ProtocolError, match=says):
+        talk.tell(answer)
+
+
+def test_a_wrong_check_sum_in_an_acknowledgement_is_no_acknowledgement(talk):
+    talk.go_on("hello")
+    talk.ours.say(0.0)
+    with pytest.raises(ProtocolError, match="answered '0002 plan"):
+        talk.tell("ok 0002 0000")
+
+
+def lines(talk):
+    """All that loads the program, as texts; `end` with its check sum."""
+    texts = [f"hello {'abb-socket/2'}"]
+    texts += [f"{line.word} {line.rest}" for line in lines_of(talk.ours._cell, talk.program)]
+    return texts
+
+
+def load(serving, texts, *, is_ended=True):
+    number, crc, points = 0, FIRST_CRC, 0
+    for text in texts:
+        number += 1
+        data = framed(number, text)
+        if not text.startswith("hello"):
+            crc = crc_of(data[:TEXT].decode(), crc)
+        points += text.startswith("to ")
+        list(serving.hear(data))
+    if is_ended:
+        list(serving.hear(framed(number + 1, f"end {points:03d} {crc:04X}")))
+    return number + 1
+
+
+def without(texts, word):
+    index = next(k for k, text in enumerate(texts) if text.startswith(word))
+    return texts[:index] + texts[index + 1 :]
+
+
+def changed(texts, old, new):
+    index = next(k for k, text in enumerate(texts) if old in text)
+    return [*texts[:index], texts[index].replace(old, new, 1), *texts[index + 1 :]]
+
+
+@pytest.mark.parametrize(
+    ("spoil", "says"),
+    [
+        (lambda t: without(t, "to 003"), "waypoint 4 came where 3"),
+        (lambda t: without(t, "leg 02"), "waypoint 1 came where|is not a number"),
+        (lambda t: without(t, "start R"), "before the starts of all arms"),
+        (lambda t: without(t, "ticket"), "at the wrong place"),
+        (lambda t: t[:-1], "has 8 waypoints of 9"),
+        (lambda t: changed(t, "leg 02 R", "leg 03 R"), "step 3 came after step 1"),
+        (lambda t: changed(t, "leg 02 R", "leg 02 X"), "no arm 'X'"),
+        (lambda t: changed(t, " alone", " free"), "is free and has 1 legs"),
+        (lambda t: changed(t, " open 40.0", " wave 40.0"), "'wave' is not one of"),
+        (lambda t: changed(t, " open 40.0", " open 90.0"), "cannot be at 90.0 mm"),
+        (lambda t: changed(t, "0.200", "0.700"), "0.700"),
+        (lambda t: changed(t, " 078", " 079"), "78 waypoints on 12 legs came, 79 on 12 were told"),
+        (lambda t: changed(t, "plan ", "plan g"), "no digest"),
+        (lambda t: [*t[:8], t[8][:7] + "199.00" + t[8][t[8].index(" ", 8) :], *t[9:]], "outside"),
+        (lambda t: [*t[:8], t[8][:-5] + "00001", *t[9:]], "cannot go to waypoint"),
+        (lambda t: [*t[:3], "start R 0.00", *t[3:]], "1 numbers came"),
+        (lambda t: ["hello abb-socket/9", *t[1:]], "is not abb-socket/2"),
+    ],
+)
+def test_a_controller_loads_nothing_that_is_not_whole(talk, spoil, says):
+    with pytest.raises(LinkError, match=says):
+        load(talk.theirs, spoil(lines(talk)))
+    assert talk.theirs.program is None
+
+
+def test_a_controller_compares_the_sum_over_all(talk):
+    texts = lines(talk)
+    number = load(talk.theirs, texts, is_ended=False)
+    with pytest.raises(ProtocolError, match="check sum of all"):
+        list(talk.theirs.hear(framed(number, "end 078 0000")))
+
+
+def test_a_ticket_is_run_once(cell, plan, approval):
+    tickets = []
+    first = Talk(cell, plan, approval, tickets=tickets)
+    first.go_on()
+    again = Talk(cell, plan, approval, tickets=tickets)
+    with pytest.raises(LinkError, match="was run before"):
+        again.go_on()
+    assert again.theirs.phase == "loaded"
+
+
+def test_an_arm_that_stands_elsewhere_is_not_moved(cell, plan, approval):
+    talk = Talk(cell, plan, approval, away=np.deg2rad(0.6))
+    with pytest.raises(LinkError, match=r"arm right is 0\.6 degrees from its start"):
+        talk.go_on()
+
+
+def test_what_is_not_in_the_table_is_refused(cell, talk):
+    """Every state with every word, compared with the table."""
+    words = {word for _, word in NEXT}
+    phases = {phase for phase, _ in NEXT} | {"stopped"}
+    for phase, word in itertools.product(sorted(phases), sorted(words)):
+        one = Serving(cell, lambda: {}, [])
+        one.phase = phase
+        may = (phase, word) in NEXT and word not in ("done", "fault")
+        try:
+            list(one.hear(framed(1, word)))
+        except LinkError as error:
+            assert ("is not in order" in str(error)) is not may, (phase, word)
+        else:
+            assert may, (phase, word)
+
+
+def test_a_program_that_is_too_long_is_not_sent(cell, plan, approval):
+    one = plan.arms[0]
+    legs = tuple(
+        replace(leg, q=np.repeat(leg.q, 50, axis=0), t=np.arange(len(leg.q) * 50) * 1.0)
+        for leg in one.legs
+    )
+    with pytest.raises(InputError, match="a controller has room for 400"):
+        program_of(cell, replace(plan, arms=(replace(one, legs=legs), plan.arms[1])), approval)
+
+
+def test_a_program_that_is_too_slow_is_not_sent(cell, plan, approval):
+    one = plan.arms[0]
+    legs = (replace(one.legs[0], t=one.legs[0].t * 1e4), *one.legs[1:])
+    with pytest.raises(InputError, match=r"leg reach of arm right takes .* s from one"):
+        program_of(cell, replace(plan, arms=(replace(one, legs=legs), plan.arms[1])), approval)
+
+
+def test_a_part_is_not_told_of_before_the_robot_moves(talk):
+    talk.go_on("end")
+    with pytest.raises(ProtocolError, match="comes twice or too early"):
+        talk.tell("part R picked")
+
+
+def test_both_sides_go_on_after_the_last_number(talk):
+    talk.go_on()
+    talk.report(1, right=1)
+    for _ in range(LAST_NUMBER):
+        talk.tell("at R 0.00 -130.00 30.00 0.00 40.00 0.00 -135.00")
+        talk.at += PING
+        if data := talk.ours.say(talk.at):
+            ((_, answer),) = talk.theirs.hear(data)
+            talk.tell(answer)
+    finish(talk)
+    assert talk.ours.is_over
+
+
+def test_garbage_ends_in_an_error_or_in_waiting(cell, plan, approval):
+    rng = np.random.default_rng(0)
+    for _ in range(200):
+        frames = Frames()
+        try:
+            list(frames.hear(rng.bytes(int(rng.integers(1, 200)))))
+        except ProtocolError:
+            continue

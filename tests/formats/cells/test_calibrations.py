@@ -1,0 +1,146 @@
+"""The record of a calibration in a cell file, and the folder of scans with joint values."""
+
+import shutil
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from workbench.formats.cells.calibrations import (
+    FILE,
+    ScannedPose,
+    read_scanned_poses,
+    write_scanned_poses,
+)
+from workbench.formats.cells.edits import save_cell
+from workbench.formats.cells.reading import read_cell
+from workbench.formats.files.shipped import find
+from workbench.gui.shared.things import SCANNER, moved
+from workbench.model.calibration import BallPlate, CalibrationRecord
+from workbench.model.errors import FileError, InputError
+from workbench.model.geometry import pose_from_rpy
+
+SHIPPED = read_cell("yumi")
+ARM = SHIPPED.arms[0]
+
+
+@pytest.fixture
+def path(tmp_path):
+    shutil.copytree(find("robots", "yumi"), tmp_path / "yumi")
+    return tmp_path / "yumi" / "cell.toml"
+
+
+def calibrated(cell, at=1_790_000_000.0, by="Anna"):
+    T = pose_from_rpy((0.402, 0.012, 0.88), (3.1, 0.01, 1.5))
+    record = CalibrationRecord(at, by, 8, 0.000123)
+    return replace(cell, scanner=replace(cell.scanner, T_world_scanner=T, calibration=record))
+
+
+def test_a_calibration_is_written_into_the_cell_file_and_comments_stay(path):
+    before = path.read_text()
+    save_cell(path, calibrated(read_cell(path)))
+    text, record = path.read_text(), read_cell(path).scanner.calibration
+    assert (record.at, record.by, record.poses) == (1_790_000_000.0, "Anna", 8)
+    assert record.rms == pytest.approx(0.000123)
+    assert 'at = "2026-09-21T14:13:20Z"' in text
+    comments = [line for line in before.splitlines() if line.startswith("#")]
+    assert all(comment in text for comment in comments)
+    again = calibrated(read_cell(path), by="Ben")
+    save_cell(path, again)
+    assert read_cell(path).scanner.calibration.by == "Ben"
+    assert path.read_text().count("[scanner.calibration]") == 1
+
+
+def test_a_scanner_moved_by_hand_is_not_calibrated_any_more(path):
+    save_cell(path, calibrated(read_cell(path)))
+    cell = read_cell(path)
+    save_cell(path, moved(cell, SCANNER, pose_from_rpy((0.4, 0, 0.9), (3.1, 0, 1.5))))
+    assert read_cell(path).scanner.calibration is None
+    assert "calibration]" not in path.read_text()
+
+
+@pytest.mark.parametrize(
+    ("record", "problem"),
+    [
+        ('at = "yesterday"\nby = "A"\nposes = 8\nrms_mm = 0.1', "is no time such as"),
+        ('at = "2026-01-01"\nby = ""\nposes = 8\nrms_mm = 0.1', "by: is an empty text"),
+        ('at = "2026-01-01"\nby = "A"\nposes = 0\nrms_mm = 0.1', "poses"),
+        ('at = "2026-01-01"\nby = "A"\nposes = 8', "rms_mm: is missing"),
+        ('at = "2026-01-01"\nby = "A"\nposes = 8\nrms_mm = 0.1\nwho = 1', "who: is not known"),
+    ],
+)
+def test_a_wrong_record_is_refused_with_its_place(path, record, problem):
+    path.write_text(path.read_text() + f"\n[scanner.calibration]\n{record}\n")
+    with pytest.raises(FileError, match=problem):
+        read_cell(path)
+
+
+def test_a_folder_of_poses_comes_from_the_cell_file(path):
+    text = path.read_text()
+    path.write_text(text + '\n[detections]\nsource = "folder"\npath = "poses"\n')
+    assert read_cell(path).poses_folder.path == str(path.parent / "poses")
+    path.write_text(text + '\n[detections]\npath = "poses"\npart = "nut"\n')
+    with pytest.raises(FileError, match=r"detections.part: is not one of keyed_cylinder"):
+        read_cell(path)
+    path.write_text(text + '\n[detections]\nsource = "mail"\npath = "poses"\n')
+    with pytest.raises(FileError, match="'mail' is not one of folder"):
+        read_cell(path)
+
+
+def scans(folder, count=3):
+    rng = np.random.default_rng(0)
+    poses = []
+    for number in range(count):
+        scan = folder / f"{number}.ply"
+        scan.write_bytes(b"ply")
+        poses.append(ScannedPose(scan, np.asarray(ARM.home) + rng.uniform(-0.2, 0.2, 7)))
+    return poses
+
+
+def test_joint_values_come_back_in_chain_order(tmp_path):
+    poses, plate = scans(tmp_path), BallPlate(0.01, np.array([0.05, 0.07, 0.09]))
+    write_scanned_poses(tmp_path, ARM, plate, poses)
+    found = read_scanned_poses(tmp_path, SHIPPED)
+    assert (found.arm, found.unit) == ("right", "m")
+    assert found.plate.radius == plate.radius and np.allclose(found.plate.sides, plate.sides)
+    for one, other in zip(found.poses, poses, strict=True):
+        assert one.scan == other.scan
+        assert np.allclose(one.q, other.q, atol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "problem"),
+    [
+        ('format = "workbench-calibration/1"', 'format = "other"', "format"),
+        ('arm = "right"', 'arm = "middle"', "arm: 'middle' is not one of right, left"),
+        ('unit = "m"', 'unit = "yard"', "unit"),
+        ("ball_mm = 30", "ball_mm = -3", r"plate.ball_mm"),
+        ("sides_mm = [80, 100, 120]", "sides_mm = [80, 80, 120]", "plate.sides_mm: .*differ"),
+        ('scan = "0.ply"', 'scan = "9.ply"', r"pose\[1\].scan: there is no file '9.ply'"),
+        ('scan = "0.ply"\njoints_deg = [', 'scan = "0.ply"\njoints_deg = [1, ', "7 numbers"),
+        ('scan = "0.ply"\njoints_deg = [', 'scan = "0.ply"\nangles = [', "joints_deg: is missing"),
+    ],
+)
+def test_a_wrong_folder_is_refused_with_file_and_key(tmp_path, old, new, problem):
+    write_scanned_poses(tmp_path, ARM, BallPlate(), scans(tmp_path))
+    text = (tmp_path / FILE).read_text()
+    assert old in text
+    (tmp_path / FILE).write_text(text.replace(old, new))
+    with pytest.raises(FileError, match=problem) as refused:
+        read_scanned_poses(tmp_path, SHIPPED)
+    assert FILE in str(refused.value)
+
+
+def test_an_arm_that_cannot_stand_there_is_refused(tmp_path):
+    (pose, *_) = scans(tmp_path)
+    write_scanned_poses(tmp_path, ARM, BallPlate(), [ScannedPose(pose.scan, np.full(7, 6.0))])
+    with pytest.raises(FileError, match="outside the limits of the right arm"):
+        read_scanned_poses(tmp_path, SHIPPED)
+
+
+def test_no_folder_and_no_poses_are_refused(tmp_path):
+    with pytest.raises(InputError, match=FILE):
+        read_scanned_poses(tmp_path / "nowhere", SHIPPED)
+    write_scanned_poses(tmp_path, ARM, BallPlate(), [])
+    with pytest.raises(FileError, match="1 to 60 poses are expected, 0 are given"):
+        read_scanned_poses(tmp_path, SHIPPED)

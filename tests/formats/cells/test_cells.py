@@ -1,0 +1,163 @@
+"""Cell files, the shipped one and spoiled ones."""
+
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from mutations import mutated, only_file_errors
+
+from workbench.formats.cells.reading import read_cell
+from workbench.formats.files.shipped import find
+from workbench.model.errors import FileError
+
+SHIPPED = find("robots", "yumi")
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    """A copy of the shipped cell to spoil."""
+    return Path(shutil.copytree(SHIPPED, tmp_path / "robots" / "mine"))
+
+
+def with_change(folder: Path, old: str, new: str) -> Path:
+    path = folder / "cell.toml"
+    text = path.read_text(encoding="utf-8")
+    assert old in text, f"{old!r} is not in the cell file"
+    path.write_text(text.replace(old, new, 1), encoding="utf-8")
+    return path
+
+
+def test_a_cell_is_found_by_name_by_folder_and_by_file(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    digest = read_cell("yumi").digest
+    assert read_cell(folder).digest == read_cell(folder / "cell.toml").digest == digest
+    monkeypatch.chdir(folder.parents[1])
+    assert read_cell("mine").digest == digest
+
+
+def test_an_unknown_name_lists_those_there_are() -> None:
+    with pytest.raises(FileError, match=r"(?s)no-such-cell.*yumi"):
+        read_cell("no-such-cell")
+
+
+def test_millimetres_and_degrees_become_metres_and_radians() -> None:
+    cell = read_cell("yumi")
+    assert cell.bin.size.tolist() == [0.2, 0.3, 0.05]
+    assert cell.bin.T_world_bin.translation.tolist() == [0.41, 0.0, -0.005]
+    assert cell.policy.margin == 0.005
+    assert cell.policy.lift_lean == pytest.approx(np.deg2rad(25))
+    assert cell.arm("right").tool.stroke == (0.0, 0.05)
+
+
+def test_joints_run_1_2_7_3_4_5_6_along_the_chain_and_1_to_7_on_the_wire() -> None:
+    arm = read_cell("yumi").arm("right")
+    assert [name[-1] for name in arm.joints] == list("1273456")
+    assert [arm.joints[k][-1] for k in arm.wire_order] == list("1234567")
+    on_wire = np.rad2deg(arm.home[list(arm.wire_order)])
+    assert on_wire.tolist() == pytest.approx([0, -130, 30, 0, 40, 0, -135])
+
+
+def test_signs_turn_axes_on_the_wire_and_at_home(folder: Path) -> None:
+    with_change(
+        folder, "home_deg = [0, -130,", "signs = [1, -1, 1, 1, 1, 1, 1]\nhome_deg = [0, 130,"
+    )
+    assert (
+        read_cell(folder).arm("right").home.tolist() == read_cell("yumi").arm("right").home.tolist()
+    )
+    assert read_cell(folder).arm("right").wire_signs == (1, -1, 1, 1, 1, 1, 1)
+
+
+def test_the_digest_covers_all_but_the_address(folder: Path) -> None:
+    digest = read_cell(folder).digest
+    with_change(folder, "port = 1025", "port = 2025")
+    assert read_cell(folder).digest == digest
+    with_change(folder, "margin_mm = 5 ", "margin_mm = 6 ")
+    assert read_cell(folder).digest != digest
+
+
+def test_links_can_go_without_their_geometry(folder: Path) -> None:
+    with_change(folder, 'srdf = "yumi.srdf"', 'srdf = "yumi.srdf"\nwithout_geometry = ["body"]')
+    robot = read_cell(folder).robot
+    assert robot.link("body").collision == ()
+    assert robot.link("body").visual == ()
+    assert robot.link("right_link_1").collision
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "expected"),
+    [
+        ('name = "yumi"', 'name = "yumi"\ncolour = "red"', ["colour"]),
+        ("margin_mm = 5 ", "margin = 5 ", ["policy", "margin", "margin_mm"]),
+        ("margin_mm = 5 ", "margin_mm = -1 ", ["margin_mm", "-1"]),
+        ("margin_mm = 5 ", 'margin_mm = "5" ', ["margin_mm", "number"]),
+        ("margin_mm = 5 ", "margin_mm = nan ", ["margin_mm"]),
+        ('urdf = "yumi.urdf"', 'urdf = "gone.urdf"', ["gone.urdf"]),
+        ('parts = ["keyed_cylinder"]', 'parts = ["nut"]', ["nut", "keyed_cylinder"]),
+        ('parts = ["keyed_cylinder"]', "parts = []", ["parts"]),
+        ('tool = "smart_gripper"', 'tool = "hook"', ["hook", "smart_gripper"]),
+        ('flange = "right_flange"', 'flange = "nose"', ["flange", "nose"]),
+        ('flange = "right_flange"', 'flange = "body"', ["flange", "body"]),
+        ('name = "left"', 'name = "right"', ["arm"]),
+        ("axes = [1, 2, 7, 3, 4, 5, 6]", "axes = [1, 2, 7, 3, 4, 5, 5]", ["axes", "1 to 7"]),
+        ("axes = [1, 2, 7, 3, 4, 5, 6]", "axes = [1, 2, 3]", ["axes", "7"]),
+        ("home_deg = [0, -130,", "home_deg = [0, 130,", ["home_deg", "130.0", "outside"]),
+        ("stroke_mm = [0, 50]", "stroke_mm = [50, 0]", ["stroke_mm"]),
+        ("size_mm = [200, 300, 50]", "size_mm = [200, 300]", ["size_mm", "3"]),
+        ("size_mm = [200, 300, 50]", "size_mm = [0.2, 0.3, 0.05]", ["size_mm"]),
+        ("near_mm = 500", "near_mm = 5000", ["near_mm", "far_mm"]),
+        ("port = 1025", "port = 70000", ["port", "70000"]),
+        ('protocol = "abb-socket/2"', 'protocol = "telnet"', ["telnet", "abb-socket"]),
+        ("opens_along = [1, 0, 0]", "opens_along = [1, 1, 0]", ["opens_along", "unit"]),
+        ('shape = "box"', 'shape = "cone"', ["cone"]),
+        ('planner = "rrtconnect"', 'planner = "magic"', ["planner", "magic", "sbl"]),
+        ('letter = "R"', 'letter = "#"', ["letter", "#"]),
+        ('letter = "R"', 'letter = "r"', ["letter", "capital"]),
+        ('letter = "R"', 'letter = "L"', ["arm.letter", "'L' is there 2 times"]),
+        (
+            'parts = ["keyed_cylinder"]',
+            'parts = ["keyed_cylinder", "keyed_cylinder"]',
+            ["parts", "'keyed_cylinder' is there 2 times"],
+        ),
+        ('parts = ["keyed_cylinder"]', f'parts = ["{"a" * 300}"]', ["parts", "aaa"]),
+        (
+            "[[arm]]",
+            '[[tool]]\nname = "smart_gripper"\n[tool.tcp]\n\n[[arm]]',
+            ["tool.name", "'smart_gripper' is there 2 times"],
+        ),
+        (
+            "[[arm]]",
+            '[[fixture]]\nname = "a"\n\n[[fixture]]\nname = "a"\n\n[[arm]]',
+            ["fixture.name", "'a' is there 2 times"],
+        ),
+        ("[controller]", "[controler]", ["controler"]),
+    ],
+)
+def test_what_is_wrong_is_named(folder: Path, old: str, new: str, expected: list[str]) -> None:
+    path = with_change(folder, old, new)
+    with pytest.raises(FileError) as caught:
+        read_cell(path)
+    message = str(caught.value)
+    assert str(folder) in message
+    assert message.isprintable()
+    for word in expected:
+        assert word in message
+
+
+def test_a_pair_of_links_that_are_not_there_is_refused(folder: Path) -> None:
+    srdf = folder / "yumi.srdf"
+    srdf.write_text(srdf.read_text(encoding="utf-8").replace('"body"', '"belly"', 1))
+    with pytest.raises(FileError, match=r"yumi\.srdf: names link 'belly'"):
+        read_cell(folder)
+
+
+@given(content=mutated((SHIPPED / "cell.toml").read_bytes()))
+@settings(
+    suppress_health_check=[HealthCheck.too_slow, HealthCheck.function_scoped_fixture],
+    max_examples=40,
+    deadline=None,
+)
+def test_no_file_is_worse_than_an_error(tmp_path: Path, content: bytes) -> None:
+    only_file_errors(tmp_path / "cell.toml", content, read_cell)

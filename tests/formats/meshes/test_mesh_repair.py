@@ -1,0 +1,113 @@
+"""What is wrong with surfaces, and what mending makes of it."""
+
+import numpy as np
+import pytest
+import trimesh
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from workbench.formats.meshes.repair import examined, joined_corners, repaired
+from workbench.model.geometry import Mesh
+
+
+def mesh_of(surface: trimesh.Trimesh) -> Mesh:
+    return Mesh(surface.vertices, surface.faces)
+
+
+def soup(surface: trimesh.Trimesh) -> Mesh:
+    """As an STL file has it: every triangle with corners of its own."""
+    points = np.asarray(surface.triangles).reshape(-1, 3)
+    return Mesh(points, np.arange(len(points)).reshape(-1, 3))
+
+
+@pytest.fixture
+def ball() -> trimesh.Trimesh:
+    return trimesh.creation.icosphere(2, 0.01)
+
+
+def test_a_closed_surface_has_no_problems(ball):
+    mesh, done = joined_corners(soup(ball))
+    surface = examined(mesh)
+    assert done == () and surface.problems == () and surface.is_watertight
+    assert (surface.triangles, surface.components) == (320, 1)
+    assert surface.size == pytest.approx([0.02] * 3, rel=0.01)
+    assert surface.volume == pytest.approx(ball.volume)
+
+
+def test_a_hole_is_told_and_closed(ball):
+    holed = Mesh(ball.vertices, ball.faces[1:])
+    surface = examined(holed)
+    assert surface.problems == ("3 edges are open",) and surface.volume == 0.0
+    mended, done = repaired(holed)
+    assert done == ("holes closed with 1 triangles",)
+    assert examined(mended).problems == ()
+    assert examined(mended).volume == pytest.approx(ball.volume)
+
+
+def test_half_a_part_is_not_closed_with_a_lid(ball):
+    half = Mesh(ball.vertices, ball.faces[np.asarray(ball.triangles_center)[:, 2] > 0])
+    mended, _ = repaired(half)
+    assert "edges are open" in examined(mended).problems[0]
+
+
+def test_turned_triangles_are_turned_back(ball):
+    faces = np.array(ball.faces)
+    faces[10:20] = faces[10:20, ::-1]
+    mesh = Mesh(ball.vertices, faces)
+    assert "do not fit together" in examined(mesh).problems[0]
+    mended, done = repaired(mesh)
+    assert "10 triangles turned" in done[0]
+    assert examined(mended).problems == ()
+    assert examined(mended).volume == pytest.approx(ball.volume)
+
+
+def test_inside_out_is_told_and_turned(ball):
+    mesh = Mesh(ball.vertices, ball.faces[:, ::-1])
+    assert examined(mesh).problems == ("it is inside out",)
+    mended, done = repaired(mesh)
+    assert done == ("pieces turned inside out",)
+    assert examined(mended).problems == ()
+
+
+def test_a_hollow_stays_a_hollow(ball):
+    inner = ball.copy().apply_scale(0.5)
+    inner.invert()
+    hollow = trimesh.util.concatenate([ball, inner])
+    mended, done = repaired(mesh_of(hollow))
+    assert done == ()
+    assert examined(mended).volume == pytest.approx(ball.volume * 7 / 8)
+
+
+def test_what_is_there_twice_or_has_no_corners_is_left_out(ball):
+    faces = np.vstack([ball.faces, ball.faces[:3], [[5, 5, 6]]])
+    mesh, done = joined_corners(Mesh(ball.vertices, faces))
+    assert len(mesh.triangles) == 320
+    assert done == (
+        "1 triangles with two corners left out",
+        "3 triangles left out that were there twice",
+    )
+
+
+def test_crumbs_are_left_out_and_other_pieces_stay(ball):
+    crumb = ball.copy().apply_scale(0.01).apply_translation([0.1, 0, 0])
+    beside = ball.copy().apply_translation([0.05, 0, 0])
+    mended, done = repaired(mesh_of(trimesh.util.concatenate([ball, crumb, beside])))
+    assert done == ("1 crumbs beside the part left out",)
+    assert examined(mended).components == 2
+
+
+@settings(max_examples=60, deadline=None)
+@given(
+    st.lists(st.tuples(*[st.integers(0, 9)] * 3), min_size=1, max_size=40),
+    st.integers(0, 2**32 - 1),
+)
+def test_no_surface_is_too_broken_to_look_at(triangles, seed):
+    points = np.random.default_rng(seed).uniform(-0.05, 0.05, (10, 3))
+    mesh, _ = joined_corners(Mesh(points, np.array(triangles)))
+    if len(mesh.triangles) == 0:
+        return
+    before = examined(mesh)
+    mended, _ = repaired(mesh)
+    after = examined(mended)
+    assert after.open_edges <= before.open_edges + before.bad_edges * 2
+    assert np.isfinite(after.volume)

@@ -1,0 +1,42 @@
+import io
+
+import numpy as np
+import pytest
+import trimesh
+
+from workbench.formats.meshes.triangles import stl_of, surface_of, triangles_of
+from workbench.model.geometry import Box, Capsule, Cylinder, Mesh, Solid, Sphere, pose_from_rpy
+
+SIZE = np.array([0.2, 0.4, 0.6])
+
+
+@pytest.mark.parametrize(
+    ("shape", "extents"),
+    [
+        (Box(SIZE), SIZE),
+        (Cylinder(0.1, 0.3), (0.2, 0.2, 0.3)),
+        (Capsule(0.1, 0.3), (0.2, 0.2, 0.5)),
+        (Sphere(0.1), (0.2, 0.2, 0.2)),
+        (Mesh(np.eye(3), np.array([[0, 1, 2]])), (1, 1, 1)),
+    ],
+)
+def test_a_shape_keeps_its_size_and_centre(shape, extents):
+    surface = triangles_of(shape)
+    np.testing.assert_allclose(surface.extents, extents, rtol=0.01)
+    if not isinstance(shape, Mesh):
+        np.testing.assert_allclose(surface.bounds.mean(axis=0), 0, atol=1e-3)
+
+
+def test_solids_of_a_body_become_one_surface_each_in_its_place():
+    left = Solid("left", Box(SIZE), pose_from_rpy((1, 0, 0)))
+    right = Solid("right", Sphere(0.1), pose_from_rpy((-1, 0, 0.5), (0, 1, 0)))
+    surface = surface_of([left, right])
+    np.testing.assert_allclose(surface.bounds, [[-1.1, -0.2, -0.3], [1.1, 0.2, 0.6]], atol=1e-3)
+    assert surface.volume == pytest.approx(SIZE.prod() + 4 / 3 * np.pi * 0.1**3, rel=0.02)
+
+
+def test_an_stl_file_holds_the_same_surface():
+    surface = triangles_of(Capsule(0.1, 0.3))
+    read = trimesh.load_mesh(io.BytesIO(stl_of(surface)), file_type="stl")
+    assert len(read.faces) == len(surface.faces)
+    np.testing.assert_allclose(read.bounds, surface.bounds, atol=1e-6)

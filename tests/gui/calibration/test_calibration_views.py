@@ -1,0 +1,105 @@
+"""What the page says of calibration, bin, searches and remarks."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from workbench.app.core.state import State
+from workbench.gui.calibration.views import (
+    answer_html,
+    bin_html,
+    calibration_warning,
+    poses_html,
+    record_line,
+)
+from workbench.gui.parts.views import remarks_html
+from workbench.gui.scene.searches import searches_html
+from workbench.model.bin_check import BinCheck
+from workbench.model.calibration import (
+    BallPlate,
+    Calibration,
+    CalibrationRecord,
+    PlateSighting,
+    PoseResidual,
+)
+from workbench.model.cell import PosesFolder
+from workbench.model.geometry import pose_from_rpy
+from workbench.model.search import Remark, Search, SearchWishes
+
+NOW = 1_760_000_000.0
+DAY = 86_400.0
+
+
+def with_record(cell, days, source="folder"):
+    record = CalibrationRecord(NOW - days * DAY, "<Anna>", 8, 0.00012)
+    mount = replace(cell.scanner, calibration=record, source=source, address="scans")
+    return replace(cell, scanner=mount)
+
+
+def test_an_old_or_missing_calibration_is_warned_of(cell):
+    assert calibration_warning(cell, NOW) == "", "a simulated scanner hangs where the cell says"
+    real = replace(cell, scanner=replace(cell.scanner, source="folder", address="scans"))
+    assert "never calibrated" in calibration_warning(real, NOW)
+    assert calibration_warning(with_record(cell, 89), NOW) == ""
+    assert "91 days ago; 90 are allowed" in calibration_warning(with_record(cell, 91), NOW)
+    assert "&lt;Anna&gt;: 8 poses, 0.12 mm RMS" in record_line(with_record(cell, 1), NOW)
+    assert "wb-bad" in record_line(with_record(cell, 91), NOW)
+
+
+def test_the_bin_has_a_light_and_a_sentence(cell):
+    good = BinCheck(cell.bin.T_world_bin, 0.0001, 0.0, 0.05, 0.0, "good", ())
+    state = State(cell, bin_check=good)
+    assert 'data-light="good"' in bin_html(state, NOW)
+    assert "The bin is where it should be, to 0.1 mm, 5% full." in bin_html(state, NOW)
+    old = State(with_record(cell, 100), bin_check=good)
+    assert 'data-light="warning"' in bin_html(old, NOW)
+    assert "100 days ago" in bin_html(old, NOW)
+    gone = BinCheck(None, 0.0, 0.0, None, 0.0, "bad", ("the rim of the bin is not seen",))
+    assert 'data-light="bad"' in bin_html(State(cell, bin_check=gone), NOW)
+    assert bin_html(State(cell), NOW) == ""
+
+
+@pytest.fixture
+def sightings():
+    one = PlateSighting(
+        "pose 1", "right", np.zeros(7), BallPlate(), np.eye(3), 0.0001, np.ones((4, 3))
+    )
+    return one, replace(one, name="pose <2>", is_used=False)
+
+
+def test_poses_have_residuals_lights_and_reasons(cell, sightings):
+    assert "Eight are advised" in poses_html((), "", None, ())
+    html = poses_html(sightings, "too few", 1, ("a", "b"))
+    assert "pose &lt;2&gt;" in html and "left out by a person" in html
+    residuals = (
+        PoseResidual("pose 1", 0.00042, np.deg2rad(0.05), "good"),
+        PoseResidual("pose <2>", 0.012, 0.05, "bad", "does not agree: 12.0 mm <off>"),
+    )
+    T = cell.scanner.T_world_scanner * pose_from_rpy((0.003, 0.004, 0), (0, 0, np.deg2rad(2)))
+    found = Calibration(T, T, residuals, 0.0004, 0.0001, 0.001)
+    html = poses_html(sightings, found, None, ("a", "b"))
+    assert "0.42 mm" in html and "0.05°" in html and "12.0 mm &lt;off&gt;" in html
+    answer = answer_html(cell, found, 2)
+    assert "5.0 mm and 2.00°" in answer and "8 poses are better than 1" in answer
+    assert "Needs &lt;4&gt;." in answer_html(cell, "needs <4>", 2)
+    assert answer_html(cell, "needs 4", 0) == ""
+
+
+def test_searches_stand_side_by_side(detections):
+    assert "to be compared" in searches_html((), None, ())
+    searches = (
+        Search(3, 0, SearchWishes(), detections, 0.25),
+        Search(7, 5, SearchWishes(1.5, 0.8), detections[:1], 0.5),
+    )
+    html = searches_html(searches, 7, ("a", "b"))
+    assert html.count("<tr") == 3 and html.count("wb-chosen") == 1
+    assert "150%" in html and "0.50 s" in html and "none below 0.80" in html
+
+
+def test_remarks_tell_who_did_what():
+    remarks = (Remark(NOW, "Ben", "part-1 was vetoed"), Remark(NOW + 60, "<b>", "corrected"))
+    html = remarks_html(remarks, PosesFolder("/in/<poses>", ""))
+    assert html.index("&lt;b&gt;") < html.index("Ben"), "the latest first"
+    assert "part-1 was vetoed" in html and "/in/&lt;poses&gt;" in html
+    assert remarks_html((), None) == ""

@@ -1,0 +1,34 @@
+"""The nearest fix is looked for beside the drawing, and only for what is still looked at."""
+
+import threading
+from dataclasses import replace
+
+from waiting import PATIENCE
+
+import workbench.gui.drawing.fixes
+from workbench.gui.drawing.fixes import LOOKING, NOTHING, Fixes
+from workbench.model.candidate import Reason, Stage, Verdict
+
+
+def test_candidates_of_a_plan_before_are_not_tried_any_more(states, monkeypatch):
+    go_on, tried = threading.Event(), []
+
+    def slow(cell, detections, candidates, **_):
+        tried.append(candidates[0].rank)
+        assert go_on.wait(PATIENCE)
+
+    monkeypatch.setattr(workbench.gui.drawing.fixes, "nearest_fix", slow)
+    refused = Verdict(Reason.IN_COLLISION, Stage.GRASP, ("palm", "bin_wall_back"), -0.01)
+    one = replace(states.planned.candidates[0], verdict=refused)
+    old = replace(states.planned, candidates=tuple(replace(one, rank=k) for k in (0.0, 1.0, 2.0)))
+    new = replace(old, candidates=(replace(one, rank=9.0),))
+    found = threading.Semaphore(0)
+    fixes = Fixes(found.release)
+    assert [fixes.of(old, k) for k in range(3)] == [LOOKING] * 3
+    assert fixes.of(new, 0) == LOOKING
+    go_on.set()
+    while fixes.of(new, 0) == LOOKING:
+        assert found.acquire(timeout=PATIENCE)
+    assert fixes.of(new, 0) == NOTHING
+    assert tried == [0.0, 9.0]
+    fixes.close()

@@ -1,0 +1,246 @@
+"""The server sees before whose eyes a plan was played to its end, drawn all the way.
+
+Skipping with the scrubber does not count, nor what a browser does not draw, nor a robot that stands
+elsewhere there because somebody moves it by hand.
+"""
+
+import time
+from contextlib import ExitStack
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from raw_browser import sitting
+from waiting import PATIENCE, wait_until
+
+from workbench.app.core.commands import Approve, FindParts, JobEnded, MakePlan, SendPlan, UseScan
+from workbench.app.core.state import Phase
+from workbench.app.runtime.live import Live
+from workbench.gui.calibration.panel import CalibrationPanel
+from workbench.gui.cell.panel import CellPanel
+from workbench.gui.drawing.audience import STEP
+from workbench.gui.drawing.own_scene import OwnScene
+from workbench.gui.grasps.panel import GraspsPanel
+from workbench.gui.page.server import serve
+from workbench.gui.plan.panel import PlanPanel
+from workbench.gui.shared.playback import joint_values, moments
+from workbench.planning.kinematics.robot import Kinematics
+
+
+@pytest.fixture
+def planned(bench, scan, detections, result):
+    bench.do(UseScan(scan), "Anna")
+    number = bench.do(FindParts(), "Anna").number
+    bench.do(JobEnded(number, detections), "worker")
+    number = bench.do(MakePlan(), "Anna").number
+    bench.do(JobEnded(number, result), "worker")
+    return bench
+
+
+@pytest.fixture
+def page(planned):
+    page = serve(planned, port=0, most_points=100)
+    yield page
+    page.close()
+
+
+class Hands:
+    """On the controls of one browser that sits there."""
+
+    def __init__(self, page, browser, number):
+        self.renderer, self.browser, self.number = page._renderer, browser, number
+
+    @property
+    def visitor(self):
+        return self.renderer._visitors[self.number]
+
+    def panel(self, kind):
+        return next(one for one in self.renderer._panels[self.number] if isinstance(one, kind))
+
+    def play(self):
+        self.panel(PlanPanel)._play_or_pause()
+
+    def jog(self):
+        self.panel(CellPanel)._jog._turn()
+
+    @property
+    def is_jogged(self):
+        return self.visitor.own.now.jog is not None
+
+    @property
+    def link(self):
+        """Where the robot's last link is in this browser alone, None: where all see it."""
+        arm = self.renderer._bench.state.cell.arms[0]
+        node = self.visitor.client.scene.get_handle_by_name(f"/robot/{arm.flange}")
+        return None if node is None else np.array(node.position)
+
+
+@pytest.fixture
+def sit_down(page):
+    """Opens browsers that draw, with hands on their controls."""
+    with ExitStack() as stack:
+
+        def sit():
+            before = set(page._renderer._panels)
+            browser = stack.enter_context(sitting(int(page.url.rpartition(":")[2])))
+            wait_until(lambda: set(page._renderer._panels) - before, "the controls")
+            (number,) = set(page._renderer._panels) - before
+            return Hands(page, browser, number)
+
+        yield sit
+
+
+def shared_link(page):
+    cell = page._renderer._bench.state.cell
+    node = page._renderer._server.scene.get_handle_by_name(f"/robot/{cell.arms[0].flange}")
+    return np.array(node.position)
+
+
+def planned_link(page, look):
+    cell, runs = page._renderer._bench.state.cell, page._renderer._runs
+    values = joint_values(cell, moments(cell, runs, look.time))
+    return Kinematics(cell).link_poses(values)[cell.arms[0].flange].translation
+
+
+def test_a_plan_that_was_skipped_through_was_not_watched(page, planned, sit_down):
+    bench, hands = planned, sit_down()
+    look = page._renderer._look
+    end = bench.state.plan.cycle_seconds
+
+    def played_from(start: float) -> None:
+        time.sleep(0.5)
+        look.change(time=start, is_playing=True, by=None, browser=hands.number)
+        wait_until(lambda: not look.now.is_playing, "the end of the plan")
+
+    played_from(end - 0.5)
+    time.sleep(0.5)
+    assert bench.state.watched == ()
+    played_from(0.0)
+    bench.wait(lambda state: state.watched != (), PATIENCE)
+    assert bench.state.watched == ("operator",)
+    assert hands.browser.drawn > end / STEP
+
+
+def test_what_plays_before_nobody_was_not_watched(page, planned):
+    look = page._renderer._look
+    wait_until(lambda: page._renderer._drawn is not None, "the first drawing")
+    look.change(time=0.0, is_playing=True, by=None)
+    wait_until(lambda: not look.now.is_playing, "the end of the plan")
+    time.sleep(1.0)
+    assert planned.state.watched == ()
+
+
+def test_a_browser_that_does_not_draw_holds_the_plan_and_has_not_watched(page, planned, sit_down):
+    hands, look = sit_down(), page._renderer._look
+    hands.play()
+    wait_until(lambda: look.now.time > STEP, "the plan to play")
+    hands.browser.is_in_front = False
+    wait_until(lambda: hands.renderer._player._audience._drawn >= look.now.time, "a drawing")
+    drawn = hands.browser.drawn
+    time.sleep(3.0)
+    held = look.now.time
+    time.sleep(2.0)
+    assert look.now.time == held < planned.state.plan.cycle_seconds
+    assert hands.browser.drawn <= drawn + 1
+    assert look.now.is_playing and planned.state.watched == ()
+    # In front again it goes on where it was, and all of it was seen.
+    hands.browser.is_in_front = True
+    planned.wait(lambda state: state.watched != (), PATIENCE)
+    assert planned.state.watched == ("operator",)
+
+
+def test_a_browser_that_leaves_stops_the_plan(page, planned, sit_down):
+    hands, look = sit_down(), page._renderer._look
+    sit_down()
+    hands.play()
+    wait_until(lambda: look.now.time > STEP, "the plan to play")
+    hands.browser.leave()
+    wait_until(lambda: not look.now.is_playing, "the end of playing")
+    assert look.now.time < planned.state.plan.cycle_seconds
+    assert planned.state.watched == ()
+
+
+def test_playing_ends_every_jog_and_the_robot_follows_the_plan_in_all_browsers(
+    page, planned, sit_down
+):
+    ada, bob, look = sit_down(), sit_down(), page._renderer._look
+    ada.jog()
+    # As somebody does who has a pose suggested, and logs out.
+    bob.panel(CalibrationPanel)._suggest_next()
+    wait_until(lambda: ada.link is not None and bob.link is not None, "the jogged robots")
+    assert not np.allclose(bob.link, shared_link(page))
+    ada.play()
+    wait_until(lambda: look.now.time > STEP, "the plan to play")
+    wait_until(lambda: ada.link is None and bob.link is None, "the end of the jogs")
+    assert not ada.is_jogged and not bob.is_jogged
+    planned.wait(lambda state: state.watched != (), PATIENCE)
+    assert np.allclose(shared_link(page), planned_link(page, look.now), atol=1e-6)
+    assert planned.state.watched == ("operator",)
+
+
+def test_a_jog_is_seen_by_nobody_else_and_goes_with_its_browser(page, planned, sit_down):
+    ada, bob = sit_down(), sit_down()
+    wait_until(lambda: page._renderer._drawn is not None, "the first drawing")
+    before = shared_link(page)
+    ada.jog()
+    ada.panel(CellPanel)._jog._move(np.asarray(planned.state.cell.arms[0].home) + 0.2)
+    wait_until(lambda: ada.link is not None and not np.allclose(ada.link, before), "the jog")
+    assert bob.link is None and not bob.is_jogged
+    assert np.array_equal(shared_link(page), before)
+    ada.browser.leave()
+    wait_until(lambda: ada.number not in page._renderer._visitors, "the end of the browser")
+    bob.play()
+    planned.wait(lambda state: state.watched != (), PATIENCE)
+    assert np.allclose(shared_link(page), planned_link(page, page._renderer._look.now), atol=1e-6)
+
+
+@pytest.mark.parametrize("turned", ["jog", "stage"])
+def test_who_turns_to_something_else_meanwhile_has_not_watched(page, planned, sit_down, turned):
+    hands, look = sit_down(), page._renderer._look
+    hands.play()
+    wait_until(lambda: look.now.time > STEP, "the plan to play")
+    if turned == "jog":
+        hands.jog()
+    else:
+        hands.panel(GraspsPanel)._turn()
+    wait_until(lambda: not look.now.is_playing, "the end of playing")
+    assert look.now.time < planned.state.plan.cycle_seconds
+    # A jog that comes around the controls stops it, too.
+    hands.play()
+    wait_until(lambda: look.now.is_playing, "the plan to play on")
+    hands.visitor.own.change(jog={arm.name: arm.home for arm in planned.state.cell.arms})
+    wait_until(lambda: not look.now.is_playing or not hands.is_jogged, "the end of one of both")
+    hands.visitor.own.change(jog={arm.name: arm.home for arm in planned.state.cell.arms})
+    wait_until(lambda: not look.now.is_playing, "the end of playing")
+    assert planned.state.watched == ()
+
+
+def test_while_a_plan_is_sent_the_robot_is_drawn_as_it_stands(page, planned, sit_down):
+    hands, bench = sit_down(), planned
+    hands.play()
+    bench.wait(lambda state: state.watched != (), PATIENCE)
+    bench.do(Approve(bench.state.plan.digest), "Anna")
+    hands.jog()
+    wait_until(lambda: hands.link is not None, "the jogged robot")
+    bench.do(SendPlan(bench.state.plan.digest), "Anna")
+    assert bench.state.phase is Phase.SENDING
+    wait_until(lambda: hands.link is None, "the end of the jog")
+    # Also one that somebody begins while the robot moves.
+    hands.jog()
+    wait_until(lambda: not hands.is_jogged and hands.link is None, "the end of the next jog")
+    runs, cell = page._renderer._runs, bench.state.cell
+    there = joint_values(cell, moments(cell, runs, 0.4))
+    bench._effects.live = replace(Live(), joints=there)
+    page._renderer._woken.set()
+    expected = Kinematics(cell).link_poses(there)[cell.arms[0].flange].translation
+    wait_until(lambda: np.linalg.norm(shared_link(page) - expected) < 0.02, "the robot as it is")
+
+
+def test_points_that_one_measures_between_are_in_that_browser_alone(page, sit_down):
+    ada, bob = sit_down(), sit_down()
+    ada.visitor.own.change(measured=(np.zeros(3), np.ones(3)))
+    scene = ada.visitor.client.scene
+    wait_until(lambda: scene.get_handle_by_name("/measured/line") is not None, "the line")
+    assert bob.visitor.client.scene.get_handle_by_name("/measured/line") is None
+    assert page._renderer._server.scene.get_handle_by_name("/measured/line") is None
+    assert isinstance(ada.panel(OwnScene), OwnScene)

@@ -1,0 +1,179 @@
+"""The controls in which grasps are edited, without a browser: what they leave as it was."""
+
+import logging
+from dataclasses import replace
+from types import SimpleNamespace
+
+import pytest
+
+import workbench.gui.grasps.coverage
+import workbench.gui.shared.visitor
+from workbench.app.core.commands import ChangeCell
+from workbench.app.core.people import Role
+from workbench.app.runtime.bench import Bench
+from workbench.formats.files.shipped import find
+from workbench.formats.parts.reading import read_part
+from workbench.formats.parts.saves import versions, write_draft
+from workbench.gui.grasps.coverage import CoverageControls
+from workbench.gui.grasps.editing import Editing
+from workbench.gui.grasps.fields import GraspFields
+from workbench.gui.grasps.ideas import Suggestions
+from workbench.gui.grasps.library import NOW as AS_IT_IS
+from workbench.gui.grasps.library import LibraryControls
+from workbench.gui.grasps.panel import GraspsPanel
+from workbench.model.errors import InputError
+from workbench.model.geometry import pose_from_rpy
+from workbench.model.part import Grasp, GraspLibrary
+
+PART = "keyed_cylinder"
+
+
+def with_grasps(bench: Bench, *entries: Grasp) -> None:
+    """The part with these grasps only."""
+    cell = bench.state.cell
+    part = replace(cell.part(PART), library=GraspLibrary(entries))
+    bench.do(ChangeCell(replace(cell, parts=(part,)), "other grasps"), "Ada", Role.ENGINEER)
+
+
+def grasp_now(bench: Bench) -> Grasp:
+    (grasp,) = bench.state.cell.part(PART).library.entries
+    return grasp
+
+
+HAND = Grasp("side", pose_from_rpy((0, 0, 0.02)), 0.04, 0.03)
+
+
+@pytest.mark.parametrize(
+    "grasp",
+    [
+        replace(HAND, tool="suction_cup_of_another_cell"),
+        replace(HAND, arms=("third",)),
+        replace(HAND, arms=("left", "third")),
+        replace(HAND, arms=("left", "right")),
+        replace(HAND, arms=("right", "left")),
+    ],
+)
+def test_tools_and_arms_of_other_cells_are_left_alone(bench, visitor, grasp):
+    with_grasps(bench, grasp)
+    fields = GraspFields(visitor, Editing(visitor))
+    fields.show(grasp, is_enabled=True)
+    assert not fields._is_typed()
+    fields._priority.value = 5
+    fields._take()
+    now = grasp_now(bench)
+    assert (now.priority, now.tool, now.arms) == (5, grasp.tool, grasp.arms)
+
+
+def test_boxes_say_which_arms_of_this_cell_may_use_a_grasp(bench, visitor):
+    with_grasps(bench, HAND)
+    fields = GraspFields(visitor, Editing(visitor))
+    fields.show(HAND, is_enabled=True)
+    fields._arms["left"].value = False
+    fields._take()
+    assert grasp_now(bench).arms == ("right",)
+    fields._arms["left"].value = True
+    fields._take()
+    assert grasp_now(bench).arms == ()
+    fields._arms["left"].value = fields._arms["right"].value = False
+    fields._take()
+    assert "no arm may use it" in visitor.client.told[-1]
+
+
+@pytest.fixture
+def two_parts(bench):
+    cell = bench.state.cell
+    other = read_part(find("parts", "bolt"))
+    with_both = replace(cell, parts=(*cell.parts, other))
+    bench.do(ChangeCell(with_both, "another part"), "Ada", Role.ENGINEER)
+    return other
+
+
+def test_suggestions_for_a_part_are_not_taken_for_another_one(bench, visitor, two_parts):
+    editing = Editing(visitor)
+    suggestions = Suggestions(visitor, editing, lambda grasp: None)
+    suggestions._look()
+    suggestions.show(editing.part)
+    assert suggestions._found and not suggestions._take.disabled
+    editing.choose(part=two_parts.name)
+    suggestions.show(editing.part)
+    assert not suggestions._found and suggestions._take.disabled and suggestions._all.disabled
+
+
+def test_a_suggestion_whose_name_was_taken_meanwhile_gets_another_one(bench, visitor):
+    editing = Editing(visitor)
+    suggestions = Suggestions(visitor, editing, lambda grasp: None)
+    suggestions._look()
+    first, second = suggestions._found[:2]
+    editing.add((replace(HAND, name=first.grasp.name),), "somebody was quicker")
+    suggestions._add((first, second))
+    names = [entry.name for entry in bench.state.cell.part(PART).library.entries]
+    assert len(set(names)) == len(names) == 4
+
+
+def test_coverage_of_a_cell_that_was_changed_meanwhile_is_not_shown(bench, visitor, monkeypatch):
+    editing = Editing(visitor)
+    stage = SimpleNamespace(hide_sphere=lambda: None, is_open=False)  # nobody looks at it
+    controls = CoverageControls(visitor, editing, stage)
+
+    def slow(cell, part, **_):
+        moved = replace(cell.bin, T_world_bin=pose_from_rpy((0.1, 0, 0)) * cell.bin.T_world_bin)
+        bench.do(ChangeCell(replace(cell, bin=moved), "moved"), "Ada", Role.ENGINEER)
+        return SimpleNamespace(missing=None)
+
+    monkeypatch.setattr(workbench.gui.grasps.coverage, "coverage", slow)
+    monkeypatch.setattr(workbench.gui.grasps.coverage, "coverage_words", lambda found: ["90 %"])
+    controls._work()
+    controls.show(editing.part, is_enabled=True)
+    assert "Not looked at since" in controls._line.content
+
+
+def test_nobody_goes_on_looking_for_who_has_gone(visitor):
+    controls = CoverageControls(visitor, Editing(visitor), SimpleNamespace())
+    visitor.end(is_gone=True)
+    assert controls._cancelled.is_set()
+
+
+def test_a_grasp_that_cannot_be_looked_at_is_logged(visitor, monkeypatch, caplog):
+    panel = GraspsPanel(visitor)
+
+    def broken(self, grasp):
+        raise ValueError("no hull")
+
+    monkeypatch.setattr(Editing, "checked", broken)
+    with caplog.at_level(logging.ERROR):
+        panel._look_at_all(panel._editing.part)
+        panel._looker.shutdown()
+    assert "could not be looked at" in caplog.text
+
+
+def test_versions_that_cannot_be_read_are_told_and_those_of_another_part_are_gone(
+    visitor, bench, tmp_path, monkeypatch
+):
+    editing = Editing(visitor)
+    library = LibraryControls(visitor, editing)
+    visitor.folders = {PART: tmp_path}
+    state, part = bench.state, editing.part
+    saved = replace(state, saved=state.cell.digest)
+    (tmp_path / "versions").mkdir()
+    write_draft(tmp_path, part.library)
+    (tmp_path / "grasps.draft.toml").rename(tmp_path / "versions" / "0001.toml")
+    line = '{"version": 1, "at": "2026-01-01T00:00:00Z", "by": "Ada", "remark": "first"}\n'
+    (tmp_path / "changes.log").write_text(line)
+    assert len(versions(tmp_path)) == 1
+    library.show(saved, part, is_enabled=True)
+    assert library._version.options == (AS_IT_IS, "1: first")
+
+    (tmp_path / "versions" / "0001.toml").write_text("not [ a file")
+    library.show(replace(saved, saved="other"), part, is_enabled=True)
+    assert "0001.toml" in library._changes.content
+    library._version.value = "1: first"
+    library._gone_back()
+    assert "0001.toml" in visitor.client.told[-1]
+
+    def unreadable(folder):
+        raise InputError("changes.log cannot be read")
+
+    monkeypatch.setattr("workbench.gui.grasps.library.versions", unreadable)
+    library.show(saved, part, is_enabled=True)
+    assert "changes.log cannot be read" in library._draft.content
+    assert library._version.options == (AS_IT_IS,)

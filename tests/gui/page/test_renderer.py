@@ -1,0 +1,89 @@
+"""The thread that draws: nothing that cannot be worked out or drawn ends it."""
+
+import asyncio
+import logging
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from raw_browser import raw_browser
+from waiting import wait_until
+
+import workbench.gui.page.server
+from workbench.app.core.commands import ChangeCell
+from workbench.gui.cell.panel import CellPanel
+from workbench.gui.grasps.panel import GraspsPanel
+from workbench.gui.page.server import serve
+from workbench.gui.shared.door import open_door
+
+
+@pytest.fixture
+def page(bench):
+    page = serve(bench, port=0, most_points=100)
+    yield page
+    page.close()
+
+
+def test_what_cannot_be_worked_out_is_logged_and_the_page_goes_on(page, caplog):
+    renderer = page._renderer
+
+    def look_and_jog() -> None:
+        wait_until(lambda: renderer._panels, "the controls")
+        ((number, visitor),) = renderer._visitors.items()
+        with caplog.at_level(logging.ERROR, "workbench.gui.page.renderer"):
+            # An arm of the cell before may be jogged by a browser that has its controls still.
+            visitor.own.change(jog={"no such arm": np.zeros(7)})
+            wait_until(lambda: caplog.records, "the message")
+        # The others go on, and so does this one.
+        renderer._look.change(frames=True)
+        wait_until(
+            lambda: renderer._drawn is not None and renderer._drawn.look.frames, "the frames"
+        )
+        visitor.own.change(jog=None)
+        wait_until(lambda: renderer._shown[number].look.frames, "the frames in its controls")
+
+    async def sit_there() -> None:
+        async with raw_browser(int(page.url.rpartition(":")[2])):
+            await asyncio.to_thread(look_and_jog)
+
+    asyncio.run(sit_there())
+
+
+def test_controls_made_anew_take_their_gizmos_and_the_stage_along(page, bench):
+    renderer = page._renderer
+
+    def look_and_change() -> None:
+        wait_until(lambda: renderer._panels, "the controls")
+        ((number, visitor),) = renderer._visitors.items()
+        scene, panels = visitor.client.scene, renderer._panels[number]
+        next(p for p in panels if isinstance(p, CellPanel))._inputs._turn()
+        next(p for p in panels if isinstance(p, GraspsPanel))._turn()
+        assert scene.get_handle_by_name("/cell_gizmo") is not None
+        assert scene.get_handle_by_name("/stage") is not None
+        cell = bench.state.cell
+        policy = replace(cell.policy, threshold=cell.policy.threshold + 0.01)
+        bench.do(ChangeCell(replace(cell, policy=policy), "another threshold"), "Ada")
+        wait_until(lambda: renderer._panels.get(number, panels) is not panels, "other controls")
+        assert scene.get_handle_by_name("/cell_gizmo") is None
+        assert scene.get_handle_by_name("/stage") is None
+
+    async def sit_there() -> None:
+        async with raw_browser(int(page.url.rpartition(":")[2])):
+            await asyncio.to_thread(look_and_change)
+
+    asyncio.run(sit_there())
+    wait_until(lambda: not renderer._visitors, "the end of the browser")
+
+
+def test_a_page_that_cannot_begin_leaves_its_port_free(bench, monkeypatch):
+    ports = []
+
+    def broken(server, *_, **__):
+        ports.append(server.get_port())
+        raise ValueError("no picture")
+
+    monkeypatch.setattr(workbench.gui.page.server, "Renderer", broken)
+    with pytest.raises(ValueError, match="no picture"):
+        serve(bench, port=0)
+    server = open_door("127.0.0.1", ports[0])
+    server.stop()

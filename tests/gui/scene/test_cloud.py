@@ -1,0 +1,100 @@
+"""What is red among the points of a scan lies in the boxes of the plan, and nothing else does."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from workbench.gui.scene.cloud import avoided_red, height_colours, painted_cloud
+from workbench.gui.scene.picture import Scene
+from workbench.gui.shared.colours import AVOIDED, part_colour, rgb_of
+from workbench.gui.shared.door import close_door, open_door
+from workbench.model.geometry import pose_from_rpy
+from workbench.model.scan import Obstacle, Scan
+
+RED = np.array(rgb_of(AVOIDED))
+
+
+@pytest.fixture
+def server():
+    server = open_door("127.0.0.1", 0)
+    yield server
+    close_door(server)
+
+
+@pytest.fixture
+def box(cell) -> Obstacle:
+    T = cell.bin.T_world_bin * pose_from_rpy((0.03, -0.02, 0.03), (0, 0, 0.4))
+    return Obstacle(T, np.array([0.05, 0.03, 0.06]))
+
+
+@pytest.fixture
+def points(cell, box) -> np.ndarray:
+    """In the box, on its faces, and all around."""
+    draw = np.random.default_rng(0)
+    inside = draw.uniform(-0.5, 0.5, (200, 3)) * box.size
+    faces = np.array([[x, 0, 0] for x in (-0.5, 0.5)]) * box.size
+    there = np.vstack([inside, faces]) @ box.T_world_box.rotation.T + box.T_world_box.translation
+    around = cell.bin.T_world_bin.translation + draw.uniform(-0.2, 0.2, (2000, 3))
+    return np.vstack([there, around])
+
+
+def is_red(colours) -> np.ndarray:
+    return np.all(colours == RED, axis=1)
+
+
+def test_points_are_red_exactly_where_the_plan_keeps_clear(cell, box, points):
+    cloud = painted_cloud(cell, points, ())
+    T = box.T_world_box.inverse()
+    away = np.abs(points @ T.rotation.T + T.translation) - box.size / 2
+    expected = np.all(away <= 1e-6, axis=1)
+    assert 202 <= np.count_nonzero(expected) < len(points)
+    np.testing.assert_array_equal(is_red(avoided_red(cloud, (box,))), expected)
+
+
+def test_what_nothing_explains_is_not_red_while_nothing_avoids_it(cell, detections, points):
+    cloud = painted_cloud(cell, points, detections)
+    assert not is_red(avoided_red(cloud, ())).any()
+
+
+def test_points_of_a_part_keep_its_colour_in_a_box(cell, detections):
+    T = detections[0].T_world_part
+    on_part = cell.part(detections[0].part).mesh.points @ T.rotation.T + T.translation
+    cloud = painted_cloud(cell, on_part, detections)
+    colours = avoided_red(cloud, (Obstacle(T, np.array([0.2, 0.2, 0.2])),))
+    assert np.mean(np.all(colours == rgb_of(part_colour(0)), axis=1)) > 0.9
+
+
+def test_points_beside_the_bin_are_grey_and_high_ones_differ_from_low_ones(cell):
+    T = cell.bin.T_world_bin
+    low, high, beside = (
+        T.act(np.array(p)) for p in ((0, 0, 0), (0, 0, cell.bin.size[2]), (1, 0, 0))
+    )
+    colours = height_colours(cell, np.array([low, high, beside]))
+    assert colours.shape == (3, 3)
+    assert not np.array_equal(colours[0], colours[1])
+    assert len(set(colours[2].tolist())) <= 3 and np.ptp(colours[2].astype(int)) < 20
+
+
+def test_the_picture_turns_red_with_the_plan_and_back_without_it(
+    server, cell, states, view_of, box, points
+):
+    T = cell.scanner.T_world_scanner.inverse()
+    scan = Scan(points @ T.rotation.T + T.translation, cell.scanner.T_world_scanner, "drawn")
+    found = view_of(replace(states.localized, scan=scan))
+    planned = view_of(replace(states.planned, scan=scan, obstacles=(box,)))
+    scene = Scene(server, cell, most_points=10_000)
+
+    def red() -> np.ndarray:
+        cloud = server.scene.get_handle_by_name("/scan")
+        return np.asarray(cloud.points)[is_red(np.asarray(cloud.colors))]
+
+    scene.draw(None, found)
+    assert len(red()) == 0
+    scene.draw(found, planned)
+    back = box.T_world_box.inverse()
+    away = np.abs(red() @ back.rotation.T + back.translation) - box.size / 2
+    assert len(red()) >= 100
+    assert away.max() < 1e-5
+    scene.draw(planned, found)
+    assert len(red()) == 0

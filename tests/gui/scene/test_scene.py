@@ -1,0 +1,223 @@
+"""What is drawn, and that drawing moves things instead of making them anew."""
+
+import asyncio
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from raw_browser import raw_browser
+
+from workbench.app.runtime.live import Live
+from workbench.gui.scene.picture import Scene, is_other_robot
+from workbench.gui.shared.door import close_door, open_door
+from workbench.gui.shared.look import Look, Pose
+from workbench.gui.shared.playback import part_poses
+from workbench.model.geometry import Box, pose_from_rpy
+from workbench.model.scan import Discarded, Findings, Objection
+from workbench.planning.kinematics.robot import Kinematics
+from workbench.studies.load.raw_browser import unpacked
+
+
+@pytest.fixture
+def server():
+    server = open_door("127.0.0.1", 0)
+    yield server
+    close_door(server)
+
+
+@pytest.fixture
+def scene(server, cell):
+    return Scene(server, cell, most_points=500)
+
+
+def node(server, name):
+    return server.scene.get_handle_by_name(name)
+
+
+def pose_of(handle) -> np.ndarray:
+    return np.concatenate([handle.position, handle.wxyz])
+
+
+def test_the_cell_stands_there_before_anything_has_happened(server, scene, cell, states, view_of):
+    scene.draw(None, view_of(states.idle))
+    for name in (
+        "/robot/body",
+        *(f"/robot/{arm.flange}/{arm.tool.name}" for arm in cell.arms),
+        *(f"/fixtures/{fixture.name}" for fixture in cell.fixtures),
+        "/bin",
+        "/scanner",
+    ):
+        assert node(server, name) is not None, name
+    assert node(server, "/scan") is None
+    assert not node(server, "/robot_now").visible
+
+
+def test_no_browser_has_to_draw_shadows_not_even_at_first(server, scene):
+    async def look():
+        async with raw_browser(server.get_port()) as browser:
+            kinds = []
+            while "MeshMessage" not in kinds:
+                for message in unpacked(await browser.recv()):
+                    kinds.append(message["type"])
+                    if message["type"] == "EnableLightsMessage":
+                        assert message["cast_shadow"] is False
+            assert "EnableLightsMessage" in kinds
+
+    asyncio.run(asyncio.wait_for(look(), 60))
+
+
+def test_links_stand_where_forward_kinematics_puts_them(server, scene, cell, states, view_of):
+    scene.draw(None, view_of(states.idle))
+    for name, T in Kinematics(cell).link_poses({}).items():
+        np.testing.assert_allclose(node(server, f"/robot/{name}").position, T.translation)
+
+
+def test_a_scan_is_thinned_and_dropped_with_its_state(server, scene, states, view_of):
+    empty, scanned = view_of(states.idle), view_of(states.scanned)
+    scene.draw(None, empty)
+    scene.draw(empty, scanned)
+    assert len(node(server, "/scan").points) == 500
+    scene.draw(scanned, empty)
+    assert node(server, "/scan") is None
+
+
+def test_scrubbing_moves_arms_and_parts_without_making_them_anew(
+    server, scene, cell, states, view_of, result
+):
+    start = view_of(states.planned)
+    scene.draw(None, start)
+    part, arm = node(server, "/parts/part-1"), node(server, "/robot/right_link_3")
+    before = pose_of(part), pose_of(arm)
+    end = view_of(states.planned, Look(time=result.plan.cycle_seconds))
+    scene.draw(start, end)
+    assert node(server, "/parts/part-1") is part
+    T = part_poses(cell, Kinematics(cell), result.plan, end.runs, end.look.time)[0]
+    np.testing.assert_allclose(part.position, T.translation)
+    assert not np.allclose(pose_of(part), before[0])
+    scene.draw(end, start)
+    np.testing.assert_allclose(pose_of(part), before[0])
+    np.testing.assert_allclose(pose_of(arm), before[1])
+
+
+def test_fingers_open_for_the_reach_and_close_on_the_part(
+    server, scene, cell, states, view_of, result
+):
+    start = view_of(states.planned)
+    arm_plan = result.plan.arms[0]
+    arm = cell.arm(arm_plan.arm)
+    holding = next(r for r in start.runs if r.arm == arm_plan.arm and r.leg.holding)
+
+    def gap(look: Look) -> float:
+        scene.draw(None, view_of(states.planned, look))
+        tool = f"/robot/{arm.flange}/{arm.tool.name}"
+        a, b = (node(server, f"{tool}/{finger.solid.name}") for finger in arm.tool.fingers)
+        return float(np.linalg.norm(np.array(a.position) - b.position))
+
+    assert gap(Look(time=0.1)) == pytest.approx(arm_plan.legs[0].opening)
+    assert gap(Look(time=holding.start + 0.01)) == pytest.approx(holding.leg.opening)
+
+
+def test_the_robot_that_the_controller_reports_is_a_second_one(
+    server, scene, cell, states, view_of
+):
+    right = cell.arm("right")
+    joints = {joint: 0.1 for joint in right.joints}
+    quiet = view_of(states.sending)
+    heard = replace(quiet, live=Live(joints=joints))
+    scene.draw(None, quiet)
+    scene.draw(quiet, heard)
+    assert node(server, "/robot_now").visible
+    expected = Kinematics(cell).link_poses(joints)["right_link_6"]
+    np.testing.assert_allclose(
+        node(server, "/robot_now/right_link_6").position, expected.translation
+    )
+    scene.draw(heard, quiet)
+    assert not node(server, "/robot_now").visible
+
+
+def test_discarded_poses_are_drawn_when_asked_for_and_of_this_search_only(
+    server, scene, cell, states, view_of
+):
+    T = states.localized.detections[0].T_world_part
+    one = Discarded(cell.parts[0].name, T, 0.4, Objection.TWIN, 0)
+    live = Live(findings=Findings(states.localized.detections, (one,)))
+    hidden, shown = (
+        view_of(states.localized, Look(discarded=asked), live) for asked in (False, True)
+    )
+    scene.draw(None, hidden)
+    assert node(server, "/discarded/1") is None
+    scene.draw(hidden, shown)
+    np.testing.assert_allclose(node(server, "/discarded/1").position, T.translation)
+    vetoed = replace(states.localized, detections=states.localized.detections[:1])
+    scene.draw(shown, replace(shown, state=vetoed))
+    assert node(server, "/discarded/1") is None
+
+
+def test_a_chosen_candidate_shows_its_tool_and_goes_with_the_choice(server, scene, states, view_of):
+    none = view_of(states.planned)
+    chosen = replace(none, look=Look(candidate=0))
+    scene.draw(None, none)
+    assert node(server, "/candidate") is None
+    scene.draw(none, chosen)
+    np.testing.assert_allclose(
+        node(server, "/candidate").position, states.planned.candidates[0].T_world_tcp.translation
+    )
+    assert node(server, "/grasps") is not None
+    scene.draw(chosen, none)
+    assert node(server, "/candidate") is None
+    assert node(server, "/grasps") is None
+
+
+def test_a_candidate_refused_at_a_configuration_shows_the_arm_there(
+    server, scene, cell, states, view_of
+):
+    arm = cell.arm("left")
+    q = np.asarray(arm.home) + 0.1
+    refused = next(c for c in states.planned.candidates if c.arm == "left")
+    refused = replace(refused, verdict=replace(refused.verdict, q=q))
+    state = replace(states.localized, candidates=(refused,))
+    view = view_of(state, Look(candidate=0))
+    bin_wall = (Box(np.array([0.01, 0.2, 0.05])), pose_from_rpy((0.4, 0.1, 0.0)))
+    pose = Pose("where it failed: grasp", q, 0.04, "in collision", (bin_wall,))
+    scene.draw(None, replace(view, poses=(pose,)))
+    expected = Kinematics(cell).link_poses(dict(zip(arm.joints, q, strict=True)))
+    shown = node(server, "/candidate_left/left_link_5")
+    np.testing.assert_allclose(shown.position, expected["left_link_5"].translation)
+    np.testing.assert_allclose(node(server, "/meets/0").position, (0.4, 0.1, 0.0))
+
+
+def test_collision_shapes_stand_where_the_robot_does_from_the_first(
+    server, scene, cell, states, view_of
+):
+    looks = view_of(states.idle)
+    shapes = replace(looks, look=Look(shapes=True))
+    scene.draw(None, looks)
+    scene.draw(looks, shapes)
+    for name, T in Kinematics(cell).link_poses({}).items():
+        np.testing.assert_allclose(
+            node(server, f"/robot_checked/{name}").position, T.translation, err_msg=name
+        )
+
+
+def test_a_scan_is_coloured_anew_when_the_bin_is_moved(server, scene, cell, states, view_of):
+    scanned = view_of(states.scanned)
+    scene.draw(None, scanned)
+    before = np.array(node(server, "/scan").colors)
+    away = replace(cell.bin, T_world_bin=pose_from_rpy((2.0, 0.0, 0.0)) * cell.bin.T_world_bin)
+    moved = replace(scanned, state=replace(states.scanned, cell=replace(cell, bin=away)))
+    scene.draw(scanned, moved)
+    assert not np.array_equal(node(server, "/scan").colors, before)
+
+
+@pytest.mark.parametrize(("asked", "shown"), [(-7, 0), (0, 0), (1, 1), (99, 1)])
+def test_a_pose_that_does_not_exist_shows_the_nearest_one(states, view_of, asked, shown):
+    poses = tuple(Pose(f"{k}", np.zeros(7), 0.0, "") for k in range(2))
+    view = replace(view_of(states.planned, Look(pose=asked)), poses=poses)
+    assert view.pose is poses[shown]
+
+
+def test_a_robot_whose_tool_sits_on_another_link_is_another_robot(cell):
+    first, *others = cell.arms
+    elsewhere = replace(first, flange=cell.robot.links[0].name)
+    assert is_other_robot(cell, replace(cell, arms=(elsewhere, *others)))
+    assert not is_other_robot(cell, replace(cell, arms=tuple(cell.arms)))

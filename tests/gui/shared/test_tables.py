@@ -1,0 +1,110 @@
+"""Which candidates the table shows, and in which order."""
+
+from collections import Counter
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from workbench.gui.shared.tables import (
+    COLUMNS,
+    PAGE,
+    Order,
+    candidates_html,
+    chosen_html,
+    funnel_html,
+    on_page,
+    ordered,
+    pages,
+    sort_key,
+)
+from workbench.model.candidate import Candidate, Reason, Stage, Verdict
+from workbench.model.geometry import pose_from_rpy
+from workbench.model.part import Grasp
+
+HERE = pose_from_rpy((0, 0, 0))
+
+verdicts = st.builds(
+    Verdict,
+    reason=st.sampled_from(Reason),
+    stage=st.sampled_from(Stage),
+    distance=st.none() | st.floats(-0.1, 0.1),
+)
+candidates_drawn = st.lists(
+    st.builds(
+        Candidate,
+        detection=st.integers(0, 3),
+        grasp=st.sampled_from(["a", "b", "c"]).map(lambda name: Grasp(name, HERE, 0.04, 0.03)),
+        arm=st.sampled_from(["right", "left"]),
+        T_world_tcp=st.just(HERE),
+        rank=st.floats(0, 2),
+        verdict=verdicts,
+    ),
+    max_size=40,
+)
+orders = st.builds(
+    Order,
+    only=st.none() | st.sampled_from(Reason),
+    column=st.sampled_from(list(COLUMNS)),
+    is_descending=st.booleans(),
+)
+
+
+@given(candidates_drawn, orders)
+def test_all_pages_together_show_each_wanted_candidate_once(candidates, order):
+    indices = ordered(candidates, order)
+    shown = [number for page in range(pages(len(indices))) for number in on_page(indices, page)]
+    wanted = [
+        number
+        for number, candidate in enumerate(candidates)
+        if order.only is None or candidate.verdict.reason is order.only
+    ]
+    assert sorted(shown) == wanted
+
+
+@given(candidates_drawn, orders)
+def test_rows_are_sorted_by_the_chosen_column(candidates, order):
+    keys = [sort_key(candidates[number], order.column) for number in ordered(candidates, order)]
+    assert keys == sorted(keys, reverse=order.is_descending)
+
+
+@given(candidates_drawn)
+def test_the_counts_of_the_funnel_are_those_of_the_verdicts(candidates):
+    html = funnel_html(candidates, None, dict.fromkeys([None, *Reason], "id"))
+    assert f"all <b>{len(candidates)}</b>" in html
+    for reason, count in Counter(candidate.verdict.reason for candidate in candidates).items():
+        assert f"{reason} <b>{count}</b>" in html
+
+
+def test_by_default_what_works_stands_first(result):
+    first = result.candidates[ordered(result.candidates, Order())[0]]
+    assert first.verdict.is_ok
+
+
+def test_no_page_is_longer_than_the_buttons_behind_its_rows(result):
+    indices = ordered(result.candidates, Order())
+    assert all(len(on_page(indices, page)) <= PAGE for page in range(pages(len(indices))))
+
+
+@pytest.mark.parametrize(("count", "expected"), [(0, 1), (1, 1), (PAGE, 1), (PAGE + 1, 2)])
+def test_an_empty_table_has_one_page(count, expected):
+    assert pages(count) == expected
+
+
+def test_each_row_presses_its_own_button(result):
+    shown = on_page(ordered(result.candidates, Order()), 0)
+    rows = [f"row-{place}" for place in range(PAGE)]
+    html = candidates_html(
+        result.candidates,
+        shown,
+        Order(),
+        headings=dict.fromkeys(COLUMNS, "heading"),
+        rows=rows,
+    )
+    for row in rows[: len(shown)]:
+        assert html.count(f"getElementById('{row}').click()") == 2
+
+
+def test_the_chosen_row_is_marked_without_writing_the_table_anew():
+    assert "nth-child(3)" in chosen_html(2)
+    assert "nth-child" not in chosen_html(None)

@@ -1,0 +1,81 @@
+"""A browser acts as its person: with that name, in that role, and nobody else's."""
+
+from types import SimpleNamespace
+
+import pytest
+
+import workbench.gui.shared.visitor
+from workbench.app.core.commands import SaveCell, TakeControl, TakeScan
+from workbench.app.core.people import Person, Role
+from workbench.app.core.rights import NOBODY
+from workbench.gui.shared.look import SharedLook
+from workbench.gui.shared.visitor import Visitor
+from workbench.model.errors import CommandRefused
+
+ADA = Person("Ada", Role.ENGINEER)
+BOB = Person("Bob", Role.OPERATOR)
+VIC = Person("Vic", Role.VIEWER)
+SOMEBODY = Person(NOBODY, Role.ENGINEER)
+
+
+@pytest.fixture
+def look():
+    return SharedLook(lambda: None)
+
+
+@pytest.fixture
+def visitor_of(bench, look, monkeypatch):
+    def make(person: Person) -> Visitor:
+        monkeypatch.setattr(workbench.gui.shared.visitor, "person_of", lambda client: person)
+        return Visitor(SimpleNamespace(client_id=1, gui=None), bench, look)
+
+    return make
+
+
+def test_a_command_is_given_in_the_name_and_the_role_of_the_person(bench, visitor_of):
+    with pytest.raises(CommandRefused, match="you are an operator"):
+        visitor_of(BOB).give(SaveCell(""))
+    visitor_of(BOB).give(TakeControl())
+    assert bench.state.control == "Bob"
+
+
+def test_only_who_has_no_login_gives_a_name(bench, visitor_of):
+    visitor_of(BOB).give(TakeControl(), "Ada")
+    assert bench.state.control == "Bob", "who is logged in speaks for nobody else"
+    visitor_of(SOMEBODY).give(TakeControl(), "Ada")
+    assert bench.state.control == "Ada"
+
+
+def test_viewers_follow_what_others_look_at(look, visitor_of):
+    viewer, operator = visitor_of(VIC).look, visitor_of(BOB).look
+    viewer.change(time=1.0, is_playing=True)
+    viewer.change(shapes=True)
+    assert look.now.time == 0.0 and not look.now.is_playing and not look.now.shapes
+    operator.change(shapes=True)
+    assert viewer.now.shapes
+
+
+def test_whoever_is_not_in_control_plays_the_plan_and_changes_nothing_else(bench, look, visitor_of):
+    bench.do(TakeControl(), "Ada")
+    operator = visitor_of(BOB).look
+    operator.change(time=1.0, is_playing=True, by=None)
+    assert look.now.is_playing
+    operator.change(shapes=True)
+    operator.change(time=2.0, shapes=True)
+    assert look.now.time == 1.0 and not look.now.shapes
+
+
+def test_a_control_says_why_it_is_not_this_persons(bench, visitor_of):
+    button = SimpleNamespace(disabled=False, hint="Takes a scan.")
+    viewer = visitor_of(VIC)
+    viewer.admit(button, bench.state, TakeScan)
+    assert (button.disabled, button.hint) == (True, "a scan is for operators; you are a viewer")
+    operator = visitor_of(BOB)
+    button = SimpleNamespace(disabled=True, hint="Takes a scan.")
+    operator.admit(button, bench.state, TakeScan)
+    assert (button.disabled, button.hint) == (False, "Takes a scan.")
+    state = bench.do(TakeControl(), "Ada")
+    operator.admit(button, state, TakeScan)
+    assert button.hint == "Ada is in control; ask for control first"
+    operator.admit(button, bench.do(TakeControl(), "Bob"), TakeScan, is_ready=False)
+    assert (button.disabled, button.hint) == (True, "Takes a scan.")

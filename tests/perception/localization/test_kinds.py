@@ -1,0 +1,95 @@
+"""Several kinds of parts in one bin."""
+
+from dataclasses import replace
+
+import pytest
+
+from workbench.formats.parts.reading import read_part
+from workbench.model.geometry import pose_from_rpy
+from workbench.model.scan import Detection, Discarded, Findings, Objection
+from workbench.perception.localization.kinds import merged, search_all
+from workbench.perception.localization.localize import Searched
+from workbench.perception.localization.part_surface import prepare
+from workbench.perception.simulation.piles import drop_parts
+from workbench.perception.simulation.synthesize import synthesize
+from workbench.studies.localization import compare
+
+KINDS = tuple(read_part(name) for name in ("keyed_cylinder", "bracket", "bolt"))
+CYLINDER, BRACKET, BOLT = (prepare(kind) for kind in KINDS)
+
+
+def at(x: float, y: float = 0.0):
+    return pose_from_rpy((x, y, 0.0))
+
+
+@pytest.fixture(scope="module")
+def mixed(cell):
+    return replace(cell, parts=KINDS)
+
+
+@pytest.mark.parametrize("seed", [3, 5])
+def test_each_kind_is_found_as_what_it_is(mixed, seed):
+    truth = drop_parts(KINDS * 2, mixed.bin, seed=seed)
+    scan = synthesize(mixed, truth, seed=seed)
+    told = []
+    found = search_all(
+        scan, mixed, seed=0, report=lambda done, _: told.append(done), cancelled=lambda: False
+    ).detections
+    assert told == sorted(told)
+    judged, is_found = compare(KINDS, truth, found)
+    assert all(one.is_right for one in judged)
+    assert is_found.count(False) <= 1
+
+
+def searched(surface, *found, gains, discarded=()):
+    return Searched(Findings(found, discarded), surface, gains)
+
+
+def test_where_two_kinds_share_room_the_one_stands_that_more_surface_speaks_for():
+    """The bolt fits better, by its score, but explains less."""
+    cylinder, bolt = Detection("cylinder", at(0), 0.8), Detection("bolt", at(0), 0.95)
+    far = Detection("bolt", at(0.2), 0.9)
+    both = merged(
+        [
+            searched(BOLT, bolt, far, gains=(2e-4, 2e-4)),
+            searched(CYLINDER, cylinder, gains=(9e-4,)),
+        ]
+    )
+    assert both.detections == (far, cylinder)
+    (lost,) = both.discarded
+    assert (lost.part, lost.words) == ("bolt", "reaches into part-2")
+
+
+def test_parts_of_one_kind_are_left_as_their_own_search_has_them():
+    first, second = Detection("bolt", at(0), 0.9), Detection("bolt", at(0.001), 0.8)
+    assert merged([searched(BOLT, first, second, gains=(1.0, 1.0))]).detections == (first, second)
+
+
+def test_rivals_keep_their_numbers():
+    one, other = Detection("bolt", at(0), 0.5), Detection("bracket", at(0.3), 0.9)
+    twin = Discarded("bolt", at(0), 0.4, Objection.TWIN, 0)
+    outside = Discarded("bracket", at(1), 0.6, Objection.OUTSIDE)
+    both = merged(
+        [
+            searched(BOLT, one, gains=(1.0,), discarded=(twin,)),
+            searched(BRACKET, other, gains=(1.0,), discarded=(outside,)),
+        ]
+    )
+    assert both.detections == (other, one)
+    assert [(d.part, d.words) for d in both.discarded] == [
+        ("bracket", "outside the bin"),
+        ("bolt", "a twin with a worse score of part-2"),
+    ]
+
+
+def test_what_lost_to_one_that_lost_itself_names_the_one_that_stands():
+    bolt, cylinder = Detection("bolt", at(0), 0.9), Detection("cylinder", at(0), 0.8)
+    twin = Discarded("bolt", at(0), 0.4, Objection.TWIN, 0)
+    both = merged(
+        [
+            searched(BOLT, bolt, gains=(1e-4,), discarded=(twin,)),
+            searched(CYLINDER, cylinder, gains=(9e-4,)),
+        ]
+    )
+    assert both.detections == (cylinder,)
+    assert [one.rival for one in both.discarded] == [0, 0]

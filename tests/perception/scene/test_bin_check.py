@@ -1,0 +1,107 @@
+"""The bin in a scan: where it is, how full, and no false alarm by a heap."""
+
+from dataclasses import replace
+
+import numpy as np
+import pinocchio as pin
+import pytest
+
+from workbench.formats.cells.reading import read_cell
+from workbench.model.geometry import pose_from_rpy
+from workbench.model.scan import Scan
+from workbench.perception.scene.bin_check import check_bin
+from workbench.perception.simulation.piles import drop_parts
+from workbench.perception.simulation.synthesize import synthesize
+
+
+def scanned(cell, parts=0, shift=(0, 0, 0), rpy_deg=(0, 0, 0), seed=0):
+    """A scan with the bin elsewhere, and where it truly is."""
+    T = cell.bin.T_world_bin * pose_from_rpy(np.array(shift) / 1000, np.deg2rad(rpy_deg))
+    moved = replace(cell, bin=replace(cell.bin, T_world_bin=T))
+    part = cell.parts[0]
+    pile = drop_parts((part,) * parts, moved.bin, seed=seed)
+    return synthesize(moved, pile, seed=seed), T
+
+
+def error(check, truth) -> tuple[float, float]:
+    between = truth.actInv(check.T_world_bin)
+    distance, angle = (
+        np.linalg.norm(between.translation),
+        np.linalg.norm(pin.log3(between.rotation)),
+    )
+    return distance * 1000, np.rad2deg(angle)
+
+
+@pytest.mark.parametrize("name", ["yumi", "tx2_90"])
+@pytest.mark.parametrize(
+    ("shift", "rpy_deg"),
+    [
+        ((12, -7, 0), (0, 0, 0)),
+        ((30, 25, 0), (0, 0, 6)),
+        ((-50, 40, 8), (0, 0, -10)),
+        ((0, 0, -9), (0, 0, 0)),
+        ((0, 0, 0), (1.5, 1.0, 0)),
+    ],
+)
+def test_a_moved_bin_is_measured(name, shift, rpy_deg):
+    cell = read_cell(name)
+    scan, truth = scanned(cell, 3, shift, rpy_deg, seed=1)
+    check = check_bin(scan, cell.bin)
+    assert check.is_elsewhere and check.light == "warning"
+    distance, angle = error(check, truth)
+    assert distance < 0.7 and angle < 0.15
+    assert "from where the cell has it" in check.says
+    assert check.shift == pytest.approx(np.linalg.norm(shift) / 1000, abs=0.001)
+
+
+@pytest.mark.parametrize("parts", [1, 2, 4])
+@pytest.mark.parametrize("seed", range(3))
+def test_a_bin_in_its_place_is_no_news(cell, parts, seed):
+    scan, truth = scanned(cell, parts, seed=seed)
+    check = check_bin(scan, cell.bin)
+    assert not (check.is_elsewhere or check.is_empty)
+    assert error(check, truth)[0] < 0.5
+    assert 0.01 < check.fill < 0.3
+    if not check.is_overfull:
+        assert check.light == "good" and check.findings == ()
+        assert "is where it should be" in check.says
+
+
+def test_an_empty_bin_is_told(cell):
+    check = check_bin(scanned(cell)[0], cell.bin)
+    assert check.is_empty and check.fill < 0.01
+    assert check.findings == ("the bin is empty",) and check.light == "warning"
+
+
+def test_one_part_is_not_empty(cell):
+    assert not check_bin(scanned(cell, 1)[0], cell.bin).is_empty
+
+
+@pytest.mark.parametrize("seed", [0])
+def test_an_overfull_bin_is_told_and_not_taken_for_a_moved_one(cell, seed):
+    check = check_bin(scanned(cell, 20, seed=seed)[0], cell.bin)
+    assert check.is_overfull and check.above > 0.01
+    assert not check.is_elsewhere, check.says
+    assert "above" in check.findings[0]
+    more, less = check, check_bin(scanned(cell, 2, seed=seed)[0], cell.bin)
+    assert (more.fill or 1.0) > 2 * less.fill
+
+
+def test_a_bin_that_is_not_there_is_told(cell):
+    gone = replace(cell.bin, T_world_bin=pose_from_rpy((0.41, 0, -0.5)))
+    scan = synthesize(replace(cell, bin=gone), (), seed=0)
+    check = check_bin(scan, cell.bin)
+    assert check.T_world_bin is None and check.light == "bad"
+    assert "is the bin there?" in check.says
+
+
+@pytest.mark.parametrize("count", [1, 5, 200])
+def test_a_few_points_say_nothing(cell, count):
+    points = np.random.default_rng(0).uniform(-1, 1, (count, 3))
+    check = check_bin(Scan(points, cell.scanner.T_world_scanner, "few"), cell.bin)
+    assert check.T_world_bin is None and check.fill is None
+
+
+def test_the_same_scan_gives_the_same_words(cell):
+    scan = scanned(cell, 2, (10, 0, 0))[0]
+    assert check_bin(scan, cell.bin).says == check_bin(scan, cell.bin).says

@@ -1,0 +1,70 @@
+"""Parts that fall into the bin."""
+
+import numpy as np
+import open3d as o3d
+import pytest
+
+from workbench.formats.parts.reading import read_part
+from workbench.model.digest import digest_of
+from workbench.model.errors import InputError
+from workbench.perception.simulation.piles import OUTSIDE, _model, drop_parts
+from workbench.perception.views.surfaces import add_surface, surface_of
+
+
+def digests_of(pile) -> list[str]:
+    return [digest_of(one) for one in pile]
+
+
+def test_the_same_seed_gives_the_same_pile(cell, part, pile):
+    assert digests_of(drop_parts((part,) * 3, cell.bin, seed=11)) == digests_of(pile)
+    assert digests_of(drop_parts((part,) * 3, cell.bin, seed=12)) != digests_of(pile)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_parts_lie_inside_the_bin_and_on_its_floor(cell, part, seed):
+    points = np.asarray(part.mesh.points)
+    lowest = []
+    for one in drop_parts((part,) * 4, cell.bin, seed=seed):
+        T = one.T_world_part
+        p_bin = points @ (cell.bin.T_world_bin.inverse() * T).rotation.T
+        p_bin = p_bin + cell.bin.T_world_bin.actInv(T).translation
+        assert np.all(np.abs(p_bin[:, :2]) <= cell.bin.size[:2] / 2 + OUTSIDE)
+        assert p_bin[:, 2].min() >= -OUTSIDE
+        lowest.append(p_bin[:, 2].min())
+    assert min(lowest) < 0.001, "nothing lies on the floor"
+
+
+def test_parts_do_not_reach_into_each_other(cell, part):
+    pile = [one.T_world_part for one in drop_parts((part,) * 6, cell.bin, seed=5)]
+    points = np.asarray(part.mesh.points)
+    for number, T in enumerate(pile):
+        scene = o3d.t.geometry.RaycastingScene()
+        add_surface(scene, surface_of(part.mesh), T)
+        for other in pile[number + 1 :]:
+            p_world = points @ other.rotation.T + other.translation
+            depth = scene.compute_signed_distance(o3d.core.Tensor(p_world.astype(np.float32)))
+            assert depth.numpy().min() > -0.002
+
+
+def test_none_fall_when_none_are_asked_for(cell):
+    assert drop_parts((), cell.bin, seed=0) == ()
+
+
+def test_what_cannot_fit_is_refused(cell, part):
+    with pytest.raises(
+        InputError, match=r"60 parts keyed_cylinder do not fit into the bin; take \d+ or fewer"
+    ):
+        drop_parts((part,) * 60, cell.bin, seed=0)
+
+
+def test_parts_of_several_kinds_fall_together_each_with_its_own_mass(cell):
+    kinds = [read_part(name) for name in ("bolt", "bracket", "keyed_cylinder")]
+    pile = drop_parts(kinds * 2, cell.bin, seed=0)
+    assert [one.part for one in pile] == [kind.name for kind in kinds * 2]
+    for kind, one in zip(kinds * 2, pile, strict=True):
+        T = cell.bin.T_world_bin.actInv(one.T_world_part)
+        p_bin = np.asarray(kind.mesh.points) @ T.rotation.T + T.translation
+        assert np.all(np.abs(p_bin[:, :2]) <= cell.bin.size[:2] / 2 + OUTSIDE)
+        assert p_bin[:, 2].min() >= -OUTSIDE
+    masses = _model(kinds, cell.bin).body_mass[1:]
+    assert masses == pytest.approx([kind.mass for kind in kinds])

@@ -1,0 +1,97 @@
+"""Curves as the controller follows them, and the continuous check along them."""
+
+import itertools
+
+import numpy as np
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from workbench.planning.collision.motion import RESOLUTION, chain_contact, curves_of, segment
+from workbench.planning.collision.pairing import Phase
+from workbench.planning.collision.world import World
+from workbench.planning.picking.execution import RoundedPolyline, timed
+
+
+@settings(max_examples=50, deadline=None)
+@given(seed=st.integers(0, 9999), zone=st.floats(0.0, 0.45), count=st.integers(2, 8))
+def test_curves_join_and_are_those_that_are_timed(seed, zone, count):
+    path = np.random.default_rng(seed).uniform(-2.0, 2.0, (count, 3))
+    curves = curves_of(path, zone)
+    assert np.array_equal(curves.points[0, 0], path[0])
+    assert np.array_equal(curves.points[-1, -1], path[-1])
+    for a, b in itertools.pairwise(curves.points):
+        np.testing.assert_allclose(a[-1], b[0], atol=1e-12)
+    assert len(curves.waypoints) == len(curves.points)
+    rounded = RoundedPolyline(path, zone)
+    for points, waypoint in zip(curves.points, curves.waypoints, strict=True):
+        a, b, c = points
+        assert 0 <= waypoint < count - 1
+        middle = (a + 2 * b + c) / 4
+        dense = rounded(np.linspace(0.0, count - 1.0, 400 * (count - 1) + 1))
+        assert np.linalg.norm(dense - middle, axis=1).min() < 0.02
+
+
+@settings(max_examples=30, deadline=None)
+@given(seed=st.integers(0, 9999), zone=st.floats(0.05, 0.45))
+def test_timing_respects_speed_and_acceleration(seed, zone):
+    path = np.random.default_rng(seed).uniform(-1.0, 1.0, (6, 4))
+    velocity, acceleration = np.array([1.0, 2.0, 1.5, 3.0]), np.full(4, 8.0)
+    times = timed(path, velocity, acceleration, zone)
+    assert times[0] == 0.0 and np.all(np.diff(times) > 0)
+    mean_speed = np.abs(np.diff(path, axis=0)) / np.diff(times)[:, None]
+    # A rounded corner is shorter than the waypoints make it look, never by more than its zone.
+    assert np.all(mean_speed <= velocity / (1 - zone))
+
+
+def test_a_motion_through_an_obstacle_is_found_between_clear_ends(world, cell):
+    """From one side of the bin's wall to the other: both ends clear, the way not."""
+    arm = cell.arm("right")
+    chain, columns = world.chains["right"], world.kinematics.columns["right"]
+    world.enter(Phase(frozenset({"right"})))
+    base = world.configuration({})
+    rng = np.random.default_rng(0)
+    blocked = 0
+    for _ in range(400):
+        a, b = rng.uniform(chain.lower, chain.upper, (2, 7))
+        ends = [world.contact(world.configuration({"right": q})) for q in (a, b)]
+        if any(ends):
+            continue
+        found = chain_contact(world, columns, base, segment(a, b))
+        rooms = [
+            world.worst(world.configuration({"right": a + s * (b - a)}), 0.01)[1]
+            for s in np.linspace(0.0, 1.0, 200)
+        ]
+        if min(rooms) < -RESOLUTION:
+            assert found is not None, "dense sampling sees a contact that the bound missed"
+        if found is not None:
+            blocked += 1
+            contact, q, _ = found
+            assert contact.distance < contact.margin
+            assert world.contact(world.configuration({"right": q})) is not None
+    assert blocked > 5
+    assert (
+        chain_contact(world, columns, base, segment(np.asarray(arm.home), np.asarray(arm.home)))
+        is None
+    )
+
+
+def test_compiled_and_measured_checks_agree(cell, detections):
+    """The planner's check and the proof's, on the same motions."""
+    fast, measured = World(cell, detections), World(cell, detections, by_coal=True)
+    rng = np.random.default_rng(1)
+    met = 0
+    for name in ("right", "left") * 60:
+        chain, columns = fast.chains[name], fast.kinematics.columns[name]
+        start = rng.uniform(chain.lower, chain.upper)
+        end = np.clip(start + rng.normal(0, 0.4, len(start)), chain.lower, chain.upper)
+        found = []
+        for world in (fast, measured):
+            world.enter(Phase(frozenset({name}), {name: 0.03}))
+            base = world.configuration({})
+            found.append(chain_contact(world, columns, base, segment(start, end)))
+        assert (found[0] is None) == (found[1] is None)
+        if found[0] is not None:
+            contact, *_ = found[0]
+            assert contact.distance < contact.margin + 1e-6
+            met += 1
+    assert 20 < met < 110

@@ -1,0 +1,174 @@
+"""Both arms at once: planned, proven, and refused when bent."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from bending import with_leg
+
+from workbench.app.core.rules import approve
+from workbench.app.picking.pipeline import plan_pick
+from workbench.model.errors import CommandRefused
+from workbench.model.geometry import pose_from_rpy
+from workbench.model.plan import LEG_NAMES, Guarantee, Step, Strategy
+from workbench.model.scan import Detection
+from workbench.perception.simulation.piles import drop_parts
+from workbench.planning.collision.legs import phase_of, stretches
+from workbench.planning.collision.world import World
+from workbench.planning.kinematics.chain import is_solution
+from workbench.planning.picking.in_step import in_step
+from workbench.planning.proving.prove import prove
+from workbench.planning.proving.walk import at
+
+
+def lying(cell, x: float, y: float, turn: float) -> Detection:
+    floor = cell.bin.T_world_bin.translation
+    return Detection(
+        cell.parts[0].name, pose_from_rpy(floor + [x, y, 0.0165], (np.pi / 2, 0.0, turn))
+    )
+
+
+@pytest.fixture(scope="module")
+def apart(cell) -> tuple[Detection, ...]:
+    """Two parts at the two ends of the bin."""
+    return (lying(cell, 0.0, -0.1, np.pi / 2), lying(cell, 0.0, 0.1, np.pi / 2))
+
+
+@pytest.fixture(scope="module")
+def coordinated(cell, apart):
+    return plan_pick(cell, apart, "scan", strategy="coordinated", seed=0)
+
+
+def text(proof) -> str:
+    return "; ".join(str(finding) for finding in proof.findings)
+
+
+def test_parts_far_apart_are_taken_side_by_side(coordinated):
+    plan = coordinated.plan
+    assert plan.strategy is Strategy.COORDINATED
+    assert plan.guarantee is Guarantee.TIME_INDEPENDENT
+    assert [len(step.runs) for step in plan.sequence] == [2] * len(LEG_NAMES)
+    assert coordinated.proof.holds, text(coordinated.proof)
+
+
+def test_it_is_faster_than_one_after_the_other(cell, apart, coordinated):
+    alternated = plan_pick(cell, apart, "scan", strategy="alternated", seed=0).plan
+    assert coordinated.plan.cycle_seconds < 0.75 * alternated.cycle_seconds
+
+
+def test_it_holds_at_four_times_finer_resolution(cell, coordinated):
+    fine = prove(cell, coordinated.plan, resolution=coordinated.proof.resolution / 4)
+    assert fine.holds, text(fine)
+
+
+def test_the_same_seed_gives_the_same_plan(cell, apart, coordinated):
+    again = plan_pick(cell, apart, "scan", strategy="coordinated", seed=0).plan
+    assert again.digest == coordinated.plan.digest
+
+
+@pytest.mark.parametrize("seed", [1, 8, 16, 18, 38])
+def test_whatever_comes_out_of_a_pile_is_proven_and_apart_at_any_speeds(cell, seed):
+    """At random times of each arm, independent of each other, the arms keep their margin."""
+    pile = drop_parts(cell.parts[:1] * 2, cell.bin, seed=seed)
+    result = plan_pick(cell, pile, "scan", strategy="coordinated", seed=seed)
+    plan = result.plan
+    assert plan is not None
+    assert result.proof.holds, text(result.proof)
+    if plan.guarantee is not Guarantee.TIME_INDEPENDENT:
+        return
+    world = World(cell, pile)
+    rng = np.random.default_rng(seed)
+    for stretch in stretches(plan):
+        world.enter(stretch.phase)
+        for _ in range(40):
+            state = dict(stretch.standing)
+            for arm_plan, leg in stretch.runs:
+                # Corners are rounded between the waypoints; at their middles nothing is.
+                k = rng.integers(len(leg.t) - 1)
+                state[arm_plan.arm] = at(leg, float(leg.t[k] + leg.t[k + 1]) / 2)
+            assert not world.meets(world.configuration(state))
+
+
+def test_a_sequence_in_another_order_fails_the_proof(cell, coordinated):
+    plan = coordinated.plan
+    late = (*plan.sequence[1:], plan.sequence[0])
+    assert "every leg once" in text(prove(cell, replace(plan, sequence=late)))
+    doubled = (*plan.sequence, plan.sequence[-1])
+    assert "every leg once" in text(prove(cell, replace(plan, sequence=doubled)))
+    both = plan.sequence[0].runs
+    wrong = (Step((both[0], both[0])), *plan.sequence[1:])
+    assert "twice" in text(prove(cell, replace(plan, sequence=wrong)))
+
+
+@pytest.mark.parametrize("guarantee", [Guarantee.TIME_INDEPENDENT, Guarantee.SYNCHRONISED])
+def test_arms_planned_for_turns_meet_when_they_go_at_once(cell, guarantee):
+    """Two parts close together: the proof names what meets, and on which leg."""
+    close = (lying(cell, 0.0, -0.03, np.pi / 2), lying(cell, 0.0, 0.03, np.pi / 2))
+    plan = plan_pick(cell, close, "scan", strategy="alternated", seed=0).plan
+    first, second = plan.arms
+    pairs = tuple(Step(((first.arm, name), (second.arm, name))) for name in LEG_NAMES)
+    proof = prove(cell, replace(plan, guarantee=guarantee, sequence=pairs))
+    met = [finding for finding in proof.findings if "while arm" in finding.problem]
+    assert met
+    for finding in met:
+        assert {label.split("_")[0].split()[0] for label in finding.pair} == {"right", "left"}
+        assert finding.distance < cell.policy.margin
+    claimed = replace(plan, guarantee=Guarantee.ONE_AT_A_TIME, sequence=pairs)
+    assert "one arm after the other" in text(prove(cell, claimed))
+
+
+def test_legs_in_step_are_proven_in_step_only(cell, apart, coordinated):
+    """Side by side at any speeds is more than in step; the other way about it is not."""
+    plan = coordinated.plan
+    legs = [plan.arm(arm).leg("approach") for arm in ("right", "left")]
+    t = np.maximum(legs[0].t, legs[1].t)
+    in_step = with_leg(with_leg(plan, "right", "approach", t=t), "left", "approach", t=t)
+    in_step = replace(in_step, guarantee=Guarantee.SYNCHRONISED)
+    assert prove(cell, in_step).holds
+
+
+def test_what_the_controller_cannot_do_is_not_approved(cell, coordinated):
+    cell = replace(cell, controller=replace(cell.controller, protocol="abb-socket"))
+    with pytest.raises(CommandRefused, match="moves one arm at a time"):
+        approve(cell, coordinated.plan, coordinated.proof, "Ada", 0.0)
+
+
+def test_one_part_is_still_taken(cell, apart):
+    result = plan_pick(cell, apart[:1], "scan", strategy="coordinated", seed=0)
+    assert result.plan is None
+    assert "coordinated" in str(result.verdict)
+
+
+def test_both_arms_as_one_motion(cell, apart, coordinated):
+    """All joints searched together: the legs share their times, and the plan is proven in step."""
+    plan = coordinated.plan
+    world = World(cell, apart)
+    for name in ("reach", "approach"):
+        runs = [(arm, name, arm.leg(name).opening) for arm in plan.arms]
+        world.enter(phase_of(runs))
+        legs = in_step(world, plan.arms, name, np.random.default_rng(0))
+        assert legs is not None
+        assert np.array_equal(legs[0].t, legs[1].t)
+        for arm, leg in zip(plan.arms, legs, strict=True):
+            assert np.array_equal(leg.q[0], arm.leg(name).q[0])
+            assert np.array_equal(leg.q[-1], arm.leg(name).q[-1])
+            plan = with_leg(plan, arm.arm, name, q=leg.q, t=leg.t)
+    proof = prove(cell, replace(plan, guarantee=Guarantee.SYNCHRONISED))
+    assert proof.holds, text(proof)
+
+
+def test_there_is_no_motion_to_where_the_arms_touch(cell, result):
+    """Both hands at one place: refused before any search."""
+    world = World(cell, result.plan.detections)
+    chains = world.chains
+    right, left = (result.plan.arm(name) for name in ("right", "left"))
+    T_world_tcp = chains["right"].pose(np.asarray(right.leg("reach").q[-1]))
+    starts = np.random.default_rng(0).uniform(chains["left"].lower, chains["left"].upper, (40, 7))
+    answers, residuals = chains["left"].solve(T_world_tcp, starts)
+    q = np.vstack([left.leg("reach").q[:-1], answers[is_solution(residuals)][:1]])
+    bent = with_leg(result.plan, "left", "reach", q=q).arm("left")
+    runs = [(arm, "reach", 0.04) for arm in (right, bent)]
+    world.enter(phase_of(runs))
+    before = world.checks
+    assert in_step(world, (right, bent), "reach", np.random.default_rng(0)) is None
+    assert world.checks - before < 5

@@ -1,0 +1,209 @@
+"""The HTTP interface: the same commands and the same rights as on the page."""
+
+import io
+import json
+
+import numpy as np
+import pytest
+
+from workbench.app.core.people import Person, Role
+from workbench.app.core.rights import NOBODY
+from workbench.app.runtime.live import Live
+from workbench.app.runtime.worker import GettingReady
+from workbench.formats.plans.plan_files import read_plan
+from workbench.web.api.calls import CALLS
+from workbench.web.api.fields import LARGEST_BODY
+from workbench.web.api.reads import READS
+
+PROBLEM = "application/problem+json"
+
+
+def plan(site) -> str:
+    """Scan, find parts and plan; the plan's digest."""
+    for path, phase in (("/scan", "scanned"), ("/localize", "localized"), ("/plan", "planned")):
+        answer = site.post(path)
+        assert answer.status_code == 202, answer.text
+        site.reach(phase)
+    return site.get("/plan").json()["digest"]
+
+
+def detail(answer, status: int) -> str:
+    assert answer.status_code == status, answer.text
+    assert answer.headers["Content-Type"] == PROBLEM
+    content = answer.json()
+    assert content["status"] == status and content["title"]
+    return content["detail"]
+
+
+def test_a_whole_cycle_by_program(site, tmp_path):
+    digest = plan(site)
+    assert "play it first" in detail(site.post("/approve", plan=digest), 409)
+    assert site.post("/watch", plan=digest).status_code == 200
+    assert site.post("/approve", plan=digest).json()["phase"] == "approved"
+    assert site.post("/send", plan=digest).status_code == 202
+    site.reach("done")
+    assert site.post("/report", detection=0, is_picked=True).status_code == 200
+    state = site.get("/state").json()
+    assert (state["phase"], state["parts_placed"]) == ("done", 2)
+    assert state["approved_by"] == ["Ada"]
+    assert state["outcomes"] == [{"detection": 0, "is_picked": True, "by": "Ada", "why": ""}]
+    counted = site.get("/statistics").json()
+    assert counted["picked"] == 2 and counted["cycles"] == 1
+    assert site.get("/statistics").json() == counted, "nothing is counted twice"
+
+
+def test_what_a_cycle_has_made_can_be_read(site, results, tmp_path):
+    digest = plan(site)
+    scan = site.get("/scan").json()
+    assert scan["digest"] == results.scan.digest and scan["points"] == len(results.scan.points)
+    points = np.load(io.BytesIO(site.get("/scan/points").content))["points"]
+    np.testing.assert_array_equal(points, results.scan.points)
+    assert [one["part"] for one in site.get("/detections").json()] == ["keyed_cylinder"] * 2
+    candidates = site.get("/candidates").json()
+    assert {"OK"} < {one["verdict"]["reason"] for one in candidates}
+    assert site.get("/proof").json()["holds"] is True
+    (tmp_path / "plan.json").write_bytes(site.get("/plan").content)
+    read, stated = read_plan(tmp_path / "plan.json")
+    assert read.digest == stated == digest
+    assert site.get("/sessions").json() == {"current": "session", "sessions": ["session"]}
+
+
+def test_a_task_is_told_while_it_runs_and_can_be_cancelled(site):
+    site.effects.hold.set()
+    begun = site.post("/scan").json()
+    answer = site.get("/jobs/current").json()["job"]
+    assert (answer["number"], answer["name"]) == (begun["job"], "scan")
+    assert "'scan' ends or is cancelled" in detail(site.post("/localize"), 409)
+    assert site.post("/cancel").json()["job"] is None
+    assert site.get("/jobs/current").json()["job"] is None
+
+
+def test_what_tasks_wait_for_is_told_with_the_state_and_with_the_task(site):
+    assert site.get("/state").json()["getting_ready"] is None
+    site.effects.hold.set()
+    site.effects.live = Live(getting_ready=GettingReady(0.4, "getting ready"))
+    site.post("/scan")
+    told = {"done": 0.4, "note": "getting ready"}
+    assert site.get("/state").json()["getting_ready"] == told
+    answer = site.get("/jobs/current").json()
+    assert answer["getting_ready"] == told
+    assert (answer["job"]["done"], answer["job"]["note"]) == (0.4, "getting ready")
+
+
+@pytest.mark.parametrize("read", [read for read in READS if read.missing], ids=lambda r: r.path)
+def test_what_is_not_there_yet_is_said_with_what_to_do(site, read):
+    assert detail(site.get(read.path), 404) == f"it is not there yet: {read.missing}"
+
+
+def test_nobody_is_told_anything_without_a_login(site):
+    for read in READS:
+        answer = site.get(read.path, who="")
+        assert detail(answer, 401) == "log in first"
+        assert answer.headers["WWW-Authenticate"] == "Bearer"
+    for call in CALLS:
+        detail(site.post(call.path, who="eve"), 401)
+    detail(site.get("/events", who=""), 401)
+
+
+def test_a_role_that_is_not_enough_is_forbidden(site):
+    said = detail(site.post("/cell/save", who="bob"), 403)
+    assert said == "saving the cell is for engineers; you are an operator"
+    for call in CALLS:
+        needed = {field.name: _some(field) for field in call.fields if field.is_required}
+        assert "you are a viewer" in detail(site.post(call.path, who="vic", **needed), 403)
+    assert site.get("/state", who="vic").status_code == 200
+    assert site.get("/me", who="vic").json() == {"name": "Vic", "role": "viewer", "may": []}
+
+
+def _some(field):
+    if field.name == "plan":
+        return "0" * 64
+    return {"integer": 0, "number": 0.5, "boolean": True, "string": "x"}[field.schema["type"]]
+
+
+def test_a_login_without_a_name_approves_nothing(site, people):
+    people["Bearer first"] = Person(NOBODY, Role.ENGINEER)
+    digest = plan(site)
+    for path in ("/watch", "/approve"):
+        assert "needs a name" in detail(site.post(path, who="first", plan=digest), 403)
+    assert site.post("/scan", who="first").status_code == 202
+
+
+def test_whoever_is_not_in_control_is_told_who_is(site):
+    assert site.post("/control/take", who="bob").status_code == 200
+    said = detail(site.post("/scan"), 409)
+    assert said == "Bob is in control; ask for control first"
+    assert site.post("/control/ask").status_code == 200
+    assert site.get("/state").json()["asking"] == ["Ada"]
+    assert site.post("/control/give", who="bob", to="Ada").status_code == 200
+    assert site.post("/scan").status_code == 202
+
+
+def test_another_plan_than_the_current_one_is_not_approved(site):
+    plan(site)
+    said = detail(site.post("/approve", plan="0" * 64), 409)
+    assert "look at the current one and decide again" in said
+
+
+@pytest.mark.parametrize(
+    ("path", "body", "says"),
+    [
+        ("/scan", b"{", "is not valid JSON"),
+        ("/scan", b"[1]", "a JSON object is expected"),
+        ("/scan", b"\xff", "UTF-8"),
+        ("/scan", b'{"seed": 1, "seed": 2}', "there twice"),
+        ("/scan", b'{"speed": 1}', "the key 'speed' is not known; there are parts, seed"),
+        ("/scan", b'{"seed": 1.5}', "a whole number from 0"),
+        ("/scan", b'{"seed": true}', "a whole number from 0"),
+        ("/scan", b'{"seed": null}', "a whole number from 0"),
+        ("/scan", b'{"seed": -1}', "a whole number from 0"),
+        ("/scan", b'{"seed": 1' + b"0" * 400 + b"}", "a whole number from 0"),
+        ("/scan", b'{"seed": 1' + b"0" * 5000 + b"}", "valid JSON"),
+        ("/scan", b'{"seed":' + b"[" * 30000, "nested too deeply"),
+        ("/localize", b'{"detail": NaN}', "valid JSON"),
+        ("/localize", b'{"detail": 1e999}', "a number from 0.3 to 2.0"),
+        ("/plan", b'{"strategy": "both arms"}', "must be one of auto"),
+        ("/plan", b'{"strategy": ["auto"]}', "must be a text"),
+        ("/threshold", b"", "the key threshold is missing"),
+        ("/approve", b'{"plan": "abc"}', "must look like"),
+        ("/approve", b'{"plan": "' + b"0" * 64 + b'\\n"}', "must look like"),
+        ("/report", b'{"detection": 0, "is_picked": "yes"}', "must be true or false"),
+        ("/cell/save", json.dumps({"remark": "x" * 201}).encode(), "may have 200 characters"),
+    ],
+)
+def test_a_body_that_cannot_be_used_is_refused_with_its_key(site, path, body, says):
+    headers = {**site.token("ada"), "Content-Type": "application/json"}
+    answer = site.session.post(site.url + path, data=body, headers=headers, timeout=120)
+    assert says in detail(answer, 400)
+    assert site.bench.state.number == 1, "nothing was done"
+
+
+def test_a_whole_number_may_be_written_with_a_point(site):
+    headers = {**site.token("ada"), "Content-Type": "application/json"}
+    answer = site.session.post(
+        site.url + "/scan", data=b'{"parts": 3.0}', headers=headers, timeout=120
+    )
+    assert answer.status_code == 202
+
+
+def test_a_body_of_another_kind_or_too_long_is_not_read(site):
+    headers = {**site.token("ada"), "Content-Type": "text/plain"}
+    answer = site.session.post(site.url + "/scan", data=b"{}", headers=headers, timeout=120)
+    assert "must be application/json" in detail(answer, 415)
+    long = b" " * (LARGEST_BODY + 1)
+    headers = {**site.token("ada"), "Content-Type": "application/json"}
+    answer = site.session.post(site.url + "/scan", data=long, headers=headers, timeout=120)
+    assert "a body may have" in detail(answer, 413)
+    chunks = (b" " * 1024 for _ in range(100))
+    answer = site.session.post(site.url + "/scan", data=chunks, headers=headers, timeout=120)
+    detail(answer, 413)
+
+
+def test_the_description_and_its_page_need_no_login_and_nothing_from_outside(site):
+    description = site.get("/openapi.json", who="").json()
+    assert description["openapi"] == "3.1.0"
+    page = site.get("/", who="")
+    assert page.headers["Content-Type"].startswith("text/html")
+    assert "<script" not in page.text and "http" not in page.text
+    for path in description["paths"]:
+        assert f"/api/v1{path}</code>" in page.text

@@ -1,0 +1,189 @@
+"""The OPC UA server, spoken to by a client over loopback."""
+
+import asyncio
+import socket
+
+import pytest
+from asyncua import Client, ua
+from waiting import PATIENCE
+
+from workbench.app.core.commands import Approve, TakeControl, WatchPlan
+from workbench.app.core.people import Person, Role
+from workbench.model.errors import InputError
+from workbench.web.opcua.server import MOST_CLIENTS, NAMESPACE, OpcUa, Options
+from workbench.web.opcua.values import VARIABLES
+
+PLC = Person("plc", Role.OPERATOR)
+
+
+@pytest.fixture
+def port() -> int:
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return probe.getsockname()[1]
+
+
+@pytest.fixture
+def serve(site, port):
+    served = []
+
+    def one(**options) -> str:
+        served.append(OpcUa(site.bench, Options(port, PLC, **options)))
+        return f"opc.tcp://127.0.0.1:{port}/workbench"
+
+    yield one
+    for server in served:
+        server.close()
+        server.close()
+
+
+class Hands:
+    """A client's hands on the cell."""
+
+    def __init__(self, client, cell, space):
+        self._client, self._cell, self._space = client, cell, space
+
+    async def read(self, name):
+        return await (await self._cell.get_child(f"{self._space}:{name}")).read_value()
+
+    async def call(self, name, *arguments):
+        return await self._cell.call_method(f"{self._space}:{name}", *arguments)
+
+    async def until(self, name, wanted):
+        """Wait until a variable has a value."""
+        for _ in range(int(PATIENCE / 0.05)):
+            if await self.read(name) == wanted:
+                return
+            await asyncio.sleep(0.05)
+        raise AssertionError(f"{name} is {await self.read(name)!r}, not {wanted!r}")
+
+
+def talk(url, conversation):
+    """Run a conversation with the cell."""
+
+    async def run():
+        async with Client(url) as client:
+            space = await client.get_namespace_index(NAMESPACE)
+            cell = await client.nodes.objects.get_child(f"{space}:Workbench")
+            await conversation(Hands(client, cell, space))
+
+    asyncio.run(run())
+
+
+def whole(value):
+    return ua.Variant(value, ua.VariantType.UInt32)
+
+
+def test_a_plc_runs_a_cycle_that_a_person_approves(site, serve):
+    async def conversation(cell):
+        assert await cell.read("Phase") == "idle"
+        done, says = await cell.call("FindParts", whole(0))
+        assert (done, says) == (False, "finding parts is not possible now: take a scan first")
+        assert (await cell.call("Scan", whole(0), whole(2)))[0]
+        await cell.until("Phase", "scanned")
+        assert (await cell.call("FindParts", whole(0)))[0]
+        await cell.until("PartsFound", 2)
+        assert (await cell.call("MakePlan", whole(0), "auto", 0.2))[0]
+        await cell.until("Phase", "planned")
+        digest = await cell.read("PlanDigest")
+        assert await cell.read("Holds") is True
+        done, says = await cell.call("Send", digest)
+        assert not done and "have the plan approved first" in says
+        site.bench.do(WatchPlan(digest), "Ada")
+        site.bench.do(Approve(digest), "Ada")
+        await cell.until("ApprovedBy", "Ada")
+        assert (await cell.call("Send", digest))[0]
+        await cell.until("Phase", "done")
+        assert await cell.read("PartsPlaced") == 2
+
+    talk(serve(), conversation)
+
+
+def test_every_variable_is_there_and_only_read(serve):
+    async def conversation(cell):
+        for name in VARIABLES:
+            await cell.read(name)
+        node = await cell._cell.get_child(f"{cell._space}:Phase")
+        with pytest.raises(ua.UaError):
+            await node.write_value("done")
+
+    talk(serve(), conversation)
+
+
+def test_whoever_calls_acts_as_the_named_operator(site, serve):
+    async def conversation(cell):
+        assert (await cell.call("TakeControl"))[0]
+        assert site.bench.state.control == "plc"
+        await cell.until("Control", "plc")
+        done, says = await cell.call("Scan", whole(0), whole(99))
+        assert not done and "parts must be a whole number" in says
+        done, says = await cell.call("Stop")
+        assert not done and "nothing is being sent" in says
+
+    talk(serve(), conversation)
+
+
+def test_a_change_while_the_server_starts_is_told(site, serve, monkeypatch):
+    subscribe = site.bench.subscribe
+
+    def late(observer):
+        site.bench.do(TakeControl(), "Ada")
+        return subscribe(observer)
+
+    monkeypatch.setattr(site.bench, "subscribe", late)
+
+    async def conversation(cell):
+        await cell.until("Control", "Ada")
+
+    talk(serve(), conversation)
+
+
+def test_a_password_is_asked_for(serve, port):
+    serve(password="secret")
+
+    async def come(name, password):
+        client = Client(f"opc.tcp://127.0.0.1:{port}/workbench")
+        if name:
+            client.set_user(name)
+            client.set_password(password)
+        async with client:
+            return True
+
+    assert asyncio.run(come("plc", "secret"))
+    for name, password in (("", ""), ("plc", "wrong"), ("admin", "secret")):
+        with pytest.raises(ua.UaError):
+            asyncio.run(come(name, password))
+
+
+def test_nobody_else_gets_at_it_without_a_password(site, port):
+    with pytest.raises(InputError, match="give a password"):
+        OpcUa(site.bench, Options(port, PLC, host="0.0.0.0"))
+
+
+def test_a_port_that_is_taken_is_said(site, serve, port):
+    serve()
+    with pytest.raises(InputError, match="choose another port"):
+        OpcUa(site.bench, Options(port, PLC))
+
+
+def test_a_crowd_is_not_taken_in_and_not_kept_for_long(serve, port):
+    url = serve()
+    crowd = []
+    try:
+        for _ in range(MOST_CLIENTS + 1):
+            crowd.append(socket.create_connection(("127.0.0.1", port), timeout=3 * PATIENCE))
+        assert crowd[-1].recv(1) == b""
+        crowd[0].setblocking(False)
+        with pytest.raises(BlockingIOError):
+            crowd[0].recv(1)
+        crowd[0].settimeout(3 * PATIENCE)
+        for one in crowd:
+            assert one.recv(1) == b""
+    finally:
+        for one in crowd:
+            one.close()
+
+    async def look(hands):
+        assert await hands.read("Fault") == ""
+
+    talk(url, look)

@@ -1,0 +1,126 @@
+"""What a change of the cell does to the state: what was made for the cell before is gone."""
+
+from dataclasses import replace
+
+from workbench.app.core.commands import CellRead, EditPart
+from workbench.app.core.differences import difference
+from workbench.app.core.effects import KeepDrafts, UseCell
+from workbench.app.core.part_rules import edited_part
+from workbench.app.core.release import without_approval
+from workbench.app.core.state import Phase, State, anew, overtaken_by
+from workbench.model.cell import Cell
+from workbench.model.digest import digest_of
+from workbench.model.part_edits import differ_in_grasps_only, with_part
+from workbench.perception.scene.bin_check import check_bin
+
+Changed = tuple[State, tuple[UseCell | KeepDrafts, ...]]
+
+MOST_UNDO = 50
+"""Changes of the cell that can be undone."""
+
+
+def changed_cell(state: State, cell: Cell, says: str) -> Changed:
+    """The state with another cell, which an undo can take back; `says` tells what was changed."""
+    after, effects = _with_cell(state, cell, says)
+    return replace(after, before=(state.cell, *state.before)[:MOST_UNDO], undone=()), effects
+
+
+def edited_cell(state: State, edit: EditPart) -> Changed:
+    """The state with other grasps or another symmetry of a part."""
+    part = edited_part(state.cell.part(edit.part), edit)
+    cell = with_part(state.cell, part.name, library=part.library, symmetry=part.symmetry)
+    return changed_cell(state, cell, edit.says or f"the grasps of {part.name} are changed")
+
+
+def undone(state: State) -> Changed:
+    """The state with the cell before the last change."""
+    cell, *before = state.before
+    after, effects = _with_cell(state, cell, "the last change of the cell is undone")
+    undone = (state.cell, *state.undone)[:MOST_UNDO]
+    return replace(after, before=tuple(before), undone=undone), effects
+
+
+def redone(state: State) -> Changed:
+    """The state with the cell before the last undo."""
+    cell, *undone = state.undone
+    after, effects = _with_cell(state, cell, "the change of the cell is made again")
+    before = (state.cell, *state.before)[:MOST_UNDO]
+    return replace(after, before=before, undone=tuple(undone)), effects
+
+
+def cell_read(state: State, command: CellRead) -> Changed:
+    """The state after the cell file was read."""
+    cell, problem = command.cell, command.problem
+    if cell is None:
+        message = f"the cell file cannot be used, the cell stays as it was: {problem}"
+        return replace(state, cell_problem=problem, message=message), ()
+    state = replace(state, cell_problem="", saved=cell.digest)
+    if cell.approvers != state.cell.approvers:
+        # Words that were given for another number of people do not count.
+        kept = replace(state.cell, approvers=cell.approvers)
+        state = replace(without_approval(state), cell=kept)
+        if cell.digest == kept.digest:
+            says = f"{cell.approvers} different people have to approve a plan now"
+            return replace(state, message=says), (UseCell(kept),)
+    if cell.digest == state.cell.digest:
+        return replace(state, message="the cell is as in its file"), ()
+    if command.is_saved and command.written not in ("", state.cell.digest):
+        message = "the cell is saved, without what was changed meanwhile: save it again"
+        return replace(state, message=message), ()
+    if command.is_saved:
+        # Files hold fewer digits: what is read differs from what was saved by rounding only.
+        return _with_cell(state, cell, "the cell is saved")
+    return changed_cell(state, cell, "the cell file was changed, and is read again")
+
+
+def _with_cell(state: State, cell: Cell, message: str) -> Changed:
+    """Another cell: a scan stays as long as the scanner does, what was made of it does not.
+
+    With other grasps the parts found stay where they are.
+    """
+    # Where the controller is found is not a matter of the cell file that people write; how many
+    # people approve is a matter of that file alone.
+    cell = replace(cell, controller=state.cell.controller, approvers=state.cell.approvers)
+    if differ_in_grasps_only(cell, state.cell):
+        return _with_grasps(state, cell, message)
+    same_view = digest_of(cell.scanner) == digest_of(state.cell.scanner)
+    scan = state.scan if same_view and state.phase is not Phase.DONE else None
+    stale = overtaken_by(state, difference(state.cell, cell))
+    state = replace(state, cell=cell)
+    if scan is None:
+        return anew(state, stale=stale, message=message), (UseCell(cell),)
+    after = anew(
+        state,
+        Phase.SCANNED,
+        scan=scan,
+        scene_digest=scan.digest,
+        bin_check=check_bin(scan, cell.bin),
+        stale=stale,
+        message=message,
+    )
+    return after, (UseCell(cell),)
+
+
+def _with_grasps(state: State, cell: Cell, message: str) -> Changed:
+    """Other grasps: the scan and the parts found stay, candidates and plan do not."""
+    changed = tuple(p for p in cell.parts if p.digest != state.cell.part(p.name).digest)
+    effects = (UseCell(cell), KeepDrafts(changed)) if changed else (UseCell(cell),)
+    stale = overtaken_by(state, difference(state.cell, cell))
+    after = replace(state, cell=cell)
+    if state.phase is Phase.DONE:
+        return anew(after, stale=stale, message=message), effects
+    if state.detections is None:
+        return replace(after, message=message), effects
+    found = anew(
+        after,
+        Phase.LOCALIZED if state.detections else Phase.SCANNED,
+        scan=state.scan,
+        bin_check=state.bin_check,
+        searches=state.searches,
+        remarks=state.remarks,
+        detections=state.detections,
+        scene_digest=state.scene_digest,
+        stale=stale,
+        message=message,
+    )
+    return found, effects

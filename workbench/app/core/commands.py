@@ -1,0 +1,391 @@
+"""Everything that can be asked of the workbench, by a person or by a machine.
+
+A command is a frozen value; `decide` says what it does to the state.  People's commands come
+from the page, the command line or the HTTP interface; machines' commands come from the worker
+process and the robot link and tell what has happened.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from workbench.app.core.people import Role
+from workbench.app.core.plan_result import PlanResult
+from workbench.model.calibration import BallPlate, PlateSighting
+from workbench.model.cell import Cell, Wishes
+from workbench.model.errors import WorkbenchError
+from workbench.model.geometry import Floats, frozen, put
+from workbench.model.part import Entry as GraspEntry
+from workbench.model.part import GraspPair, Part, Symmetry
+from workbench.model.release import PartReport, Receipt
+from workbench.model.scan import Detection, Scan
+from workbench.model.search import SearchWishes
+
+Bytes = NDArray[np.uint8]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class TakeScan:
+    """Trigger the scanner.  `seed`, `parts` and `part` shape the simulated pile.
+
+    `part` is which kind falls, of those that the cell picks; empty: the first; "all": one of
+    each in turn.
+    """
+
+    seed: int = 0
+    parts: int = 2
+    part: str = ""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class UseScan:
+    """Take a scan from a file instead of the scanner."""
+
+    scan: Scan
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FindParts:
+    """Localize parts in the current scan."""
+
+    seed: int = 0
+    wishes: SearchWishes = field(default_factory=SearchWishes)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class UseDetections:
+    """Take part poses from outside: a file, another matcher, a person's correction or veto.
+
+    `says` tells people what was done; empty: poses from outside.
+    """
+
+    detections: tuple[Detection, ...]
+    says: str = ""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SightPlate:
+    """Scan the reference plate that an arm at `q` (n,) [rad], chain order, holds.
+
+    `seed` is that of the simulated scanner's noise.
+    """
+
+    arm: str
+    q: Floats
+    plate: BallPlate
+    seed: int = 0
+
+    def __post_init__(self) -> None:
+        put(self, q=frozen(self.q))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class UseSightings:
+    """Go on with these sightings of the plate: some removed, or left out of the calibration.
+
+    `says` tells people what was done.
+    """
+
+    sightings: tuple[PlateSighting, ...]
+    says: str
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class MakePlan:
+    """Judge all candidates, plan and prove.
+
+    `strategy`: auto, or a `Strategy` value; `threshold` [m].
+    """
+
+    strategy: str = "auto"
+    threshold: float = 0.2
+    seed: int = 0
+    wishes: Wishes = field(default_factory=Wishes)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class WantThreshold:
+    """A person wants this threshold [m]; while the plan has another one, the plan is stale."""
+
+    threshold: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class WatchPlan:
+    """The plan with this digest was played to its end before somebody's eyes."""
+
+    plan_digest: str
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Approve:
+    """A person's word for the plan with this digest."""
+
+    plan_digest: str
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SendPlan:
+    """Send the approved plan with this digest to the robot."""
+
+    plan_digest: str
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Stop:
+    """Stop sending and close the link."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ReportPick:
+    """What became of a part of the plan, as a person saw it or a gripper felt it.
+
+    `detection` is the part's index in the plan, `why` what is known about a failure.
+    """
+
+    detection: int
+    is_picked: bool
+    why: str = ""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ForgetAvoided:
+    """No part is avoided any more because its pick has failed."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CancelJob:
+    """End the running task."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class AcknowledgeFault:
+    """A person has seen the fault and cleared the cell."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ChangeCell:
+    """Go on with another cell; `says` tells people what was changed."""
+
+    cell: Cell
+    says: str
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class UndoCell:
+    """Go back to the cell before the last change."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class RedoCell:
+    """Take back the last undo."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class EditPart:
+    """Change the grasps of a part, or its symmetry; undone and redone with the cell.
+
+    `was` are the entries as the one who edits has seen them, `now` what shall stand in their
+    place: who edits something that was changed meanwhile is refused.  None: as it is.
+    """
+
+    part: str
+    was: tuple[GraspEntry, ...] = ()
+    now: tuple[GraspEntry, ...] = ()
+    pairs: tuple[GraspPair, ...] | None = None
+    symmetry: Symmetry | None = None
+    says: str = ""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ImportPart:
+    """Make a part of a CAD file, and have the cell pick it too.
+
+    `content` (n,) are the bytes of the file called `file`; `unit` is mm, m, inch, or empty when
+    the file says it or only one gives the size of a part; `density` [kg/m3] makes the mass;
+    `is_mended`: close what is open; `is_symmetric`: state the symmetry that the mesh has.
+    """
+
+    name: str
+    file: str
+    content: Bytes
+    unit: str = ""
+    density: float = 1200.0
+    is_mended: bool = False
+    is_symmetric: bool = False
+
+    def __post_init__(self) -> None:
+        put(self, content=frozen(self.content, np.uint8))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class DropDraft:
+    """Forget the changes of a part's grasps that an earlier session has not saved."""
+
+    part: str
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class EmptyPallets:
+    """What was put down has been taken away."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SaveCell:
+    """Write the changes of the cell and its parts to their files, with a remark of who saves."""
+
+    remark: str
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class AskForControl:
+    """A person would like to be in control; who is may hand it over, or keep it."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class TakeControl:
+    """A person is in control from now on: nobody was, or an engineer takes it over."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class GiveControl:
+    """Hand control over to somebody who has asked for it."""
+
+    to: str
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class DenyControl:
+    """Keep control: what `to` has asked for is answered with no."""
+
+    to: str
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ReleaseControl:
+    """Nobody is in control any more.
+
+    `of` is whose it was when that person's last browser has gone, as the front door saw it;
+    empty: of the one who gives this.
+    """
+
+    of: str = ""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Opened:
+    """A bench goes on with this session: by a new start, or with a copy of it elsewhere.
+
+    Words and approvals belong to one start of one bench: those given before have ended.
+    """
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CellRead:
+    """The cell file was read: what it holds now, or why that cannot be used.
+
+    `is_saved`: this session had written it before, from the cell with the digest `written` (empty
+    in older sessions, which did not record it).
+    """
+
+    cell: Cell | None = None
+    problem: str = ""
+    is_saved: bool = False
+    written: str = ""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PosesRefused:
+    """A file that came into the watched folder cannot be used; `problem` says why."""
+
+    problem: str
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class JobEnded:
+    """The worker finished job `number`.
+
+    `result` is a `Scan`, a tuple of `Detection`, a `PlanResult`, a `PlateSighting`, a `Part`, or
+    the error that ended it.
+    """
+
+    number: int
+    result: "Scan | tuple[Detection, ...] | PlanResult | PlateSighting | Part | WorkbenchError"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Sent:
+    """The robot link reports one message that went out."""
+
+    receipt: Receipt
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LinkEnded:
+    """The robot link is closed.  `fault` is empty when the controller reported the end.
+
+    `parts` says of each part of the plan what the controller told of it.
+    """
+
+    fault: str = ""
+    parts_placed: int = 0
+    parts: tuple[PartReport, ...] = ()
+
+
+Command = (
+    TakeScan
+    | UseScan
+    | FindParts
+    | UseDetections
+    | SightPlate
+    | UseSightings
+    | MakePlan
+    | WantThreshold
+    | WatchPlan
+    | Approve
+    | SendPlan
+    | Stop
+    | ReportPick
+    | ForgetAvoided
+    | CancelJob
+    | AcknowledgeFault
+    | ChangeCell
+    | UndoCell
+    | RedoCell
+    | EditPart
+    | ImportPart
+    | DropDraft
+    | SaveCell
+    | EmptyPallets
+    | AskForControl
+    | TakeControl
+    | GiveControl
+    | DenyControl
+    | ReleaseControl
+    | Opened
+    | CellRead
+    | PosesRefused
+    | JobEnded
+    | Sent
+    | LinkEnded
+)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Entry:
+    """A command with its number, its time [s since the epoch] and who gave it, in which role.
+
+    The only place where clock, user and the robot's pose enter: what follows from an entry is
+    computed.  `joints` (name -> rad) is how the robot stood by its own report when a plan was
+    approved or sent, empty for other commands and where nothing was reported.  A machine's `role`
+    says nothing.
+    """
+
+    number: int
+    at: float
+    actor: str
+    command: Command
+    joints: Mapping[str, float] = field(default_factory=dict[str, float])
+    role: Role = Role.ENGINEER

@@ -1,0 +1,96 @@
+"""Who is in control: asked for, taken, handed over, given back."""
+
+from dataclasses import replace
+
+from workbench.app.core.commands import (
+    AskForControl,
+    DenyControl,
+    GiveControl,
+    ReleaseControl,
+    TakeControl,
+)
+from workbench.app.core.people import Role
+from workbench.app.core.rights import MACHINES
+from workbench.app.core.state import State
+
+ControlCommand = AskForControl | TakeControl | GiveControl | DenyControl | ReleaseControl
+
+MOST_ASKING = 20
+"""People who have asked and wait for an answer."""
+
+
+def control_problem(state: State, command: ControlCommand, actor: str, role: Role) -> str:
+    """Why a word about control does not count; empty when it does.
+
+    Args:
+        state: says who is in control, and who has asked for it.
+        command: the word.
+        actor: whose it is.
+        role: the person's; a machine's says nothing.
+    """
+    match command:
+        case AskForControl() | TakeControl() if state.control == actor:
+            return "you are in control already"
+        case AskForControl():
+            return _asking_problem(state, actor)
+        case TakeControl():
+            is_free = not state.control or role.covers(Role.ENGINEER)
+            return "" if is_free else f"{state.control} is in control; ask for control first"
+        case GiveControl(to=to) | DenyControl(to=to):
+            if not state.control:
+                return "nobody is in control"
+            names = ", ".join(state.asking) or "nobody"
+            return "" if to in state.asking else f"{to!r} has not asked for it; {names} has"
+        case ReleaseControl(of=of):
+            return _release_problem(state, of, actor)
+
+
+def _asking_problem(state: State, actor: str) -> str:
+    if not state.control:
+        return "nobody is in control; take it"
+    if actor in state.asking:
+        return f"you have asked already; {state.control} has not answered yet"
+    if len(state.asking) >= MOST_ASKING:
+        return f"{MOST_ASKING} people have asked already; wait until one of them has an answer"
+    return ""
+
+
+def _release_problem(state: State, of: str, actor: str) -> str:
+    if not state.control:
+        return "nobody is in control"
+    # The front door says whom it has missed: meanwhile somebody else may have taken over.
+    if actor in MACHINES:
+        return "" if of == state.control else f"{of!r} is not in control, {state.control} is"
+    return "" if of in ("", actor) else f"{of!r} has to give control back, not {actor!r}"
+
+
+def with_control(state: State, command: ControlCommand, actor: str) -> State:
+    """The state after a word about control.
+
+    Args:
+        state: before.
+        command: the word, which `control_problem` has nothing against.
+        actor: whose it is.
+    """
+    match command:
+        case AskForControl():
+            message = f"{actor} asks {state.control} for control"
+            return replace(state, asking=(*state.asking, actor), message=message)
+        case TakeControl():
+            over = f" over from {state.control}" if state.control else ""
+            return _held_by(state, actor, f"{actor} takes control{over}")
+        case GiveControl(to=to):
+            return _held_by(state, to, f"{actor} hands control over to {to}")
+        case DenyControl(to=to):
+            asking = tuple(name for name in state.asking if name != to)
+            return replace(state, asking=asking, message=f"{actor} keeps control, {to} has asked")
+        case ReleaseControl():
+            gone = f"{state.control} has gone: nobody is in control any more"
+            message = gone if actor in MACHINES else f"{actor} gives control back"
+            # Who has asked may take it now; there is nobody left to answer.
+            return replace(state, control="", asking=(), message=message)
+
+
+def _held_by(state: State, name: str, message: str) -> State:
+    asking = tuple(one for one in state.asking if one != name)
+    return replace(state, control=name, asking=asking, message=message)

@@ -1,0 +1,118 @@
+"""What may be edited about a part: what its files can hold, and nobody has changed meanwhile."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import PurePosixPath
+
+import numpy as np
+
+from workbench.app.core.commands import EditPart, ImportPart
+from workbench.app.core.value_checks import check_among, check_number, check_text
+from workbench.formats.files.units import UNITS
+from workbench.formats.files.whole_files import MB
+from workbench.formats.meshes.cad_files import KINDS, LARGEST_CAD
+from workbench.formats.parts.grasp_files import as_written
+from workbench.formats.parts.new_part import check_name
+from workbench.model.cell import Cell
+from workbench.model.errors import CommandRefused, InputError
+from workbench.model.part import Entry, GraspLibrary, GraspPattern, Part, Symmetry
+from workbench.model.part_edits import edited
+
+DENSITIES = (10.0, 25_000.0)
+"""[kg/m3] From foam to more than gold."""
+
+MOST_KINDS = 20
+"""Parts of one cell: each is searched for in every scan."""
+
+MOST_FOLD = 360
+
+MOST_GRASPS = 10_000
+"""Of one part, with patterns and symmetry written out."""
+
+
+def part_of(cell: Cell, name: str) -> Part:
+    """The part of that name.
+
+    Raises:
+        CommandRefused: there is none.
+    """
+    try:
+        return cell.part(name)
+    except InputError as error:
+        raise CommandRefused(str(error)) from error
+
+
+def check_edit(cell: Cell, edit: EditPart) -> None:
+    """What is edited is there, and what comes of it can be kept in files.
+
+    Raises:
+        CommandRefused: it is not, or cannot.
+    """
+    part = part_of(cell, edit.part)
+    try:
+        after = edited_part(part, edit)
+    except InputError as error:
+        raise CommandRefused(str(error)) from error
+    if after.digest == part.digest:
+        raise CommandRefused(f"nothing of part {part.name} was changed")
+
+
+def check_import(cell: Cell, command: ImportPart) -> None:
+    """A part of this name can be made of such a file.
+
+    Raises:
+        CommandRefused: it cannot.
+    """
+    check_text("file", command.file)
+    try:
+        check_name(command.name)
+    except InputError as error:
+        raise CommandRefused(str(error)) from error
+    if command.name in (part.name for part in cell.parts):
+        raise CommandRefused(f"the cell has a part {command.name} already; choose another name")
+    if len(cell.parts) >= MOST_KINDS:
+        raise CommandRefused(f"a cell has up to {MOST_KINDS} parts")
+    kind = PurePosixPath(command.file).suffix.lower()
+    if kind not in KINDS:
+        raise CommandRefused(f"{command.file} is no CAD file: one of {', '.join(KINDS)} is")
+    if not 0 < command.content.size <= LARGEST_CAD:
+        raise CommandRefused(
+            f"{command.file} has {command.content.size:,} bytes; up to {LARGEST_CAD / MB:g} MB "
+            "are taken"
+        )
+    check_among("unit", command.unit, ("", *UNITS))
+    check_number("density", command.density, *DENSITIES, "kg/m3")
+
+
+def edited_part(part: Part, edit: EditPart) -> Part:
+    """The part after an edit, its numbers as files hold them.
+
+    Raises:
+        InputError: what was edited is not there any more, or cannot be kept in a file.
+    """
+    symmetry = edit.symmetry or part.symmetry
+    length = float(np.linalg.norm(symmetry.axis))
+    if not 0 <= symmetry.fold <= MOST_FOLD or not abs(length - 1.0) <= 1e-6:
+        raise InputError(
+            f"symmetry: a unit axis and 0 to {MOST_FOLD} turns are needed, "
+            f"not {symmetry.fold} about {symmetry.axis}"
+        )
+    # Counted before anything is written out.
+    _check_count(edit.now, symmetry)
+    library = part.library
+    if edit.was or edit.now:
+        library = edited(library, edit.was, as_written(GraspLibrary(edit.now)).entries)
+    if edit.pairs is not None:
+        library = as_written(replace(library, pairs=edit.pairs))
+    _check_count(library.entries, symmetry)
+    return replace(part, library=library, symmetry=symmetry)
+
+
+def _check_count(entries: Sequence[Entry], symmetry: Symmetry) -> None:
+    count = sum(entry.count if isinstance(entry, GraspPattern) else 1 for entry in entries)
+    count *= 1 + len(symmetry.turns)
+    if count > MOST_GRASPS:
+        raise InputError(
+            f"with patterns and symmetry written out there would be {count:,} grasps; "
+            f"{MOST_GRASPS:,} are allowed"
+        )

@@ -1,0 +1,156 @@
+"""What must hold before a plan goes out, besides digests that agree.
+
+It was watched to its end, enough people have approved it, its threshold is still the one wanted,
+and the robot stands where it starts.  Pure functions; `rules` and the page ask them.
+"""
+
+import math
+import unicodedata
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from workbench.app.core.rights import NOBODY
+from workbench.app.core.state import Phase, State
+from workbench.model.cell import Cell
+from workbench.model.geometry import Floats
+from workbench.model.plan import Plan
+from workbench.model.release import Approval, Word
+
+MOVED = float(np.deg2rad(1.0))
+"""[rad] So far a joint may be from where the plan starts."""
+
+SAME_THRESHOLD = 0.0005
+"""[m] Thresholds are typed in whole millimetres."""
+
+
+def is_same_person(one: str, other: str) -> bool:
+    """Whether two names are one: case, spaces and ways to write a letter make no other person."""
+    return _plain(one) == _plain(other)
+
+
+def _plain(name: str) -> str:
+    return " ".join(unicodedata.normalize("NFKC", name).casefold().split())
+
+
+def standing_words(state: State, now: float) -> tuple[Word, ...]:
+    """The words for the current plan that have not lapsed at `now` [s since the epoch]."""
+    valid = state.cell.policy.approval_minutes * 60.0
+    digest = state.plan.digest if state.plan is not None else ""
+    return tuple(
+        word
+        for word in state.words
+        if word.plan_digest == digest and word.at <= now < word.at + valid
+    )
+
+
+def words_of_others(state: State, actor: str, now: float) -> tuple[Word, ...]:
+    """Those of the standing words that count beside the word of `actor`, the latest last."""
+    others = [word for word in standing_words(state, now) if not is_same_person(word.actor, actor)]
+    wanted = state.cell.approvers - 1
+    return tuple(others[-wanted:]) if wanted else ()
+
+
+def without_approval(state: State) -> State:
+    """The state without approval: who asks for something newer takes back every word given."""
+    phase = Phase.PLANNED if state.phase is Phase.APPROVED else state.phase
+    return replace(state, phase=phase, approval=None, words=())
+
+
+def opened_again(state: State) -> State:
+    """The state of a session that a bench goes on with, which may be a copy of it elsewhere.
+
+    Nobody there has seen the plan or let it out: what was said before was said to another bench.
+    """
+    had, message = state.words or state.approval or state.watched, state.message
+    if had and state.phase in (Phase.PLANNED, Phase.APPROVED):
+        message = "the session was opened again: previews and approvals before that do not count"
+    return replace(without_approval(state), watched=(), message=message)
+
+
+def lacks_people(cell: Cell, approval: Approval) -> str:
+    """Why an approval is by too few people for the cell; empty when it is not."""
+    different = {_plain(name) for name in approval.people}
+    if len(different) >= cell.approvers:
+        return ""
+    return (
+        f"the cell wants {cell.approvers} different people to approve a plan, "
+        f"this one has {', '.join(approval.people)}"
+    )
+
+
+def said_already(state: State, actor: str, now: float) -> str:
+    """Why a person need not approve again while somebody else's word is missing; else empty."""
+    wanted = state.cell.approvers
+    mine = any(is_same_person(word.actor, actor) for word in standing_words(state, now))
+    if not mine or len(words_of_others(state, actor, now)) + 1 >= wanted:
+        return ""
+    return f"{actor} has approved already; {wanted} different people have to"
+
+
+def unwatched(state: State, actor: str) -> str:
+    """Why a person has to see the plan before approving it; empty when that has happened.
+
+    What was played in a browser without a login was played before whoever was there.
+    """
+    seen = any(is_same_person(name, actor) or name == NOBODY for name in state.watched)
+    return "" if seen else "the plan has not been played to its end; play it first"
+
+
+def overtaken(state: State, plan: Plan, joints: Mapping[str, float]) -> str:
+    """What has made a plan stale, and by how much; empty when it still stands.
+
+    Another scan or cell is not looked for: with that the plan would be gone.
+    """
+    return other_threshold(state) or moved_away(state.cell, plan, joints)
+
+
+def other_threshold(state: State) -> str:
+    """Why the threshold wanted is no longer that of the plan; empty when it is."""
+    planned, wanted = state.planned_threshold, state.wanted_threshold
+    if planned is None or wanted is None or abs(planned - wanted) < SAME_THRESHOLD:
+        return ""
+    return (
+        f"the plan was made with a threshold of {planned * 1000:.0f} mm, "
+        f"now it is {wanted * 1000:.0f} mm; make a new plan"
+    )
+
+
+def moved_away(cell: Cell, plan: Plan, joints: Mapping[str, float]) -> str:
+    """By how much the robot does not stand where the plan starts; empty when it does.
+
+    Joints that are not reported are not compared.
+
+    Args:
+        cell: whose arms; those without a part in the plan have to be at home.
+        plan: that would be sent.
+        joints: name -> [rad], as the controller reports.
+    """
+    worst, where = 0.0, ""
+    for arm in cell.arms:
+        q = start_of(cell, plan, arm.name)
+        for axis, place in enumerate(arm.wire_order):
+            reported = joints.get(arm.joints[place])
+            if reported is None:
+                continue
+            name = f"axis {axis + 1} of the {arm.name} arm"
+            if not math.isfinite(reported):
+                return f"nobody knows where the robot stands: {name} is reported at {reported}"
+            if abs(reported - q[place]) > worst:
+                worst, where = float(abs(reported - q[place])), name
+    if worst <= MOVED:
+        return ""
+    return (
+        f"the robot has moved: {where} stands {np.rad2deg(worst):.1f} degrees from where the plan "
+        f"starts, {np.rad2deg(MOVED):g} are allowed; bring it back"
+    )
+
+
+def start_of(cell: Cell, plan: Plan, arm: str) -> Floats:
+    """The configuration (n,) [rad] in which an arm has to stand when the plan begins."""
+    for step in plan.sequence:
+        for name, leg in step.runs:
+            if name == arm:
+                return np.asarray(plan.arm(arm).leg(leg).q[0])
+    return cell.arm(arm).home

@@ -1,0 +1,349 @@
+"""What may happen now: pure checks; every refusal says what to do instead."""
+
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import assert_never
+
+from workbench.app.core.commands import (
+    AcknowledgeFault,
+    Approve,
+    AskForControl,
+    CancelJob,
+    CellRead,
+    ChangeCell,
+    Command,
+    DenyControl,
+    DropDraft,
+    EditPart,
+    EmptyPallets,
+    FindParts,
+    ForgetAvoided,
+    GiveControl,
+    ImportPart,
+    JobEnded,
+    LinkEnded,
+    MakePlan,
+    Opened,
+    PosesRefused,
+    RedoCell,
+    ReleaseControl,
+    ReportPick,
+    SaveCell,
+    SendPlan,
+    Sent,
+    SightPlate,
+    Stop,
+    TakeControl,
+    TakeScan,
+    UndoCell,
+    UseDetections,
+    UseScan,
+    UseSightings,
+    WantThreshold,
+    WatchPlan,
+)
+from workbench.app.core.control import control_problem
+from workbench.app.core.outcomes import outcome_problem
+from workbench.app.core.part_rules import check_edit, check_import, part_of
+from workbench.app.core.people import Role
+from workbench.app.core.release import lacks_people, overtaken, said_already, unwatched
+from workbench.app.core.rights import MACHINES, RIGHTS, lacks_right, lacks_role, obstacle
+from workbench.app.core.state import State
+from workbench.app.core.value_checks import (
+    ALL_KINDS,
+    DETAIL,
+    MOST_PARTS,
+    MOST_SIGHTINGS,
+    SEED_LIMIT,
+    check_among,
+    check_cell,
+    check_configuration,
+    check_detections,
+    check_integer,
+    check_number,
+    check_person,
+    check_text,
+    check_wishes,
+)
+from workbench.model.cell import Cell
+from workbench.model.digest import digest_of
+from workbench.model.errors import CommandRefused, NotAllowed
+from workbench.model.plan import UNSIGNED, Plan, Proof, Strategy
+from workbench.model.release import Approval, Word
+
+STRATEGIES = ("auto", *(str(strategy) for strategy in Strategy), "both")
+"""`auto` takes what the controller can run; `both` plans with the arms one after the other and
+at once, and compares."""
+
+
+NOT_REPORTED: Mapping[str, float] = MappingProxyType({})
+
+
+def allowed(
+    state: State,
+    command: Command,
+    actor: str,
+    now: float,
+    joints: Mapping[str, float] = NOT_REPORTED,
+    role: Role = Role.ENGINEER,
+) -> None:
+    """Let a command pass, or say why not.
+
+    Args:
+        state: as it is.
+        command: what is asked for.
+        actor: who asks: a person's name, or one of `MACHINES`.
+        now: seconds since the epoch.
+        joints: how the robot stands by its own report, name -> [rad]; empty when it reports none.
+        role: of the person who asks; that of somebody at the machine's own shell is engineer.
+
+    Raises:
+        CommandRefused: with a sentence for the one who asked; `NotAllowed` when it is a matter of
+            the role alone.
+    """
+    _check_actor(command, actor)
+    if actor not in MACHINES and (problem := lacks_role(type(command), role)):
+        raise NotAllowed(problem)
+    _refuse(lacks_right(state, type(command), actor, role))
+    if problem := obstacle(state, type(command)):
+        raise CommandRefused(problem)
+    match command:
+        case TakeScan(seed=seed, parts=parts, part=part):
+            check_among("part", part, ("", ALL_KINDS, *(one.name for one in state.cell.parts)))
+            check_integer("seed", seed, 0, SEED_LIMIT - 1)
+            check_integer("parts", parts, 1, MOST_PARTS)
+        case FindParts(seed=seed, wishes=wishes):
+            check_integer("seed", seed, 0, SEED_LIMIT - 1)
+            check_number("detail", wishes.detail, *DETAIL, "of the usual")
+            check_number("least score", wishes.least_score, 0.0, 1.0, "")
+            if state.scan is None:
+                raise CommandRefused("finding parts is not possible now: take a scan first")
+        case UseDetections(detections=detections, says=says):
+            check_text("says", says)
+            check_detections(state.cell, detections)
+        case SightPlate(arm=arm, q=q, seed=seed):
+            check_integer("seed", seed, 0, SEED_LIMIT - 1)
+            check_configuration(state.cell, arm, q)
+            if len(state.sightings) >= MOST_SIGHTINGS:
+                raise CommandRefused(
+                    f"up to {MOST_SIGHTINGS} poses are taken; remove one of them first"
+                )
+        case UseSightings(sightings=sightings, says=says):
+            check_text("says", says)
+            if len(sightings) > MOST_SIGHTINGS:
+                raise CommandRefused(f"up to {MOST_SIGHTINGS} poses are taken")
+            for one in sightings:
+                check_text("name", one.name)
+                check_configuration(state.cell, one.arm, one.q)
+        case MakePlan(strategy=strategy, threshold=threshold, seed=seed, wishes=wishes):
+            check_integer("seed", seed, 0, SEED_LIMIT - 1)
+            check_wishes(state.cell, wishes)
+            check_number("threshold", threshold, 0.0, 1.0, "m")
+            check_among("strategy", strategy, STRATEGIES)
+        case Approve(plan_digest=digest):
+            plan = _named_plan(state, digest)
+            _check_scene(state, plan)
+            if state.proof is None:
+                raise CommandRefused("the plan has no proof, so it cannot be approved")
+            check_approvable(state.cell, plan, state.proof, actor)
+            _refuse(overtaken(state, plan, joints))
+            _refuse(unwatched(state, actor) or said_already(state, actor, now))
+        case SendPlan(plan_digest=digest):
+            plan = _named_plan(state, digest)
+            _refuse(staleness(state.approval, plan, state.cell, state.scene_digest, now))
+            _refuse(unwalked(state.cell, state.proof))
+            _refuse(overtaken(state, plan, joints))
+        case WatchPlan(plan_digest=digest):
+            _named_plan(state, digest)
+        case WantThreshold(threshold=threshold):
+            check_number("threshold", threshold, 0.0, 1.0, "m")
+        case ReportPick():
+            check_text("why", command.why)
+            _refuse(outcome_problem(state, command))
+        case ForgetAvoided():
+            if not state.avoided:
+                raise CommandRefused("nothing is avoided")
+        case ChangeCell(cell=cell, says=says):
+            check_text("says", says)
+            check_cell(cell)
+            if cell.digest == state.cell.digest:
+                raise CommandRefused("nothing of the cell was changed")
+        case UndoCell():
+            if not state.before:
+                raise CommandRefused("there is no change of the cell to undo")
+        case RedoCell():
+            if not state.undone:
+                raise CommandRefused("there is no change of the cell to redo")
+        case EditPart() as edit:
+            check_text("says", edit.says)
+            check_edit(state.cell, edit)
+        case ImportPart() as command:
+            check_import(state.cell, command)
+        case DropDraft(part=part):
+            part_of(state.cell, part)
+        case EmptyPallets():
+            if not state.placed:
+                raise CommandRefused("the pallets are empty already")
+        case SaveCell(remark=remark):
+            check_text("remark", remark)
+            if state.saved == state.cell.digest:
+                raise CommandRefused("the cell is saved already")
+        case (
+            AskForControl() | TakeControl() | GiveControl() | DenyControl() | ReleaseControl()
+        ) as word:
+            _refuse(control_problem(state, word, actor, role))
+        case LinkEnded(parts_placed=parts_placed):
+            check_integer("parts_placed", parts_placed, 0, SEED_LIMIT - 1)
+        case UseScan() | Stop() | CancelJob() | AcknowledgeFault() | JobEnded() | Sent():
+            pass
+        case Opened() | CellRead() | PosesRefused():
+            pass
+        case _:
+            assert_never(command)
+
+
+ONE_ARM = frozenset({"abb-socket"})
+"""Protocols that cannot say that two arms move at once."""
+
+
+def moves_both_arms(cell: Cell) -> bool:
+    """Whether the cell has two arms, and a controller that can move them at once."""
+    return len(cell.arms) > 1 and cell.controller.protocol not in ONE_ARM
+
+
+def can_be_sent(cell: Cell, plan: Plan) -> bool:
+    """Whether the controller's protocol can say what the plan does."""
+    return moves_both_arms(cell) or all(len(step.runs) == 1 for step in plan.sequence)
+
+
+def approve(
+    cell: Cell,
+    plan: Plan,
+    proof: Proof,
+    actor: str,
+    now: float,
+    before: tuple[Word, ...] = (),
+) -> Approval:
+    """A person's word for exactly this plan, valid as long as the cell's policy says.
+
+    Args:
+        cell: the cell as it is now.
+        plan: what will be sent.
+        proof: of this plan, in this cell.
+        actor: the name of the person.
+        now: seconds since the epoch.
+        before: the words of others that count along; the first of all words decides the end.
+
+    Raises:
+        CommandRefused: nobody is named, the proof does not hold, plan, proof and cell do not
+            belong together, or too few people have given a word.
+    """
+    check_approvable(cell, plan, proof, actor)
+    approval = Approval(
+        plan_digest=plan.digest,
+        proof_digest=proof.digest,
+        cell_digest=cell.digest,
+        scan_digest=plan.scan_digest,
+        actor=actor,
+        at=now,
+        until=min((now, *(word.at for word in before))) + cell.policy.approval_minutes * 60.0,
+        before=before,
+    )
+    _refuse(lacks_people(cell, approval))
+    return approval
+
+
+def check_approvable(cell: Cell, plan: Plan, proof: Proof, actor: str) -> None:
+    """Look whether a person may give a word for a plan in this cell.
+
+    Raises:
+        CommandRefused: see `approve`, which asks this, too.
+    """
+    check_person(actor)
+    if digest_of(plan, without=UNSIGNED) != plan.digest:
+        raise CommandRefused("the plan was changed after it was made; make a new one")
+    if plan.cell_digest != cell.digest:
+        raise CommandRefused("the cell has changed since the plan was made; make a new plan")
+    if proof.plan_digest != plan.digest:
+        raise CommandRefused("the proof is that of another plan; make a new plan")
+    if proof.cell_digest != cell.digest or proof.scan_digest != plan.scan_digest:
+        raise CommandRefused("the proof was made for another cell or scan; make a new plan")
+    if not proof.holds:
+        raise CommandRefused(f"the proof does not hold: {proof.findings[0]}")
+    _refuse(unwalked(cell, proof))
+    if not can_be_sent(cell, plan):
+        raise CommandRefused(
+            f"the controller's protocol {cell.controller.protocol} moves one arm at a time, "
+            "this plan moves both; make an alternated plan to send it, or use a controller that "
+            "speaks abb-socket/2"
+        )
+
+
+def unwalked(cell: Cell, proof: Proof | None) -> str:
+    """Why a proof says nothing about the cell's controller; empty when it does.
+
+    The controller is not in the cell's digest: a session may go on with another one.
+    """
+    if proof is None or cell.zone > proof.zone:
+        return (
+            f"the controller rounds corners by {cell.zone:g} of the segments, which the proof has "
+            "not walked; make a new plan"
+        )
+    return ""
+
+
+def staleness(
+    approval: Approval | None, plan: Plan, cell: Cell, scan_digest: str, now: float
+) -> str:
+    """Why an approval does not cover this plan, in this cell, for this scan, now.
+
+    Empty when it does.  A clock that was set back to before the approval ends it too.
+    """
+    if approval is None:
+        return "nobody has approved the plan"
+    if digest_of(plan, without=UNSIGNED) != plan.digest:
+        return "the plan was changed after it was made; make a new one"
+    if approval.plan_digest != plan.digest:
+        return "the approval is for another plan; have this one approved"
+    if approval.cell_digest != cell.digest or plan.cell_digest != cell.digest:
+        return "the cell has changed since the approval; make a new plan"
+    if approval.scan_digest != scan_digest or plan.scan_digest != scan_digest:
+        return "there is a newer scan than that of the approval; make a new plan"
+    if not approval.at <= now < approval.until:
+        return (
+            f"the approval by {approval.actor} was valid for "
+            f"{(approval.until - approval.at) / 60:.0f} minutes and has run out; approve again"
+        )
+    return lacks_people(cell, approval)
+
+
+def _refuse(problem: str) -> None:
+    if problem:
+        raise CommandRefused(problem)
+
+
+def _check_actor(command: Command, actor: str) -> None:
+    right = RIGHTS[type(command)]
+    if right.by_machine and actor not in MACHINES:
+        raise CommandRefused(f"{right.says} is reported by a machine, not by {actor!r}")
+    is_allowed = (right.by_anybody and actor in MACHINES) or actor == right.also_by
+    if not right.by_machine and not is_allowed:
+        check_person(actor)
+
+
+def _named_plan(state: State, digest: str) -> Plan:
+    """The current plan, provided that it is the one meant."""
+    check_text("plan", digest)
+    if state.plan is None:
+        raise CommandRefused("there is no plan; make a plan first")
+    if state.plan.digest != digest:
+        raise CommandRefused(
+            f"the current plan is {state.plan.digest[:12]}, not {digest[:12]}: "
+            "look at the current one and decide again"
+        )
+    return state.plan
+
+
+def _check_scene(state: State, plan: Plan) -> None:
+    if plan.scan_digest != state.scene_digest:
+        raise CommandRefused("there is a newer scan than that of the plan; make a new plan")

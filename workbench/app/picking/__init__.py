@@ -1,0 +1,4 @@
+"""The work behind the commands: a plan, a calibration, a part from a CAD file.
+
+Imports `core`.
+"""

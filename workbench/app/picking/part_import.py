@@ -1,0 +1,121 @@
+"""From a CAD file to a part with its folder: the steps that page and command line share."""
+
+import tempfile
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path, PurePosixPath
+
+import numpy as np
+
+from workbench.app.core.commands import ImportPart
+from workbench.formats.parts.new_part import (
+    PLASTIC,
+    Imported,
+    WrittenPart,
+    check_name,
+    import_mesh,
+    write_part,
+)
+from workbench.model.errors import JobCancelled
+from workbench.model.part import Part
+from workbench.planning.grasps.part_symmetry import FoundSymmetry, proposed_symmetry
+
+LONGEST_FILE_NAME = 60
+
+PARTS = Path("parts")
+"""Where new parts go: beside those of the working directory."""
+
+Report = Callable[[float, str], None]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class MadePart:
+    """What became of a CAD file: its surface, the part as written, and the symmetry that it has."""
+
+    imported: Imported
+    written: WrittenPart
+    symmetry: FoundSymmetry | None
+
+
+def make_part(
+    file: Path,
+    name: str,
+    into: Path,
+    *,
+    unit: str | None = None,
+    density: float = PLASTIC,
+    mass: float | None = None,
+    repair: bool = False,
+    is_symmetric: bool = False,
+    report: Report = lambda done, note: None,
+) -> MadePart:
+    """Read a CAD file and make the folder of a part.
+
+    Args:
+        file: STL, OBJ, PLY, GLB or STEP.
+        name: of the part and its folder.
+        into: the folder of parts.
+        unit: mm, m or inch; None when the file says it or only one fits.
+        density: [kg/m3], for the mass.
+        mass: [kg], when it is known.
+        repair: mend what can be mended.
+        is_symmetric: state the symmetry that is found; otherwise it is a remark in the file.
+        report: takes the share done and what is being done.
+
+    Raises:
+        InputError: the name cannot be used.
+        FileError: the file cannot be used, or the folder is there or cannot be written.
+    """
+    check_name(name)
+    report(0.0, "reading")
+    imported = import_mesh(file, unit, repair=repair)
+    report(0.2, "symmetry")
+    found = proposed_symmetry(imported.mesh)
+    written = write_part(
+        into,
+        name,
+        imported,
+        mass=imported.surface.volume * density if mass is None else mass,
+        symmetry=found.symmetry if found is not None and is_symmetric else None,
+        proposal="" if found is None else symmetry_words(found),
+        report=lambda done, note: report(0.3 + 0.7 * done, note),
+    )
+    return MadePart(imported, written, found)
+
+
+def symmetry_words(found: FoundSymmetry) -> str:
+    """A symmetry in a sentence."""
+    symmetry = found.symmetry
+    axis = ", ".join(f"{value + 0.0:g}" for value in np.round(symmetry.axis, 4))
+    turns = "any turn" if symmetry.fold == 0 else f"turns of {360 / symmetry.fold:g} degrees"
+    return f"{turns} about [{axis}], {found.deviation * 1000:.2f} mm off at most"
+
+
+def imported_part(command: ImportPart, report: Report, cancelled: Callable[[], bool]) -> Part:
+    """The part that a command asks for, its folder written.
+
+    Raises:
+        JobCancelled: before anything was written.
+        InputError: the file cannot be used, see `make_part`.
+    """
+    with tempfile.TemporaryDirectory(prefix="workbench-") as folder:
+        # Its own name goes into the part's file; a path in it would lead out of the folder, and
+        # file systems take 255 bytes.
+        file = Path(folder) / PurePosixPath(command.file).name[-LONGEST_FILE_NAME:]
+        file.write_bytes(command.content.tobytes())
+
+        def go_on(done: float, note: str) -> None:
+            if cancelled():
+                raise JobCancelled("the import was cancelled")
+            report(done, note)
+
+        return make_part(
+            file,
+            command.name,
+            PARTS,
+            unit=command.unit or None,
+            density=command.density,
+            repair=command.is_mended,
+            is_symmetric=command.is_symmetric,
+            report=go_on,
+        ).written.part

@@ -1,0 +1,224 @@
+"""Entries as bytes for the journal, and back: canonical form as JSON, large arrays as files.
+
+The first record of a session tells of its cell; every other one holds a command, who gave it
+and when, and what the state was afterwards, so that people can read a session without this
+program and `replay` can check that it still computes the same.
+"""
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, get_args
+
+from workbench import __version__
+from workbench.app.core.commands import (
+    Command,
+    Entry,
+    JobEnded,
+)
+from workbench.app.core.people import Role
+from workbench.app.core.plan_result import PlanResult
+from workbench.app.core.rights import MACHINES
+from workbench.app.core.state import State
+from workbench.app.records.forms import ReadFile, large_arrays, restored
+from workbench.model.calibration import PlateSighting
+from workbench.model.cell import Cell
+from workbench.model.digest import canonical
+from workbench.model.errors import JobCancelled, JournalError, WorkbenchError
+from workbench.model.part import Part
+from workbench.model.scan import Detection, Scan
+
+Result = Scan | tuple[Detection, ...] | PlanResult | PlateSighting | Part | WorkbenchError
+
+SESSION = "Session"
+SESSION_FORMAT = "workbench-session/1"
+
+COMMANDS: Mapping[str, type] = {kind.__name__: kind for kind in get_args(Command)}
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Record:
+    """What goes into the journal: kind of entry, body (JSON) and files (SHA-256 -> bytes)."""
+
+    kind: str
+    body: bytes
+    files: Mapping[str, bytes]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CommandForm:
+    """A command ready to be written; made apart, as the arrays of a scan take a while."""
+
+    kind: str
+    form: Any
+    files: Mapping[str, bytes]
+
+
+def session_record(cell: Cell, at: float) -> Record:
+    """The first record of a session: which workbench, which cell, and when [s since the epoch]."""
+    body = {
+        "format": SESSION_FORMAT,
+        "workbench": __version__,
+        "at": at,
+        "cell": cell.name,
+        "cell_digest": cell.digest,
+        "value": canonical(cell),
+    }
+    return Record(SESSION, _json(body), large_arrays(cell))
+
+
+def command_form(command: Command) -> CommandForm:
+    """The form of a command: everything of a record that does not depend on the state."""
+    if isinstance(command, JobEnded):
+        form = {"number": command.number, "result": _result_form(command.result)}
+    else:
+        form = canonical(command)
+    return CommandForm(type(command).__name__, form, large_arrays(command))
+
+
+def entry_record(entry: Entry, command: CommandForm, after: State) -> Record:
+    """The record of an entry.
+
+    Args:
+        entry: what is to be written.
+        command: the form of the entry's command.
+        after: the state that follows from it.
+    """
+    body = {
+        "at": entry.at,
+        "actor": entry.actor,
+        "command": command.form,
+        "after": summary(after),
+        "approval": None if after.approval is None else canonical(after.approval),
+    }
+    if entry.actor not in MACHINES:
+        body["role"] = str(entry.role)
+    if entry.joints:
+        body["joints"] = dict(entry.joints)
+    return Record(command.kind, _json(body), command.files)
+
+
+def summary(state: State) -> Mapping[str, Any]:
+    """What has to come out the same when a session is computed again."""
+    return {
+        "phase": str(state.phase),
+        "cell": state.cell.digest,
+        "message": state.message,
+        "job": None if state.job is None else state.job.number,
+        "scan": None if state.scan is None else state.scan.digest,
+        "plan": None if state.plan is None else state.plan.digest,
+        "proof": None if state.proof is None else state.proof.digest,
+        "approval": None if state.approval is None else state.approval.digest,
+        "receipts": len(state.receipts),
+        "parts_placed": state.parts_placed,
+        "on_pallets": len(state.placed),
+        "watched": list(state.watched),
+        "words": [word.actor for word in state.words],
+        "failures": state.failures,
+        "avoided": len(state.avoided),
+        # Nobody is written as nothing at all: sessions from before there was control say as much.
+        "control": state.control or None,
+        "asking": list(state.asking) or None,
+    }
+
+
+def entry_of(
+    number: int, kind: str, body: bytes, read: ReadFile
+) -> tuple[Entry, Mapping[str, Any]]:
+    """The entry that a record holds, and the summary of the state after it.
+
+    Args:
+        number: of the entry.
+        kind: of the record.
+        body: of the record.
+        read: gives the files of the journal.
+
+    Raises:
+        JournalError: the record cannot be understood.
+    """
+    if kind not in COMMANDS:
+        known = ", ".join(COMMANDS)
+        raise JournalError(f"entry {number}: kind {kind!r} is not known; there are {known}")
+    try:
+        content = json.loads(body)
+        command = _command(kind, content["command"], read)
+        joints = content.get("joints", {})
+        # Sessions from before there were roles: whoever acted could do everything.
+        role = Role(content.get("role", Role.ENGINEER))
+        entry = Entry(number, content["at"], content["actor"], command, joints, role)
+        return entry, content["after"]
+    except (
+        AttributeError,
+        KeyError,
+        RecursionError,
+        TypeError,
+        ValueError,
+        WorkbenchError,
+    ) as error:
+        raise JournalError(f"entry {number} ({kind}) cannot be read: {error}") from error
+
+
+def check_session(kind: str, body: bytes, cell: Cell) -> None:
+    """See that a session's first record is one, and that it ran with this cell.
+
+    Raises:
+        JournalError: it is not, or it did not.
+    """
+    try:
+        content: Any = json.loads(body) if kind == SESSION else None
+        stated, digest = content["format"], content["cell_digest"]
+    except (KeyError, TypeError, ValueError) as error:
+        raise JournalError(f"entry 1 ({kind}) is not the beginning of a session") from error
+    if stated != SESSION_FORMAT:
+        raise JournalError(f"the session has format {stated!r}, expected {SESSION_FORMAT!r}")
+    if digest != cell.digest:
+        raise JournalError(
+            f"the session ran with the cell {digest[:12]}, not with {cell.name} as it is now "
+            f"({cell.digest[:12]})"
+        )
+
+
+def _result_form(result: Result) -> Any:
+    match result:
+        case Scan():
+            return {"scan": canonical(result)}
+        case PlanResult():
+            return {"plan": canonical(result)}
+        case PlateSighting():
+            return {"sighting": canonical(result)}
+        case Part():
+            return {"part": canonical(result)}
+        case WorkbenchError():
+            return {"error": {"type": type(result).__name__, "text": str(result)}}
+        case _:
+            return {"detections": canonical(result)}
+
+
+def _command(kind: str, form: Any, read: ReadFile) -> Command:
+    if kind == JobEnded.__name__:
+        return JobEnded(form["number"], _result(form["result"], read))
+    return restored(COMMANDS[kind], form, read)
+
+
+def _result(form: Mapping[str, Any], read: ReadFile) -> Result:
+    ((kind, content),) = form.items()
+    match kind:
+        case "scan":
+            return restored(Scan, content, read)
+        case "detections":
+            return restored(tuple[Detection, ...], content, read)
+        case "plan":
+            return restored(PlanResult, content, read)
+        case "sighting":
+            return restored(PlateSighting, content, read)
+        case "part":
+            return restored(Part, content, read)
+        case "error":
+            cancelled = content["type"] == JobCancelled.__name__
+            return (JobCancelled if cancelled else WorkbenchError)(content["text"])
+        case _:
+            raise ValueError(f"a result of kind {kind!r} is not known")
+
+
+def _json(body: Mapping[str, Any]) -> bytes:
+    return json.dumps(body, ensure_ascii=False, separators=(",", ":")).encode()

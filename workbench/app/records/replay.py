@@ -1,0 +1,48 @@
+"""A session computed again from its journal, and checked against what was recorded."""
+
+from collections.abc import Iterator
+
+from workbench.app.core.commands import Entry
+from workbench.app.core.decide import decide
+from workbench.app.core.rules import allowed
+from workbench.app.core.state import State
+from workbench.app.records.record import check_session, entry_of, summary
+from workbench.journal.journal import Journal
+from workbench.model.cell import Cell
+from workbench.model.errors import CommandRefused, JournalError
+
+
+def replay(journal: Journal, cell: Cell) -> Iterator[tuple[Entry, State]]:
+    """Every entry of a session with the state after it, in order.
+
+    Args:
+        journal: of the session.
+        cell: that the session ran with.
+
+    Raises:
+        JournalError: the session ran with another cell, an entry cannot be read, the rules
+            would not have let it pass, or another state follows from it than was recorded.
+    """
+    rows = journal.entries()
+    first = next(rows, None)
+    if first is None:
+        raise JournalError(f"{journal.folder}: the session is empty")
+    check_session(first.kind, first.body, cell)
+    state = State(cell, number=first.number, saved=cell.digest)
+    for row in rows:
+        entry, recorded = entry_of(row.number, row.kind, row.body, journal.read)
+        try:
+            allowed(state, entry.command, entry.actor, entry.at, entry.joints, entry.role)
+            state, _ = decide(state, entry)
+        except CommandRefused as error:
+            raise JournalError(
+                f"entry {row.number} ({row.kind}) was not in order: {error}"
+            ) from error
+        computed = summary(state)
+        for key, value in computed.items():
+            if recorded.get(key) != value:
+                raise JournalError(
+                    f"entry {row.number} ({row.kind}) led to {key} {recorded.get(key)!r}, "
+                    f"computed again it is {value!r}"
+                )
+        yield entry, state

@@ -1,0 +1,51 @@
+"""Where sessions lie: one folder each, `<time>-<cell>`, holding a journal and its files."""
+
+import re
+from datetime import UTC, datetime
+from pathlib import Path
+
+from workbench.app.records.record import session_record
+from workbench.journal.journal import Journal
+from workbench.model.cell import Cell
+from workbench.model.errors import JournalError
+
+
+def new_session(root: Path, cell: Cell, at: float) -> Journal:
+    """A journal in a new folder under `root`, its first entry telling of the cell.
+
+    Args:
+        root: where the sessions are; made when missing.
+        cell: that the session runs with.
+        at: seconds since the epoch; names the folder, in UTC.
+
+    Raises:
+        JournalError: the folder cannot be made or written.
+    """
+    time = datetime.fromtimestamp(at, UTC).strftime("%Y%m%d-%H%M%S")
+    name = re.sub(r"[^\w.-]", "_", f"{time}-{cell.name}")
+    journal = Journal(_new_folder(root, name))
+    begin(journal, cell, at)
+    return journal
+
+
+def begin(journal: Journal, cell: Cell, at: float) -> None:
+    """Write the first entry of a session.
+
+    Raises:
+        JournalError: it cannot be written.
+    """
+    record = session_record(cell, at)
+    journal.append(record.kind, record.body, record.files)
+
+
+def _new_folder(root: Path, name: str) -> Path:
+    folder, attempt = root / name, 1
+    while True:
+        try:
+            folder.mkdir(parents=True)
+            return folder
+        except FileExistsError:
+            attempt += 1
+            folder = root / f"{name}-{attempt}"
+        except OSError as error:
+            raise JournalError(f"{folder}: cannot be made: {error.strerror}") from error

@@ -1,0 +1,364 @@
+"""What a session has brought: how many parts, how surely, how fast, and what was in the way.
+
+A pure function from the entries of a journal to a value; entries are told by their kind first,
+and only those that count are read, so that the many messages on the wire cost nothing.
+"""
+
+import csv
+import io
+import json
+from collections import Counter, defaultdict
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field, replace
+from datetime import UTC, datetime
+from statistics import median
+from typing import Any, Literal
+
+from workbench.app.core.commands import (
+    CancelJob,
+    FindParts,
+    JobEnded,
+    LinkEnded,
+    MakePlan,
+    ReportPick,
+    SendPlan,
+    TakeScan,
+    UseDetections,
+    UseScan,
+)
+from workbench.app.records.grasp_use import NO_USES, Uses, added, judged, taken
+from workbench.journal.journal import Row
+from workbench.model.errors import JournalError
+
+Result = Literal["picked", "failed", "unknown"]
+
+SCANS = frozenset({TakeScan.__name__, UseScan.__name__})
+"""A cycle begins with one of these, or with poses from outside after the one before has ended."""
+
+COUNTED = SCANS | {
+    kind.__name__
+    for kind in (
+        FindParts,
+        UseDetections,
+        MakePlan,
+        CancelJob,
+        JobEnded,
+        SendPlan,
+        LinkEnded,
+        ReportPick,
+    )
+}
+
+NOTHING_BEGUN = ("", 0.0, 0)
+"""Tasks have the numbers of entries, which begin with 1."""
+
+STAGES = ("scan", "find parts", "plan", "approve", "send")
+
+
+@dataclass(frozen=True, slots=True)
+class PickRecord:
+    """One part that was to be taken: how, and what became of it."""
+
+    detection: int
+    part: str
+    grasp: str
+    arm: str
+    result: Result = "unknown"
+    why: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class CycleRecord:
+    """One cycle, from its scan on.
+
+    `number` is that of its first entry, `at` and `until` [s since the epoch] are those of its
+    first and last; `end` is empty while it goes on or when it was given up.  `seconds`: stage ->
+    how long it took; that of `approve` is the time that people took.
+    """
+
+    number: int
+    at: float
+    until: float
+    strategy: str = ""
+    end: Literal["", "done", "fault", "no plan"] = ""
+    picks: tuple[PickRecord, ...] = ()
+    seconds: Mapping[str, float] = field(default_factory=dict[str, float])
+
+
+@dataclass(frozen=True, slots=True)
+class Rate:
+    """How often picks of one kind have succeeded; those of unknown result do not count."""
+
+    name: str
+    picked: int
+    failed: int
+
+    @property
+    def share(self) -> float:
+        """Of those that are known, 0..1."""
+        return self.picked / max(self.picked + self.failed, 1)
+
+
+@dataclass(frozen=True, slots=True)
+class Statistics:
+    """All cycles of one or more sessions, and what is counted beside them.
+
+    `refusals` are reasons and how often each refused a candidate; `judged` how often each grasp
+    was tried and would have worked.
+    """
+
+    cycles: tuple[CycleRecord, ...] = ()
+    refusals: tuple[tuple[str, int], ...] = ()
+    judged: Uses = field(default_factory=lambda: NO_USES)
+
+    @property
+    def picks(self) -> tuple[tuple[CycleRecord, PickRecord], ...]:
+        """Every part that was sent for, with its cycle."""
+        return tuple((cycle, pick) for cycle in self.cycles if cycle.end for pick in cycle.picks)
+
+    @property
+    def picked(self) -> int:
+        """Parts taken."""
+        return sum(pick.result == "picked" for _, pick in self.picks)
+
+    @property
+    def picks_per_hour(self) -> float | None:
+        """Parts taken for each hour that cycles took; pauses between cycles do not count."""
+        hours = sum(cycle.until - cycle.at for cycle in self.cycles if cycle.end) / 3600
+        return self.picked / hours if hours > 0 else None
+
+    def rates(self, of: Callable[[CycleRecord, PickRecord], str]) -> tuple[Rate, ...]:
+        """Success by part, grasp, arm, or whatever `of` makes of a pick; the most tried first."""
+        counted: defaultdict[str, Counter[str]] = defaultdict(Counter)
+        for cycle, pick in self.picks:
+            counted[of(cycle, pick)][pick.result] += 1
+        rates = [Rate(name, one["picked"], one["failed"]) for name, one in counted.items()]
+        return tuple(sorted(rates, key=lambda rate: (-rate.picked - rate.failed, rate.name)))
+
+    def grasps(self) -> Uses:
+        """How each grasp of each part has done."""
+        return added(self.judged, taken((one.part, one.grasp, one.result) for _, one in self.picks))
+
+    def stage_medians(self) -> tuple[tuple[str, float, float], ...]:
+        """Stage, its median and its largest time [s], for stages that there were."""
+        found: list[tuple[str, float, float]] = []
+        for stage in STAGES:
+            times = [cycle.seconds[stage] for cycle in self.cycles if stage in cycle.seconds]
+            if times:
+                found.append((stage, median(times), max(times)))
+        return tuple(found)
+
+    def by_hour(self) -> tuple[tuple[float, int, int], ...]:
+        """Each hour with cycles, by the clock: when it began [s], parts taken, and failed."""
+        hours: defaultdict[float, Counter[str]] = defaultdict(Counter)
+        for cycle, pick in self.picks:
+            hours[cycle.until // 3600 * 3600][pick.result] += 1
+        return tuple((at, one["picked"], one["failed"]) for at, one in sorted(hours.items()))
+
+
+GROUPS: Mapping[str, Callable[[CycleRecord, PickRecord], str]] = {
+    "part": lambda cycle, pick: pick.part,
+    "grasp": lambda cycle, pick: pick.grasp,
+    "arm": lambda cycle, pick: pick.arm,
+    "strategy": lambda cycle, pick: cycle.strategy,
+}
+"""What success is told by."""
+
+
+class Count:
+    """Counts entries as they come, so that a page does not read a long session again and again.
+
+    Concurrency: one thread.
+    """
+
+    def __init__(self) -> None:
+        self.last = 0
+        """Number of the last entry that was counted."""
+        self._cycles: list[CycleRecord] = []
+        self._refusals: Counter[str] = Counter()
+        # The stage under way, since when, and the number of its task.
+        self._begun: tuple[str, float, int] = NOTHING_BEGUN
+        self._parts: tuple[str, ...] = ()
+        self._judged: Uses = NO_USES
+
+    def add(self, rows: Iterable[Row]) -> None:
+        """Count entries, in their order.
+
+        Raises:
+            JournalError: an entry cannot be read.
+        """
+        for row in rows:
+            self.last = row.number
+            if row.kind not in COUNTED:
+                continue
+            try:
+                body = json.loads(row.body)
+                self._take(row.kind, row.number, float(body["at"]), body["command"])
+            except (AttributeError, LookupError, TypeError, ValueError) as error:
+                raise JournalError(
+                    f"entry {row.number} ({row.kind}) cannot be read: {error!r}"
+                ) from error
+
+    @property
+    def value(self) -> Statistics:
+        """What has been counted so far."""
+        return Statistics(tuple(self._cycles), tuple(self._refusals.most_common()), self._judged)
+
+    def _take(self, kind: str, number: int, at: float, command: Any) -> None:
+        if kind in SCANS:
+            self._cycles.append(CycleRecord(number, at, at))
+            self._begun = ("scan", at, number)
+            return
+        is_sent = bool(self._cycles) and self._cycles[-1].end in ("done", "fault")
+        if not self._cycles or (is_sent and kind == UseDetections.__name__):
+            # Poses from outside, without a scan.
+            self._cycles.append(CycleRecord(number, at, at))
+        match kind:
+            case FindParts.__name__:
+                self._begun = ("find parts", at, number)
+            case UseDetections.__name__:
+                self._found(command["detections"])
+            case MakePlan.__name__:
+                self._begun = ("plan", at, number)
+            case CancelJob.__name__:
+                self._begun = NOTHING_BEGUN
+            case JobEnded.__name__:
+                self._job_ended(at, command)
+            case SendPlan.__name__:
+                self._sent(at)
+            case LinkEnded.__name__:
+                self._link_ended(at, command)
+            case _:
+                self._reported(command)
+
+    def _job_ended(self, at: float, command: Any) -> None:
+        stage, began, number = self._begun
+        if command["number"] != number:
+            return  # the late end of a task that was cancelled, or a task that is not counted
+        result = command["result"]
+        self._begun = NOTHING_BEGUN
+        if "error" in result:
+            return
+        self._took(stage, began, at)
+        if "detections" in result:
+            self._found(result["detections"])
+        if "plan" in result:
+            self._planned(at, result["plan"])
+
+    def _found(self, detections: Any) -> None:
+        self._parts = tuple(one["part"] for one in detections)
+
+    def _planned(self, at: float, result: Any) -> None:
+        self._judged = added(self._judged, judged(self._parts, result["candidates"]))
+        self._refusals.update(
+            reason for one in result["candidates"] if (reason := one["verdict"]["reason"]) != "ok"
+        )
+        plan = result["plan"]
+        if plan is None:
+            self._change(end="no plan", strategy="", picks=(), until=at)
+            return
+        picks = tuple(
+            PickRecord(
+                arm["detection"],
+                plan["detections"][arm["detection"]]["part"],
+                arm["grasp"],
+                arm["arm"],
+            )
+            for arm in plan["arms"]
+        )
+        self._change(end="", strategy=plan["strategy"], picks=picks, until=at)
+        self._begun = ("approve", at, 0)
+
+    def _sent(self, at: float) -> None:
+        stage, began, _ = self._begun
+        if stage == "approve":
+            self._took(stage, began, at)
+        self._begun = ("send", at, 0)
+
+    def _link_ended(self, at: float, command: Any) -> None:
+        self._took("send", self._begun[1], at)
+        # The controller's word on each part, where its protocol has one.
+        for part in command.get("parts", ()):
+            if part["is_picked"] is not None:
+                self._reported(part)
+        picks = self._cycles[-1].picks
+        if not command["fault"] and command["parts_placed"] == len(picks):
+            # It has counted every part, unless somebody says otherwise.
+            picks = tuple(
+                pick if pick.result != "unknown" else replace(pick, result="picked")
+                for pick in picks
+            )
+        self._change(end="fault" if command["fault"] else "done", picks=picks, until=at)
+
+    def _reported(self, report: Any) -> None:
+        result: Result = "picked" if report["is_picked"] else "failed"
+        picks = tuple(
+            replace(pick, result=result, why=report["why"])
+            if pick.detection == report["detection"] and pick.result != result
+            else pick
+            for pick in self._cycles[-1].picks
+        )
+        self._change(picks=picks)
+
+    def _took(self, stage: str, began: float, at: float) -> None:
+        seconds = {**self._cycles[-1].seconds, stage: max(0.0, at - began)}
+        self._change(seconds=seconds, until=at)
+
+    def _change(self, **fields: Any) -> None:
+        self._cycles[-1] = replace(self._cycles[-1], **fields)
+
+
+def statistics(rows: Iterable[Row]) -> Statistics:
+    """What the entries of a session tell.
+
+    Raises:
+        JournalError: an entry cannot be read.
+    """
+    count = Count()
+    count.add(rows)
+    return count.value
+
+
+def together(parts: Iterable[Statistics]) -> Statistics:
+    """Several sessions as one."""
+    cycles: list[CycleRecord] = []
+    refusals: Counter[str] = Counter()
+    uses: Uses = NO_USES
+    for one in parts:
+        cycles += one.cycles
+        refusals.update(dict(one.refusals))
+        uses = added(uses, one.judged)
+    return Statistics(
+        tuple(sorted(cycles, key=lambda cycle: cycle.at)), tuple(refusals.most_common()), uses
+    )
+
+
+def csv_text(value: Statistics) -> str:
+    """A row for each part that was sent for, with a head; times in seconds, UTC."""
+    out = io.StringIO()
+    writer = csv.writer(out)
+    stages = [f"{stage.replace(' ', '_')}_s" for stage in STAGES]
+    head = ("scan_at", "end_at", "end", "strategy", "arm", "part", "grasp", "result", "why")
+    writer.writerow((*head, *stages))
+    for cycle, pick in value.picks:
+        times = (datetime.fromtimestamp(at, UTC).isoformat() for at in (cycle.at, cycle.until))
+        seconds = [f"{cycle.seconds[s]:.3f}" if s in cycle.seconds else "" for s in STAGES]
+        writer.writerow(
+            (
+                *times,
+                cycle.end,
+                cycle.strategy,
+                pick.arm,
+                _cell(pick.part),
+                _cell(pick.grasp),
+                pick.result,
+                _cell(pick.why),
+                *seconds,
+            )
+        )
+    return out.getvalue()
+
+
+def _cell(text: str) -> str:
+    """A text that no spreadsheet takes for a formula."""
+    return f"'{text}" if text[:1] in ("=", "+", "-", "@", "\t", "\r") else text

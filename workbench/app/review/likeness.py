@@ -1,0 +1,244 @@
+"""How alike two results of the same task are: to the last digit, within tolerances, or not.
+
+A result that is computed again on another make of processor may differ in its last digits:
+libraries choose their instructions by the processor, and these round differently.  What is
+tolerated here is below what any later stage looks at; whatever is more is named.
+"""
+
+import enum
+from dataclasses import dataclass
+
+import numpy as np
+
+from workbench.app.core.plan_result import PlanResult
+from workbench.model.calibration import PlateSighting
+from workbench.model.cell import Cell
+from workbench.model.digest import digest_of
+from workbench.model.plan import Plan, Proof
+from workbench.model.scan import Detection, Scan
+from workbench.perception.localization.pose_error import pose_error
+from workbench.planning.kinematics.wire import WIRE_STEP
+from workbench.planning.proving.prove import prove
+
+MOVED = 2e-5
+"""[m] So far points, parts and clearances may be apart: a tenth of what a fine scanner resolves."""
+
+TURNED = float(np.deg2rad(0.02))
+"""[rad] So far parts may be turned."""
+
+ELSEWHERE = 0.001
+"""Share of a scan's points that may lie elsewhere or be missing: at an edge a ray that passes by
+meets the surface behind it."""
+
+SCORED = 0.001
+"""So far scores, and shares of a surface, may be apart."""
+
+FINEST = 0.001
+"""[mm, degrees] What is less is told as this."""
+
+
+class Likeness(enum.StrEnum):
+    """How alike two results are."""
+
+    EQUAL = "equal"
+    WITHIN = "the same within"
+    OTHER = "another result"
+
+
+@dataclass(frozen=True, slots=True)
+class Resemblance:
+    """How alike two results are, and the whole of it in words."""
+
+    likeness: Likeness
+    says: str
+
+
+EQUAL = Resemblance(Likeness.EQUAL, "equal")
+
+
+def resemblance(cell: Cell, kept: object, again: object) -> Resemblance:
+    """Compare a result that was recorded with the one that was computed again.
+
+    Args:
+        cell: in which both were computed.
+        kept: scan, detections, sighting or planning as recorded.
+        again: the same task's result of now.
+    """
+    match kept, again:
+        case Scan(), Scan():
+            return _scans(kept, again)
+        case tuple(), tuple():
+            return _parts(cell, kept, again)
+        case PlateSighting(), PlateSighting():
+            return _sightings(kept, again)
+        case PlanResult(), PlanResult():
+            return _plannings(cell, kept, again)
+        case _:
+            return EQUAL if digest_of(kept) == digest_of(again) else _other("")
+
+
+def _other(says: str) -> Resemblance:
+    return Resemblance(Likeness.OTHER, ": ".join(filter(None, (Likeness.OTHER, says))))
+
+
+def _within(says: str) -> Resemblance:
+    return Resemblance(Likeness.WITHIN, f"{Likeness.WITHIN} {says}")
+
+
+def _scans(kept: Scan, again: Scan) -> Resemblance:
+    if kept.digest == again.digest:
+        return EQUAL
+    if kept.resolution != again.resolution or (kept.pixels is None) != (again.pixels is None):
+        return _other("of another resolution")
+    if digest_of(kept.T_world_scanner) != digest_of(again.T_world_scanner):
+        return _other("taken from elsewhere")
+    count = max(len(kept.points), len(again.points))
+    if kept.pixels is None or again.pixels is None:
+        if len(kept.points) != len(again.points):
+            return _other(f"{len(again.points):,} points instead of {len(kept.points):,}")
+        apart = np.linalg.norm(kept.points - again.points, axis=1)
+        alone = 0
+    else:
+        _, one, other = np.intersect1d(kept.pixels, again.pixels, return_indices=True)
+        apart = np.linalg.norm(kept.points[one] - again.points[other], axis=1)
+        alone = len(kept.points) + len(again.points) - 2 * len(one)
+    is_near = apart <= MOVED
+    elsewhere = alone + int(np.count_nonzero(~is_near))
+    differ = alone + int(np.count_nonzero(apart))
+    if elsewhere > ELSEWHERE * count:
+        return _other(f"{elsewhere:,} of {count:,} points lie elsewhere")
+    largest = float(apart[is_near].max(initial=0.0))
+    says = f"{_millimetres(largest)}; {differ:,} of {count:,} points differ"
+    return _within(says + (f", {elsewhere:,} of them lie elsewhere" if elsewhere else ""))
+
+
+def _parts(cell: Cell, kept: tuple[Detection, ...], again: tuple[Detection, ...]) -> Resemblance:
+    if digest_of(kept) == digest_of(again):
+        return EQUAL
+    if len(kept) != len(again):
+        return _other(f"{len(again)} parts instead of {len(kept)}")
+    left = list(again)
+    worst, turned = 0.0, 0.0
+    for number, one in enumerate(kept, start=1):
+        errors = [
+            (*_pose_error(cell, one, other), k)
+            for k, other in enumerate(left)
+            if other.part == one.part
+        ]
+        if not errors:
+            return _other(f"part {number}, a {one.part}, is another one")
+        distance, turn, k = min(errors)
+        if problem := _part_problem(one, left.pop(k), distance, turn):
+            return _other(f"part {number} {problem}")
+        worst, turned = max(worst, distance), max(turned, turn)
+    return _within(f"{_millimetres(worst)} and {_degrees(turned)}")
+
+
+def _pose_error(cell: Cell, one: Detection, other: Detection) -> tuple[float, float]:
+    roll_known = one.roll_known and other.roll_known
+    return pose_error(
+        cell.part(one.part), one.T_world_part, other.T_world_part, roll_known=roll_known
+    )
+
+
+def _part_problem(one: Detection, other: Detection, distance: float, turn: float) -> str:
+    """What tells two detections apart; empty when tolerances cover it."""
+    if distance > MOVED or turn > TURNED:
+        return f"lies {_millimetres(distance)} and {_degrees(turn)} elsewhere"
+    if one.roll_known != other.roll_known:
+        return f"has its roll {'unknown' if one.roll_known else 'known'} now"
+    if max(abs(one.score - other.score), abs(one.visible - other.visible)) > SCORED:
+        return f"has a score of {other.score:.3f} instead of {one.score:.3f}"
+    return ""
+
+
+def _sightings(kept: PlateSighting, again: PlateSighting) -> Resemblance:
+    if digest_of(kept) == digest_of(again):
+        return EQUAL
+    apart = float(np.linalg.norm(kept.balls - again.balls, axis=1).max())
+    same_place = (kept.name, kept.arm, *kept.q) == (again.name, again.arm, *again.q)
+    if apart > MOVED or not same_place:
+        return _other(f"a ball lies {_millimetres(apart)} elsewhere" if same_place else "")
+    return _within(_millimetres(apart))
+
+
+def _plannings(cell: Cell, kept: PlanResult, again: PlanResult) -> Resemblance:
+    pairs = (
+        (kept.candidates, again.candidates),
+        (kept.plan and kept.plan.digest, again.plan and again.plan.digest),
+        (kept.proof and kept.proof.digest, again.proof and again.proof.digest),
+        (str(kept.verdict), str(again.verdict)),
+    )
+    if all(digest_of(one) == digest_of(other) for one, other in pairs):
+        return EQUAL
+    verdicts = _other_verdicts(kept, again)
+    if kept.plan is None or again.plan is None:
+        if kept.plan is not again.plan:
+            return _other("no plan now" if again.plan is None else "a plan now")
+        if verdicts or kept.verdict.reason is not again.verdict.reason:
+            return _other(verdicts or f"{again.verdict} instead of {kept.verdict}")
+        return _within("rounding: every candidate has the same verdict, and there is no plan")
+    proof = prove(cell, kept.plan)
+    says = f"the recorded plan is {'' if proof.holds else 'NOT '}proven here too"
+    problem = verdicts or _other_plan(kept.plan, again.plan) or _other_proof(kept.proof, proof)
+    if problem or not proof.holds:
+        return _other("; ".join(filter(None, (problem, says))))
+    return _within(f"{_degrees(_joints_apart(kept.plan, again.plan))} in every joint; {says}")
+
+
+def _other_verdicts(kept: PlanResult, again: PlanResult) -> str:
+    if len(kept.candidates) != len(again.candidates):
+        return f"{len(again.candidates)} candidates instead of {len(kept.candidates)}"
+    differ = sum(
+        one.verdict.reason is not other.verdict.reason
+        for one, other in zip(kept.candidates, again.candidates, strict=True)
+    )
+    return f"{differ} of {len(kept.candidates)} candidates with another verdict" if differ else ""
+
+
+def _other_plan(kept: Plan, again: Plan) -> str:
+    """What makes it another plan, in words; empty when only digits differ."""
+    if kept.strategy is not again.strategy or kept.guarantee is not again.guarantee:
+        return f"{again.strategy}, {again.guarantee} instead of {kept.strategy}, {kept.guarantee}"
+    ours, theirs = (
+        [(one.arm, one.detection, one.grasp) for one in plan.arms] for plan in (kept, again)
+    )
+    if ours != theirs:
+        return "other picks"
+    for one, other in zip(kept.arms, again.arms, strict=True):
+        for leg, now in zip(one.legs, other.legs, strict=True):
+            # A value that lies between two steps of the wire may be rounded to either.
+            if leg.q.shape != now.q.shape or np.abs(leg.q - now.q).max() > 1.5 * WIRE_STEP:
+                return f"another way for the {one.arm} arm, {leg.name}"
+    return ""
+
+
+def _other_proof(kept: Proof | None, again: Proof) -> str:
+    """What makes the proof of the same plan another one; empty when only digits differ."""
+    if kept is None or abs(kept.clearance - again.clearance) <= MOVED:
+        return ""
+    return (
+        f"the recorded plan has a clearance of {_millimetres(again.clearance)} instead of "
+        f"{_millimetres(kept.clearance)}"
+    )
+
+
+def _joints_apart(kept: Plan, again: Plan) -> float:
+    """The most that a joint differs in any waypoint [rad]."""
+    return max(
+        float(np.abs(leg.q - now.q).max())
+        for one, other in zip(kept.arms, again.arms, strict=True)
+        for leg, now in zip(one.legs, other.legs, strict=True)
+    )
+
+
+def _millimetres(metres: float) -> str:
+    return f"{_short(metres * 1000)} mm"
+
+
+def _degrees(radians: float) -> str:
+    return f"{_short(float(np.rad2deg(radians)))} degrees"
+
+
+def _short(value: float) -> str:
+    return f"{max(value, FINEST):.2g}" if value < 10 else f"{value:.0f}"

@@ -1,0 +1,88 @@
+"""A session's results computed again from what it has kept, and how alike they are."""
+
+import json
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+from workbench.app.core.commands import JobEnded
+from workbench.app.core.decide import decide
+from workbench.app.core.effects import StartJob
+from workbench.app.core.state import State
+from workbench.app.records.forms import restored
+from workbench.app.records.record import SESSION
+from workbench.app.records.replay import replay
+from workbench.app.review.likeness import Likeness, resemblance
+from workbench.app.runtime.work import JOBS
+from workbench.journal.journal import Journal
+from workbench.model.cell import Cell
+from workbench.model.errors import JournalError, WorkbenchError
+from workbench.model.scan import Findings
+
+
+@dataclass(frozen=True, slots=True)
+class Comparison:
+    """One task computed again: the number of the entry that began it, and what came of it."""
+
+    number: int
+    task: str
+    likeness: Likeness
+    says: str
+
+
+def cell_of(journal: Journal) -> Cell:
+    """The cell that a session began with, as its first entry has kept it.
+
+    Raises:
+        JournalError: the session is empty, or its beginning cannot be read.
+    """
+    first = next(journal.entries(), None)
+    if first is None:
+        raise JournalError(f"{journal.folder}: the session is empty")
+    try:
+        content: Any = json.loads(first.body) if first.kind == SESSION else None
+        return restored(Cell, content["value"], journal.read)
+    except (KeyError, TypeError, ValueError, WorkbenchError) as error:
+        raise JournalError(f"{journal.folder}: its beginning cannot be read: {error}") from error
+
+
+def recomputed(journal: Journal) -> Iterator[Comparison]:
+    """Every task of a session that ended well, run again on the inputs that were recorded.
+
+    No result enters the next task: parts are looked for in the scan that was kept.  A scan of a
+    real scanner cannot be taken again and is passed over; a simulated one is.
+
+    Raises:
+        JournalError: the session cannot be computed again at all; see `replay`.
+    """
+    cell = cell_of(journal)
+    before = State(cell, number=1, saved=cell.digest)
+    begun: dict[int, tuple[Cell, StartJob]] = {}
+    for entry, after in replay(journal, cell):
+        if isinstance(entry.command, JobEnded):
+            if entry.command.number in begun:
+                comparison = _compared(*begun.pop(entry.command.number), entry.command.result)
+                if comparison is not None:
+                    yield comparison
+        else:
+            for effect in decide(before, entry)[1]:
+                if isinstance(effect, StartJob):
+                    begun[effect.number] = (before.cell, effect)
+        before = after
+
+
+def _compared(cell: Cell, job: StartJob, kept: object) -> Comparison | None:
+    if (
+        isinstance(kept, WorkbenchError)
+        or job.name == "import"  # it would be written again
+        or (job.name in ("scan", "sight") and cell.scanner.source != "simulated")
+    ):
+        return None
+    try:
+        again = JOBS[job.name](cell, job.arguments, lambda done, note: None, lambda: False)
+    except WorkbenchError as error:
+        return Comparison(job.number, job.name, Likeness.OTHER, f"failed: {error}")
+    if isinstance(again, Findings):
+        again = again.detections
+    found = resemblance(cell, kept, again)
+    return Comparison(job.number, job.name, found.likeness, found.says)

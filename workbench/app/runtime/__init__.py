@@ -1,0 +1,4 @@
+"""What runs: the bench, its jobs and threads, links and watchers.
+
+Imports `core`, `picking` and `records`.
+"""

@@ -1,0 +1,235 @@
+"""The bench: the one place where commands become states, one at a time and on record."""
+
+import threading
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Protocol
+
+from workbench.app.core.commands import (
+    Approve,
+    Command,
+    Entry,
+    JobEnded,
+    LinkEnded,
+    Opened,
+    SendPlan,
+    Stop,
+)
+from workbench.app.core.decide import decide
+from workbench.app.core.effects import Effect
+from workbench.app.core.people import Role
+from workbench.app.core.rights import MACHINES, ROBOT_LINK, SESSION_START, WORKER
+from workbench.app.core.rules import NOT_REPORTED, allowed
+from workbench.app.core.state import Phase, State
+from workbench.app.records.record import command_form, entry_record
+from workbench.app.records.replay import replay
+from workbench.app.records.sessions import begin
+from workbench.app.runtime.live import Live
+from workbench.app.runtime.machines import Machines
+from workbench.app.runtime.observers import Observer, ObserverThread
+from workbench.app.runtime.robot_link import Clock, Do
+from workbench.app.runtime.word_ages import WordAges
+from workbench.journal.journal import Journal, Row
+from workbench.model.cell import Cell
+from workbench.model.errors import CommandRefused, JournalError, WorkbenchError
+
+
+class Effects(Protocol):
+    """What carries out effects.  `run` returns at once; results come back as commands."""
+
+    @property
+    def live(self) -> Live:
+        """What goes on at this moment."""
+        ...
+
+    def run(self, effect: Effect) -> None:
+        """Begin an effect; called one at a time, never again into `do` from within."""
+        ...
+
+    def close(self) -> None:
+        """End everything; the robot first."""
+        ...
+
+
+class Bench:
+    """Takes commands from anybody, one at a time, and tells everybody the newest state.
+
+    Lifetime: from construction until `close`.  It takes over the journal: an empty one begins
+    a session; one with entries is continued where it ended, and what was under way then is
+    entered as ended (a sending as a fault, since nobody knows how far the robot came).  So are
+    words and approvals: they let nothing out but in the bench that they were given to.
+
+    Concurrency: every method may be called from any thread, except that an observer may not
+    call `close`.  Commands are serialised by a lock that is held for rules, decision and one
+    append to the journal, never for work.  Each observer has a thread of its own: a slow one
+    misses intermediate states and delays nobody.
+    """
+
+    def __init__(
+        self,
+        cell: Cell,
+        journal: Journal,
+        *,
+        now: Clock = time.time,
+        steady: Clock = time.monotonic,
+        effects: Callable[[Cell, Do, Clock], Effects] = Machines,
+    ) -> None:
+        """Begin or continue a session.
+
+        Args:
+            cell: that the session runs with.
+            journal: of the session; `close` closes it.
+            now: seconds since the epoch; with the actor, the only input besides commands.
+            steady: seconds that only go on; a word lapses by them, too.
+            effects: makes what carries out effects.
+
+        Raises:
+            JournalError: the journal cannot be written, or its entries do not fit.
+            CommandRefused: the end of what was under way cannot be written.
+        """
+        self.cell = cell
+        self._journal = journal
+        self._now = now
+        self._changed = threading.Condition()
+        self._observers: list[ObserverThread] = []
+        self._closing = False
+        self._ages = WordAges(steady)
+        if journal.count == 0:
+            begin(journal, cell, now())
+        self._state = State(cell, number=journal.count, saved=cell.digest)
+        for _, state in replay(journal, cell):
+            self._state = state
+        self._end_what_was_interrupted()
+        self._effects = effects(self._state.cell, self.do, now)
+
+    @property
+    def state(self) -> State:
+        """The newest state."""
+        return self._state
+
+    @property
+    def folder(self) -> Path:
+        """Where the session lies; other sessions lie beside it."""
+        return self._journal.folder
+
+    @property
+    def live(self) -> Live:
+        """What goes on at this moment: it is not recorded and decides nothing."""
+        return self._effects.live
+
+    def do(self, command: Command, actor: str, role: Role = Role.ENGINEER) -> State:
+        """Carry out a command, or refuse it and change nothing.
+
+        Args:
+            command: what is asked for, or what a machine reports.
+            actor: the person's name, or one of `rights.MACHINES`.
+            role: the person's; who works at this machine's own shell may do everything.
+
+        Returns:
+            The state right after it.
+
+        Raises:
+            CommandRefused: the rules do not admit it, or it could not be recorded.
+        """
+        # How the robot stands counts where a plan is let out, and is on record there.
+        joints = self.live.joints if isinstance(command, Approve | SendPlan) else NOT_REPORTED
+        # Looked at before anything is made of its content, which may be anything.
+        allowed(self._state, command, actor, self._now(), joints, role)
+        # A scan takes a while to become bytes: nobody else should wait for that.
+        form = command_form(command)
+        with self._changed:
+            if self._closing and actor not in MACHINES:
+                raise CommandRefused("the workbench is closing")
+            before, now = self._state, self._now()
+            allowed(before, command, actor, now, joints, role)
+            if isinstance(command, SendPlan) and (problem := self._ages.lapsed(before)):
+                raise CommandRefused(problem)
+            entry = Entry(before.number + 1, now, actor, command, joints, role)
+            after, effects = decide(before, entry)
+            record = entry_record(entry, form, after)
+            try:
+                if self._journal.count != before.number:
+                    raise JournalError("somebody else has written to it")
+                self._journal.append(record.kind, record.body, record.files)
+            except JournalError as error:
+                if isinstance(command, Stop):
+                    self._run(effects)
+                    raise CommandRefused(
+                        f"the stop is carried out, but it cannot be recorded: {error}"
+                    ) from error
+                raise CommandRefused(
+                    f"the journal cannot be written, so nothing was done: {error}"
+                ) from error
+            self._publish(after)
+            self._run(effects)
+        return after
+
+    def entries(self, after: int = 0) -> Iterator[Row]:
+        """What is on record after the entry with that number, in order.
+
+        Raises:
+            JournalError: the journal cannot be read.
+        """
+        return self._journal.entries(after)
+
+    def wait(self, until: Callable[[State], bool], seconds: float) -> State:
+        """The state as soon as `until` holds for it, or as it is after `seconds`."""
+        with self._changed:
+            self._changed.wait_for(lambda: until(self._state), seconds)
+            return self._state
+
+    def subscribe(self, callback: Observer) -> Callable[[], None]:
+        """Have `callback(old, new)` called in its own thread whenever the state has changed.
+
+        `old` is the state of the call before, at first the one that holds now.
+
+        Returns:
+            A function that ends it; a call under way is not waited for.
+        """
+        with self._changed:
+            observer = ObserverThread(callback, self._state)
+            self._observers.append(observer)
+
+        def unsubscribe() -> None:
+            with self._changed:
+                if observer in self._observers:
+                    self._observers.remove(observer)
+            observer.close()
+
+        return unsubscribe
+
+    def close(self) -> None:
+        """Stop the robot and the worker, record that, and end; twice does no harm."""
+        with self._changed:
+            if self._closing:
+                return
+            self._closing = True
+        self._effects.close()
+        with self._changed:
+            observers, self._observers = self._observers, []
+        for observer in observers:
+            observer.close()
+        self._journal.close()
+
+    def _publish(self, state: State) -> None:
+        self._state = state
+        self._ages.note(state)
+        for observer in self._observers:
+            observer.put(state)
+        self._changed.notify_all()
+
+    def _run(self, effects: tuple[Effect, ...]) -> None:
+        for effect in effects:
+            self._effects.run(effect)
+
+    def _end_what_was_interrupted(self) -> None:
+        if self._state.job is not None:
+            ended = WorkbenchError("the workbench was ended before it was done")
+            self.do(JobEnded(self._state.job.number, ended), WORKER)
+        if self._state.phase is Phase.SENDING:
+            fault = "the workbench was ended while sending; look how far the robot has come"
+            self.do(LinkEnded(fault, self._state.parts_placed), ROBOT_LINK)
+        # A session that has only begun has nothing that could end.
+        if self._journal.count > 1:
+            self.do(Opened(), SESSION_START)

@@ -1,0 +1,306 @@
+"""Long work in one warm process of its own, so that no page ever waits for it.
+
+The worker imports the heavy rooms while it is idle, runs one job at a time, and may be killed
+at any moment: by a cancel that it does not follow, by the system, or with this process.  A
+new one takes its place.
+"""
+
+import logging
+import multiprocessing
+import pickle
+import signal
+import threading
+import time
+from collections import deque
+from collections.abc import Callable, Mapping
+from multiprocessing.connection import wait
+from multiprocessing.context import SpawnContext
+from typing import Any, assert_never
+
+from workbench.app.runtime.worker import (
+    Failure,
+    Flag,
+    GettingReady,
+    Message,
+    Progress,
+    Ready,
+    Request,
+    Success,
+    Unable,
+    packed,
+    run_worker,
+)
+from workbench.model.cell import Cell
+from workbench.model.errors import JobCancelled, WorkbenchError
+
+log = logging.getLogger(__name__)
+
+WORK = "workbench.app.runtime.work"
+"""The module whose `JOBS` the worker runs."""
+
+GRACE = 0.3
+"""How long [s] a cancelled job may take to end by itself."""
+
+ATTEMPTS = 3
+"""Workers in a row that may die before they are ready; after that a job has to ask for one."""
+
+Ended = Callable[[int, Any], None]
+"""Told the number of a job and its result, or the `WorkbenchError` that ended it."""
+
+Progressed = Callable[[int, float, str], None]
+"""Told the number of a job, the share done 0..1, and what is being done."""
+
+Prepared = Callable[[GettingReady | None], None]
+"""Told how far what the first job waits for is, and None once jobs are taken."""
+
+
+class Jobs:
+    """Runs jobs one after the other in a process that is kept warm.
+
+    Lifetime: the process is started at once and replaced when it dies; `close` ends it, and so
+    does the end of this process, however that comes.
+
+    Concurrency: `start`, `cancel` and `close` may be called from any thread; the first two
+    return at once.  `ended`, `progressed` and `prepared` are called from one thread of this
+    object, one call after the other; they may call `start` and `cancel`.
+    """
+
+    def __init__(
+        self,
+        cell: Cell,
+        ended: Ended,
+        progressed: Progressed,
+        *,
+        prepared: Prepared = lambda what: None,
+        module: str = WORK,
+    ) -> None:
+        """Start the worker.
+
+        Args:
+            cell: that all jobs work on.
+            ended: told once for every job, unless `close` came first.
+            progressed: told now and then.
+            prepared: told while the worker gets ready, which jobs wait for.
+            module: its `JOBS` maps names to job functions.
+        """
+        self._ended = ended
+        self._progressed = progressed
+        self._prepared = prepared
+        self._cell = packed(cell)
+        self._make_worker = lambda: _Worker(module)
+        self._lock = threading.Lock()
+        self._waiting: deque[Request] = deque()
+        self._to_cancel: list[int] = []
+        self._closing = False
+        self._woken = False
+        self._bell, self._rope = multiprocessing.Pipe(duplex=False)
+        # What follows belongs to the thread.
+        self._worker: _Worker | None = None
+        self._running: Request | None = None
+        self._kill_at: float | None = None
+        self._failed_starts = 0
+        self._unable: WorkbenchError | None = None
+        self._thread = threading.Thread(target=self._run, name="jobs", daemon=True)
+        self._thread.start()
+
+    def start(self, number: int, name: str, arguments: Mapping[str, Any]) -> None:
+        """Have a job run as soon as those before it have ended."""
+        with self._lock:
+            self._waiting.append(Request(number, name, arguments, self._cell))
+            self._wake()
+
+    def use(self, cell: Cell) -> None:
+        """Have all jobs that start from now on work on another cell."""
+        with self._lock:
+            self._cell = packed(cell)
+
+    def cancel(self, number: int) -> None:
+        """End that job: by its own will within `GRACE`, else by killing the worker."""
+        with self._lock:
+            self._to_cancel.append(number)
+            self._wake()
+
+    def close(self) -> None:
+        """End the worker and whatever it does, and wait until it is gone; nothing is told."""
+        with self._lock:
+            self._closing = True
+            self._wake()
+        self._thread.join()
+
+    def _wake(self) -> None:
+        # One ring at a time, so that the pipe never fills and a caller never waits.
+        if not self._woken:
+            self._woken = True
+            self._rope.send_bytes(b"!")
+
+    def _run(self) -> None:
+        self._replace_worker()
+        while not self._closing:
+            self._follow_cancels()
+            self._begin_next()
+            self._wait_and_listen()
+            if self._kill_at is not None and time.monotonic() >= self._kill_at:
+                self._bury()
+        if self._worker is not None:
+            self._worker.kill()
+
+    def _replace_worker(self) -> None:
+        self._unable = None
+        try:
+            self._worker = self._make_worker()
+        except OSError as error:  # no memory or no process left
+            self._worker = None
+            problem = f"the worker process cannot be started: {error}"
+            self._refuse_waiting(WorkbenchError(problem))
+
+    def _wait_and_listen(self) -> None:
+        sources = [self._bell]
+        if self._worker is not None:
+            sources.append(self._worker.connection)
+        seconds = None if self._kill_at is None else max(0.0, self._kill_at - time.monotonic())
+        ready = wait(sources, seconds)
+        if self._bell in ready:
+            with self._lock:
+                self._bell.recv_bytes()
+                self._woken = False
+        if self._worker is not None and self._worker.connection in ready:
+            self._listen(self._worker)
+
+    def _follow_cancels(self) -> None:
+        with self._lock:
+            numbers, self._to_cancel = self._to_cancel, []
+            dropped = [request for request in self._waiting if request.number in numbers]
+            for request in dropped:
+                self._waiting.remove(request)
+        for request in dropped:
+            self._tell_end(request, JobCancelled(f"task {request.name!r} was cancelled"))
+        if self._running is not None and self._running.number in numbers and self._worker:
+            self._worker.to_cancel.value = self._running.number
+            self._kill_at = time.monotonic() + GRACE
+
+    def _begin_next(self) -> None:
+        if self._running is not None or not self._waiting:
+            return
+        if self._worker is None:
+            self._replace_worker()
+        elif self._worker.is_ready:
+            with self._lock:
+                self._running = self._waiting.popleft()
+            self._worker.send(self._running)
+
+    def _listen(self, worker: "_Worker") -> None:
+        try:
+            message = worker.receive()
+        except (EOFError, OSError):
+            self._bury()
+            return
+        except Exception as error:
+            # Unpacking runs the code of what was packed, which may raise anything.
+            log.exception("an answer of the worker process cannot be read")
+            problem = "the answer of the worker process cannot be read: "
+            self._running_ended(WorkbenchError(f"{problem}{type(error).__name__}: {error}"))
+            return
+        match message:
+            case GettingReady():
+                self._tell(self._prepared, message)
+            case Ready():
+                worker.is_ready = True
+                self._failed_starts = 0
+                self._tell(self._prepared, None)
+            case Unable(error=error, trace=trace):
+                # It ends now: see _bury.
+                log.error("%s\n%s", error, trace)
+                self._failed_starts, self._unable = ATTEMPTS, error
+            case Progress(number=number, done=done, note=note):
+                self._tell(self._progressed, number, done, note)
+            case Success(result=result):
+                self._running_ended(result)
+            case Failure(error=error, trace=trace):
+                if trace:
+                    log.error("%s\n%s", error, trace)
+                self._running_ended(error)
+            case _:
+                assert_never(message)
+
+    def _bury(self) -> None:
+        """End the worker, if it has not ended by itself, and put a new one in its place."""
+        if self._worker is None:
+            return
+        was_cancelled = self._kill_at is not None
+        how = self._worker.kill(patience=0.0 if was_cancelled else GRACE)
+        if not self._worker.is_ready:
+            self._failed_starts += 1
+            self._tell(self._prepared, None)
+        if self._running is not None:
+            name = self._running.name
+            self._running_ended(
+                JobCancelled(f"task {name!r} was cancelled")
+                if was_cancelled
+                else WorkbenchError(f"the worker process ended ({how}) during task {name!r}")
+            )
+        if self._failed_starts < ATTEMPTS:
+            self._replace_worker()
+        else:
+            self._worker = None
+            self._failed_starts = ATTEMPTS - 1
+            ends = WorkbenchError(f"the worker process ends at its start ({how})")
+            self._refuse_waiting(self._unable or ends)
+
+    def _running_ended(self, result: Any) -> None:
+        if self._running is not None:
+            ended, self._running, self._kill_at = self._running, None, None
+            self._tell_end(ended, result)
+
+    def _refuse_waiting(self, error: WorkbenchError) -> None:
+        with self._lock:
+            refused, self._waiting = self._waiting, deque()
+        for request in refused:
+            self._tell_end(request, error)
+
+    def _tell_end(self, request: Request, result: Any) -> None:
+        self._tell(self._ended, request.number, result)
+
+    def _tell(self, listener: Callable[..., None], *what: Any) -> None:
+        if self._closing:
+            return
+        try:
+            listener(*what)
+        except Exception:
+            log.exception("a listener to jobs failed")
+
+
+class _Worker:
+    """One worker process as its owner sees it; used from one thread."""
+
+    def __init__(self, module: str) -> None:
+        context: SpawnContext = multiprocessing.get_context("spawn")
+        self.connection, theirs = context.Pipe()
+        self.to_cancel: Flag = context.RawValue("q", 0)
+        self.is_ready = False
+        self._process = context.Process(
+            target=run_worker,
+            args=(theirs, module, self.to_cancel),
+            name="workbench worker",
+            daemon=True,
+        )
+        self._process.start()
+        # With their end open here too, the end of the process would not be noticed.
+        theirs.close()
+
+    def send(self, request: Request) -> None:
+        try:
+            self.connection.send_bytes(packed(request))
+        except OSError:
+            log.warning("the worker process ended before it could be given a task")
+
+    def receive(self) -> Message:
+        return pickle.loads(self.connection.recv_bytes())
+
+    def kill(self, *, patience: float = 0.0) -> str:
+        """End the process, unless it ends by itself within `patience` [s], and say how it ended."""
+        self._process.join(patience)
+        self._process.kill()
+        self._process.join()
+        self.connection.close()
+        code = self._process.exitcode or 0
+        return signal.Signals(-code).name if code < 0 else f"exit code {code}"

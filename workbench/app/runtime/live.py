@@ -1,0 +1,42 @@
+"""What goes on at this moment: for looking at, and not recorded.
+
+It decides nothing, but for the joints: the bench writes them into the entry of an approval and of
+a sending, where the rules compare them with the start of the plan.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from workbench.app.runtime.worker import GettingReady
+from workbench.devices.abb_socket.status import LinkStatus
+from workbench.model.scan import Findings
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Live:
+    """Progress of the running job, and the robot as it stands now.
+
+    `job` is the number of the job that `done` (0..1), `note` and `started` [s since the epoch]
+    belong to, 0 before the first.  `getting_ready` is what jobs wait for just now, if anything;
+    it does not count as their time.  `joints` (name -> rad) is what the controller reported
+    last, `robot` its own word for what it does; both are empty while it reports nothing.  `link`
+    is how the last connection for motion stands, or how it ended.
+    `findings` are of the last search for parts, with what it discarded: the journal keeps the
+    parts alone, since the rest decides nothing and can be computed again.
+    """
+
+    job: int = 0
+    done: float = 0.0
+    note: str = ""
+    started: float = 0.0
+    joints: Mapping[str, float] = field(default_factory=dict[str, float])
+    robot: str = ""
+    link: LinkStatus = field(default_factory=LinkStatus)
+    findings: Findings | None = None
+    getting_ready: GettingReady | None = None
+
+    def told_of(self, job: int) -> tuple[float, str]:
+        """Share done and note of the job with that number, or of what it waits for."""
+        if self.getting_ready is not None:
+            return self.getting_ready.done, self.getting_ready.note
+        return (self.done, self.note) if self.job == job else (0.0, "")

@@ -1,0 +1,190 @@
+"""What carries out effects: the worker process, and the threads that speak with the robot."""
+
+import logging
+import threading
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, assert_never
+
+from workbench.app.core.commands import CellRead, JobEnded
+from workbench.app.core.effects import (
+    Effect,
+    KeepDrafts,
+    RemoveDraft,
+    Send,
+    StartJob,
+    StopJob,
+    StopSending,
+    UseCell,
+    WriteCell,
+)
+from workbench.app.core.rights import CELL_FILE, WORKER
+from workbench.app.runtime.jobs import WORK, Jobs
+from workbench.app.runtime.live import Live
+from workbench.app.runtime.robot_link import Clock, Do, RobotLink
+from workbench.app.runtime.worker import GettingReady
+from workbench.devices.abb_socket.patience import USUAL, Patience
+from workbench.formats.cells.edits import log_change, save_cell
+from workbench.formats.cells.reading import part_folders, read_cell
+from workbench.formats.parts.reading import read_part
+from workbench.formats.parts.saves import drop_draft, save_part, write_draft
+from workbench.model.cell import Cell
+from workbench.model.errors import CommandRefused, InputError, WorkbenchError
+from workbench.model.scan import Findings
+
+log = logging.getLogger(__name__)
+
+
+class Machines:
+    """The worker process and the robot of one bench.
+
+    Lifetime: from construction until `close`, which first ends a sending and waits until its
+    end is reported.
+
+    Concurrency: `run` and `live` return at once.  Jobs report from one thread, a sending from
+    another, so that a stop never waits for a job.
+    """
+
+    def __init__(
+        self,
+        cell: Cell,
+        do: Do,
+        now: Clock,
+        *,
+        module: str = WORK,
+        cell_file: Path | None = None,
+        patience: Patience = USUAL,
+    ) -> None:
+        """Start the worker, and the watch over the robot's state.
+
+        Args:
+            cell: that the jobs work on, and whose controller is spoken to.
+            do: takes what they report.
+            now: seconds since the epoch.
+            module: the module of the worker's jobs.
+            cell_file: where changes of the cell are written to.
+            patience: how long the controller is waited for.
+        """
+        self._do = do
+        self._now = now
+        self._cell_file = cell_file
+        self._lock = threading.Lock()
+        self._saving = threading.Lock()
+        self._live = Live()
+        self._robot = RobotLink(cell, do, now, self._show, patience=patience)
+        self._jobs = Jobs(
+            cell, self._job_ended, self._job_progressed, prepared=self._prepared, module=module
+        )
+
+    @property
+    def live(self) -> Live:
+        """What goes on at this moment."""
+        return self._live
+
+    def run(self, effect: Effect) -> None:
+        """Begin an effect; its results are given to `do`."""
+        match effect:
+            case StartJob(number=number, name=name, arguments=arguments):
+                self._show(job=number, done=0.0, note="", started=self._now())
+                self._jobs.start(number, name, arguments)
+            case StopJob(number=number):
+                self._jobs.cancel(number)
+            case Send(plan=plan, approval=approval):
+                self._robot.send(plan, approval)
+            case StopSending():
+                self._robot.stop()
+            case UseCell(cell=cell):
+                self._jobs.use(cell)
+                self._robot.use(cell)
+            case WriteCell():
+                threading.Thread(
+                    target=self._write_cell, args=(effect,), name="cell file", daemon=True
+                ).start()
+            case KeepDrafts(parts=parts):
+                self._drafts(
+                    [part.name for part in parts],
+                    lambda folders: [
+                        write_draft(folders[part.name], part.library) for part in parts
+                    ],
+                )
+            case RemoveDraft(part=part):
+                self._drafts([part], lambda folders: drop_draft(folders[part]))
+            case _:
+                assert_never(effect)
+
+    def close(self) -> None:
+        """End the sending first, then the worker; waits until both are gone."""
+        self._robot.close()
+        self._jobs.close()
+
+    def _drafts(self, parts: Sequence[str], change: Callable[[Mapping[str, Path]], object]) -> None:
+        """Change drafts beside the parts; a draft that cannot be kept stops nobody."""
+        if self._cell_file is None:
+            return
+        try:
+            change(part_folders(self._cell_file, parts))
+        except InputError as error:
+            log.warning("a draft could not be changed: %s", error)
+
+    def _write_cell(self, effect: WriteCell) -> None:
+        try:
+            with self._saving:
+                cell = self._saved(effect)
+            command = CellRead(cell, is_saved=True, written=effect.cell.digest)
+        except InputError as error:
+            command = CellRead(problem=str(error))
+        try:
+            self._do(command, CELL_FILE)
+        except CommandRefused as error:
+            log.error("the cell file was written, but that is not recorded: %s", error)
+
+    def _saved(self, effect: WriteCell) -> Cell:
+        """Write the cell and its parts, and read back what the files hold now.
+
+        Raises:
+            InputError: something cannot be written or read.
+        """
+        if self._cell_file is None:
+            raise InputError("this session has no cell file")
+        folders = part_folders(self._cell_file, [part.name for part in effect.cell.parts])
+        for part in effect.cell.parts:
+            folder = folders[part.name]
+            save_part(
+                folder,
+                read_part(folder),
+                part,
+                actor=effect.actor,
+                at=effect.at,
+                remark=effect.remark,
+            )
+        save_cell(self._cell_file, effect.cell)
+        log_change(self._cell_file, effect.cell, effect.actor, effect.at, effect.remark)
+        return read_cell(self._cell_file)
+
+    def _show(self, **changes: Any) -> None:
+        with self._lock:
+            self._live = replace(self._live, **changes)
+
+    def _prepared(self, what: GettingReady | None) -> None:
+        # A job that has waited for it begins now: its clock does not count what it waited for.
+        began = {} if what is not None else {"started": self._now()}
+        self._show(getting_ready=what, **began)
+
+    def _job_progressed(self, number: int, done: float, note: str) -> None:
+        if number == self._live.job:
+            self._show(done=done, note=note)
+
+    def _job_ended(self, number: int, result: Any) -> None:
+        if isinstance(result, Findings):
+            self._show(findings=result)
+            result = result.detections
+        try:
+            self._do(JobEnded(number, result), WORKER)
+        except CommandRefused as error:
+            log.error("the end of task %d is not recorded: %s", number, error)
+        except Exception as error:
+            # A result that has no canonical form, say: the task must not seem to run for ever.
+            log.exception("the result of task %d cannot be taken", number)
+            problem = f"internal error, see the log: {type(error).__name__}: {error}"
+            self._do(JobEnded(number, WorkbenchError(problem)), WORKER)

@@ -1,0 +1,291 @@
+"""The threads that speak with the robot: one sends a plan, one listens to what it reports."""
+
+import logging
+import threading
+import time
+from collections.abc import Callable, Generator, Mapping, Sequence
+from contextlib import closing
+from dataclasses import dataclass, field, replace
+from typing import Any, cast
+
+from workbench.app.core.commands import Command, LinkEnded, Sent
+from workbench.app.core.rights import ROBOT_LINK
+from workbench.app.core.state import State
+from workbench.devices.abb_socket.link import send
+from workbench.devices.abb_socket.patience import USUAL, Patience
+from workbench.devices.abb_socket.reports import ControllerState, watch_state
+from workbench.devices.abb_socket.status import LinkStatus
+from workbench.model.cell import Cell
+from workbench.model.errors import CommandRefused, JobCancelled, LinkError, WorkbenchError
+from workbench.model.geometry import Floats
+from workbench.model.plan import Plan
+from workbench.model.release import Approval, PartReport, Receipt
+
+log = logging.getLogger(__name__)
+
+Clock = Callable[[], float]
+"""Seconds since the epoch."""
+
+Do = Callable[[Command, str], State]
+"""Gives a command to the bench, with the name of the one who gives it."""
+
+RETRY = 1.0
+"""How long [s] to wait before asking again a controller that does not report its state."""
+
+
+@dataclass(slots=True)
+class Run:
+    """One sending, as it goes.
+
+    `before` is what the controller reported last before it, `receipts` what has gone out since.
+    `doubt` says why the sending must not go on from the time `doubted_at` [s] of `clock` on.
+    """
+
+    plan: Plan
+    before: ControllerState | None
+    stopped: threading.Event
+    clock: Callable[[], float]
+    receipts: list[Receipt] = field(default_factory=list[Receipt])
+    doubt: str = ""
+    doubted_at: float = 0.0
+
+    def is_to_stop(self) -> bool:
+        """Whether somebody stops it, or what is reported does not fit what was sent."""
+        return self.stopped.is_set() or (self.doubt != "" and self.clock() >= self.doubted_at)
+
+
+class RobotLink:
+    """Sends plans to the controller of a cell, and shows what it reports of itself.
+
+    Lifetime: the controller's reports are listened to from construction until `close`, again
+    and again where there are none; a connection for motion exists only while a plan is sent.
+
+    Concurrency: `send` and `stop` return at once; `close` waits until the end of a sending is
+    reported.  `do` is called from the sending's thread, `show` from the listening one.
+    """
+
+    def __init__(
+        self,
+        cell: Cell,
+        do: Do,
+        now: Clock,
+        show: Callable[..., None],
+        *,
+        patience: Patience = USUAL,
+    ) -> None:
+        """Begin to listen.
+
+        Args:
+            cell: whose controller it is.
+            do: takes `Sent` and `LinkEnded`.
+            now: seconds since the epoch.
+            show: takes `joints`, `robot` and `link` of `Live` as keywords.
+            patience: how long the controller is waited for.
+        """
+        self._cell = cell
+        self._do = do
+        self._now = now
+        self._show = show
+        self._patience = patience
+        self._stopped = threading.Event()
+        self._closing = threading.Event()
+        self._reports = threading.Condition()
+        self._report: ControllerState | None = None
+        self._sender: threading.Thread | None = None
+        self._run: Run | None = None
+        self._used: set[str] = set()
+        self._status = LinkStatus()
+        self._listener = threading.Thread(target=self._listen, name="robot state", daemon=True)
+        self._listener.start()
+
+    def use(self, cell: Cell) -> None:
+        """Go on with another cell; not while something is sent."""
+        self._cell = cell
+
+    def send(self, plan: Plan, approval: Approval) -> None:
+        """Begin to send; each message and the end are given to `do`."""
+        self._stopped = threading.Event()
+        run = Run(plan, self._report, self._stopped, self._patience.clock)
+        self._start_sender(self._send, run, approval)
+
+    def stop(self) -> None:
+        """Send nothing more, and close the link."""
+        self._stopped.set()
+        if self._sender is None or not self._sender.is_alive():
+            # The end of the sending could not be recorded when it came; perhaps now it can.
+            self._start_sender(self._end, "the sending had ended without a record of it")
+
+    def close(self) -> None:
+        """Stop, and wait until that is reported."""
+        self._stopped.set()
+        if self._sender is not None:
+            self._sender.join()
+        self._closing.set()
+        self._listener.join()
+
+    def _start_sender(self, target: Callable[..., None], *arguments: Any) -> None:
+        self._sender = threading.Thread(
+            target=target, args=arguments, name="robot link", daemon=True
+        )
+        self._sender.start()
+
+    def _send(self, run: Run, approval: Approval) -> None:
+        fault, one_arm = "", self._cell.controller.protocol == "abb-socket"
+        self._show_link(LinkStatus(phase="connecting"))
+        try:
+            self._spend(approval)
+            # Only this protocol has nobody else who compares what is done with what was said.
+            self._run = run if one_arm else None
+            receipts = send(
+                run.plan,
+                approval,
+                self._cell,
+                now=self._now,
+                cancelled=run.is_to_stop,
+                show=self._show_link,
+                patience=self._patience,
+            )
+            # Closing the generator closes the link, whoever breaks off.
+            with closing(cast(Generator[Receipt, None, None], receipts)):
+                for receipt in receipts:
+                    run.receipts.append(receipt)
+                    self._do(Sent(receipt), ROBOT_LINK)
+        except JobCancelled as error:
+            if one_arm:
+                self._see_it_stand()
+            fault = str(error) if run.stopped.is_set() else f"{run.doubt}; {error}"
+        except CommandRefused as error:
+            fault = str(error)
+        except WorkbenchError as error:
+            fault = self._explained(str(error)) if one_arm else str(error)
+        except Exception as error:
+            log.exception("sending failed")
+            fault = f"internal error, see the log: {type(error).__name__}: {error}"
+        self._run = None
+        self._show_link(replace(self._status, phase="closed"))
+        parts = self._parts(run)
+        placed = sum(part.is_picked is True for part in parts)
+        if one_arm:
+            placed = self._placed_since(run.before, 0 if fault else len(run.receipts))
+        self._end(fault, placed, parts)
+
+    def _spend(self, approval: Approval) -> None:
+        """One approval, one sending.
+
+        Raises:
+            CommandRefused: it has been used.
+        """
+        if approval.digest in self._used:
+            raise CommandRefused("this approval has been used; have the plan approved again")
+        self._used.add(approval.digest)
+
+    def _parts(self, run: Run) -> tuple[PartReport, ...]:
+        """What was reported of each part of the plan; where nothing was, nobody knows."""
+        told = {receipt.part.arm: receipt.part for receipt in run.receipts if receipt.part}
+        why = f"{self._cell.controller.protocol} had told nothing of it at the end"
+        return tuple(
+            told.get(one.arm, PartReport(one.arm, one.detection, None, why))
+            for one in run.plan.arms
+        )
+
+    def _end(self, fault: str, placed: int = 0, parts: tuple[PartReport, ...] = ()) -> None:
+        try:
+            self._do(LinkEnded(fault, placed, parts), ROBOT_LINK)
+        except CommandRefused as error:
+            log.error("the end of the sending (%s) is not recorded: %s", fault or "good", error)
+
+    def _see_it_stand(self) -> None:
+        """After a stop by closing the link, which nobody acknowledges: what the reports say."""
+        began = time.monotonic()
+        report = self._awaited(lambda report: not report.moving)
+        took = time.monotonic() - began
+        if report is None or report.moving:
+            words = "nobody has reported that the robot stands: use the emergency stop"
+            self._show_link(replace(self._status, stop=words))
+        else:
+            words = f"the robot was reported to stand after {took * 1000:.0f} ms"
+            self._show_link(replace(self._status, stopped=took, stop=words))
+
+    def _show_link(self, status: LinkStatus) -> None:
+        self._status = status
+        self._show(link=status)
+        if self._report is not None or not status.joints:
+            return
+        if status.phase == "closed":
+            # From now on nobody reports where the robot is moved to.
+            self._show(joints={}, robot="")
+        else:
+            words = f"{status.phase}, step {status.step} of {status.steps}"
+            self._show(joints=self._by_joint(status.joints), robot=words)
+
+    def _explained(self, fault: str) -> str:
+        """A fault of the link with what the controller says about it, if it does."""
+        report = self._awaited(lambda report: report.fault != "")
+        return f"{fault}; the controller says: {report.fault}" if report and report.fault else fault
+
+    def _placed_since(self, before: ControllerState | None, messages: int) -> int:
+        """Parts put down since a report, as reported once that many messages have arrived."""
+        if before is None:
+            return 0
+        after = self._awaited(lambda report: report.received - before.received >= messages)
+        return 0 if after is None else max(0, after.placed - before.placed)
+
+    def _awaited(self, condition: Callable[[ControllerState], bool]) -> ControllerState | None:
+        """The newest report, waiting a little for one that fulfils the condition."""
+        with self._reports:
+            self._reports.wait_for(
+                lambda: self._report is None or condition(self._report), self._patience.report
+            )
+            return self._report
+
+    def _listen(self) -> None:
+        while not self._closing.is_set():
+            controller = self._cell.controller
+            try:
+                for report in watch_state(
+                    controller.host, controller.state_port, self._closing.is_set
+                ):
+                    self._take(report)
+            except LinkError as error:
+                log.debug("no report from the robot: %s", error)
+            except Exception:
+                log.exception("listening to the robot failed")
+            self._take(None)
+            self._closing.wait(RETRY)
+
+    def _take(self, report: ControllerState | None) -> None:
+        with self._reports:
+            before, self._report = self._report, report
+            self._reports.notify_all()
+        if report is not None:
+            self._compare(report)
+            self._show(joints=self._by_joint(report.joints), robot=_words(report))
+        elif before is not None:
+            self._show(joints={}, robot="")
+
+    def _compare(self, report: ControllerState) -> None:
+        """Whether a report fits what was sent; if not, the sending is to stop."""
+        run = self._run
+        if run is None or run.doubt:
+            return
+        received = report.received - (run.before.received if run.before else 0)
+        if report.fault and (received or run.before is None or report.fault != run.before.fault):
+            run.doubted_at = self._patience.clock() + self._patience.doubt
+            run.doubt = f"the controller reports a fault: {report.fault}"
+        elif run.before is not None and report.moving and 1 <= received <= len(run.receipts):
+            told = run.receipts[received - 1].arm
+            if report.moving != told:
+                run.doubt = f"the controller moves arm {report.moving}, arm {told} was told to"
+
+    def _by_joint(self, joints: Mapping[str, Sequence[float] | Floats]) -> Mapping[str, float]:
+        return {
+            joint: float(angle)
+            for arm in self._cell.arms
+            for joint, angle in zip(arm.joints, joints.get(arm.name, ()), strict=False)
+        }
+
+
+def _words(report: ControllerState) -> str:
+    if report.fault:
+        return f"fault: {report.fault}"
+    return f"moves arm {report.moving}" if report.moving else "stands"

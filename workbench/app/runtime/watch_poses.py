@@ -1,0 +1,149 @@
+"""The watched folder of another program: poses of parts that it puts there are taken."""
+
+import logging
+import threading
+import time
+from pathlib import Path
+
+from workbench.app.core.commands import Command, PosesRefused, UseDetections
+from workbench.app.core.rights import POSES_FOLDER
+from workbench.app.core.state import counted
+from workbench.app.core.value_checks import LONGEST_NAME
+from workbench.app.runtime.bench import Bench
+from workbench.formats.plans.pose_files import read_poses
+from workbench.model.cell import PosesFolder
+from workbench.model.errors import CommandRefused, InputError
+
+log = logging.getLogger(__name__)
+
+EVERY = 0.1
+"""[s] Between two looks into the folder."""
+
+STILL = 0.3
+"""[s] A file that has not changed for so long is complete."""
+
+KINDS = frozenset({".txt", ".json", ".tuple", ".tup"})
+
+PATIENCE = 10.0
+"""[s] For which a file waits to be taken while that is not in order, a task running say."""
+
+MOST_TOLD = 300
+"""Characters of a problem that are told."""
+
+Stamp = tuple[int, int]
+"""Time [ns] and size."""
+
+
+class PosesWatch:
+    """Takes poses from each file that is written into the folder, as if a person had given it.
+
+    What lies there already when the watch begins is left alone: it may be of another bin.  A file
+    counts when it has stopped growing or was renamed into place, and again when it is written
+    again.  One that cannot be used is told of, and the next one is looked at.
+
+    Lifetime: from construction until `close`; a folder that is not there is waited for.
+
+    Concurrency: a thread of its own, which gives commands.
+    """
+
+    def __init__(self, bench: Bench, *, every: float = EVERY, still: float = STILL) -> None:
+        """Begin to watch the folder that the bench's cell names, whichever that is by then.
+
+        Args:
+            bench: gets the poses.
+            every: how long [s] between two looks.
+            still: how long [s] a complete file has not changed.
+        """
+        self._bench = bench
+        self._every, self._still = every, still
+        self._closing = threading.Event()
+        self._folder: PosesFolder | None = None
+        self._done: dict[Path, Stamp] = {}
+        self._seen: dict[Path, tuple[Stamp, float]] = {}
+        self._look()
+        self._thread = threading.Thread(target=self._run, name="poses folder", daemon=True)
+        self._thread.start()
+
+    def close(self) -> None:
+        """Look no more."""
+        self._closing.set()
+        self._thread.join()
+
+    def _run(self) -> None:
+        while not self._closing.wait(self._every):
+            try:
+                self._look()
+            except Exception:
+                log.exception("the folder of poses could not be looked at")
+
+    def _look(self) -> None:
+        folder = self._bench.state.cell.poses_folder
+        if folder is None:
+            self._folder = None
+            return
+        files = _files(Path(folder.path))
+        if self._folder is None or folder.path != self._folder.path:
+            self._done, self._seen = files, {}
+        self._folder = folder
+        now = time.monotonic()
+        # The newest one last, so that what is older does not take its place.
+        for path, stamp in sorted(files.items(), key=lambda file: file[1]):
+            if self._done.get(path) == stamp:
+                continue
+            known, since = self._seen.get(path, (None, now))
+            if known != stamp:
+                self._seen[path] = (stamp, now)
+            elif now - since >= self._still and (
+                self._take(path, folder) or now - since > PATIENCE
+            ):
+                self._done[path] = stamp  # nothing is taken twice, whatever came of it
+                del self._seen[path]
+
+    def _take(self, path: Path, folder: PosesFolder) -> bool:
+        """Read a file and hand its poses over; whether that was in order."""
+        parts = self._bench.state.cell.parts
+        command: Command
+        try:
+            detections = read_poses(path, folder.part or (parts[0].name if parts else ""))
+            says = f"{counted(len(detections), 'pose')} from {_told(path.name, LONGEST_NAME)}"
+            command = UseDetections(detections, says)
+        except InputError as error:
+            command = PosesRefused(_told(str(error)))
+        try:
+            self._bench.do(command, POSES_FOLDER)
+        except CommandRefused as error:
+            if isinstance(command, UseDetections):
+                return self._refused(path, error)
+            log.error("poses cannot be used: %s", error)
+        return True
+
+    def _refused(self, path: Path, error: CommandRefused) -> bool:
+        """Poses of parts that the cell does not know are told of; a busy bench is waited for."""
+        if self._bench.state.job is not None:
+            return False
+        try:
+            self._bench.do(PosesRefused(_told(f"{path.name}: {error}")), POSES_FOLDER)
+        except CommandRefused as second:
+            log.error("poses cannot be used: %s", second)
+        return True
+
+
+def _told(text: str, longest: int = MOST_TOLD) -> str:
+    """A text that can be recorded and shown, whatever the name of the file in it holds."""
+    return "".join(letter if letter.isprintable() else "?" for letter in text[:longest])
+
+
+def _files(folder: Path) -> dict[Path, Stamp]:
+    found: dict[Path, Stamp] = {}
+    try:
+        paths = list(folder.iterdir())
+    except OSError:
+        return found  # it is not there yet
+    for path in paths:
+        if path.suffix.lower() in KINDS and not path.name.startswith("."):
+            try:
+                status = path.stat()
+            except OSError:
+                continue  # renamed in between: the next look tells
+            found[path] = (status.st_mtime_ns, status.st_size)
+    return found

@@ -1,0 +1,152 @@
+"""The jobs: what the worker process does.  Importing this imports all the heavy rooms."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from itertools import cycle, islice
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+
+from workbench.app.core.plan_result import PlanResult
+from workbench.app.core.value_checks import ALL_KINDS
+from workbench.app.picking.calibration import simulated_sight
+from workbench.app.picking.part_import import imported_part
+from workbench.app.picking.pipeline import plan_pick
+from workbench.app.runtime.readiness import make_ready
+from workbench.app.runtime.worker import Cancelled, JobFunction, Report
+from workbench.devices.scanners import SCANNERS
+from workbench.model.calibration import PlateSighting
+from workbench.model.cell import Cell
+from workbench.model.errors import InputError, JobCancelled
+from workbench.model.part import Part
+from workbench.model.scan import Detection, Findings, Obstacle, Scan
+from workbench.model.search import SearchWishes
+from workbench.perception.calibration.balls import sight_plate
+from workbench.perception.localization.kinds import search_all
+from workbench.perception.scene.unexplained import unexplained
+from workbench.perception.simulation.piles import drop_parts
+from workbench.perception.simulation.synthesize import synthesize
+
+
+def scan(cell: Cell, arguments: Mapping[str, Any], report: Report, cancelled: Cancelled) -> Scan:
+    """A scan by the cell's scanner; a simulated one sees `parts` parts dropped by `seed`."""
+    if cell.scanner.source != "simulated":
+        return SCANNERS[cell.scanner.source](cell.scanner).scan(report, cancelled)
+    seed = arguments["seed"]
+    report(0.1, "parts fall into the bin")
+    truth = pile_of(cell, arguments.get("part", ""), arguments["parts"], seed=seed)
+    if cancelled():
+        raise JobCancelled("the scan was cancelled")
+    report(0.6, "the scanner looks")
+    return synthesize(cell, truth, seed=seed)
+
+
+def pile_of(cell: Cell, kind: str, count: int, *, seed: int) -> tuple[Detection, ...]:
+    """Parts that fell into the cell's bin: `count` of a kind, of the first one when it is empty.
+
+    Of the kind `ALL_KINDS` is one of each in turn.
+
+    Raises:
+        InputError: the cell has no part, or none of that kind; or they do not fit.
+    """
+    if not cell.parts:
+        raise InputError(f"cell {cell.name} has no part, so there is nothing to drop into its bin")
+    kinds = cell.parts if kind == ALL_KINDS else (cell.part(kind or cell.parts[0].name),)
+    return drop_parts(tuple(islice(cycle(kinds), count)), cell.bin, seed=seed)
+
+
+def find_parts(
+    cell: Cell, arguments: Mapping[str, Any], report: Report, cancelled: Cancelled
+) -> Findings:
+    """All parts of the cell, each kind found in `scan` with `seed`, the surest first."""
+    wishes: SearchWishes = arguments.get("wishes", SearchWishes())
+    found = search_all(
+        arguments["scan"],
+        cell,
+        seed=arguments["seed"],
+        detail=wishes.detail,
+        report=report,
+        cancelled=cancelled,
+    )
+    sure = tuple(one for one in found.detections if one.score >= wishes.least_score)
+    return replace(found, detections=sure)
+
+
+def sight(
+    cell: Cell, arguments: Mapping[str, Any], report: Report, cancelled: Cancelled
+) -> PlateSighting:
+    """The reference plate, held by `arm` at `q`, in a scan of the cell's scanner."""
+    arm, q, plate = cell.arm(arguments["arm"]), arguments["q"], arguments["plate"]
+    report(0.1, "the scanner looks at the plate")
+    if cell.scanner.source == "simulated":
+        scan = simulated_sight(cell, arm, q, plate, seed=arguments["seed"])
+    else:
+        scan = SCANNERS[cell.scanner.source](cell.scanner).scan(report, cancelled)
+    if cancelled():
+        raise JobCancelled("the scan of the plate was cancelled")
+    report(0.5, "looking for the balls")
+    return sight_plate(scan, plate, arguments["name"], arm.name, q)
+
+
+def import_part(
+    cell: Cell, arguments: Mapping[str, Any], report: Report, cancelled: Cancelled
+) -> Part:
+    """The part made of a CAD file, in the folder of parts of the working directory."""
+    return imported_part(arguments["command"], report, cancelled)
+
+
+def boxes_around(cell: Cell, placed: Sequence[Detection]) -> tuple[Obstacle, ...]:
+    """Parts that have been put down, as obstacles.
+
+    Raises:
+        InputError: one of them is of a part that the cell does not have any more.
+    """
+    boxes: list[Obstacle] = []
+    known = {part.name for part in cell.parts}
+    for one in placed:
+        if one.part not in known:
+            raise InputError(
+                f"a part {one.part} lies on a pallet and the cell does not know that part any "
+                "more; take it away and empty the pallets"
+            )
+        points = cell.part(one.part).mesh.points
+        low, high = points.min(axis=0), points.max(axis=0)
+        T_part_box = pin.SE3(np.eye(3), (low + high) / 2)
+        boxes.append(Obstacle(one.T_world_part * T_part_box, high - low))
+    return tuple(boxes)
+
+
+def plan(
+    cell: Cell, arguments: Mapping[str, Any], report: Report, cancelled: Cancelled
+) -> PlanResult:
+    """Candidates, plan and proof for `detections` in `scan`, if there is one; see `plan_pick`."""
+    scan, detections = arguments["scan"], arguments["detections"]
+    report(0.0, "looking for obstacles that no model explains")
+    seen = () if scan is None else unexplained(cell, scan, detections)
+    return plan_pick(
+        cell,
+        detections,
+        arguments["scan_digest"],
+        strategy=arguments["strategy"],
+        threshold=arguments["threshold"],
+        wishes=arguments["wishes"],
+        obstacles=(*seen, *boxes_around(cell, arguments["placed"])),
+        avoided=dict(arguments["avoided"]),
+        seed=arguments["seed"],
+        report=report,
+        cancelled=cancelled,
+    )
+
+
+JOBS: Mapping[str, JobFunction] = {
+    "scan": scan,
+    "localize": find_parts,
+    "sight": sight,
+    "plan": plan,
+    "import": import_part,
+}
+"""By the names that `decide` gives them."""
+
+GET_READY = make_ready
+"""What comes before the first of them."""

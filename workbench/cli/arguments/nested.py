@@ -1,0 +1,384 @@
+"""What can be typed after `workbench bench`, `study`, `cell` and `session`: their help."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Literal
+
+from tyro.conf import Positional, subcommand
+
+from workbench.cli.arguments.access import USERS
+from workbench.cli.arguments.names import PlannerName, StrategyName
+
+
+@dataclass(frozen=True, slots=True)
+class BenchPlanners:
+    """Compare the planners: one arm, from one configuration to random tool poses in its bin.
+
+    The bin is empty.  Poses that the arm cannot reach or take up without touching something are
+    counted apart.  Times include shortening, rounding and the last check.
+    """
+
+    cell: str = "tx2_90"
+    """Name under robots/, or path of a cell.toml; its first arm moves."""
+    targets: int = 200
+    """How many tool poses."""
+    planners: tuple[PlannerName, ...] = ("rrt", "rrtconnect", "sbl")
+    """Which planners; birrt is the thesis' name for rrtconnect."""
+    iterations: tuple[int, ...] = (2, 5, 10, 20, 50, 100, 500)
+    """Iterations allowed; each is a column of the comparison."""
+    start: Literal["home", "zero"] = "zero"
+    """Where the arm starts: at home, or with all its axes at zero (the TX2-90 stands upright)."""
+    against: Literal["klampt"] | None = None
+    """Give the same start and goals to Klamp't as well (extra `bench`)."""
+    seconds: float = 5.0
+    """How long a plan by Klamp't may take [s]."""
+    seed: int = 0
+    """Seed of the targets."""
+    plot: Path | None = None
+    """HTML file to draw the comparison in."""
+    json: bool = False
+    """Print one JSON object and nothing else."""
+
+
+@dataclass(frozen=True, slots=True)
+class BenchPick:
+    """Plan seeded piles of known poses and tell how long each stage took."""
+
+    cell: str = "yumi"
+    """Name under robots/, or path of a cell.toml."""
+    scenes: int = 40
+    """How many piles."""
+    parts: int = 2
+    """How many parts in each."""
+    strategy: StrategyName = "auto"
+    """Which arms work."""
+    planner: PlannerName | None = None
+    """Planner of the free legs; the cell's when not given."""
+    seed: int = 0
+    """Seed of the first pile; the others follow."""
+    json: bool = False
+    """Print one JSON object and nothing else."""
+
+
+@dataclass(frozen=True, slots=True)
+class BenchSoak:
+    """Run very many whole cycles against a simulated controller: none may be lost, nothing grow.
+
+    Ends with 1 when a cycle was lost or the journal is not whole.
+    """
+
+    cell: str = "yumi"
+    """Name under robots/, or path of a cell.toml."""
+    cycles: int = 1000
+    """How many cycles."""
+    piles: int = 20
+    """How many different piles, again and again: the scan of each is kept once."""
+    speed: float = 1000.0
+    """Speed of the simulated robot: 1 is real time."""
+    seed: int = 0
+    """Seed of the first pile; the others follow."""
+    sessions: Path = Path("sessions")
+    """Folder for the folder of this session."""
+    json: bool = False
+    """Print one JSON object and nothing else."""
+
+
+@dataclass(frozen=True, slots=True)
+class BenchPage:
+    """Serve a page, have many browsers look at a plan while one scrubs it, and tell how it holds.
+
+    Ends with 1 when a value that was typed became no command.
+    """
+
+    cell: str = "yumi"
+    """Name under robots/, or path of a cell.toml."""
+    browsers: int = 10
+    """How many browsers; they read everything and draw nothing."""
+    seconds: float = 300.0
+    """How long the page is loaded [s]."""
+    json: bool = False
+    """Print one JSON object and nothing else."""
+
+
+@dataclass(frozen=True, slots=True)
+class StudyLocalization:
+    """Find the parts of seeded piles in simulated scans and compare with where they lie."""
+
+    cell: str = "yumi"
+    """Name under robots/, or path of a cell.toml."""
+    scenes: int = 10
+    """How many piles for each part, count and noise."""
+    parts: tuple[str, ...] = ("keyed_cylinder", "bracket", "bolt")
+    """Names under parts/, or paths, one after the other; a+b for both in one pile."""
+    counts: tuple[int, ...] = (2, 8)
+    """Parts in a pile."""
+    noise: tuple[Literal["fine", "rough"], ...] = ("fine", "rough")
+    """Builds of scanner: that of the cell, and one with twice its noise and many flaws."""
+    seed: int = 0
+    """Seed of the first pile; the others follow."""
+    plot: Path | None = None
+    """HTML file to draw it in."""
+    json: bool = False
+    """Print one JSON object and nothing else."""
+
+
+@dataclass(frozen=True, slots=True)
+class StudyThreshold:
+    """What each distance threshold between alternated and coordinated arms would give.
+
+    Two parts fall into the bin at random, again and again; every pile is planned both ways.
+    """
+
+    cell: str = "yumi"
+    """Name under robots/, or path of a cell.toml with two arms."""
+    cycles: int = 100
+    """How many piles."""
+    thresholds: tuple[float, ...] = (0.05, 0.1, 0.15, 0.2, 0.25, 0.3)
+    """Distances [m] to compare."""
+    workers: int = 1
+    """Processes on this machine; more than one needs the extra `cluster`."""
+    scheduler: str | None = None
+    """Address of a Dask cluster that does the work instead, tcp://host:port."""
+    seed: int = 0
+    """Seed of the first pile; the others follow."""
+    plot: Path | None = None
+    """HTML file to draw the comparison in."""
+    keep: bool = False
+    """Keep the result beside the cell, where the page shows it with the threshold."""
+    json: bool = False
+    """Print one JSON object and nothing else."""
+
+
+@dataclass(frozen=True, slots=True)
+class BenchShort:
+    """Run the short form of every benchmark and set it beside the figures of last time.
+
+    Ends with 1 when one of them could not be run; times differ between machines and fail nothing.
+    """
+
+    against: Path = Path("docs/benchmarks.json")
+    """JSON file of figures."""
+    keep: bool = False
+    """Write the figures there."""
+    json: bool = False
+    """Print one JSON object and nothing else."""
+
+
+@dataclass(frozen=True, slots=True)
+class Bench:
+    """Measure how fast and how reliable planning is, and how the page holds."""
+
+    what: (
+        Annotated[BenchPlanners, subcommand("planners")]
+        | Annotated[BenchPick, subcommand("pick")]
+        | Annotated[BenchSoak, subcommand("soak")]
+        | Annotated[BenchPage, subcommand("page")]
+        | Annotated[BenchShort, subcommand("short")]
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class Study:
+    """Measure how well the cell does on many seeded piles."""
+
+    what: (
+        Annotated[StudyThreshold, subcommand("threshold")]
+        | Annotated[StudyLocalization, subcommand("localization")]
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class CellCheck:
+    """Look whether a cell can work: limits, home, reach into the bin and to the places.
+
+    Ends with 3 when something speaks against the cell.
+    """
+
+    cell: Positional[str]
+    """Name under robots/, or path of a cell.toml."""
+    json: bool = False
+    """Print one JSON object and nothing else."""
+
+
+@dataclass(frozen=True, slots=True)
+class CellShow:
+    """Tell what a cell is made of: arms, bin, fixtures, parts, scanner, controller, policy."""
+
+    cell: Positional[str]
+    """Name under robots/, or path of a cell.toml."""
+
+
+@dataclass(frozen=True, slots=True)
+class CellNew:
+    """Make a first cell around a robot from its URDF: a start to change, not a cell to trust.
+
+    Meshes that are checked become convex pieces, pairs of links that need no check are found by
+    trying, a bin, a table, a scanner, homes and places are put where the arms reach them.
+    """
+
+    name: Positional[str]
+    """Name of the cell and of its folder."""
+    urdf: Path
+    """URDF, xacro or Klamp't robot (.rob), with its meshes beside or above it; or a Klamp't world
+    (.xml) with one robot, whose things become fixtures."""
+    out: Path | None = None
+    """Folder to write to; robots/NAME when not given. It must not be there yet."""
+    flange: tuple[str, ...] = ()
+    """Links that carry the tools, one for each arm, the right arm's first; found by themselves
+    when not given. What hangs on them in the URDF is left out: tools stand in the cell file."""
+    bin: str | None = None
+    """Name of the thing in a Klamp't world that is the bin; otherwise one is put where the arms
+    reach it."""
+    tool: Literal["gripper", "suction"] = "gripper"
+    """What the arms carry to begin with."""
+    part: str = "keyed_cylinder"
+    """Name under parts/, or path of a part's folder."""
+    position_mm: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    """Where the URDF's root link stands in the world."""
+    mesh_unit: Literal["m", "mm"] = "m"
+    """Unit of the meshes, where the URDF says nothing about it."""
+    xacro: tuple[str, ...] = ()
+    """Arguments for a xacro file, each NAME:=VALUE."""
+    tolerance_mm: float = 20.0
+    """By how much a convex piece may be larger than its mesh before it is divided."""
+    pieces: int = 8
+    """How many pieces one mesh may be divided into."""
+    json: bool = False
+    """Print one JSON object and nothing else."""
+
+
+@dataclass(frozen=True, slots=True)
+class CellSchema:
+    """Print the JSON Schema of cell files, for editors that check while one types."""
+
+
+@dataclass(frozen=True, slots=True)
+class CellCommands:
+    """Make a cell, look at it, and see whether it can work."""
+
+    what: (
+        Annotated[CellNew, subcommand("new")]
+        | Annotated[CellCheck, subcommand("check")]
+        | Annotated[CellShow, subcommand("show")]
+        | Annotated[CellSchema, subcommand("schema")]
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class SessionList:
+    """List the sessions: cell, entries, how each ended."""
+
+    sessions: Path = Path("sessions")
+    """Folder that holds them."""
+    json: bool = False
+    """Print one JSON object and nothing else."""
+
+
+@dataclass(frozen=True, slots=True)
+class SessionShow:
+    """Tell what happened in a session, entry by entry: when, who, what, and what followed."""
+
+    session: Positional[Path]
+    """Folder of the session."""
+    json: bool = False
+    """Print one JSON object and nothing else."""
+
+
+@dataclass(frozen=True, slots=True)
+class SessionVerify:
+    """Look whether a session was changed after it was written: its chain of hashes and its files.
+
+    Ends with 3 when it was.
+    """
+
+    session: Positional[Path]
+    """Folder of the session."""
+
+
+@dataclass(frozen=True, slots=True)
+class SessionReplay:
+    """Compute a session again, its scans, parts, plans and proofs from the same inputs and seeds.
+
+    Ends with 3 when a result differs.
+    """
+
+    session: Positional[Path]
+    """Folder of the session."""
+
+
+@dataclass(frozen=True, slots=True)
+class SessionExport:
+    """Write a session into one zip file that anybody can open.
+
+    What happened as text, JSON and CSV, a page that plays the last plan without a network, and all
+    that `session import` needs.
+    """
+
+    session: Positional[Path]
+    """Folder of the session; it may still be going on."""
+    out: Path
+    """Zip file to write."""
+    no_scene: bool = False
+    """Leave the page out: it takes a few seconds."""
+
+
+@dataclass(frozen=True, slots=True)
+class SessionImport:
+    """Take a session from a zip file, provided that nothing in it was changed."""
+
+    file: Positional[Path]
+    """Zip file that `session export` has written."""
+    sessions: Path = Path("sessions")
+    """Folder for the session's folder, which gets the name of the zip file."""
+
+
+@dataclass(frozen=True, slots=True)
+class SessionPrune:
+    """Remove old sessions, after telling which and what that frees."""
+
+    sessions: Path = Path("sessions")
+    """Folder that holds them; folders without a time in their name are left alone."""
+    keep: int | None = None
+    """How many of the newest to keep."""
+    older_than_days: float | None = None
+    """Keep those that are younger."""
+    yes: bool = False
+    """Do not ask."""
+
+
+@dataclass(frozen=True, slots=True)
+class SessionOpen:
+    """Serve the page on a recorded session, to look at each moment of it; nothing can be sent."""
+
+    session: Positional[Path]
+    """Folder of the session."""
+    host: str = "127.0.0.1"
+    """Address to listen on."""
+    port: int = 8081
+    """Port to listen on; 0 takes a free one."""
+    users: Path = USERS
+    """File of users and logins."""
+    certificate: Path | None = None
+    """PEM file to serve over TLS with."""
+    key: Path | None = None
+    """PEM file of the certificate's key, not encrypted."""
+    name: tuple[str, ...] = ()
+    """Names under which browsers ask for this machine, beside --host and addresses."""
+    hours: float = 8.0
+    """How long a login lasts [h]."""
+
+
+@dataclass(frozen=True, slots=True)
+class SessionCommands:
+    """Look into recorded sessions, check them, compute them again, take them along."""
+
+    what: (
+        Annotated[SessionList, subcommand("list")]
+        | Annotated[SessionShow, subcommand("show")]
+        | Annotated[SessionVerify, subcommand("verify")]
+        | Annotated[SessionReplay, subcommand("replay")]
+        | Annotated[SessionOpen, subcommand("open")]
+        | Annotated[SessionExport, subcommand("export")]
+        | Annotated[SessionImport, subcommand("import")]
+        | Annotated[SessionPrune, subcommand("prune")]
+    )

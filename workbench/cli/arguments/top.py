@@ -1,0 +1,358 @@
+"""What can be typed: one dataclass a command, its docstrings are the help.
+
+Nothing heavy is imported here: this is all that `--help` loads.
+"""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Literal
+
+from tyro.conf import Positional, subcommand
+
+from workbench.cli.arguments.access import USERS, UserCommands
+from workbench.cli.arguments.names import OrderName, PlannerName, ProtocolName, StrategyName
+from workbench.cli.arguments.nested import Bench, CellCommands, SessionCommands, Study
+from workbench.cli.arguments.part import Grasps, PartCommands
+
+
+@dataclass(frozen=True, slots=True)
+class Serve:
+    """Serve the page of a cell to those who log in.
+
+    A cell whose controller is on this machine, where nothing answers, gets a simulated one.
+    Without users the link that is printed lets one browser in; `workbench user add` makes users.
+    """
+
+    cell: str = "yumi"
+    """Name under robots/, or path of a cell.toml."""
+    host: str = "127.0.0.1"
+    """Address to listen on."""
+    port: int = 8080
+    """Port to listen on; 0 takes a free one."""
+    session: Path | None = None
+    """Folder of a session to go on with, where it ended; its cell is the one that it has now."""
+    opcua: int | None = None
+    """Serve OPC UA on this port, too; with a password from WORKBENCH_OPCUA_PASSWORD, or on this
+    machine only."""
+    opcua_operator: str = "plc"
+    """Name of the operator that whoever calls over OPC UA acts as."""
+    users: Path = USERS
+    """File of users and logins."""
+    certificate: Path | None = None
+    """PEM file to serve over TLS with."""
+    key: Path | None = None
+    """PEM file of the certificate's key, not encrypted."""
+    name: tuple[str, ...] = ()
+    """Names under which browsers ask for this machine, beside --host and addresses."""
+    hours: float = 8.0
+    """How long a login lasts [h]."""
+
+
+@dataclass(frozen=True, slots=True)
+class Demo:
+    """Run whole cycles without a page: scan, find, plan, approve, send to a simulated controller.
+
+    Succeeds when the controller has reported every part of every plan as placed.
+    """
+
+    cell: str = "yumi"
+    """Name under robots/, or path of a cell.toml."""
+    seed: int = 0
+    """Seed of the pile and of all else that is random; each further cycle takes the next one."""
+    cycles: int = 1
+    """How many cycles."""
+    sessions: Path = Path("sessions")
+    """Folder for the folder of this session."""
+    speed: float = 1.0
+    """Speed of the simulated robot: 1 is real time."""
+    json: bool = False
+    """Print one JSON object and nothing else."""
+
+
+@dataclass(frozen=True, slots=True)
+class Scan:
+    """Drop parts into the bin and scan them with the simulated scanner."""
+
+    cell: Positional[str]
+    """Name under robots/, or path of a cell.toml."""
+    out: Path
+    """PLY file to write."""
+    seed: int = 0
+    """Seed of the pile and of the scanner's noise."""
+    parts: int = 2
+    """How many parts lie in the bin."""
+    part: str = ""
+    """Which part of the cell; the first one unless told otherwise; all: of each in turn."""
+    truth: Path | None = None
+    """JSON file to write the true poses to."""
+
+
+@dataclass(frozen=True, slots=True)
+class Localize:
+    """Find the parts in a scan."""
+
+    cell: Positional[str]
+    """Name under robots/, or path of a cell.toml."""
+    scan: Path
+    """PLY file, points in metres in the scanner's frame."""
+    out: Path
+    """JSON file of poses to write."""
+    discarded: bool = False
+    """Tell also which poses were thought possible and discarded, and why."""
+    seed: int = 0
+    """Seed of everything random."""
+    detail: float = 1.0
+    """How fine the scan is looked at, 0.3 to 2; finer sees smaller features and takes longer."""
+    least_score: float = 0.0
+    """Parts with a lower score are left out, 0 to 1."""
+
+
+@dataclass(frozen=True, slots=True)
+class Calibrate:
+    """Find out where the scanner hangs, from scans of a three-ball plate that the robot holds.
+
+    The folder holds scans and calibration.toml, which says where the arm stood for each; see
+    docs/integrator.md. Poses that do not agree with the others are named and left out.
+    """
+
+    cell: Positional[str]
+    """Name under robots/, or path of a cell.toml."""
+    poses: Path
+    """Folder with the scans and calibration.toml."""
+    save: bool = False
+    """Write the scanner's pose into the cell file, with date, author and accuracy."""
+    by: str = ""
+    """Name of the person who answers for it; needed to save."""
+    simulate: bool = False
+    """Make the folder first: scans by the simulated scanner, hanging some 20 mm and 2 degrees from
+    where the cell has it."""
+    count: int = 8
+    """How many poses to simulate."""
+    seed: int = 0
+    """Seed of the simulated poses and noise."""
+    json: bool = False
+    """Print one JSON object and nothing else."""
+
+
+@dataclass(frozen=True, slots=True)
+class Plan:
+    """Judge every grasp, plan the pick, and prove the plan."""
+
+    cell: Positional[str]
+    """Name under robots/, or path of a cell.toml."""
+    poses: Path
+    """Our JSON, or a HALCON tuple file (rows of [R|t] in the world frame, millimetres)."""
+    out: Path
+    """JSON file of the plan to write."""
+    scan: Path | None = None
+    """PLY file that the poses were found in: what it shows beside the parts is kept clear of."""
+    strategy: StrategyName = "auto"
+    """Which arms work."""
+    threshold: float | None = None
+    """Distance of two parts [m] from which both arms may work; the cell's when not given."""
+    planner: PlannerName | None = None
+    """Planner of the free legs; the cell's when not given."""
+    iterations: int | None = None
+    """How many iterations the planner may use for each free leg; the cell's when not given."""
+    order: OrderName | None = None
+    """Which part is taken first: least joint travel, highest, best score, nearest to the tool,
+    farthest from the walls, or the thesis' rules; the cell's when not given."""
+    margin: float | None = None
+    """Distance [m] kept to everything on free legs, at least the cell's."""
+    metric: float | None = None
+    """How much each joint counts of the one before it when planners measure, 0.05 to 1."""
+    seed: int = 0
+    """Seed of everything random."""
+    part: str | None = None
+    """What the poses of a HALCON file are of, when the cell has several parts."""
+    json: bool = False
+    """Print one JSON object and nothing else."""
+
+
+@dataclass(frozen=True, slots=True)
+class Explain:
+    """Judge every grasp and tell why each can or cannot be taken, and what would help."""
+
+    cell: Positional[str]
+    """Name under robots/, or path of a cell.toml."""
+    poses: Path
+    """Our JSON, or a HALCON tuple file (rows of [R|t] in the world frame, millimetres)."""
+    scan: Path | None = None
+    """PLY file that the poses were found in: what it shows beside the parts is in the way, too."""
+    seed: int = 0
+    """Seed of everything random."""
+    part: str | None = None
+    """What the poses of a HALCON file are of, when the cell has several parts."""
+    json: bool = False
+    """Print one JSON object and nothing else."""
+
+
+@dataclass(frozen=True, slots=True)
+class Verify:
+    """Prove a plan again, from its file and the cell alone."""
+
+    plan: Positional[Path]
+    """JSON file of a plan."""
+    cell: str | None = None
+    """Name under robots/, or path of a cell.toml; the name in the plan when not given."""
+    json: bool = False
+    """Print one JSON object and nothing else."""
+
+
+@dataclass(frozen=True, slots=True)
+class Send:
+    """Prove a plan, approve it by name, and send it to a robot controller."""
+
+    plan: Positional[Path]
+    """JSON file of a plan."""
+    host: str
+    """Address of the controller."""
+    port: int
+    """Port on which it takes motion."""
+    approve_as: str
+    """Name of the person who has looked at the plan and answers for it."""
+    cell: str | None = None
+    """Name under robots/, or path of a cell.toml; the name in the plan when not given."""
+    protocol: ProtocolName | None = None
+    """Protocol of the controller; that of the cell when not given."""
+    json: bool = False
+    """Print one JSON object and nothing else."""
+
+
+@dataclass(frozen=True, slots=True)
+class Controller:
+    """Run the simulated robot controller until it is interrupted; it speaks both protocols."""
+
+    cell: str = "yumi"
+    """Name under robots/, or path of a cell.toml."""
+    host: str = "127.0.0.1"
+    """Address to listen on."""
+    port: int = 1025
+    """Port for motion; 0 takes a free one."""
+    state_port: int | None = None
+    """Port for reports of its state; the next one when not given, 0 takes a free one."""
+    speed: float = 1.0
+    """Speed of the robot: 1 is real time."""
+    record: Path | None = None
+    """File to which every configuration that arrives is appended, one JSON object a line."""
+    trace: Path | None = None
+    """File to which every state that the arms go through is appended."""
+    fault: tuple[str, ...] = ()
+    """What goes wrong, each once: NAME or NAME:n, as in `drop:3 garbage:9`; n counts messages."""
+    home_after: float | None = None
+    """Seconds after which arms that were left somewhere go home; they stay when not given."""
+    until_eof: bool = False
+    """End when standard input ends, too."""
+    json: bool = False
+    """Print one JSON object, the ports, and nothing else."""
+
+
+@dataclass(frozen=True, slots=True)
+class ExportWorld:
+    """Write the scene of every phase as a Klamp't world, for checking with other tools."""
+
+    cell: Positional[str]
+    """Name under robots/, or path of a cell.toml."""
+    out: Path
+    """Folder to write to; made when missing."""
+    plan: Path | None = None
+    """JSON file of a plan, for its parts and phases; the bare cell when not given."""
+
+
+@dataclass(frozen=True, slots=True)
+class Statistics:
+    """Tell what sessions have brought: parts per hour, success, times, causes of refusal."""
+
+    sessions: Positional[tuple[Path, ...]] = ()
+    """Folders of sessions; all of those in sessions/ when none is given."""
+    csv: Path | None = None
+    """CSV file to write, a row for each part that was sent for."""
+    json: bool = False
+    """Print one JSON object and nothing else."""
+
+
+@dataclass(frozen=True, slots=True)
+class Backup:
+    """Write the cells and parts below the working directory into one zip file."""
+
+    out: Positional[Path]
+    """Zip file to write."""
+    with_sessions: bool = False
+    """The sessions as well; they are large."""
+    with_users: bool = False
+    """The users as well, with the hashes of their passwords: keep the file to yourself."""
+    users: Path = USERS
+    """File of users and logins."""
+
+
+@dataclass(frozen=True, slots=True)
+class Restore:
+    """Put back what a backup holds, once every cell, part and session in it could be read.
+
+    What has the same name is replaced, but for sessions, which stay; all else is left alone.
+    """
+
+    file: Positional[Path]
+    """Zip file that `backup` has written."""
+    dry_run: bool = False
+    """Only tell what would be new and what replaced."""
+    users: Path = USERS
+    """File of users, for those in the backup who are not there yet."""
+
+
+@dataclass(frozen=True, slots=True)
+class Import:
+    """Make a cell from another program's world: robot, bin, and the rest as fixtures.
+
+    As `cell new`, for a world file; a start to change, not a cell to trust.
+    """
+
+    program: Positional[Literal["klampt"]]
+    """The program that has written the file."""
+    world: Positional[Path]
+    """World file (.xml) with one robot (.rob or .urdf), its files beside it."""
+    out: Path
+    """Folder to write to. It must not be there yet."""
+    flange: tuple[str, ...] = ()
+    """Links that carry the tools, one for each arm, the right arm's first; found by themselves
+    when not given. What hangs on them is left out: tools stand in the cell file."""
+    bin: str | None = None
+    """Name of the thing that is the bin; otherwise one is put where the arms reach it."""
+    tool: Literal["gripper", "suction"] = "gripper"
+    """What the arms carry to begin with."""
+    part: str = "keyed_cylinder"
+    """Name under parts/, or path of a part's folder."""
+    json: bool = False
+    """Print one JSON object and nothing else."""
+
+
+@dataclass(frozen=True, slots=True)
+class Compile:
+    """Compile now, once on a machine, what is otherwise compiled at its first use."""
+
+
+Arguments = (
+    Annotated[Serve, subcommand("serve")]
+    | Annotated[Demo, subcommand("demo")]
+    | Annotated[Scan, subcommand("scan")]
+    | Annotated[Localize, subcommand("localize")]
+    | Annotated[Calibrate, subcommand("calibrate")]
+    | Annotated[Plan, subcommand("plan")]
+    | Annotated[Explain, subcommand("explain")]
+    | Annotated[Verify, subcommand("verify")]
+    | Annotated[Send, subcommand("send")]
+    | Annotated[Controller, subcommand("controller")]
+    | Annotated[ExportWorld, subcommand("export-world")]
+    | Annotated[Bench, subcommand("bench")]
+    | Annotated[Study, subcommand("study")]
+    | Annotated[CellCommands, subcommand("cell")]
+    | Annotated[PartCommands, subcommand("part")]
+    | Annotated[Grasps, subcommand("grasps")]
+    | Annotated[Import, subcommand("import")]
+    | Annotated[SessionCommands, subcommand("session")]
+    | Annotated[UserCommands, subcommand("user")]
+    | Annotated[Statistics, subcommand("statistics")]
+    | Annotated[Backup, subcommand("backup")]
+    | Annotated[Restore, subcommand("restore")]
+    | Annotated[Compile, subcommand("compile")]
+)

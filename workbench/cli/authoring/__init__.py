@@ -1,0 +1,4 @@
+"""Commands that make and check cells, parts and grasps.
+
+Imports `arguments`.
+"""

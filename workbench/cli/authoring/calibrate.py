@@ -1,0 +1,186 @@
+"""`workbench calibrate`: where the scanner hangs, from scans of a plate that the robot holds."""
+
+import time
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pinocchio as pin
+
+from workbench.app.core.value_checks import SEED_LIMIT
+from workbench.app.picking.calibration import (
+    calibrated,
+    moved_by,
+    simulated_sight,
+    suggested_poses,
+    with_calibration,
+)
+from workbench.app.runtime.readiness import make_ready
+from workbench.cli.arguments import top as arguments
+from workbench.cli.exits import SUCCESS
+from workbench.cli.terminal import check_whole, print_json, print_table, progress
+from workbench.formats.cells.calibrations import (
+    FILE,
+    ScannedPose,
+    read_scanned_poses,
+    write_scanned_poses,
+)
+from workbench.formats.cells.edits import log_change, save_cell
+from workbench.formats.cells.reading import cell_path, read_cell
+from workbench.formats.clouds.scans import read_scan, write_cloud
+from workbench.formats.files.whole_files import make_folder
+from workbench.model.calibration import BallPlate, Calibration, PlateSighting
+from workbench.model.cell import Cell
+from workbench.model.errors import InputError
+from workbench.model.geometry import Floats, pose_from_rpy
+from workbench.perception.calibration.balls import sight_plate
+
+WRONG = pose_from_rpy((0.012, -0.008, 0.015), np.deg2rad((1.2, -0.8, 1.5)))
+"""From where the cell has the scanner to where it truly hangs in a simulation."""
+
+ADVISED, MOST = 8, 30
+
+
+def calibrate(typed: arguments.Calibrate) -> int:
+    """Find the plate in every scan, solve, compare with the cell, and save if asked to."""
+    cell = read_cell(typed.cell)
+    if typed.save and not typed.by.strip():
+        raise InputError("--save needs --by NAME: who answers for the calibration")
+    if typed.simulate:
+        check_whole("--count", typed.count, 4, MOST)
+        check_whole("--seed", typed.seed, 0, SEED_LIMIT - 1)
+        _simulate(cell, typed)
+    found = read_scanned_poses(typed.poses, cell)
+    mount = replace(cell.scanner, unit=found.unit)
+    sightings: list[PlateSighting] = []
+    missed: list[str] = []
+    with progress("calibrate") as report:
+        for number, pose in enumerate(found.poses):
+            name = pose.scan.name
+            report(number / len(found.poses), name)
+            scan = read_scan(pose.scan, mount, key=f"`unit` in {FILE}, or that of the cell")
+            try:
+                sightings.append(sight_plate(scan, found.plate, name, found.arm, pose.q))
+            except InputError as error:
+                missed.append(str(error))
+    if not typed.json:
+        for problem in missed:
+            print(f"left out: {problem}")
+    calibration = calibrated(cell, sightings)
+    if typed.json:
+        print_json(_form(cell, calibration, missed))
+    else:
+        _print(cell, calibration)
+        if typed.simulate:
+            off = _true_pose(cell).actInv(calibration.T_world_scanner)
+            print(f"off the truth of this simulation: {_between(off)}")
+    if typed.save:
+        _save(typed, cell, calibration)
+    return SUCCESS
+
+
+def _true_pose(cell: Cell) -> pin.SE3:
+    return cell.scanner.T_world_scanner * WRONG
+
+
+def _simulate(cell: Cell, typed: arguments.Calibrate) -> None:
+    """Scans of the simulated cell, whose scanner hangs elsewhere than the cell says."""
+    folder: Path = typed.poses
+    if (folder / FILE).exists():
+        raise InputError(f"{folder / FILE}: is there already; name another folder for --simulate")
+    arm, plate = cell.arms[0], BallPlate()
+    seen = replace(cell, scanner=replace(cell.scanner, T_world_scanner=_true_pose(cell)))
+    with progress("calibrate") as report:
+        make_ready(report, ("planning",))
+    qs = suggested_poses(seen, arm, plate, typed.count, seed=typed.seed)
+    if len(qs) < typed.count:
+        raise InputError(
+            f"cell {cell.name}: the scanner sees the plate in {len(qs)} poses of the {arm.name} "
+            f"arm only, {typed.count} are wanted"
+        )
+    poses = [ScannedPose(folder / f"pose_{k + 1}.ply", q) for k, q in enumerate(qs)]
+    make_folder(folder)
+    with progress("simulate") as report:
+        for number, pose in enumerate(poses):
+            report(number / len(poses), pose.scan.name)
+            scan = simulated_sight(seen, arm, pose.q, plate, seed=typed.seed + number)
+            write_cloud(pose.scan, scan)
+    write_scanned_poses(folder, arm, plate, poses)
+
+
+def _save(typed: arguments.Calibrate, cell: Cell, calibration: Calibration) -> None:
+    at, path = time.time(), cell_path(typed.cell)
+    calibrated_cell = with_calibration(cell, calibration, at, typed.by)
+    save_cell(path, calibrated_cell)
+    says = f"calibrated by {calibration.used} poses, {calibration.rms * 1000:.2f} mm"
+    log_change(path, read_cell(path), typed.by, at, says)
+    if not typed.json:
+        print(f"saved into {path}")
+
+
+def _print(cell: Cell, calibration: Calibration) -> None:
+    rows = (
+        (
+            one.name,
+            f"{one.distance * 1000:.2f}",
+            f"{np.rad2deg(one.angle):.2f}",
+            one.light if not one.left_out else "left out",
+            one.left_out,
+        )
+        for one in calibration.residuals
+    )
+    print_table(
+        f"{calibration.used} poses, {calibration.rms * 1000:.2f} mm RMS",
+        ("pose", "off mm", "off deg", "light", "why"),
+        rows,
+    )
+    T = calibration.T_world_scanner
+    rpy = np.rad2deg(pin.rpy.matrixToRpy(T.rotation))
+    print(f"position_mm = {_list(T.translation * 1000, 2)}")
+    print(f"rpy_deg = {_list(rpy, 3)}")
+    print(
+        f"sure to {calibration.position_error * 1000:.2f} mm and "
+        f"{np.rad2deg(calibration.angle_error):.3f} degrees (standard errors, worst direction)"
+    )
+    before = cell.scanner.T_world_scanner.actInv(T)
+    shift = moved_by(cell, calibration)[2]
+    print(
+        f"from where the cell has it: {_between(before)}; what lies in the bin moves by "
+        f"{shift * 1000:.2f} mm"
+    )
+    if calibration.used < ADVISED:
+        print(f"{ADVISED} poses are better than {calibration.used}")
+
+
+def _form(cell: Cell, calibration: Calibration, missed: list[str]) -> dict[str, object]:
+    distance, angle, shift = moved_by(cell, calibration)
+    return {
+        "ok": True,
+        "T_world_scanner": calibration.T_world_scanner.homogeneous.tolist(),
+        "poses": [
+            {
+                "name": one.name,
+                "off_mm": round(one.distance * 1000, 4),
+                "off_deg": round(float(np.rad2deg(one.angle)), 4),
+                "light": one.light,
+                "left_out": one.left_out,
+            }
+            for one in calibration.residuals
+        ],
+        "not_seen": missed,
+        "rms_mm": round(calibration.rms * 1000, 4),
+        "position_error_mm": round(calibration.position_error * 1000, 4),
+        "angle_error_deg": round(float(np.rad2deg(calibration.angle_error)), 5),
+        "moved_mm": round(distance * 1000, 4),
+        "moved_deg": round(float(np.rad2deg(angle)), 5),
+        "moved_in_bin_mm": round(shift * 1000, 4),
+    }
+
+
+def _between(T: pin.SE3) -> str:
+    distance, angle = np.linalg.norm(T.translation), np.linalg.norm(pin.log3(T.rotation))
+    return f"{distance * 1000:.2f} mm and {np.rad2deg(angle):.3f} degrees"
+
+
+def _list(values: Floats, digits: int) -> str:
+    return f"[{', '.join(f'{value + 0.0:.{digits}f}' for value in values)}]"

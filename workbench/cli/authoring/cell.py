@@ -1,0 +1,205 @@
+"""`workbench cell`: what a cell is made of, and whether it can work before anything is scanned."""
+
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from dataclasses import fields
+from typing import assert_never
+
+import numpy as np
+
+from workbench.app.runtime.readiness import make_ready
+from workbench.cli.arguments.nested import CellCheck, CellCommands, CellNew, CellSchema, CellShow
+from workbench.cli.authoring.new_cell import new_cell
+from workbench.cli.exits import NO_PLAN, SUCCESS
+from workbench.cli.terminal import print_json, print_table, progress
+from workbench.formats.cells.reading import read_cell
+from workbench.formats.cells.schema import schema_text
+from workbench.model.cell import Arm, Cell
+from workbench.model.geometry import Floats
+from workbench.studies.reach import Reach, reach_of
+from workbench.studies.targets import Target
+
+SLOW = np.deg2rad(1.0)
+"""[rad/s] A joint that turns no faster has probably a limit that was never filled in."""
+
+NO_SPEED = 100.0
+"""[rad/s] A joint that turns faster has probably no limit."""
+
+WIDE = 4 * np.pi
+"""[rad] A joint whose range is wider has probably no limits."""
+
+
+def cell(typed: CellCommands) -> int:
+    """Carry out a command about a cell."""
+    match typed.what:
+        case CellCheck():
+            return _check(typed.what)
+        case CellShow():
+            return _show(typed.what)
+        case CellSchema():
+            print(schema_text(), end="")
+            return SUCCESS
+        case CellNew():
+            return new_cell(typed.what)
+        case _:
+            assert_never(typed.what)
+
+
+def _show(typed: CellShow) -> int:
+    """Print names and values."""
+    cell = read_cell(typed.cell)
+    bin, scanner, policy = cell.bin, cell.scanner, cell.policy
+    rows = [("digest", cell.digest)]
+    rows += [
+        (
+            f"{arm.name} arm",
+            f"{len(arm.joints)} axes to {arm.flange}, tool {arm.tool.name}, "
+            f"{len(arm.Ts_world_place)} places",
+        )
+        for arm in cell.arms
+    ]
+    rows += [
+        (
+            f"part {part.name}",
+            f"{part.mass * 1000:.0f} g, {len(part.library.grasps)} grasps, "
+            f"{len(part.pieces)} pieces",
+        )
+        for part in cell.parts
+    ]
+    rows += [
+        ("bin", f"{_mm(bin.size)} mm inside, at {_mm(bin.T_world_bin.translation)} mm"),
+        *((f"fixture {one.name}", f"{len(one.solids)} solids") for one in cell.fixtures),
+        (
+            "scanner",
+            f"{scanner.resolution[0]} x {scanner.resolution[1]} pixels, at "
+            f"{_mm(scanner.T_world_scanner.translation)} mm",
+        ),
+        (
+            "controller",
+            f"{cell.controller.protocol} at {cell.controller.host} port {cell.controller.port}",
+        ),
+        *(
+            (
+                f"policy {field.name}",
+                f"{getattr(policy, field.name):.4g}"
+                if isinstance(getattr(policy, field.name), float)
+                else str(getattr(policy, field.name)),
+            )
+            for field in fields(policy)
+        ),
+    ]
+    print_table(
+        f"cell {cell.name} (lengths of the policy in m, angles in rad)", ("what", "value"), rows
+    )
+    return SUCCESS
+
+
+def _mm(lengths: Floats) -> str:
+    return ", ".join(f"{value * 1000:.0f}" for value in lengths)
+
+
+def _check(typed: CellCheck) -> int:
+    """Print what was found; the exit code is 0 only when nothing speaks against the cell."""
+    cell = read_cell(typed.cell)
+    reaches: list[Reach] = []
+    with progress("check") as report:
+        make_ready(report, ("planning",))
+        for number, arm in enumerate(cell.arms):
+            report(number / len(cell.arms), f"{arm.name} arm")
+            reaches.append(reach_of(cell, arm))
+    problems = [
+        problem
+        for arm, reach in zip(cell.arms, reaches, strict=True)
+        for problem in _problems(cell, arm, reach)
+    ]
+    if typed.json:
+        print_json(
+            {
+                "ok": not problems,
+                "cell": cell.name,
+                "digest": cell.digest,
+                "arms": [_form(reach) for reach in reaches],
+                "problems": problems,
+            }
+        )
+        return SUCCESS if not problems else NO_PLAN
+    print(f"cell {cell.name}, digest {cell.digest[:12]}, parts: {_names(cell)}")
+    for arm in cell.arms:
+        print_table(
+            f"{arm.name} arm: axes as the controller counts them",
+            ("axis", "joint", "lower deg", "upper deg", "speed deg/s", "home deg"),
+            _axes(cell, arm),
+        )
+    print_table(
+        "Reach: tool straight down over a grid in the bin, and the places",
+        ("arm", "poses in the bin", "clear", "in collision", "out of reach", "places reached"),
+        [_words(reach) for reach in reaches],
+    )
+    for problem in problems:
+        print(f"problem: {problem}")
+    if not problems:
+        print("nothing speaks against this cell")
+    return SUCCESS if not problems else NO_PLAN
+
+
+def _names(cell: Cell) -> str:
+    return ", ".join(part.name for part in cell.parts) or "none"
+
+
+def _problems(cell: Cell, arm: Arm, reach: Reach) -> Iterator[str]:
+    lower, upper, velocity = cell.robot.limits(arm.joints)
+    for joint, low, high, fast in zip(arm.joints, lower, upper, velocity, strict=True):
+        if fast <= SLOW:
+            yield f"{arm.name} arm: joint {joint} has no speed worth the name ({fast:g} rad/s)"
+        if fast >= NO_SPEED:
+            yield f"{arm.name} arm: joint {joint} has no speed limit ({fast:g} rad/s)"
+        if high - low > WIDE + 1e-6:
+            turns = f"turns {np.rad2deg(high - low):.0f} degrees"
+            yield f"{arm.name} arm: joint {joint} {turns}: are there no limits?"
+    if reach.at_home is not None:
+        one, other = reach.at_home.pair
+        distance = reach.at_home.distance * 1000
+        yield f"{arm.name} arm: at home {one} and {other} are {distance:.1f} mm apart"
+    if not any(target.outcome == "clear" for target in reach.bin):
+        yield f"{arm.name} arm: reaches no pose in the bin with the tool pointing down"
+    if not reach.places:
+        yield f"{arm.name} arm: has no place where it may release a part"
+    elif not any(target.outcome == "clear" for target in reach.places):
+        yield f"{arm.name} arm: reaches none of its places"
+
+
+def _axes(cell: Cell, arm: Arm) -> list[tuple[str, ...]]:
+    lower, upper, velocity = (np.rad2deg(one) for one in cell.robot.limits(arm.joints))
+    home = np.rad2deg(np.asarray(arm.home))
+    rows: list[tuple[str, ...]] = []
+    for axis, (k, sign) in enumerate(zip(arm.wire_order, arm.wire_signs, strict=True), start=1):
+        low, high = sorted((sign * lower[k], sign * upper[k]))
+        values = (low, high, velocity[k], sign * home[k])
+        rows.append((str(axis), arm.joints[k], *(f"{value:.1f}" for value in values)))
+    return rows
+
+
+def _share(targets: Sequence[Target]) -> dict[str, int]:
+    return dict(Counter(target.outcome for target in targets))
+
+
+def _words(reach: Reach) -> tuple[str, ...]:
+    found, places = _share(reach.bin), _share(reach.places)
+    return (
+        reach.arm,
+        str(len(reach.bin)),
+        *(
+            f"{found.get(outcome, 0) / len(reach.bin):.0%}"
+            for outcome in ("clear", "in collision", "out of reach")
+        ),
+        f"{places.get('clear', 0)} of {len(reach.places)}",
+    )
+
+
+def _form(reach: Reach) -> dict[str, object]:
+    return {
+        "arm": reach.arm,
+        "clear_at_home": reach.at_home is None,
+        "bin": _share(reach.bin),
+        "places": _share(reach.places),
+    }

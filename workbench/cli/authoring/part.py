@@ -1,0 +1,149 @@
+"""`workbench part`: from a CAD file to a part, and whether it is fit for picking."""
+
+from typing import Any, assert_never
+
+import numpy as np
+
+from workbench.app.core.part_rules import DENSITIES
+from workbench.app.picking.part_import import make_part, symmetry_words
+from workbench.app.runtime.readiness import make_ready
+from workbench.cli.arguments.part import PartCheck, PartCommands, PartImport, PartList
+from workbench.cli.authoring.part_check import check, counted, millimetres
+from workbench.cli.exits import SUCCESS
+from workbench.cli.terminal import check_number, print_json, print_table, progress
+from workbench.formats.files.shipped import folders
+from workbench.formats.parts.new_part import Imported, WrittenPart, check_name
+from workbench.formats.parts.reading import read_part
+from workbench.model.errors import FileError
+from workbench.planning.grasps.part_symmetry import FoundSymmetry
+
+
+def part(typed: PartCommands) -> int:
+    """Carry out a command about parts."""
+    match typed.what:
+        case PartImport():
+            return _import(typed.what)
+        case PartCheck():
+            return check(typed.what)
+        case PartList():
+            return _list(typed.what)
+        case _:
+            assert_never(typed.what)
+
+
+def _import(typed: PartImport) -> int:
+    """Make the folder of a part and tell what was found."""
+    check_name(typed.name)
+    check_number("--density", typed.density, *DENSITIES)
+    if typed.mass_g is not None:
+        check_number("--mass-g", typed.mass_g, 0.001, 1e6)
+    if (typed.into / typed.name).exists():
+        raise FileError(typed.into / typed.name, "is there already; choose another name")
+    with progress("import") as report:
+        make_ready(report, ("planning",))
+        made = make_part(
+            typed.file,
+            typed.name,
+            typed.into,
+            unit=typed.unit,
+            density=typed.density,
+            mass=None if typed.mass_g is None else typed.mass_g / 1000,
+            repair=typed.repair,
+            is_symmetric=typed.accept_symmetry,
+            report=report,
+        )
+    imported, written, found = made.imported, made.written, made.symmetry
+    if typed.json:
+        print_json(_import_form(typed, imported, written, found))
+    else:
+        _print_import(typed, imported, written, found)
+    return SUCCESS
+
+
+def _import_form(
+    typed: PartImport, imported: Imported, written: WrittenPart, found: FoundSymmetry | None
+) -> dict[str, Any]:
+    surface = imported.surface
+    return {
+        "ok": True,
+        "folder": str(written.folder),
+        "unit": imported.cad.unit or "as the file says",
+        "unit_assumed": imported.cad.is_assumed,
+        "size_mm": np.round(surface.size * 1000, 3).tolist(),
+        "triangles": surface.triangles,
+        "volume_cm3": round(surface.volume * 1e6, 4),
+        "components": surface.components,
+        "mass_g": round(written.part.mass * 1000, 3),
+        "done": list(imported.done),
+        "pieces": len(written.part.pieces),
+        "excess_mm": round(written.excess * 1000, 2),
+        "symmetry": None if found is None else symmetry_words(found),
+        "symmetry_stated": found is not None and typed.accept_symmetry,
+    }
+
+
+def _print_import(
+    typed: PartImport, imported: Imported, written: WrittenPart, found: FoundSymmetry | None
+) -> None:
+    surface, cad, part = imported.surface, imported.cad, written.part
+    assumed = " (assumed: no other gives the size of a part)" if cad.is_assumed else ""
+    print(f"{typed.file.name}: read in {cad.unit or 'its own unit'}{assumed}")
+    print(
+        f"size {millimetres(surface.size)} mm, {surface.volume * 1e6:.4g} cm3, "
+        f"{surface.triangles} triangles, watertight, {counted(surface.components, 'body')}"
+    )
+    for line in imported.done:
+        print(f"mended: {line}")
+    how = "given" if typed.mass_g is not None else f"at {typed.density:g} kg/m3"
+    print(f"mass {part.mass * 1000:.4g} g ({how})")
+    large = f"at most about {written.excess * 1000:.1f} mm too large"
+    print(f"{counted(len(part.pieces), 'convex piece')}, {large}")
+    if found is not None:
+        only = "a comment only: --accept-symmetry states it"
+        print(f"symmetry: {symmetry_words(found)} ({'stated' if typed.accept_symmetry else only})")
+    print(f"written to {written.folder}")
+
+
+def _list(typed: PartList) -> int:
+    """Print name, size and grasps of every part that is found by name."""
+    rows: list[dict[str, Any]] = []
+    seen: set[str] = set()
+    for folder in folders("parts"):
+        for place in sorted(folder.iterdir()):
+            if place.name in seen or not (place / "part.toml").is_file():
+                continue
+            seen.add(place.name)
+            try:
+                one = read_part(place)
+            except FileError as error:
+                rows.append({"name": place.name, "problem": str(error)})
+                continue
+            size = np.ptp(one.mesh.points, axis=0)
+            rows.append(
+                {
+                    "name": place.name,
+                    "size_mm": np.round(size * 1000, 2).tolist(),
+                    "mass_g": round(one.mass * 1000, 3),
+                    "grasps": len(one.library.grasps),
+                    "folder": str(place),
+                }
+            )
+    if typed.json:
+        print_json({"ok": True, "parts": rows})
+        return SUCCESS
+    print_table(
+        "Parts",
+        ("part", "size mm", "grasps", "folder"),
+        [
+            (row["name"], "cannot be read", "", row["problem"])
+            if "problem" in row
+            else (
+                row["name"],
+                ", ".join(f"{value:g}" for value in row["size_mm"]),
+                str(row["grasps"]),
+                row["folder"],
+            )
+            for row in rows
+        ],
+    )
+    return SUCCESS

@@ -1,0 +1,209 @@
+"""`workbench part check`: whether a part is fit for picking in a cell, and what it lacks."""
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from workbench.app.runtime.readiness import make_ready
+from workbench.cli.arguments.part import PartCheck
+from workbench.cli.exits import NO_PLAN, SUCCESS
+from workbench.cli.terminal import print_json, print_table, progress
+from workbench.formats.cells.reading import read_cell
+from workbench.formats.meshes.repair import Surface, examined, joined_corners
+from workbench.formats.meshes.triangles import surface_of
+from workbench.formats.parts.reading import read_part
+from workbench.model.cell import Cell
+from workbench.model.geometry import Floats
+from workbench.model.part import Part
+from workbench.planning.grasps.coverage import Coverage, coverage
+from workbench.planning.grasps.grasp_check import GraspCheck, GraspChecker
+from workbench.planning.grasps.part_rays import nearest_points, normals_of
+from workbench.planning.grasps.part_symmetry import (
+    deviation_of,
+    tolerance_of,
+)
+
+
+def check(typed: PartCheck) -> int:
+    """Print what was found; the exit code is 0 only when nothing speaks against the part."""
+    part, cell = read_part(typed.part), read_cell(typed.cell)
+    with progress("check") as report:
+        make_ready(report, ("planning",))
+        report(0.0, "grasps")
+        checks = _grasp_checks(part, cell)
+        covered = coverage(cell, part, report=lambda done, note: report(0.1 + 0.9 * done, note))
+    surface = examined(joined_corners(part.mesh)[0])
+    problems = list(_problems(part, cell, surface, checks))
+    if typed.json:
+        print_json(_form(part, surface, checks, covered, problems))
+    else:
+        closed = "watertight" if surface.is_watertight else "open"
+        pieces = counted(len(part.pieces), "convex piece")
+        print(
+            f"part {part.name}: {millimetres(surface.size)} mm, {part.mass * 1000:.4g} g, "
+            f"{surface.triangles} triangles, {closed}, {pieces} about "
+            f"{_excess(part) * 1000:.1f} mm too large"
+        )
+        _print_grasps(checks, covered)
+        _print_coverage(covered)
+        for problem in problems:
+            print(f"problem: {problem}")
+        if not problems:
+            print("nothing speaks against this part")
+    return SUCCESS if not problems else NO_PLAN
+
+
+def _excess(part: Part) -> float:
+    """How far a corner of a piece lies from the surface at most [m], but for those inside."""
+    surface = joined_corners(part.mesh)[0]
+    corners = np.vstack([np.asarray(surface_of([piece]).vertices) for piece in part.pieces])
+    nearest, distances, triangles = nearest_points(surface, corners)
+    outward = np.einsum("ij,ij->i", corners - nearest, normals_of(surface)[0][triangles])
+    return float(distances[outward > 0].max(initial=0.0))
+
+
+def _problems(
+    part: Part, cell: Cell, surface: Surface, checks: dict[str, list[GraspCheck]]
+) -> Iterator[str]:
+    """What speaks against a part, one line each."""
+    off, allowed = deviation_of(part.mesh, part.symmetry), tolerance_of(part.mesh)
+    if off > allowed:
+        yield f"symmetry: the stated turns move the surface by {off * 1000:.2f} mm"
+    for problem in surface.problems:
+        yield f"mesh: {problem}"
+    if not part.library.grasps:
+        yield f"it has no grasps: workbench grasps suggest {part.name} --add"
+    for arm, found in checks.items():
+        for check in found:
+            for finding in check.findings:
+                if finding.is_problem:
+                    yield f"grasp {check.grasp}, {arm} arm: {finding.text}"
+    if part.library.grasps and not any(one.is_ok for found in checks.values() for one in found):
+        yield f"no grasp works with a tool of {cell.name}"
+
+
+def _form(
+    part: Part,
+    surface: Surface,
+    checks: dict[str, list[GraspCheck]],
+    covered: Coverage,
+    problems: list[str],
+) -> dict[str, Any]:
+    return {
+        "ok": not problems,
+        "part": part.name,
+        "size_mm": np.round(surface.size * 1000, 3).tolist(),
+        "watertight": surface.is_watertight,
+        "triangles": surface.triangles,
+        "pieces": len(part.pieces),
+        "excess_mm": round(_excess(part) * 1000, 2),
+        "grasps": {arm: [_check_form(one) for one in found] for arm, found in checks.items()},
+        "coverage": _coverage_form(covered),
+        "problems": problems,
+    }
+
+
+def _grasp_checks(part: Part, cell: Cell) -> dict[str, list[GraspCheck]]:
+    """For each arm that may use them, every grasp's check with its tool."""
+    checks: dict[str, list[GraspCheck]] = {}
+    for arm in cell.arms:
+        checker = GraspChecker(part, arm.tool)
+        checks[arm.name] = [
+            checker.check(grasp)
+            for grasp in part.library.grasps
+            if (not grasp.arms or arm.name in grasp.arms)
+            and (not grasp.tool or grasp.tool == arm.tool.name)
+        ]
+    return checks
+
+
+def _print_grasps(checks: dict[str, list[GraspCheck]], covered: Coverage) -> None:
+    good = {
+        (arm, check.grasp): "good" if check.is_ok else "see below"
+        for arm, found in checks.items()
+        for check in found
+    }
+    rows = [
+        (
+            grasp,
+            *(
+                f"{good.get((arm, grasp), 'not for it')}, {share:.0%}"
+                for arm, share in zip(covered.arms, covered.grasp_shares[g], strict=True)
+            ),
+        )
+        for g, grasp in enumerate(covered.grasps)
+    ]
+    if rows:
+        title = f"Grasps on the part alone, and in which share of {covered.poses} poses in the bin"
+        print_table(title, ("grasp", *(f"{arm} arm" for arm in covered.arms)), rows)
+
+
+def _print_coverage(covered: Coverage) -> None:
+    each = ", ".join(
+        f"{arm} {share:.0%}"
+        for arm, share in zip(covered.arms, covered.arm_shares.mean(axis=0), strict=True)
+    )
+    print(f"covered: {covered.share:.0%} of {covered.poses} poses in the bin ({each})")
+    missing = covered.missing
+    if missing is None:
+        return
+    print(
+        f"fewest grasps ({missing.share:.0%}) where [{_axis(missing.direction)}] points up: the "
+        f"part shows [{millimetres(missing.point)}] mm there, normal [{_axis(missing.normal)}]"
+    )
+    if missing.suggestion is not None:
+        T = missing.suggestion.grasp.T_part_tcp
+        print(
+            f"to add: the {missing.arm} arm at [{millimetres(T.translation)}] mm along "
+            f"[{_axis(T.rotation[:, 2])}] takes {missing.would_work:.0%} of those"
+        )
+
+
+def _coverage_form(covered: Coverage) -> dict[str, Any]:
+    missing = covered.missing
+    return {
+        "poses": covered.poses,
+        "share": round(covered.share, 4),
+        "arms": {
+            arm: round(float(share), 4)
+            for arm, share in zip(covered.arms, covered.arm_shares.mean(axis=0), strict=True)
+        },
+        "grasps": {
+            grasp: dict(zip(covered.arms, np.round(shares, 4).tolist(), strict=True))
+            for grasp, shares in zip(covered.grasps, covered.grasp_shares, strict=True)
+        },
+        "missing": None
+        if missing is None
+        else {
+            "up": np.round(missing.direction, 4).tolist(),
+            "share": round(missing.share, 4),
+            "arm": missing.arm,
+            "would_work": round(missing.would_work, 4),
+        },
+    }
+
+
+def _check_form(check: GraspCheck) -> dict[str, Any]:
+    return {
+        "grasp": check.grasp,
+        "ok": check.is_ok,
+        "width_mm": None if check.width is None else round(check.width * 1000, 2),
+        "clearance_mm": round(check.clearance * 1000, 2),
+        "findings": [finding.text for finding in check.findings],
+    }
+
+
+def counted(count: int, what: str) -> str:
+    """How many of something, in words."""
+    plural = {"body": "bodies"}.get(what, f"{what}s")
+    return f"{count} {what if count == 1 else plural}"
+
+
+def millimetres(lengths: Floats) -> str:
+    """Lengths [m] for people, four digits each."""
+    return ", ".join(f"{value + 0.0:.4g}" for value in np.round(np.asarray(lengths) * 1000, 2))
+
+
+def _axis(direction: Floats) -> str:
+    return ", ".join(f"{value + 0.0:g}" for value in np.round(direction, 2))

@@ -1,0 +1,4 @@
+"""Benchmarks and studies as commands.
+
+Imports `arguments` and `serving`.
+"""

@@ -1,0 +1,194 @@
+"""`workbench bench soak`: very many cycles of the demo in a row; none may be lost, nothing grow."""
+
+import contextlib
+import os
+import time
+from collections import Counter
+from dataclasses import dataclass, replace
+from pathlib import Path
+from statistics import median
+from typing import Any
+
+import numpy as np
+
+from workbench.app.core.commands import AcknowledgeFault
+from workbench.app.core.state import Phase
+from workbench.app.core.value_checks import SEED_LIMIT
+from workbench.app.records.sessions import new_session
+from workbench.app.runtime.bench import Bench
+from workbench.app.runtime.readiness import make_ready
+from workbench.cli.arguments.nested import BenchSoak
+from workbench.cli.exits import FAILURE, SUCCESS
+from workbench.cli.serving.demo import ACTOR, Cycle, NoPlan, StageRow
+from workbench.cli.serving.simulation import simulated_controller
+from workbench.cli.terminal import (
+    check_number,
+    check_whole,
+    milliseconds,
+    print_json,
+    print_table,
+    progress,
+)
+from workbench.formats.cells.reading import read_cell
+from workbench.journal.journal import Journal
+from workbench.model.errors import WorkbenchError
+
+SETTLED = 0.2
+"""Share of the cycles after which memory is expected to grow no more."""
+
+MEGABYTE = 2**20
+
+
+@dataclass(frozen=True, slots=True)
+class Sample:
+    """One cycle: what became of it, how long it took [s], and memory afterwards [bytes].
+
+    `own` is that of this process, `others` that of the worker and the controller.
+    """
+
+    end: str
+    seconds: float
+    own: int
+    others: int
+
+
+def soak(typed: BenchSoak) -> int:
+    """Run the cycles; succeeds when none was lost and the journal is whole.
+
+    Ctrl-C ends them early and tells what has been so far.
+    """
+    check_whole("--cycles", typed.cycles, 1, 1_000_000)
+    check_whole("--piles", typed.piles, 1, 10_000)
+    check_number("--speed", typed.speed, 0.01, 1000)
+    check_whole("--seed", typed.seed, 0, SEED_LIMIT - typed.piles)
+    cell = read_cell(typed.cell)
+    samples: list[Sample] = []
+    lost: list[str] = []
+    protocol = cell.controller.protocol
+    with simulated_controller(typed.cell, protocol, speed=typed.speed) as controller:
+        cell = replace(cell, controller=controller)
+        with progress("soak") as report:
+            make_ready(report)
+        journal = new_session(typed.sessions, cell, time.time())
+        bench = Bench(cell, journal)
+        try:
+            with progress("soak") as report:
+                for number in range(typed.cycles):
+                    began = time.perf_counter()
+                    end = _cycle(bench, number, typed.seed + number % typed.piles, lost)
+                    seconds = time.perf_counter() - began
+                    samples.append(Sample(end, seconds, *_memory()))
+                    report((number + 1) / typed.cycles, f"cycle {number + 1}, {end}")
+        except KeyboardInterrupt:
+            # What has been so far is worth telling, provided that something has.
+            if not samples:
+                raise
+        finally:
+            bench.close()
+    form = _summary(samples, lost, journal.folder)
+    if typed.json:
+        print_json(form)
+    else:
+        _print(form)
+    return SUCCESS if not lost and not form["problems"] else FAILURE
+
+
+def _cycle(bench: Bench, number: int, seed: int, lost: list[str]) -> str:
+    """Run one cycle and tell in a word what became of it; why it was lost is added to `lost`."""
+    rows: list[StageRow] = []
+    try:
+        Cycle(bench, number + 1, rows, lambda done, note: None).run(seed)
+    except NoPlan:
+        return "no plan"
+    except WorkbenchError as error:
+        lost.append(f"cycle {number + 1}, seed {seed}: {error}")
+        if bench.state.phase is Phase.FAULT:
+            bench.do(AcknowledgeFault(), ACTOR)
+        return "lost"
+    return "done"
+
+
+def _memory() -> tuple[int, int]:
+    """Resident memory [bytes] of this process and of those that it has started (Linux)."""
+    children: set[int] = set()
+    for task in Path("/proc/self/task").iterdir():
+        # A thread may have ended since it was listed.
+        with contextlib.suppress(OSError):
+            children.update(map(int, (task / "children").read_text().split()))
+    return _resident(os.getpid()), sum(_resident(child) for child in children)
+
+
+def _resident(process: int) -> int:
+    try:
+        pages = int(Path(f"/proc/{process}/statm").read_text().split()[1])
+    except (OSError, IndexError):
+        return 0
+    return pages * os.sysconf("SC_PAGE_SIZE")
+
+
+def _summary(samples: list[Sample], lost: list[str], folder: Path) -> dict[str, Any]:
+    settled = samples[int(len(samples) * SETTLED) :]
+    journal = Journal(folder)
+    try:
+        entries, problems = journal.count, journal.verify()
+    finally:
+        journal.close()
+    seconds = sorted(sample.seconds for sample in samples)
+    return {
+        "cycles": len(samples),
+        "ends": dict(Counter(sample.end for sample in samples)),
+        "lost": lost,
+        "median_ms": milliseconds(median(seconds)),
+        "p95_ms": milliseconds(seconds[int(0.95 * (len(seconds) - 1))]),
+        "memory_mb": {
+            name: {
+                "first": _megabytes(settled[0], name),
+                "last": _megabytes(samples[-1], name),
+                "most": max(_megabytes(sample, name) for sample in samples),
+                "growth_per_1000_cycles": _growth(settled, name),
+            }
+            for name in ("own", "others")
+        },
+        "entries": entries,
+        "session": str(folder),
+        "session_mb": _size(folder),
+        "problems": list(problems),
+    }
+
+
+def _megabytes(sample: Sample, name: str) -> float:
+    return round(getattr(sample, name) / MEGABYTE, 1)
+
+
+def _growth(samples: list[Sample], name: str) -> float | None:
+    """Slope of a straight line through the memory of the cycles, in MB for 1,000 cycles."""
+    if len(samples) < 2:
+        return None
+    memory = [getattr(sample, name) / MEGABYTE for sample in samples]
+    return round(float(np.polyfit(np.arange(len(memory)), memory, 1)[0]) * 1000, 2)
+
+
+def _size(folder: Path) -> float:
+    content = sum(file.stat().st_size for file in folder.rglob("*") if file.is_file())
+    return round(content / MEGABYTE, 1)
+
+
+def _print(form: dict[str, Any]) -> None:
+    ends = ", ".join(f"{count} {end}" for end, count in sorted(form["ends"].items()))
+    print(f"{form['cycles']} cycles: {ends}")
+    for line in form["lost"]:
+        print(f"lost: {line}")
+    print(f"a cycle: median {form['median_ms']:,} ms, 95 % within {form['p95_ms']:,} ms")
+    print_table(
+        "Resident memory, MB",
+        ("of", f"after {SETTLED:.0%} of the cycles", "at the end", "most", "growth, 1,000 cycles"),
+        [
+            (who, *(str(form["memory_mb"][name][key]) for key in
+                    ("first", "last", "most", "growth_per_1000_cycles")))
+            for name, who in (("own", "this process"), ("others", "worker and controller"))
+        ],
+    )  # fmt: skip
+    whole = "; ".join(form["problems"]) or "the journal is whole"
+    print(
+        f"session: {form['session']}, {form['entries']:,} entries, {form['session_mb']} MB; {whole}"
+    )

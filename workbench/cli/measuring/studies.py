@@ -1,0 +1,275 @@
+"""`workbench bench` and `workbench study`: measurements, as tables, JSON and plots."""
+
+from collections import Counter
+from dataclasses import asdict, replace
+from typing import Any, assert_never
+
+import numpy as np
+
+from workbench.app.core.value_checks import MOST_PARTS, SEED_LIMIT
+from workbench.app.runtime.readiness import make_ready
+from workbench.cli.arguments.nested import (
+    Bench,
+    BenchPage,
+    BenchPick,
+    BenchPlanners,
+    BenchShort,
+    BenchSoak,
+    Study,
+    StudyLocalization,
+    StudyThreshold,
+)
+from workbench.cli.exits import SUCCESS
+from workbench.cli.terminal import check_number, check_whole, print_json, print_table, progress
+from workbench.formats.cells.predictions import predictions_path, write_predictions
+from workbench.formats.cells.reading import read_cell
+from workbench.model.errors import InputError
+from workbench.studies import klampt, localization, picks, planners, plots, threshold
+from workbench.studies.cases import run_cases
+
+MOST = 1_000_000
+
+
+def bench(typed: Bench) -> int:
+    """Carry out one of the benchmarks."""
+    match typed.what:
+        case BenchPlanners():
+            return _planners(typed.what)
+        case BenchPick():
+            return _pick(typed.what)
+        case BenchSoak():
+            from workbench.cli.measuring.soak import soak
+
+            return soak(typed.what)
+        case BenchPage():
+            from workbench.cli.measuring.page_load import page_load
+
+            return page_load(typed.what)
+        case BenchShort():
+            from workbench.cli.measuring.short import short
+
+            return short(typed.what)
+        case _:
+            assert_never(typed.what)
+
+
+def study(typed: Study) -> int:
+    """Carry out one of the studies."""
+    match typed.what:
+        case StudyLocalization():
+            return _localization(typed.what)
+        case StudyThreshold():
+            return _threshold(typed.what)
+        case _:
+            assert_never(typed.what)
+
+
+def _planners(typed: BenchPlanners) -> int:
+    check_whole("--targets", typed.targets, 1, MOST)
+    check_number("--seconds", typed.seconds, 0.01, 600)
+    check_whole("--seed", typed.seed, 0, SEED_LIMIT - 1)
+    if not typed.iterations or not typed.planners:
+        raise InputError("--iterations and --planners need at least one value each")
+    for allowed in typed.iterations:
+        check_whole("--iterations", allowed, 1, MOST)
+    cell = read_cell(typed.cell)
+    if typed.start == "zero":
+        arm = cell.arms[0]
+        cell = replace(cell, arms=(replace(arm, home=np.zeros(len(arm.home))), *cell.arms[1:]))
+    by_klampt: list[klampt.KlamptAttempt] = []
+    with progress("planners") as report:
+        make_ready(report, ("planning",))
+        report(0.0, "judging the targets")
+        course = planners.Course(cell, typed.targets, typed.seed)
+        if not course.goals:
+            raise InputError(f"cell {cell.name}: none of {typed.targets} targets can be taken up")
+        attempts = planners.compare(course, typed.planners, typed.iterations, report)
+        if typed.against is not None:
+            by_klampt = klampt.attempts_by_klampt(
+                course, klampt.KLAMPT_PLANNERS, seconds=typed.seconds, report=report
+            )
+    outcomes = Counter(target.outcome for target in course.targets)
+    ours, theirs = planners.summary(attempts), klampt.summary(by_klampt)
+    if typed.plot is not None:
+        plots.draw_planners(typed.plot, ours, theirs)
+    ratio = _ratio(ours, theirs)
+    if typed.json:
+        form = {"targets": dict(outcomes), "planners": ours, "klampt": theirs, "ratio": ratio}
+        print_json(form)
+        return SUCCESS
+    counted = ", ".join(f"{count} {outcome}" for outcome, count in sorted(outcomes.items()))
+    print(f"cell {cell.name}, start {typed.start}, {typed.targets} targets: {counted}")
+    columns = ("planner", "allowed", "used", "success", "search ms", "mean ms")
+    print_table(
+        "From start to target, over the clear targets, by the iterations allowed",
+        (*columns, "median ms", "95 % ms", "tool way mm"),
+        [_planner_words(row) for row in [*ours, *theirs]],
+    )
+    if ratio is not None:
+        print(f"rrtconnect is {ratio:.1f} times as fast in the mean as Klamp't's SBL")
+    return SUCCESS
+
+
+def _ratio(ours: list[dict[str, Any]], theirs: list[dict[str, Any]]) -> float | None:
+    """How many times as long Klamp't's SBL takes as our default with the most iterations."""
+    mine = [row for row in ours if row["planner"] in ("rrtconnect", "birrt")]
+    sbl = [row for row in theirs if row["planner"].endswith("sbl")]
+    if not mine or not sbl:
+        return None
+    return sbl[0]["mean"] / max(mine, key=lambda row: row["allowed"])["mean"]
+
+
+def _planner_words(row: dict[str, Any]) -> tuple[str, ...]:
+    return (
+        row["planner"],
+        "" if row["allowed"] is None else str(row["allowed"]),
+        "" if row["iterations_mean"] is None else f"{row['iterations_mean']:.1f}",
+        f"{row['success']:.1%}",
+        *(_ms(row[key]) for key in ("search_mean", "mean", "median", "p95")),
+        "" if row["tool_way_mean"] is None else f"{row['tool_way_mean'] * 1000:.0f}",
+    )
+
+
+def _pick(typed: BenchPick) -> int:
+    check_whole("--scenes", typed.scenes, 1, MOST)
+    check_whole("--parts", typed.parts, 1, MOST_PARTS)
+    check_whole("--seed", typed.seed, 0, SEED_LIMIT - typed.scenes)
+    with progress("picks") as report:
+        make_ready(report, ("planning",))
+        measured = picks.measure(
+            typed.cell,
+            scenes=typed.scenes,
+            parts=typed.parts,
+            seed=typed.seed,
+            strategy=typed.strategy,
+            planner=typed.planner,
+            report=report,
+        )
+    if typed.json:
+        print_json(measured)
+        return SUCCESS
+    print_table(
+        "Planning: the stages, and all of them by what came out",
+        ("stage", "median ms", "90 % ms", "largest ms", "count"),
+        [
+            (
+                row["stage"],
+                *(_ms(row[key]) for key in ("median", "p90", "largest")),
+                str(row["count"]),
+            )
+            for row in picks.rows(measured)
+        ],
+    )
+    if measured["cycle_seconds"]:
+        print(f"predicted cycle: {np.median(measured['cycle_seconds']):.1f} s median")
+    return SUCCESS
+
+
+def _localization(typed: StudyLocalization) -> int:
+    check_whole("--scenes", typed.scenes, 1, MOST)
+    check_whole("--seed", typed.seed, 0, SEED_LIMIT - typed.scenes)
+    if not typed.parts or not typed.counts or not typed.noise:
+        raise InputError("--parts, --counts and --noise need at least one value each")
+    for count in typed.counts:
+        check_whole("--counts", count, 1, MOST_PARTS)
+    tasks = [
+        localization.Task(typed.cell, part, build, count, seed)
+        for part in typed.parts
+        for build in typed.noise
+        for count in typed.counts
+        for seed in range(typed.seed, typed.seed + typed.scenes)
+    ]
+    with progress("localization") as report:
+        make_ready(report, ("seeing",))
+        scenes = run_cases(localization.localized_scene, tasks, report=report)
+    rows = localization.summary(scenes)
+    if typed.plot is not None:
+        plots.draw_localization(typed.plot, rows)
+    if typed.json:
+        print_json({"scenes": [asdict(scene) for scene in scenes], "rows": rows})
+        return SUCCESS
+    columns = ("part", "noise", "count", "best two", "precision", "recall", "no roll")
+    print_table(
+        f"Localization, {typed.scenes} piles a row; median / worst",
+        (*columns, "mm", "degrees", "ms"),
+        [_localization_words(row) for row in rows],
+    )
+    return SUCCESS
+
+
+def _localization_words(row: dict[str, Any]) -> tuple[str, ...]:
+    def two(key: str, factor: float, digits: int) -> str:
+        if row[key] is None:
+            return ""
+        return " / ".join(f"{row[key][k] * factor:.{digits}f}" for k in ("median", "worst"))
+
+    return (
+        row["part"],
+        row["build"],
+        str(row["count"]),
+        *("" if row[k] is None else f"{row[k]:.1%}" for k in ("best_right", "precision", "recall")),
+        str(row["roll_unknown"]),
+        two("distance", 1e3, 2),
+        two("turn", float(np.rad2deg(1.0)), 2),
+        two("seconds", 1e3, 0),
+    )
+
+
+def _threshold(typed: StudyThreshold) -> int:
+    check_whole("--cycles", typed.cycles, 1, MOST)
+    check_whole("--seed", typed.seed, 0, SEED_LIMIT - typed.cycles)
+    check_whole("--workers", typed.workers, 1, 1024)
+    for value in typed.thresholds:
+        check_number("--thresholds", value, 0.0, 10.0)
+    cell = read_cell(typed.cell)
+    if len(cell.arms) < 2:
+        raise InputError(f"cell {typed.cell} has one arm; the threshold is about two")
+    with progress("threshold") as report:
+        make_ready(report, ("planning",))
+        cases = run_cases(
+            threshold.planned_case,
+            [(typed.cell, seed) for seed in range(typed.seed, typed.seed + typed.cycles)],
+            workers=typed.workers,
+            scheduler=typed.scheduler,
+            report=report,
+        )
+    rows = threshold.summary(cases, typed.thresholds)
+    if typed.plot is not None:
+        plots.draw_threshold(typed.plot, cases, rows)
+    if typed.keep:
+        kept = threshold.predictions(cell, rows)
+        write_predictions(predictions_path(typed.cell), kept)
+    if typed.json:
+        print_json({"cases": [asdict(case) for case in cases], "thresholds": rows})
+        return SUCCESS
+    reachable = sum(case.is_reachable for case in cases)
+    print(f"{len(cases)} piles; in {reachable} each arm can take a part of its own")
+    columns = ("threshold mm", "at once", "success", "mean ms", "median ms", "95 % ms")
+    print_table(
+        "Coordinated at that distance or more, alternated below it",
+        (*columns, "one by one", "mean ms", "median ms", "cycle s", "parts an hour"),
+        [_threshold_words(row) for row in rows],
+    )
+    return SUCCESS
+
+
+def _threshold_words(row: dict[str, Any]) -> tuple[str, ...]:
+    both, one = row["coordinated_planning"], row["alternated_planning"]
+    return (
+        f"{row['threshold'] * 1000:.0f}",
+        _percent(row["coordinated_share"]),
+        _percent(row["coordinated_success"]),
+        *(("", "", "") if both is None else (_ms(both[k]) for k in ("mean", "median", "p95"))),
+        _percent(row["alternated_success"]),
+        *(("", "") if one is None else (_ms(one[k]) for k in ("mean", "median"))),
+        "" if row["cycle_mean"] is None else f"{row['cycle_mean']:.1f}",
+        "" if row["parts_per_hour"] is None else f"{row['parts_per_hour']:.0f}",
+    )
+
+
+def _percent(share: float | None) -> str:
+    return "" if share is None else f"{share:.0%}"
+
+
+def _ms(seconds: float) -> str:
+    return f"{seconds * 1000:.1f}"

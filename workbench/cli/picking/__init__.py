@@ -1,0 +1,4 @@
+"""Commands from a scan to a proven plan.
+
+Imports `arguments`.
+"""

@@ -1,0 +1,88 @@
+"""`workbench explain`: the verdict of every candidate, where they fell, and what would help."""
+
+from collections import Counter
+
+from workbench.app.core.value_checks import SEED_LIMIT
+from workbench.app.picking.pipeline import judge
+from workbench.app.runtime.readiness import make_ready
+from workbench.cli.arguments import top as arguments
+from workbench.cli.exits import NO_PLAN, SUCCESS
+from workbench.cli.picking.findings import candidate_form, print_candidates
+from workbench.cli.picking.planning import detections_from, obstacles_in
+from workbench.cli.terminal import check_whole, print_json, print_table, progress
+from workbench.formats.cells.reading import read_cell
+from workbench.model.candidate import Candidate, Stage
+from workbench.model.errors import InputError
+from workbench.planning.picking.nearest_fix import Fix, nearest_fix
+
+JUDGED = (Stage.PROPOSE, Stage.GRASP, Stage.APPROACH, Stage.EXTRACT, Stage.PLACE)
+"""Stages of a single candidate, in the order of the line."""
+
+
+def explain(typed: arguments.Explain) -> int:
+    """Print the verdicts; the exit code is 0 only when something can be taken."""
+    check_whole("--seed", typed.seed, 0, SEED_LIMIT - 1)
+    cell = read_cell(typed.cell)
+    detections = detections_from(cell, typed.poses, typed.part)
+    if not detections:
+        raise InputError(f"{typed.poses}: holds no poses, so there is nothing to explain")
+    with progress("explain") as report:
+        make_ready(report, ("planning",))
+        obstacles = obstacles_in(cell, typed.scan, detections)
+        candidates = judge(cell, detections, obstacles=obstacles, seed=typed.seed, report=report)
+        report(0.9, "looking for the nearest fix")
+        fix = nearest_fix(cell, detections, candidates, seed=typed.seed, obstacles=obstacles)
+    admitted = sum(candidate.verdict.is_ok for candidate in candidates)
+    if typed.json:
+        print_json(
+            {
+                "ok": admitted > 0,
+                "candidates": [candidate_form(candidate) for candidate in candidates],
+                "funnel": [
+                    {"stage": str(stage), "entered": entered, "refused": refused}
+                    for stage, entered, refused in funnel(candidates)
+                ],
+                "nearest_fix": None if fix is None else _fix_form(fix),
+            }
+        )
+    else:
+        print_candidates(f"{len(candidates)} candidates, {admitted} can be taken", candidates)
+        rows = (
+            (str(stage), str(entered), str(refused), _reasons(candidates, stage))
+            for stage, entered, refused in funnel(candidates)
+        )
+        print_table("where they fell", ("stage", "entered", "refused", "why"), rows)
+        print(f"nearest fix: {'none of the small changes tried' if fix is None else _words(fix)}")
+    return SUCCESS if admitted else NO_PLAN
+
+
+def funnel(candidates: tuple[Candidate, ...]) -> list[tuple[Stage, int, int]]:
+    """For each stage how many candidates came to it, and how many it refused."""
+    refused = Counter(c.verdict.stage for c in candidates if not c.verdict.is_ok)
+    left = len(candidates)
+    rows: list[tuple[Stage, int, int]] = []
+    for stage in JUDGED:
+        rows.append((stage, left, refused[stage]))
+        left -= refused[stage]
+    return rows
+
+
+def _reasons(candidates: tuple[Candidate, ...], stage: Stage) -> str:
+    counts = Counter(
+        str(c.verdict.reason)
+        for c in candidates
+        if c.verdict.stage is stage and not c.verdict.is_ok
+    )
+    return ", ".join(f"{count} {reason}" for reason, count in counts.most_common())
+
+
+def _words(fix: Fix) -> str:
+    candidate = fix.candidate
+    return (
+        f"{candidate.arm} part-{candidate.detection + 1} by {candidate.grasp.name} "
+        f"({candidate.verdict}): {fix.change}; reach and collisions were tried, the grip was not"
+    )
+
+
+def _fix_form(fix: Fix) -> dict[str, object]:
+    return {**candidate_form(fix.candidate), "change": fix.change}

@@ -1,0 +1,70 @@
+"""`workbench scan` and `workbench localize`: from a bin to a cloud, from a cloud to poses."""
+
+from workbench.app.core.value_checks import DETAIL, MOST_PARTS, SEED_LIMIT
+from workbench.app.runtime.readiness import make_ready
+from workbench.app.runtime.work import find_parts, pile_of
+from workbench.cli.arguments import top as arguments
+from workbench.cli.terminal import check_number, check_whole, print_table, progress
+from workbench.formats.cells.reading import read_cell
+from workbench.formats.clouds.scans import read_scan, write_cloud
+from workbench.formats.plans.pose_files import write_poses
+from workbench.model.scan import Discarded
+from workbench.model.search import SearchWishes
+from workbench.perception.scene.bin_check import check_bin
+from workbench.perception.simulation.synthesize import synthesize
+
+
+def scan(typed: arguments.Scan) -> int:
+    """Write a simulated scan and, when asked for, where the parts truly are."""
+    check_whole("--seed", typed.seed, 0, SEED_LIMIT - 1)
+    check_whole("--parts", typed.parts, 1, MOST_PARTS)
+    cell = read_cell(typed.cell)
+    with progress("scan") as report:
+        report(0.1, "parts fall into the bin")
+        truth = pile_of(cell, typed.part, typed.parts, seed=typed.seed)
+        report(0.6, "the scanner looks")
+        found = synthesize(cell, truth, seed=typed.seed)
+        write_cloud(typed.out, found, unit=cell.scanner.unit)
+    if typed.truth is not None:
+        write_poses(typed.truth, truth)
+    print(f"{typed.out}: {len(found.points):,} points")
+    return 0
+
+
+def localize(typed: arguments.Localize) -> int:
+    """Find all parts that the cell knows in a scan, and write their poses."""
+    check_whole("--seed", typed.seed, 0, SEED_LIMIT - 1)
+    check_number("--detail", typed.detail, *DETAIL)
+    check_number("--least-score", typed.least_score, 0.0, 1.0)
+    wishes = SearchWishes(typed.detail, typed.least_score)
+    cell = read_cell(typed.cell)
+    with progress("localize") as report:
+        make_ready(report, ("seeing",))
+        cloud = read_scan(typed.scan, cell.scanner)
+        given = {"scan": cloud, "seed": typed.seed, "wishes": wishes}
+        findings = find_parts(cell, given, report, cancelled=lambda: False)
+    found = findings.detections
+    write_poses(typed.out, found)
+    rows = (
+        (
+            str(number),
+            detection.part,
+            *(f"{p * 1000:.1f}" for p in detection.T_world_part.translation),
+            f"{detection.score:.2f}",
+            f"{detection.visible:.2f}",
+        )
+        for number, detection in enumerate(found, start=1)
+    )
+    columns = ("#", "part", "x mm", "y mm", "z mm", "score", "visible")
+    print_table(f"{typed.out}: {len(found)} found", columns, rows)
+    if typed.discarded:
+        columns = ("part", "x mm", "y mm", "z mm", "score", "why it is none")
+        print_table("Discarded", columns, [_discarded_words(one) for one in findings.discarded])
+    check = check_bin(cloud, cell.bin)
+    print(f"bin, {check.light}: {check.says}")
+    return 0
+
+
+def _discarded_words(one: Discarded) -> tuple[str, ...]:
+    place = (f"{p * 1000:.1f}" for p in one.T_world_part.translation)
+    return (one.part, *place, f"{one.score:.2f}", one.words)

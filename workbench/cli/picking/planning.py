@@ -1,0 +1,200 @@
+"""`workbench plan` and `workbench verify`: a proven plan in a file, or why there is none."""
+
+import math
+import time
+from dataclasses import replace
+from pathlib import Path
+
+from workbench.app.core.plan_result import PlanResult
+from workbench.app.core.value_checks import LARGEST_MARGIN, MOST_ITERATIONS, SEED_LIMIT
+from workbench.app.picking.pipeline import plan_pick
+from workbench.app.runtime.readiness import make_ready
+from workbench.cli.arguments import top as arguments
+from workbench.cli.exits import NO_PLAN, SUCCESS
+from workbench.cli.picking.findings import (
+    candidate_form,
+    plan_form,
+    plan_words,
+    print_candidates,
+    proof_form,
+    proof_words,
+    reasons_words,
+    stages_words,
+)
+from workbench.cli.terminal import (
+    check_number,
+    check_whole,
+    milliseconds,
+    print_json,
+    progress,
+    seconds_since_start,
+)
+from workbench.formats.cells.reading import read_cell
+from workbench.formats.clouds.scans import read_scan
+from workbench.formats.plans.plan_files import read_plan, write_plan
+from workbench.formats.plans.pose_files import read_poses
+from workbench.model.cell import Cell, Wishes
+from workbench.model.digest import digest_of
+from workbench.model.errors import InputError
+from workbench.model.geometry import pose_from_rpy
+from workbench.model.plan import Finding, Plan
+from workbench.model.scan import Detection, Obstacle
+from workbench.perception.scene.unexplained import unexplained
+from workbench.planning.proving.prove import prove
+
+
+def plan(typed: arguments.Plan) -> int:
+    """Plan for poses from a file; write the plan only when its proof holds."""
+    check_whole("--seed", typed.seed, 0, SEED_LIMIT - 1)
+    if typed.threshold is not None:
+        check_number("--threshold", typed.threshold, 0.0, 1.0)
+    if typed.iterations is not None:
+        check_whole("--iterations", typed.iterations, 1, MOST_ITERATIONS)
+    cell = read_cell(typed.cell)
+    if typed.margin is not None:
+        check_number("--margin", typed.margin, cell.policy.margin, LARGEST_MARGIN)
+    if typed.metric is not None:
+        check_number("--metric", typed.metric, 0.05, 1.0)
+    wishes = Wishes(typed.planner, typed.iterations, typed.order, typed.margin, typed.metric)
+    detections = detections_from(cell, typed.poses, typed.part)
+    with progress("plan") as report:
+        make_ready(report, ("planning",))
+        report(0.0, "getting ready")
+        warm_up(cell)
+        obstacles = obstacles_in(cell, typed.scan, detections)
+        ready, began = seconds_since_start(), time.perf_counter()
+        result = plan_pick(
+            cell,
+            detections,
+            digest_of(detections),
+            strategy=typed.strategy,
+            threshold=typed.threshold,
+            wishes=wishes,
+            obstacles=obstacles,
+            seed=typed.seed,
+            report=report,
+        )
+        planning = time.perf_counter() - began
+    is_good = result.plan is not None and result.proof is not None and result.proof.holds
+    if is_good and result.plan is not None:
+        write_plan(typed.out, result.plan, result.proof)
+    if typed.json:
+        _print_form(typed.out, result, is_good, ready, planning)
+    else:
+        _print_words(typed.out, result, is_good, ready, planning)
+    return SUCCESS if is_good else NO_PLAN
+
+
+def warm_up(cell: Cell) -> None:
+    """Plan once for a part in the middle of the bin, and forget it.
+
+    Compiled kernels are loaded and shapes are prepared when they are first used.  A program
+    that goes on has that behind it at its second plan; here it would be counted as planning.
+    """
+    height = float(cell.bin.size[2]) / 2
+    T_world_part = cell.bin.T_world_bin * pose_from_rpy((0, 0, height), (0, math.pi / 2, 0))
+    plan_pick(cell, (Detection(cell.parts[0].name, T_world_part),), "warm-up")
+
+
+def verify(typed: arguments.Verify) -> int:
+    """Prove a plan from its file, and that nobody has changed the file."""
+    plan, stated = read_plan(typed.plan)
+    cell = cell_of(plan, typed.cell)
+    with progress("verify") as report:
+        make_ready(report, ("planning",))
+        report(0.0, "proving the plan")
+        proof = prove(cell, plan)
+    if stated != plan.digest:
+        edited = Finding(
+            f"the file was changed after the plan was made: it states digest {stated[:12]}, "
+            f"its content has {plan.digest[:12]}"
+        )
+        proof = replace(proof, findings=(edited, *proof.findings))
+    if typed.json:
+        form = {"ok": proof.holds, "file": str(typed.plan), "stated_digest": stated}
+        print_json({**form, "digest": plan.digest, "proof": proof_form(proof)})
+    else:
+        print(f"{typed.plan}: {proof_words(proof)}")
+    return SUCCESS if proof.holds else NO_PLAN
+
+
+def cell_of(plan: Plan, name: str | None) -> Cell:
+    """The cell that a plan was made for, found by the name in it unless another one is given.
+
+    Raises:
+        InputError: there is no such cell.
+    """
+    try:
+        return read_cell(plan.cell if name is None else name)
+    except InputError as error:
+        if name is not None:
+            raise
+        raise InputError(f"the cell of the plan: {error}; name its file with --cell") from error
+
+
+def detections_from(cell: Cell, poses: Path, part: str | None) -> tuple[Detection, ...]:
+    """The poses in a file, of parts that the cell knows.
+
+    Args:
+        cell: with its parts.
+        poses: our JSON or a HALCON tuple file.
+        part: what the poses of a HALCON file are of; None when the cell has a single part.
+
+    Raises:
+        InputError: the file cannot be read, or it is not known of what its poses are.
+    """
+    if part is None and len(cell.parts) == 1:
+        part = cell.parts[0].name
+    detections = read_poses(poses, part or "")
+    if any(not detection.part for detection in detections):
+        known = ", ".join(one.name for one in cell.parts)
+        raise InputError(f"{poses}: does not say of what its poses are; add --part ({known})")
+    for detection in detections:
+        cell.part(detection.part)
+    return detections
+
+
+def obstacles_in(
+    cell: Cell, scan: Path | None, detections: tuple[Detection, ...]
+) -> tuple[Obstacle, ...]:
+    """What a scan in a file shows beside the parts; nothing without a scan."""
+    if scan is None:
+        return ()
+    return unexplained(cell, read_scan(scan, cell.scanner), detections)
+
+
+def _print_form(
+    out: Path, result: PlanResult, is_good: bool, ready: float, planning: float
+) -> None:
+    print_json(
+        {
+            "ok": is_good,
+            "file": str(out) if is_good else None,
+            "verdict": str(result.verdict),
+            "plan": None if result.plan is None else plan_form(result.plan),
+            "proof": None if result.proof is None else proof_form(result.proof),
+            "obstacles": len(result.obstacles),
+            "candidates": [candidate_form(candidate) for candidate in result.candidates],
+            "start_ms": milliseconds(ready),
+            "planning_ms": milliseconds(planning),
+            "stages_ms": {stage: milliseconds(s) for stage, s in result.seconds.items()},
+        }
+    )
+
+
+def _print_words(
+    out: Path, result: PlanResult, is_good: bool, ready: float, planning: float
+) -> None:
+    if not is_good:
+        print_candidates("every candidate", result.candidates)
+    print(f"candidates: {reasons_words(result.candidates)}")
+    if result.obstacles:
+        print(f"kept clear of {len(result.obstacles)} obstacles that only the scan shows")
+    if result.plan is None:
+        print(f"no plan: {result.verdict}")
+    else:
+        print(f"{out if is_good else 'not written'}: {plan_words(result.plan)}")
+    if result.proof is not None:
+        print(proof_words(result.proof))
+    print(f"start {milliseconds(ready)} ms: interpreter, libraries, cell, compiled kernels")
+    print(f"planning {milliseconds(planning)} ms: {stages_words(result.seconds)}")

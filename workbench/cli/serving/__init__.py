@@ -1,0 +1,4 @@
+"""Commands that run: the page, the controller, users, backups.
+
+Imports `arguments` and `picking`.
+"""

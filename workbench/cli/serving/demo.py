@@ -1,0 +1,187 @@
+"""`workbench demo`: whole cycles through the same bench as the page, against a controller."""
+
+import time
+from dataclasses import dataclass, replace
+from typing import Any
+
+from workbench.app.core.commands import (
+    Approve,
+    Command,
+    FindParts,
+    MakePlan,
+    SendPlan,
+    TakeScan,
+    WatchPlan,
+)
+from workbench.app.core.state import Phase, State
+from workbench.app.core.value_checks import SEED_LIMIT
+from workbench.app.records.sessions import new_session
+from workbench.app.runtime.bench import Bench
+from workbench.cli.arguments import top as arguments
+from workbench.cli.exits import NO_PLAN, SUCCESS
+from workbench.cli.picking.findings import candidate_form, plan_form, print_candidates, proof_form
+from workbench.cli.serving.simulation import simulated_controller
+from workbench.cli.terminal import (
+    Report,
+    check_number,
+    check_whole,
+    milliseconds,
+    print_json,
+    print_table,
+    progress,
+)
+from workbench.formats.cells.reading import read_cell
+from workbench.model.errors import LinkError, WorkbenchError
+
+ACTOR = "demo"
+PARTS = 2
+
+LOOK = 0.1
+"""Progress is shown this often [s]."""
+
+
+@dataclass(frozen=True, slots=True)
+class StageRow:
+    """One stage of one cycle as it went; `seconds` without what a task had to wait for."""
+
+    cycle: int
+    stage: str
+    result: str
+    seconds: float
+
+
+class NoPlan(Exception):
+    """A cycle ended before the robot: there was nothing to take, or no way to take it."""
+
+
+def demo(typed: arguments.Demo) -> int:
+    """Run the cycles; the exit code is 0 only when the controller reported all parts placed."""
+    check_whole("--cycles", typed.cycles, 1, 10_000)
+    check_whole("--seed", typed.seed, 0, SEED_LIMIT - typed.cycles)
+    check_number("--speed", typed.speed, 0.01, 1000)
+    cell = read_cell(typed.cell)
+    rows: list[StageRow] = []
+    cycles: list[dict[str, Any]] = []
+    code, why = SUCCESS, ""
+    with simulated_controller(
+        typed.cell, cell.controller.protocol, speed=typed.speed
+    ) as controller:
+        cell = replace(cell, controller=controller)
+        journal = new_session(typed.sessions, cell, time.time())
+        bench = Bench(cell, journal)
+        try:
+            with progress("demo") as report:
+                for number in range(typed.cycles):
+                    Cycle(bench, number + 1, rows, report).run(typed.seed + number)
+                    cycles.append(_cycle_form(typed.seed + number, bench.state))
+        except NoPlan as error:
+            code, why = NO_PLAN, str(error)
+        finally:
+            bench.close()
+    state = bench.state
+    if typed.json:
+        print_json(
+            {
+                "ok": code == SUCCESS,
+                "problem": why,
+                "cell": cell.name,
+                "controller": f"{controller.host}:{controller.port}",
+                "session": str(journal.folder),
+                "cycles": cycles,
+                "stages": [
+                    {
+                        "cycle": row.cycle,
+                        "stage": row.stage,
+                        "result": row.result,
+                        "ms": milliseconds(row.seconds),
+                    }
+                    for row in rows
+                ],
+                "candidates": []
+                if code == SUCCESS
+                else [candidate_form(candidate) for candidate in state.candidates or ()],
+            }
+        )
+        return code
+    print_table(
+        f"cell {cell.name}, controller {controller.host}:{controller.port}",
+        ("cycle", "stage", "result", "ms"),
+        ((str(row.cycle), row.stage, row.result, f"{milliseconds(row.seconds):,}") for row in rows),
+    )
+    if code != SUCCESS:
+        print_candidates("every candidate", state.candidates or ())
+        print(why)
+    print(f"session: {journal.folder}")
+    return code
+
+
+class Cycle:
+    """One cycle: gives the commands that a person would click, and keeps what came of them."""
+
+    def __init__(self, bench: Bench, number: int, rows: list[StageRow], report: Report) -> None:
+        self._bench = bench
+        self._number = number
+        self._rows = rows
+        self._report = report
+
+    def run(self, seed: int) -> None:
+        """From scan to robot.
+
+        Raises:
+            NoPlan: there is nothing to send.
+            LinkError: the controller did not report the cycle as finished, with all parts placed.
+            WorkbenchError: a stage failed.
+        """
+        self._stage("scan", TakeScan(seed, PARTS), Phase.SCANNED)
+        state = self._stage("find parts", FindParts(seed), Phase.SCANNED, Phase.LOCALIZED)
+        if not state.detections:
+            raise NoPlan("no parts were found in the scan")
+        wanted = MakePlan(threshold=state.cell.policy.threshold, seed=seed)
+        state = self._stage("plan", wanted, Phase.LOCALIZED, Phase.PLANNED)
+        plan, proof = state.plan, state.proof
+        if plan is None or proof is None or not proof.holds:
+            raise NoPlan(state.message)
+        # Nobody looks: the record says who has let this plan out, a demonstration.
+        self._bench.do(WatchPlan(plan.digest), ACTOR)
+        self._stage("approve", Approve(plan.digest), Phase.APPROVED)
+        state = self._stage("send", SendPlan(plan.digest), Phase.DONE, Phase.FAULT)
+        if state.phase is Phase.FAULT:
+            raise LinkError(state.fault)
+        if state.parts_placed != len(plan.arms):
+            raise LinkError(state.message)
+
+    def _stage(self, name: str, command: Command, *expected: Phase) -> State:
+        began = time.time()
+        before = self._bench.state.number
+        state = self._bench.do(command, ACTOR)
+        # However long it takes: a worker that dies and a robot that is silent end it themselves.
+        while not _is_settled(state):
+            state = self._bench.wait(_is_settled, LOOK)
+            self._tell(name, before, state)
+        live = self._bench.live
+        seconds = time.time() - (live.started if live.job > before else began)
+        self._rows.append(StageRow(self._number, name, state.message, seconds))
+        if state.phase not in expected:
+            raise WorkbenchError(f"{name}: {state.message}")
+        return state
+
+    def _tell(self, name: str, before: int, state: State) -> None:
+        """Report how far a stage is that began after the entry `before`."""
+        live = self._bench.live
+        share, says = live.done if live.job > before else 0.0, state.message
+        if live.getting_ready is not None:
+            share, says = live.getting_ready.done, live.getting_ready.note
+        self._report(share, f"cycle {self._number}, {name}: {says}")
+
+
+def _is_settled(state: State) -> bool:
+    return state.job is None and state.phase is not Phase.SENDING
+
+
+def _cycle_form(seed: int, state: State) -> dict[str, Any]:
+    return {
+        "seed": seed,
+        "parts_placed": state.parts_placed,
+        "plan": None if state.plan is None else plan_form(state.plan),
+        "proof": None if state.proof is None else proof_form(state.proof),
+    }

@@ -1,0 +1,4 @@
+"""Commands about recorded sessions.
+
+Imports `arguments` and `serving`.
+"""

@@ -1,0 +1,88 @@
+"""`workbench statistics`: what recorded sessions have brought, as tables, JSON or CSV."""
+
+from pathlib import Path
+from typing import Any
+
+from workbench.app.records.session_archive import DATABASE, opened
+from workbench.app.records.statistics import (
+    GROUPS,
+    Statistics,
+    csv_text,
+    statistics,
+    together,
+)
+from workbench.cli.arguments import top as arguments
+from workbench.cli.exits import SUCCESS
+from workbench.cli.terminal import milliseconds, print_json, print_table
+from workbench.formats.files.whole_files import write_whole
+from workbench.model.errors import InputError
+
+
+def tell_statistics(typed: arguments.Statistics) -> int:
+    """Count what the sessions tell."""
+    folders = typed.sessions or _below(Path("sessions"))
+    counted = together(_counted(folder) for folder in folders)
+    if typed.csv is not None:
+        write_whole(typed.csv, csv_text(counted).encode())
+    if typed.json:
+        print_json(_form(counted, len(folders)))
+        return SUCCESS
+    _print(counted, len(folders))
+    if typed.csv is not None:
+        print(f"{len(counted.picks)} rows written to {typed.csv}")
+    return SUCCESS
+
+
+def _below(root: Path) -> tuple[Path, ...]:
+    found = tuple(sorted(file.parent for file in root.glob(f"*/{DATABASE}")))
+    if not found:
+        raise InputError(f"{root}: there are no sessions in it; name the folders of some")
+    return found
+
+
+def _counted(folder: Path) -> Statistics:
+    journal = opened(folder)
+    try:
+        return statistics(journal.entries())
+    finally:
+        journal.close()
+
+
+def _form(counted: Statistics, sessions: int) -> dict[str, Any]:
+    return {
+        "sessions": sessions,
+        "cycles": len(counted.cycles),
+        "picked": counted.picked,
+        "picks_per_hour": counted.picks_per_hour,
+        "success": {
+            name: {
+                rate.name: {"picked": rate.picked, "failed": rate.failed}
+                for rate in counted.rates(of)
+            }
+            for name, of in GROUPS.items()
+        },
+        "stages": {
+            stage: {"median_ms": milliseconds(usual), "most_ms": milliseconds(most)}
+            for stage, usual, most in counted.stage_medians()
+        },
+        "refusals": dict(counted.refusals),
+    }
+
+
+def _print(counted: Statistics, sessions: int) -> None:
+    rate = counted.picks_per_hour
+    said = "" if rate is None else f", {rate:.0f} for each hour of cycles"
+    print(f"{sessions} sessions, {len(counted.cycles)} cycles, {counted.picked} parts taken{said}")
+    rows = [
+        (group, one.name, str(one.picked), str(one.failed), f"{one.share:.0%}")
+        for group, of in GROUPS.items()
+        for one in counted.rates(of)
+    ]
+    print_table("Success", ("by", "", "taken", "failed", "share"), rows)
+    stages = [
+        (stage, f"{milliseconds(usual):,}", f"{milliseconds(most):,}")
+        for stage, usual, most in counted.stage_medians()
+    ]
+    print_table("Time of each stage", ("stage", "median ms", "largest ms"), stages)
+    causes = [(reason, f"{count:,}") for reason, count in counted.refusals]
+    print_table("Why candidates were refused", ("reason", "candidates"), causes)

@@ -1,0 +1,155 @@
+"""The robot of a simulated controller: where its arms stand, what its hands hold, what it did."""
+
+import json
+import threading
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from workbench.devices.abb_simulated.faults import Faults
+from workbench.model.cell import Arm, Cell
+from workbench.model.geometry import Floats
+
+
+class Body:
+    """Arms and hands.
+
+    Lifetime: as long as the controller.
+    Concurrency: the thread that serves the client changes it, another one reads `state`.
+    """
+
+    def __init__(
+        self, cell: Cell, speed: float, record: Path | None, trace: Path | None, faults: Faults
+    ) -> None:
+        """All arms stand at home.
+
+        Args:
+            cell: whose arms.
+            speed: 1 is real time.
+            record: file for what arrives, see `record`.
+            trace: file for what is executed, see `passed`.
+            faults: that are to come.
+        """
+        self.cell, self.speed, self.faults = cell, speed, faults
+        self.is_traced = trace is not None
+        self._record, self._trace = record, trace
+        self._lock = threading.Lock()
+        self._q: dict[str, Floats] = {arm.name: np.array(arm.home) for arm in cell.arms}
+        self._openings = {arm.name: 0.0 for arm in cell.arms}
+        self._holds: dict[str, str] = {}
+        self._moving, self._fault = "", ""
+        self._received = self._placed = self._grips = 0
+
+    def state(self) -> dict[str, Any]:
+        """As it is reported."""
+        with self._lock:
+            return {
+                "joints": {arm: q.tolist() for arm, q in self._q.items()},
+                "openings": dict(self._openings),
+                "moving": self._moving,
+                "received": self._received,
+                "placed": self._placed,
+                "fault": self._fault,
+            }
+
+    def standing(self) -> dict[str, Floats]:
+        """The configuration (n,) [rad] of every arm."""
+        with self._lock:
+            return dict(self._q)
+
+    def arrived(self) -> None:
+        """Count a message."""
+        with self._lock:
+            self._received += 1
+
+    def record(self, arm: str, kind: str, path: Floats | None) -> None:
+        """Write configurations (m, n) that came to the record."""
+        if self._record is not None and path is not None:
+            rows = np.atleast_2d(path).tolist()
+            _append(self._record, ({"arm": arm, "kind": kind, "q": q} for q in rows))
+
+    def passed(self, states: Iterable[Mapping[str, Any]]) -> None:
+        """Write states that the arms went through to the trace."""
+        if self._trace is not None:
+            _append(self._trace, states)
+
+    def put(self, q: Mapping[str, Floats], moving: str) -> None:
+        """Arms stand there now, and those named move."""
+        with self._lock:
+            self._q.update(q)
+            self._moving = moving
+
+    def halt(self, fault: str) -> None:
+        """Nothing moves any more; `fault` says why, and may be empty."""
+        with self._lock:
+            self._moving, self._fault = "", fault
+
+    def step_home(self, most: float) -> None:
+        """Bring every arm nearer to its home, no joint by more than `most` [rad].
+
+        Once all are there, a fault is over, and hands hold nothing.
+        """
+        with self._lock:
+            for arm in self.cell.arms:
+                way = np.asarray(arm.home) - self._q[arm.name]
+                self._q[arm.name] = self._q[arm.name] + np.clip(way, -most, most)
+            away = [arm.name for arm in self.cell.arms if not self._is_home(arm)]
+            self._moving = " and ".join(away)
+            if not away:
+                self._fault = ""
+                self._holds.clear()
+
+    def is_home(self) -> bool:
+        """Whether all arms stand at home."""
+        with self._lock:
+            return all(self._is_home(arm) for arm in self.cell.arms)
+
+    def _is_home(self, arm: Arm) -> bool:
+        return bool(np.abs(self._q[arm.name] - np.asarray(arm.home)).max() < 1e-9)
+
+    def open(self, arm: str, opening: float) -> str | None:
+        """Open a hand to `opening` [m]; what became of its part, None when it had not closed.
+
+        The words are `picked`, or `failed` and why.
+        """
+        with self._lock:
+            self._openings[arm] = opening
+            result = self._holds.pop(arm, None)
+            self._placed += result == "picked"
+            return result
+
+    def grip(self, arm: str, opening: float) -> None:
+        """Close a hand around what should be `opening` [m] wide there."""
+        with self._lock:
+            self._grips += 1
+            if self.faults.is_due("empty-hand", self._grips):
+                self._openings[arm] = self.cell.arm(arm).tool.stroke[0]
+                closed = f"{self._openings[arm] * 1000:.1f}"
+                self._holds[arm] = (
+                    f"failed closed to {closed} mm where {opening * 1000:.1f} mm were expected"
+                )
+            else:
+                self._openings[arm] = opening
+                self._holds[arm] = "picked"
+
+    def has_gripped(self, arm: str) -> bool:
+        """Whether a hand has closed and not opened since."""
+        return arm in self._holds
+
+    def forget(self, arm: str) -> None:
+        """A new sequence of an arm begins: what its hand held before is not counted."""
+        with self._lock:
+            self._holds.pop(arm, None)
+
+    def openings(self) -> dict[str, float]:
+        """Of every hand [m]."""
+        with self._lock:
+            return dict(self._openings)
+
+
+def _append(path: Path, lines: Iterable[Mapping[str, Any]]) -> None:
+    with path.open("a") as file:
+        for line in lines:
+            file.write(json.dumps(line) + "\n")

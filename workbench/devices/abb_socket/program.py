@@ -1,0 +1,181 @@
+"""What `abb-socket/2` loads into a controller before anything moves: a plan as a program.
+
+A program is a sequence of steps.  In each step one arm runs a leg while the other stands
+(`alone`), or both run one: each at its own speed (`free`), or waypoint by waypoint together
+(`sync`).  Before a step begins both arms stand; hands open and close then, and after that the
+legs run.  That is what the proof of the plan presumes.
+"""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from workbench.devices.abb_socket.messages import check_limits, in_degrees
+from workbench.model.cell import Cell
+from workbench.model.errors import InputError
+from workbench.model.geometry import Floats, frozen, put
+from workbench.model.plan import Guarantee, Leg, LegName, Plan, Step, are_in_step
+from workbench.model.release import Approval, MessageKind
+
+Mode = Literal["alone", "free", "sync"]
+Hand = Literal["open", "grip", "keep"]
+
+MOST_POINTS = 400
+"""Waypoints of one arm that a controller has room for."""
+
+MOST_LEGS = 24
+"""Legs of one arm that a controller has room for."""
+
+LONGEST_WAY = 99.999
+"""[s] From one waypoint to the next, in whole milliseconds of five digits."""
+
+TICKET = 16
+"""Digits of the approval's digest that travel."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ProgramLeg:
+    """One motion of one arm.
+
+    `q` (m + 1, n) [rad], chain order, first where the arm stands; `seconds` (m,) [s] from each
+    waypoint to the next; `zone` rounds the corners, as a fraction of the neighbouring segments;
+    `hand` is what the fingers do before, to `opening` [m].
+    """
+
+    arm: str
+    name: LegName
+    zone: float
+    hand: Hand
+    opening: float
+    q: Floats
+    seconds: Floats
+
+    def __post_init__(self) -> None:
+        put(self, q=frozen(self.q), seconds=frozen(self.seconds))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ProgramStep:
+    """Legs that run at the same time, one of each arm at most."""
+
+    mode: Mode
+    legs: tuple[ProgramLeg, ...]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Program:
+    """A plan as a controller runs it.
+
+    `digest` is the plan's, `ticket` the beginning of the approval's: a controller runs each
+    ticket once.  `starts` (arm -> (n,) [rad]) is where every arm has to stand before.
+    """
+
+    digest: str
+    ticket: str
+    starts: Mapping[str, Floats]
+    steps: tuple[ProgramStep, ...]
+
+    @property
+    def legs(self) -> list[ProgramLeg]:
+        """All legs, step after step."""
+        return [leg for step in self.steps for leg in step.legs]
+
+
+@dataclass(frozen=True, slots=True)
+class Line:
+    """One message of a program, still without its number; `arm` is empty where none is meant."""
+
+    arm: str
+    word: MessageKind
+    rest: str
+
+
+def program_of(cell: Cell, plan: Plan, approval: Approval) -> Program:
+    """A plan as a program.
+
+    Raises:
+        InputError: it is too long or too slow for a controller, outside the limits of a joint, or
+            moves more than two arms at once.
+    """
+    starts = {arm.name: np.asarray(arm.home) for arm in cell.arms}
+    starts |= {one.arm: np.asarray(one.legs[0].q[0]) for one in plan.arms}
+    before: dict[str, Leg] = {}
+    steps = tuple(_step(cell, plan, step, before) for step in plan.sequence)
+    program = Program(plan.digest, approval.digest[:TICKET], starts, steps)
+    for arm in cell.arms:
+        legs = [leg for leg in program.legs if leg.arm == arm.name]
+        points = sum(len(leg.seconds) for leg in legs)
+        if points > MOST_POINTS or len(legs) > MOST_LEGS:
+            raise InputError(
+                f"arm {arm.name} has {points} waypoints on {len(legs)} legs; a controller has "
+                f"room for {MOST_POINTS} on {MOST_LEGS}"
+            )
+        for leg in legs:
+            if np.any(np.asarray(leg.seconds) > LONGEST_WAY):
+                raise InputError(
+                    f"leg {leg.name} of arm {arm.name} takes {np.max(leg.seconds):.0f} s from one "
+                    f"waypoint to the next; {LONGEST_WAY} s can be said"
+                )
+        for q in (starts[arm.name], *(leg.q for leg in legs)):
+            check_limits(cell, arm, np.asarray(q))
+    return program
+
+
+def _step(cell: Cell, plan: Plan, step: Step, before: dict[str, Leg]) -> ProgramStep:
+    legs: list[ProgramLeg] = []
+    for name, leg_name in step.runs:
+        leg = plan.arm(name).leg(leg_name)
+        hand, zone = _hand(leg, before.get(name)), cell.zone
+        seconds = np.maximum(np.round(np.diff(leg.t), 3), 0.001)
+        legs.append(ProgramLeg(name, leg_name, zone, hand, leg.opening, leg.q, seconds))
+        before[name] = leg
+    if len(legs) == 1:
+        return ProgramStep("alone", tuple(legs))
+    if len(legs) != 2:
+        raise InputError(f"the protocol abb-socket/2 moves one arm or two, not {len(legs)}")
+    together = [plan.arm(arm).leg(name) for arm, name in step.runs]
+    is_sync = plan.guarantee is Guarantee.SYNCHRONISED and are_in_step(together)
+    return ProgramStep("sync" if is_sync else "free", tuple(legs))
+
+
+def _hand(leg: Leg, before: Leg | None) -> Hand:
+    if leg.holding:
+        return "keep" if before is not None and before.holding else "grip"
+    if before is None or before.holding or before.opening != leg.opening:
+        return "open"
+    return "keep"
+
+
+def lines_of(cell: Cell, program: Program) -> tuple[Line, ...]:
+    """The messages that load a program, in their order, without the last two, `end` and `run`.
+
+    Raises:
+        InputError: the zone has more decimals than can be said.
+    """
+    return tuple(_lines(cell, program))
+
+
+def _lines(cell: Cell, program: Program) -> Iterator[Line]:
+    letters = {arm.name: arm.letter for arm in cell.arms}
+    points = sum(len(leg.seconds) for leg in program.legs)
+    yield Line("", "plan", program.digest)
+    yield Line("", "ticket", f"{program.ticket} {len(program.legs):03d} {points:03d}")
+    for arm in cell.arms:
+        where = " ".join(in_degrees(arm, program.starts[arm.name]))
+        yield Line(arm.name, "start", f"{arm.letter} {where}")
+    for number, step in enumerate(program.steps, start=1):
+        for leg in step.legs:
+            if abs(leg.zone - round(leg.zone, 3)) > 1e-9:
+                raise InputError(f"a zone of {leg.zone!r} has more than three decimals")
+            yield Line(
+                leg.arm,
+                "leg",
+                f"{number:02d} {letters[leg.arm]} {leg.name} {len(leg.seconds):03d} "
+                f"{leg.zone:.3f} {leg.hand} {leg.opening * 1000:.1f} {step.mode}",
+            )
+            arm = cell.arm(leg.arm)
+            for k, seconds in enumerate(leg.seconds.tolist(), start=1):
+                where = " ".join(in_degrees(arm, np.asarray(leg.q[k])))
+                yield Line(leg.arm, "to", f"{k:03d} {where} {seconds * 1000:05.0f}")

@@ -1,0 +1,81 @@
+"""What a controller reports of itself to whoever wants to know: one JSON object a line."""
+
+import json
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Any
+
+from workbench.devices.abb_socket.connecting import connected
+from workbench.model.errors import LinkError, ProtocolError
+
+LONGEST_LINE = 64 * 1024
+
+
+@dataclass(frozen=True, slots=True)
+class ControllerState:
+    """What a controller reports of itself.
+
+    `joints` [rad], chain order, and `openings` [m] by arm; `moving` the arm in motion or "";
+    `received` counts messages and `placed` the parts put down since it started.  `fault` is
+    empty when there is none.
+    """
+
+    joints: dict[str, tuple[float, ...]]
+    openings: dict[str, float]
+    moving: str
+    received: int
+    placed: int
+    fault: str
+
+
+def watch_state(
+    host: str, port: int, cancelled: Callable[[], bool] = lambda: False
+) -> Iterator[ControllerState]:
+    """The states that a controller reports, as they come: one JSON object a line.
+
+    Raises:
+        LinkError: nobody answers, or the report broke off.
+        ProtocolError: a line is not a state.
+    """
+    with connected(host, port, "reports its state") as link:
+        heard = b""
+        while not cancelled():
+            try:
+                data = link.recv(65536)
+            except TimeoutError:
+                continue
+            except OSError as error:
+                raise LinkError(f"the state report broke off: {error.strerror or error}") from None
+            if not data:
+                raise LinkError("the controller closed its state report")
+            heard += data
+            *lines, heard = heard.split(b"\n")
+            if len(heard) > LONGEST_LINE:
+                raise ProtocolError("a state report is too long")
+            for line in lines:
+                yield _state(line)
+
+
+def _state(line: bytes) -> ControllerState:
+    try:
+        report: dict[str, Any] = json.loads(line)
+        return ControllerState(
+            joints={str(a): tuple(map(_finite, q)) for a, q in report["joints"].items()},
+            openings={str(a): _finite(v) for a, v in report["openings"].items()},
+            moving=str(report["moving"]),
+            received=int(report["received"]),
+            placed=int(report["placed"]),
+            fault=str(report["fault"]),
+        )
+    except (ValueError, LookupError, TypeError, AttributeError, OverflowError) as error:
+        raise ProtocolError(f"{line[:60]!r} is no state report ({error})") from None
+    except RecursionError:
+        raise ProtocolError(f"{line[:60]!r} is no state report: nested too deeply") from None
+
+
+def _finite(value: Any) -> float:
+    number = float(value)
+    if not math.isfinite(number):
+        raise ValueError(f"{number} is not a finite number")
+    return number

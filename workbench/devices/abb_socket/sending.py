@@ -1,0 +1,338 @@
+"""Our side of `abb-socket/2` without sockets: what to say next, and what to make of the answer.
+
+    controller  send                            as in `abb-socket`, on every new connection
+    we          hello abb-socket/2              whoever wants the older protocol says `startR#`
+    controller  hello abb-socket/2 <arms>
+    we          plan, ticket, start..., leg, to...    each is acknowledged before the next goes out
+    we          end, run                        from here on the robot moves
+    controller  state, at                       again and again
+    controller  part                            once for each hand that lets go
+    controller  done
+
+While the robot moves we say `ping`, and whoever hears nothing for `SILENCE` takes the link for
+dead: we stop, and so does the controller.  `abort` may be said at any time.
+"""
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
+
+from workbench.devices.abb_socket.frames import (
+    FIRST_CRC,
+    TEXT,
+    Frame,
+    Frames,
+    crc_of,
+    framed,
+    number_after,
+)
+from workbench.devices.abb_socket.messages import REQUEST, angles_of
+from workbench.devices.abb_socket.patience import SILENCE
+from workbench.devices.abb_socket.program import Line, Program, lines_of
+from workbench.devices.abb_socket.status import LinkStatus
+from workbench.model.cell import Cell
+from workbench.model.errors import LinkError, ProtocolError
+from workbench.model.plan import Plan
+from workbench.model.release import PartReport, Receipt
+
+VERSION = "abb-socket/2"
+
+PING = 0.5
+"""[s] We say something at least this often."""
+
+
+def arms_of(cell: Cell) -> str:
+    """The arms of a cell as a controller tells them: letter and number of axes."""
+    return " ".join(f"{arm.letter}{len(arm.joints)}" for arm in cell.arms)
+
+
+class Sending:
+    """One conversation in which one plan is sent.
+
+    Lifetime: one connection.  Times `at` are of a clock that never goes back.
+    """
+
+    def __init__(
+        self,
+        cell: Cell,
+        plan: Plan,
+        program: Program,
+        *,
+        now: Callable[[], float],
+        released: Callable[[], None],
+        silence: float = SILENCE,
+    ) -> None:
+        """Get ready to send.
+
+        Args:
+            cell: whose controller it is.
+            plan: that the program was made from.
+            program: what is sent.
+            now: seconds since the epoch, for the receipts.
+            released: called before the robot moves; raises when the approval does not hold.
+            silence: [s] without a word after which the controller counts as gone.
+        """
+        self._cell, self._plan, self._program = cell, plan, program
+        self._now, self._released, self._silence = now, released, silence
+        self._lines = (
+            Line("", "hello", VERSION),
+            *lines_of(cell, program),
+            Line("", "end", ""),
+            Line("", "run", program.ticket),
+        )
+        self._frames = Frames()
+        self._greeting = b""
+        self._number = self._acknowledged = self._step = 0
+        self._crc = FIRST_CRC
+        self._points = sum(len(leg.seconds) for leg in program.legs)
+        self._waiting: tuple[Frame, Line | None, float] | None = None
+        self._said_at = self._heard_at = self._aborted_at = None
+        self._told = ""
+        self._parts: dict[str, PartReport] = {}
+        self._is_done = False
+        self.status = LinkStatus(steps=len(program.steps))
+
+    # -- what we say -----------------------------------------------------------------------
+
+    def say(self, at: float) -> bytes:
+        """What is to be sent now; empty when it is not our turn.
+
+        Raises:
+            CommandRefused: the approval does not hold any more; the robot has not moved.
+        """
+        if self._waiting is not None or self._greeting != REQUEST:
+            return b""
+        if self._acknowledged < len(self._lines):
+            line = self._lines[self._acknowledged]
+            if line.word == "end":
+                line = replace(line, rest=f"{self._points:03d} {self._crc:04X}")
+            if line.word == "run":
+                self._released()
+            return self._frame(line.word, line.rest, line, at)
+        if at - (self._said_at or 0.0) >= PING:
+            return self._frame("ping", "", None, at)
+        return b""
+
+    def abort(self, at: float) -> bytes:
+        """The word that stops the robot; to be sent at once."""
+        self._aborted_at = at
+        return self._frame("abort", "", None, at)
+
+    def _frame(self, word: str, rest: str, line: Line | None, at: float) -> bytes:
+        self._number = number_after(self._number)
+        data = framed(self._number, f"{word} {rest}".rstrip())
+        text = data[:TEXT].decode("ascii")
+        frame = Frame(self._number, word, rest, data[TEXT:-1].decode("ascii"))
+        if word not in ("hello", "end", "run"):
+            self._crc = crc_of(text, self._crc)
+        self._waiting, self._said_at = (frame, line, at), at
+        return data
+
+    # -- what we hear ----------------------------------------------------------------------
+
+    @property
+    def is_over(self) -> bool:
+        """Whether the controller has reported the end."""
+        return self._is_done
+
+    @property
+    def is_begun(self) -> bool:
+        """Whether the controller has been spoken to."""
+        return self._number > 0
+
+    @property
+    def has_stopped(self) -> bool:
+        """Whether the controller has acknowledged an abort."""
+        return self.status.stopped is not None
+
+    @property
+    def where(self) -> str:
+        """How far it has come, for people."""
+        if self._acknowledged < len(self._lines):
+            return f"message {self._acknowledged + 1} of {len(self._lines)}"
+        return f"step {self._step} of {len(self._program.steps)}"
+
+    def check(self, at: float) -> None:
+        """Notice that the other side has fallen silent; call it after all was heard.
+
+        Raises:
+            LinkError: it has.
+        """
+        if self._heard_at is None:
+            self._heard_at = at
+        if self._waiting is not None and at - self._waiting[2] > self._silence:
+            raise LinkError(
+                f"the controller did not acknowledge {self._waiting[0].text!r} within "
+                f"{self._silence:.0f} s, at {self.where}"
+            )
+        if at - self._heard_at > self._silence:
+            raise LinkError(f"the controller was silent for {self._silence:.0f} s at {self.where}")
+
+    def hear(self, data: bytes, at: float) -> Iterator[Receipt]:
+        """Take what arrived; receipts of what it settles, one by one.
+
+        Raises:
+            LinkError: the controller refuses, or reports a fault.
+            ProtocolError: it said something that cannot be, or does something else than the plan.
+        """
+        if data:
+            self._heard_at = at
+        if self._greeting != REQUEST:
+            missing = len(REQUEST) - len(self._greeting)
+            self._greeting, data = self._greeting + data[:missing], data[missing:]
+            if not REQUEST.startswith(self._greeting) or (data and not self._number):
+                raise ProtocolError(
+                    f"the controller said {(self._greeting + data)[:40]!r} where {REQUEST!r} was "
+                    "expected"
+                )
+        for frame in self._frames.hear(data):
+            if not self._is_done:
+                yield from self._take(frame, at)
+
+    def unanswered(self) -> list[Receipt]:
+        """The receipt of a message that went out and was not acknowledged."""
+        if self._waiting is None:
+            return []
+        frame, line, _ = self._waiting
+        return [] if line is None else [self._receipt(line, frame, "")]
+
+    def _take(self, frame: Frame, at: float) -> Iterator[Receipt]:
+        if self._aborted_at is not None:
+            # The abort overtook whatever was under way; only its own answer counts now.
+            if frame.word == "stopped":
+                took = at - self._aborted_at
+                words = f"the controller acknowledged the stop after {took * 1000:.0f} ms"
+                self.status = replace(self.status, phase="stopped", stopped=took, stop=words)
+                yield self._heard(frame)
+            return
+        match frame.word:
+            case "hello" | "ok":
+                yield from self._take_acknowledgement(frame)
+            case "no":
+                yield self._heard(frame)
+                raise LinkError(f"the controller refuses {self.where}: {frame.rest[5:]}")
+            case "fault":
+                yield self._heard(frame)
+                raise LinkError(f"the controller reports a fault at {self.where}: {frame.rest}")
+            case "state":
+                yield from self._take_state(frame)
+            case "at":
+                self._take_joints(frame)
+            case "part":
+                yield from self._take_part(frame)
+            case "done":
+                yield from self._take_done(frame)
+            case _:
+                raise ProtocolError(f"the controller said {frame.text!r}, which means nothing")
+
+    def _take_acknowledgement(self, frame: Frame) -> list[Receipt]:
+        if self._waiting is None:
+            raise ProtocolError(f"the controller acknowledged twice: {frame.text!r}")
+        ours, line, _ = self._waiting
+        if ours.word == "hello":
+            self._check_hello(frame)
+        elif frame.word != "ok" or frame.words != [f"{ours.number:04d}", ours.crc]:
+            raise ProtocolError(f"the controller answered {ours.text!r} by {frame.text!r}")
+        self._waiting = None
+        now = self._now()
+        self.status = replace(self.status, acknowledged=frame.text, acknowledged_at=now)
+        if line is None:
+            return []
+        self._acknowledged += 1
+        return [self._receipt(line, ours, frame.text)]
+
+    def _check_hello(self, frame: Frame) -> None:
+        version, _, arms = frame.rest.partition(" ")
+        if frame.word != "hello" or version != VERSION:
+            raise ProtocolError(f"the controller speaks {frame.text[5:]!r}, here it is {VERSION}")
+        if arms != arms_of(self._cell):
+            raise ProtocolError(
+                f"the controller has the arms {arms}, cell {self._cell.name} {arms_of(self._cell)}"
+            )
+        self.status = replace(self.status, version=version)
+
+    def _take_state(self, frame: Frame) -> list[Receipt]:
+        phase, step, points = self._state_words(frame)
+        self.status = replace(self.status, phase=phase, step=step, reported_at=self._now())
+        if self._acknowledged == len(self._lines):
+            if phase != "running":
+                raise ProtocolError(f"the controller says it is {phase}, it should be running")
+            self._check_motion(step, points)
+        if frame.rest == self._told:
+            return []
+        self._told = frame.rest
+        return [self._heard(frame)]
+
+    def _state_words(self, frame: Frame) -> tuple[str, int, dict[str, int]]:
+        letters = {arm.letter: arm.name for arm in self._cell.arms}
+        try:
+            phase, step, *arms = frame.words
+            points = {letters[word[0]]: int(word[1:]) for word in arms}
+            number = int(step)
+        except (ValueError, KeyError):
+            raise ProtocolError(f"{frame.text!r} is no report of a state") from None
+        if set(points) != set(letters.values()):
+            raise ProtocolError(f"{frame.text!r} does not tell of every arm")
+        return phase, number, points
+
+    def _check_motion(self, step: int, points: Mapping[str, int]) -> None:
+        """What the robot does is what the plan says, or nothing is sure any more."""
+        steps = self._program.steps
+        if not self._step <= step <= len(steps):
+            raise ProtocolError(f"the controller is in step {step} after step {self._step}")
+        self._step = step
+        told = {leg.arm: len(leg.seconds) for leg in steps[step - 1].legs} if step else {}
+        for arm, point in points.items():
+            if not 0 <= point <= told.get(arm, 0):
+                only = " and ".join(told) or "none"
+                raise ProtocolError(
+                    f"arm {arm} goes to waypoint {point} in step {step}; the plan moves {only}"
+                )
+
+    def _take_joints(self, frame: Frame) -> None:
+        letter, *words = frame.words or [""]
+        for arm in self._cell.arms:
+            if arm.letter == letter:
+                joints = {**(self.status.joints or {}), arm.name: angles_of(arm, words)}
+                self.status = replace(self.status, joints=joints, reported_at=self._now())
+                return
+        raise ProtocolError(f"{frame.text!r} is about no arm of cell {self._cell.name}")
+
+    def _take_part(self, frame: Frame) -> list[Receipt]:
+        letter, _, said = frame.rest.partition(" ")
+        result, _, why = said.partition(" ")
+        for one in self._plan.arms:
+            is_it = self._cell.arm(one.arm).letter == letter
+            is_new = one.arm not in self._parts and self._acknowledged == len(self._lines)
+            if is_it and is_new and result in ("picked", "failed"):
+                part = PartReport(one.arm, one.detection, result == "picked", why)
+                self._parts[one.arm] = part
+                return [replace(self._heard(frame), arm=one.arm, part=part)]
+        raise ProtocolError(
+            f"{frame.text!r} is about no part of the plan, or comes twice or too early"
+        )
+
+    def _take_done(self, frame: Frame) -> list[Receipt]:
+        steps, is_told = len(self._program.steps), len(self._parts) == len(self._plan.arms)
+        if self._acknowledged < len(self._lines) or frame.words != [f"{steps:02d}"] or not is_told:
+            raise ProtocolError(
+                f"the controller said {frame.text!r} at {self.where}, with {len(self._parts)} of "
+                f"{len(self._plan.arms)} parts reported"
+            )
+        self._is_done = True
+        self.status = replace(self.status, phase="done")
+        return [self._heard(frame)]
+
+    def _receipt(self, line: Line, ours: Frame, heard: str) -> Receipt:
+        return Receipt(
+            self._now(),
+            line.arm,
+            line.word,
+            ours.text,
+            self._acknowledged,
+            len(self._lines),
+            heard,
+        )
+
+    def _heard(self, frame: Frame) -> Receipt:
+        done, total = self._acknowledged, len(self._lines)
+        return Receipt(self._now(), "", "heard", "", done, total, frame.text)

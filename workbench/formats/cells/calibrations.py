@@ -1,0 +1,151 @@
+"""Calibrations in files: the record in a cell file, and a folder of scans with joint values."""
+
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+
+import numpy as np
+
+from workbench.formats.files.change_log import utc
+from workbench.formats.files.toml_keys import Table, read_toml
+from workbench.formats.files.units import UNITS
+from workbench.formats.files.whole_files import is_file, write_whole
+from workbench.model.calibration import BallPlate, CalibrationRecord
+from workbench.model.cell import Arm, Cell
+from workbench.model.errors import InputError
+from workbench.model.geometry import Floats, frozen, put
+
+POSES_FORMAT = "workbench-calibration/1"
+FILE = "calibration.toml"
+
+MOST_POSES = 60
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ScannedPose:
+    """A scan in a file and the arm's configuration `q` (n,) [rad], chain order."""
+
+    scan: Path
+    q: Floats
+
+    def __post_init__(self) -> None:
+        put(self, q=frozen(self.q))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ScannedPoses:
+    """What a folder of a calibration holds; `unit` is that of the scans."""
+
+    arm: str
+    plate: BallPlate
+    unit: str
+    poses: tuple[ScannedPose, ...]
+
+
+def read_record(table: Table) -> CalibrationRecord:
+    """The table `[scanner.calibration]` of a cell file: `at`, `by`, `poses`, `rms_mm`."""
+    text = table.text("at")
+    try:
+        at = datetime.fromisoformat(text)
+    except ValueError:
+        raise table.error("at", f"{text!r} is no time such as 2026-01-31T12:00:00Z") from None
+    record = CalibrationRecord(
+        float(round((at if at.tzinfo else at.replace(tzinfo=UTC)).timestamp())),
+        table.text("by"),
+        table.whole("poses", low=1, high=MOST_POSES),
+        table.number("rms_mm", low=0, high=100) / 1000,
+    )
+    table.finish()
+    return record
+
+
+def record_table(record: CalibrationRecord) -> dict[str, str | int | float]:
+    """What `read_record` reads."""
+    rms = round(record.rms * 1000, 4)
+    return {"at": utc(record.at), "by": record.by, "poses": record.poses, "rms_mm": rms}
+
+
+def read_scanned_poses(folder: Path, cell: Cell) -> ScannedPoses:
+    """The poses that `calibration.toml` in a folder lists; the scans are not read yet.
+
+    Args:
+        folder: holds `calibration.toml`: `format`, `arm`, `unit` of the scans, that of the cell's
+            scanner when left out, a table `[plate]` with `ball_mm` (diameter) and `sides_mm` (first
+            ball to second, second to third, third to first), and for each pose a table `[[pose]]`
+            with `scan`, a file beside it, and `joints_deg`, as the controller counts and shows
+            them.
+        cell: whose arm it is.
+
+    Raises:
+        FileError: names file, key, value and what was expected.
+    """
+    table = read_toml(folder / FILE)
+    table.text("format", among=(POSES_FORMAT,))
+    arm = cell.arm(table.text("arm", among=tuple(arm.name for arm in cell.arms)))
+    unit = table.text("unit", cell.scanner.unit, among=tuple(UNITS))
+    plate = _plate(table.table("plate"))
+    poses = tuple(_pose(pose, cell, arm) for pose in table.tables("pose"))
+    if not 1 <= len(poses) <= MOST_POSES:
+        raise table.error("pose", f"1 to {MOST_POSES} poses are expected, {len(poses)} are given")
+    table.finish()
+    return ScannedPoses(arm.name, plate, unit, poses)
+
+
+def _plate(table: Table) -> BallPlate:
+    radius = table.number("ball_mm", low=4, high=400) / 2000
+    sides = table.numbers("sides_mm", 3, low=4, high=2000) / 1000
+    table.finish()
+    try:
+        return BallPlate(radius, sides)
+    except InputError as error:
+        raise table.error("sides_mm", str(error)) from None
+
+
+def _pose(table: Table, cell: Cell, arm: Arm) -> ScannedPose:
+    name = table.text("scan")
+    scan = table.path.parent / name
+    if not is_file(scan):
+        raise table.error("scan", f"there is no file {name!r} beside {FILE}")
+    count = len(arm.joints)
+    shown = np.deg2rad(table.numbers("joints_deg", count, low=-720, high=720))
+    table.finish()
+    q = np.empty(count)
+    q[list(arm.wire_order)] = shown * arm.wire_signs
+    lower, upper, _ = cell.robot.limits(arm.joints)
+    if not np.all((q >= lower - 1e-3) & (q <= upper + 1e-3)):
+        raise table.error("joints_deg", f"lies outside the limits of the {arm.name} arm")
+    return ScannedPose(scan, q)
+
+
+def write_scanned_poses(
+    folder: Path, arm: Arm, plate: BallPlate, poses: Sequence[ScannedPose]
+) -> None:
+    """Write `calibration.toml` for scans in metres that lie in the folder.
+
+    Raises:
+        FileError: it cannot be written.
+    """
+    lines = [
+        "# Scans of the reference plate, and where the arm stood for each.",
+        f'format = "{POSES_FORMAT}"',
+        f'arm = "{arm.name}"',
+        'unit = "m"                # of the scans',
+        "",
+        "[plate]                   # three balls; any frame that holds them will do",
+        f"ball_mm = {plate.radius * 2000:.10g}",
+        f"sides_mm = {_list(np.array(plate.sides) * 1000)}   # 1 to 2, 2 to 3, 3 to 1: centres",
+    ]
+    for pose in poses:
+        shown = np.rad2deg(pose.q[list(arm.wire_order)]) * arm.wire_signs
+        lines += ["", "[[pose]]", f"scan = {_text(pose.scan.name)}", f"joints_deg = {_list(shown)}"]
+    write_whole(folder / FILE, ("\n".join(lines) + "\n").encode())
+
+
+def _text(text: str) -> str:
+    return json.dumps(text, ensure_ascii=False)
+
+
+def _list(values: Floats) -> str:
+    return f"[{', '.join(f'{round(float(value), 4) + 0.0:.10g}' for value in values)}]"

@@ -1,0 +1,183 @@
+"""Changes of a cell written into the file that people wrote: only what differs, comments stay."""
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+import tomlkit
+
+from workbench.formats.cells.calibrations import record_table
+from workbench.formats.cells.reading import read_cell
+from workbench.formats.files.change_log import LOG, add_line, utc
+from workbench.formats.files.toml_documents import read_document, shorts
+from workbench.formats.files.whole_files import write_whole
+from workbench.formats.parts.grasp_files import are_written_alike
+from workbench.model.cell import Cell
+from workbench.model.digest import digest_of
+from workbench.model.errors import FileError
+from workbench.model.geometry import Floats
+
+UNWRITABLE = "not written: something was changed that cannot be written into the file"
+
+LOST = 2e-6
+"""[m, rad] That much a number may change by being written with four digits [mm, deg]."""
+
+
+def save_cell(path: Path, cell: Cell) -> None:
+    """Write into a cell file what a cell has otherwise than the file.
+
+    Which parts it picks, poses of robot, bin, scanner and fixtures, the scanner's calibration,
+    sizes of the bin, homes, places and the tool of the arms can be written; the file is left as
+    it is when anything else differs.
+
+    Args:
+        path: of the cell file, which must be readable as a cell.
+        cell: as it should be read from now on.
+
+    Raises:
+        FileError: the file cannot be read or written, or something else differs.
+    """
+    old = read_cell(path)
+    if _names(old) != _names(cell):
+        raise FileError(path, UNWRITABLE)
+    document: Any = read_document(path)
+    _edit(document, old, cell)
+    written = tomlkit.dumps(document).encode()
+    trial = path.with_name(f".{path.name}.trial")
+    try:
+        write_whole(trial, written)
+        again = read_cell(trial)
+    except FileError as error:
+        raise FileError(path, f"not written: {error.problem}") from None
+    finally:
+        trial.unlink(missing_ok=True)
+    if not _is_same(again, cell):
+        raise FileError(path, UNWRITABLE)
+    write_whole(path, written)
+
+
+def log_change(path: Path, cell: Cell, actor: str, at: float, remark: str) -> None:
+    """Add a line about a saved change to the log beside the cell file.
+
+    Raises:
+        FileError: it cannot be written.
+    """
+    entry = {"at": utc(at), "by": actor, "cell": cell.digest, "remark": remark}
+    add_line(path.with_name(LOG), entry)
+
+
+def _names(cell: Cell) -> tuple[list[str], list[str]]:
+    """Of the arms and fixtures, in their order: none can be added or taken away."""
+    return [arm.name for arm in cell.arms], [fixture.name for fixture in cell.fixtures]
+
+
+def _is_same(one: Cell, other: Cell) -> bool:
+    """Whether two cells differ by no more than what is lost when numbers are written."""
+    if [part.name for part in one.parts] != [part.name for part in other.parts]:
+        return False
+    parts = tuple(
+        replace(mine, library=part.library, symmetry=part.symmetry)
+        if are_written_alike(mine.library, part.library)
+        and mine.symmetry.fold == part.symmetry.fold
+        else mine
+        for mine, part in zip(one.parts, other.parts, strict=True)
+    )
+    arms = tuple(
+        replace(mine, home=arm.home, Ts_world_place=arm.Ts_world_place)
+        for mine, arm in zip(one.arms, other.arms, strict=True)
+    )
+    fixtures = tuple(
+        replace(mine, T_world_fixture=fixture.T_world_fixture)
+        for mine, fixture in zip(one.fixtures, other.fixtures, strict=True)
+    )
+    mount, other_mount = one.scanner, other.scanner
+    calibration, record = mount.calibration, other_mount.calibration
+    if calibration is not None and record is not None:
+        calibration = replace(calibration, rms=record.rms)
+    alike = replace(
+        one,
+        T_world_robot=other.T_world_robot,
+        bin=replace(one.bin, T_world_bin=other.bin.T_world_bin, size=other.bin.size),
+        scanner=replace(
+            mount, T_world_scanner=other_mount.T_world_scanner, calibration=calibration
+        ),
+        arms=arms,
+        fixtures=fixtures,
+        parts=parts,
+    )
+    mine, others = _numbers(one), _numbers(other)
+    is_near = len(mine) == len(others) and bool(np.allclose(mine, others, atol=LOST))
+    return is_near and alike.digest == other.digest
+
+
+def _numbers(cell: Cell) -> Floats:
+    """What `_edit` can write, in one row."""
+    Ts = [cell.T_world_robot, cell.bin.T_world_bin, cell.scanner.T_world_scanner]
+    Ts += [fixture.T_world_fixture for fixture in cell.fixtures]
+    Ts += [T for arm in cell.arms for T in arm.Ts_world_place]
+    rows = [T.homogeneous.ravel() for T in Ts] + [np.asarray(arm.home) for arm in cell.arms]
+    record = cell.scanner.calibration
+    return np.concatenate([*rows, np.asarray(cell.bin.size), [record.rms if record else 0.0]])
+
+
+def _edit(document: Any, old: Cell, new: Cell) -> None:
+    _edit_parts(document, old, new)
+    _edit_pose(document["robot"], old.T_world_robot, new.T_world_robot)
+    _edit_pose(document["bin"], old.bin.T_world_bin, new.bin.T_world_bin)
+    if not np.array_equal(old.bin.size, new.bin.size):
+        document["bin"]["size_mm"] = _millimetres(new.bin.size)
+    _edit_pose(document["scanner"], old.scanner.T_world_scanner, new.scanner.T_world_scanner)
+    record = new.scanner.calibration
+    if record is None:
+        document["scanner"].pop("calibration", None)
+    elif old.scanner.calibration is None or digest_of(record) != digest_of(old.scanner.calibration):
+        document["scanner"]["calibration"] = record_table(record)
+    for table, one, other in zip(
+        document.get("fixture", []), old.fixtures, new.fixtures, strict=True
+    ):
+        _edit_pose(table, one.T_world_fixture, other.T_world_fixture)
+    for table, one, other in zip(document["arm"], old.arms, new.arms, strict=True):
+        if one.tool.name != other.tool.name:
+            table["tool"] = other.tool.name
+        if not np.array_equal(one.home, other.home):
+            home = np.rad2deg(other.home[list(other.wire_order)]) * other.wire_signs
+            table["home_deg"] = shorts(home)
+        same = [T.homogeneous.tolist() for T in one.Ts_world_place] == [
+            T.homogeneous.tolist() for T in other.Ts_world_place
+        ]
+        if same or any("grid" in place for place in table.get("place", [])):
+            continue  # places of a grid are changed in the file: the trial will tell
+        if len(one.Ts_world_place) == len(other.Ts_world_place):
+            for place, T, U in zip(
+                table.get("place", []), one.Ts_world_place, other.Ts_world_place, strict=True
+            ):
+                _edit_pose(place, T, U)
+        else:
+            places = tomlkit.aot()
+            for T in other.Ts_world_place:
+                places.append(_edit_pose(tomlkit.table(), pin.SE3.Identity(), T))
+            table["place"] = places
+
+
+def _edit_parts(document: Any, old: Cell, new: Cell) -> None:
+    """Name new parts after those that stay, which keep the words they are named with."""
+    was, now = [part.name for part in old.parts], [part.name for part in new.parts]
+    if was != now:
+        named = dict(zip(was, document["parts"], strict=True))
+        document["parts"] = [str(named.get(name, name)) for name in now]
+
+
+def _edit_pose(table: Any, old: pin.SE3, new: pin.SE3) -> Any:
+    """Write a pose into a table if it is another one than before; the table."""
+    if not np.array_equal(old.translation, new.translation):
+        table["position_mm"] = _millimetres(new.translation)
+    if not np.array_equal(old.rotation, new.rotation):
+        rpy = np.rad2deg(pin.rpy.matrixToRpy(new.rotation))
+        table["rpy_deg"] = shorts(rpy)
+    return table
+
+
+def _millimetres(lengths: Floats) -> list[float | int]:
+    return shorts(np.asarray(lengths) * 1000)

@@ -1,0 +1,206 @@
+"""A cell as a folder: `cell.toml` with what a person will want to change, beside its robot.
+
+For cells that a program makes; one that people have written is changed in place, so that their
+comments stay (`formats/cells/edits.py`).
+"""
+
+import json
+from collections.abc import Iterable, Iterator, Mapping
+from pathlib import Path
+
+import numpy as np
+import pinocchio as pin
+
+from workbench.formats.cells.calibrations import record_table
+from workbench.formats.files.whole_files import file_name, make_folder, write_whole
+from workbench.formats.meshes.triangles import stl_of, surface_of
+from workbench.formats.robots.urdf_package import write_package, write_srdf
+from workbench.model.cell import Arm, Cell, Fixture, Policy, ScannerMount, Tool
+from workbench.model.geometry import Box, Capsule, Cylinder, Floats, Mesh, Solid, Sphere
+
+
+def write_cell(folder: Path, cell: Cell, unchecked: Mapping[tuple[str, str], str]) -> Path:
+    """Write a cell that `read_cell` gives back, but for its parts, which are named only.
+
+    Args:
+        folder: made when missing; files in it are replaced.
+        cell: what it is made of.
+        unchecked: pairs of links that need no check, with the reasons.
+
+    Returns:
+        The cell file.
+
+    Raises:
+        FileError: a file cannot be written.
+    """
+    make_folder(folder)
+    write_package(folder / "robot.urdf", cell.robot)
+    write_srdf(folder / "robot.srdf", cell.robot.name, unchecked)
+    path = folder / "cell.toml"
+    write_whole(path, ("\n".join(_lines(folder, cell)) + "\n").encode())
+    return path
+
+
+def _lines(folder: Path, cell: Cell) -> Iterator[str]:
+    yield "# World frame: z up.  Lengths in mm, angles in degrees, rpy about fixed axes x, y, z."
+    yield f"name = {_text(cell.name)}"
+    yield f"parts = [{', '.join(_text(part.name) for part in cell.parts)}]"
+    yield from ("", "[robot]", 'urdf = "robot.urdf"')
+    yield 'srdf = "robot.srdf"               # pairs of links that need no check'
+    yield from _pose(cell.T_world_robot)
+    tools = {tool.name: tool for arm in cell.arms for tool in (arm.tool, *arm.tools)}
+    for tool in tools.values():
+        yield from _tool(folder, tool)
+    for arm in cell.arms:
+        yield from _arm(arm)
+    yield from ("", "# Its frame: in the middle of the floor's upper side.", "[bin]")
+    yield from _pose(cell.bin.T_world_bin)
+    yield f"size_mm = {_mm(cell.bin.size)}          # inside: length, width, height"
+    yield f"wall_mm = {_number(cell.bin.wall * 1000)}"
+    yield from _scanner(cell)
+    controller = cell.controller
+    yield from ("", "[controller]", f"protocol = {_text(controller.protocol)}")
+    yield f"host = {_text(controller.host)}"
+    yield f"port = {controller.port}"
+    yield f"state_port = {controller.state_port}"
+    yield from _policy(cell)
+    if cell.poses_folder is not None:
+        yield from ("", "[detections]", f"path = {_text(cell.poses_folder.path)}")
+        yield f"part = {_text(cell.poses_folder.part)}"
+    for fixture in cell.fixtures:
+        yield from _fixture(folder, fixture)
+
+
+def _policy(cell: Cell) -> Iterator[str]:
+    policy = cell.policy
+    yield from ("", "[policy]")
+    yield f"margin_mm = {_number(policy.margin * 1000)}      # kept to everything on free legs"
+    yield f"near_margin_mm = {_number(policy.near_margin * 1000)} # by the tool on straight legs"
+    yield f"self_margin_mm = {_number(policy.self_margin * 1000)} # between links of one arm"
+    yield f"lift_length_mm = {_number(policy.lift_length * 1000)}"
+    yield f"lift_lean_deg = {_number(np.rad2deg(policy.lift_lean))}"
+    yield f"speed = {_number(policy.speed)}          # share of the joints' speeds"
+    yield f"zone = {_number(policy.zone)}           # corner rounding, share of a segment"
+    yield f"threshold_mm = {_number(policy.threshold * 1000)}"
+    yield f"planner = {_text(policy.planner)}"
+    yield f"iterations = {policy.iterations}"
+    yield f"order = {_text(policy.order)}"
+    usual = Policy()
+    for key in ("free_points", "straight_points", "seconds", "metric", "approval_minutes"):
+        if getattr(policy, key) != getattr(usual, key):
+            yield f"{key} = {_number(getattr(policy, key))}"
+    yield f"approvers = {cell.approvers}             # different people who approve each plan"
+
+
+def _scanner(cell: Cell) -> Iterator[str]:
+    scanner = cell.scanner
+    yield from ("", "# Its frame is a camera's: z into the picture, x right, y down.", "[scanner]")
+    yield from _pose(scanner.T_world_scanner)
+    yield f"resolution = [{scanner.resolution[0]}, {scanner.resolution[1]}]"
+    yield f"field_of_view_deg = {_number(np.rad2deg(scanner.field_of_view))}"
+    yield f"depth_noise_mm = {_number(scanner.depth_noise * 1000)}"
+    yield f"near_mm = {_number(scanner.near * 1000)}"
+    yield f"far_mm = {_number(scanner.far * 1000)}"
+    yield f"calibration_days = {_number(scanner.calibration_days)}"
+    usual = ScannerMount(scanner.T_world_scanner)
+    for key in ("source", "address", "unit"):
+        if getattr(scanner, key) != getattr(usual, key):
+            yield f"{key} = {_text(getattr(scanner, key))}"
+    if scanner.patience != usual.patience:
+        yield f"patience_s = {_number(scanner.patience)}"
+    if scanner.calibration is not None:
+        record = record_table(scanner.calibration)
+        yield from ("", "[scanner.calibration]")
+        yield from (
+            f"{key} = {json.dumps(value, ensure_ascii=False)}" for key, value in record.items()
+        )
+
+
+def _tool(folder: Path, tool: Tool) -> Iterator[str]:
+    yield from ("", "# In the flange's frame, z out of the flange.", "[[tool]]")
+    yield f"name = {_text(tool.name)}"
+    yield f"stroke_mm = {_mm(np.array(tool.stroke))}             # smallest, largest opening"
+    yield f"press_mm = {_number(tool.press * 1000)}"
+    yield from ("", "[tool.tcp]", *_pose(tool.T_flange_tcp))
+    for solid in tool.body:
+        yield from ("", "[[tool.body]]", *_solid(folder, tool.name, solid.name, solid))
+    for finger in tool.fingers:
+        yield from (
+            "",
+            "[[tool.finger]]",
+            *_solid(folder, tool.name, finger.solid.name, finger.solid),
+        )
+        yield f"opens_along = {_list(finger.direction)}"
+
+
+def _arm(arm: Arm) -> Iterator[str]:
+    axes = np.argsort(arm.wire_order) + 1
+    home = np.rad2deg(arm.home[list(arm.wire_order)]) * arm.wire_signs
+    yield from ("", "[[arm]]", f"name = {_text(arm.name)}", f"letter = {_text(arm.letter)}")
+    yield f"flange = {_text(arm.flange)}"
+    yield f"tool = {_text(arm.tool.name)}"
+    if len(arm.tools) > 1:
+        yield f"tools = [{', '.join(_text(tool.name) for tool in arm.tools)}]"
+    yield "# Which axis of the controller each joint of the chain is, and its sense there."
+    yield f"axes = {_list(axes)}"
+    yield f"signs = {_list(np.array(arm.wire_signs))}"
+    yield f"home_deg = {_list(np.round(home, 4))}   # in the controller's order"
+    yield f"acceleration_deg = {_number(np.rad2deg(arm.acceleration[0]))}"
+    if arm.keeps_parts:
+        yield "keeps_parts = true        # they stay at their places, as on a pallet"
+    for T in arm.Ts_world_place:
+        yield from ("", "[[arm.place]]", *_pose(T))
+
+
+def _fixture(folder: Path, fixture: Fixture) -> Iterator[str]:
+    yield from ("", "[[fixture]]", f"name = {_text(fixture.name)}")
+    yield from _pose(fixture.T_world_fixture)
+    for solid in fixture.solids:
+        # Reading puts the name of the fixture before it again.
+        name = solid.name.removeprefix(f"{fixture.name}_")
+        yield from ("", "[[fixture.solid]]", *_solid(folder, fixture.name, name, solid))
+
+
+def _solid(folder: Path, owner: str, name: str, solid: Solid) -> Iterator[str]:
+    yield f"name = {_text(name)}"
+    yield f"shape = {_text(solid.shape.kind)}"
+    match solid.shape:
+        case Box(size=size):
+            yield f"size_mm = {_mm(size)}"
+        case Sphere(radius=radius):
+            yield f"radius_mm = {_number(radius * 1000)}"
+        case Cylinder(radius=radius, length=length) | Capsule(radius=radius, length=length):
+            yield f"radius_mm = {_number(radius * 1000)}"
+            yield f"length_mm = {_number(length * 1000)}"
+        case Mesh() as mesh:
+            file = f"meshes/{file_name(f'{owner}_{name}')}.stl"
+            as_drawn = Solid(name, mesh, pin.SE3.Identity())
+            write_whole(folder / file, stl_of(surface_of([as_drawn])))
+            yield f"file = {_text(file)}"
+            yield f'unit = "m"\nconvex = {str(mesh.is_convex).lower()}'
+    yield from _pose(solid.T_owner_shape)
+    yield f"colour = {_list(np.round(solid.colour, 3))}"
+
+
+def _pose(T: pin.SE3) -> Iterator[str]:
+    if np.abs(T.translation).max() > 0:
+        yield f"position_mm = {_mm(T.translation)}"
+    rpy = np.rad2deg(pin.rpy.matrixToRpy(T.rotation))
+    if np.abs(rpy).max() > 1e-9:
+        yield f"rpy_deg = {_list(np.round(rpy, 6))}"
+
+
+def _mm(lengths: Floats) -> str:
+    return _list(np.round(np.asarray(lengths) * 1000, 4))
+
+
+def _list(values: Floats | Iterable[float]) -> str:
+    return f"[{', '.join(_number(value) for value in values)}]"
+
+
+def _number(value: float) -> str:
+    return f"{round(float(value), 6) + 0.0:.10g}"
+
+
+def _text(value: str | float) -> str:
+    return json.dumps(value, ensure_ascii=False)

@@ -1,0 +1,4 @@
+"""Point clouds in PLY and PCD files.
+
+Imports `files`.
+"""

@@ -1,0 +1,192 @@
+"""Point clouds in PCD files: ascii, binary, and compressed.
+
+Source: Point Cloud Library, "The PCD (Point Cloud Data) file format", version 0.7; M. Lehmann,
+LibLZF, for how compressed data is packed.
+"""
+
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+
+from workbench.formats.files.text_rows import read_rows
+from workbench.formats.files.toml_keys import shown
+from workbench.model.errors import FileError
+from workbench.model.geometry import Floats
+
+LONGEST_HEADER = 64 * 1024
+MOST_VALUES = 10_000
+"""Of one field: more than any descriptor of a point has."""
+
+KINDS = {
+    ("F", 4): "<f4", ("F", 8): "<f8", ("U", 1): "<u1", ("U", 2): "<u2", ("U", 4): "<u4",
+    ("U", 8): "<u8", ("I", 1): "<i1", ("I", 2): "<i2", ("I", 4): "<i4", ("I", 8): "<i8",
+}  # fmt: skip
+
+
+AXES = ("x", "y", "z")
+
+
+class Layout(NamedTuple):
+    """What a header says: fields with their types and how many values each has, and the size."""
+
+    names: tuple[str, ...]
+    kinds: tuple[str, ...]
+    counts: tuple[int, ...]
+    width: int
+    height: int
+    encoding: str
+    end: int
+
+
+def read_pcd(path: Path, content: bytes, most: int) -> tuple[Floats, tuple[int, int] | None]:
+    """The points (n, 3) of a PCD file in its own unit, and columns and rows of an organised one.
+
+    Raises:
+        FileError: not a PCD file, more than `most` points, cut off, or without x, y, z.
+    """
+    layout = _layout(path, content)
+    count = layout.width * layout.height
+    if not 0 < count <= most:
+        raise FileError(path, f"declares {count} points, 1 to {most} are read")
+    if any(layout.names.count(axis) != 1 for axis in AXES) or not all(
+        many for name, many in zip(layout.names, layout.counts, strict=True) if name in AXES
+    ):
+        raise FileError(path, f"FIELDS {' '.join(layout.names)[:80]}: x, y and z are expected")
+    match layout.encoding:
+        case "ascii":
+            points = _ascii(path, content, layout, count)
+        case "binary":
+            points = _binary(path, content[layout.end :], layout, count)
+        case _:
+            points = _compressed(path, content[layout.end :], layout, count)
+    organised = (layout.width, layout.height) if layout.height > 1 else None
+    return points, organised
+
+
+def _layout(path: Path, content: bytes) -> Layout:
+    head = content[:LONGEST_HEADER]
+    items: dict[str, list[str]] = {}
+    end = 0
+    while "DATA" not in items:
+        line, newline, _ = head[end:].partition(b"\n")
+        if not newline:
+            raise FileError(path, "is not a PCD file: its header has no line DATA")
+        end += len(line) + 1
+        try:
+            words = line.decode("ascii").split()
+        except UnicodeDecodeError:
+            raise FileError(path, "is not a PCD file: its header is not text") from None
+        if words and not words[0].startswith("#"):
+            items[words[0].upper()] = words[1:]
+    names = items.get("FIELDS", [])
+    sizes = _wholes(path, items, "SIZE", len(names))
+    types = items.get("TYPE", [])
+    if not names or len(types) != len(names):
+        raise FileError(path, f"TYPE: {len(names)} letters are expected, as there are FIELDS")
+    kinds = [KINDS.get((kind.upper(), size)) for kind, size in zip(types, sizes, strict=True)]
+    if None in kinds:
+        raise FileError(path, f"TYPE {shown(types)} with SIZE {sizes}: is not known")
+    counts = _wholes(path, items, "COUNT", len(names)) if "COUNT" in items else [1] * len(names)
+    (width,) = _wholes(path, items, "WIDTH", 1)
+    (height,) = _wholes(path, items, "HEIGHT", 1)
+    encoding = " ".join(items["DATA"]).lower()
+    if encoding not in ("ascii", "binary", "binary_compressed"):
+        raise FileError(path, f"DATA {shown(encoding)}: ascii, binary or binary_compressed")
+    if max(counts) > MOST_VALUES:
+        raise FileError(path, f"COUNT {max(counts)}: a field has at most {MOST_VALUES} values")
+    known = tuple(kind for kind in kinds if kind is not None)
+    return Layout(tuple(names), known, tuple(counts), width, height, encoding, end)
+
+
+def _wholes(path: Path, items: dict[str, list[str]], key: str, count: int) -> list[int]:
+    words = items.get(key, [])
+    if len(words) != count or not all(word.isdigit() and len(word) < 10 for word in words):
+        raise FileError(path, f"{key} {shown(' '.join(words))}: {count} whole numbers expected")
+    return [int(word) for word in words]
+
+
+def _row(layout: Layout) -> np.dtype:
+    return np.dtype(
+        [
+            (f"{number}", kind, (count,))
+            for number, (kind, count) in enumerate(zip(layout.kinds, layout.counts, strict=True))
+        ]
+    )
+
+
+def _binary(path: Path, data: bytes, layout: Layout, count: int) -> Floats:
+    row = _row(layout)
+    if len(data) < count * row.itemsize:
+        raise FileError(path, f"is cut off: {count} points were declared")
+    rows = np.frombuffer(data, row, count)
+    with np.errstate(invalid="ignore"):
+        return np.column_stack(
+            [rows[f"{layout.names.index(axis)}"][:, 0].astype(np.float64) for axis in AXES]
+        )
+
+
+def _ascii(path: Path, content: bytes, layout: Layout, count: int) -> Floats:
+    starts = np.cumsum([0, *layout.counts])
+    columns = [int(starts[layout.names.index(axis)]) for axis in AXES]
+    return read_rows(path, content, layout.end, columns=columns, count=count)
+
+
+def _compressed(path: Path, data: bytes, layout: Layout, count: int) -> Floats:
+    """Field by field, packed by LZF behind the two sizes."""
+    if len(data) < 8:
+        raise FileError(path, "is cut off")
+    packed, size = np.frombuffer(data, "<u4", 2).tolist()
+    row = _row(layout)
+    if size != count * row.itemsize or len(data) < 8 + packed:
+        raise FileError(path, "is cut off, or its sizes do not fit its points")
+    unpacked = np.zeros(size, np.uint8)
+    if _unpack(np.frombuffer(data, np.uint8, packed, 8), unpacked) != size:
+        raise FileError(path, "its compressed data is broken")
+    points = np.empty((count, 3))
+    start = 0
+    for number, (name, kind, values) in enumerate(
+        zip(layout.names, layout.kinds, layout.counts, strict=True)
+    ):
+        length = count * row[f"{number}"].itemsize
+        if name in AXES:
+            column = unpacked[start : start + length].view(kind).reshape(count, values)
+            with np.errstate(invalid="ignore"):
+                points[:, AXES.index(name)] = column[:, 0]
+        start += length
+    return points
+
+
+@njit(cache=True)
+def _unpack(packed: np.ndarray, out: np.ndarray) -> int:
+    """Unpack LZF data; how much was written, -1 when it is broken."""
+    at, to = 0, 0
+    while at < len(packed):
+        control = int(packed[at])
+        at += 1
+        if control < 32:
+            length = control + 1
+            if at + length > len(packed) or to + length > len(out):
+                return -1
+            for k in range(length):
+                out[to + k] = packed[at + k]
+            at, to = at + length, to + length
+            continue
+        length = control >> 5
+        if length == 7:
+            if at >= len(packed):
+                return -1
+            length += int(packed[at])
+            at += 1
+        if at >= len(packed):
+            return -1
+        source = to - ((control & 31) << 8) - int(packed[at]) - 1
+        at += 1
+        length += 2
+        if source < 0 or to + length > len(out):
+            return -1
+        for k in range(length):
+            out[to + k] = out[source + k]
+        to += length
+    return to

@@ -1,0 +1,230 @@
+"""Point clouds in PLY and PCD files to scans, and scans to PLY files.
+
+A scan of a cell's scanner comes in by `read_scan` or `parse_scan`, which go by the unit that the
+cell file gives.  An organised PLY file carries the line `obj_info resolution <columns> <rows>` in
+its header and the vertex property `pixel`, row * columns + column.
+"""
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pinocchio as pin
+
+from workbench.formats.clouds.pcd import read_pcd
+from workbench.formats.clouds.ply_header import Header, read_header
+from workbench.formats.files.text_rows import read_rows
+from workbench.formats.files.toml_keys import shown
+from workbench.formats.files.units import UNITS
+from workbench.formats.files.whole_files import MB, read_whole, write_whole
+from workbench.model.cell import ScannerMount
+from workbench.model.errors import FileError
+from workbench.model.geometry import Floats
+from workbench.model.scan import Scan
+
+LARGEST_FILE = 512 * MB
+MOST_POINTS = 10_000_000
+"""More than the largest structured-light scanners deliver."""
+
+MOST_PIXELS = 2**31 - 1
+"""`Scan` counts pixels in 32 bits."""
+
+NEAREST, FARTHEST = 0.005, 100.0
+"""[m] A cloud of which every point is nearer, or one is further, was read in a wrong unit."""
+
+BESIDE = 6.0
+"""By this factor a scan may lie nearer or further than the scanner measures: less than lies
+between any two units."""
+
+FEW = 0.05
+"""Share of the points that may lie anywhere: stray ones say nothing about the unit."""
+
+KEY = "`unit` in [scanner] of the cell file"
+
+_RESOLUTION = re.compile(r"resolution +([0-9]{1,6}) +([0-9]{1,6})")
+
+
+def read_scan(path: str | Path, mount: ScannerMount, *, key: str = KEY) -> Scan:
+    """A scan of a cell's scanner from a PLY or PCD file; see `parse_scan`.
+
+    Raises:
+        FileError: it cannot be read, or as `parse_scan` has it.
+    """
+    path = Path(path)
+    return parse_scan(path, read_whole(path, LARGEST_FILE), mount, key=key)
+
+
+def parse_scan(path: Path, content: bytes, mount: ScannerMount, *, key: str = KEY) -> Scan:
+    """A scan of a cell's scanner from the content of a file, in the unit that the mount says.
+
+    Args:
+        path: of the file, for messages.
+        content: of the file, points in the scanner's frame.
+        mount: where the scanner hangs, how far it measures, the unit of its files.
+        key: which gives the unit, for messages.
+
+    Raises:
+        FileError: as `parse_cloud` has it, or next to nothing of it lies where the scanner can
+            measure: its unit is another one.
+    """
+    scan = parse_cloud(path, content, mount.T_world_scanner, unit=mount.unit, key=key)
+    away = np.linalg.norm(scan.points, axis=1)
+    nearest, farthest = (float(value) for value in np.quantile(away, (FEW, 1 - FEW)))
+    if nearest > mount.far * BESIDE or farthest < mount.near / BESIDE:
+        raise FileError(
+            path,
+            f"its points are {nearest:.4g} to {farthest:.4g} m from the scanner when read in "
+            f"{mount.unit} ({key}), and the scanner measures from {mount.near:g} to "
+            f"{mount.far:g} m (near_mm, far_mm). Is the file in another unit ({', '.join(UNITS)})?",
+        )
+    return scan
+
+
+def read_cloud(path: str | Path, T_world_scanner: pin.SE3, *, unit: str = "m") -> Scan:
+    """A scan from a PLY or PCD file; see `parse_cloud`.
+
+    Raises:
+        FileError: it cannot be read, or as `parse_cloud` has it.
+    """
+    path = Path(path)
+    return parse_cloud(path, read_whole(path, LARGEST_FILE), T_world_scanner, unit=unit)
+
+
+def parse_cloud(
+    path: Path, content: bytes, T_world_scanner: pin.SE3, *, unit: str = "m", key: str = ""
+) -> Scan:
+    """A scan from the content of a PLY or PCD file; only where the points are counts.
+
+    Points that are not finite, and those at exactly (0, 0, 0), where many scanners put pixels
+    without a measurement, are dropped.
+
+    Args:
+        path: of the file, for messages.
+        content: of the file, points in the scanner's frame.
+        T_world_scanner: where the scanner was.
+        unit: of the file: mm, m or inch.
+        key: which gives the unit, for messages.
+
+    Raises:
+        FileError: neither a PLY nor a PCD file, cut off, without points, or of another unit.
+    """
+    if unit not in UNITS:
+        raise FileError(path, f"unit {unit!r} is not one of {', '.join(UNITS)}")
+    if content[:3] == b"ply":
+        values, resolution, has_pixels = _ply(path, content)
+    elif b"FIELDS" not in content[:1024].upper():
+        raise FileError(path, "is neither a PLY nor a PCD file")
+    else:
+        values, resolution = read_pcd(path, content, MOST_POINTS)
+        has_pixels = resolution is not None
+    with np.errstate(over="ignore", invalid="ignore"):
+        points = values[:, :3] * UNITS[unit]
+    measured = np.isfinite(points).all(axis=1) & points.any(axis=1)
+    if not measured.any():
+        raise FileError(path, f"is an empty cloud: none of its {len(points)} points was measured")
+    points = points[measured]
+    _check_distance(path, points, unit, key)
+    pixels = None
+    if resolution is not None and has_pixels:
+        pixels = _pixels(path, values, resolution)[measured]
+        if len(np.unique(pixels)) != len(pixels):
+            raise FileError(path, "property pixel: two points claim the same pixel")
+    return Scan(points, T_world_scanner, path.name, pixels, resolution)
+
+
+def _ply(path: Path, content: bytes) -> tuple[Floats, tuple[int, int] | None, bool]:
+    """Rows of x, y, z and perhaps the pixel, the image's size, and whether pixels are known."""
+    header = read_header(path, content)
+    if header.count > MOST_POINTS:
+        raise FileError(path, f"declares {header.count} points, at most {MOST_POINTS} are read")
+    if header.count == 0:
+        raise FileError(path, "is an empty cloud: it declares 0 points")
+    names = ("x", "y", "z", "pixel") if "pixel" in header.names else ("x", "y", "z")
+    columns = _ascii if header.encoding == "ascii" else _binary
+    resolution = _resolution(path, header.notes)
+    return columns(path, content, header, names), resolution, resolution is not None
+
+
+def write_cloud(path: str | Path, scan: Scan, *, unit: str = "m") -> None:
+    """Write the points of a scan in its own frame and a unit, binary; in metres no digit is lost.
+
+    Raises:
+        FileError: the file cannot be written.
+    """
+    fields = [("x", "<f8"), ("y", "<f8"), ("z", "<f8")]
+    header = ["ply", "format binary_little_endian 1.0", f"comment {unit}, scanner frame"]
+    if scan.resolution is not None and scan.pixels is not None:
+        fields.append(("pixel", "<i4"))
+        header.append("obj_info resolution {} {}".format(*scan.resolution))
+    header.append(f"element vertex {len(scan.points)}")
+    header += [f"property {'int' if name == 'pixel' else 'double'} {name}" for name, _ in fields]
+    header.append("end_header\n")
+    rows = np.empty(len(scan.points), dtype=fields)
+    for column, name in enumerate("xyz"):
+        rows[name] = scan.points[:, column] / UNITS[unit]
+    if "pixel" in (rows.dtype.names or ()):
+        rows["pixel"] = scan.pixels
+    write_whole(Path(path), "\n".join(header).encode("ascii") + rows.tobytes())
+
+
+def _binary(path: Path, content: bytes, header: Header, names: tuple[str, ...]) -> Floats:
+    order = "<" if header.encoding == "binary_little_endian" else ">"
+    layout = np.dtype([(name, order + kind) for name, kind in header.properties])
+    start = header.end + header.skip_bytes
+    room = max(len(content) - start, 0) // layout.itemsize
+    if room < header.count:
+        raise FileError(path, f"is cut off: it declares {header.count} points and holds {room}")
+    rows = np.frombuffer(content, layout, header.count, start)
+    with np.errstate(invalid="ignore"):  # a NaN of the signalling kind, which is dropped later
+        return np.column_stack([rows[name].astype(np.float64) for name in names])
+
+
+def _ascii(path: Path, content: bytes, header: Header, names: tuple[str, ...]) -> Floats:
+    columns = [header.names.index(name) for name in names]
+    skip, count = header.skip_lines, header.count
+    return read_rows(path, content, header.end, columns=columns, count=count, skip=skip)
+
+
+def _check_distance(path: Path, points: Floats, unit: str, key: str) -> None:
+    reach = float(np.abs(points).max())
+    if not NEAREST <= reach <= FARTHEST:
+        raise FileError(
+            path,
+            f"the furthest point is {reach:.4g} m from the scanner when read in {unit}"
+            f"{key and f' ({key})'}; expected {NEAREST:g} to {FARTHEST:g} m. Is the file in "
+            f"another unit ({', '.join(UNITS)})?",
+        )
+
+
+def _resolution(path: Path, notes: tuple[str, ...]) -> tuple[int, int] | None:
+    for note in notes:
+        if note.startswith("resolution"):
+            found = _RESOLUTION.fullmatch(note)
+            if found is None:
+                raise FileError(path, f"obj_info {shown(note)}: expected `resolution columns rows`")
+            columns, rows = int(found[1]), int(found[2])
+            if not 0 < columns * rows <= MOST_PIXELS:
+                raise FileError(path, f"obj_info {note}: this is no size of an image")
+            return columns, rows
+    return None
+
+
+def _pixels(path: Path, values: Floats, resolution: tuple[int, int]) -> Floats:
+    """Each point's pixel, shape (n,), whole numbers within the image."""
+    size = resolution[0] * resolution[1]
+    if values.shape[1] == 4:
+        pixels = values[:, 3]
+    elif len(values) == size:
+        pixels = np.arange(size, dtype=np.float64)
+    else:
+        raise FileError(
+            path,
+            f"has a resolution of {resolution[0]} x {resolution[1]}, no property pixel, and "
+            f"{len(values)} points; one point for each pixel is expected then",
+        )
+    wrong = ~((pixels >= 0) & (pixels < size) & (np.floor(pixels) == pixels))
+    if wrong.any():
+        raise FileError(
+            path, f"property pixel: {pixels[wrong][0]:g} is not a whole number below {size}"
+        )
+    return pixels

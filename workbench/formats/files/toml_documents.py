@@ -1,0 +1,35 @@
+"""TOML files that people wrote, to be changed in place: comments and all else stay as they are."""
+
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+import tomlkit
+from tomlkit.exceptions import TOMLKitError
+
+from workbench.formats.files.toml_keys import LARGEST_FILE
+from workbench.formats.files.whole_files import read_whole
+from workbench.model.errors import FileError
+
+
+def read_document(path: Path) -> Any:
+    """A TOML file as a tomlkit document.
+
+    Raises:
+        FileError: it cannot be read, or is not TOML.
+    """
+    try:
+        return tomlkit.parse(read_whole(path, LARGEST_FILE).decode("utf-8-sig"))
+    except (TOMLKitError, UnicodeDecodeError) as error:
+        raise FileError(path, f"is not valid TOML: {error}") from None
+
+
+def short(value: float, digits: int = 4) -> float | int:
+    """A number as people write it: no -0, and whole ones without a point."""
+    rounded = round(float(value), digits) + 0.0
+    return int(rounded) if rounded.is_integer() else rounded
+
+
+def shorts(values: Iterable[float], digits: int = 4) -> list[float | int]:
+    """Several numbers as people write them."""
+    return [short(value, digits) for value in values]

@@ -1,0 +1,167 @@
+"""Klamp't worlds (`.xml`): a robot, its configuration, and what stands around it.
+
+Source: https://github.com/krishauser/Klampt, manual, "File types"
+"""
+
+import math
+import re
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pinocchio as pin
+
+from workbench.formats.files.toml_keys import shown
+from workbench.formats.files.whole_files import is_file, read_whole
+from workbench.formats.files.xml_elements import Element, read_xml
+from workbench.formats.klampt.robots import read_rob
+from workbench.formats.meshes.convex_pieces import pieces_of
+from workbench.formats.meshes.reading import LARGEST_MESH, read_mesh
+from workbench.formats.robots.urdf import read_urdf
+from workbench.model.cell import Bin, Fixture
+from workbench.model.errors import FileError
+from workbench.model.geometry import Floats, Mesh, Solid
+from workbench.model.robot import Robot
+
+BLUE, BROWN = (0.4, 0.4, 1.0), (0.8, 0.6, 0.3)
+"""What Klamp't gives rigid objects and terrains that say nothing."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class KlamptWorld:
+    """One robot where it stands, its configuration as the file orders it, and still things."""
+
+    robot: Robot
+    T_world_robot: pin.SE3
+    config: Floats
+    things: tuple[Fixture, ...]
+
+
+def read_klampt_world(path: Path) -> KlamptWorld:
+    """A world with exactly one robot.
+
+    Raises:
+        FileError: not such a file, another number of robots, or a file in it cannot be read.
+    """
+    root = read_xml(path, "world")
+    robots = list(root.all("robot"))
+    if len(robots) != 1:
+        raise FileError(path, f"has {len(robots)} robots, one is expected")
+    file = _beside(robots[0], "file")
+    robot = read_urdf(file) if file.suffix.lower() == ".urdf" else read_rob(file)
+    count = len(robots[0].text("config", "").split())
+    values = robots[0].numbers("config", count)[1:] if count else np.empty(0)
+    things = [_thing(one, BLUE, k) for k, one in enumerate(root.all("rigidObject"))]
+    things += [_thing(one, BROWN, k) for k, one in enumerate(root.all("terrain"))]
+    names = [thing.name for thing in things]
+    for name in names:
+        if names.count(name) > 1:
+            raise FileError(path, f"two things are called {shown(name)}")
+    return KlamptWorld(robot, _placed(robots[0]), values, tuple(things))
+
+
+def box_around(thing: Fixture) -> Bin:
+    """An open box as large as a thing, for a world's bin, with the usual walls."""
+    wall = 0.003
+    points = np.vstack(
+        [
+            solid.T_owner_shape.act(point)
+            for solid in thing.solids
+            if isinstance(solid.shape, Mesh)
+            for point in solid.shape.points
+        ]
+    )
+    low, high = points.min(axis=0), points.max(axis=0)
+    middle = np.array([*(low[:2] + high[:2]) / 2, low[2] + wall])
+    size = np.maximum(high - low - [2 * wall, 2 * wall, wall], 0.01)
+    return Bin(thing.T_world_fixture * pin.SE3(np.eye(3), middle), size, wall)
+
+
+def in_pieces(thing: Fixture, *, tolerance: float, most: int) -> Fixture:
+    """A thing with convex pieces in place of its meshes; see `convex_pieces.pieces_of`."""
+    solids: list[Solid] = []
+    for solid in thing.solids:
+        found = None
+        if isinstance(solid.shape, Mesh):
+            found = pieces_of(solid.shape, tolerance=tolerance, most=most)
+        pieces = (solid.shape,) if found is None else found.pieces
+        solids += [
+            Solid(f"{thing.name}_piece_{k}", piece, solid.T_owner_shape, solid.colour)
+            for k, piece in enumerate(pieces, start=1)
+        ]
+    return Fixture(thing.name, thing.T_world_fixture, tuple(solids))
+
+
+def _thing(element: Element, usual: tuple[float, float, float], number: int) -> Fixture:
+    name = re.sub(r"[^A-Za-z0-9_-]", "_", element.text("name", f"{element.tag}_{number + 1}"))
+    geometry = element.one("geometry")
+    display = element.one("display") or element.one("appearance")
+    colour = usual
+    if display is not None and display.text("color", ""):
+        count = 4 if len(display.text("color").split()) == 4 else 3
+        red, green, blue = np.clip(display.numbers("color", count), 0, 1).tolist()[:3]
+        colour = (red, green, blue)
+    if geometry is not None:
+        key = "file" if geometry.text("file", "") else "mesh"
+        mesh = _scaled(_mesh(_beside(geometry, key)), geometry)
+    else:
+        mesh = _scaled(_mesh(_beside(element, "file")), element)
+    solid = Solid(f"{name}_mesh", mesh, pin.SE3.Identity(), colour)
+    return Fixture(name, _placed(element), (solid,))
+
+
+def _mesh(path: Path) -> Mesh:
+    """A mesh file, or the mesh that a rigid object file names."""
+    if path.suffix.lower() != ".obj":
+        return read_mesh(path)
+    content = read_whole(path, LARGEST_MESH).decode("utf-8", errors="replace")
+    named = re.search(r"^\s*(?:mesh|geomfile)\s+(\S.*)$", content, re.MULTILINE)
+    if named is None:
+        return read_mesh(path)
+    mesh = read_mesh(path.parent / named[1].strip().strip('"'))
+    scale = re.search(r"^\s*geomscale\s+(\S.*?)\s*$", content, re.MULTILINE)
+    return Mesh(mesh.points * _factor(path, scale[1] if scale else "1"), mesh.triangles)
+
+
+def _factor(path: Path, text: str) -> float:
+    try:
+        factor = float(text)
+    except ValueError:
+        factor = math.nan
+    if not 0 < factor < math.inf:
+        raise FileError(path, f"geomscale: {shown(text)} is not a positive number")
+    return factor
+
+
+def _scaled(mesh: Mesh, element: Element) -> Mesh:
+    words = len(element.text("scale", "1").split())
+    scale = element.numbers("scale", 3 if words == 3 else 1, (1.0,))
+    shift = element.numbers("translate", 3, (0.0, 0.0, 0.0))
+    if np.any(scale <= 0):
+        raise element.error("scale: must be positive")
+    return Mesh(np.asarray(mesh.points) * scale + shift, mesh.triangles)
+
+
+def _placed(element: Element) -> pin.SE3:
+    """Position and turns, one after the other, of a thing in the world."""
+    p = element.numbers("position", 3, (0.0, 0.0, 0.0))
+    if element.text("translation", ""):
+        p = element.numbers("translation", 3)
+    R = np.eye(3)
+    for axis, key in enumerate(("rotateX", "rotateY", "rotateZ")):
+        angle = element.number(key, 0.0)
+        R = pin.rpy.rpyToMatrix(*(angle if k == axis else 0.0 for k in range(3))) @ R
+    roll, pitch, yaw = element.numbers("rotateRPY", 3, (0.0, 0.0, 0.0))
+    R = pin.rpy.rpyToMatrix(roll, pitch, yaw) @ R
+    R = pin.exp3(element.numbers("rotateMoment", 3, (0.0, 0.0, 0.0))) @ R
+    if np.abs(p).max() > 1e3:
+        raise element.error("position: metres are expected")
+    return pin.SE3(R, p)
+
+
+def _beside(element: Element, key: str) -> Path:
+    name = element.text(key)
+    file = element.path.parent / name
+    if not is_file(file):
+        raise element.error(f"{key}={shown(name)}: there is no such file beside the world")
+    return file

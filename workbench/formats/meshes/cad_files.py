@@ -1,0 +1,190 @@
+"""Meshes from CAD files that somebody else made, read in a process of its own.
+
+The readers behind it are large, some of them C++, and a broken or hostile file may make them crash,
+hang, or take all the memory: then that process ends, and nothing else.
+"""
+
+import ctypes
+import json
+import os
+import resource
+import signal
+import subprocess
+import sys
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from workbench.formats.files.toml_keys import shown
+from workbench.formats.files.units import UNITS
+from workbench.formats.files.whole_files import MB, is_file
+from workbench.formats.meshes.reading import LARGEST_MESH, MOST_TRIANGLES, read_mesh
+from workbench.model.errors import FileError
+from workbench.model.geometry import Mesh
+
+STEP = (".step", ".stp")
+KINDS = (".stl", ".obj", ".ply", ".glb", *STEP)
+WITH_UNIT = (".glb", *STEP)
+"""Formats that say in which unit they are."""
+
+LARGEST_CAD = LARGEST_MESH
+"""[bytes] Of one file."""
+
+LONGEST = 120.0
+"""[s] That reading may take."""
+
+MOST_MEMORY = 6 * 1024 * MB
+"""Of addresses; what is really used is a fraction of it."""
+
+PR_SET_PDEATHSIG = 1
+"""From `linux/prctl.h`."""
+
+FINENESS_MM, FINENESS_DEG = 0.05, 10.0
+"""How far a facet may lie from a round face of a STEP file, and be turned against the next."""
+
+SMALLEST_PART, LARGEST_PART = 0.005, 0.6
+"""[m] The largest side of what is picked from bins; what else a file holds has another unit."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CadMesh:
+    """The triangles of a file [m], and the unit that it was read in; empty if it says it itself.
+
+    `is_assumed`: nobody said so, only one unit gives a size that parts have.
+    """
+
+    mesh: Mesh
+    unit: str
+    is_assumed: bool
+
+
+def read_cad(path: Path, unit: str | None = None) -> CadMesh:
+    """The triangles of an STL, OBJ, PLY, GLB or STEP file.
+
+    Args:
+        path: of the file.
+        unit: mm, m or inch, for formats that do not say; None when it is not known.
+
+    Raises:
+        FileError: not there, of another kind, too large, broken, without triangles, or it takes
+            too long or too much memory; the unit is needed, or is not the format's.
+    """
+    kind = path.suffix.lower()
+    if kind not in KINDS:
+        raise FileError(path, f"is no CAD file that can be read: one of {', '.join(KINDS)}")
+    if not is_file(path):
+        raise FileError(path, "there is no such CAD file")
+    if path.stat().st_size > LARGEST_MESH:
+        raise FileError(path, f"is larger than {LARGEST_MESH / MB:g} MB")
+    if unit is not None and unit not in UNITS:
+        raise FileError(path, f"unit {unit!r} is not one of {', '.join(UNITS)}")
+    if kind in WITH_UNIT and unit not in (None, "m"):
+        raise FileError(path, f"says its unit itself, so it cannot be read in {unit}")
+    raw = _read_apart(path)
+    is_assumed = unit is None and kind not in WITH_UNIT
+    if is_assumed:
+        unit = _likely_unit(path, float(np.ptp(raw.points, axis=0).max()))
+    mesh = Mesh(raw.points * UNITS[unit or "m"], raw.triangles)
+    size = float(np.ptp(mesh.points, axis=0).max())
+    if not SMALLEST_PART / 10 <= size <= LARGEST_PART * 10:
+        raise FileError(path, f"would be {size * 1000:.4g} mm large: is it another unit?")
+    return CadMesh(mesh, "" if kind in WITH_UNIT else unit or "m", is_assumed)
+
+
+def _likely_unit(path: Path, size: float) -> str:
+    """The only unit in which the largest side `size` is that of a part."""
+    sizes = {unit: size * scale for unit, scale in UNITS.items()}
+    likely = [unit for unit, length in sizes.items() if SMALLEST_PART <= length <= LARGEST_PART]
+    if len(likely) == 1:
+        return likely[0]
+    told = ", ".join(f"{length * 1000:.4g} mm in {unit}" for unit, length in sizes.items())
+    raise FileError(path, f"does not say its unit; it would be {told} large: say which with --unit")
+
+
+def _read_apart(path: Path) -> Mesh:
+    """The triangles in the file's unit, read by a process that may crash and ends with this one."""
+    with tempfile.TemporaryDirectory(prefix="workbench-") as folder:
+        found, told = Path(folder) / "mesh.npz", Path(folder) / "problem.json"
+        command = [sys.executable, "-m", "workbench.formats.meshes.cad_files"]
+        command += [str(path.resolve()), folder, str(os.getpid())]
+        # The same packages as here, wherever this process has them from.
+        places = os.pathsep.join(os.path.abspath(place) for place in sys.path)
+        try:
+            ended = subprocess.run(
+                command,
+                cwd=folder,
+                env={**os.environ, "PYTHONPATH": places},
+                stdin=subprocess.DEVNULL,
+                stdout=subprocess.DEVNULL,
+                stderr=subprocess.DEVNULL,
+                timeout=LONGEST,
+            )
+        except subprocess.TimeoutExpired:
+            raise FileError(path, f"could not be read within {LONGEST:g} s") from None
+        if told.is_file():
+            raise FileError(path, json.loads(told.read_text(encoding="utf-8")))
+        if ended.returncode != 0 or not found.is_file():
+            raise FileError(
+                path, f"cannot be read: it made its reader end (code {ended.returncode})"
+            )
+        with np.load(found) as arrays:
+            return Mesh(arrays["points"], arrays["triangles"])
+
+
+def _end_with(parent: int) -> None:
+    """Let Linux end this process when the one that started it is killed, as a cancelled job is."""
+    if sys.platform == "linux":
+        ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
+        if os.getppid() != parent:  # it was killed before
+            sys.exit(1)
+
+
+def _read_here(path: Path, folder: Path) -> None:
+    """What the process of its own does: write the triangles, or what is wrong, into a folder."""
+    resource.setrlimit(resource.RLIMIT_AS, (MOST_MEMORY, MOST_MEMORY))
+    resource.setrlimit(resource.RLIMIT_CPU, (int(LONGEST) * 2, int(LONGEST) * 2))
+    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+    try:
+        if path.suffix.lower() in STEP:
+            path = _converted(path, folder / "converted.glb")
+        # Bounded as if it were in millimetres: the unit is looked at later.
+        mesh = read_mesh(path, 0.001)
+        np.savez(folder / "mesh.npz", points=mesh.points * 1000, triangles=mesh.triangles)
+    except FileError as error:
+        _tell(folder, error.problem)
+    except MemoryError:
+        _tell(folder, f"cannot be read with {MOST_MEMORY / MB:g} MB of memory")
+    except RecursionError:
+        _tell(folder, "cannot be read: its parts are nested too deeply")
+
+
+def _tell(folder: Path, problem: str) -> None:
+    (folder / "problem.json").write_text(json.dumps(problem), encoding="utf-8")
+
+
+def _converted(path: Path, target: Path) -> Path:
+    """A STEP file as GLB, in metres."""
+    import cascadio  # OpenCASCADE: large, and seldom needed
+
+    try:
+        cascadio.step_to_glb(
+            str(path),
+            str(target),
+            tol_linear=FINENESS_MM,
+            tol_angular=float(np.deg2rad(FINENESS_DEG)),
+            use_parallel=False,
+        )
+    except RuntimeError as error:
+        raise FileError(path, f"cannot be read as STEP: {shown(str(error))}") from None
+    if not target.is_file() or target.stat().st_size == 0:
+        raise FileError(path, "cannot be read as STEP, or holds no solid")
+    if target.stat().st_size > 4 * LARGEST_MESH:
+        raise FileError(path, f"gives more than {MOST_TRIANGLES} triangles")
+    return target
+
+
+if __name__ == "__main__":
+    _end_with(int(sys.argv[3]))
+    _read_here(Path(sys.argv[1]), Path(sys.argv[2]))

@@ -1,0 +1,117 @@
+"""Triangle meshes from files, in metres."""
+
+from pathlib import Path
+
+import numpy as np
+import trimesh
+from scipy.spatial import QhullError
+
+from workbench.formats.clouds.pcd import read_pcd
+from workbench.formats.files.toml_keys import shown
+from workbench.formats.files.whole_files import MB, is_file, read_whole
+from workbench.model.errors import FileError
+from workbench.model.geometry import Floats, Mesh
+
+LARGEST_MESH = 100 * MB
+MOST_TRIANGLES = 1_000_000
+MOST_FACES = 4_000
+"""Of a convex piece: one with more is no simple piece, and slow to check."""
+LARGEST_EXTENT = 20.0
+"""[m] Anything larger is taken for millimetres read as metres."""
+SLIVER = 5e-5
+"""[m] A triangle with less height than this has no plane of its own."""
+FLATNESS = 1e-4
+"""[m] How far a corner of a convex piece may stand beyond the plane of one of its faces."""
+
+
+def read_mesh(path: Path, scale: Floats | float = 1.0) -> Mesh:
+    """The triangles of an STL, OBJ, PLY, GLB or DAE file, multiplied by `scale`.
+
+    A PCD file is a part taught by scanning it: its convex hull, in a frame in the middle of its
+    points.
+
+    Raises:
+        FileError: not there, too large, not a mesh, empty, not finite, or of a size that
+            speaks for another unit.
+    """
+    if not is_file(path):
+        raise FileError(path, "there is no such mesh file")
+    if path.stat().st_size > LARGEST_MESH:
+        raise FileError(path, f"is larger than {LARGEST_MESH / MB:g} MB")
+    if path.suffix.lower() == ".pcd":
+        return _taught(path, scale)
+    try:
+        loaded = trimesh.load_mesh(path, process=False)
+    except Exception as error:  # the loaders behind trimesh raise whatever they like
+        raise FileError(path, f"cannot be read as a mesh: {shown(str(error))}") from None
+    triangles = np.asarray(loaded.faces)
+    if len(triangles) == 0:
+        raise FileError(path, "holds no triangles")
+    if len(triangles) > MOST_TRIANGLES:
+        raise FileError(path, f"has {len(triangles)} triangles, {MOST_TRIANGLES} are allowed")
+    points = np.asarray(loaded.vertices, dtype=np.float64) * scale
+    if not np.all(np.isfinite(points)):
+        raise FileError(path, "holds a point that is not finite")
+    if triangles.min() < 0 or triangles.max() >= len(points):
+        raise FileError(path, "has a triangle with a corner that does not exist")
+    size = float(np.ptp(points, axis=0).max())
+    if size > LARGEST_EXTENT:
+        raise FileError(
+            path, f"would be {size:.0f} m large; if it is in millimetres, scale it by 0.001"
+        )
+    return Mesh(points, triangles)
+
+
+def _taught(path: Path, scale: Floats | float) -> Mesh:
+    points, _ = read_pcd(path, read_whole(path, LARGEST_MESH), MOST_TRIANGLES)
+    # Many scanners put pixels without a measurement at exactly (0, 0, 0).
+    points = points[np.isfinite(points).all(axis=1) & points.any(axis=1)] * scale
+    if len(points) < 4:
+        raise FileError(path, "holds fewer than four points")
+    hull = convex_hull(Mesh(points - points.mean(axis=0), np.empty((0, 3), np.int32)))
+    if hull is None:
+        raise FileError(path, "its points lie in one plane")
+    size = float(np.ptp(hull.points, axis=0).max())
+    if size > LARGEST_EXTENT:
+        raise FileError(path, f"would be {size:.0f} m large; if it is in millimetres, say so")
+    return Mesh(hull.points, hull.triangles)
+
+
+def convex_hull(mesh: Mesh) -> Mesh | None:
+    """The convex hull as a solid convex mesh; None when all points lie in one plane."""
+    try:
+        hull = trimesh.Trimesh(mesh.points, mesh.triangles, process=False).convex_hull
+    except QhullError:
+        return None
+    return Mesh(hull.vertices, hull.faces, is_convex=True)
+
+
+def as_convex(path: Path, mesh: Mesh) -> Mesh:
+    """A mesh that its file calls convex, as a solid convex one.
+
+    Raises:
+        FileError: it is not: a corner lies outside of a face, or a face looks inwards.  The
+            collision checker would believe it, and overlook what sticks out.  Or it has
+            too many faces.
+    """
+    if len(mesh.triangles) > MOST_FACES:
+        raise FileError(
+            path, f"has {len(mesh.triangles)} faces, a convex piece may have {MOST_FACES}"
+        )
+    a, b, c = mesh.points[mesh.triangles.T]
+    outward = np.cross(b - a, c - a)
+    length = np.linalg.norm(outward, axis=1, keepdims=True)
+    # The plane of a sliver means nothing: rounding a corner turns it as it likes.
+    edges = np.stack([b - a, c - b, a - c])
+    is_sliver = length[:, 0] < SLIVER * np.linalg.norm(edges, axis=2).max(axis=0)
+    a, outward, length = a[~is_sliver], outward[~is_sliver], length[~is_sliver]
+    if len(a) < 4:
+        raise FileError(path, "is called convex, but has fewer than four faces")
+    planes = outward / length
+    beyond = mesh.points @ planes.T - np.einsum("nk,nk->n", planes, a)
+    if beyond.max() > FLATNESS:
+        raise FileError(
+            path,
+            f"is called convex, but a corner lies {beyond.max() * 1000:.2f} mm outside of a face",
+        )
+    return Mesh(mesh.points, mesh.triangles, is_convex=True)

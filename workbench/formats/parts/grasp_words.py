@@ -1,0 +1,97 @@
+"""What differs between two grasp libraries, in words."""
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from workbench.formats.parts.grasp_files import keys_of
+from workbench.model.part import Entry, GraspLibrary, GraspPair, GraspPattern
+
+WORDS = {
+    "opening_mm": ("opening", "mm"),
+    "grip_mm": ("grip", "mm"),
+    "approach": ("approach", ""),
+    "approach_length_mm": ("approach length", "mm"),
+    "retreat": ("retreat", ""),
+    "retreat_length_mm": ("retreat length", "mm"),
+    "priority": ("priority", ""),
+    "arms": ("arms", ""),
+    "tool": ("tool", ""),
+    "free_rotation_deg": ("free rotation", "°"),
+    "tilt_deg": ("tilt", "°"),
+    "slide_mm": ("slide", "mm"),
+}
+"""How keys of a grasp file are called in a sentence, and their unit."""
+
+
+def changes_in_words(old: GraspLibrary, new: GraspLibrary) -> tuple[str, ...]:
+    """A sentence for each entry and pair in which `new` differs from `old`, in their order."""
+    before = {entry.name: entry for entry in old.entries}
+    after = {entry.name: entry for entry in new.entries}
+    found = [f"{name} is gone" for name in before if name not in after]
+    for name, entry in after.items():
+        if name not in before:
+            found.append(f"{name} is new, {_kind(entry)}")
+        elif changes := ", ".join(_changes(before[name], entry)):
+            found.append(f"{name}: {changes}")
+    kept = [
+        [name for name in one if name in other] for one, other in ((before, after), (after, before))
+    ]
+    if kept[0] != kept[1]:
+        found.append("the order is another")
+    found += [f"{_paired(pair)} is gone" for pair in old.pairs if not _is_in(pair, new.pairs)]
+    found += [f"{_paired(pair)} is new" for pair in new.pairs if not _is_in(pair, old.pairs)]
+    return tuple(found)
+
+
+def _kind(entry: Entry) -> str:
+    if isinstance(entry, GraspPattern):
+        return f"a pattern of {entry.count} grasps"
+    return "a grasp"
+
+
+def _changes(old: Entry, new: Entry) -> Iterator[str]:
+    before, after = keys_of(old), keys_of(new)
+    yield from _moved(old, new)
+    if before.get("enabled", True) != after.get("enabled", True):
+        yield "disabled" if "enabled" in after else "enabled"
+    for key, (word, unit) in WORDS.items():
+        if before.get(key) != after.get(key):
+            yield f"{word} {_shown(before.get(key), unit)} → {_shown(after.get(key), unit)}"
+    one, other = before.get("pattern"), after.get("pattern")
+    if one is not None and other is None:
+        yield "no pattern any more"
+    elif one is None and other is not None:
+        yield f"repeated as {_kind(new)}"
+    elif one is not None and one != other:
+        counts = [entry.count for entry in (old, new) if isinstance(entry, GraspPattern)]
+        yield f"pattern changed, {counts[0]} → {counts[1]} grasps"
+
+
+def _moved(old: Entry, new: Entry) -> Iterator[str]:
+    one, other = (e.grasp if isinstance(e, GraspPattern) else e for e in (old, new))
+    T = one.T_part_tcp.actInv(other.T_part_tcp)
+    way = float(np.linalg.norm(T.translation)) * 1000
+    turn = float(np.rad2deg(np.arccos(np.clip((np.trace(T.rotation) - 1) / 2, -1, 1))))
+    if way >= 0.005:
+        yield f"moved by {way:.2f} mm"
+    if turn >= 0.005:
+        yield f"turned by {turn:.2f}°"
+
+
+def _paired(pair: GraspPair) -> str:
+    order = "then" if pair.is_ordered else "with"
+    return f"the pair {pair.first} {order} {pair.second}"
+
+
+def _is_in(pair: GraspPair, pairs: tuple[GraspPair, ...]) -> bool:
+    return any(_paired(one) == _paired(pair) for one in pairs)
+
+
+def _shown(value: Any, unit: str) -> str:
+    if value is None:
+        return "as usual"
+    if isinstance(value, list):
+        return " ".join(map(str, value)) or "any"
+    return f"{value:g} {unit}".strip().replace(" °", "°") if unit else str(value)

@@ -1,0 +1,206 @@
+"""Parts and their grasps: `part.toml` and `grasps.toml`, in millimetres and degrees."""
+
+from collections import Counter
+from pathlib import Path
+
+import numpy as np
+import pinocchio as pin
+
+from workbench.formats.files.shipped import find
+from workbench.formats.files.toml_keys import MISSING, Table, read_toml, shown
+from workbench.formats.meshes.convex_pieces import pieces_of
+from workbench.formats.meshes.solids import read_mesh_entry, read_solid
+from workbench.model.errors import FileError
+from workbench.model.geometry import Floats, Mesh, Solid
+from workbench.model.part import (
+    TURNED,
+    Entry,
+    Grasp,
+    GraspLibrary,
+    GraspPair,
+    GraspPattern,
+    Part,
+    Symmetry,
+)
+
+MOST_PIECES = 16
+"""That a mesh is divided into."""
+
+MOST_GRASPS = 10_000
+"""In one library, patterns written out."""
+
+LONGEST_NAME = 60
+"""Characters in the name of a grasp."""
+
+ROUNDED = 1e-5
+"""What two directions may lack to a right angle: they are written with six digits."""
+
+
+def read_part(name: str | Path) -> Part:
+    """A part by name under `parts/`, or by the path of its folder or `part.toml`.
+
+    Without `[[piece]]` tables its mesh is divided into convex pieces, a hull where that is no more
+    than `tolerance_mm` too large.
+
+    Raises:
+        FileError: names the file and the key that is wrong.
+    """
+    place = find("parts", str(name))
+    path = place / "part.toml" if place.is_dir() else place
+    table = read_toml(path)
+    part_name = table.text("name")
+    mass = table.number("mass_g", low=0.001, high=1e6) / 1000
+    mesh_table = table.table("mesh")
+    mesh = read_mesh_entry(mesh_table, convex=False)
+    mesh_table.finish()
+    pieces = tuple(read_solid(piece) for piece in table.tables("piece"))
+    tolerance = table.number("tolerance_mm", 1.0, low=0.01, high=100) / 1000
+    if not pieces:
+        pieces = _pieces(table, mesh, tolerance)
+    symmetry = _symmetry(table.table("symmetry")) if table.has("symmetry") else Symmetry()
+    table.finish()
+    grasps = path.parent / "grasps.toml"
+    library = read_grasps(grasps) if grasps.is_file() else GraspLibrary()
+    return Part(part_name, mesh, pieces, mass, symmetry, library)
+
+
+def _pieces(table: Table, mesh: Mesh, tolerance: float) -> tuple[Solid, ...]:
+    """Convex pieces of the mesh, for collision and physics, where nobody has written any."""
+    found = pieces_of(mesh, tolerance=tolerance, most=MOST_PIECES)
+    if found is None:
+        raise table.error("mesh", "is flat: give at least one [[piece]], for collision and physics")
+    return tuple(
+        Solid(f"piece_{number}", piece, pin.SE3.Identity())
+        for number, piece in enumerate(found.pieces, start=1)
+    )
+
+
+def _symmetry(table: Table) -> Symmetry:
+    symmetry = Symmetry(_direction(table, "axis", [0, 0, 1]), table.whole("fold", low=0, high=360))
+    table.finish()
+    return symmetry
+
+
+def read_grasps(path: Path) -> GraspLibrary:
+    """All `[[grasp]]` tables of a file, in its order; one with a `pattern` stands for many.
+
+    Raises:
+        FileError: names the file and the key that is wrong.
+    """
+    return library_of(read_toml(path))
+
+
+def library_of(table: Table) -> GraspLibrary:
+    """The library in the top table of a grasp file.
+
+    Raises:
+        FileError: names the file and the key that is wrong.
+    """
+    path = table.path
+    entries = tuple(_entry(entry) for entry in table.tables("grasp"))
+    names = tuple(entry.name for entry in entries)
+    pairs = tuple(_pair(pair, names) for pair in table.tables("pair"))
+    table.finish()
+    if sum(map(_copies, entries)) > MOST_GRASPS:
+        raise FileError(path, f"stands for more than {MOST_GRASPS} grasps")
+    for name, times in Counter(names).items():
+        if times > 1:
+            raise FileError(path, f"the grasp name {name!r} is used {times} times")
+    library = GraspLibrary(entries, pairs)
+    for name, times in Counter(grasp.name for grasp in library.grasps).items():
+        if times > 1:
+            raise FileError(path, f"the grasp name {name!r} is used {times} times")
+    return library
+
+
+def _copies(entry: Entry) -> int:
+    return entry.count if isinstance(entry, GraspPattern) else 1
+
+
+def _pair(table: Table, names: tuple[str, ...]) -> GraspPair:
+    first, second = (table.text(key, among=names) for key in ("first", "second"))
+    pair = GraspPair(first, second, table.flag("ordered", False))
+    table.finish()
+    return pair
+
+
+def _entry(table: Table) -> Entry:
+    grasp = Grasp(
+        name=_name(table),
+        T_part_tcp=_tcp_pose(table),
+        opening=table.number("opening_mm", low=0, high=1000) / 1000,
+        grip=table.number("grip_mm", low=0, high=1000) / 1000,
+        approach=_direction(table, "approach", [0, 0, 1]),
+        approach_length=table.number("approach_length_mm", 60, low=1, high=1000) / 1000,
+        retreat=_direction(table, "retreat", [0, 0, 1]) if table.has("retreat") else None,
+        retreat_length=table.number("retreat_length_mm", 100, low=1, high=1000) / 1000,
+        priority=table.whole("priority", 0, low=-1000, high=1000),
+        is_enabled=table.flag("enabled", True),
+        arms=table.texts("arms", ()),
+        tool=table.text("tool", "", empty=True),
+        free_rotation=float(np.deg2rad(table.number("free_rotation_deg", 0, low=0, high=180))),
+        tilt=float(np.deg2rad(table.number("tilt_deg", 0, low=0, high=90))),
+        slide=table.number("slide_mm", 0, low=0, high=1000) / 1000,
+    )
+    if grasp.grip > grasp.opening:
+        raise table.error("grip_mm", "is wider than opening_mm: the fingers could not close")
+    pattern = _pattern(table.table("pattern"), grasp) if table.has("pattern") else None
+    table.finish()
+    return pattern or grasp
+
+
+def _name(table: Table) -> str:
+    name = table.text("name")
+    if len(name) > LONGEST_NAME or TURNED in name:
+        problem = f"must be up to {LONGEST_NAME} characters without {TURNED}, not {shown(name)}"
+        raise table.error("name", problem)
+    return name
+
+
+def _tcp_pose(table: Table) -> pin.SE3:
+    """TCP in the part frame from where it is, where z points, and where the fingers close (y)."""
+    position = table.numbers("position_mm", 3, low=-10_000, high=10_000) / 1000
+    z = _direction(table, "points_along")
+    y = _direction(table, "closes_along")
+    across = float(y @ z)
+    if abs(across) > ROUNDED:
+        raise table.error("closes_along", "must be perpendicular to points_along")
+    y = y - across * z
+    y /= np.linalg.norm(y)
+    return pin.SE3(np.column_stack([np.cross(y, z), y, z]), position)
+
+
+def _direction(table: Table, key: str, default: list[float] | None = None) -> Floats:
+    usual = MISSING if default is None else default
+    given = table.numbers(key, 3, usual, low=-1e6, high=1e6)
+    length = float(np.linalg.norm(given))
+    if length < 1e-9:
+        raise table.error(key, "has no direction")
+    return given / length
+
+
+def _pattern(table: Table, grasp: Grasp) -> GraspPattern:
+    pattern = GraspPattern(
+        grasp=grasp,
+        axis=_direction(table, "axis", [0, 0, 1]),
+        angles=tuple(
+            np.deg2rad(table.numbers("angles_deg", None, [0.0], low=-360, high=360)).tolist()
+        ),
+        offsets=tuple(
+            (table.numbers("offsets_mm", None, [0.0], low=-10_000, high=10_000) / 1000).tolist()
+        ),
+        through=table.numbers("through_mm", 3, [0.0] * 3, low=-10_000, high=10_000) / 1000,
+        across=_direction(table, "across", [1, 0, 0]),
+        across_offsets=tuple(
+            (table.numbers("across_mm", None, [0.0], low=-10_000, high=10_000) / 1000).tolist()
+        ),
+    )
+    for key, values in (
+        ("angles_deg", pattern.angles),
+        ("offsets_mm", pattern.offsets),
+        ("across_mm", pattern.across_offsets),
+    ):
+        if not values:
+            raise table.error(key, "is an empty list, so the pattern would hold no grasp")
+    table.finish()
+    return pattern

@@ -1,0 +1,159 @@
+"""A part's grasps kept: saved with a remark as a version of its own, and a draft until then.
+
+Beside `grasps.toml` lie `versions/0001.toml` and so on, what was saved each time; `changes.log`
+says of each who saved it, when, and why; `grasps.draft.toml` is there while there are changes
+that nobody has saved.
+"""
+
+import json
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import tomlkit
+
+from workbench.formats.files.change_log import LOG, add_line, utc
+from workbench.formats.files.toml_documents import read_document, shorts
+from workbench.formats.files.toml_keys import LARGEST_FILE
+from workbench.formats.files.whole_files import make_folder, read_whole, write_whole
+from workbench.formats.parts.grasp_files import GRASPS, as_written, save_grasps
+from workbench.formats.parts.grasp_words import changes_in_words
+from workbench.formats.parts.reading import read_grasps
+from workbench.model.digest import digest_of
+from workbench.model.errors import FileError
+from workbench.model.part import GraspLibrary, Part, Symmetry
+
+DRAFT = "grasps.draft.toml"
+VERSIONS = "versions"
+
+
+@dataclass(frozen=True, slots=True)
+class Version:
+    """A library that was saved: its number from 1, when (UTC), by whom and why, and its file."""
+
+    number: int
+    at: str
+    by: str
+    remark: str
+    file: Path
+
+    @property
+    def library(self) -> GraspLibrary:
+        """The grasps as they were saved.
+
+        Raises:
+            FileError: the file is gone or broken.
+        """
+        return read_grasps(self.file)
+
+
+def save_part(folder: Path, old: Part, new: Part, *, actor: str, at: float, remark: str) -> None:
+    """Write what a part has otherwise than its files: grasps and symmetry.
+
+    Args:
+        folder: of the part.
+        old: as its files have it.
+        new: as it shall be read from now on.
+        actor: who saves.
+        at: when [s since the epoch].
+        remark: why.
+
+    Raises:
+        FileError: a file cannot be read or written.
+    """
+    if digest_of(old.symmetry) != digest_of(new.symmetry):
+        _save_symmetry(folder / "part.toml", new.symmetry)
+    if digest_of(old.library) != digest_of(as_written(new.library)):
+        if not versions(folder):
+            _keep(folder, old.library, actor="", at=at, remark="as it was before")
+        save_grasps(folder / GRASPS, new.library)
+        _keep(folder, new.library, actor=actor, at=at, remark=remark)
+    drop_draft(folder)
+
+
+def _keep(folder: Path, library: GraspLibrary, *, actor: str, at: float, remark: str) -> None:
+    """Add a version."""
+    kept = versions(folder)
+    make_folder(folder / VERSIONS)
+    number = 1 + max((version.number for version in kept), default=0)
+    while (file := folder / VERSIONS / f"{number:04}.toml").exists():
+        number += 1  # of a version that did not get into the log, or out of it
+    save_grasps(file, library)
+    before = kept[-1].library if kept else GraspLibrary()
+    entry = {
+        "version": number,
+        "at": utc(at),
+        "by": actor,
+        "remark": remark,
+        "changes": list(changes_in_words(before, library)) if kept else [],
+    }
+    add_line(folder / LOG, entry)
+
+
+def versions(folder: Path) -> tuple[Version, ...]:
+    """The versions of a part's grasps that were saved, oldest first.
+
+    Raises:
+        FileError: the log cannot be read.
+    """
+    if not (folder / LOG).is_file():
+        return ()
+    return tuple(_versions(folder))
+
+
+def _versions(folder: Path) -> Iterator[Version]:
+    text = read_whole(folder / LOG, LARGEST_FILE).decode("utf-8", errors="replace")
+    for line in text.splitlines():
+        try:
+            entry: Any = json.loads(line)
+            number = int(entry["version"])
+            at, by, remark = (str(entry[key])[:200] for key in ("at", "by", "remark"))
+        except (ValueError, KeyError, TypeError):
+            continue  # a line that a person wrote, or half of one
+        file = folder / VERSIONS / f"{number:04}.toml"
+        if file.is_file():
+            yield Version(number, at, by, remark, file)
+
+
+def write_draft(folder: Path, library: GraspLibrary) -> None:
+    """Keep changes that nobody has saved yet.
+
+    Raises:
+        FileError: it cannot be written.
+    """
+    draft = folder / DRAFT
+    if (folder / GRASPS).is_file() and not draft.is_file():
+        write_whole(draft, read_whole(folder / GRASPS, LARGEST_FILE))
+    save_grasps(draft, library)
+
+
+def draft_of(folder: Path) -> GraspLibrary | None:
+    """Changes that nobody has saved, if there are any.
+
+    Raises:
+        FileError: the draft is broken.
+    """
+    draft = folder / DRAFT
+    return read_grasps(draft) if draft.is_file() else None
+
+
+def drop_draft(folder: Path) -> None:
+    """Forget changes that nobody has saved.
+
+    Raises:
+        FileError: the file cannot be removed.
+    """
+    try:
+        (folder / DRAFT).unlink(missing_ok=True)
+    except OSError as error:
+        raise FileError(folder / DRAFT, error.strerror or "cannot be removed") from None
+
+
+def _save_symmetry(path: Path, symmetry: Symmetry) -> None:
+    document: Any = read_document(path)
+    if "symmetry" not in document:
+        document["symmetry"] = tomlkit.table()
+    document["symmetry"]["axis"] = shorts(symmetry.axis, 6)
+    document["symmetry"]["fold"] = symmetry.fold
+    write_whole(path, tomlkit.dumps(document).encode())

@@ -1,0 +1,4 @@
+"""Plans and poses of parts in files, for other programs.
+
+Imports `files`.
+"""

@@ -1,0 +1,215 @@
+"""Plan files: the canonical form of a plan, so that anybody can recompute its digest.
+
+Besides the fields of `Plan` a file holds `format`, `proof` (a summary for people, or null),
+`seconds` (computing time per stage) and `digest`; the digest covers everything but these
+four.  With nothing but Python's standard library:
+
+    content = json.loads(Path("plan.json").read_text(encoding="utf-8"))
+    stated = content["digest"]
+    for key in ("format", "proof", "seconds", "digest"):
+        del content[key]
+    text = json.dumps(content, sort_keys=True, separators=(",", ":"), ensure_ascii=False)
+    assert hashlib.sha256(text.encode()).hexdigest() == stated
+
+Lengths are in m, angles in rad, times in s.
+"""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from workbench.formats.files.json_keys import json_text, read_json
+from workbench.formats.files.toml_keys import MISSING, Table
+from workbench.formats.files.whole_files import write_whole
+from workbench.formats.plans.pose_files import MOST_PARTS, read_detection, read_pose_rows
+from workbench.model.digest import LARGE, canonical
+from workbench.model.errors import FileError, InputError
+from workbench.model.geometry import Floats
+from workbench.model.plan import (
+    LEG_NAMES,
+    PLAN_FORMAT,
+    UNSIGNED,
+    ArmPlan,
+    Guarantee,
+    Leg,
+    LegName,
+    Plan,
+    Proof,
+    Step,
+    Strategy,
+)
+from workbench.model.scan import Obstacle
+
+MOST_JOINTS = 64
+MOST_OBSTACLES = 200
+
+FARTHEST = 1000.0
+"""[rad or m] Beyond this a joint value is a slip of whoever wrote the file."""
+
+
+def write_plan(path: str | Path, plan: Plan, proof: Proof | None = None) -> None:
+    """Write a plan, with a summary of its proof when there is one.
+
+    Raises:
+        FileError: the file cannot be written, a number is not finite, or a leg has more than
+            `model.digest.LARGE` numbers (it would enter the digest by its bytes, which JSON
+            does not hold).
+    """
+    path = Path(path)
+    try:
+        content = plan_content(plan, proof)
+    except InputError as error:
+        raise FileError(path, f"not written: {error}") from error
+    write_whole(path, json_text(path, content))
+
+
+def plan_content(plan: Plan, proof: Proof | None = None) -> dict[str, Any]:
+    """What a plan file holds, with a summary of its proof when there is one.
+
+    Raises:
+        InputError: a leg has more than `model.digest.LARGE` numbers.
+    """
+    for arm in plan.arms:
+        for leg in arm.legs:
+            if leg.q.size > LARGE:
+                raise InputError(
+                    f"leg {leg.name} of arm {arm.arm} has {leg.q.size} numbers, a plan file "
+                    f"holds at most {LARGE} a leg"
+                )
+    return {
+        "format": PLAN_FORMAT,
+        **canonical(plan, without=UNSIGNED),
+        "proof": None if proof is None else _summary(proof),
+        "seconds": canonical(plan.seconds),
+        "digest": plan.digest,
+    }
+
+
+def read_plan(path: str | Path) -> tuple[Plan, str]:
+    """A plan as it stands in a file, and the digest that the file states.
+
+    The digest of the returned plan is computed from what was read.  When it is not the stated
+    one, the file was edited after the plan was made: that is for the caller to judge.  The
+    proof in the file is for people and not read back; `prove` makes a new one.
+
+    Raises:
+        FileError: names the key that is missing, not known, or of the wrong type, length or
+            value.  Whether the plan fits a cell is not asked here.
+    """
+    table = read_json(Path(path), PLAN_FORMAT)
+    detections = tuple(read_detection(d, complete=True) for d in _few(table, "detections"))
+    arms = tuple(_arm(arm, len(detections)) for arm in _few(table, "arms"))
+    table.once("arms", (arm.arm for arm in arms))
+    plan = Plan(
+        cell=table.text("cell"),
+        cell_digest=table.text("cell_digest"),
+        scan_digest=table.text("scan_digest"),
+        seed=table.whole("seed", low=0, high=2**63 - 1),
+        strategy=Strategy(table.text("strategy", among=tuple(Strategy))),
+        guarantee=Guarantee(table.text("guarantee", among=tuple(Guarantee))),
+        detections=detections,
+        arms=arms,
+        sequence=tuple(_step(step, arms) for step in _few(table, "sequence")),
+        note=table.text("note", empty=True),
+        obstacles=tuple(_obstacle(box) for box in _few(table, "obstacles", MOST_OBSTACLES)),
+        seconds=_seconds(table.table("seconds")),
+    )
+    if not table.is_null("proof"):
+        table.table("proof")
+    stated = table.text("digest")
+    table.finish()
+    return plan, stated
+
+
+def _few(table: Table, key: str, most: int = MOST_PARTS) -> list[Table]:
+    entries = list(table.tables(key, MISSING))
+    if len(entries) > most:
+        raise table.error(key, f"{len(entries)} are given, at most {most} are read")
+    return entries
+
+
+def _obstacle(table: Table) -> Obstacle:
+    T_world_box = read_pose_rows(table, "T_world_box")
+    size = table.numbers("size", 3, low=1e-6, high=100.0)
+    table.finish()
+    return Obstacle(T_world_box, size)
+
+
+def _arm(table: Table, detections: int) -> ArmPlan:
+    joints = table.texts("joints")
+    if not 0 < len(joints) <= MOST_JOINTS:
+        raise table.error("joints", f"{len(joints)} are given, 1 to {MOST_JOINTS} are expected")
+    table.once("joints", joints)
+    legs = tuple(_leg(leg, len(joints)) for leg in _few(table, "legs"))
+    table.once("legs", (leg.name for leg in legs))
+    if detections == 0:
+        raise table.error("detection", "the plan has no detections for it to be one of")
+    arm = ArmPlan(
+        arm=table.text("arm"),
+        detection=table.whole("detection", low=0, high=detections - 1),
+        grasp=table.text("grasp"),
+        T_tcp_part=read_pose_rows(table, "T_tcp_part"),
+        joints=joints,
+        legs=legs,
+    )
+    table.finish()
+    return arm
+
+
+def _leg(table: Table, joints: int) -> Leg:
+    q = table.rows("q", joints)
+    if not 0 < q.size <= LARGE:
+        raise table.error("q", f"{len(q)} waypoints; expected 1 to {LARGE // joints}")
+    if np.abs(q).max() > FARTHEST:
+        raise table.error("q", f"joint values reach {np.abs(q).max():.3g}, no joint turns so far")
+    leg = Leg(
+        name=_leg_name(table, "name"),
+        motion="linear" if table.text("motion", among=("joint", "linear")) == "linear" else "joint",
+        holding=table.flag("holding"),
+        opening=table.number("opening", low=0, high=1),
+        q=q,
+        t=_times(table, len(q)),
+    )
+    table.finish()
+    return leg
+
+
+def _leg_name(table: Table, key: str) -> LegName:
+    name = table.text(key, among=LEG_NAMES)
+    return next(known for known in LEG_NAMES if known == name)
+
+
+def _times(table: Table, count: int) -> Floats:
+    t = table.numbers("t", None, low=0, high=1e6)
+    if len(t) != count:
+        raise table.error("t", f"{len(t)} times for {count} waypoints in q")
+    return t
+
+
+def _step(table: Table, arms: tuple[ArmPlan, ...]) -> Step:
+    """One step; every run names a leg that is there, since whoever draws a plan looks it up."""
+    known: dict[tuple[str, str], LegName] = {
+        (arm.arm, leg.name): leg.name for arm in arms for leg in arm.legs
+    }
+    runs: list[tuple[str, LegName]] = []
+    for arm, leg in table.text_rows("runs", 2):
+        if (arm, leg) not in known:
+            raise table.error("runs", f"there is no leg {leg!r} of an arm {arm!r} in this plan")
+        runs.append((arm, known[(arm, leg)]))
+    if not runs:
+        raise table.error("runs", "is empty; a step runs at least one leg")
+    table.finish()
+    return Step(tuple(runs))
+
+
+def _seconds(table: Table) -> dict[str, float]:
+    return {stage: table.number(stage, low=0) for stage in table.names()}
+
+
+def _summary(proof: Proof) -> dict[str, Any]:
+    return {
+        "holds": proof.holds,
+        **canonical(proof, without=frozenset({"clearances", "apart"})),
+        "digest": proof.digest,
+    }

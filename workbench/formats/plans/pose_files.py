@@ -1,0 +1,182 @@
+"""Poses of parts from files: our JSON in metres, or HALCON's `write_tuple` text in millimetres."""
+
+import re
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+import pinocchio as pin
+
+from workbench.formats.files.json_keys import json_text, parse_json
+from workbench.formats.files.toml_keys import MISSING, Table, shown
+from workbench.formats.files.whole_files import MB, read_whole, write_whole
+from workbench.model.digest import canonical
+from workbench.model.errors import FileError, InputError
+from workbench.model.geometry import Floats, pose_from_matrix
+from workbench.model.scan import Detection
+
+POSES_FORMAT = "workbench-poses/1"
+
+LARGEST_FILE = 4 * MB
+MOST_PARTS = 1000
+FARTHEST = 20.0
+"""[m] A part further away than this was given in other units."""
+
+EXACT = 1e-6
+"""A rotation matrix this close to one is kept digit by digit, so that digests survive a file."""
+
+NUMBERS_A_PART = 12
+LONGEST_NUMBER = 60
+_COUNT = re.compile(r"[0-9]{1,12}")
+_WHOLE = re.compile(r"[+-]?[0-9]+")
+_REAL = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
+
+
+def read_poses(path: str | Path, part: str) -> tuple[Detection, ...]:
+    """Detections from a file; see `parse_poses`.
+
+    Raises:
+        FileError: it cannot be read, or as `parse_poses` has it.
+    """
+    return parse_poses(Path(path), read_whole(Path(path), LARGEST_FILE), part)
+
+
+def parse_poses(path: Path, content: bytes, part: str) -> tuple[Detection, ...]:
+    """Detections from a file of either kind, told apart by content.
+
+    Args:
+        path: of the file, for messages.
+        content: our JSON (format `workbench-poses/1`, begins with a brace), or the text that
+            HALCON's `write_tuple` makes: the count of numbers, then a line `type value` for
+            each (type 1: integer, 2: real); twelve numbers a part, the rows of [R | t] of
+            the part in the world frame, millimetres.
+        part: name of the part that the poses of a HALCON file are of.  Our JSON names the
+            part of each pose itself.
+
+    Raises:
+        FileError: names the line or key that is wrong, its value and what was expected.
+    """
+    if content.removeprefix(b"\xef\xbb\xbf").lstrip()[:1] == b"{":
+        return _from_json(parse_json(path, content, POSES_FORMAT))
+    numbers = _halcon_numbers(path, content)
+    matrices = numbers.reshape(-1, 3, 4)
+    matrices[:, :, 3] /= 1000
+    return tuple(
+        Detection(part, checked_pose(path, f"pose {number}", matrix))
+        for number, matrix in enumerate(matrices, start=1)
+    )
+
+
+def write_poses(path: str | Path, detections: Sequence[Detection]) -> None:
+    """Write detections as our JSON; reading them back gives the same digests.
+
+    Raises:
+        FileError: the file cannot be written, or a score is not a finite number.
+    """
+    content = {"format": POSES_FORMAT, "detections": [canonical(found) for found in detections]}
+    write_whole(Path(path), json_text(Path(path), content))
+
+
+def read_detection(table: Table, *, complete: bool) -> Detection:
+    """One detection as an object of its fields.
+
+    Args:
+        table: the object.
+        complete: every field must be given; otherwise only part and pose must.
+    """
+
+    def optional(key: str) -> float | None:
+        if table.is_null(key) or not (complete or table.has(key)):
+            return None
+        return table.number(key)
+
+    full, known = (MISSING, MISSING) if complete else (1.0, True)
+    detection = Detection(
+        part=table.text("part"),
+        T_world_part=read_pose_rows(table, "T_world_part"),
+        score=table.number("score", full),
+        visible=table.number("visible", full),
+        gap=optional("gap"),
+        residual=optional("residual"),
+        roll_known=table.flag("roll_known", known),
+    )
+    table.finish()
+    return detection
+
+
+def read_pose_rows(table: Table, key: str) -> pin.SE3:
+    """A pose from the three or four rows of its matrix, metres."""
+    return checked_pose(table.path, f"key {table.place}{key}", table.rows(key, 4))
+
+
+def checked_pose(path: Path, where: str, matrix: Floats) -> pin.SE3:
+    """A pose from a 3 x 4 or 4 x 4 matrix [m], of a plausible distance.
+
+    Raises:
+        FileError: starts with `where`.
+    """
+    try:
+        T = pose_from_matrix(matrix)
+    except InputError as error:
+        raise FileError(path, f"{where}: {error}") from None
+    away = float(np.abs(T.translation).max())
+    if away > FARTHEST:
+        raise FileError(
+            path,
+            f"{where}: is {away:.4g} m away, expected at most {FARTHEST:g} m; JSON is in "
+            "metres, HALCON text in millimetres",
+        )
+    if np.abs(T.rotation - matrix[:3, :3]).max() <= EXACT:
+        return pin.SE3(np.array(matrix[:3, :3]), np.array(matrix[:3, 3]))
+    return T
+
+
+def _from_json(table: Table) -> tuple[Detection, ...]:
+    entries = list(table.tables("detections", MISSING))
+    table.finish()
+    if len(entries) > MOST_PARTS:
+        raise table.error("detections", f"{len(entries)} are given, at most {MOST_PARTS} are read")
+    return tuple(read_detection(entry, complete=False) for entry in entries)
+
+
+def _halcon_numbers(path: Path, content: bytes) -> Floats:
+    """All numbers of a HALCON tuple file, checked one by one, shape (12 * parts,)."""
+    try:
+        lines = content.decode("ascii").rstrip().splitlines()
+    except UnicodeDecodeError:
+        raise FileError(path, "is neither JSON nor a HALCON tuple: it is not a text") from None
+    if not lines:
+        raise FileError(path, "is empty; the first line must be the count of numbers")
+    first = lines[0].strip()
+    if not _COUNT.fullmatch(first):
+        raise FileError(
+            path,
+            f"is neither JSON nor a HALCON tuple: line 1 must be the count of numbers, not "
+            f"{shown(first)}",
+        )
+    count = int(first)
+    if count % NUMBERS_A_PART or count > MOST_PARTS * NUMBERS_A_PART:
+        raise FileError(
+            path,
+            f"line 1: a count of {count} numbers; expected a multiple of {NUMBERS_A_PART} up "
+            f"to {MOST_PARTS * NUMBERS_A_PART} (12 numbers a part)",
+        )
+    if len(lines) - 1 != count:
+        raise FileError(path, f"line 1 promises {count} numbers, {len(lines) - 1} lines follow")
+    return np.array([_number(path, at, line) for at, line in enumerate(lines[1:], start=2)])
+
+
+def _number(path: Path, at: int, line: str) -> float:
+    kind, _, text = line.strip().partition(" ")
+    text = text.strip()
+    pattern = {"1": _WHOLE, "2": _REAL}.get(kind)
+    if pattern is None:
+        raise FileError(
+            path,
+            f"line {at}: {shown(line)} must be `1 integer` or `2 real`; texts (types 3 and 4) "
+            "are not poses",
+        )
+    if len(text) > LONGEST_NUMBER or not pattern.fullmatch(text) or not np.isfinite(float(text)):
+        expected = "an integer" if kind == "1" else "a finite real number"
+        raise FileError(path, f"line {at}: {shown(text)} is not {expected}")
+    return float(text)

@@ -1,0 +1,222 @@
+"""The tab that finds out where the scanner hangs: poses of a plate, their fit, before and after."""
+
+import time
+from dataclasses import replace
+from functools import partial
+from typing import Any
+
+import numpy as np
+import viser
+
+from workbench.app.core.commands import ChangeCell, Command, SaveCell, SightPlate, UseSightings
+from workbench.app.picking.calibration import calibrated, suggested_poses, with_calibration
+from workbench.gui.calibration.views import answer_html, overlay_line, poses_html, record_line
+from workbench.gui.shared.look import View
+from workbench.gui.shared.views import line
+from workbench.gui.shared.visitor import Visitor
+from workbench.model.calibration import BallPlate, Calibration, PlateSighting
+from workbench.model.errors import InputError
+from workbench.model.geometry import Floats
+
+MOST_ROWS = 30
+
+SUGGESTED = 12
+"""Poses that are suggested one after the other."""
+
+
+class CalibrationPanel:
+    """Plate, poses, their residuals with a light each, the answer, and its use.
+
+    Concurrency: callbacks come from viser's threads, change this browser's own look, or give
+    commands; suggestions are worked out in the callback's thread.
+    """
+
+    def __init__(self, visitor: Visitor):
+        """Add the controls."""
+        self._visitor = visitor
+        self._suggested: tuple[object, list[Floats]] = (None, [])
+        gui, cell, plate = visitor.gui, visitor.cell, BallPlate()
+        self._record = gui.add_html("")
+        with gui.add_folder("1 · Plate", expand_by_default=False):
+            self._ball = gui.add_number(
+                "Ball [mm]",
+                plate.radius * 2000,
+                min=4,
+                max=400,
+                step=0.01,
+                hint="Diameter of the three balls.",
+            )
+            self._sides = gui.add_vector3(
+                "Distances [mm]",
+                tuple(float(side) for side in np.round(np.array(plate.sides) * 1000, 3)),
+                step=0.01,
+                hint="Centre to centre: ball 1 to 2, 2 to 3, 3 to 1; all different.",
+            )
+        with gui.add_folder("2 · Poses"):
+            self._where = gui.add_html("")
+            names = tuple(arm.name for arm in cell.arms)
+            self._arm = gui.add_dropdown(
+                "Arm", names, visible=len(names) > 1, hint="Which arm holds the plate."
+            )
+            gui.add_html('<div class="wb-buttons wb-two"></div>')
+            self._suggest = gui.add_button(
+                "Suggest a pose",
+                icon=viser.Icon.BULB,
+                color="gray",
+                hint="Jogs the robot on the page to where the scanner should see the plate.",
+            )
+            self._take = gui.add_button("Scan the plate", icon=viser.Icon.SCAN)
+            self._table = gui.add_html("")
+            self._leave = gui.add_button("Leave out", color="gray")
+            self._remove = gui.add_button("Remove", icon=viser.Icon.TRASH, color="red")
+        with gui.add_folder("3 · Look and apply"):
+            self._after = gui.add_checkbox(
+                "As calibrated", True, hint="Off: where the cell has the scanner now."
+            )
+            self._overlay = gui.add_html("")
+            self._answer = gui.add_html("")
+            # Who is logged in has said it already.
+            self._name = gui.add_text(
+                "Your name",
+                visitor.person.name if visitor.is_known else "",
+                hint="Kept with the calibration.",
+                visible=not visitor.is_known,
+            )
+            gui.add_html('<div class="wb-buttons wb-two"></div>')
+            self._apply = gui.add_button("Apply", icon=viser.Icon.CHECK)
+            self._save = gui.add_button("Save to file", icon=viser.Icon.DEVICE_FLOPPY)
+        self._rows = [visitor.unseen(partial(self._look_at, number)) for number in range(MOST_ROWS)]
+        visitor.hide(self._rows)
+        self._react()
+
+    def show(self, old: View | None, new: View) -> None:
+        """Bring what is shown from `old` to `new`."""
+        state, chosen = new.state, new.own.sighting
+        self._where.content = line(self._says_where(new), kind="hint")
+        if self._after.value != new.own.is_calibrated:
+            self._after.value = new.own.is_calibrated
+        is_same = (
+            old is not None
+            and old.state is state
+            and old.own.sighting == chosen
+            and old.calibration is new.calibration
+            and old.overlay is new.overlay
+        )
+        if is_same:
+            return
+        sightings, found = state.sightings, new.calibration
+        self._record.content = record_line(state.cell, new.at)
+        self._table.content = poses_html(sightings, found, chosen, self._rows)
+        self._answer.content = answer_html(state.cell, found, len(sightings))
+        self._overlay.content = overlay_line(new.overlay) if sightings else ""
+        admit = self._visitor.admit
+        admit(self._take, state, SightPlate)
+        for button in (self._leave, self._remove):
+            admit(button, state, UseSightings, is_ready=chosen is not None)
+        if chosen is not None and chosen < len(sightings):
+            self._leave.label = "Leave out" if sightings[chosen].is_used else "Use again"
+        self._after.disabled = not isinstance(found, Calibration)
+        admit(self._apply, state, ChangeCell, is_ready=isinstance(found, Calibration))
+        is_changed = state.saved != state.cell.digest
+        admit(self._save, state, SaveCell, is_ready=is_changed)
+
+    def _says_where(self, view: View) -> str:
+        if view.state.cell.scanner.source != "simulated":
+            if not view.live.joints:
+                return "The controller reports no joint values, so no pose can be scanned here."
+            return "A scan is taken where the controller reports the robot to be."
+        if view.own.jog is not None:
+            return "A scan is taken of the robot as it is jogged on the page."
+        return "A scan is taken where the robot stands; jog it, or have a pose suggested."
+
+    def _react(self) -> None:
+        visitor, own = self._visitor, self._visitor.own
+        visitor.on_press(self._take, self._wanted_scan)
+        visitor.on_press(self._leave, self._left_out)
+        visitor.on_press(self._remove, self._removed)
+        visitor.on_press(self._apply, self._applied)
+        visitor.on_press(self._save, lambda: SaveCell("calibrated"))
+        self._suggest.on_click(lambda _: self._suggest_next())
+
+        @self._after.on_update
+        async def _(event: Any) -> None:
+            if event.client is not None:
+                own.change(is_calibrated=bool(event.target.value))
+
+    def _look_at(self, number: int) -> None:
+        """Look at a pose of the table, or away from it."""
+        own = self._visitor.own
+        if number < len(self._visitor.bench.state.sightings):
+            self._visitor.turn_away()
+            own.change(sighting=None if own.now.sighting == number else number)
+
+    def _plate(self) -> BallPlate:
+        return BallPlate(float(self._ball.value) / 2000, np.array(self._sides.value) / 1000)
+
+    def _wanted_scan(self) -> Command:
+        state, own = self._visitor.bench.state, self._visitor.own.now
+        arm = state.cell.arm(self._arm.value)
+        joints = self._visitor.bench.live.joints
+        is_real = state.cell.scanner.source != "simulated"
+        if own.jog is not None and not is_real:
+            q = own.jog[arm.name]
+        elif all(joint in joints for joint in arm.joints):
+            q = np.array([joints[joint] for joint in arm.joints])
+        elif is_real:
+            raise InputError("the controller does not report where the robot is")
+        else:
+            q = np.asarray(arm.home)
+        self._visitor.own.change(sighting=None)
+        return SightPlate(arm.name, q, self._plate(), seed=state.number)
+
+    def _suggest_next(self) -> None:
+        """Jog to the next of the suggested poses; the first time they are worked out."""
+        visitor = self._visitor
+        try:
+            cell, plate = visitor.cell, self._plate()
+            arm = cell.arm(self._arm.value)
+            known, left = self._suggested
+            key = (cell.digest, arm.name, self._ball.value, self._sides.value)
+            if known != key or not left:
+                left = list(suggested_poses(cell, arm, plate, SUGGESTED, seed=0))
+                self._suggested = (key, left)
+            if not left:
+                raise InputError(f"the {arm.name} arm reaches no pose in which the plate is seen")
+        except InputError as error:
+            visitor.tell("No suggestion", str(error))
+            return
+        q = left.pop(0)
+        jog = {one.name: np.asarray(one.home) for one in cell.arms} | {arm.name: q}
+        visitor.turn_away()
+        visitor.own.change(jog=jog, sighting=None)
+
+    @property
+    def _chosen(self) -> tuple[int, tuple[PlateSighting, ...]]:
+        sightings, number = self._visitor.bench.state.sightings, self._visitor.own.now.sighting
+        if number is None or number >= len(sightings):
+            raise InputError("choose a pose in the list first")
+        return number, sightings
+
+    def _left_out(self) -> Command:
+        number, sightings = self._chosen
+        one = sightings[number]
+        changed = replace(one, is_used=not one.is_used)
+        says = f"{one.name} is {'used again' if changed.is_used else 'left out'}"
+        return UseSightings((*sightings[:number], changed, *sightings[number + 1 :]), says)
+
+    def _removed(self) -> Command:
+        number, sightings = self._chosen
+        self._visitor.own.change(sighting=None)
+        rest = sightings[:number] + sightings[number + 1 :]
+        return UseSightings(rest, f"{sightings[number].name} is removed")
+
+    def _applied(self) -> Command:
+        visitor = self._visitor
+        by = visitor.person.name if visitor.is_known else self._name.value.strip()
+        if not by:
+            raise InputError("type your name: it is kept with the calibration")
+        state = self._visitor.bench.state
+        found = calibrated(state.cell, state.sightings)
+        cell = with_calibration(state.cell, found, time.time(), by)
+        says = f"the scanner is calibrated by {by}: {found.used} poses"
+        return ChangeCell(cell, says)

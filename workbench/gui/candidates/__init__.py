@@ -1,0 +1,1 @@
+"""The tab that shows every grasp that was judged."""

@@ -1,0 +1,163 @@
+"""The tab that shows every grasp that was judged, and why it can or cannot be taken."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
+from typing import Any
+
+import viser
+
+from workbench.app.core.commands import TakeScan
+from workbench.gui.shared.look import View
+from workbench.gui.shared.tables import (
+    COLUMNS,
+    PAGE,
+    Column,
+    Order,
+    candidates_html,
+    chosen_html,
+    funnel_html,
+    on_page,
+    ordered,
+    pages,
+)
+from workbench.gui.shared.views import line, sentence
+from workbench.gui.shared.visitor import Visitor
+from workbench.model.candidate import Candidate, Reason
+
+
+class CandidatesPanel:
+    """Counts by verdict as filters, the table, and the candidate shown in the scene.
+
+    Concurrency: clicks come from viser's threads and only replace `_order`, or change the
+    shared look; the renderer's thread draws.
+    """
+
+    def __init__(self, visitor: Visitor, redraw: Callable[[], None]):
+        """Add the controls.
+
+        Args:
+            visitor: whose browser.
+            redraw: has `show` called soon.
+        """
+        self._visitor = visitor
+        self._redraw = redraw
+        self._order = self._drawn = Order()
+        self._shown: tuple[int, ...] = ()
+        gui = visitor.gui
+        self._funnel = gui.add_html("")
+        self._table = gui.add_html("")
+        self._mark = gui.add_html(chosen_html(None))
+        self._pose = gui.add_slider(
+            "Pose",
+            min=0,
+            max=1,
+            step=1,
+            initial_value=0,
+            visible=False,
+            hint="Through the poses of the chosen candidate; the elbow turns, the tool stays.",
+        )
+        self._pose_line = gui.add_html("")
+        gui.add_html('<div class="wb-buttons wb-three"></div>')
+        self._foot = gui.add_html("")
+        self._back = gui.add_button("Previous", color="gray")
+        self._forth = gui.add_button("Next", color="gray")
+        self._clear = gui.add_button("Hide in scene", icon=viser.Icon.EYE_OFF, color="gray")
+        self._filters = {
+            reason: visitor.unseen(partial(self._filter, reason)) for reason in (None, *Reason)
+        }
+        self._headings: dict[Column, str] = {
+            column: visitor.unseen(partial(self._sort, column)) for column in COLUMNS
+        }
+        self._rows = [visitor.unseen(partial(self._choose, place)) for place in range(PAGE)]
+        visitor.hide([*self._filters.values(), *self._headings.values(), *self._rows])
+        self._back.on_click(lambda _: self._turn(-1))
+        self._forth.on_click(lambda _: self._turn(1))
+        self._clear.on_click(lambda _: visitor.look.change(candidate=None, pose=0))
+
+        @self._pose.on_update
+        async def _(event: Any) -> None:
+            # The renderer sets the slider too; only a person's hand comes with a browser.
+            if event.client is not None:
+                visitor.look.change(pose=int(event.target.value), by=visitor.number)
+
+    def show(self, old: View | None, new: View) -> None:
+        """Bring what is shown from `old` to `new`."""
+        candidates = new.state.candidates or ()
+        are_others = old is None or old.state.candidates is not new.state.candidates
+        if are_others or self._order is not self._drawn:
+            self._draw(candidates, are_others)
+        chosen = new.look.candidate
+        place = self._shown.index(chosen) if chosen in self._shown else None
+        self._mark.content = chosen_html(place)
+        follows = bool(self._visitor.lacks(new.state, TakeScan))
+        self._clear.disabled = chosen is None or follows
+        self._pose.disabled = follows
+        if old is None or old.pose is not new.pose or old.fix != new.fix:
+            self._draw_pose(old, new)
+
+    def _draw_pose(self, old: View | None, new: View) -> None:
+        count = len(new.poses)
+        if old is None or old.poses is not new.poses:
+            self._pose.visible = count > 1
+            self._pose.max = max(count - 1, 1)
+        if new.look.by != self._visitor.number:
+            self._pose.value = min(new.look.pose, max(count - 1, 0))
+        pose = new.pose
+        text = "" if pose is None else f"{pose.label} ({new.look.pose + 1} of {count}): {pose.note}"
+        is_bad = pose is not None and bool(pose.meets)
+        told = line(text, kind="bad" if is_bad else "result") if text else ""
+        self._pose_line.content = told + (line(sentence(new.fix)) if new.fix else "")
+
+    def _draw(self, candidates: tuple[Candidate, ...], are_others: bool) -> None:
+        if are_others:
+            self._order = replace(self._order, only=None, page=0)
+        order = self._order
+        self._drawn = order
+        indices = ordered(candidates, order)
+        count = pages(len(indices))
+        page = min(order.page, count - 1)
+        self._shown = on_page(indices, page)
+        self._back.visible = self._forth.visible = count > 1
+        self._back.disabled = page == 0
+        self._forth.disabled = page >= count - 1
+        on_pages = f", page {page + 1} of {count}" if count > 1 else ""
+        counted = f"{len(indices)} of {len(candidates)} candidates{on_pages}"
+        self._foot.content = line(counted if candidates else "", kind="hint")
+        if not candidates:
+            self._funnel.content = ""
+            self._table.content = line(
+                "Every grasp of every part with every arm appears here once a plan was made.",
+                kind="hint",
+            )
+            return
+        self._funnel.content = funnel_html(candidates, order.only, self._filters)
+        self._table.content = candidates_html(
+            candidates,
+            self._shown,
+            order,
+            headings=self._headings,
+            rows=self._rows,
+        )
+
+    def _filter(self, reason: Reason | None) -> None:
+        self._reorder(replace(self._order, only=reason, page=0))
+
+    def _sort(self, column: Column) -> None:
+        order = self._order
+        turned = not order.is_descending if order.column == column else column == "verdict"
+        self._reorder(replace(order, column=column, is_descending=turned, page=0))
+
+    def _turn(self, step: int) -> None:
+        self._reorder(replace(self._order, page=max(0, self._order.page + step)))
+
+    def _reorder(self, order: Order) -> None:
+        self._order = order
+        self._redraw()
+
+    def _choose(self, place: int) -> None:
+        shown = self._shown
+        if place < len(shown):
+            look = self._visitor.look
+            chosen = None if look.now.candidate == shown[place] else shown[place]
+            look.change(candidate=chosen, pose=0, by=None)

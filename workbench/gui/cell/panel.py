@@ -1,0 +1,200 @@
+"""The tab that shows what the cell is made of: to move things, jog the robot, and save."""
+
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+import viser
+
+from workbench.app.core.commands import ChangeCell, RedoCell, SaveCell, TakeScan, UndoCell
+from workbench.gui.cell.jogging import JogControls
+from workbench.gui.cell.views import cell_line, measured_line, tree_html
+from workbench.gui.scene.measure import met
+from workbench.gui.scene.pose_inputs import PoseInputs
+from workbench.gui.shared.look import View
+from workbench.gui.shared.things import moved, pose_of, things, with_tool
+from workbench.gui.shared.visitor import Visitor
+from workbench.model.geometry import Floats
+
+NOT_SHOWN = "not shown"
+GIZMO = 0.18
+"""[m] Size of the gizmo that moves a thing."""
+
+
+class CellPanel:
+    """Things with their poses, the robot by hand, undo, redo and save.
+
+    Concurrency: callbacks of viser change this browser's gizmo, controls and own look, the shared
+    look, or give commands; the renderer's thread draws what came of them.
+    """
+
+    def __init__(self, visitor: Visitor):
+        """Add the controls."""
+        self._visitor = visitor
+        self._clicked: Any = None
+        self._view: View | None = None
+        gui, cell = visitor.gui, visitor.cell
+        with gui.add_folder("What is there", expand_by_default=False):
+            self._tree = gui.add_html("")
+        with gui.add_folder("Things in the cell"):
+            self._thing = gui.add_dropdown(
+                "Thing", things(cell), hint="What the numbers and the gizmo below move."
+            )
+            self._inputs = PoseInputs(visitor, "/cell_gizmo", GIZMO, self._move)
+            self._undo = gui.add_button("Undo", icon=viser.Icon.ARROW_BACK_UP, color="gray")
+            self._redo = gui.add_button("Redo", icon=viser.Icon.ARROW_FORWARD_UP, color="gray")
+            self._shapes = gui.add_checkbox(
+                "Collision shapes", False, hint="Show what is checked instead of how it looks."
+            )
+            self._frames = gui.add_checkbox(
+                "Frames", False, hint="Show the frames that the cell file is about."
+            )
+            self._reach = gui.add_dropdown(
+                "Reach",
+                (NOT_SHOWN, *(arm.name for arm in cell.arms)),
+                hint="Where an arm gets its tool pointing straight down, whatever stands there: "
+                "green at any turn of the tool, orange at some.",
+            )
+            self._measure = gui.add_button(
+                "Measure",
+                icon=viser.Icon.RULER,
+                color="gray",
+                hint="Then click on two points in the scene; once more ends it.",
+            )
+            self._measured = gui.add_html("")
+        with gui.add_folder("Robot by hand"):
+            self._jog = JogControls(visitor)
+            self._tools = {
+                arm.name: gui.add_dropdown(
+                    f"Tool, {arm.name}",
+                    tuple(tool.name for tool in arm.tools),
+                    initial_value=arm.tool.name,
+                    hint="What the arm carries now: change it here when you have changed it there.",
+                )
+                for arm in cell.arms
+                if len(arm.tools) > 1
+            }
+        with gui.add_folder("Cell file"):
+            self._remark = gui.add_text(
+                "Remark", "", hint="Why the cell was changed; kept in changes.log beside it."
+            )
+            self._save = gui.add_button("Save", icon=viser.Icon.DEVICE_FLOPPY)
+            self._line = gui.add_html("")
+        self._react()
+        visitor.on_end(self._end_measuring, in_scene=True)
+
+    def show(self, old: View | None, new: View) -> None:
+        """Bring what is shown from `old` to `new`."""
+        self._view = new
+        state, cell = new.state, new.state.cell
+        if old is None or old.state.cell is not cell:
+            self._tree.content = tree_html(cell)
+            names = things(cell)
+            if self._thing.options != names:
+                self._thing.options = names
+        if old is None or old.state is not state:
+            admit = self._visitor.admit
+            cannot = bool(self._visitor.obstacle(state, ChangeCell))
+            self._inputs.show(pose_of(cell, self._thing.value), is_enabled=not cannot)
+            admit(self._undo, state, UndoCell, is_ready=bool(state.before))
+            admit(self._redo, state, RedoCell, is_ready=bool(state.undone))
+            admit(self._save, state, SaveCell, is_ready=state.saved != cell.digest)
+            follows = bool(self._visitor.lacks(state, TakeScan))
+            for control in (self._shapes, self._frames, self._reach, self._measure):
+                control.disabled = follows
+            self._line.content = cell_line(state)
+            for name, dropdown in self._tools.items():
+                dropdown.disabled = cannot
+                if dropdown.value != cell.arm(name).tool.name:
+                    dropdown.value = cell.arm(name).tool.name
+        for box, value in ((self._shapes, new.look.shapes), (self._frames, new.look.frames)):
+            if box.value != value:
+                box.value = value
+        if old is None or old.own.measured is not new.own.measured:
+            self._measured.content = measured_line(new.own.measured)
+        if self._reach.value != (new.look.reach or NOT_SHOWN):
+            self._reach.value = new.look.reach or NOT_SHOWN
+        self._jog.show(old, new)
+
+    def _react(self) -> None:
+        visitor, look = self._visitor, self._visitor.look
+        self._thing.on_update(
+            lambda _: self._inputs.show(
+                pose_of(visitor.cell, self._thing.value),
+                is_enabled=not visitor.obstacle(visitor.bench.state, ChangeCell),
+            )
+        )
+        visitor.on_press(self._undo, UndoCell)
+        visitor.on_press(self._redo, RedoCell)
+        visitor.on_press(self._save, lambda: SaveCell(self._remark.value))
+        for name, dropdown in self._tools.items():
+            dropdown.on_update(lambda event, name=name: self._mounted(event, name))
+        self._measure.on_click(lambda _: self._turn_measuring())
+
+        @self._reach.on_update
+        async def _(event: Any) -> None:
+            if event.client is not None:
+                chosen = event.target.value
+                look.change(reach="" if chosen == NOT_SHOWN else chosen)
+
+        @self._shapes.on_update
+        async def _(event: Any) -> None:
+            if event.client is not None:
+                look.change(shapes=bool(event.target.value))
+
+        @self._frames.on_update
+        async def _(event: Any) -> None:
+            if event.client is not None:
+                look.change(frames=bool(event.target.value))
+
+    def _turn_measuring(self) -> None:
+        """The next two clicks into the scene are points to measure between; or none any more."""
+        if self._clicked is not None:
+            self._end_measuring()
+            return
+        self._visitor.own.change(measured=())
+        self._measure.label = "Click on two points"
+
+        @self._visitor.client.scene.on_click()
+        def clicked(event: Any) -> None:
+            self._measure_to(np.array(event.ray_origin), np.array(event.ray_direction))
+
+        self._clicked = clicked
+
+    def _end_measuring(self) -> None:
+        clicked, self._clicked = self._clicked, None
+        if clicked is not None:
+            self._visitor.client.scene.remove_click_callback(clicked)
+            self._measure.label = "Measure"
+
+    def _measure_to(self, origin: Floats, direction: Floats) -> None:
+        """A person has clicked along a ray, of which each is (3,) [m] in the world."""
+        view, own = self._view, self._visitor.own
+        if view is None:
+            return
+        scan = view.state.scan
+        points = np.zeros((0, 3)) if scan is None else scan.points_world
+        # The robot as it is drawn, not as it stands at home.
+        q = {arm: moment.q for arm, moment in view.moments.items()}
+        p = met(origin, direction, view.state.cell, q, points)
+        if p is not None:
+            own.change(measured=(*own.now.measured, p)[:2])
+        if len(own.now.measured) == 2:
+            self._end_measuring()
+
+    def _mounted(self, event: Any, arm: str) -> None:
+        """A person has put another tool on an arm."""
+        tool = event.target.value
+        if event.client is None or tool == self._visitor.cell.arm(arm).tool.name:
+            return
+        self._visitor.ask(
+            lambda: ChangeCell(
+                with_tool(self._visitor.cell, arm, tool), f"the {arm} arm carries {tool}"
+            )
+        )
+
+    def _move(self, T: pin.SE3) -> bool:
+        thing = self._thing.value
+        return self._visitor.ask(
+            lambda: ChangeCell(moved(self._visitor.cell, thing, T), f"the {thing} is moved")
+        )

@@ -1,0 +1,248 @@
+"""The tab that runs a cycle: scan, find, plan, approve, send."""
+
+from typing import Any
+
+import viser
+
+from workbench.app.core.commands import (
+    Approve,
+    ChangeCell,
+    Command,
+    FindParts,
+    MakePlan,
+    SendPlan,
+    Stop,
+    TakeScan,
+    WantThreshold,
+)
+from workbench.app.core.release import moved_away, standing_words
+from workbench.app.core.rules import STRATEGIES
+from workbench.app.core.state import Phase, State
+from workbench.app.core.value_checks import ALL_KINDS, MOST_PARTS, SEED_LIMIT
+from workbench.gui.calibration.views import bin_html
+from workbench.gui.cycle.approval import ApprovalDialog
+from workbench.gui.cycle.approval_views import approval_line
+from workbench.gui.cycle.outcomes import OutcomeInputs
+from workbench.gui.cycle.wishes import WishesInputs
+from workbench.gui.robot.views import NO_SAFETY
+from workbench.gui.shared.look import View
+from workbench.gui.shared.things import BIN, moved
+from workbench.gui.shared.views import (
+    forecast_line,
+    parts_line,
+    plan_line,
+    scan_line,
+    send_line,
+)
+from workbench.gui.shared.visitor import Visitor, whole
+from workbench.model.cell import Cell
+from workbench.model.errors import InputError
+
+ROW = '<div class="wb-row"></div>'
+"""A mark that has its folder laid out in three columns, see the style sheet."""
+
+
+class CyclePanel:
+    """The five steps, each with its inputs, its result and its button."""
+
+    def __init__(self, visitor: Visitor):
+        """Add the controls."""
+        self._visitor = visitor
+        policy = visitor.cell.policy
+        gui = visitor.gui
+        with gui.add_folder("1 · Scan"):
+            gui.add_html(ROW)
+            self._kind = gui.add_dropdown(
+                "Which part", _kinds(visitor.cell), hint="Falls into the simulated bin."
+            )
+            self._parts = gui.add_number(
+                "Parts", 2, min=1, max=MOST_PARTS, step=1, hint="How many parts fall into the bin."
+            )
+            self._seed = gui.add_number(
+                "Seed",
+                0,
+                min=0,
+                max=SEED_LIMIT - 1,
+                step=1,
+                hint="The same seed gives the same pile, the same poses and the same plan.",
+            )
+            # Beside the kinds there is no room for the button: it goes below, to the right.
+            self._gap = gui.add_html('<div class="wb-span2"></div>', visible=False)
+            self._scan = gui.add_button("Scan", icon=viser.Icon.SCAN)
+            self._scan_line = gui.add_html("")
+            self._bin_line = gui.add_html("")
+            self._move_bin = gui.add_button(
+                "Move bin",
+                icon=viser.Icon.ARROWS_MOVE,
+                color="gray",
+                visible=False,
+                hint="Moves the bin of the cell to where it is seen; Undo is in the Cell tab.",
+            )
+        with gui.add_folder("2 · Find parts"):
+            gui.add_html(ROW)
+            self._parts_line = gui.add_html("")
+            self._find = gui.add_button("Find parts", icon=viser.Icon.SEARCH)
+        with gui.add_folder("3 · Plan"):
+            gui.add_html(ROW)
+            self._strategy = gui.add_dropdown(
+                "Strategy",
+                STRATEGIES,
+                hint="Which arms work: auto chooses what can be sent, alternated takes one part "
+                "with each arm in turn, coordinated with both at once, right and left use one arm; "
+                "both plans alternated and coordinated and lists them side by side.",
+            )
+            self._threshold = gui.add_number(
+                "Threshold [mm]",
+                round(policy.threshold * 1000),
+                min=0,
+                max=1000,
+                step=1,
+                hint="Parts that lie nearer to each other than this are taken one after the other.",
+            )
+            self._plan = gui.add_button("Plan", icon=viser.Icon.ROUTE)
+            self._forecast_line = gui.add_html("")
+            self._plan_line = gui.add_html("")
+        with gui.add_folder("4 · Approve"):
+            gui.add_html(ROW)
+            self._approval_line = gui.add_html("")
+            self._approve = gui.add_button("Approve", icon=viser.Icon.USER_CHECK)
+        with gui.add_folder("5 · Send to the robot"):
+            gui.add_html(ROW)
+            self._send_line = gui.add_html("")
+            self._stop = gui.add_button(
+                "Stop", icon=viser.Icon.HAND_STOP, color="red", hint=NO_SAFETY
+            )
+            self._send = gui.add_button("Send", icon=viser.Icon.SEND)
+        self._outcomes = OutcomeInputs(visitor, ROW)
+        with gui.add_folder("How it is planned", expand_by_default=False):
+            gui.add_html(ROW)
+            self._wishes = WishesInputs(gui, policy)
+        self._dialog = ApprovalDialog(visitor)
+        self._react()
+
+    def show(self, old: View | None, new: View) -> None:
+        """Bring what is shown from `old` to `new`."""
+        state = new.state
+        self._outcomes.show(old, new)
+        if old is not None and old.state is state and _passing(old) == _passing(new):
+            return
+        self._show_kinds(state.cell)
+        self._follow_threshold(None if old is None else old.state, state)
+        self._scan_line.content = scan_line(state)
+        self._bin_line.content = bin_html(state, new.at)
+        check = state.bin_check
+        self._move_bin.visible = check is not None and check.is_elsewhere
+        self._visitor.admit(self._move_bin, state, ChangeCell)
+        self._draw_parts(state)
+        self._plan_line.content = plan_line(state)
+        joints = new.live.joints
+        visitor = self._visitor
+        problem = visitor.refusal(state, Approve(_digest(state)), new.at, joints)
+        self._approval_line.content = approval_line(state, new.at, problem)
+        self._send_line.content = send_line(state)
+        buttons = (
+            (self._scan, TakeScan()),
+            (self._find, FindParts()),
+            (self._plan, MakePlan()),
+            (self._approve, Approve(_digest(state))),
+            (self._send, SendPlan(_digest(state))),
+            (self._stop, Stop()),
+        )
+        for button, command in buttons:
+            button.disabled = bool(visitor.refusal(state, command, new.at, joints))
+            visitor.explain(button, visitor.lacks(state, type(command)))
+        follows = bool(visitor.lacks(state, TakeScan))
+        for field in (self._parts, self._seed, self._strategy, self._threshold):
+            field.disabled = follows
+        self._dialog.show(new)
+
+    def _show_kinds(self, cell: Cell) -> None:
+        kinds = _kinds(cell)
+        if self._kind.options != kinds:
+            self._kind.options = kinds
+        self._kind.visible = self._gap.visible = (
+            len(kinds) > 1 and cell.scanner.source == "simulated"
+        )
+
+    def _draw_parts(self, state: State) -> None:
+        typed = self._threshold.value
+        threshold = typed / 1000 if isinstance(typed, int | float) else 0.0
+        self._parts_line.content = parts_line(state, threshold)
+        self._forecast_line.content = forecast_line(
+            state.cell, self._visitor.predictions, threshold
+        )
+
+    def _react(self) -> None:
+        visitor = self._visitor
+
+        @self._threshold.on_update
+        def _(event: Any) -> None:
+            if event.client is not None:
+                self._threshold_typed()
+
+        visitor.on_press(self._scan, self._wanted_scan)
+        visitor.on_press(self._find, self._wanted_parts)
+        visitor.on_press(self._move_bin, self._wanted_bin)
+        visitor.on_press(self._plan, self._wanted_plan)
+        visitor.on_key("N", "New scan", lambda: visitor.ask(self._wanted_scan))
+        visitor.on_key("F", "Find parts", lambda: visitor.ask(self._wanted_parts))
+        visitor.on_key("P", "Plan", lambda: visitor.ask(self._wanted_plan))
+        visitor.on_press(self._send, lambda: SendPlan(_digest(visitor.bench.state)))
+        visitor.on_press(self._stop, Stop)
+        self._approve.on_click(lambda _: self._dialog.open())
+
+    def _follow_threshold(self, old: State | None, new: State) -> None:
+        """Show the threshold that is wanted now, whichever browser it was typed in."""
+        wanted = new.wanted_threshold
+        if wanted is None or (old is not None and old.wanted_threshold == wanted):
+            return
+        shown = round(wanted * 1000, 1)
+        if self._threshold.value != shown:
+            self._threshold.value = int(shown) if shown == int(shown) else shown
+
+    def _threshold_typed(self) -> None:
+        """Show what it would give; a plan that was made with another one is stale now."""
+        state, typed = self._visitor.bench.state, self._threshold.value
+        self._draw_parts(state)
+        if state.plan is not None and not self._visitor.obstacle(state, WantThreshold):
+            self._visitor.ask(lambda: WantThreshold(typed / 1000))
+
+    def _wanted_scan(self) -> Command:
+        return TakeScan(whole(self._seed.value), whole(self._parts.value), self._kind.value)
+
+    def _wanted_bin(self) -> Command:
+        state = self._visitor.bench.state
+        check = state.bin_check
+        if check is None or check.T_world_bin is None:
+            raise InputError("the bin is not seen anywhere")
+        says = f"the bin is moved by {check.shift * 1000:.1f} mm to where it is seen"
+        return ChangeCell(moved(state.cell, BIN, check.T_world_bin), says)
+
+    def _wanted_parts(self) -> Command:
+        return FindParts(whole(self._seed.value))
+
+    def _wanted_plan(self) -> Command:
+        return MakePlan(
+            self._strategy.value,
+            self._threshold.value / 1000,
+            whole(self._seed.value),
+            self._wishes.wishes,
+        )
+
+
+def _kinds(cell: Cell) -> tuple[str, ...]:
+    names = tuple(part.name for part in cell.parts)
+    return (*names, ALL_KINDS) if len(names) > 1 else names
+
+
+def _digest(state: State) -> str:
+    return state.plan.digest if state.plan is not None else ""
+
+
+def _passing(view: View) -> tuple[bool, int, str]:
+    """What changes while the state stays: approval and words lapse, the robot is moved."""
+    state, approval = view.state, view.state.approval
+    moved = moved_away(state.cell, state.plan, view.live.joints) if state.plan is not None else ""
+    has_run_out = approval is not None and view.at >= approval.until
+    is_let_out = state.phase in (Phase.PLANNED, Phase.APPROVED)
+    return has_run_out, len(standing_words(state, view.at)), moved if is_let_out else ""

@@ -1,0 +1,99 @@
+"""What is drawn in one browser alone, over the picture that all share."""
+
+from collections.abc import Mapping
+
+import pinocchio as pin
+import viser
+
+from workbench.gui.scene.marks import draw_measured
+from workbench.gui.scene.meets import draw_meets
+from workbench.gui.scene.robot import ROBOT, ROBOT_CHECKED, finger_name, moved_by, place
+from workbench.gui.shared.calibrating import draw_overlay
+from workbench.gui.shared.look import View
+from workbench.gui.shared.playback import joint_values
+from workbench.gui.shared.visitor import Visitor
+from workbench.model.cell import Cell
+from workbench.planning.kinematics.robot import Kinematics
+
+
+class OwnScene:
+    """The robot where this browser has moved it, what it meets there, and what was measured.
+
+    In viser a node of one browser takes the place of the shared node of that name, in this browser
+    alone, and what hangs below it follows: so only poses of links are sent, no meshes, and the
+    shared robot is back, as it stands then, once they are removed.
+
+    Concurrency: the renderer's thread.
+    """
+
+    def __init__(self, visitor: Visitor):
+        """Nothing is drawn yet."""
+        self._client = visitor.client
+        self._scene = visitor.client.scene
+        self._frames: dict[str, viser.FrameHandle] = {}
+        visitor.on_end(self._clear, in_scene=True)
+
+    def show(self, old: View | None, new: View) -> None:
+        """Bring what is drawn from `old` to `new`."""
+        is_first = old is None
+        with self._client.atomic():
+            if is_first or old.overlay is not new.overlay:
+                draw_overlay(self._scene, new.overlay)
+            if is_first or old.jogged is not new.jogged:
+                draw_meets(self._scene, "/jog_meets", new.jogged.meets if new.jogged else ())
+            if is_first or old.own.measured is not new.own.measured:
+                draw_measured(self._scene, new.own.measured)
+            if new.jogged is None and new.overlay is None:
+                self._give_back()
+            elif (
+                is_first
+                or not self._frames
+                or old.jogged is not new.jogged
+                or old.overlay is not new.overlay
+                or old.look.time != new.look.time
+            ):
+                self._pose(new)
+
+    def _pose(self, view: View) -> None:
+        cell, now = view.state.cell, view.moments
+        links = Kinematics(cell).link_poses(joint_values(cell, now))
+        poses = poses_of(cell, links, {arm: moment.opening for arm, moment in now.items()})
+        for name, T in poses.items():
+            for root in (ROBOT, ROBOT_CHECKED):
+                whole = f"{root}/{name}"
+                if whole not in self._frames:
+                    self._frames[whole] = self._scene.add_frame(whole, show_axes=False)
+                place(self._frames[whole], T)
+
+    def _give_back(self) -> None:
+        for name in self._frames:
+            # A link takes along what hangs below it: that is no longer there when its turn comes.
+            self._scene.remove_by_name(name)
+        self._frames = {}
+
+    def _clear(self) -> None:
+        self._give_back()
+        for name in ("/sighting", "/jog_meets", "/measured"):
+            self._scene.remove_by_name(name)
+
+
+def poses_of(
+    cell: Cell, Ts_world_link: Mapping[str, pin.SE3], openings: Mapping[str, float]
+) -> dict[str, pin.SE3]:
+    """The nodes of a drawn robot that move, by their names below its root.
+
+    Args:
+        cell: whose robot and tools.
+        Ts_world_link: pose of every link by name.
+        openings: finger distance of each arm's tool by arm name [m].
+
+    Returns:
+        Poses of links in the world, and of fingers on their tool.
+    """
+    found: dict[str, pin.SE3] = {}
+    for arm in cell.arms:
+        found |= {link: Ts_world_link[link] for link in moved_by(cell, arm)}
+        for finger in arm.tool.fingers:
+            shift = openings.get(arm.name, 0.0) / 2 * finger.direction
+            found[finger_name(arm, finger)] = pin.SE3(pin.SE3.Identity().rotation, shift)
+    return found

@@ -1,0 +1,55 @@
+"""The view of one browser: what all share, and what somebody does there alone."""
+
+from dataclasses import replace
+
+from workbench.app.core.state import State
+from workbench.gui.cell.jog import JogFinder
+from workbench.gui.shared.calibrating import Overlay, overlay
+from workbench.gui.shared.look import Jogged, View
+from workbench.gui.shared.own import Own
+from workbench.model.calibration import Calibration
+
+
+class OwnViews:
+    """Works out what belongs to one browser alone, when that has changed.
+
+    Concurrency: one thread.
+    """
+
+    def __init__(self) -> None:
+        self._jogger = JogFinder()
+
+    def of(self, own: Own, before: View | None, shared: View) -> View:
+        """The view of a browser.
+
+        Args:
+            own: its look.
+            before: its view before, None when it has had none.
+            shared: what all see now.
+        """
+        jogged = self._jogged(own, before, shared.state)
+        return replace(shared, own=own, jogged=jogged, overlay=_overlay(own, before, shared))
+
+    def _jogged(self, own: Own, before: View | None, state: State) -> Jogged | None:
+        """What the jogged robot meets, worked out when it has moved."""
+        if own.jog is None:
+            return None
+        if before is not None and before.own.jog is own.jog and before.state is state:
+            return before.jogged
+        return self._jogger.jogged(state, own.jog)
+
+
+def _overlay(own: Own, before: View | None, shared: View) -> Overlay | None:
+    """The chosen pose over the robot, worked out when another one is chosen."""
+    state, found = shared.state, shared.calibration
+    if own.sighting is None or own.sighting >= len(state.sightings):
+        return None
+    sighting = state.sightings[own.sighting]
+    if before is not None and before.overlay is not None:
+        number = before.own.sighting
+        is_same = number is not None and before.state.sightings[number] is sighting
+        is_alike = before.own.is_calibrated == own.is_calibrated
+        if is_same and is_alike and before.calibration is found:
+            return before.overlay
+    is_after = own.is_calibrated and isinstance(found, Calibration)
+    return overlay(state, sighting, found if is_after else None)  # type: ignore[arg-type]

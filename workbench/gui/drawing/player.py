@@ -1,0 +1,100 @@
+"""Plays a plan for all browsers, no faster than the one that let it play draws it."""
+
+import logging
+from collections.abc import Mapping
+
+from workbench.app.core.commands import WatchPlan
+from workbench.app.core.people import Person
+from workbench.app.review.history import History
+from workbench.app.runtime.bench import Bench
+from workbench.gui.drawing.audience import Audience
+from workbench.gui.shared.look import SharedLook, View
+from workbench.gui.shared.visitor import Visitor
+from workbench.model.errors import WorkbenchError
+from workbench.model.plan import Plan
+
+log = logging.getLogger(__name__)
+
+
+class Player:
+    """Moves the time on, and tells the bench when somebody has seen a plan from start to end.
+
+    Concurrency: the renderer's thread.
+    """
+
+    def __init__(self, bench: Bench | History, look: SharedLook):
+        """Nothing plays yet."""
+        self._bench = bench
+        self._look = look
+        self._audience: Audience | None = None
+        self._key: tuple[int | None, Plan | None] = (None, None)
+        self._at = 0.0
+
+    def step(self, view: View | None, visitors: Mapping[int, Visitor], elapsed: float) -> None:
+        """Move a plan that plays on by the time [s] since the last drawing.
+
+        Args:
+            view: drawn last.
+            visitors: who is there, by browser.
+            elapsed: since it was drawn [s].
+        """
+        look = self._look.now
+        if view is None:
+            return
+        visitor = visitors.get(look.browser) if look.browser is not None else None
+        audience = self._audience_of(view.state.plan, visitor)
+        is_away = look.browser is not None and visitor is None
+        if is_away or (visitor is not None and visitor.own.now.hides_robot):
+            # Nobody sees there what plays.
+            if audience is not None:
+                audience.stop()
+            if look.is_playing:
+                self._look.change(is_playing=False, by=None)
+        elif look.is_playing:
+            # The first drawing after Play was pressed only begins.
+            if view.look.is_playing:
+                self._go_on(look.time, view.plan_seconds, audience, elapsed)
+        elif audience is not None and (look.time != self._at or self._at < view.plan_seconds):
+            audience.stop()
+        is_seen = audience is not None and audience.is_on and audience.covered >= view.plan_seconds
+        if is_seen and visitor is not None and view.state.plan is not None:
+            audience.stop()
+            self._tell_watched(view.state.plan.digest, visitor.person)
+
+    def drawn(self, view: View) -> None:
+        """A view was sent to all browsers."""
+        if self._audience is not None and view.look.time == self._at:
+            self._audience.drawn(view.look.time)
+
+    def close(self) -> None:
+        """Nothing plays any more."""
+        if self._audience is not None:
+            self._audience.close()
+
+    def _go_on(self, time: float, end: float, audience: Audience | None, elapsed: float) -> None:
+        # From the end, Play begins at the start again.
+        begin = 0.0 if time >= end else time
+        limit = end
+        if audience is not None:
+            if not audience.is_on or time != self._at or time >= end:
+                begin = audience.begin(begin)
+            limit = min(end, audience.limit)
+        self._at = max(begin, min(begin + elapsed, limit))
+        self._look.change(time=self._at, is_playing=self._at < end, by=None)
+
+    def _audience_of(self, plan: Plan | None, visitor: Visitor | None) -> Audience | None:
+        """The audience of this plan in this browser; another one has seen nothing of it."""
+        number = visitor.number if visitor is not None and plan is not None else None
+        if self._key[0] != number or self._key[1] is not plan:
+            self.close()
+            self._audience = Audience(visitor.client) if visitor and plan is not None else None
+            self._key = (number, plan)
+        return self._audience
+
+    def _tell_watched(self, digest: str, person: Person) -> None:
+        if person.name in self._bench.state.watched:
+            return
+        try:
+            self._bench.do(WatchPlan(digest), person.name, person.role)
+        except WorkbenchError as error:
+            log.info("that the plan was watched is not taken: %s", error)

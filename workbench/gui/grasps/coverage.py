@@ -1,0 +1,129 @@
+"""However the part lies in the bin: where no grasp works, drawn around it, and what to add."""
+
+import logging
+import threading
+
+import numpy as np
+import viser
+
+from workbench.gui.grasps.editing import Editing
+from workbench.gui.scene.stage import Stage
+from workbench.gui.shared.colours import BAD, BUSY, GOOD, rgb_of
+from workbench.gui.shared.views import line
+from workbench.gui.shared.visitor import Visitor
+from workbench.model.cell import Cell
+from workbench.model.digest import digest_of
+from workbench.model.errors import WorkbenchError
+from workbench.model.part import Part
+from workbench.planning.grasps.coverage import Coverage, coverage
+
+log = logging.getLogger(__name__)
+
+
+class CoverageControls:
+    """Looks how the part can lie, in a thread of its own, and shows what came of it.
+
+    Concurrency: callbacks of viser and the renderer's thread; one thread looks at a time.
+    """
+
+    def __init__(self, visitor: Visitor, editing: Editing, stage: Stage):
+        """Add the controls."""
+        self._visitor, self._editing, self._stage = visitor, editing, stage
+        self._found: tuple[str, Coverage] | None = None
+        self._cancelled = threading.Event()
+        self._is_looking = False
+        gui = visitor.gui
+        self._line = gui.add_html("")
+        gui.add_html('<div class="wb-buttons wb-two"></div>')
+        self._look = gui.add_button(
+            "Look",
+            icon=viser.Icon.SPHERE,
+            hint="Every grasp, however the part lies in the bin: tool against bin, reach of the "
+            "arms. No paths are planned, and other parts are left out.",
+        )
+        self._add = gui.add_button("Add what helps", icon=viser.Icon.PLUS, disabled=True)
+        self._look.on_click(lambda _: self._pressed())
+        self._add.on_click(lambda _: self._added())
+        visitor.on_end(self._cancelled.set)
+
+    def show(self, part: Part, *, is_enabled: bool) -> None:
+        """The part is this one now; what was found for other grasps of it is gone."""
+        found = self._found
+        if found is not None and found[0] != _key(part, self._visitor.cell):
+            self._found = found = None
+            self._stage.hide_sphere()
+        missing = found[1].missing if found is not None else None
+        self._add.disabled = not is_enabled or missing is None or missing.suggestion is None
+        if self._is_looking:
+            return
+        if found is None:
+            self._line.content = line("Not looked at since the grasps were changed.", kind="hint")
+            return
+        self._line.content = "".join(line(text) for text in coverage_words(found[1]))
+        if self._stage.is_open:
+            self._stage.show_sphere(found[1].directions, sphere_colours(found[1]))
+
+    def _pressed(self) -> None:
+        """Begin to look, or stop looking."""
+        if self._is_looking:
+            self._cancelled.set()
+            return
+        self._cancelled.clear()
+        self._is_looking, self._look.label = True, "Stop"
+        threading.Thread(target=self._work, name="coverage", daemon=True).start()
+
+    def _work(self) -> None:
+        part, cell = self._editing.part, self._visitor.cell  # as they are when it begins
+        try:
+            found = coverage(cell, part, report=self._report, cancelled=self._cancelled.is_set)
+            if not self._cancelled.is_set():
+                self._found = _key(part, cell), found
+        except WorkbenchError as error:
+            self._visitor.tell("Coverage", str(error))
+        except Exception as error:
+            # A rim: what cannot be looked at leaves the page as it is.
+            log.exception("the coverage of a part could not be found")
+            self._visitor.tell("Internal error", f"{type(error).__name__}: {error}")
+        self._is_looking, self._look.label = False, "Look"
+        self._editing.tell()
+
+    def _report(self, done: float, note: str) -> None:
+        self._line.content = line(f"{done:.0%}: {note}", kind="hint")
+
+    def _added(self) -> None:
+        missing = self._found[1].missing if self._found is not None else None
+        if missing is not None and missing.suggestion is not None:
+            grasp = missing.suggestion.grasp
+            self._editing.add((grasp,), f"{grasp.name} added, where no grasp worked")
+
+
+def _key(part: Part, cell: Cell) -> str:
+    """What a coverage is about."""
+    return digest_of((part.digest, cell.digest))
+
+
+def coverage_words(found: Coverage) -> list[str]:
+    """How the part can lie so that a grasp works, and where none does."""
+    by_arm = ", ".join(
+        f"{arm} {share:.0%}"
+        for arm, share in zip(found.arms, found.arm_shares.mean(axis=0), strict=True)
+    )
+    words = [f"Some grasp works in {found.share:.0%} of {found.poses} ways to lie ({by_arm})."]
+    missing = found.missing
+    if missing is None:
+        return [*words, "There is no way to lie in which none works."]
+    x, y, z = missing.direction
+    words.append(
+        f"Least with ({x:.2f}, {y:.2f}, {z:.2f}) of the part up: {missing.share:.0%} around there."
+    )
+    if missing.suggestion is None:
+        return [*words, "No grasp was found that would help there."]
+    return [*words, f"What helps: a grasp for the {missing.arm} arm, {missing.would_work:.0%}."]
+
+
+def sphere_colours(found: Coverage) -> np.ndarray:
+    """A colour (n, 3) 0..255 for each direction: red where nothing works, green where all does."""
+    shares = np.asarray(found.shares)
+    stops = np.array([rgb_of(BAD), rgb_of(BUSY), rgb_of(GOOD)], dtype=float)
+    channels = [np.interp(shares, [0.0, 0.5, 1.0], stops[:, k]) for k in range(3)]
+    return np.stack(channels, axis=1).astype(np.uint8)

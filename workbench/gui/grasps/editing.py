@@ -1,0 +1,177 @@
+"""What one browser edits: which part, which of its grasps, with which tool; no controls."""
+
+import threading
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import TypeVar
+
+import pinocchio as pin
+
+from workbench.app.core.commands import EditPart
+from workbench.gui.shared.visitor import Visitor
+from workbench.model.cell import Tool
+from workbench.model.digest import digest_of
+from workbench.model.errors import CommandRefused, WorkbenchError
+from workbench.model.part import Entry, Grasp, GraspPair, Part, Symmetry
+from workbench.model.part_edits import free_name, grasp_of, names_in, with_grasp
+from workbench.planning.grasps.grasp_check import GraspCheck, GraspChecker
+
+T = TypeVar("T")
+
+
+class Editing:
+    """The part and the grasp that a browser has in hand.
+
+    Concurrency: any thread; a checker serves one at a time, so it is used under a lock.
+    """
+
+    def __init__(self, visitor: Visitor):
+        """The first part of the cell, its first grasp, the first arm's tool."""
+        self.visitor = visitor
+        cell = visitor.cell
+        self._part = cell.parts[0].name
+        self._tool = cell.arms[0].tool.name
+        entries = cell.parts[0].library.entries
+        self._chosen = entries[0].name if entries else ""
+        self.lost: Entry | None = None
+        """What this browser wanted and did not get, since somebody else was quicker."""
+        self._observers: list[Callable[[], None]] = []
+        self._lock = threading.Lock()
+        self._checker: tuple[str, GraspChecker] | None = None
+
+    def on_change(self, observer: Callable[[], None]) -> None:
+        """Have something called after another grasp, part or tool is chosen."""
+        self._observers.append(observer)
+
+    @property
+    def part(self) -> Part:
+        """The part as it is now."""
+        parts = {part.name: part for part in self.visitor.cell.parts}
+        return parts.get(self._part, self.visitor.cell.parts[0])
+
+    @property
+    def entry(self) -> Entry | None:
+        """The chosen grasp or pattern as it is now; None when there is none."""
+        entries = {entry.name: entry for entry in self.part.library.entries}
+        return entries.get(self._chosen) or next(iter(entries.values()), None)
+
+    @property
+    def tools(self) -> dict[str, Tool]:
+        """All tools of the cell's arms, by name."""
+        arms = self.visitor.cell.arms
+        return {tool.name: tool for arm in arms for tool in (arm.tool, *arm.tools)}
+
+    @property
+    def tool(self) -> Tool:
+        """The one that grasps are tried with: that of the chosen grasp, if it is for one."""
+        tools, entry = self.tools, self.entry
+        wanted = grasp_of(entry).tool if entry is not None else ""
+        return tools.get(wanted) or tools.get(self._tool) or next(iter(tools.values()))
+
+    def choose(
+        self, *, part: str | None = None, entry: str | None = None, tool: str | None = None
+    ) -> None:
+        """Take something else in hand."""
+        self._part = self._part if part is None else part
+        self._chosen = self._chosen if entry is None else entry
+        self._tool = self._tool if tool is None else tool
+        self.lost = None
+        self.tell()
+
+    def tell(self) -> None:
+        """Have everybody who shows something look again."""
+        for observer in self._observers:
+            observer()
+
+    def checked(self, grasp: Grasp) -> GraspCheck:
+        """What speaks against a grasp with the tool."""
+        return self.with_checker(lambda checker: checker.check(grasp))
+
+    def with_checker(self, asked: Callable[[GraspChecker], T]) -> T:
+        """Ask the checker of part and tool something."""
+        part, tool = self.part, self.tool
+        with self._lock:
+            key = digest_of((part.mesh, part.pieces, tool))
+            if self._checker is None or self._checker[0] != key:
+                self._checker = key, GraspChecker(part, tool)
+            return asked(self._checker[1])
+
+    def free_name(self, name: str) -> str:
+        """The name, or one like it that is not taken."""
+        return free_name(names_in(self.part.library.entries), name)
+
+    def put(self, was: Entry, now: Entry, says: str) -> bool:
+        """Put an entry in place of one as this browser has seen it; whether that was done.
+
+        When somebody else was quicker the wish is kept as `lost`.
+        """
+        command = EditPart(self.part.name, (was,), (now,), says=says)
+        try:
+            self.visitor.give(command)
+        except CommandRefused as error:
+            current = {entry.name: digest_of(entry) for entry in self.part.library.entries}
+            if current.get(was.name) != digest_of(was):
+                self.lost = now
+            self.visitor.tell("Refused", str(error))
+            self.tell()
+            return False
+        except WorkbenchError as error:
+            self.visitor.tell("Refused", str(error))
+            return False
+        self.choose(entry=now.name)
+        return True
+
+    def put_grasp(self, was: Entry, grasp: Grasp, says: str) -> bool:
+        """Put another grasp in an entry; see `put`."""
+        return self.put(was, with_grasp(was, grasp), says)
+
+    def at(self, entry: Entry, T_part_tcp: pin.SE3) -> Grasp:
+        """The grasp of an entry with the hand somewhere else."""
+        return replace(grasp_of(entry), T_part_tcp=T_part_tcp)
+
+    def move(self, was: Entry, T_part_tcp: pin.SE3, says: str) -> bool:
+        """Put the hand somewhere else; see `put`."""
+        return self.put_grasp(was, self.at(was, T_part_tcp), says)
+
+    def keep_lost(self) -> None:
+        """Add what was lost to somebody quicker as a grasp of its own."""
+        lost, self.lost = self.lost, None
+        if lost is not None:
+            copy = replace(grasp_of(lost), name=self.free_name(lost.name))
+            self.add((with_grasp(lost, copy),), f"{copy.name} kept beside {lost.name}")
+
+    def add(self, entries: Sequence[Entry], says: str) -> bool:
+        """Add entries at the end, and choose the first of them."""
+        if not self._ask(EditPart(self.part.name, (), tuple(entries), says=says)):
+            return False
+        self.choose(entry=entries[0].name)
+        return True
+
+    def remove(self, entry: Entry, now: Sequence[Entry], says: str) -> bool:
+        """Put none or several entries in place of one."""
+        names = [one.name for one in self.part.library.entries]
+        place = names.index(entry.name) if entry.name in names else 0
+        if not self._ask(EditPart(self.part.name, (entry,), tuple(now), says=says)):
+            return False
+        left = [one.name for one in self.part.library.entries]
+        self.choose(entry=left[min(place, len(left) - 1)] if left else "")
+        return True
+
+    def take_library(self, entries: Sequence[Entry], pairs: Sequence[GraspPair], says: str) -> bool:
+        """Put another library in place of the one there is."""
+        was = self.part.library.entries
+        return self._ask(
+            EditPart(self.part.name, was, tuple(entries), pairs=tuple(pairs), says=says)
+        )
+
+    def set_pairs(self, pairs: Sequence[GraspPair], says: str) -> bool:
+        """Which grasps go together."""
+        return self._ask(EditPart(self.part.name, pairs=tuple(pairs), says=says))
+
+    def set_symmetry(self, symmetry: Symmetry) -> bool:
+        """Say at which turns the part looks alike."""
+        name = self.part.name
+        return self._ask(EditPart(name, symmetry=symmetry, says=f"the symmetry of {name} is set"))
+
+    def _ask(self, command: EditPart) -> bool:
+        return self.visitor.ask(lambda: command)

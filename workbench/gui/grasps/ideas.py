@@ -1,0 +1,149 @@
+"""What the program proposes for a part: its symmetry, and grasps to take or leave."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
+
+import viser
+
+from workbench.gui.grasps.editing import Editing
+from workbench.gui.grasps.views import MOST_SUGGESTIONS, suggestions_html, symmetry_line
+from workbench.gui.shared.views import line
+from workbench.gui.shared.visitor import Visitor
+from workbench.model.digest import digest_of
+from workbench.model.errors import WorkbenchError
+from workbench.model.geometry import Mesh
+from workbench.model.part import Grasp, Part, Symmetry
+from workbench.model.part_edits import free_name, names_in
+from workbench.planning.grasps.grasp_suggestions import Suggestion, suggest
+from workbench.planning.grasps.part_symmetry import proposed_symmetry
+
+
+class SymmetryControls:
+    """What symmetry is said, what the mesh looks like, and a person's word.
+
+    Concurrency: callbacks of viser and the renderer's thread; handles only.
+    """
+
+    def __init__(self, visitor: Visitor, editing: Editing):
+        """Add the controls."""
+        self._visitor, self._editing = visitor, editing
+        self._looked: tuple[Mesh, Symmetry | None] | None = None
+        gui = visitor.gui
+        self._line = gui.add_html("")
+        gui.add_html('<div class="wb-buttons wb-three"></div>')
+        self._look = gui.add_button(
+            "Look", icon=viser.Icon.EYE, color="gray", hint="What symmetry the mesh has."
+        )
+        self._take = gui.add_button(
+            "Confirm",
+            icon=viser.Icon.CHECK,
+            hint="Grasps are multiplied by it, and parts found anew.",
+        )
+        self._none = gui.add_button("None", icon=viser.Icon.X, color="gray")
+        self._look.on_click(lambda _: self._look_at_mesh())
+        self._take.on_click(lambda _: self._confirm())
+        self._none.on_click(lambda _: editing.set_symmetry(Symmetry()))
+
+    def show(self, part: Part, *, is_enabled: bool) -> None:
+        """The part is this one now."""
+        proposed = self._proposed(part)
+        self._line.content = symmetry_line(part.symmetry, proposed)
+        is_new = proposed is not None and digest_of(proposed) != digest_of(part.symmetry)
+        self._take.disabled = not is_enabled or not is_new
+        self._none.disabled = not is_enabled or part.symmetry.fold == 1
+
+    def _proposed(self, part: Part) -> Symmetry | None:
+        if self._looked is None or self._looked[0] is not part.mesh:
+            return None
+        return self._looked[1]
+
+    def _look_at_mesh(self) -> None:
+        part = self._editing.part
+        found = proposed_symmetry(part.mesh)
+        self._looked = part.mesh, Symmetry() if found is None else found.symmetry
+        self._editing.tell()
+
+    def _confirm(self) -> None:
+        proposed = self._proposed(self._editing.part)
+        if proposed is not None:
+            self._editing.set_symmetry(proposed)
+
+
+class Suggestions:
+    """Grasps that the program would put on the part, the best first.
+
+    Concurrency: callbacks of viser; handles, and what was suggested last.
+    """
+
+    def __init__(self, visitor: Visitor, editing: Editing, preview: Callable[[Grasp], None]):
+        """Add the controls; `preview` shows a grasp that is not in the library."""
+        self._visitor, self._editing, self._preview = visitor, editing, preview
+        self._found: tuple[Suggestion, ...] = ()
+        self._about: tuple[Mesh, str] | None = None
+        self._chosen = 0
+        gui = visitor.gui
+        self._most = gui.add_slider(
+            "How many", 1, MOST_SUGGESTIONS, 1, 8, hint="The best ones are listed."
+        )
+        self._seed = gui.add_number("Seed", 0, min=0, step=1, hint="Of what is sampled.")
+        gui.add_html('<div class="wb-buttons wb-three"></div>')
+        self._suggest = gui.add_button("Suggest", icon=viser.Icon.BULB)
+        self._take = gui.add_button("Take", icon=viser.Icon.PLUS, disabled=True)
+        self._all = gui.add_button("Take all", color="gray", disabled=True)
+        self._table = gui.add_html("")
+        self._rows = [
+            visitor.unseen(partial(self._choose, number)) for number in range(MOST_SUGGESTIONS)
+        ]
+        visitor.hide(self._rows)
+        self._suggest.on_click(lambda _: self._look())
+        self._take.on_click(lambda _: self._add(self._found[self._chosen : self._chosen + 1]))
+        self._all.on_click(lambda _: self._add(self._found))
+
+    def show(self, part: Part) -> None:
+        """The part is this one now; what was suggested for another part or tool is gone."""
+        about = self._about
+        if about is None or (about[0] is part.mesh and about[1] == self._editing.tool.name):
+            return
+        self._about, self._found = None, ()
+        self._take.disabled = self._all.disabled = True
+        self._table.content = ""
+
+    def _look(self) -> None:
+        self._table.content = line("Looking …", kind="hint")
+        part, tool = self._editing.part, self._editing.tool
+        try:
+            seed = int(self._seed.value)
+            found = suggest(part, tool, most=int(self._most.value), seed=seed)
+        except (WorkbenchError, ValueError) as error:
+            self._table.content = line(str(error), kind="bad")
+            return
+        self._about = part.mesh, tool.name
+        self._show(found, 0)
+
+    def _show(self, found: tuple[Suggestion, ...], chosen: int) -> None:
+        self._found, self._chosen = found, chosen
+        self._take.disabled = self._all.disabled = not found
+        if not found:
+            says = f"Nothing new that {self._editing.tool.name} could hold well was found."
+            self._table.content = line(says, kind="hint")
+            return
+        self._table.content = suggestions_html(found, chosen, self._rows)
+        self._preview(found[chosen].grasp)
+
+    def _choose(self, number: int) -> None:
+        if number < len(self._found):
+            self._show(self._found, number)
+
+    def _add(self, wanted: tuple[Suggestion, ...]) -> None:
+        """Add suggestions to the library, under names that are free now."""
+        if not wanted:
+            return
+        taken, grasps = set(names_in(self._editing.part.library.entries)), list[Grasp]()
+        for one in wanted:
+            grasps.append(replace(one.grasp, name=free_name(taken, one.grasp.name)))
+            taken.add(grasps[-1].name)
+        count = f"{len(grasps)} suggested grasps" if len(grasps) > 1 else grasps[0].name
+        if self._editing.add(grasps, f"{count} added"):
+            left = tuple(one for one in self._found if one not in wanted)
+            self._show(left, min(self._chosen, max(len(left) - 1, 0)))

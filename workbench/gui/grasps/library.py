@@ -1,0 +1,178 @@
+"""A part's grasps as a whole: pairs for two arms, and what was saved and not saved."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import viser
+
+from workbench.app.core.commands import DropDraft, SaveCell
+from workbench.app.core.state import State
+from workbench.app.picking.part_import import PARTS
+from workbench.formats.parts.grasp_words import changes_in_words
+from workbench.formats.parts.saves import Version, draft_of, versions
+from workbench.gui.grasps.editing import Editing
+from workbench.gui.grasps.views import pairs_html, versions_html, words_html
+from workbench.gui.shared.views import line
+from workbench.gui.shared.visitor import Visitor
+from workbench.model.digest import digest_of
+from workbench.model.errors import InputError
+from workbench.model.part import GraspLibrary, GraspPair, Part
+
+NONE = "-"
+NOW = "as it is in the file"
+
+
+class PairControls:
+    """Which grasp of one arm goes with which of the other.
+
+    Concurrency: callbacks of viser and the renderer's thread; handles only.
+    """
+
+    def __init__(self, visitor: Visitor, editing: Editing):
+        """Add the controls."""
+        self._editing = editing
+        gui = visitor.gui
+        self._list = gui.add_html("")
+        self._first = gui.add_dropdown("One arm by", (NONE,))
+        self._second = gui.add_dropdown("The other by", (NONE,))
+        self._is_ordered = gui.add_checkbox("In this order", False, hint="The first goes first.")
+        gui.add_html('<div class="wb-buttons wb-two"></div>')
+        self._add = gui.add_button("Add pair", icon=viser.Icon.LINK)
+        self._clear = gui.add_button("Remove pairs", icon=viser.Icon.TRASH, color="gray")
+        self._add.on_click(lambda _: self._added())
+        self._clear.on_click(lambda _: editing.set_pairs((), "the pairs of grasps are removed"))
+
+    def show(self, part: Part, *, is_enabled: bool) -> None:
+        """The part is this one now."""
+        names = tuple(entry.name for entry in part.library.entries) or (NONE,)
+        for dropdown in (self._first, self._second):
+            if dropdown.options != names:
+                dropdown.options = names
+        self._list.content = pairs_html(part.library.pairs)
+        self._add.disabled = not is_enabled or names == (NONE,)
+        self._clear.disabled = not is_enabled or not part.library.pairs
+
+    def _added(self) -> None:
+        pair = GraspPair(self._first.value, self._second.value, bool(self._is_ordered.value))
+        known = self._editing.part.library.pairs
+        self._editing.set_pairs((*known, pair), f"{pair.first} goes with {pair.second}")
+
+
+class LibraryControls:
+    """Save with a remark, what was changed since, older versions, a draft that was left.
+
+    Concurrency: callbacks of viser and the renderer's thread; handles only.
+    """
+
+    def __init__(self, visitor: Visitor, editing: Editing):
+        """Add the controls."""
+        self._visitor, self._editing = visitor, editing
+        self._known: tuple[Version, ...] = ()
+        gui = visitor.gui
+        self._draft = gui.add_html("")
+        gui.add_html('<div class="wb-buttons wb-two"></div>')
+        self._take = gui.add_button("Take the draft", icon=viser.Icon.HISTORY, visible=False)
+        self._drop = gui.add_button("Drop it", icon=viser.Icon.TRASH, color="gray", visible=False)
+        self._changes = gui.add_html("")
+        self._remark = gui.add_text("Remark", "", hint="Why the grasps were changed; kept.")
+        self._save = gui.add_button(
+            "Save", icon=viser.Icon.DEVICE_FLOPPY, hint="All changes of cell and parts."
+        )
+        with gui.add_folder("Versions", expand_by_default=False):
+            self._list = gui.add_html("")
+            self._version = gui.add_dropdown("Version", (NOW,))
+            self._words = gui.add_html("")
+            self._back = gui.add_button("Go back to it", icon=viser.Icon.ARROW_BACK_UP)
+        visitor.on_press(self._save, lambda: SaveCell(self._remark.value))
+        visitor.on_press(self._drop, lambda: DropDraft(editing.part.name))
+        self._take.on_click(lambda _: self._taken())
+        self._back.on_click(lambda _: self._gone_back())
+        self._version.on_update(lambda _: self._show_words(editing.part))
+
+    @property
+    def _folder(self) -> Path | None:
+        known, name = self._visitor.folders, self._editing.part.name
+        if name in known or not known:
+            return known.get(name)
+        # It has come since; where it lies is where every new part goes.
+        return PARTS / name if (PARTS / name).is_dir() else None
+
+    def show(self, state: State, part: Part, *, is_enabled: bool) -> None:
+        """The part is this one now."""
+        is_changed = state.saved != state.cell.digest
+        self._visitor.admit(self._save, state, SaveCell, is_ready=is_changed)
+        folder = self._folder
+        known: tuple[Version, ...] = ()
+        draft: GraspLibrary | None = None
+        try:
+            known = versions(folder) if folder is not None else ()
+            draft = draft_of(folder) if folder is not None and not is_changed else None
+            self._show_draft(part, draft)
+        except InputError as error:
+            self._draft.content = line(str(error), kind="bad")
+        self._known = known
+        self._take.visible = self._drop.visible = draft is not None
+        self._take.disabled = self._drop.disabled = not is_enabled
+        self._list.content = versions_html(known)
+        options = (NOW, *(f"{one.number}: {one.remark[:30]}" for one in reversed(known)))
+        if self._version.options != options:
+            self._version.options = options
+        self._show_words(part)
+        self._back.disabled = not is_enabled
+        if is_changed:
+            says = "Changed and not saved; kept as a draft."
+            self._changes.content = _changes_html(known[-1] if known else None, part, says)
+        else:
+            self._changes.content = line("As in the files.", kind="hint")
+
+    def _show_draft(self, part: Part, draft: GraspLibrary | None) -> None:
+        if draft is None:
+            self._draft.content = ""
+            return
+        count = len(changes_in_words(part.library, draft))
+        says = f"An earlier session has left a draft with {count} changes that nobody saved."
+        self._draft.content = line(says)
+
+    def _chosen(self) -> Version | None:
+        number = self._version.value.partition(":")[0]
+        return next((one for one in self._known if str(one.number) == number), None)
+
+    def _show_words(self, part: Part) -> None:
+        version = self._chosen()
+        says = "The grasps are as in this version."
+        self._words.content = "" if version is None else _changes_html(version, part, says)
+
+    def _gone_back(self) -> None:
+        version = self._chosen()
+        if version is not None:
+            says = f"back to version {version.number} of the grasps"
+            self._taken_over(lambda: version.library, says)
+
+    def _taken(self) -> None:
+        folder = self._folder
+        if folder is not None:
+            says = "the draft of an earlier session is taken"
+            self._taken_over(lambda: draft_of(folder), says)
+
+    def _taken_over(self, read: Callable[[], GraspLibrary | None], says: str) -> None:
+        """Put the library that is read from a file, if it is there, in place of the one now."""
+        try:
+            library = read()
+        except InputError as error:
+            self._visitor.tell("Refused", str(error))
+            return
+        if library is None:
+            return
+        if digest_of(library) == digest_of(self._editing.part.library):
+            self._visitor.tell("Versions", "the grasps are as in this version already")
+            return
+        self._editing.take_library(library.entries, library.pairs, says)
+
+
+def _changes_html(version: Version | None, part: Part, otherwise: str) -> str:
+    """What a part's grasps have otherwise than a version, if there is one that can be read."""
+    try:
+        words = () if version is None else changes_in_words(version.library, part.library)
+    except InputError as error:
+        return line(str(error), kind="bad")
+    return words_html(words, otherwise)

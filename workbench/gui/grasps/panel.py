@@ -1,0 +1,296 @@
+"""The tab in which grasps are put on the part: by clicking on it, gizmo, numbers, patterns."""
+
+import logging
+import threading
+from concurrent.futures import ThreadPoolExecutor
+from functools import partial
+
+import numpy as np
+import pinocchio as pin
+import viser
+
+from workbench.app.core.commands import EditPart, RedoCell, UndoCell
+from workbench.app.records.grasp_use import NO_USES, Uses
+from workbench.gui.grasps.copies import GraspCopies
+from workbench.gui.grasps.coverage import CoverageControls
+from workbench.gui.grasps.editing import Editing
+from workbench.gui.grasps.fields import GraspFields
+from workbench.gui.grasps.ideas import Suggestions, SymmetryControls
+from workbench.gui.grasps.library import LibraryControls, PairControls
+from workbench.gui.grasps.part_upload import PartUpload
+from workbench.gui.grasps.pose import GraspPose
+from workbench.gui.grasps.views import MOST_ROWS, check_line, grasps_html
+from workbench.gui.scene.stage import Stage, nearest_entry, size_of
+from workbench.gui.shared.look import View
+from workbench.gui.shared.visitor import Visitor
+from workbench.model.digest import digest_of
+from workbench.model.geometry import Floats
+from workbench.model.part import Entry, Grasp, Part, grasps_of
+from workbench.model.part_edits import grasp_of
+from workbench.planning.grasps.grasp_check import GraspCheck
+from workbench.planning.grasps.grasp_frames import PLAY, fitted_opening, frame_at, outward_normal
+from workbench.planning.grasps.part_rays import NOTHING, first_hits
+
+log = logging.getLogger(__name__)
+
+WIDE = PLAY
+"""[m] Opening and grip of a grasp with nothing between its fingers."""
+
+
+class GraspsPanel:
+    """The list of grasps, the stage, and the controls of the chosen grasp.
+
+    Concurrency: callbacks of viser, the renderer's thread, and one thread that looks at all
+    grasps of the part; what they change are handles, and `_checks` as a whole.
+    """
+
+    def __init__(self, visitor: Visitor):
+        """Add the controls."""
+        self._visitor = visitor
+        self._editing = Editing(visitor)
+        self._stage = Stage(visitor.client)
+        self._is_adding = False
+        self._checks: dict[str, GraspCheck | None] = {}
+        self._checked = ""
+        self._uses: Uses = NO_USES
+        self._drawing = threading.RLock()
+        self._looker = ThreadPoolExecutor(1, thread_name_prefix="grasp checks")
+        gui, editing = visitor.gui, self._editing
+        parts = tuple(part.name for part in visitor.cell.parts)
+        self._part = gui.add_dropdown("Part", parts, visible=len(parts) > 1)
+        self._tool = gui.add_dropdown(
+            "Tool", tuple(editing.tools), hint="What grasps are tried with.",
+            visible=len(editing.tools) > 1,
+        )  # fmt: skip
+        gui.add_html('<div class="wb-buttons wb-three"></div>')
+        self._open = gui.add_button("Open part", icon=viser.Icon.CUBE)
+        self._undo = gui.add_button("Undo", icon=viser.Icon.ARROW_BACK_UP, color="gray")
+        self._redo = gui.add_button("Redo", icon=viser.Icon.ARROW_FORWARD_UP, color="gray")
+        self._table = gui.add_html("")
+        self._line = gui.add_html("")
+        self._add = gui.add_button(
+            "Add grasp", icon=viser.Icon.PLUS, hint="Then click on the surface of the part."
+        )
+        self._duplicate = gui.add_button("Duplicate", icon=viser.Icon.COPY, color="gray")
+        self._delete = gui.add_button("Delete", icon=viser.Icon.TRASH, color="red")
+        self._keep = gui.add_button(
+            "Keep mine",
+            icon=viser.Icon.COPY,
+            color="orange",
+            visible=False,
+            hint="As a copy beside what somebody else made of it.",
+        )
+        with gui.add_folder("Where the hand is"):
+            self._pose = GraspPose(visitor, editing, self._moving)
+        with gui.add_folder("How it takes the part", expand_by_default=False):
+            self._fields = GraspFields(visitor, editing)
+        with gui.add_folder("Copies and patterns", expand_by_default=False):
+            self._copies = GraspCopies(visitor, editing)
+        with gui.add_folder("Suggestions", expand_by_default=False):
+            self._suggestions = Suggestions(visitor, editing, self._preview)
+        with gui.add_folder("How the part can lie", expand_by_default=False):
+            self._coverage = CoverageControls(visitor, editing, self._stage)
+        with gui.add_folder("Symmetry of the part", expand_by_default=False):
+            self._symmetry = SymmetryControls(visitor, editing)
+        with gui.add_folder("Pairs for two arms", expand_by_default=False):
+            self._pairs = PairControls(visitor, editing)
+        with gui.add_folder("Saved and not saved", expand_by_default=False):
+            self._library = LibraryControls(visitor, editing)
+        with gui.add_folder("New part from a CAD file", expand_by_default=False):
+            self._upload = PartUpload(visitor)
+        self._rows = [visitor.unseen(partial(self._chose, number)) for number in range(MOST_ROWS)]
+        visitor.hide(self._rows)
+        self._react()
+
+    def show(self, old: View | None, new: View) -> None:
+        """Bring what is shown from `old` to `new`."""
+        look = new.look
+        if look.is_playing and look.browser == self._visitor.number and self._stage.is_open:
+            # Who lets the plan play wants to see the cell.
+            self._turn()
+        is_counted = old is None or old.statistics is not new.statistics
+        if is_counted:
+            self._uses = new.statistics.grasps()
+        if is_counted or old is None or old.state is not new.state:
+            self._draw()
+
+    def _react(self) -> None:
+        visitor, editing = self._visitor, self._editing
+        self._part.on_update(lambda _: self._other_part(self._part.value))
+        self._tool.on_update(lambda _: editing.choose(tool=self._tool.value))
+        self._open.on_click(lambda _: self._turn())
+        self._add.on_click(lambda _: self._begin_to_add())
+        self._duplicate.on_click(lambda _: self._copies.duplicate())
+        self._delete.on_click(lambda _: self._deleted())
+        self._keep.on_click(lambda _: self._kept())
+        visitor.on_press(self._undo, UndoCell)
+        visitor.on_press(self._redo, RedoCell)
+        visitor.on_key("G", "Open the part to put grasps on it, or go back", self._turn)
+        editing.on_change(self._draw)
+        visitor.on_end(self._leave_stage, in_scene=True)
+
+    def _chose(self, number: int) -> None:
+        entries = self._editing.part.library.entries
+        if number < len(entries):
+            self._editing.choose(entry=entries[number].name)
+
+    def _other_part(self, name: str) -> None:
+        entries = self._visitor.cell.part(name).library.entries
+        self._editing.choose(part=name, entry=entries[0].name if entries else "")
+        if self._stage.is_open:
+            self._stage.close()
+            self._stage.open(self._editing.part, self._pressed)
+            self._draw()
+
+    def _draw(self) -> None:
+        """Show the part's grasps as they are now."""
+        with self._drawing:
+            self._draw_all()
+
+    def _draw_all(self) -> None:
+        self._list_parts()  # which may be a choice
+        state, part, entry = self._visitor.bench.state, self._editing.part, self._editing.entry
+        can = not self._visitor.obstacle(state, EditPart)
+        name = entry.name if entry is not None else ""
+        self._upload.show(state)
+        self._look_at_all(part)
+        self._table.content = grasps_html(part, name, self._checks, self._rows, self._uses)
+        self._line.content = check_line(name, self._checks.get(name))
+        admit = self._visitor.admit
+        admit(self._add, state, EditPart)
+        for button in (self._duplicate, self._delete):
+            admit(button, state, EditPart, is_ready=entry is not None)
+        admit(self._undo, state, UndoCell, is_ready=bool(state.before))
+        admit(self._redo, state, RedoCell, is_ready=bool(state.undone))
+        self._keep.visible = self._editing.lost is not None
+        is_open, size = self._stage.is_open, size_of(part)
+        self._pose.show(entry, is_enabled=can, is_open=is_open, size=size)
+        self._fields.show(entry, is_enabled=can)
+        self._copies.show(entry, is_enabled=can)
+        self._suggestions.show(part)
+        self._coverage.show(part, is_enabled=can)
+        self._symmetry.show(part, is_enabled=can)
+        self._pairs.show(part, is_enabled=can)
+        self._library.show(state, part, is_enabled=can)
+        if is_open:
+            bad = frozenset(n for n, check in self._checks.items() if check and not check.is_ok)
+            self._stage.draw(part, name, bad)
+            self._show_tool(entry)
+
+    def _list_parts(self) -> None:
+        """Follow the cell's parts; the one that was asked for here is taken in hand."""
+        names = tuple(one.name for one in self._visitor.cell.parts)
+        if self._part.options != names:
+            is_made = self._upload.asked in set(names) - set(self._part.options)
+            self._part.options = names
+            self._part.visible = len(names) > 1
+            wanted = self._upload.asked if is_made else self._editing.part.name
+            if self._part.value != wanted:
+                self._part.value = wanted
+
+    def _show_tool(self, entry: Entry | None) -> None:
+        if entry is None:
+            self._stage.hide_tool()
+            return
+        grasp, check = grasp_of(entry), self._checks.get(entry.name)
+        is_ok = check is None or check.is_ok
+        self._stage.show_tool(self._editing.tool, grasp.T_part_tcp, grasp.opening, is_ok)
+
+    def _look_at_all(self, part: Part) -> None:
+        """Have all grasps of the part looked at, once for each library and tool."""
+        key = digest_of((part.digest, self._editing.tool.name))
+        if key != self._checked:
+            self._checked = key
+            known = {entry.name for entry in part.library.entries}
+            self._checks = {n: check for n, check in self._checks.items() if n in known}
+            self._looker.submit(self._look, part, key)
+
+    def _look(self, part: Part, key: str) -> None:
+        found: dict[str, GraspCheck | None] = {}
+        try:
+            for entry in part.library.entries:
+                if key != self._checked:
+                    return
+                checks = [self._editing.checked(grasp) for grasp in grasps_of(entry)]
+                found[entry.name] = next((check for check in checks if not check.is_ok), checks[0])
+            if key == self._checked:
+                self._checks = found
+                self._draw()
+        except Exception:
+            # A rim: grasps that cannot be looked at stay in the list, as not looked at.
+            log.exception("the grasps of a part could not be looked at")
+
+    def _turn(self) -> None:
+        """To the part alone, or back to the cell."""
+        self._is_adding = False
+        if self._stage.is_open:
+            self._leave_stage()
+            self._open.label = "Open part"
+        else:
+            self._visitor.turn_away()
+            self._stage.open(self._editing.part, self._pressed)
+            self._open.label = "Back to cell"
+        self._label_add()
+        self._draw()
+
+    def _leave_stage(self) -> None:
+        if self._stage.is_open:
+            self._pose.hide()
+            self._stage.close()
+
+    def _begin_to_add(self) -> None:
+        if not self._stage.is_open:
+            self._turn()
+        self._is_adding = not self._is_adding
+        self._label_add()
+
+    def _label_add(self) -> None:
+        self._add.label = "Now click" if self._is_adding else "Add grasp"
+
+    def _pressed(self, origin: Floats, direction: Floats) -> None:
+        """Somebody clicks: a grasp is put there, or the one whose mark is there is chosen."""
+        part = self._editing.part
+        if not self._is_adding:
+            name = nearest_entry(part, origin, direction, size_of(part))
+            if name:
+                self._editing.choose(entry=name)
+            return
+        ray = direction / np.linalg.norm(direction)
+        distances, met = first_hits(part.mesh, origin[None], ray[None])
+        if met[0] == NOTHING:
+            return
+        self._is_adding = False
+        self._label_add()
+        self._add_at(origin + distances[0] * ray, outward_normal(part.mesh, int(met[0])))
+
+    def _add_at(self, point: Floats, normal: Floats) -> None:
+        T = self._editing.with_checker(lambda checker: frame_at(checker, point, normal))
+        fitted = self._editing.with_checker(lambda checker: fitted_opening(checker, T))
+        low, high = self._editing.tool.stroke
+        opening, grip = (fitted.opening, fitted.grip) if fitted else (min(low + WIDE, high), low)
+        grasp = Grasp(self._editing.free_name("grasp"), T, min(opening, high), min(grip, high))
+        self._editing.add((grasp,), f"{grasp.name} put on the surface")
+
+    def _deleted(self) -> None:
+        entry = self._editing.entry
+        if entry is not None:
+            self._editing.remove(entry, (), f"{entry.name} deleted")
+
+    def _kept(self) -> None:
+        self._editing.keep_lost()
+
+    def _moving(self, T_part_tcp: pin.SE3) -> None:
+        """The hand is dragged: show it there, and what speaks against it."""
+        entry = self._editing.entry
+        if entry is None:
+            return
+        grasp = self._editing.at(entry, T_part_tcp)
+        self._preview(grasp)
+
+    def _preview(self, grasp: Grasp) -> None:
+        """Show a grasp that is not, or not yet, in the library."""
+        check = self._editing.checked(grasp)
+        self._line.content = check_line(grasp.name, check)
+        if self._stage.is_open:
+            tool = self._editing.tool
+            self._stage.show_tool(tool, grasp.T_part_tcp, grasp.opening, check.is_ok)

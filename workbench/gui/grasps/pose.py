@@ -1,0 +1,176 @@
+"""Where the hand of the chosen grasp is: numbers, gizmo, keys, and the surface to snap to."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pinocchio as pin
+import viser
+
+from workbench.gui.grasps.editing import Editing
+from workbench.gui.scene.gizmo_drag import follow
+from workbench.gui.scene.robot import place, quaternion
+from workbench.gui.shared.things import shown_pose, typed_pose
+from workbench.gui.shared.visitor import Visitor
+from workbench.model.digest import digest_of
+from workbench.model.errors import WorkbenchError
+from workbench.model.geometry import pose_from_rpy
+from workbench.model.part import Entry
+from workbench.model.part_edits import grasp_of
+from workbench.planning.grasps.grasp_frames import snapped
+
+TOOL_AXES, PART_AXES = "the tool", "the part"
+
+STEP, TURN = 0.001, np.deg2rad(5.0)
+"""[m, rad] Of the gizmo when it goes in steps, and of the keys."""
+
+GIZMO = 0.45
+"""Size of the gizmo by that of the part."""
+
+NUDGES = {
+    "4": ("-x", (-STEP, 0.0, 0.0)),
+    "6": ("+x", (STEP, 0.0, 0.0)),
+    "2": ("-y", (0.0, -STEP, 0.0)),
+    "8": ("+y", (0.0, STEP, 0.0)),
+    "3": ("-z, away", (0.0, 0.0, -STEP)),
+    "9": ("+z, into the part", (0.0, 0.0, STEP)),
+}
+"""Keys that move the hand along the tool's axes."""
+
+
+class GraspPose:
+    """Position and angles of the hand in the part's frame, and what moves it.
+
+    Concurrency: callbacks of viser and the renderer's thread; handles, and the entry as this
+    browser has seen it, which an edit replaces.
+    """
+
+    def __init__(self, visitor: Visitor, editing: Editing, moving: Callable[[pin.SE3], None]):
+        """Add the controls; `moving` is told where the hand is while it is dragged."""
+        self._visitor, self._editing, self._moving = visitor, editing, moving
+        self._seen: Entry | None = None
+        self._T = pin.SE3.Identity()
+        self._R_off = np.eye(3)
+        self._gizmo: viser.TransformControlsHandle | None = None
+        gui = visitor.gui
+        self._position = gui.add_vector3(
+            "Position [mm]",
+            (0.0, 0.0, 0.0),
+            step=0.1,
+            hint="Of the tool's tip, in the part's frame.",
+        )
+        self._angles = gui.add_vector3(
+            "Angles [deg]", (0.0, 0.0, 0.0), step=0.1, hint="Roll, pitch, yaw: fixed axes."
+        )
+        self._axes = gui.add_dropdown(
+            "Gizmo along", (TOOL_AXES, PART_AXES), hint="Whose axes the gizmo moves along."
+        )
+        self._steps = gui.add_checkbox(
+            "In steps", False, hint="The gizmo moves by whole 1 mm and turns by whole 5 degrees."
+        )
+        gui.add_html('<div class="wb-buttons wb-two"></div>')
+        self._apply = gui.add_button("Move it there", icon=viser.Icon.CHECK)
+        self._snap = gui.add_button(
+            "Snap to surface",
+            icon=viser.Icon.MAGNET,
+            color="gray",
+            hint="Square to the surface where the tool comes in, as deep as fingers hold well.",
+        )
+        self._apply.on_click(lambda _: self._end(self._typed(), "moved by numbers"))
+        self._snap.on_click(lambda _: self._snapped())
+        self._axes.on_update(lambda _: self._place_gizmo())
+        for key, (says, step) in NUDGES.items():
+            visitor.on_key(key, f"Grasp 1 mm along {says}", lambda step=step: self._nudge(step))
+
+    def show(self, entry: Entry | None, *, is_enabled: bool, is_open: bool, size: float) -> None:
+        """The chosen grasp is `entry` now; the gizmo is there while the stage is open."""
+        can = is_enabled and entry is not None
+        for control in (self._position, self._angles, self._apply, self._snap):
+            control.disabled = not can
+        is_other = digest_of(entry) != digest_of(self._seen)
+        self._seen = entry
+        if entry is not None and is_other:
+            self._put(grasp_of(entry).T_part_tcp)
+        if can and is_open and self._gizmo is None:
+            self._add_gizmo(size)
+        elif not (can and is_open):
+            self.hide()
+
+    def hide(self) -> None:
+        """Take the gizmo away."""
+        gizmo, self._gizmo = self._gizmo, None
+        if gizmo is not None:
+            gizmo.remove()
+
+    def _put(self, T: pin.SE3) -> None:
+        self._T = pin.SE3(T)
+        self._position.value, self._angles.value = shown_pose(T)
+        self._place_gizmo()
+
+    def _place_gizmo(self) -> None:
+        is_of_tool = self._axes.value == TOOL_AXES
+        self._R_off = np.eye(3) if is_of_tool else np.array(self._T.rotation)
+        if self._gizmo is not None:
+            R = self._T.rotation if is_of_tool else np.eye(3)
+            place(self._gizmo, pin.SE3(np.array(R), self._T.translation))
+
+    def _typed(self) -> pin.SE3:
+        return typed_pose(self._position.value, self._angles.value)
+
+    def _nudge(self, step: tuple[float, float, float]) -> None:
+        if self._gizmo is not None:
+            self._end(self._T * pose_from_rpy(step), "nudged")
+
+    def _snapped(self) -> None:
+        try:
+            T = self._editing.with_checker(lambda checker: snapped(checker, self._T))
+        except WorkbenchError as error:
+            self._visitor.tell("Refused", str(error))
+            return
+        self._end(T, "snapped to the surface")
+
+    def _end(self, T: pin.SE3, says: str) -> None:
+        """A person wants the hand there."""
+        entry = self._seen
+        if entry is None:
+            return
+        if not self._editing.move(entry, T, f"{entry.name} {says}"):
+            self._put(self._T)
+
+    def _add_gizmo(self, size: float) -> None:
+        gizmo = self._visitor.client.scene.add_transform_controls(
+            "/stage/gizmo",
+            GIZMO * size,
+            position=self._T.translation,
+            wxyz=quaternion(self._T),
+            depth_test=False,
+        )
+        self._gizmo = gizmo
+        self._place_gizmo()
+        follow(
+            gizmo,
+            self._visitor,
+            stood=lambda: self._T,
+            moved=self._dragged,
+            put_back=lambda: self._put(self._T),
+        )
+
+    def _dragged(self, T_part_gizmo: pin.SE3, is_over: bool) -> None:
+        T = pin.SE3(T_part_gizmo.rotation @ self._R_off, T_part_gizmo.translation)
+        if self._steps.value:
+            T = in_steps(self._T, T)
+        # From the numbers that are shown: what a person reads is what is meant.
+        self._position.value, self._angles.value = shown_pose(T)
+        self._moving(self._typed())
+        if is_over:
+            self._end(self._typed(), "moved by gizmo")
+
+
+def in_steps(T_from: pin.SE3, T_to: pin.SE3) -> pin.SE3:
+    """The pose nearest to `T_to` that is whole steps away from `T_from`, along its axes."""
+    difference = T_from.actInv(T_to)
+    shift = np.round(difference.translation / STEP) * STEP
+    turn = pin.log3(difference.rotation)
+    angle = float(np.linalg.norm(turn))
+    whole = round(angle / TURN) * TURN
+    R = pin.exp3(turn * (whole / angle)) if angle > 1e-9 else np.eye(3)
+    return T_from * pin.SE3(R, shift)

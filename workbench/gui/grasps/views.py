@@ -1,0 +1,196 @@
+"""What the page says about a part's grasps, as HTML; see `views` for how."""
+
+import math
+from collections.abc import Mapping, Sequence
+from html import escape
+
+from workbench.app.records.grasp_use import NO_USES, GraspUse, Uses
+from workbench.formats.parts.saves import Version
+from workbench.gui.shared.colours import BAD, BUSY, GOOD, MUTED
+from workbench.gui.shared.tables import clickable, marked
+from workbench.gui.shared.views import line, mm, sentence
+from workbench.model.part import Entry, GraspPair, GraspPattern, Part, Symmetry, grasps_of
+from workbench.model.part_edits import grasp_of
+from workbench.planning.grasps.grasp_check import GraspCheck
+from workbench.planning.grasps.grasp_suggestions import Suggestion
+
+MOST_ROWS = 40
+"""Entries that can be listed; each has an unseen button."""
+
+MOST_SUGGESTIONS = 20
+
+HEADS = (
+    ("", "", "Green: the tool can take the part so; red: it cannot"),
+    ("Grasp", "", "Name, and what it is"),
+    ("Prio", "wb-number", "Higher ones are tried first"),
+    ("Opens", "wb-number", "Between the fingers on arrival"),
+    ("Arms", "", "Which arms may use it"),
+    ("Works", "wb-number", "Of the times it was tried for a part in the bin"),
+    ("Taken", "wb-number", "Of the plans that went by it"),
+)
+
+
+def grasps_html(
+    part: Part,
+    chosen: str,
+    checks: Mapping[str, GraspCheck | None],
+    rows: Sequence[str],
+    uses: Uses = NO_USES,
+) -> str:
+    """A table with a row for each entry of a part's library.
+
+    Args:
+        part: whose.
+        chosen: entry that is marked.
+        checks: what was found about each entry; None while nobody has looked.
+        rows: ids of the unseen buttons, by row.
+        uses: how grasps have done in this session.
+    """
+    if not part.library.entries:
+        return line("No grasps yet: press Add grasp, then click on the part.", kind="hint")
+    head = "".join(
+        f'<th class="{style}" title="{escape(tip)}">{title}</th>' for title, style, tip in HEADS
+    )
+    body = "".join(
+        _row(
+            entry,
+            entry.name == chosen,
+            checks.get(entry.name),
+            rows[number],
+            use_of(part.name, entry, uses),
+        )
+        for number, entry in enumerate(part.library.entries[:MOST_ROWS])
+    )
+    more = len(part.library.entries) - MOST_ROWS
+    rest = line(f"and {more} more, not listed", kind="hint") if more > 0 else ""
+    return (
+        f'<div class="wb-list"><table class="wb-table wb-parts"><thead><tr>{head}</tr></thead>'
+        f"<tbody>{body}</tbody></table></div>{rest}"
+    )
+
+
+def use_of(part: str, entry: Entry, uses: Uses) -> GraspUse:
+    """How a grasp has done, or all grasps of a pattern together."""
+    names = {grasp.name for grasp in grasps_of(entry)}
+    return sum((uses.get((part, name), GraspUse()) for name in sorted(names)), GraspUse())
+
+
+def _row(
+    entry: Entry, is_chosen: bool, check: GraspCheck | None, button: str, use: GraspUse
+) -> str:
+    grasp = grasp_of(entry)
+    if not grasp.is_enabled:
+        light, tip = MUTED, "disabled"
+    elif check is None:
+        light, tip = BUSY, "not looked at yet"
+    else:
+        light, tip = (GOOD if check.is_ok else BAD), findings_text(check)
+    kind = f" <small>× {entry.count}</small>" if isinstance(entry, GraspPattern) else ""
+    return (
+        f'<tr{marked(is_chosen)} title="{escape(tip)}" {clickable(button)}>'
+        f'<td><i class="wb-dot" style="background:{light}"></i></td>'
+        f"<td>{escape(grasp.name)}{kind}</td>"
+        f'<td class="wb-number">{grasp.priority}</td>'
+        f'<td class="wb-number">{escape(mm(grasp.opening))}</td>'
+        f"<td>{escape(', '.join(grasp.arms) or 'all')}</td>"
+        f'<td class="wb-number" title="worked for {use.possible} of {use.tried} parts and arms">'
+        f"{_share(use.possible, use.tried)}</td>"
+        f'<td class="wb-number" title="planned {use.planned}, taken {use.picked}, '
+        f'failed {use.failed}">{f"{use.picked}/{use.planned}" if use.planned else ""}</td></tr>'
+    )
+
+
+def _share(count: int, of: int) -> str:
+    return f"{100 * count / of:.0f} %" if of else ""
+
+
+def findings_text(check: GraspCheck) -> str:
+    """What speaks against a grasp, or that nothing does."""
+    if check.findings:
+        return "; ".join(finding.text for finding in check.findings)
+    wide = "" if check.width is None else f", holds {mm(check.width)}"
+    return f"the {check.tool} can take it{wide}, {mm(check.clearance)} clear on arrival"
+
+
+def check_line(name: str, check: GraspCheck | None) -> str:
+    """What the close look at the chosen grasp says."""
+    if check is None:
+        return line("", kind="hint")
+    text = sentence(f"{name}: {findings_text(check)}.")
+    return line(text, kind="result" if check.is_ok else "bad")
+
+
+def symmetry_line(symmetry: Symmetry, proposed: Symmetry | None) -> str:
+    """The symmetry that is said, and what the mesh looks like."""
+    said = f"Now: {symmetry_text(symmetry)}."
+    seen = f" The mesh looks like: {symmetry_text(proposed)}." if proposed is not None else ""
+    return line(said + seen)
+
+
+def symmetry_text(symmetry: Symmetry) -> str:
+    """A symmetry in words."""
+    if symmetry.fold == 1:
+        return "no symmetry"
+    x, y, z = (f"{value:.3g}" for value in symmetry.axis)
+    turns = "at any turn" if symmetry.fold == 0 else f"at {symmetry.fold} turns"
+    return f"alike {turns} about ({x}, {y}, {z})"
+
+
+def suggestions_html(found: Sequence[Suggestion], chosen: int, rows: Sequence[str]) -> str:
+    """A table with a row for each suggestion, the best first."""
+    heads = (
+        ("Suggestion", ""),
+        ("Score", "wb-number"),
+        ("Holds", "wb-number"),
+        ("Inclined", "wb-number"),
+        ("Off centre", "wb-number"),
+    )
+    head = "".join(f'<th class="{style}">{title}</th>' for title, style in heads)
+    body = "".join(
+        f"<tr{marked(number == chosen)} {clickable(rows[number])}>"
+        f"<td>{escape(one.grasp.name)}</td>"
+        f'<td class="wb-number">{one.score:.2f}</td>'
+        f'<td class="wb-number">{escape(mm(one.grasp.grip))}</td>'
+        f'<td class="wb-number">{math.degrees(one.angle):.0f}°</td>'
+        f'<td class="wb-number">{escape(mm(one.lever))}</td></tr>'
+        for number, one in enumerate(found[:MOST_SUGGESTIONS])
+    )
+    return (
+        f'<div class="wb-list"><table class="wb-table wb-parts"><thead><tr>{head}</tr></thead>'
+        f"<tbody>{body}</tbody></table></div>"
+    )
+
+
+def pairs_html(pairs: Sequence[GraspPair]) -> str:
+    """Which grasps go together."""
+    if not pairs:
+        return line("No pairs: two arms may take parts by any grasps.", kind="hint")
+    items = "".join(
+        f"<li>{escape(pair.first)} {'then' if pair.is_ordered else 'with'} "
+        f"{escape(pair.second)}</li>"
+        for pair in pairs
+    )
+    return f'<div class="wb-tree"><ul>{items}</ul></div>'
+
+
+def versions_html(versions: Sequence[Version]) -> str:
+    """Who has saved the grasps, when and why, newest first."""
+    if not versions:
+        return line("Nothing was saved from here yet.", kind="hint")
+    body = "".join(
+        f"<tr><td>{one.number}</td><td>{escape(one.at[:16].replace('T', ' '))}</td>"
+        f"<td>{escape(one.by)}</td><td>{escape(one.remark)}</td></tr>"
+        for one in reversed(versions)
+    )
+    return (
+        '<div class="wb-list"><table class="wb-facts"><thead><tr><th>No</th><th>UTC</th>'
+        f"<th>By</th><th>Remark</th></tr></thead><tbody>{body}</tbody></table></div>"
+    )
+
+
+def words_html(words: Sequence[str], otherwise: str) -> str:
+    """Sentences as a list."""
+    if not words:
+        return line(otherwise, kind="hint")
+    items = "".join(f"<li>{escape(word)}</li>" for word in words[:MOST_ROWS])
+    return f'<div class="wb-tree"><ul>{items}</ul></div>'

@@ -1,0 +1,100 @@
+"""The strip that says who is in control, and passes control on."""
+
+import viser
+
+from workbench.app.core.commands import (
+    AskForControl,
+    Command,
+    DenyControl,
+    GiveControl,
+    ReleaseControl,
+    TakeControl,
+)
+from workbench.app.core.people import Role
+from workbench.app.core.state import State
+from workbench.gui.shared.look import View
+from workbench.gui.shared.views import line
+from workbench.gui.shared.visitor import Visitor
+from workbench.model.errors import InputError
+
+STYLE = "div:has(> div > .wb-head) > div:has(> .wb-control) { grid-column: span 1; }"
+"""One line beside one button, as the status above it has it."""
+
+
+class ControlStrip:
+    """One line and the buttons that mean something now; unseen where nobody needs control.
+
+    Who is in control is told of each request, and answers it by Hand over or Keep.
+
+    Concurrency: clicks give commands; the renderer's thread draws.
+    """
+
+    def __init__(self, visitor: Visitor):
+        """Add the controls, unseen."""
+        self._visitor, self._told = visitor, ""
+        gui = visitor.gui
+        gui.add_html(f'<style class="wb-style">{STYLE}</style>')
+        self._line = gui.add_html("", visible=False)
+        self._ask = gui.add_button("Ask", icon=viser.Icon.HAND_CLICK, visible=False)
+        self._back = gui.add_button("Give back", color="gray", visible=False)
+        self._take = gui.add_button("Take control", icon=viser.Icon.HAND_GRAB, visible=False)
+        self._give = gui.add_button("Hand over", icon=viser.Icon.CHECK, visible=False)
+        self._keep = gui.add_button("Keep", icon=viser.Icon.X, color="gray", visible=False)
+        visitor.on_press(self._take, TakeControl)
+        visitor.on_press(self._ask, AskForControl)
+        visitor.on_press(self._back, ReleaseControl)
+        visitor.on_press(self._give, self._handed_over)
+        visitor.on_press(self._keep, self._kept)
+
+    def show(self, old: View | None, new: View) -> None:
+        """Bring what is shown from `old` to `new`."""
+        state = new.state
+        if old is not None and _about(old.state) == _about(state):
+            return
+        me = self._visitor.person
+        acts = self._visitor.is_known and me.role.covers(Role.OPERATOR)
+        is_mine = acts and state.control == me.name
+        is_free = not state.control
+        words = line(control_words(state, me.name), span=1)
+        self._line.content = f'<div class="wb-control">{words}</div>'
+        self._line.visible = self._visitor.is_known or not is_free
+        self._take.visible = acts and not is_mine and (is_free or me.role.covers(Role.ENGINEER))
+        self._take.label = "Take control" if is_free else "Take over"
+        self._ask.visible = acts and not is_mine and not is_free
+        self._ask.disabled = me.name in state.asking
+        self._back.visible = is_mine
+        asks = state.asking[0] if is_mine and state.asking else ""
+        self._give.visible = self._keep.visible = bool(asks)
+        self._give.label = f"Hand over to {asks}"
+        if asks and asks != self._told:
+            self._visitor.tell(
+                f"{asks} asks for control", "Hand over or Keep, above.", color="blue"
+            )
+        self._told = asks
+
+    def _handed_over(self) -> Command:
+        return GiveControl(self._first())
+
+    def _kept(self) -> Command:
+        return DenyControl(self._first())
+
+    def _first(self) -> str:
+        """Whom the buttons are about."""
+        if not self._told:
+            raise InputError("nobody asks for control any more")
+        return self._told
+
+
+def control_words(state: State, me: str) -> str:
+    """Who is in control, as the person of that name reads it."""
+    if not state.control:
+        return "Nobody is in control."
+    if state.control == me:
+        asks = f" {state.asking[0]} asks for it." if state.asking else ""
+        return f"You are in control.{asks}"
+    waits = ", you have asked" if me in state.asking else ""
+    return f"{state.control} is in control{waits}."
+
+
+def _about(state: State) -> tuple[object, ...]:
+    return state.control, state.asking

@@ -1,0 +1,334 @@
+"""The one thread that draws: the newest view, at most thirty times a second."""
+
+import logging
+import queue
+import threading
+import time
+from collections.abc import Callable, Mapping
+from functools import partial
+from pathlib import Path
+
+import viser
+
+from workbench.app.core.commands import TakeScan
+from workbench.app.core.state import Phase, State
+from workbench.app.review.history import History
+from workbench.app.runtime.bench import Bench
+from workbench.gui.drawing.fixes import Fixes
+from workbench.gui.drawing.own_scene import OwnScene
+from workbench.gui.drawing.own_views import OwnViews
+from workbench.gui.drawing.player import Player
+from workbench.gui.drawing.poses import PoseFinder
+from workbench.gui.drawing.reach import Reaches
+from workbench.gui.page.header import Header
+from workbench.gui.page.presence import Presence
+from workbench.gui.page.tabs import tabs_of
+from workbench.gui.page.theme import Theme
+from workbench.gui.scene.picture import Scene
+from workbench.gui.shared.calibrating import solved
+from workbench.gui.shared.door import person_of
+from workbench.gui.shared.look import Look, Pose, SharedLook, View
+from workbench.gui.shared.playback import Run, followed, timeline
+from workbench.gui.shared.visitor import Panel, Visitor
+from workbench.gui.statistics.counting import Counted
+from workbench.model.calibration import Calibration
+from workbench.model.cell import Cell
+from workbench.model.digest import digest_of
+from workbench.model.prediction import Predictions
+
+log = logging.getLogger(__name__)
+
+FRAME = 1 / 30
+"""Shortest time between two drawings [s]."""
+
+BUSY = 0.1
+"""Longest time between two drawings while something goes on that nobody reports [s]."""
+
+QUIET = 0.5
+"""Longest time between two drawings otherwise [s]."""
+
+
+class Renderer:
+    """Draws the scene and the controls of every browser.
+
+    Whoever changes something sets `_woken`; this thread looks what is newest and draws what
+    differs from what it has drawn.  Browsers come and go through a queue, so that widgets are
+    made and changed by this thread alone.
+
+    Lifetime: from construction until `close`.
+    """
+
+    def __init__(
+        self,
+        server: viser.ViserServer,
+        bench: Bench | History,
+        theme: Theme,
+        *,
+        style: str,
+        most_points: int,
+        predictions: Predictions | None,
+        folders: Mapping[str, Path],
+    ):
+        """Draw the cell and start.
+
+        Args:
+            server: to draw on.
+            bench: whose state is drawn, or a recorded session.
+            theme: of the page.
+            style: style sheet of the page.
+            most_points: of a scan.
+            predictions: what a study says about the threshold.
+            folders: where the parts lie, by name.
+        """
+        self._server = server
+        self._bench = bench
+        self._theme = theme
+        self._style = style
+        self._predictions = predictions
+        self._folders = folders
+        self._woken = threading.Event()
+        self._closed = threading.Event()
+        self._look = SharedLook(self._woken.set)
+        self._arrivals: queue.SimpleQueue[tuple[viser.ClientHandle, bool]] = queue.SimpleQueue()
+        self._visitors: dict[int, Visitor] = {}
+        self._panels: dict[int, tuple[Panel, ...]] = {}
+        self._runs: tuple[Run, ...] = ()
+        self._player = Player(bench, self._look)
+        self._shown: dict[int, View] = {}
+        self._presence = None if isinstance(bench, History) else Presence(bench, time.monotonic())
+        self._finder = PoseFinder()
+        self._own_views = OwnViews()
+        self._reaches = Reaches(self._woken.set)
+        self._fixes = Fixes(self._woken.set)
+        self._counted = Counted(bench, self._woken.set)
+        self._drawn: View | None = None
+        with server.atomic():
+            self._scene = Scene(server, bench.cell, most_points=most_points)
+        self._unsubscribe = bench.subscribe(lambda old, new: self._woken.set())
+        server.on_client_connect(self._arrived)
+        server.on_client_disconnect(self._left)
+        self._thread = threading.Thread(target=self._run, name="renderer", daemon=True)
+        self._thread.start()
+
+    def close(self) -> bool:
+        """End the thread; whether it was not ended before."""
+        if self._closed.is_set():
+            return False
+        self._closed.set()
+        self._woken.set()
+        self._unsubscribe()
+        self._thread.join()
+        self._player.close()
+        self._fixes.close()
+        self._reaches.close()
+        self._counted.close()
+        return True
+
+    async def _arrived(self, client: viser.ClientHandle) -> None:
+        self._arrivals.put((client, True))
+        self._woken.set()
+
+    async def _left(self, client: viser.ClientHandle) -> None:
+        self._arrivals.put((client, False))
+        self._woken.set()
+
+    def _run(self) -> None:
+        last = time.monotonic()
+        while not self._closed.is_set():
+            self._woken.wait(self._patience())
+            self._woken.clear()
+            elapsed = time.monotonic() - last
+            self._closed.wait(max(0.0, FRAME - elapsed))
+            now = time.monotonic()
+            _shielded(partial(self._player.step, self._drawn, self._visitors, now - last))
+            _shielded(self._draw)
+            last = now
+
+    def _patience(self) -> float:
+        if self._look.now.is_playing:
+            return FRAME
+        view = self._drawn
+        if view is not None and view.state.phase is Phase.SENDING:
+            return FRAME
+        is_busy = view is not None and (
+            view.state.job is not None or view.live.joints or view.live.getting_ready is not None
+        )
+        return BUSY if is_busy else QUIET
+
+    def _draw(self) -> None:
+        # Before anything is taken from the queue: a view may fail, and is tried again.
+        old, new = self._drawn, self._view()
+        waiting = self._waiting()
+        self._count_people(waiting)
+        for client, is_here in waiting:
+            if is_here:
+                _shielded(partial(self._welcome, client, new))
+            else:
+                self._bid_farewell(client)
+        if old is not None and _needs_other_controls(old.state.cell, new.state.cell):
+            self._server.gui.set_panel_label(f"Cell {new.state.cell.name}")
+            for visitor in tuple(self._visitors.values()):
+                _shielded(partial(self._rebuild, visitor, new))
+        with self._server.atomic():
+            is_drawn = _shielded(lambda: self._scene.draw(old, new))
+        self._end_own_views(old, new)
+        for visitor in tuple(self._visitors.values()):
+            _shielded(partial(self._show, visitor, new))
+        self._drawn = new
+        if is_drawn:
+            self._player.drawn(new)
+
+    def _end_own_views(self, old: View | None, new: View) -> None:
+        """The robot is where everybody sees it, when a plan is played or sent, and after that."""
+        is_begun = new.look.is_playing and (old is None or not old.look.is_playing)
+        is_sending = new.state.phase is Phase.SENDING
+        is_other = old is not None and old.state.cell is not new.state.cell
+        for visitor in self._visitors.values():
+            if is_begun or is_sending or is_other or visitor.lacks(new.state, TakeScan):
+                visitor.own.end()
+
+    def _show(self, visitor: Visitor, shared: View) -> None:
+        """Bring one browser's controls, and what it alone sees, to the newest view."""
+        old = self._shown.get(visitor.number)
+        new = self._own_views.of(visitor.own.now, old, shared)
+        for panel in self._panels.get(visitor.number, ()):
+            _shielded(lambda panel=panel: panel.show(old, new))
+        self._shown[visitor.number] = new
+
+    def _count_people(self, waiting: list[tuple[viser.ClientHandle, bool]]) -> None:
+        """Browsers come and go: control goes with their people, and what they drag is let go."""
+        now = time.monotonic()
+        for client, is_here in waiting:
+            held = self._look.now.held
+            if not is_here and held is not None and held.browser == client.client_id:
+                self._look.change(held=None)
+            if self._presence is not None:
+                _shielded(partial(_count, self._presence, client, now, is_here=is_here))
+        if self._presence is not None:
+            _shielded(partial(self._presence.look, now))
+
+    def _view(self) -> View:
+        state = self._bench.state
+        before = self._drawn.state if self._drawn is not None else None
+        if before is None or before.plan is not state.plan:
+            self._runs = timeline(state.plan) if state.plan is not None else ()
+        if before is not None and _is_other_scene(before, state):
+            self._look.change(time=0.0, is_playing=False, candidate=None, pose=0, by=None)
+        live = self._bench.live
+        if state.phase is Phase.SENDING and live.joints:
+            reached = followed(state.cell, self._runs, live.joints, self._look.now.time)
+            if reached != self._look.now.time:
+                self._look.change(time=reached, is_playing=False, by=None)
+        if before is not None and before.phase is Phase.SENDING and state.phase is Phase.DONE:
+            # The last reports of a quick robot may never have been drawn.
+            self._look.change(time=max((run.end for run in self._runs), default=0.0), by=None)
+        look = self._look.now
+        return View(
+            state,
+            live,
+            look,
+            self._runs,
+            time.time(),
+            self._poses(state, look),
+            self._fixes.of(state, look.candidate),
+            self._reaches.of(state.cell, look.reach),
+            self._counted.of(state),
+            self._calibration(state),
+        )
+
+    def _calibration(self, state: State) -> Calibration | str:
+        """The answer of the poses scanned so far, worked out when they have changed."""
+        before = self._drawn
+        if (
+            before is not None
+            and before.state.sightings is state.sightings
+            and before.state.cell is state.cell
+        ):
+            return before.calibration
+        return solved(state)
+
+    def _poses(self, state: State, look: Look) -> tuple[Pose, ...]:
+        """The poses of the chosen candidate, worked out when another one is chosen."""
+        candidates = state.candidates or ()
+        if look.candidate is None or look.candidate >= len(candidates):
+            return ()
+        before = self._drawn
+        is_same = (
+            before is not None
+            and before.state.candidates is state.candidates
+            and before.look.candidate == look.candidate
+        )
+        if before is not None and is_same:
+            return before.poses
+        return self._finder.poses(state, candidates[look.candidate])
+
+    def _waiting(self) -> list[tuple[viser.ClientHandle, bool]]:
+        found: list[tuple[viser.ClientHandle, bool]] = []
+        while not self._arrivals.empty():
+            found.append(self._arrivals.get())
+        return found
+
+    def _welcome(self, client: viser.ClientHandle, view: View) -> None:
+        visitor = Visitor(client, self._bench, self._look, self._predictions, self._folders)
+        self._visitors[client.client_id] = visitor
+        header = Header(visitor, self._theme, self._style)
+        panels = (header, OwnScene(visitor), *tabs_of(visitor, self._woken.set))
+        for panel in panels:
+            panel.show(None, view)
+        self._shown[client.client_id] = view
+        self._panels[client.client_id] = panels
+
+    def _bid_farewell(self, client: viser.ClientHandle) -> None:
+        self._panels.pop(client.client_id, None)
+        self._shown.pop(client.client_id, None)
+        visitor = self._visitors.pop(client.client_id, None)
+        if visitor is not None:
+            _shielded(partial(visitor.end, is_gone=True))
+
+    def _rebuild(self, visitor: Visitor, view: View) -> None:
+        """Make the controls of a browser anew, for another cell."""
+        self._panels.pop(visitor.number, None)
+        _shielded(partial(visitor.end, is_gone=False))
+        visitor.gui.reset()
+        self._welcome(visitor.client, view)
+        self._visitors[visitor.number].is_dark = visitor.is_dark
+
+
+def _count(presence: Presence, client: viser.ClientHandle, now: float, *, is_here: bool) -> None:
+    if is_here:
+        presence.arrived(client.client_id, person_of(client))
+    else:
+        presence.left(client.client_id, now)
+
+
+def _needs_other_controls(before: Cell, now: Cell) -> bool:
+    """Whether controls were made for arms that are not there any more, or for other things."""
+
+    def made_for(cell: Cell) -> str:
+        arms = [(arm.name, arm.joints, cell.robot.limits(arm.joints)) for arm in cell.arms]
+        return digest_of((arms, cell.policy))
+
+    return before is not now and made_for(before) != made_for(now)
+
+
+def _is_other_scene(before: State, state: State) -> bool:
+    """Whether the time and the candidate that were looked at do not matter any more."""
+    is_sent_now = state.phase is Phase.SENDING and before.phase is not Phase.SENDING
+    is_new = before.plan is not state.plan or before.candidates is not state.candidates
+    return is_new or is_sent_now
+
+
+def _shielded(action: Callable[[], None]) -> bool:
+    """Draw the scene or the controls of one browser; the others do not suffer if that fails.
+
+    Returns:
+        Whether it was drawn.
+
+    A rim: a browser may have gone, and nothing that cannot be drawn may end the page.
+    """
+    try:
+        action()
+    except Exception:
+        log.exception("something could not be drawn")
+        return False
+    return True

@@ -1,0 +1,100 @@
+"""The list of parts found, as HTML; see `views` for how."""
+
+import math
+from collections.abc import Sequence
+from html import escape
+
+from workbench.app.core.state import State
+from workbench.gui.shared.colours import part_colour
+from workbench.gui.shared.tables import clickable, marked
+from workbench.gui.shared.views import clock, line, mm, table_html
+from workbench.model.cell import PosesFolder
+from workbench.model.scan import Detection, Discarded
+from workbench.model.search import Remark
+
+MOST_ROWS = 30
+"""Parts that can be listed: as many as a bin may hold."""
+
+
+def parts_html(found: Sequence[Detection], chosen: int, rows: Sequence[str]) -> str:
+    """A table with a row for each part.
+
+    Args:
+        found: the parts.
+        chosen: which row is marked.
+        rows: ids of the unseen buttons, by row.
+    """
+    heads = (
+        ("", "", ""),
+        ("Part", "", ""),
+        ("Score", "wb-number", "how well it explains what was seen there"),
+        ("Seen", "wb-number", "share of the surface facing the scanner that was seen"),
+        ("Gap", "wb-number", "by which it beats the second-best pose of the same object"),
+        ("Residual", "wb-number", "distance of the scan from the part's surface, RMS"),
+        ("Roll", "", "whether the scan shows the turn about the part's axis"),
+    )
+    head = "".join(
+        f'<th class="{style}" title="{escape(tip)}">{title}</th>' for title, style, tip in heads
+    )
+    body = "".join(
+        _row(number, one, number == chosen, rows[number])
+        for number, one in enumerate(found[:MOST_ROWS])
+    )
+    return (
+        f'<div class="wb-rows"><table class="wb-table wb-parts"><thead><tr>{head}</tr></thead>'
+        f"<tbody>{body}</tbody></table></div>"
+    )
+
+
+def avoided_html(state: State, at: float) -> str:
+    """Where picks have failed, and how much longer parts are left alone there; `at` is now [s]."""
+    rows: list[tuple[str, str]] = []
+    for one in state.avoided:
+        minutes = math.ceil((one.until - at) / 60)
+        if minutes <= 0:
+            continue
+        x, y, _ = (1000 * value for value in one.p_bin)
+        scans = "the next scan" if one.scans == 1 else f"{one.scans} more scans"
+        ends = f"for {scans}" if one.scans else "in this scan"
+        why = f" ({one.why})" if one.why else ""
+        place = f"{one.part} at {x:.0f}, {y:.0f} mm in the bin"
+        rows.append((place, f"avoided {ends}, at most {minutes} min{why}"))
+    return table_html(rows) if rows else ""
+
+
+def remarks_html(remarks: Sequence[Remark], folder: PosesFolder | None) -> str:
+    """Who has changed what was found, the latest first, and which folder is watched for poses."""
+    rows = "".join(
+        f"<tr><th>{clock(one.at)}</th><td>{escape(one.by)}</td><td>{escape(one.says)}</td></tr>"
+        for one in reversed(remarks)
+    )
+    table = f'<table class="wb-facts wb-remarks">{rows}</table>' if rows else ""
+    watched = f"Poses that come into {folder.path} are taken." if folder is not None else ""
+    return table + (line(watched, kind="hint") if watched else "")
+
+
+def discarded_html(discarded: Sequence[Discarded]) -> str:
+    """A fold that lists poses which were thought possible, and why they are no parts."""
+    rows = "".join(
+        f"<li>{one.score:.2f} {escape(one.part)}: {escape(one.words)}</li>" for one in discarded
+    )
+    return (
+        '<div class="wb-tree wb-discarded"><details>'
+        f"<summary>{len(discarded)} poses discarded</summary><ul>{rows}</ul></details></div>"
+    )
+
+
+def _row(number: int, one: Detection, is_chosen: bool, button: str) -> str:
+    values = (
+        f"{one.score:.2f}",
+        f"{one.visible:.0%}",
+        "" if one.gap is None else f"{one.gap:.2f}",
+        "by hand" if one.residual is None else mm(one.residual, 2),
+    )
+    numbers = "".join(f'<td class="wb-number">{escape(value)}</td>' for value in values)
+    dot = f'<span class="wb-verdict" style="background:{part_colour(number)}">{number + 1}</span>'
+    roll = "known" if one.roll_known else "unknown"
+    return (
+        f"<tr{marked(is_chosen)} {clickable(button)}><td>{dot}</td>"
+        f"<td>{escape(one.part)}</td>{numbers}<td>{roll}</td></tr>"
+    )

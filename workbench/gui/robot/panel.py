@@ -1,0 +1,43 @@
+"""The tab that shows the robot link: what went out, and what the controller says."""
+
+import viser
+
+from workbench.app.core.commands import EmptyPallets
+from workbench.app.core.state import Phase
+from workbench.gui.robot.views import link_html
+from workbench.gui.shared.look import View
+from workbench.gui.shared.views import joints_html, line
+from workbench.gui.shared.visitor import Visitor
+
+
+class RobotPanel:
+    """Status, and the word that pallets are empty; what acts on the robot is in the cycle."""
+
+    def __init__(self, visitor: Visitor):
+        """Add the status fields."""
+        self._visitor = visitor
+        self._link = visitor.gui.add_html("")
+        self._pallets = visitor.gui.add_html("")
+        self._empty = visitor.gui.add_button("Pallets are empty", icon=viser.Icon.CHECK)
+        self._joints = visitor.gui.add_html("")
+        visitor.on_press(self._empty, EmptyPallets)
+
+    def show(self, old: View | None, new: View) -> None:
+        """Bring what is shown from `old` to `new`."""
+        if old is None or _link_shown(old) != _link_shown(new):
+            self._link.content = link_html(new)
+        if old is None or old.state is not new.state:
+            count = len(new.state.placed)
+            keeps = any(arm.keeps_parts for arm in new.state.cell.arms)
+            parts = "1 part lies" if count == 1 else f"{count} parts lie"
+            self._pallets.content = line(f"{parts} on the pallets.") if keeps else ""
+            self._empty.visible = keeps
+            self._visitor.admit(self._empty, new.state, EmptyPallets, is_ready=count > 0)
+        if old is None or old.live.joints is not new.live.joints:
+            self._joints.content = joints_html(new.state.cell, new.live.joints)
+
+
+def _link_shown(view: View) -> tuple[object, ...]:
+    """What the link's table is made from; while something is sent, the time belongs to it."""
+    seconds = round(view.at, 1) if view.state.phase is Phase.SENDING else 0.0
+    return id(view.state), id(view.live.link), view.live.robot, seconds

@@ -1,0 +1,71 @@
+"""The colours of a scan's points: by height, of parts found, and red where a plan keeps clear."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from workbench.gui.shared.colours import AVOIDED, BESIDE_BIN, HEIGHTS, part_colour, rgb_of
+from workbench.model.cell import Cell
+from workbench.model.geometry import Bools, Floats
+from workbench.model.scan import Detection, Obstacle
+from workbench.perception.scene.unexplained import explained_by
+
+SLACK = 1e-6
+"""[m] Rounding, by which a point on the face of a box may lie outside of it."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PaintedCloud:
+    """Points (n, 3) [m] in the world, a colour (n, 3) 0..255 for each, and which are a part's."""
+
+    points: Floats
+    colours: np.ndarray
+    is_part: Bools
+
+
+def painted_cloud(cell: Cell, points: Floats, detections: tuple[Detection, ...]) -> PaintedCloud:
+    """World points (n, 3) [m] by height, those of a part found in the part's colour."""
+    colours = height_colours(cell, points)
+    is_part = np.zeros(len(points), np.bool_)
+    if detections:
+        owners = explained_by(cell, detections, points)
+        is_part = owners >= 0
+        for number in range(len(detections)):
+            colours[owners == number] = rgb_of(part_colour(number))
+    return PaintedCloud(points, colours, is_part)
+
+
+def avoided_red(cloud: PaintedCloud, obstacles: tuple[Obstacle, ...]) -> np.ndarray:
+    """The colours (n, 3) of a cloud, red where its points lie in a box that is kept clear of.
+
+    The boxes are those that the plan and its proof hold: nothing else is red, so what is not
+    avoided does not look as if it were.  Points of parts found keep the part's colour.
+    """
+    colours = cloud.colours.copy()
+    colours[in_boxes(cloud.points, obstacles) & ~cloud.is_part] = rgb_of(AVOIDED)
+    return colours
+
+
+def in_boxes(points: Floats, obstacles: tuple[Obstacle, ...]) -> Bools:
+    """Which world points (n, 3) lie in one of the boxes, (n,)."""
+    inside = np.zeros(len(points), np.bool_)
+    for one in obstacles:
+        T = one.T_world_box.inverse()
+        away = np.abs(points @ T.rotation.T + T.translation) - one.size / 2
+        inside |= np.all(away <= SLACK, axis=1)
+    return inside
+
+
+def height_colours(cell: Cell, points: Floats) -> np.ndarray:
+    """A colour (n, 3) 0..255 for each world point (n, 3): by height in the bin, grey beside it."""
+    T_bin_world = cell.bin.T_world_bin.inverse()
+    inside = points @ T_bin_world.rotation.T + T_bin_world.translation
+    length, width, height = cell.bin.size
+    share = np.clip(inside[:, 2] / height, 0.0, 1.0) * (len(HEIGHTS) - 1)
+    steps = np.arange(len(HEIGHTS))
+    colours = np.stack(
+        [np.interp(share, steps, channel) for channel in np.array(HEIGHTS).T], axis=1
+    )
+    beside = (np.abs(inside[:, 0]) > length / 2) | (np.abs(inside[:, 1]) > width / 2)
+    colours[beside] = BESIDE_BIN
+    return colours.astype(np.uint8)

@@ -1,0 +1,69 @@
+"""Marks in the scene that people ask for: an arm's reach, and a distance."""
+
+import numpy as np
+import viser
+
+from workbench.formats.meshes.triangles import triangles_of
+from workbench.gui.scene.robot import place
+from workbench.gui.shared.colours import BAD, BRAND, BUSY, GOOD, rgb_of
+from workbench.gui.shared.solids import with_hard_edges
+from workbench.model.cell import Cell
+from workbench.model.geometry import Floats
+from workbench.model.scan import Discarded
+
+
+def draw_reach(scene: viser.SceneApi, reached: tuple[Floats, Floats] | None) -> None:
+    """Places an arm reaches: green with the tool at any turn, orange at some."""
+    scene.remove_by_name("/reach")
+    if reached is None or not len(reached[0]):
+        return
+    places, shares = reached
+    colours = np.where(shares[:, None] >= 1.0, rgb_of(GOOD), rgb_of(BUSY)).astype(np.uint8)
+    scene.add_point_cloud(
+        "/reach",
+        places.astype(np.float32),
+        colours,
+        point_size=0.004,
+        point_shape="circle",
+        precision="float32",
+    )
+
+
+def draw_discarded(scene: viser.SceneApi, cell: Cell, discarded: tuple[Discarded, ...]) -> None:
+    """Poses that a search has discarded, red and translucent."""
+    scene.remove_by_name("/discarded")
+    for number, one in enumerate(discarded):
+        points, triangles = with_hard_edges(triangles_of(cell.part(one.part).mesh))
+        node = scene.add_mesh_simple(
+            f"/discarded/{number + 1}", points, triangles, color=rgb_of(BAD), opacity=0.25
+        )
+        place(node, one.T_world_part)
+
+
+def draw_measured(scene: viser.SceneApi, points: tuple[Floats, ...]) -> None:
+    """One clicked point, or two with a line and their distance."""
+    scene.remove_by_name("/measured")
+    for number, p in enumerate(points):
+        scene.add_icosphere(f"/measured/{number}", 0.004, rgb_of(BRAND), position=tuple(p.tolist()))
+    if len(points) < 2:
+        return
+    first, second = points
+    scene.add_line_segments(
+        "/measured/line",
+        np.array([[first, second]], dtype=np.float32),
+        rgb_of(BRAND),
+        thickness=2.0,
+        thickness_units="screen",
+    )
+    scene.add_label(
+        "/measured/label",
+        measured_text(first, second),
+        font_screen_scale=0.8,
+        position=tuple(((first + second) / 2).tolist()),
+    )
+
+
+def measured_text(first: Floats, second: Floats) -> str:
+    """A distance, and how it lies along the axes of the world."""
+    d = (second - first) * 1000
+    return f"{np.linalg.norm(d):.1f} mm\nx {d[0]:+.1f}  y {d[1]:+.1f}  z {d[2]:+.1f} mm"

@@ -1,0 +1,86 @@
+"""What a person clicks on: the first thing that a ray through the scene meets."""
+
+from collections.abc import Mapping
+
+import numpy as np
+import pinocchio as pin
+
+from workbench.formats.meshes.triangles import triangles_of
+from workbench.model.cell import Cell
+from workbench.model.geometry import Floats, Solid
+from workbench.planning.kinematics.robot import Kinematics
+
+NEAR_RAY = 0.003
+"""[m] A scanned point this close to the ray was meant."""
+
+
+def met(
+    origin: Floats, direction: Floats, cell: Cell, q: Mapping[str, Floats], points: Floats
+) -> Floats | None:
+    """The first point (3,) of cell, robot or scan on a ray; None when it meets nothing.
+
+    Args:
+        origin: of the ray (3,) [m], world frame.
+        direction: of the ray (3,).
+        cell: what stands there.
+        q: arm -> configuration (n,) [rad]; arms not named stand at home.
+        points: of the scan (n, 3) [m].
+    """
+    ray = np.asarray(direction) / np.linalg.norm(direction)
+    corners = np.concatenate([_corners(T, solids) for T, solids in _owners(cell, q)])
+    distances = _triangle_distances(np.asarray(origin), ray, corners)
+    distances = np.append(distances, _point_distances(np.asarray(origin), ray, points))
+    if not len(distances) or not np.isfinite(distances.min()):
+        return None
+    return np.asarray(origin) + distances.min() * ray
+
+
+def _owners(cell: Cell, q: Mapping[str, Floats]) -> list[tuple[pin.SE3, tuple[Solid, ...]]]:
+    kinematics = Kinematics(cell)
+    values = {
+        joint: float(value)
+        for arm in cell.arms
+        if arm.name in q
+        for joint, value in zip(arm.joints, q[arm.name], strict=True)
+    }
+    links = kinematics.link_poses(values)
+    owners = [(links[link.name], link.visual or link.collision) for link in cell.robot.links]
+    owners += [(links[arm.flange], arm.tool.body) for arm in cell.arms]
+    owners += [(one.T_world_fixture, one.solids) for one in cell.fixtures]
+    return [*owners, (cell.bin.T_world_bin, cell.bin.solids)]
+
+
+def _corners(T: pin.SE3, solids: tuple[Solid, ...]) -> Floats:
+    """Triangles (n, 3, 3) in the world."""
+    found = [np.zeros((0, 3, 3))]
+    for solid in solids:
+        surface = triangles_of(solid.shape)
+        U = T * solid.T_owner_shape
+        points = np.asarray(surface.vertices) @ U.rotation.T + U.translation
+        found.append(points[np.asarray(surface.faces)])
+    return np.concatenate(found)
+
+
+def _triangle_distances(origin: Floats, ray: Floats, corners: Floats) -> Floats:
+    """How far along the ray it meets each triangle, infinite where it does not.
+
+    Source: T. Moeller and B. Trumbore, "Fast, minimum storage ray/triangle intersection", 1997.
+    """
+    a, u, v = corners[:, 0], corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+    across = np.cross(ray, v)
+    determinant = np.einsum("ij,ij->i", u, across)
+    # A ray along a triangle's plane meets nothing: what is divided by zero compares as False.
+    with np.errstate(all="ignore"):
+        offset = origin - a
+        first = np.einsum("ij,ij->i", offset, across) / determinant
+        other = np.cross(offset, u)
+        second = other @ ray / determinant
+        distance = np.einsum("ij,ij->i", v, other) / determinant
+        is_met = (first >= 0) & (second >= 0) & (first + second <= 1) & (distance > 1e-6)
+    return np.where(is_met, distance, np.inf)
+
+
+def _point_distances(origin: Floats, ray: Floats, points: Floats) -> Floats:
+    along = (points - origin) @ ray
+    beside = np.linalg.norm(points - origin - along[:, None] * ray, axis=1)
+    return np.where((beside < NEAR_RAY) & (along > 0), along, np.inf)

@@ -1,0 +1,294 @@
+"""The one picture that all browsers share: what stands in the cell, and what moves in it."""
+
+import numpy as np
+import viser
+
+from workbench.formats.meshes.triangles import triangles_of
+from workbench.gui.scene.candidate import DrawnCandidates
+from workbench.gui.scene.cloud import PaintedCloud, avoided_red, painted_cloud
+from workbench.gui.scene.held import DrawnHeld
+from workbench.gui.scene.marks import draw_discarded, draw_reach
+from workbench.gui.scene.robot import ROBOT, ROBOT_CHECKED, DrawnRobot, place
+from workbench.gui.scene.searches import draw_search
+from workbench.gui.scene.surroundings import (
+    add_surroundings,
+    aim_camera,
+    paint_background,
+    remove_surroundings,
+    show_frames,
+)
+from workbench.gui.shared.colours import (
+    AVOIDED,
+    BESIDE_BIN,
+    CHECKED,
+    LIVE_ROBOT,
+    arm_colour,
+    part_colour,
+    rgb_of,
+)
+from workbench.gui.shared.look import View
+from workbench.gui.shared.playback import Run, joint_values, moments, part_poses, tcp_path
+from workbench.gui.shared.solids import with_hard_edges
+from workbench.model.cell import Cell
+from workbench.model.digest import digest_of
+from workbench.model.scan import Detection, Discarded, Obstacle, Scan
+from workbench.planning.collision.bodies import obstacle_label
+from workbench.planning.kinematics.robot import Kinematics
+
+PATH_POINTS = 24
+"""Of the drawn way of the tool centre point, per leg."""
+
+SAME = np.deg2rad(2.0)
+"""Up to here the reported robot would only hide the drawn one [rad]."""
+
+
+class Scene:
+    """Draws a view by changing only what differs from the view drawn before.
+
+    Concurrency: one thread.
+    """
+
+    def __init__(self, server: viser.ViserServer, cell: Cell, *, most_points: int):
+        """Add what never changes.
+
+        Args:
+            server: its scene is drawn in.
+            cell: that stands there.
+            most_points: of a scan; the others are left out at random.
+        """
+        self._scene = server.scene
+        self._most_points = most_points
+        self._parts: list[viser.FrameHandle] = []
+        self._discarded: tuple[Discarded, ...] = ()
+        self._cloud: PaintedCloud | None = None
+        aim_camera(server, cell)
+        self._build(cell)
+
+    def _build(self, cell: Cell) -> None:
+        """Add robot and surroundings of a cell to an empty scene."""
+        scene = self._scene
+        self._cell, self._kinematics = cell, Kinematics(cell)
+        # Where no graphics processor draws, shadows take a third or more of the time
+        # of the first picture.  First, since what is drawn with them is prepared anew without.
+        scene.configure_default_lights(cast_shadow=False)
+        paint_background(scene)
+        add_surroundings(scene, cell)
+        self._robot = DrawnRobot(scene, ROBOT, cell)
+        self._checked: DrawnRobot | None = None
+        self._live_robot = DrawnRobot(
+            scene,
+            "/robot_now",
+            cell,
+            arms=cell.arms,
+            colour=LIVE_ROBOT,
+            opacity=0.35,
+            is_visible=False,
+        )
+        self._candidates = DrawnCandidates(scene, cell, self._kinematics)
+        self._held = DrawnHeld(scene)
+
+    def _use(self, cell: Cell) -> bool:
+        """Go on with another cell; whether everything has to be drawn anew."""
+        if is_other_robot(self._cell, cell):
+            self._scene.reset()
+            self._parts = []
+            self._discarded = ()
+            self._build(cell)
+            return True
+        self._cell, self._kinematics = cell, Kinematics(cell)
+        remove_surroundings(self._scene)
+        add_surroundings(self._scene, cell)
+        self._candidates.use(cell, self._kinematics)
+        return False
+
+    def draw(self, old: View | None, new: View) -> None:
+        """Bring the scene from `old` (None: nothing drawn yet) to `new`."""
+        if self._cell is not new.state.cell and self._use(new.state.cell):
+            old = None
+        before, state = old and old.state, new.state
+        is_other_scan = (
+            before is None
+            or before.scan is not state.scan
+            or before.detections is not state.detections
+            or before.cell.bin is not state.cell.bin
+        )
+        if is_other_scan:
+            self._cloud = self._painted(state.scan, state.detections)
+        if is_other_scan or before.obstacles is not state.obstacles:
+            self._draw_scan(state.obstacles)
+        is_other_plan = before is None or before.plan is not state.plan
+        are_other_parts = before is None or before.detections is not state.detections
+        if are_other_parts:
+            self._add_parts(state.detections or ())
+        if before is None or before.obstacles is not state.obstacles:
+            self._draw_obstacles(state.obstacles)
+        if before is None or before.placed is not state.placed:
+            self._draw_placed(state.placed)
+        if is_other_plan:
+            self._draw_paths(new.runs)
+        is_other_time = (
+            old is None
+            or before is None
+            or old.look.time != new.look.time
+            or before.cell is not state.cell
+        )
+        are_other_shapes = old is None or old.look.shapes != new.look.shapes
+        if are_other_shapes:
+            self._show_shapes(new.look.shapes)
+        if old is None or old.look.frames != new.look.frames or before.cell is not state.cell:
+            show_frames(self._scene, self._cell, self._kinematics, is_shown=new.look.frames)
+        if old is None or old.reached is not new.reached:
+            draw_reach(self._scene, new.reached)
+        is_other_search = old is None or old.look.search != new.look.search
+        if is_other_search or before.searches is not state.searches:
+            draw_search(self._scene, state, new.look.search)
+        if old is None or old.look.held is not new.look.held:
+            self._held.draw(new.look.held)
+        shown = new.discarded if new.look.discarded else ()
+        if shown is not self._discarded:
+            draw_discarded(self._scene, self._cell, shown)
+            self._discarded = shown
+        if is_other_plan or are_other_parts or is_other_time or are_other_shapes:
+            self._pose(new)
+        if is_other_plan or old is None or is_other_time or old.live.joints is not new.live.joints:
+            self._pose_live_robot(new)
+        self._candidates.draw(old, new)
+
+    def _painted(
+        self, scan: Scan | None, detections: tuple[Detection, ...] | None
+    ) -> PaintedCloud | None:
+        """What is drawn of a scan."""
+        if scan is None:
+            return None
+        points = scan.points_world
+        if len(points) > self._most_points:
+            chosen = np.random.default_rng(0).choice(
+                len(points), self._most_points, replace=False, shuffle=False
+            )
+            points = points[chosen]
+        return painted_cloud(self._cell, points, detections or ())
+
+    def _draw_scan(self, obstacles: tuple[Obstacle, ...]) -> None:
+        cloud = self._cloud
+        if cloud is None:
+            self._scene.remove_by_name("/scan")
+            return
+        self._scene.add_point_cloud(
+            "/scan",
+            cloud.points.astype(np.float32),
+            avoided_red(cloud, obstacles),
+            point_size=0.0016,
+            point_shape="circle",
+            point_shading="flat",
+            precision="float32",
+        )
+
+    def _draw_obstacles(self, obstacles: tuple[Obstacle, ...]) -> None:
+        self._scene.remove_by_name("/seen")
+        for number, obstacle in enumerate(obstacles):
+            name = f"/seen/{obstacle_label(number)}"
+            box = self._scene.add_box(
+                name,
+                rgb_of(AVOIDED),
+                dimensions=tuple(obstacle.size.tolist()),
+                opacity=0.35,
+            )
+            place(box, obstacle.T_world_box)
+
+    def _draw_placed(self, placed: tuple[Detection, ...]) -> None:
+        self._scene.remove_by_name("/placed")
+        for number, one in enumerate(placed):
+            points, triangles = with_hard_edges(triangles_of(self._cell.part(one.part).mesh))
+            node = self._scene.add_mesh_simple(
+                f"/placed/{number}", points, triangles, color=BESIDE_BIN
+            )
+            place(node, one.T_world_part)
+
+    def _add_parts(self, detections: tuple[Detection, ...]) -> None:
+        for node in self._parts:
+            node.remove()
+        self._parts = [
+            self._added_part(number, detection) for number, detection in enumerate(detections)
+        ]
+
+    def _added_part(self, number: int, detection: Detection) -> viser.FrameHandle:
+        name = f"/parts/part-{number + 1}"
+        node = self._scene.add_frame(name, show_axes=False)
+        mesh = self._cell.part(detection.part).mesh
+        points, triangles = with_hard_edges(triangles_of(mesh))
+        self._scene.add_mesh_simple(
+            f"{name}/mesh", points, triangles, color=rgb_of(part_colour(number)), opacity=0.9
+        )
+        self._scene.add_label(
+            f"{name}/label",
+            f"part-{number + 1}",
+            font_screen_scale=0.8,
+            anchor="bottom-center",
+            position=(0.0, 0.0, float(np.abs(points).max()) * 0.4),
+        )
+        return node
+
+    def _draw_paths(self, runs: tuple[Run, ...]) -> None:
+        for number, arm in enumerate(self._cell.arms):
+            ways = [
+                tcp_path(self._kinematics, self._cell, run, points=PATH_POINTS)
+                for run in runs
+                if run.arm == arm.name
+            ]
+            name = f"/path/{arm.name}"
+            if not ways:
+                self._scene.remove_by_name(name)
+                continue
+            segments = np.concatenate([np.stack([way[:-1], way[1:]], axis=1) for way in ways])
+            self._scene.add_line_segments(
+                name,
+                segments.astype(np.float32),
+                rgb_of(arm_colour(number)),
+                thickness=2.5,
+                thickness_units="screen",
+            )
+
+    def _show_shapes(self, is_shown: bool) -> None:
+        """Show what is checked for collisions in place of what it looks like."""
+        if is_shown and self._checked is None:
+            self._checked = DrawnRobot(
+                self._scene, ROBOT_CHECKED, self._cell, colour=CHECKED, as_checked=True
+            )
+        self._robot.show(not is_shown)
+        if self._checked is not None:
+            self._checked.show(is_shown)
+
+    def _pose(self, view: View) -> None:
+        now = view.moments
+        links = self._kinematics.link_poses(joint_values(self._cell, now))
+        openings = {arm: moment.opening for arm, moment in now.items()}
+        for robot in (self._robot, self._checked):
+            if robot is not None:
+                robot.pose(links, openings)
+        plan, detections = view.state.plan, view.state.detections or ()
+        if plan is not None and len(plan.detections) == len(self._parts):
+            poses = part_poses(self._cell, self._kinematics, plan, view.runs, view.look.time)
+        else:
+            poses = tuple(detection.T_world_part for detection in detections)
+        for node, T in zip(self._parts, poses, strict=True):
+            place(node, T)
+
+    def _pose_live_robot(self, view: View) -> None:
+        """The robot as reported, where it is not as drawn already."""
+        shown = joint_values(self._cell, moments(self._cell, view.runs, view.look.time))
+        reported = view.live.joints
+        known = {joint: reported[joint] for joint in shown if joint in reported}
+        differs = any(abs(value - shown[joint]) > SAME for joint, value in known.items())
+        if differs:
+            self._live_robot.pose(self._kinematics.link_poses(known), {})
+        self._live_robot.show(differs)
+
+
+def is_other_robot(one: Cell, other: Cell) -> bool:
+    """Whether robot, arms or tools are drawn otherwise."""
+
+    def drawn(cell: Cell) -> str:
+        arms = [(arm.name, arm.joints, arm.flange, arm.tool) for arm in cell.arms]
+        return digest_of((cell.robot, arms))
+
+    return drawn(one) != drawn(other)

@@ -1,0 +1,113 @@
+"""A pose by numbers and by gizmo: for whatever a person may move."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pinocchio as pin
+import viser
+
+from workbench.gui.scene.gizmo_drag import follow
+from workbench.gui.scene.robot import place, quaternion
+from workbench.gui.shared.look import Held
+from workbench.gui.shared.things import shown_pose, typed_pose
+from workbench.gui.shared.visitor import Visitor
+
+
+class PoseInputs:
+    """Position, angles, a button that applies them, and a gizmo in this browser's scene.
+
+    Concurrency: callbacks of viser and the renderer's thread; handles only.
+    """
+
+    def __init__(self, visitor: Visitor, name: str, size: float, meant: Callable[[pin.SE3], bool]):
+        """Add the controls.
+
+        Args:
+            visitor: whose browser.
+            name: of the gizmo in the scene.
+            size: of the gizmo [m].
+            meant: told the pose that a person wants; whether it was carried out.
+        """
+        self._visitor = visitor
+        self._name, self._size, self._meant = name, size, meant
+        self._T = pin.SE3.Identity()
+        self._gizmo: viser.TransformControlsHandle | None = None
+        gui = visitor.gui
+        self._position = gui.add_vector3(
+            "Position [mm]", (0.0, 0.0, 0.0), step=0.1, hint="In the world frame."
+        )
+        self._angles = gui.add_vector3(
+            "Angles [deg]", (0.0, 0.0, 0.0), step=0.1, hint="Roll, pitch, yaw: fixed axes."
+        )
+        gui.add_html('<div class="wb-buttons wb-two"></div>')
+        self._apply = gui.add_button("Move it there", icon=viser.Icon.CHECK)
+        self._switch = gui.add_button("Show gizmo", color="gray")
+        self._apply.on_click(lambda _: self._end(self._typed()))
+        self._switch.on_click(lambda _: self._turn())
+        visitor.on_end(self._hide, in_scene=True)
+
+    def show(self, T: pin.SE3 | None, *, is_enabled: bool) -> None:
+        """What it is about is there; None: there is nothing to move."""
+        can = is_enabled and T is not None
+        for control in (self._position, self._angles, self._apply, self._switch):
+            control.disabled = not can
+        if T is None:
+            self._hide()
+            return
+        if not np.array_equal(T.homogeneous, self._T.homogeneous):
+            self._put(T)
+
+    def _put(self, T: pin.SE3) -> None:
+        self._T = pin.SE3(T)
+        self._position.value, self._angles.value = shown_pose(T)
+        if self._gizmo is not None:
+            place(self._gizmo, T)
+
+    def _typed(self) -> pin.SE3:
+        return typed_pose(self._position.value, self._angles.value)
+
+    def _end(self, T: pin.SE3) -> None:
+        if not self._meant(T):
+            self._put(self._T)
+
+    def _hide(self) -> None:
+        if self._gizmo is not None:
+            self._gizmo.remove()
+            self._gizmo, self._switch.label = None, "Show gizmo"
+
+    def _turn(self) -> None:
+        """Show the gizmo in this browser, or take it away."""
+        if self._gizmo is not None:
+            self._hide()
+            return
+        gizmo = self._visitor.client.scene.add_transform_controls(
+            self._name,
+            self._size,
+            position=self._T.translation,
+            wxyz=quaternion(self._T),
+            depth_test=False,
+        )
+        self._gizmo, self._switch.label = gizmo, "Hide gizmo"
+
+        follow(
+            gizmo,
+            self._visitor,
+            stood=lambda: self._T,
+            moved=self._dragged,
+            put_back=self._put_back,
+        )
+
+    def _dragged(self, T: pin.SE3, is_over: bool) -> None:
+        # From the numbers that are shown: what a person reads is what is meant.
+        self._position.value, self._angles.value = shown_pose(T)
+        visitor = self._visitor
+        held = Held(visitor.person.name, visitor.number, self._typed())
+        visitor.look.change(held=None if is_over else held)
+        if is_over:
+            self._end(self._typed())
+
+    def _put_back(self) -> None:
+        held = self._visitor.look.now.held
+        if held is not None and held.browser == self._visitor.number:
+            self._visitor.look.change(held=None)
+        self._put(self._T)

@@ -1,0 +1,154 @@
+"""A robot with its tools in the scene: added once, then only moved."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+import pinocchio as pin
+import viser
+
+from workbench.gui.shared.solids import Colour, by_colour
+from workbench.model.cell import Arm, Cell, Finger
+from workbench.model.errors import InputError
+from workbench.model.geometry import Floats, Solid
+
+ROBOT, ROBOT_CHECKED = "/robot", "/robot_checked"
+"""Nodes of the robot that all browsers share: as it looks, and as it is checked."""
+
+
+class DrawnRobot:
+    """Every link, tool and finger as a node that follows its link."""
+
+    def __init__(
+        self,
+        scene: viser.SceneApi,
+        name: str,
+        cell: Cell,
+        *,
+        arms: Sequence[Arm] | None = None,
+        colour: Colour | None = None,
+        opacity: float | None = None,
+        is_visible: bool = True,
+        as_checked: bool = False,
+    ):
+        """Add the nodes.
+
+        Args:
+            scene: where.
+            name: of the node that holds all others, such as `/robot`.
+            cell: whose robot and tools.
+            arms: draw the links of these only, as far as they move; None draws everything.
+            colour: of everything; None keeps that of each solid.
+            opacity: 0..1; None is solid.
+            is_visible: whether to show it now.
+            as_checked: draw what is checked for collisions instead of what it looks like.
+        """
+        self._scene = scene
+        self._colour = colour
+        self._opacity = opacity
+        self._meshes: list[viser.MeshHandle] = []
+        self.root = scene.add_frame(name, show_axes=False, visible=is_visible)
+        self._links: dict[str, viser.FrameHandle] = {}
+        self._fingers: dict[str, list[tuple[Finger, viser.FrameHandle]]] = {}
+        self._shown: dict[str, Floats] = {}
+        drawn = None if arms is None else {link for arm in arms for link in moved_by(cell, arm)}
+        for link in cell.robot.links:
+            if drawn is not None and link.name not in drawn:
+                continue
+            node = scene.add_frame(f"{name}/{link.name}", show_axes=False)
+            self._links[link.name] = node
+            solids = link.collision if as_checked else link.visual
+            self._add(f"{name}/{link.name}/visual", solids)
+        for arm in cell.arms if arms is None else arms:
+            tool = f"{name}/{arm.flange}/{arm.tool.name}"
+            self._add(f"{tool}/body", arm.tool.body)
+            self._fingers[arm.name] = []
+            for finger in arm.tool.fingers:
+                node = scene.add_frame(f"{name}/{finger_name(arm, finger)}", show_axes=False)
+                self._add(f"{name}/{finger_name(arm, finger)}/visual", (finger.solid,))
+                self._fingers[arm.name].append((finger, node))
+
+    def pose(self, Ts_world_link: Mapping[str, pin.SE3], openings: Mapping[str, float]) -> None:
+        """Move everything.
+
+        Args:
+            Ts_world_link: pose of every link by name.
+            openings: finger distance of each arm's tool by arm name [m].
+        """
+        for name, node in self._links.items():
+            T = Ts_world_link[name]
+            if self._is_new(name, T.homogeneous):
+                place(node, T)
+        for arm, fingers in self._fingers.items():
+            opening = openings.get(arm, 0.0)
+            for finger, node in fingers:
+                shift = opening / 2 * finger.direction
+                if self._is_new(f"{arm} {finger.solid.name}", shift):
+                    node.position = shift
+
+    def show(self, is_visible: bool) -> None:
+        """Show or hide it as a whole."""
+        if self.root.visible != is_visible:
+            self.root.visible = is_visible
+
+    def paint(self, colour: Colour) -> None:
+        """Give everything one colour."""
+        for mesh in self._meshes:
+            mesh.color = colour
+
+    def _add(self, name: str, solids: tuple[Solid, ...]) -> None:
+        for number, (colour, points, triangles) in enumerate(by_colour(solids)):
+            self._meshes.append(
+                self._scene.add_mesh_simple(
+                    f"{name}_{number}",
+                    points,
+                    triangles,
+                    color=self._colour or colour,
+                    opacity=self._opacity,
+                )
+            )
+
+    def _is_new(self, name: str, value: Floats) -> bool:
+        if name in self._shown and np.array_equal(self._shown[name], value):
+            return False
+        self._shown[name] = value
+        return True
+
+
+def finger_name(arm: Arm, finger: Finger) -> str:
+    """A finger's node, below that of the robot."""
+    return f"{arm.flange}/{arm.tool.name}/{finger.solid.name}"
+
+
+def moved_by(cell: Cell, arm: Arm) -> set[str]:
+    """The links that move when a joint of the arm does."""
+    moved: set[str] = set()
+    for joint in cell.robot.joints:
+        if joint.name in arm.joints or joint.parent in moved:
+            moved.add(joint.child)
+    return moved
+
+
+def place(node: viser.SceneNodeHandle, T: pin.SE3) -> None:
+    """Move a node to `T`, its pose in its parent."""
+    node.position = T.translation
+    node.wxyz = quaternion(T)
+
+
+def quaternion(T: pin.SE3) -> tuple[float, float, float, float]:
+    """The rotation of a pose as w, x, y, z."""
+    q = pin.Quaternion(T.rotation)
+    return q.w, q.x, q.y, q.z
+
+
+def pose_of_node(node: viser.TransformControlsHandle) -> pin.SE3:
+    """The pose of a gizmo in the world.
+
+    Raises:
+        InputError: a browser has sent numbers that are no pose.
+    """
+    w, x, y, z = (float(value) for value in node.wxyz)
+    length = float(np.sqrt(w * w + x * x + y * y + z * z))
+    if not 0.5 < length < 2.0 or not np.all(np.isfinite(node.position)):
+        raise InputError("the gizmo is nowhere")
+    q = pin.Quaternion(w, x, y, z).normalized()
+    return pin.SE3(q.matrix(), np.array(node.position, dtype=np.float64))

@@ -1,0 +1,152 @@
+"""Searches for parts in one scan, side by side: with other wishes, in a table and in the scene."""
+
+from collections.abc import Sequence
+from functools import partial
+from html import escape
+
+import numpy as np
+import viser
+
+from workbench.app.core.commands import Command, FindParts, UseDetections
+from workbench.app.core.state import State
+from workbench.app.core.value_checks import DETAIL, SEED_LIMIT
+from workbench.formats.meshes.triangles import triangles_of
+from workbench.gui.scene.robot import place
+from workbench.gui.shared.colours import COMPARED
+from workbench.gui.shared.look import View
+from workbench.gui.shared.solids import with_hard_edges
+from workbench.gui.shared.tables import clickable, marked
+from workbench.gui.shared.views import line
+from workbench.gui.shared.visitor import Visitor, whole
+from workbench.model.errors import InputError
+from workbench.model.search import Search, SearchWishes
+
+MOST_ROWS = 6
+
+
+class SearchInputs:
+    """What the next search does otherwise, the table of all, and which of them is taken.
+
+    Concurrency: as `PartsPanel`.
+    """
+
+    def __init__(self, visitor: Visitor):
+        """Add the controls to the folder that is open."""
+        self._visitor = visitor
+        gui = visitor.gui
+        self._detail = gui.add_slider(
+            "Detail [%]",
+            min=DETAIL[0] * 100,
+            max=DETAIL[1] * 100,
+            step=10,
+            initial_value=100,
+            hint="How fine the scan is looked at: more finds small features and takes longer.",
+        )
+        self._least = gui.add_slider(
+            "Least score",
+            min=0.0,
+            max=1.0,
+            step=0.05,
+            initial_value=0.0,
+            hint="Parts that explain less of what is seen are left out.",
+        )
+        self._seed = gui.add_number(
+            "Seed",
+            1,
+            min=0,
+            max=SEED_LIMIT - 1,
+            step=1,
+            hint="Another one looks from other points: parts found by every seed are sure.",
+        )
+        gui.add_html('<div class="wb-buttons wb-two"></div>')
+        self._search = gui.add_button("Search again", icon=viser.Icon.SEARCH)
+        self._take = gui.add_button("Take this one", icon=viser.Icon.CHECK, color="gray")
+        self._table = gui.add_html("")
+        self._rows = [visitor.unseen(partial(self._chosen, place)) for place in range(MOST_ROWS)]
+        visitor.hide(self._rows)
+        visitor.on_press(self._search, self._wanted)
+        visitor.on_press(self._take, self._taken)
+
+    def show(self, old: View | None, new: View) -> None:
+        """Bring what is shown from `old` to `new`."""
+        chosen = new.look.search
+        if old is not None and old.state is new.state and old.look.search == chosen:
+            return
+        state = new.state
+        self._visitor.admit(self._search, state, FindParts, is_ready=state.scan is not None)
+        is_there = searched(state, chosen) is not None
+        self._visitor.admit(self._take, state, UseDetections, is_ready=is_there)
+        self._table.content = searches_html(state.searches, chosen, self._rows)
+
+    def _chosen(self, place: int) -> None:
+        """Look at a search of the table, or away from it."""
+        searches, look = self._visitor.bench.state.searches, self._visitor.look
+        if place < len(searches):
+            number = searches[place].number
+            look.change(search=None if look.now.search == number else number)
+
+    def _wanted(self) -> Command:
+        wishes = SearchWishes(float(self._detail.value) / 100, float(self._least.value))
+        return FindParts(whole(self._seed.value), wishes)
+
+    def _taken(self) -> Command:
+        state = self._visitor.bench.state
+        search = searched(state, self._visitor.look.now.search)
+        if search is None:
+            raise InputError("choose a search in the table first")
+        self._visitor.look.change(search=None)
+        place = state.searches.index(search) + 1
+        return UseDetections(search.detections, f"search {place} is taken")
+
+
+def searched(state: State, number: int | None) -> Search | None:
+    """The search with that number, if it is one of this scan."""
+    return next((one for one in state.searches if one.number == number), None)
+
+
+def searches_html(searches: Sequence[Search], chosen: int | None, rows: Sequence[str]) -> str:
+    """A row for each search in this scan."""
+    if not searches:
+        return line("Each search in this scan appears here, to be compared.", kind="hint")
+    heads = ("Search", "Detail", "Seed", "Parts", "Score", "Gap", "Time")
+    head = "".join(f'<th class="wb-number">{title}</th>' for title in heads)
+    body = "".join(
+        _row(place, search, search.number == chosen, rows[place])
+        for place, search in enumerate(searches[: len(rows)])
+    )
+    return (
+        f'<div class="wb-rows wb-poses"><table class="wb-table wb-searches"><thead><tr>{head}</tr>'
+        f"</thead><tbody>{body}</tbody></table></div>"
+        + line("A row that is clicked draws its parts beside the others.", kind="hint")
+    )
+
+
+def _row(place: int, search: Search, is_chosen: bool, button: str) -> str:
+    found = search.detections
+    gaps = [one.gap for one in found if one.gap is not None]
+    values = (
+        str(place + 1),
+        f"{search.wishes.detail:.0%}",
+        str(search.seed),
+        str(len(found)),
+        f"{np.mean([one.score for one in found]):.2f}" if found else "",
+        f"{np.mean(gaps):.2f}" if gaps else "",
+        f"{search.seconds:.2f} s",
+    )
+    cells = "".join(f'<td class="wb-number">{escape(value)}</td>' for value in values)
+    tip = f"scores {', '.join(f'{one.score:.2f}' for one in found)}" if found else "no part"
+    if search.wishes.least_score > 0:
+        tip += f"; none below {search.wishes.least_score:.2f}"
+    return f'<tr{marked(is_chosen)} title="{escape(tip)}" {clickable(button)}>{cells}</tr>'
+
+
+def draw_search(scene: viser.SceneApi, state: State, number: int | None) -> None:
+    """The parts of a search beside those found, in a colour of their own."""
+    scene.remove_by_name("/searched")
+    search = searched(state, number)
+    for k, one in enumerate(search.detections if search is not None else ()):
+        points, triangles = with_hard_edges(triangles_of(state.cell.part(one.part).mesh))
+        node = scene.add_mesh_simple(
+            f"/searched/{k}", points, triangles, color=COMPARED, opacity=0.55
+        )
+        place(node, one.T_world_part)

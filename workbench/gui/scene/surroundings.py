@@ -1,0 +1,174 @@
+"""What stands around the robot and never moves, and from where it is looked at."""
+
+import itertools
+import math
+
+import numpy as np
+import pinocchio as pin
+import viser
+
+from workbench.gui.scene.robot import place, quaternion
+from workbench.gui.shared.colours import NIGHT_SKY, SKY, rgb_of
+from workbench.gui.shared.solids import by_colour
+from workbench.model.cell import Cell
+from workbench.model.geometry import Floats
+from workbench.planning.kinematics.robot import Kinematics
+
+FIELD_OF_VIEW = math.radians(40)
+"""Vertical, of the first look."""
+
+ASPECT = 1.2
+"""Width by height of the scene in a window of 1280 x 720."""
+
+FILLED = 0.88
+"""This much of the picture is used; the rest is margin."""
+
+BESIDE = np.array([[0.08, 0.0, -0.1], [-0.08, 0.0, -0.1], [0.0, 0.08, -0.1], [0.0, -0.08, -0.1]])
+"""Around and below a place [m], since parts are put down on something."""
+
+
+def add_surroundings(scene: viser.SceneApi, cell: Cell) -> None:
+    """Floor, fixtures, bin and scanner: they never move."""
+    lowest = 0.0
+    for fixture in cell.fixtures:
+        for number, (colour, points, triangles) in enumerate(
+            by_colour(fixture.solids, fixture.T_world_fixture)
+        ):
+            scene.add_mesh_simple(
+                f"/fixtures/{fixture.name}/{number}", points, triangles, color=colour
+            )
+            lowest = min(lowest, float(points[:, 2].min()))
+    for number, (colour, points, triangles) in enumerate(
+        by_colour(cell.bin.solids, cell.bin.T_world_bin)
+    ):
+        scene.add_mesh_simple(
+            f"/bin/{number}", points, triangles, color=colour, opacity=0.35, side="double"
+        )
+    mount = cell.scanner
+    columns, rows = mount.resolution
+    height = 2 * math.atan(math.tan(mount.field_of_view / 2) * rows / columns)
+    scene.add_camera_frustum(
+        "/scanner",
+        height,
+        columns / rows,
+        scale=0.05,
+        color=(73, 80, 87),
+        thickness=1.5,
+        thickness_units="screen",
+        wxyz=quaternion(mount.T_world_scanner),
+        position=mount.T_world_scanner.translation,
+    )
+    scene.add_label(
+        "/scanner/label",
+        "scanner",
+        font_screen_scale=0.8,
+        anchor="bottom-center",
+    )
+    scene.add_grid(
+        "/floor",
+        3.0,
+        3.0,
+        position=(*cell.bin.T_world_bin.translation[:2], lowest - 0.002),
+        cell_size=0.1,
+        section_size=0.5,
+        cell_color=(233, 236, 239),
+        section_color=(206, 212, 218),
+    )
+
+
+def remove_surroundings(scene: viser.SceneApi) -> None:
+    """Take away what `add_surroundings` has added."""
+    for name in ("/fixtures", "/bin", "/scanner", "/floor"):
+        scene.remove_by_name(name)
+
+
+def show_frames(
+    scene: viser.SceneApi, cell: Cell, kinematics: Kinematics, *, is_shown: bool
+) -> None:
+    """Show or hide the frames that poses in the cell file are about."""
+    scene.remove_by_name("/frames")
+    if not is_shown:
+        return
+    frames = {"world": pin.SE3.Identity(), "robot": cell.T_world_robot}
+    frames |= {"bin": cell.bin.T_world_bin, "scanner": cell.scanner.T_world_scanner}
+    frames |= {fixture.name: fixture.T_world_fixture for fixture in cell.fixtures}
+    links = kinematics.link_poses({})
+    for arm in cell.arms:
+        frames[f"{arm.name} tcp at home"] = links[arm.flange] * arm.tool.T_flange_tcp
+        for number, T in enumerate(arm.Ts_world_place, start=1):
+            frames[f"{arm.name} place {number}"] = T
+    for number, (label, T) in enumerate(frames.items()):
+        node = scene.add_frame(f"/frames/{number}", axes_length=0.06, axes_radius=0.0015)
+        place(node, T)
+        scene.add_label(f"/frames/{number}/label", label, font_screen_scale=0.7)
+
+
+def paint_background(scene: viser.SceneApi, *, is_dark: bool = False) -> None:
+    """A soft sky, so that white robots stand out."""
+    shares = np.linspace(0.0, 1.0, 64)[:, None, None]
+    top, bottom = (np.array(rgb_of(colour)) for colour in (NIGHT_SKY if is_dark else SKY))
+    gradient = (1 - shares) * top + shares * bottom
+    scene.set_background_image(np.repeat(gradient, 8, axis=1).astype(np.uint8), "png")
+
+
+def aim_camera(server: viser.ViserServer, cell: Cell) -> None:
+    """Have every browser begin with the first look at a cell."""
+    position, centre = first_look(cell)
+    camera = server.initial_camera
+    camera.position, camera.look_at = position, centre
+    camera.up, camera.fov = (0.0, 0.0, 1.0), FIELD_OF_VIEW
+
+
+def first_look(cell: Cell) -> tuple[Floats, Floats]:
+    """Robot, bin, places and scanner from in front, from the side and from above.
+
+    Returns:
+        Position of the camera and the point it looks at, each (3,) [m] in the world.
+    """
+    points = interesting_points(cell)
+    robot, goal = cell.T_world_robot.translation, cell.bin.T_world_bin.translation
+    azimuth = math.atan2(goal[1] - robot[1], goal[0] - robot[0]) - math.radians(38)
+    direction = np.array([math.cos(azimuth), math.sin(azimuth), 0.6])
+    return framed(points, direction / np.linalg.norm(direction), FIELD_OF_VIEW, ASPECT)
+
+
+def interesting_points(cell: Cell) -> Floats:
+    """Points (n, 3) [m] in the world frame that a first look should hold."""
+    length, width, height = cell.bin.size
+    corners = [
+        cell.bin.T_world_bin.act(np.array([x * length / 2, y * width / 2, z * height]))
+        for x, y, z in itertools.product((-1, 1), (-1, 1), (0, 1))
+    ]
+    places = [
+        T.translation + beside for arm in cell.arms for T in arm.Ts_world_place for beside in BESIDE
+    ]
+    links = [T.translation for T in Kinematics(cell).link_poses({}).values()]
+    return np.array([*corners, *places, *links, cell.scanner.T_world_scanner.translation])
+
+
+def framed(
+    points: Floats, direction: Floats, field_of_view: float, aspect: float
+) -> tuple[Floats, Floats]:
+    """From where a camera holds all points, as near as that goes.
+
+    Args:
+        points: shape (n, 3) [m].
+        direction: unit vector (3,) from what is looked at to the camera, not vertical.
+        field_of_view: vertical [rad].
+        aspect: width by height of the picture.
+
+    Returns:
+        Position of the camera and the point it looks at, each (3,) [m].
+    """
+    right = np.cross([0.0, 0.0, 1.0], direction)
+    right /= np.linalg.norm(right)
+    up = np.cross(direction, right)
+    axes = np.stack([right, up, direction])
+    inside = points @ axes.T
+    centre = (inside.min(axis=0) + inside.max(axis=0)) / 2
+    across, upwards = np.abs(inside - centre)[:, :2].T
+    nearer = (inside - centre)[:, 2]
+    tangent = math.tan(field_of_view / 2) * FILLED
+    distance = float(np.max(nearer + np.maximum(upwards / tangent, across / (tangent * aspect))))
+    target = centre @ axes
+    return target + distance * direction, target

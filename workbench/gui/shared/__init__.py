@@ -1,0 +1,4 @@
+"""What every tab stands on: views, looks, colours, tables, one browser's controls.
+
+Imports nothing of gui.
+"""

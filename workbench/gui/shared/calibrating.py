@@ -1,0 +1,97 @@
+"""What the page works out about a calibration: the answer, and one pose laid over its scan."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import viser
+
+from workbench.app.core.state import State
+from workbench.app.picking.calibration import calibrated
+from workbench.gui.shared.colours import BAD, BESIDE_BIN, BUSY, GOOD, rgb_of
+from workbench.model.calibration import Calibration, PlateSighting
+from workbench.model.errors import InputError
+from workbench.model.geometry import Floats
+from workbench.perception.calibration.robot_overlay import distances_to_robot
+from workbench.planning.kinematics.robot import Kinematics
+
+NEAR = 0.025
+"""[m] Points further from the robot than this belong to something else, and are grey."""
+
+CLOSE, OFF = 0.002, 0.005
+"""[m] Up to here a point near the robot is green, and amber; beyond it is red."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Overlay:
+    """A pose of a calibration in the world: the arm at `q` (n,), what was scanned, the balls.
+
+    `points` (m, 3) and `balls` (3, 3) [m] are where the scanner's pose puts them, `colours` (m, 3)
+    tell how far the points are from the robot; `middle` [m] is the middle distance of those near.
+    """
+
+    arm: str
+    q: Floats
+    points: Floats
+    colours: np.ndarray
+    balls: Floats
+    radius: float
+    middle: float | None
+
+
+def solved(state: State) -> Calibration | str:
+    """The answer of the poses scanned so far, or why there is none."""
+    try:
+        return calibrated(state.cell, state.sightings)
+    except InputError as error:
+        return str(error)
+
+
+def overlay(state: State, sighting: PlateSighting, found: Calibration | None) -> Overlay:
+    """One pose over the robot.
+
+    Args:
+        state: whose cell it is.
+        sighting: the pose.
+        found: has the scanner's pose; None: as the cell has it.
+    """
+    cell = state.cell
+    T = cell.scanner.T_world_scanner if found is None else found.T_world_scanner
+    points = sighting.points @ T.rotation.T + T.translation
+    joints = cell.arm(sighting.arm).joints
+    links = Kinematics(cell).link_poses(dict(zip(joints, map(float, sighting.q), strict=True)))
+    away = distances_to_robot(cell, links, points)
+    colours = np.full((len(points), 3), BESIDE_BIN, dtype=np.uint8)
+    near = away < NEAR
+    colours[near] = rgb_of(BAD)
+    colours[away < OFF] = rgb_of(BUSY)
+    colours[away < CLOSE] = rgb_of(GOOD)
+    balls = sighting.balls @ T.rotation.T + T.translation
+    middle = float(np.median(away[near])) if near.any() else None
+    radius = sighting.plate.radius
+    return Overlay(sighting.arm, sighting.q, points, colours, balls, radius, middle)
+
+
+def draw_overlay(scene: viser.SceneApi, shown: Overlay | None) -> None:
+    """Its points and balls; the robot is posed by the scene."""
+    scene.remove_by_name("/sighting")
+    if shown is None:
+        return
+    scene.add_point_cloud(
+        "/sighting/points",
+        shown.points.astype(np.float32),
+        shown.colours,
+        point_size=0.0022,
+        point_shape="circle",
+        precision="float32",
+    )
+    for number, ball in enumerate(shown.balls, start=1):
+        position = tuple(ball.tolist())
+        scene.add_icosphere(
+            f"/sighting/ball-{number}", shown.radius, (90, 110, 200), opacity=0.6, position=position
+        )
+        scene.add_label(
+            f"/sighting/ball-{number}/label",
+            str(number),
+            font_screen_scale=0.8,
+            position=(0.0, 0.0, 2 * shown.radius),
+        )

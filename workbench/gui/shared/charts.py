@@ -1,0 +1,157 @@
+"""The plan over time: the lanes of the arms, and curves of joints and clearance."""
+
+from collections.abc import Mapping, Sequence
+from html import escape
+
+import numpy as np
+from viser import uplot
+
+from workbench.gui.shared.colours import BRAND, MUTED
+from workbench.gui.shared.playback import Run, arm_path
+from workbench.model.cell import Arm, Cell
+from workbench.model.geometry import Floats
+from workbench.model.plan import LegName, Proof
+
+LEGS: Mapping[LegName, str] = {
+    "reach": "#4dabf7",
+    "approach": "#1c7ed6",
+    "extract": "#f08c00",
+    "return": "#ffa94d",
+    "place": "#e8590c",
+    "home": "#adb5bd",
+}
+"""Blue on the way to the part, orange with it, grey home."""
+
+JOINTS = ("#1c7ed6", "#e8590c", "#2f9e44", "#ae3ec9", "#0ca678", "#f08c00", "#e64980", "#495057")
+
+INSTANT = 1e-6
+"""Too short to see [s]: sets the two sides of a step apart."""
+
+SAMPLES = 240
+"""Points of a curve over the whole plan."""
+
+
+def lanes_html(cell: Cell, runs: tuple[Run, ...], seconds: float) -> str:
+    """A lane an arm, a block a leg, in proportion to the time."""
+    lanes: list[str] = []
+    for arm in cell.arms:
+        blocks = "".join(_block(run, seconds) for run in runs if run.arm == arm.name)
+        lanes.append(
+            f'<div class="wb-lane"><span class="wb-lane-name">{escape(arm.name)}</span>'
+            f'<div class="wb-track">{blocks}</div></div>'
+        )
+    used = {run.leg.name for run in runs}
+    legend = "".join(
+        f'<span class="wb-leg"><i style="background:{colour}"></i>{name}</span>'
+        for name, colour in LEGS.items()
+        if name in used
+    )
+    return f'<div class="wb-lanes">{"".join(lanes)}<div class="wb-legend">{legend}</div></div>'
+
+
+def _block(run: Run, seconds: float) -> str:
+    left, width = 100 * run.start / seconds, 100 * (run.end - run.start) / seconds
+    held = ", part in hand" if run.leg.holding else ""
+    tip = f"{run.leg.name}: {run.start:.2f} s to {run.end:.2f} s, {run.leg.motion}{held}"
+    return (
+        f'<div class="wb-block" title="{escape(tip)}" style="left:{left:.3f}%;'
+        f'width:{width:.3f}%;background:{LEGS[run.leg.name]}"></div>'
+    )
+
+
+def cursor_html(time: float, seconds: float, doing: str, lanes: int) -> str:
+    """Where the scrubber stands in so many lanes, and what happens there."""
+    share = 0.0 if seconds <= 0 else 100 * min(max(time / seconds, 0.0), 1.0)
+    return (
+        f'<div class="wb-cursor"><div class="wb-cursor-track" style="height:{1.4 * lanes:.1f}rem">'
+        f'<i style="left:{share:.2f}%"></i>'
+        f'</div></div><div class="wb-now"><b>{time:.2f} s</b> of {seconds:.2f} s'
+        f"<span>{escape(doing)}</span></div>"
+    )
+
+
+def doing(cell: Cell, runs: tuple[Run, ...], time: float) -> str:
+    """Which legs are under way at `time` [s]."""
+    active = [f"{run.arm} {run.leg.name}" for run in runs if run.start <= time < run.end]
+    return ", ".join(active) or ("at the end" if runs and time > 0 else "at home")
+
+
+def joint_curves(arm: Arm, runs: tuple[Run, ...], seconds: float) -> tuple[Floats, ...]:
+    """Times [s] and the angle of each joint of an arm [deg], in the controller's order."""
+    times = np.linspace(0.0, max(seconds, 1e-3), SAMPLES)
+    wire = arm_path(arm, runs, times)[:, list(arm.wire_order)] * np.array(arm.wire_signs)
+    return (times, *np.rad2deg(wire).T)
+
+
+def clearance_curves(runs: tuple[Run, ...], proof: Proof) -> tuple[Floats, Floats, Floats]:
+    """Times [s], the clearance of what moves then, and the distance between the arms [mm].
+
+    With both arms moving it is the smaller value.  Each value of the proof is the smallest
+    distance from one waypoint to the next, so the curves go in steps.
+    """
+    clearance, apart = _spans(runs, proof.clearances), _spans(runs, proof.apart)
+    if not len(clearance):
+        return np.array([0.0, 1.0]), np.zeros(2), np.full(2, np.nan)
+    changes = np.unique(clearance[:, :2])
+    times = np.sort(np.concatenate([changes[:-1] + INSTANT, changes[1:] - INSTANT]))
+    smallest = _smallest(clearance, times)
+    covered = np.isfinite(smallest)
+    between = _smallest(apart, times) if len(apart) else np.full(len(times), np.nan)
+    return times[covered], smallest[covered], between[covered]
+
+
+def _spans(runs: tuple[Run, ...], distances: Sequence[tuple[str, str, Floats]]) -> Floats:
+    """Start [s], end [s] and distance [mm] from each waypoint to the next, shape (k, 3)."""
+    found = {(arm, leg): values for arm, leg, values in distances}
+    return np.array(
+        [
+            (run.start + start, run.start + end, distance * 1000)
+            for run in runs
+            for start, end, distance in zip(
+                run.leg.t[:-1],
+                run.leg.t[1:],
+                found.get((run.arm, run.leg.name), ()),
+                strict=False,
+            )
+        ]
+    )
+
+
+def _smallest(spans: Floats, times: Floats) -> Floats:
+    """The smallest distance of the spans that are under way at each time, infinite without one."""
+    starts, ends, distances = spans.T
+    active = (starts <= times[:, None]) & (times[:, None] < ends)
+    return np.where(active, distances, np.inf).min(axis=1)
+
+
+def speed_curve(arm: Arm, cell: Cell, runs: tuple[Run, ...], seconds: float) -> Floats:
+    """How fast the fastest joint of an arm turns, in percent of its limit, shape (SAMPLES,)."""
+    times = np.linspace(0.0, max(seconds, 1e-3), SAMPLES)
+    _, _, velocity = cell.robot.limits(arm.joints)
+    speeds = np.abs(np.gradient(arm_path(arm, runs, times), times, axis=0)) / velocity
+    return 100 * speeds.max(axis=1)
+
+
+def axis(label: str) -> uplot.Axis:
+    """A uPlot axis with its unit."""
+    return {
+        "label": label,
+        "labelSize": 18,
+        "labelFont": "11px sans-serif",
+        "font": "10px sans-serif",
+        "stroke": MUTED,
+        "size": 34,
+        "grid": {"stroke": "#f1f3f5", "width": 1},
+        "ticks": {"stroke": "#dee2e6", "width": 1, "size": 4},
+    }
+
+
+def curve(label: str, colour: str = BRAND) -> uplot.Series:
+    """A uPlot series."""
+    return {
+        "label": label,
+        "stroke": colour,
+        "width": 1.5,
+        "spanGaps": False,
+        "points": {"show": False},
+    }

@@ -1,0 +1,67 @@
+"""The colours of the page and the scene: each means one thing everywhere."""
+
+from workbench.gui.shared.solids import Colour
+from workbench.model.candidate import Reason
+
+MUTED = "#868e96"
+BRAND = "#1c64b4"
+GOOD = "#2b8a3e"
+BAD = "#c92a2a"
+BUSY = "#e67700"
+
+VERDICTS: dict[Reason, str] = {
+    Reason.OK: GOOD,
+    Reason.DISABLED: MUTED,
+    Reason.ARM_NOT_ALLOWED: MUTED,
+    Reason.TOOL_COLLISION: "#e03131",
+    Reason.OUT_OF_REACH: "#d9480f",
+    Reason.IN_COLLISION: BAD,
+    Reason.APPROACH_BLOCKED: "#b35c00",
+    Reason.EXTRACT_BLOCKED: "#996b00",
+    Reason.NO_PATH: "#7048e8",
+    Reason.NO_RETURN: "#9c36b5",
+    Reason.NO_PLACE: "#ae3ec9",
+    Reason.OUT_OF_TIME: "#0b7285",
+}
+"""Green works, grey was not asked for, red touches, orange and ochre get stuck on the way,
+violet finds no way, cyan ran out of time."""
+
+ARMS = ("#1971c2", "#c2255c")
+"""By place in the cell: first and second arm."""
+
+PARTS = ("#f59f00", "#12b886", "#5c7cfa", "#ff6b6b", "#9775fa", "#94d82d", "#22b8cf", "#f783ac")
+"""By place among the detections, over again after the last."""
+
+HEIGHTS = ((62, 74, 137), (38, 130, 142), (80, 180, 120), (250, 205, 70))
+"""Of scanned points from the bin's floor to its rim."""
+
+BESIDE_BIN = (190, 196, 204)
+SKY = ("#d3deea", "#f8fafc")
+NIGHT_SKY = ("#141a22", "#333d4a")
+"""Behind the scene, from top to bottom: on a light page, and on a dark one."""
+
+AVOIDED = BAD
+"""Of the boxes that a plan keeps clear of besides cell and parts, and of the points in them."""
+
+COMPARED = (217, 70, 239)
+"""Of the parts of another search."""
+
+LIVE_ROBOT = (38, 166, 154)
+CHECKED = (253, 150, 68)
+"""Of shapes that are checked for collisions."""
+
+
+def rgb_of(hexadecimal: str) -> Colour:
+    """`#rrggbb` as red, green, blue, 0..255."""
+    value = int(hexadecimal[1:], 16)
+    return value >> 16, value >> 8 & 255, value & 255
+
+
+def part_colour(index: int) -> str:
+    """The colour of the detection with that index."""
+    return PARTS[index % len(PARTS)]
+
+
+def arm_colour(index: int) -> str:
+    """The colour of the arm at that place in the cell."""
+    return ARMS[index % len(ARMS)]

@@ -1,0 +1,208 @@
+"""What is looked at: the part of the picture that no auditor asks for."""
+
+import threading
+from collections.abc import Callable, Mapping, Set
+from dataclasses import dataclass, replace
+from typing import Any
+
+import pinocchio as pin
+
+from workbench.app.core.state import State
+from workbench.app.records.statistics import Statistics
+from workbench.app.runtime.live import Live
+from workbench.gui.shared.calibrating import Overlay
+from workbench.gui.shared.own import NOTHING_OWN, Own
+from workbench.gui.shared.playback import Moment, Run, moments
+from workbench.model.calibration import Calibration
+from workbench.model.geometry import Floats, Shape
+from workbench.model.scan import Discarded
+from workbench.planning.collision.contact import Contact
+
+PLAYBACK = frozenset({"time", "is_playing", "by", "browser"})
+"""Fields of a look that playing a plan changes."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Held:
+    """What somebody drags: `name` is the person's, `browser` theirs, `T_world_held` where it is."""
+
+    name: str
+    browser: int
+    T_world_held: pin.SE3
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Look:
+    """Which moment of the plan and which candidate everybody sees.
+
+    `time` [s] on the plan's clock; `candidate` is an index among the state's candidates, `pose`
+    one among the poses of its way; `by` is the browser that moved the time last, None when nobody
+    did (it plays); `browser` let it play, None: no browser did.  `shapes` and `frames` say whether
+    collision shapes and frames are shown, `reach` of which arm the reach is; `search` is a search
+    whose parts are drawn beside those found, by its number; `discarded` says whether the poses that
+    the last search discarded are shown; `held` is what somebody drags at this moment.
+    """
+
+    time: float = 0.0
+    is_playing: bool = False
+    candidate: int | None = None
+    pose: int = 0
+    by: int | None = None
+    browser: int | None = None
+    shapes: bool = False
+    frames: bool = False
+    reach: str = ""
+    search: int | None = None
+    discarded: bool = False
+    held: Held | None = None
+
+
+NOT_COUNTED = Statistics()
+
+Placed = tuple[Shape, pin.SE3]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Pose:
+    """One arm standing somewhere on a candidate's way.
+
+    `q` (n,) [rad]; `opening` [m] of its fingers; `note` says whether it is clear there; `meets`
+    are the two bodies that come too close, in the world, empty when none do.
+    """
+
+    label: str
+    q: Floats
+    opening: float
+    note: str
+    meets: tuple[Placed, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Jogged:
+    """The robot moved by hand.
+
+    `q`: arm -> configuration (n,) [rad]; `contacts` are the pairs nearer than their margins;
+    `clearance` [m] is the least of all, between the bodies of `pair`, if it is small; `meets` are
+    the bodies of the contacts in the world.
+    """
+
+    q: Mapping[str, Floats]
+    contacts: tuple[Contact, ...]
+    clearance: float
+    pair: tuple[str, str] | None
+    meets: tuple[Placed, ...]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class View:
+    """Everything that the page shows.
+
+    `runs` is the timeline of the state's plan, empty without one; `poses` those of the chosen
+    candidate, and `fix` what would admit it; `reached` holds places (n, 3) [m] and shares (n,) of
+    the reach that is shown; `statistics` are those of the session; `calibration` is the answer of
+    the poses scanned so far, or why there is none; `at` [s since the epoch] is when it looked like
+    this.
+
+    The rest is of one browser alone, and as if it did nothing in the view that all share: its `own`
+    look, `jogged` while the robot is moved by hand there, and `overlay`, the pose of a calibration
+    that is laid over the robot.
+    """
+
+    state: State
+    live: Live
+    look: Look
+    runs: tuple[Run, ...]
+    at: float
+    poses: tuple[Pose, ...] = ()
+    fix: str = ""
+    reached: tuple[Floats, Floats] | None = None
+    statistics: Statistics = NOT_COUNTED
+    calibration: Calibration | str = ""
+    own: Own = NOTHING_OWN
+    jogged: Jogged | None = None
+    overlay: Overlay | None = None
+
+    @property
+    def pose(self) -> Pose | None:
+        """The pose of the chosen candidate that is looked at."""
+        # The index comes from a browser's slider, and may be any number.
+        last = len(self.poses) - 1
+        return self.poses[min(max(self.look.pose, 0), last)] if self.poses else None
+
+    @property
+    def moments(self) -> dict[str, Moment]:
+        """How every arm is drawn, by name: on its plan, as it is jogged, or as in a sighting."""
+        cell = self.state.cell
+        now = moments(cell, self.runs, self.look.time)
+        if self.jogged is not None:
+            now |= {
+                arm: Moment(q, cell.arm(arm).tool.stroke[1], None)
+                for arm, q in self.jogged.q.items()
+            }
+        if self.overlay is not None:
+            now[self.overlay.arm] = Moment(self.overlay.q, 0.0, None)
+        return now
+
+    @property
+    def discarded(self) -> tuple[Discarded, ...]:
+        """What the search discarded that brought the detections as they are now."""
+        findings = self.live.findings
+        if findings is None or findings.detections is not self.state.detections:
+            return ()
+        return findings.discarded
+
+    @property
+    def plan_seconds(self) -> float:
+        """When the plan ends on its own clock."""
+        return max((run.end for run in self.runs), default=0.0)
+
+
+class SharedLook:
+    """The look that all browsers share.
+
+    Concurrency: any thread; `changed` is called after each change, outside the lock.
+    """
+
+    def __init__(self, changed: Callable[[], None]):
+        """The start of the plan, no candidate."""
+        self._now = Look()
+        self._lock = threading.Lock()
+        self._changed = changed
+
+    @property
+    def now(self) -> Look:
+        """The newest look."""
+        return self._now
+
+    def change(self, **fields: Any) -> None:
+        """Replace fields of the look."""
+        with self._lock:
+            self._now = replace(self._now, **fields)
+        self._changed()
+
+
+class SteeredLook:
+    """The shared look, for one person who may perhaps only follow it.
+
+    Concurrency: as `SharedLook`.
+    """
+
+    def __init__(self, look: SharedLook, may: Callable[[Set[str]], bool]):
+        """Follow a look.
+
+        Args:
+            look: that all browsers share.
+            may: whether these fields may be changed by this person now.
+        """
+        self._look = look
+        self._may = may
+
+    @property
+    def now(self) -> Look:
+        """The newest look."""
+        return self._look.now
+
+    def change(self, **fields: Any) -> None:
+        """Replace fields of the look, if the person may."""
+        if self._may(fields.keys()):
+            self._look.change(**fields)

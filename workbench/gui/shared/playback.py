@@ -1,0 +1,177 @@
+"""Where everything is at a moment of a plan: the pure half of the scrubber."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import pinocchio as pin
+
+from workbench.model.cell import Arm, Cell
+from workbench.model.geometry import Floats
+from workbench.model.plan import Leg, Plan
+from workbench.planning.kinematics.robot import Kinematics
+
+AHEAD = 2.0
+"""How far ahead on the plan's clock the robot is looked for [s]."""
+
+AHEAD_STEP = 0.02
+"""In which steps [s]."""
+
+NEAR = 0.05
+"""The robot is surely there [rad]."""
+
+NOWHERE = 0.3
+"""The robot is elsewhere [rad]."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Run:
+    """One leg of one arm on the plan's clock; `start`, `end` [s]."""
+
+    arm: str
+    leg: Leg
+    start: float
+    end: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Moment:
+    """What one arm does at one time: its joints `q` (n,) [rad], its fingers' `opening` [m].
+
+    `leg` is the leg under way, or the last one that was; None before the first.
+    """
+
+    q: Floats
+    opening: float
+    leg: Leg | None
+
+
+def timeline(plan: Plan) -> tuple[Run, ...]:
+    """Every leg with its start on the plan's clock.
+
+    The steps run one after the other, the legs within a step at the same time; a step lasts
+    as long as the longest of its legs.
+    """
+    runs: list[Run] = []
+    clock = 0.0
+    for step in plan.sequence:
+        legs = [(arm, plan.arm(arm).leg(name)) for arm, name in step.runs]
+        runs += [Run(arm, leg, clock, clock + leg.seconds) for arm, leg in legs]
+        clock += max((leg.seconds for _, leg in legs), default=0.0)
+    return tuple(runs)
+
+
+def moments(cell: Cell, runs: tuple[Run, ...], time: float) -> dict[str, Moment]:
+    """What every arm of the cell does at `time` [s], by name.
+
+    Between two waypoints the joints move in proportion to the time.  Arms that do not move
+    stand where they were: at home with closed fingers before their first leg, at the end of
+    their latest leg after it.
+
+    Args:
+        cell: whose arms.
+        runs: from `timeline`.
+        time: on the plan's clock; before 0 counts as 0, after the end as the end.
+    """
+    found: dict[str, Moment] = {}
+    for arm in cell.arms:
+        run = latest(runs, arm.name, time)
+        if run is None:
+            found[arm.name] = Moment(arm.home, arm.tool.stroke[0], None)
+        else:
+            q = interpolated(run.leg.q, run.leg.t, time - run.start)
+            found[arm.name] = Moment(q, run.leg.opening, run.leg)
+    return found
+
+
+def latest(runs: tuple[Run, ...], arm: str, time: float) -> Run | None:
+    """The leg of an arm that is under way at `time` [s], or the last one before."""
+    begun = [run for run in runs if run.arm == arm and run.start <= max(time, 0.0)]
+    return begun[-1] if begun else None
+
+
+def interpolated(q: Floats, t: Floats, time: float) -> Floats:
+    """The row of `q` (n, dof) at `time` [s], passed at times `t` (n,), linear in between."""
+    return np.array([np.interp(time, t, column) for column in q.T])
+
+
+def arm_path(arm: Arm, runs: tuple[Run, ...], times: Floats) -> Floats:
+    """The configurations (k, n) of one arm at `times` (k,) [s]; see `moments`."""
+    path = np.tile(arm.home, (len(times), 1))
+    for run in runs:
+        if run.arm != arm.name:
+            continue
+        begun = times >= run.start
+        for column, values in enumerate(run.leg.q.T):
+            path[begun, column] = np.interp(times[begun] - run.start, run.leg.t, values)
+    return path
+
+
+def followed(cell: Cell, runs: tuple[Run, ...], joints: Mapping[str, float], since: float) -> float:
+    """How far the robot has come: when on the plan's clock all arms stand as `joints` say.
+
+    The robot may be slower or faster than planned but keeps to the path, so the answer is the
+    first time after `since` from which on the path leads away from where the robot is; where
+    that is not close, the best within reach.
+
+    Args:
+        cell: whose arms.
+        runs: from `timeline`.
+        joints: values that the controller reports [rad or m]; arms not in it are not compared.
+        since: the answer before, 0 at first.
+
+    Returns:
+        Seconds on the plan's clock, `since` when the robot is nowhere near the plan.
+    """
+    arms = [arm for arm in cell.arms if all(joint in joints for joint in arm.joints)]
+    if not arms or not runs:
+        return since
+    times = since + np.arange(0.0, AHEAD, AHEAD_STEP)
+    away = np.zeros(len(times))
+    for arm in arms:
+        reported = np.array([joints[joint] for joint in arm.joints])
+        away = np.maximum(away, np.abs(arm_path(arm, runs, times) - reported).max(axis=1))
+    leads_away = np.flatnonzero(np.diff(away) >= 0)
+    best = int(leads_away[0]) if len(leads_away) else len(times) - 1
+    if away[best] > NEAR:
+        best = int(np.argmin(away))
+    if away[best] > NOWHERE:
+        return since
+    return float(min(times[best], max(run.end for run in runs)))
+
+
+def joint_values(cell: Cell, now: Mapping[str, Moment]) -> dict[str, float]:
+    """The value of every joint of the moving arms, by name [rad or m]."""
+    return {
+        joint: float(value)
+        for arm in cell.arms
+        for joint, value in zip(arm.joints, now[arm.name].q, strict=True)
+    }
+
+
+def part_poses(
+    cell: Cell, kinematics: Kinematics, plan: Plan, runs: tuple[Run, ...], time: float
+) -> tuple[pin.SE3, ...]:
+    """`T_world_part` of every detection of the plan at `time` [s].
+
+    A part lies where it was found until its arm extracts it, then moves with the hand, and
+    stays where the hand left it.
+    """
+    poses = [detection.T_world_part for detection in plan.detections]
+    for arm_plan in plan.arms:
+        carried = [
+            run for run in runs if run.arm == arm_plan.arm and run.leg.holding and run.start <= time
+        ]
+        if carried:
+            arm, run = cell.arm(arm_plan.arm), carried[-1]
+            q = interpolated(run.leg.q, run.leg.t, min(time, run.end) - run.start)
+            poses[arm_plan.detection] = kinematics.tcp_pose(arm, q) * arm_plan.T_tcp_part
+    return tuple(poses)
+
+
+def tcp_path(kinematics: Kinematics, cell: Cell, run: Run, *, points: int) -> Floats:
+    """The way of the tool centre point along one leg, shape (points, 3) [m], world frame."""
+    arm = cell.arm(run.arm)
+    times = np.linspace(run.start, run.end, points)
+    path = arm_path(arm, (run,), times)
+    return np.array([kinematics.tcp_pose(arm, q).translation for q in path])

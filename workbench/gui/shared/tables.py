@@ -1,0 +1,181 @@
+"""The table of candidates: which rows, in which order, as HTML whose clicks press buttons.
+
+viser has no table.  A row or heading that can be clicked presses a button of the page which
+is there but not seen; its id comes from viser, everything else is escaped.
+"""
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from html import escape
+from typing import Literal
+
+from workbench.gui.shared.colours import VERDICTS
+from workbench.gui.shared.views import mm
+from workbench.model.candidate import Candidate, Reason, Stage
+
+Column = Literal["part", "grasp", "arm", "verdict", "distance", "rank"]
+
+COLUMNS: Mapping[Column, tuple[str, str]] = {
+    "part": ("Part", "which of the parts found"),
+    "grasp": ("Grasp", "which grasp of the library"),
+    "arm": ("Arm", "which arm would take it"),
+    "verdict": ("Verdict", "why it can or cannot be taken; sorted by how far it came"),
+    "distance": ("Distance", "between the pair that is too close, or from reach [mm]"),
+    "rank": ("Rank", "lower is chosen first: SE(3) distance from the arm's home"),
+}
+
+PAGE = 60
+"""Rows a page; each has an unseen button."""
+
+
+@dataclass(frozen=True, slots=True)
+class Order:
+    """What one browser wants to see of the table."""
+
+    only: Reason | None = None
+    column: Column = "verdict"
+    is_descending: bool = True
+    page: int = 0
+
+
+def sort_key(candidate: Candidate, column: Column) -> tuple[float, ...] | tuple[str, ...]:
+    """By what a column sorts; equal keys keep the order of the choice."""
+    verdict = candidate.verdict
+    match column:
+        case "part":
+            return (float(candidate.detection),)
+        case "grasp":
+            return (candidate.grasp.name,)
+        case "arm":
+            return (candidate.arm,)
+        case "verdict":
+            reached = len(Stage) if verdict.is_ok else list(Stage).index(verdict.stage)
+            return (float(reached), -float(list(Reason).index(verdict.reason)))
+        case "distance":
+            distance = verdict.distance
+            return (float("-inf") if distance is None else distance,)
+        case "rank":
+            return (candidate.rank,)
+
+
+def ordered(candidates: Sequence[Candidate], order: Order) -> tuple[int, ...]:
+    """Indices of the candidates of all pages, in the order wanted."""
+    wanted = [
+        number
+        for number, candidate in enumerate(candidates)
+        if order.only is None or candidate.verdict.reason is order.only
+    ]
+    return tuple(
+        sorted(
+            wanted,
+            key=lambda number: sort_key(candidates[number], order.column),
+            reverse=order.is_descending,
+        )
+    )
+
+
+def pages(count: int) -> int:
+    """How many pages so many rows need; an empty table has one."""
+    return max(1, -(-count // PAGE))
+
+
+def on_page(indices: Sequence[int], page: int) -> tuple[int, ...]:
+    """The part of the rows on one page."""
+    return tuple(indices[page * PAGE : (page + 1) * PAGE])
+
+
+def clickable(button: str) -> str:
+    """Attributes of an element that presses the unseen button with this id."""
+    press = f"document.getElementById('{escape(button)}').click()"
+    key = f"if(event.key==='Enter'||event.key===' '){{event.preventDefault();{press}}}"
+    return f'tabindex="0" role="button" onclick="{press}" onkeydown="{key}"'
+
+
+def marked(is_chosen: bool) -> str:
+    """The attribute, with a blank before it, of a row that is chosen or not."""
+    return ' style="background:var(--wb-chosen)"' if is_chosen else ""
+
+
+def funnel_html(
+    candidates: Sequence[Candidate], only: Reason | None, buttons: Mapping[Reason | None, str]
+) -> str:
+    """How many candidates met which verdict; a click shows those alone."""
+    counts = Counter(candidate.verdict.reason for candidate in candidates)
+    chips = [_filter_chip("all", len(candidates), "#495057", only is None, buttons[None])]
+    chips += [
+        _filter_chip(str(reason), counts[reason], VERDICTS[reason], only is reason, buttons[reason])
+        for reason in Reason
+        if counts[reason]
+    ]
+    return f'<div class="wb-funnel">{"".join(chips)}</div>'
+
+
+def _filter_chip(text: str, count: int, colour: str, is_on: bool, button: str) -> str:
+    return (
+        f'<span class="wb-filter" aria-pressed="{str(is_on).lower()}" '
+        f'style="--wb-own:{colour}" {clickable(button)}>'
+        f"{escape(text)} <b>{count}</b></span>"
+    )
+
+
+def candidates_html(
+    candidates: Sequence[Candidate],
+    shown: Sequence[int],
+    order: Order,
+    *,
+    headings: Mapping[Column, str],
+    rows: Sequence[str],
+) -> str:
+    """One page of the table.
+
+    Args:
+        candidates: all of them.
+        shown: indices of those on this page.
+        order: how they are sorted, for the arrow in the heading.
+        headings: button ids by column.
+        rows: button ids by place on the page.
+    """
+    head = "".join(
+        f'<th class="wb-col-{column}" title="{escape(tip)}" {clickable(headings[column])}>'
+        f"{escape(title)}{_arrow(order, column)}</th>"
+        for column, (title, tip) in COLUMNS.items()
+    )
+    body = "".join(_row_html(candidates[number], rows[place]) for place, number in enumerate(shown))
+    return (
+        f'<div class="wb-rows"><table class="wb-table"><thead><tr>{head}</tr></thead>'
+        f"<tbody>{body}</tbody></table></div>"
+    )
+
+
+def chosen_html(place: int | None) -> str:
+    """A style that marks the row at that place, counted from 0.
+
+    A table that is written anew jumps back to its top; this leaves it alone.
+    """
+    if place is None:
+        return '<style class="wb-style"></style>'
+    row = f".wb-table tbody tr:nth-child({place + 1})"
+    return f'<style class="wb-style">{row}{{background:var(--wb-chosen)}}</style>'
+
+
+def _arrow(order: Order, column: Column) -> str:
+    if order.column != column:
+        return ""
+    return " ▾" if order.is_descending else " ▴"
+
+
+def _row_html(candidate: Candidate, button: str) -> str:
+    verdict = candidate.verdict
+    pair = " · ".join(verdict.pair) if verdict.pair is not None else verdict.note
+    distance = "" if verdict.distance is None else mm(verdict.distance)
+    return (
+        f'<tr title="{escape(str(verdict))}" {clickable(button)}>'
+        f"<td>{candidate.detection + 1}</td>"
+        f"<td>{escape(candidate.grasp.name)}</td>"
+        f"<td>{escape(candidate.arm)}</td>"
+        f'<td><span class="wb-verdict" style="background:{VERDICTS[verdict.reason]}">'
+        f'{escape(verdict.reason)}</span><div class="wb-pair">{escape(pair)}</div></td>'
+        f'<td class="wb-number">{escape(distance)}</td>'
+        f'<td class="wb-number">{candidate.rank:.2f}</td></tr>'
+    )

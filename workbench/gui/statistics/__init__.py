@@ -1,0 +1,1 @@
+"""The tab that tells what the session has brought."""

@@ -1,0 +1,78 @@
+"""Statistics as HTML: a few numbers, and bars; see `views` for how."""
+
+from html import escape
+
+from workbench.app.records.statistics import GROUPS, Rate, Statistics
+from workbench.gui.shared.colours import BAD, BRAND
+from workbench.gui.shared.views import clock, line, table_html
+
+MOST_BARS = 12
+"""Of one chart; a part may have very many grasps."""
+
+
+def statistics_html(counted: Statistics) -> str:
+    """What a session has brought so far."""
+    if not counted.cycles:
+        return line("Once a cycle was planned, what came of it is counted here.", kind="hint")
+    rate = counted.picks_per_hour
+    failed = sum(pick.result == "failed" for _, pick in counted.picks)
+    rows = [
+        ("Cycles", f"{len(counted.cycles)}"),
+        ("Parts taken", f"{counted.picked}, {failed} failed"),
+        ("Parts per hour", "" if rate is None else f"{rate:.0f}, pauses between cycles left out"),
+    ]
+    charts = [
+        *(_success(f"Success by {name}", counted.rates(of)) for name, of in GROUPS.items()),
+        _bars(
+            "Parts taken in each hour",
+            [(clock(at)[:5], picked, f"{picked}") for at, picked, _ in counted.by_hour()],
+        ),
+        _bars(
+            "Median time of each stage",
+            [
+                (stage, usual, f"{_seconds(usual)}, most {_seconds(most)}")
+                for stage, usual, most in counted.stage_medians()
+            ],
+        ),
+        _bars(
+            "Why candidates were refused",
+            [(reason, count, f"{count:,}") for reason, count in counted.refusals],
+        ),
+    ]
+    return table_html(rows) + "".join(charts)
+
+
+def _seconds(time: float) -> str:
+    return f"{time:.1f} s" if time >= 10 else f"{time:.2f} s"
+
+
+def _success(title: str, rates: tuple[Rate, ...]) -> str:
+    """A bar for each, its length the share that was taken."""
+    known = [rate for rate in rates if rate.picked + rate.failed]
+    bars = [
+        _bar(rate.name, 100 * rate.share, f"{rate.picked} of {rate.picked + rate.failed}", BAD)
+        for rate in known[:MOST_BARS]
+    ]
+    return _chart(title, bars)
+
+
+def _bars(title: str, values: list[tuple[str, float, str]]) -> str:
+    """A bar for each of the last names, its length in proportion to the largest value."""
+    shown = values[-MOST_BARS:]
+    largest = max((value for _, value, _ in shown), default=0.0) or 1.0
+    return _chart(title, [_bar(name, 100 * value / largest, text) for name, value, text in shown])
+
+
+def _bar(name: str, percent: float, text: str, rest: str = "transparent") -> str:
+    return (
+        f'<div class="wb-lane"><span class="wb-stat-name" title="{escape(name)}">{escape(name)}'
+        f'</span><div class="wb-stat-track" style="background:{rest}"><i style="width:'
+        f'{percent:.1f}%;background:{BRAND}"></i></div>'
+        f'<span class="wb-stat-value">{escape(text)}</span></div>'
+    )
+
+
+def _chart(title: str, bars: list[str]) -> str:
+    if not bars:
+        return ""
+    return f'<div class="wb-stat"><b>{escape(title)}</b>{"".join(bars)}</div>'

@@ -1,0 +1,301 @@
+"""Eye-to-hand calibration: where the scanner is, from a plate that the robot holds into its view.
+
+Whatever the arm does, `T_world_scanner * p_scanner = T_world_flange * T_flange_plate * p_plate` for
+each ball.  Unknown are the scanner's pose and how the plate is held.  A linear answer for three
+poses at a time (rotations by Kronecker products as Li, Wang and Wu 2010, then translations) finds
+those that agree; least squares over the distances of the balls gives the answer.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import combinations
+
+import numpy as np
+import pinocchio as pin
+from scipy.optimize import least_squares
+
+from workbench.model.calibration import Calibration, Light, PoseResidual
+from workbench.model.errors import InputError
+from workbench.model.geometry import Floats
+from workbench.perception.calibration.rigid import fitted_motion
+
+FEWEST = 4
+"""Poses that a calibration needs; 8 are advised."""
+
+ADVISED = 8
+
+MOST = 60
+
+GOOD, ACCEPTABLE = (0.001, np.deg2rad(0.3)), (0.002, np.deg2rad(0.6))
+"""[m, rad] Up to here the light of a pose is green, and amber."""
+
+AGREE, TIMES = 0.0015, 4.0
+"""[m] A pose is left out when it is off by more than this, and by more than so many times what is
+usual among the poses."""
+
+APART = 0.004
+"""[m] More than this is never taken for usual."""
+
+HOPELESS = 0.01
+"""[m] Where not even half of the poses agree so well, nothing can be said."""
+
+ROUNDS = 10
+"""Of fitting and leaving out, at most."""
+
+TRIPLES = 150
+"""Of three poses at a time, so many are tried as the beginning."""
+
+SAME = (0.005, np.deg2rad(3.0))
+"""[m, rad] Poses of the flange nearer to each other than this are one."""
+
+TURNED = np.deg2rad(8.0)
+"""[rad] By which the flange must turn about two axes, RMS, between the poses."""
+
+LARGEST_ERROR = (0.003, np.deg2rad(0.3))
+"""[m, rad] Standard errors above which a calibration is refused."""
+
+NOISE = 0.00005
+"""[m] Nobody measures a ball better, however well a few of them happen to fit."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PlatePose:
+    """One pose: where the flange was, and the balls (3, 3) [m] in the scanner's frame."""
+
+    name: str
+    T_world_flange: pin.SE3
+    balls: Floats
+    is_used: bool = True
+
+
+def calibrate(poses: Sequence[PlatePose], centres: Floats) -> Calibration:
+    """The scanner's pose.
+
+    Args:
+        poses: 4 to 60 that are used; those that do not agree with the others are left out.
+        centres: (3, 3) [m] of the balls in the plate's frame.
+
+    Raises:
+        InputError: too few poses, too similar ones, or ones that do not agree; says which, and
+            what of the scanner's pose they leave open.
+    """
+    wanted = [pose for pose in poses if pose.is_used]
+    _check(wanted)
+    answer = _consensus(wanted, centres)
+    # Three poses alone give a coarse answer: the better half of all improves it first.
+    best = np.argsort(_distances(wanted, answer, centres), kind="stable")
+    used, before = sorted(best[: len(wanted) // 2 + 1].tolist()), []
+    for _ in range(ROUNDS):
+        answer = _fit([wanted[k] for k in used], answer, centres)
+        used, before = _agreeing(wanted, answer, centres), used
+        if used == before:
+            break
+    _check_left(wanted, used)
+    X, Y = answer
+    rms, *errors = _errors([wanted[k] for k in used], answer, centres)
+    chosen = {id(wanted[k]) for k in used}
+    residuals = tuple(_residual(pose, answer, centres, id(pose) in chosen, rms) for pose in poses)
+    return Calibration(X, Y, residuals, rms, *errors)
+
+
+Answer = tuple[pin.SE3, pin.SE3]
+"""`T_world_scanner` and `T_flange_plate`."""
+
+
+def _check(poses: Sequence[PlatePose]) -> None:
+    """See that the poses can tell where the scanner is.
+
+    Raises:
+        InputError: they cannot; says why.
+    """
+    if len(poses) > MOST:
+        raise InputError(f"{len(poses)} poses; up to {MOST} are taken")
+    distinct: list[PlatePose] = []
+    same: list[str] = []
+    for pose in poses:
+        twin = next((one for one in distinct if _is_same(one, pose)), None)
+        if twin is None:
+            distinct.append(pose)
+        else:
+            same.append(f"{pose.name} is the same as {twin.name}")
+    if len(distinct) < FEWEST:
+        why = f" ({'; '.join(same)})" if same else ""
+        raise InputError(
+            f"a calibration needs {FEWEST} different poses, {ADVISED} are better; there are "
+            f"{len(distinct)}{why}"
+        )
+    first = distinct[0].T_world_flange.rotation
+    turns = np.array([pin.log3(first.T @ pose.T_world_flange.rotation) for pose in distinct])
+    _, sizes, axes = np.linalg.svd(turns)
+    sizes /= np.sqrt(len(distinct))
+    if sizes[0] < TURNED:
+        raise InputError(
+            "the flange is turned alike in all poses, so the position of the scanner is open in "
+            "every direction: turn the wrist by 20 degrees or more between the poses"
+        )
+    if sizes[1] < TURNED:
+        axis = ", ".join(f"{value:.2f}" for value in first @ axes[0] + 0.0)
+        raise InputError(
+            f"the flange is turned about one axis only, ({axis}) in the world, so the position of "
+            "the scanner along it is open: tilt the wrist about another axis, too, by 20 degrees "
+            "or more"
+        )
+
+
+def _is_same(one: PlatePose, other: PlatePose) -> bool:
+    between = one.T_world_flange.actInv(other.T_world_flange)
+    distance, angle = (
+        np.linalg.norm(between.translation),
+        np.linalg.norm(pin.log3(between.rotation)),
+    )
+    return bool(distance < SAME[0] and angle < SAME[1])
+
+
+def _check_left(wanted: Sequence[PlatePose], used: Sequence[int]) -> None:
+    if len(used) == len(wanted):
+        return
+    out = ", ".join(pose.name for k, pose in enumerate(wanted) if k not in used)
+    try:
+        _check([wanted[k] for k in used])
+    except InputError as error:
+        raise InputError(f"without {out}, which does not agree with the others: {error}") from None
+
+
+def _consensus(poses: Sequence[PlatePose], centres: Floats) -> Answer:
+    """The linear answer of those three poses with which most of the others agree best."""
+    triples = list(combinations(poses, 3))
+    answers = [_linear(three, centres) for three in triples[:: -(-len(triples) // TRIPLES)]]
+    middles = [
+        float(np.sort(_distances(poses, answer, centres))[len(poses) // 2]) for answer in answers
+    ]
+    best = int(np.argmin(middles))
+    if middles[best] > HOPELESS:
+        raise InputError(
+            f"the poses do not agree: at best half of them fit to {middles[best] * 1000:.1f} mm. "
+            "Are the joint values those of the scans, in the controller's order, and the distances "
+            "of the balls those of the plate? Did the plate stay as it was held?"
+        )
+    return answers[best]
+
+
+def _linear(poses: Sequence[PlatePose], centres: Floats) -> Answer:
+    """Rotations, then translations, each by linear equations."""
+    plates = [fitted_motion(centres, pose.balls) for pose in poses]
+    flanges = [pose.T_world_flange for pose in poses]
+    rows = np.concatenate(
+        [
+            np.hstack([np.kron(R.T, np.eye(3)), -np.kron(np.eye(3), T.rotation)])
+            for (R, _), T in zip(plates, flanges, strict=True)
+        ]
+    )
+    null = np.linalg.svd(rows)[2][-1]
+    X, Y = (null[k : k + 9].reshape(3, 3).T for k in (0, 9))
+    X, Y = _rotation(X), _rotation(Y)
+    # X p + x = F (Y 0 + y) + f for the plate's origin p in the scanner's frame.
+    left = np.concatenate([np.hstack([np.eye(3), -T.rotation]) for T in flanges])
+    right = np.concatenate(
+        [T.translation - X @ p for (_, p), T in zip(plates, flanges, strict=True)]
+    )
+    shifts = np.linalg.lstsq(left, right, rcond=None)[0]
+    return pin.SE3(X, shifts[:3]), pin.SE3(Y, shifts[3:])
+
+
+def _rotation(matrix: Floats) -> Floats:
+    """The rotation nearest to a multiple of one, whatever its sign."""
+    u, _, vt = np.linalg.svd(matrix * np.sign(np.linalg.det(matrix) or 1.0))
+    return u @ np.diag([1.0, 1.0, np.linalg.det(u @ vt)]) @ vt
+
+
+def _offsets(poses: Sequence[PlatePose], answer: Answer, centres: Floats) -> Floats:
+    """By how much the balls are elsewhere than expected, (n, 3, 3) [m] in the world frame."""
+    X, Y = answer
+    on_flange = centres @ Y.rotation.T + Y.translation
+    rows: list[Floats] = []
+    for pose in poses:
+        T = pose.T_world_flange
+        expected = on_flange @ T.rotation.T + T.translation
+        rows.append(pose.balls @ X.rotation.T + X.translation - expected)
+    return np.array(rows)
+
+
+def _distances(poses: Sequence[PlatePose], answer: Answer, centres: Floats) -> Floats:
+    """RMS over the balls of each pose (n,) [m]."""
+    return np.sqrt((_offsets(poses, answer, centres) ** 2).sum(axis=2).mean(axis=1))
+
+
+def _agreeing(poses: Sequence[PlatePose], answer: Answer, centres: Floats) -> list[int]:
+    distances = _distances(poses, answer, centres)
+    usual = float(np.sort(distances)[len(poses) // 2])
+    gate = max(AGREE, TIMES * min(usual, APART))
+    return [k for k, distance in enumerate(distances) if distance <= gate]
+
+
+def _moved(answer: Answer, step: Floats) -> Answer:
+    """Scanner and plate after a small motion (12,), each in its own frame."""
+    return answer[0] * pin.exp6(step[:6]), answer[1] * pin.exp6(step[6:])
+
+
+def _fit(poses: Sequence[PlatePose], start: Answer, centres: Floats) -> Answer:
+    """Least squares over all balls."""
+    found = least_squares(
+        lambda step: _offsets(poses, _moved(start, step), centres).ravel(), np.zeros(12)
+    )
+    return _moved(start, found.x)
+
+
+def _errors(
+    poses: Sequence[PlatePose], answer: Answer, centres: Floats
+) -> tuple[float, float, float]:
+    """RMS [m], and the largest standard errors of position [m] and direction [rad].
+
+    Raises:
+        InputError: they are so large that the answer is of no use.
+    """
+    columns: list[Floats] = []
+    for step in np.eye(12) * 1e-6:
+        ahead, back = (_offsets(poses, _moved(answer, s), centres).ravel() for s in (step, -step))
+        columns.append((ahead - back) / 2e-6)
+    jacobian = np.array(columns).T
+    distances = _distances(poses, answer, centres)
+    rms = float(np.sqrt(np.mean(distances**2)))
+    freedom = jacobian.shape[0] - jacobian.shape[1]
+    noise = max(NOISE, float(np.sqrt((distances**2).sum() * 3 / freedom)))
+    covariance = noise**2 * np.linalg.pinv(jacobian.T @ jacobian, rcond=1e-14)[:6, :6]
+    variances, directions = np.linalg.eigh(covariance[:3, :3])
+    position = float(np.sqrt(max(variances[-1], 0.0)))
+    angle = float(np.sqrt(max(np.linalg.eigvalsh(covariance[3:, 3:])[-1], 0.0)))
+    if position > LARGEST_ERROR[0] or angle > LARGEST_ERROR[1]:
+        world = ", ".join(f"{v:.2f}" for v in answer[0].rotation @ directions[:, -1] + 0.0)
+        raise InputError(
+            f"these poses tell the scanner's position only to {position * 1000:.1f} mm (worst "
+            f"along ({world}) in the world) and its direction to {np.rad2deg(angle):.2f} degrees: "
+            "take more poses, further apart, with the wrist turned more"
+        )
+    return rms, position, angle
+
+
+def _residual(
+    pose: PlatePose, answer: Answer, centres: Floats, is_used: bool, rms: float
+) -> PoseResidual:
+    X, Y = answer
+    distance = float(_distances([pose], answer, centres)[0])
+    seen, _ = fitted_motion(centres, pose.balls)
+    turn = (pose.T_world_flange.rotation @ Y.rotation).T @ X.rotation @ seen
+    angle = float(np.linalg.norm(pin.log3(turn)))
+    left_out = ""
+    if not pose.is_used:
+        left_out = "left out by a person"
+    elif not is_used:
+        left_out = (
+            f"does not agree: {distance * 1000:.1f} mm and {np.rad2deg(angle):.1f} degrees off, "
+            f"the others {rms * 1000:.2f} mm"
+        )
+    light = _light(distance, angle) if not left_out else "bad"
+    return PoseResidual(pose.name, distance, angle, light, left_out)
+
+
+def _light(distance: float, angle: float) -> Light:
+    for light, (far, turned) in (("good", GOOD), ("warning", ACCEPTABLE)):
+        if distance <= far and angle <= turned:
+            return light
+    return "bad"

@@ -1,0 +1,157 @@
+"""A last close look at a part found: polish its pose, and see how sure it is."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from workbench.model.geometry import Floats, frozen, put
+from workbench.perception.localization.hypotheses import SAME_ANGLE, SAME_DISTANCE
+from workbench.perception.localization.maps import DepthMap
+from workbench.perception.localization.part_surface import PartSurface
+from workbench.perception.localization.poses import distinct
+from workbench.perception.localization.settling import is_held, roll_error, settled
+from workbench.perception.localization.sightings import Sighting, closeness, gains, look, tally
+
+RIVALS = 4
+"""Near-symmetric poses that are polished before the best of them is taken."""
+
+MOST_SWITCHES = 3
+"""How often a pose gives way to one that its near-symmetries lead to."""
+
+CLOSE = 0.02
+"""Rivals that are worse by more than this share after a rough polish get no fine one."""
+
+STEPS_OVER_TOLERANCE = (2.0, 1.0, 0.5, 0.25, 0.125)
+"""Lengths of the polishing steps."""
+
+TELLING = 0.008
+"""Share of the explained pixels by which a pose must be better than another to exclude it."""
+
+FEWEST_TELLING = 8.0
+"""[pixels] And by no less than this."""
+
+ROLL_ERROR = float(np.deg2rad(1.0))
+"""[rad] A roll whose standard error is larger counts as unknown."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Assessment:
+    """A pose (4, 4) in the scanner's frame with what is to be said about it.
+
+    `gap` is by how much of the shown surface more it is explained than the best different pose
+    of the same object, None when the part has no near-symmetry.  `roll_known` is False when
+    turning the part about its axis changes nothing that the scan shows; `is_held` is False when a
+    small motion of another kind changes nothing either.
+    """
+
+    pose: Floats
+    sighting: Sighting
+    gap: float | None
+    roll_known: bool
+    is_held: bool
+
+    def __post_init__(self) -> None:
+        put(self, pose=frozen(self.pose))
+
+
+def assess(
+    maps: DepthMap, glance: DepthMap, surface: PartSurface, pose: Floats, tolerance: float
+) -> Assessment:
+    """Look at all near-symmetric poses of one that was found, and take the best.
+
+    Args:
+        maps: the scan.
+        glance: the same, coarser.
+        surface: the part.
+        pose: (4, 4) found for it.
+        tolerance: [m] see `look`.
+    """
+    motions = surface.symmetry.motions
+    pose = _best_of(maps, glance, surface, pose @ motions, tolerance)
+    others = _different(glance, surface, pose, tolerance)
+    for _ in range(MOST_SWITCHES):
+        tallies = tally(maps, surface, pose @ motions[[0, *others[:RIVALS]]], tolerance)
+        best = int(closeness(tallies).argmax())
+        if best == 0:
+            break
+        # Turns of a pose that lies well are seen better than those of one that did not.
+        rival = pose @ motions[others[[best - 1]]]
+        pose = _best_of(maps, glance, surface, rival, tolerance)
+        others = _different(glance, surface, pose, tolerance)
+    turns = others[others < len(surface.symmetry.turns)][:RIVALS]
+    sighting = look(maps, surface, pose, tolerance)
+    own, *rest = tally(maps, surface, pose @ motions[[0, *others[:1], *turns]], tolerance)
+    gap = None
+    if rest:
+        gap = max(0.0, float(gains(own[None])[0] - gains(np.array(rest)).max()))
+        gap /= max(sighting.shown, 1)
+    return Assessment(
+        pose=pose,
+        sighting=sighting,
+        gap=gap,
+        roll_known=len(turns) == 0
+        or _is_roll_known(maps, surface, pose, sighting, own, np.array(rest[1:]), tolerance),
+        is_held=is_held(maps, surface, pose, tolerance),
+    )
+
+
+def _different(
+    glance: DepthMap, surface: PartSurface, pose: Floats, tolerance: float
+) -> np.ndarray:
+    """Which near-symmetries (k,) make a different pose of one, the best at a glance first."""
+    motions = surface.symmetry.motions
+    others = pose @ motions
+    order = np.argsort(-closeness(tally(glance, surface, others, tolerance)), kind="stable")
+    return (
+        distinct(
+            np.concatenate([pose[None], others]),
+            np.concatenate([[0], order + 1]),
+            surface.stated,
+            surface.middle,
+            distance=np.inf,
+            angle=SAME_ANGLE,
+            most=len(others),
+        )[1:]
+        - 1
+    )
+
+
+def _is_roll_known(
+    maps: DepthMap,
+    surface: PartSurface,
+    pose: Floats,
+    sighting: Sighting,
+    own: Floats,
+    turned: Floats,
+    tolerance: float,
+) -> bool:
+    """Whether the tallies (k, 4) of other turns are clearly worse, and the fit holds this one."""
+    if len(sighting.explained) == 0:
+        return False
+    margin = max(FEWEST_TELLING, TELLING * len(sighting.explained))
+    if closeness(own[None])[0] - closeness(turned).max() < margin:
+        return False
+    deviation = float(np.sqrt(np.mean(sighting.off**2)))
+    return roll_error(maps, surface, pose, tolerance, deviation) < ROLL_ERROR
+
+
+def _best_of(
+    maps: DepthMap, glance: DepthMap, surface: PartSurface, poses: Floats, tolerance: float
+) -> Floats:
+    """The best of the poses (k, 4, 4), after polishing the few that look best."""
+    glances = closeness(tally(glance, surface, poses, tolerance))
+    kept = distinct(
+        poses,
+        np.argsort(-glances, kind="stable"),
+        surface.stated,
+        surface.middle,
+        distance=SAME_DISTANCE * surface.diameter,
+        angle=SAME_ANGLE,
+        most=RIVALS,
+    )
+    steps = tuple(step * tolerance for step in STEPS_OVER_TOLERANCE)
+    rough = settled(glance, surface, poses[kept], tolerance, steps[:3])
+    values = closeness(tally(maps, surface, rough, tolerance))
+    close = values >= values.max() - CLOSE * abs(values.max())
+    polished = settled(maps, surface, rough[close], tolerance, steps)
+    return polished[int(np.argmax(closeness(tally(maps, surface, polished, tolerance))))]

@@ -1,0 +1,183 @@
+"""Which hypotheses are parts: one after the other, the best first, no pixel explained twice."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import open3d as o3d
+import pinocchio as pin
+from numba import njit
+
+from workbench.model.cell import Bin
+from workbench.model.geometry import Floats, frozen, put
+from workbench.model.scan import Objection
+from workbench.perception.localization.assessment import Assessment
+from workbench.perception.localization.part_surface import PartSurface
+from workbench.perception.localization.sightings import Sighting
+
+LEAST_VISIBLE = 0.3
+"""Less of the facing surface than this cannot tell a part from a chance likeness."""
+
+PLAUSIBLE, CONVINCING = 0.75, 0.95
+"""Of what is seen in the part's place, the part must explain these shares: before a close look
+at it, and after."""
+
+LEAST_PIXELS = 40
+
+DEEP, MOST_DEEP = 0.03, 0.02
+"""Two parts, or part and bin, exclude each other when more than this share of the surface is
+deeper inside than this share of the diameter."""
+
+SAME_PLACE = 0.15
+"""Parts whose middles are closer than this share of the diameter are one place."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Hypothesis:
+    """A pose (4, 4) of the part in the scanner's frame, and what it predicts and explains."""
+
+    pose: Floats
+    sighting: Sighting
+
+    def __post_init__(self) -> None:
+        put(self, pose=frozen(self.pose))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Rejection:
+    """A hypothesis that was not taken, why, and the place of the chosen one that it lost to."""
+
+    pose: Floats
+    sighting: Sighting
+    reason: Objection
+    rival: int | None = None
+
+    def __post_init__(self) -> None:
+        put(self, pose=frozen(self.pose))
+
+
+@dataclass(slots=True)
+class Choice:
+    """What has been taken so far, in that order, and what has not; grows while it is made.
+
+    `claimed` (pixels,): the chosen one that explains a pixel, or -1.
+    """
+
+    claimed: np.ndarray
+    chosen: list[Assessment]
+    rejected: list[Rejection]
+
+
+def are_in_bin(surface: PartSurface, poses: Floats, T_scanner_bin: pin.SE3, bin: Bin) -> np.ndarray:
+    """Which of poses (k, 4, 4) do not reach through floor or walls; they may stick out above."""
+    return _are_in_bin(
+        np.ascontiguousarray(T_scanner_bin.inverse().homogeneous),
+        np.ascontiguousarray(poses),
+        surface.table.model.points,
+        bin.size,
+        DEEP * surface.diameter,
+    )
+
+
+@njit(cache=True)
+def _are_in_bin(T_bin_scanner, poses, points, size, allowed):  # pragma: no cover (compiled)
+    inside = np.empty(len(poses), np.bool_)
+    for k in range(len(poses)):
+        T = T_bin_scanner @ poses[k]
+        outside = 0
+        for p in points:
+            x = T[0, 0] * p[0] + T[0, 1] * p[1] + T[0, 2] * p[2] + T[0, 3]
+            y = T[1, 0] * p[0] + T[1, 1] * p[1] + T[1, 2] * p[2] + T[1, 3]
+            z = T[2, 0] * p[0] + T[2, 1] * p[1] + T[2, 2] * p[2] + T[2, 3]
+            across = abs(x) > size[0] / 2 + allowed or abs(y) > size[1] / 2 + allowed
+            outside += z < -allowed or (across and z < size[2])
+        inside[k] = outside <= MOST_DEEP * len(points)
+    return inside
+
+
+def choose(
+    choice: Choice,
+    surface: PartSurface,
+    hypotheses: list[Hypothesis],
+    assess: Callable[[Floats], Assessment],
+) -> None:
+    """Take the hypotheses that hold together after a close look, the best first.
+
+    Each next one is that which gains most from the pixels that no chosen one explains; it must
+    explain enough of what it shows, and not reach into a chosen one.
+
+    Args:
+        choice: what was taken before, and is added to.
+        surface: the part.
+        hypotheses: possible poses, fitted roughly.
+        assess: looks closely at a pose (4, 4) and returns a better one.
+    """
+    left = list(hypotheses)
+    while left:
+        values = [_gain(hypothesis.sighting, choice.claimed) for hypothesis in left]
+        one: Hypothesis | Assessment = left.pop(int(np.argmax(values)))
+        rejected = _objection(choice, surface, one, PLAUSIBLE)
+        if rejected is None:
+            one = assess(one.pose)
+            rejected = _objection(choice, surface, one, CONVINCING) or _overlap(
+                choice, surface, one
+            )
+            if rejected is None and not one.is_held:
+                rejected = Rejection(one.pose, one.sighting, Objection.NOT_HELD)
+            if rejected is None:
+                choice.claimed[one.sighting.explained] = len(choice.chosen)
+                choice.chosen.append(one)
+                continue
+        choice.rejected.append(rejected)
+
+
+def _gain(sighting: Sighting, claimed: np.ndarray) -> float:
+    return sighting.gain - float(np.count_nonzero(claimed[sighting.explained] >= 0))
+
+
+def _objection(
+    choice: Choice, surface: PartSurface, one: Hypothesis | Assessment, consistent: float
+) -> Rejection | None:
+    """Why too little is explained that is not claimed, if so; `consistent` see `CONVINCING`."""
+    seen = one.sighting
+    owners = choice.claimed[seen.explained]
+    explained = int(np.count_nonzero(owners < 0))
+    enough = max(LEAST_PIXELS, LEAST_VISIBLE * seen.shown)
+    if len(seen.explained) < enough:
+        return Rejection(one.pose, seen, Objection.TOO_LITTLE)
+    if len(seen.explained) < consistent * (len(seen.explained) + len(seen.violated)):
+        return Rejection(one.pose, seen, Objection.FREE_SPACE)
+    if explained < enough or explained < consistent * (explained + len(seen.violated)):
+        rival = int(np.bincount(owners[owners >= 0]).argmax())
+        apart = _between(choice.chosen[rival].pose, one.pose) @ [*surface.middle, 1.0]
+        is_same = np.linalg.norm(apart[:3] - surface.middle) < SAME_PLACE * surface.diameter
+        return Rejection(one.pose, seen, Objection.TWIN if is_same else Objection.CLAIMED, rival)
+    return None
+
+
+def _overlap(choice: Choice, surface: PartSurface, one: Assessment) -> Rejection | None:
+    """The first of the chosen parts that this one reaches into, if any."""
+    for rival, other in enumerate(choice.chosen):
+        if reaches_into(surface, surface, _between(other.pose, one.pose)):
+            return Rejection(one.pose, one.sighting, Objection.REACHES_INTO, rival)
+    return None
+
+
+def reaches_into(surface: PartSurface, host: PartSurface, T_host_part: Floats) -> bool:
+    """Whether a part at a pose (4, 4) is inside another one, the host, as no two parts can be.
+
+    It is not known of a host whose mesh is open, which has no inside.
+    """
+    R, t = T_host_part[:3, :3], T_host_part[:3, 3]
+    apart = float(np.linalg.norm(R @ surface.middle + t - host.middle))
+    if not host.is_closed or apart > (surface.diameter + host.diameter) / 2:
+        return False
+    points = (surface.coarse.points @ R.T + t).astype(np.float32)
+    depth = host.scene.compute_signed_distance(o3d.core.Tensor(points)).numpy()
+    deep = DEEP * min(surface.diameter, host.diameter)
+    return float(np.mean(depth < -deep)) > MOST_DEEP
+
+
+def _between(pose: Floats, other: Floats) -> Floats:
+    """The pose (4, 4) of the other part in the frame of the first."""
+    return np.linalg.inv(pose) @ other

@@ -1,0 +1,95 @@
+"""Several kinds of parts in one scan: what two kinds are thought to explain is one of them."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import pinocchio as pin
+
+from workbench.model.cell import Cell
+from workbench.model.scan import Detection, Discarded, Findings, Objection, Scan
+from workbench.perception.localization.choice import reaches_into
+from workbench.perception.localization.localize import MOST_DISCARDED, Searched, searched
+from workbench.perception.localization.part_surface import PartSurface
+
+
+def search_all(
+    scan: Scan,
+    cell: Cell,
+    *,
+    seed: int,
+    detail: float = 1.0,
+    report: Callable[[float, str], None],
+    cancelled: Callable[[], bool],
+) -> Findings:
+    """All parts of all kinds that the cell picks; see `localize.searched`."""
+    brought: list[Searched] = []
+    for number, part in enumerate(cell.parts):
+        before = number / len(cell.parts)
+
+        def report_share(done: float, note: str, before: float = before) -> None:
+            report(before + done / len(cell.parts), note)
+
+        brought.append(
+            searched(
+                scan,
+                part,
+                cell,
+                seed=seed,
+                detail=detail,
+                report=report_share,
+                cancelled=cancelled,
+            )
+        )
+    return merged(brought)
+
+
+def merged(brought: Sequence[Searched]) -> Findings:
+    """The searches for several kinds as one.
+
+    A bolt fits on the side of a cylinder: each kind by itself would be found there.  Where a
+    detection reaches into one of another kind, that stands for which more surface speaks.
+
+    Returns:
+        All detections that stand, best score first, and the best of all that was discarded.
+    """
+    claims = [
+        (gain, k, one)
+        for k, each in enumerate(brought)
+        for gain, one in zip(each.gains, each.findings.detections, strict=True)
+    ]
+    claims.sort(key=lambda claim: -claim[0])
+    standing: list[tuple[int, Detection]] = []
+    lost: list[tuple[Detection, Detection]] = []
+    for _, k, one in claims:
+        rival = next((r for j, r in standing if j != k and _overlap(brought, j, r, k, one)), None)
+        if rival is None:
+            standing.append((k, one))
+        else:
+            lost.append((one, rival))
+    found = sorted((one for _, one in standing), key=lambda one: -one.score)
+    place = {id(one): number for number, one in enumerate(found)}
+    place |= {id(one): place[id(rival)] for one, rival in lost}
+    discarded = [
+        replace(one, rival=None if one.rival is None else place[id(each.detections[one.rival])])
+        for each in (one.findings for one in brought)
+        for one in each.discarded
+    ]
+    discarded += [
+        Discarded(one.part, one.T_world_part, one.score, Objection.REACHES_INTO, place[id(one)])
+        for one, _ in lost
+    ]
+    discarded.sort(key=lambda one: -one.score)
+    return Findings(tuple(found), tuple(discarded[:MOST_DISCARDED]))
+
+
+def _overlap(
+    brought: Sequence[Searched], j: int, first: Detection, k: int, second: Detection
+) -> bool:
+    """Whether a part of kind `j` and one of kind `k` would share room."""
+
+    def is_in(one: PartSurface, T_one: pin.SE3, host: PartSurface, T_host: pin.SE3) -> bool:
+        return reaches_into(one, host, T_host.actInv(T_one).homogeneous)
+
+    one, other = brought[j].surface, brought[k].surface
+    T_one, T_other = first.T_world_part, second.T_world_part
+    return is_in(one, T_one, other, T_other) or is_in(other, T_other, one, T_one)

@@ -1,0 +1,216 @@
+"""The scan as maps: one depth and one normal a pixel of a camera looking into the bin."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import pinocchio as pin
+from numba import njit
+
+from workbench.model.cell import Bin
+from workbench.model.geometry import Floats, frozen, put
+from workbench.model.scan import Scan
+from workbench.perception.views.camera import Pinhole
+
+FLOOR_GATE = 0.0015
+"""[m] Points lower than this above the bin's floor, or nearer to a wall, are the bin."""
+
+BELOW = 0.02
+"""[m] Points deeper than this under the bin's floor are no part of the scene."""
+
+POINTS_A_PIXEL = 2.0
+"""The pixels are made so large that they hold this many points on average, or more."""
+
+MOST_PIXELS = 600_000
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class DepthMap:
+    """What was measured in each direction; all in the scanner's frame.
+
+    `rays` (rows, columns, 3), z = 1, pass through the mean of the points in a pixel, or
+    through its centre; `depth` (rows, columns) [m] is along z, 0 where nothing was measured;
+    `normals` (rows, columns, 3) look at the scanner, zero where unknown.  `foreground` marks
+    the pixels that see something inside the bin.  `pitch` [m] is the width of a pixel at the
+    bin's floor.
+    """
+
+    camera: Pinhole
+    rays: Floats
+    depth: Floats
+    normals: Floats
+    foreground: np.ndarray
+    pitch: float
+
+    def __post_init__(self) -> None:
+        put(
+            self,
+            rays=frozen(self.rays),
+            depth=frozen(self.depth),
+            normals=frozen(self.normals),
+            foreground=frozen(self.foreground, np.bool_),
+        )
+
+    @property
+    def view(self) -> tuple[float, float, float]:
+        """Focal length [pixels], and column and row of the optical axis."""
+        return self.camera.focal, float(self.camera.centre[0]), float(self.camera.centre[1])
+
+    def halved(self) -> "DepthMap":
+        """Every second pixel of every second row: for a glance, four times as fast."""
+        rays = self.rays[::2, ::2]
+        camera = Pinhole(self.camera.focal / 2, self.camera.centre / 2, rays.shape[:2])
+        return DepthMap(
+            camera,
+            rays,
+            self.depth[::2, ::2],
+            self.normals[::2, ::2],
+            self.foreground[::2, ::2],
+            2 * self.pitch,
+        )
+
+
+def make_map(scan: Scan, bin: Bin, *, size: float, pitch: float) -> DepthMap | None:
+    """Project a scan, organised or not, into a camera that sees just the bin.
+
+    An organised cloud is treated like any other: the place of its points in the scanner's
+    image says nothing that the points do not say, and the intrinsics of real scanners are
+    often unknown.
+
+    Args:
+        scan: the cloud.
+        bin: its inside is the foreground, up to `size` above its rim.
+        size: diameter of what is looked for [m].
+        pitch: width of a pixel wanted at the bin's floor [m]; a sparse cloud gets wider ones.
+
+    Returns:
+        The map, or None when no point of the scan lies in the bin.
+    """
+    T_bin_scanner = bin.T_world_bin.inverse() * scan.T_world_scanner
+    reach = np.array([*(bin.size[:2] / 2 + bin.wall), bin.size[2] + size])
+    points = scan.points[_near_bin(scan.points, T_bin_scanner.homogeneous, reach)]
+    corners = _corners(bin, T_bin_scanner.inverse())
+    if len(points) == 0 or corners[:, 2].min() <= 0:
+        return None
+    image = corners[:, :2] / corners[:, 2:]
+    low, high = image.min(axis=0), image.max(axis=0)
+    distance = float(np.linalg.norm(T_bin_scanner.translation))
+    density = len(points) / float(np.prod(high - low))
+    widest = np.sqrt(float(np.prod(high - low)) / MOST_PIXELS)
+    step = max(pitch / distance, np.sqrt(POINTS_A_PIXEL / density), widest)
+    columns, rows = np.ceil((high - low) / step).astype(int) + 1
+    camera = Pinhole(1.0 / step, -low / step, (int(rows), int(columns)))
+    rays, depth = _average(points, camera.rays(), 1.0 / step, *camera.centre, 0.03 * size)
+    normals = _normals(rays, depth, max(2, round(0.03 * size / (step * distance))), 0.03 * size)
+    foreground = _inside(rays * depth[..., None], T_bin_scanner, bin, size) & (depth > 0)
+    if not foreground.any():
+        return None
+    return DepthMap(camera, rays, depth, normals, foreground, step * distance)
+
+
+def _corners(bin: Bin, T_scanner_bin: pin.SE3) -> Floats:
+    """The eight inner corners of the bin (8, 3) in the scanner's frame."""
+    signs = np.stack(np.meshgrid([-0.5, 0.5], [-0.5, 0.5], [0.0, 1.0]), axis=-1).reshape(-1, 3)
+    return (signs * bin.size) @ T_scanner_bin.rotation.T + T_scanner_bin.translation
+
+
+def _inside(points: Floats, T_bin_scanner: pin.SE3, bin: Bin, size: float) -> np.ndarray:
+    p_bin = points @ T_bin_scanner.rotation.T + T_bin_scanner.translation
+    across = np.abs(p_bin[..., :2]) <= bin.size[:2] / 2 - FLOOR_GATE
+    height = p_bin[..., 2]
+    return across.all(axis=-1) & (height >= FLOOR_GATE) & (height <= bin.size[2] + size)
+
+
+@njit(cache=True)
+def _near_bin(points, T, reach):  # pragma: no cover (compiled)
+    """Points of the bin and of what is in it, before the scanner: stray ones hide nothing."""
+    near = np.zeros(len(points), np.bool_)
+    for k in range(len(points)):
+        p = points[k]
+        x = T[0, 0] * p[0] + T[0, 1] * p[1] + T[0, 2] * p[2] + T[0, 3]
+        y = T[1, 0] * p[0] + T[1, 1] * p[1] + T[1, 2] * p[2] + T[1, 3]
+        z = T[2, 0] * p[0] + T[2, 1] * p[1] + T[2, 2] * p[2] + T[2, 3]
+        is_in_bin = abs(x) <= reach[0] and abs(y) <= reach[1] and -BELOW <= z <= reach[2]
+        near[k] = is_in_bin and p[2] > 0.0
+    return near
+
+
+@njit(cache=True)
+def _average(points, centres, focal, column, row, gate):  # pragma: no cover (compiled)
+    """Rays and depths from the points of each pixel that are within `gate` of the nearest."""
+    rows, columns = centres.shape[:2]
+    nearest = np.full((rows, columns), np.inf)
+    for k in range(len(points)):
+        u = int(np.rint(points[k, 0] / points[k, 2] * focal + column))
+        v = int(np.rint(points[k, 1] / points[k, 2] * focal + row))
+        if 0 <= u < columns and 0 <= v < rows:
+            nearest[v, u] = min(nearest[v, u], points[k, 2])
+    total = np.zeros((rows, columns, 4))
+    for k in range(len(points)):
+        x, y, z = points[k]
+        u = int(np.rint(x / z * focal + column))
+        v = int(np.rint(y / z * focal + row))
+        if 0 <= u < columns and 0 <= v < rows and z <= nearest[v, u] + gate:
+            total[v, u, 0] += x
+            total[v, u, 1] += y
+            total[v, u, 2] += z
+            total[v, u, 3] += 1.0
+    rays = centres.copy()
+    depth = np.zeros((rows, columns))
+    for v in range(rows):
+        for u in range(columns):
+            if total[v, u, 3] > 0:
+                depth[v, u] = total[v, u, 2] / total[v, u, 3]
+                rays[v, u, 0] = total[v, u, 0] / total[v, u, 2]
+                rays[v, u, 1] = total[v, u, 1] / total[v, u, 2]
+    return rays, depth
+
+
+@njit(cache=True)
+def _normals(rays, depth, half, gate):  # pragma: no cover (compiled)
+    """Normals of planes fitted in windows of `half` pixels to each side.
+
+    Over the image of a plane, 1/z is a linear function a x + b y + c of the ray (x, y, 1),
+    and (a, b, c) is the plane's normal: three unknowns, and no eigenvalue problem.
+    """
+    rows, columns = depth.shape
+    normals = np.zeros((rows, columns, 3))
+    for v in range(rows):
+        for u in range(columns):
+            z0 = depth[v, u]
+            if z0 == 0.0:
+                continue
+            x0, y0 = rays[v, u, 0], rays[v, u, 1]
+            n = sx = sy = sxx = sxy = syy = sd = sxd = syd = 0.0
+            for j in range(max(v - half, 0), min(v + half + 1, rows)):
+                for i in range(max(u - half, 0), min(u + half + 1, columns)):
+                    z = depth[j, i]
+                    if z == 0.0 or abs(z - z0) > gate:
+                        continue
+                    x, y, d = rays[j, i, 0] - x0, rays[j, i, 1] - y0, 1.0 / z - 1.0 / z0
+                    n += 1.0
+                    sx += x
+                    sy += y
+                    sxx += x * x
+                    sxy += x * y
+                    syy += y * y
+                    sd += d
+                    sxd += x * d
+                    syd += y * d
+            if n < 6.0:
+                continue
+            sxx -= sx * sx / n
+            sxy -= sx * sy / n
+            syy -= sy * sy / n
+            sxd -= sx * sd / n
+            syd -= sy * sd / n
+            determinant = sxx * syy - sxy * sxy
+            if determinant < 1e-3 * (sxx + syy) ** 2:  # nearly on one line
+                continue
+            a = (sxd * syy - syd * sxy) / determinant
+            b = (syd * sxx - sxd * sxy) / determinant
+            c = 1.0 / z0 + (sd - a * sx - b * sy) / n - a * x0 - b * y0
+            length = np.sqrt(a * a + b * b + c * c)
+            normals[v, u, 0] = -a / length
+            normals[v, u, 1] = -b / length
+            normals[v, u, 2] = -c / length
+    return normals

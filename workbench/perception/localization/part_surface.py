@@ -1,0 +1,149 @@
+"""What the localizer knows of a part: prepared once from its mesh and kept by its digest."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import open3d as o3d
+import trimesh
+
+from workbench.model.errors import InputError
+from workbench.model.geometry import Floats, frozen, put
+from workbench.model.part import Part
+from workbench.perception.localization.near_symmetry import (
+    NearSymmetry,
+    find_near_symmetry,
+    stated_symmetry,
+)
+from workbench.perception.localization.oriented import OrientedPoints
+from workbench.perception.localization.point_pairs import PairTable, make_table
+from workbench.perception.views.surfaces import add_surface, rays_of, surface_of
+
+DENSE = 12_000
+"""Points sampled on the surface before thinning."""
+
+DIRECTIONS = 80
+"""From which the part is looked at to find which of its surface can be seen at all."""
+
+VOTING, COARSE = 0.08, 0.055
+"""Distance of the points for voting and for the first fit, over the diameter."""
+
+MOST_DRAWN = 4000
+"""Triangles of what is drawn at a pose; finer meshes are simplified."""
+
+MOST_KEPT = 8
+"""Prepared parts remembered at a time."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PartSurface:
+    """A part's outer surface, in the part's frame.
+
+    `diameter` [m] and `middle` (3,) are those of a ball around it.  `vertices` (n, 3) [m] and
+    `triangles` (m, 3) are drawn; `coarse` are points on it, `table` holds the pair features of
+    still fewer; `scene` answers distances; `is_closed` says that it knows inside from outside.
+    `symmetry` is what the localizer may mix up, `stated` (k, 4, 4) the motions after which the
+    part counts as the same by its author's word.
+    """
+
+    diameter: float
+    middle: Floats
+    vertices: Floats
+    triangles: np.ndarray
+    coarse: OrientedPoints
+    table: PairTable
+    scene: o3d.t.geometry.RaycastingScene
+    is_closed: bool
+    symmetry: NearSymmetry
+    stated: Floats
+
+    def __post_init__(self) -> None:
+        put(
+            self,
+            middle=frozen(self.middle),
+            vertices=frozen(self.vertices),
+            triangles=frozen(self.triangles, np.int64),
+            stated=frozen(self.stated),
+        )
+
+
+_kept: dict[str, PartSurface] = {}
+
+
+def prepare(part: Part) -> PartSurface:
+    """The part's surface; the last few parts are remembered.
+
+    Raises:
+        InputError: the mesh has no area, or none that can be seen from outside.
+    """
+    surface = _kept.pop(part.digest, None) or _prepare(part)
+    while len(_kept) >= MOST_KEPT:
+        del _kept[next(iter(_kept))]
+    _kept[part.digest] = surface
+    return surface
+
+
+def _prepare(part: Part) -> PartSurface:
+    mesh = surface_of(part.mesh)
+    mesh.merge_vertices()
+    if not mesh.area > 0:
+        raise InputError(f"the mesh of part {part.name} has no area, so nothing can be found by it")
+    if mesh.is_watertight and mesh.volume < 0:
+        mesh.invert()
+    scene = o3d.t.geometry.RaycastingScene()
+    add_surface(scene, mesh)
+    middle = mesh.bounds.mean(axis=0)
+    diameter = 2 * float(np.linalg.norm(mesh.vertices - middle, axis=1).max())
+    points, triangles = trimesh.sample.sample_surface(mesh, DENSE, seed=0)
+    dense = OrientedPoints(np.asarray(points), np.asarray(mesh.face_normals[triangles]))
+    outer = dense[_can_be_seen(scene, dense, diameter)]
+    if len(outer) == 0:
+        raise InputError(
+            f"no part of the mesh of part {part.name} can be seen from outside, so nothing can be "
+            "found by it: do its triangles look inwards?"
+        )
+    drawn = mesh if len(mesh.faces) <= MOST_DRAWN else _simplified(mesh)
+    return PartSurface(
+        diameter=diameter,
+        middle=middle,
+        vertices=drawn.vertices,
+        triangles=drawn.faces,
+        coarse=outer.thinned(COARSE * diameter),
+        table=make_table(outer.thinned(VOTING * diameter), diameter),
+        scene=scene,
+        is_closed=bool(mesh.is_watertight),
+        symmetry=find_near_symmetry(scene, outer.points, diameter),
+        stated=stated_symmetry(part.symmetry),
+    )
+
+
+def _simplified(mesh: trimesh.Trimesh) -> trimesh.Trimesh:
+    """The mesh with fewer triangles: by quadrics, which keeps edges."""
+    fine = o3d.geometry.TriangleMesh(
+        o3d.utility.Vector3dVector(np.asarray(mesh.vertices)),
+        o3d.utility.Vector3iVector(np.asarray(mesh.faces)),
+    )
+    few = fine.simplify_quadric_decimation(MOST_DRAWN)
+    return trimesh.Trimesh(np.asarray(few.vertices), np.asarray(few.triangles), process=False)
+
+
+def directions(count: int) -> Floats:
+    """Unit vectors (count, 3) spread evenly: a Fibonacci spiral on the sphere."""
+    k = np.arange(count) + 0.5
+    z = 1 - 2 * k / count
+    angle = np.pi * (1 + np.sqrt(5)) * k
+    radius = np.sqrt(1 - z * z)
+    return np.stack([radius * np.cos(angle), radius * np.sin(angle), z], axis=1)
+
+
+def _can_be_seen(
+    scene: o3d.t.geometry.RaycastingScene, surface: OrientedPoints, diameter: float
+) -> np.ndarray:
+    """Which points have a free line of sight, not too flat, to somewhere outside."""
+    seen = np.zeros(len(surface), dtype=bool)
+    start = surface.points + 1e-4 * diameter * surface.normals
+    for direction in directions(DIRECTIONS):
+        facing = np.flatnonzero(~seen & (surface.normals @ direction > 0.3))
+        towards = np.broadcast_to(direction, (len(facing), 3))
+        blocked = scene.test_occlusions(rays_of(start[facing], towards)).numpy()
+        seen[facing[~blocked]] = True
+    return seen

@@ -1,0 +1,231 @@
+"""Fitting poses of a model to a depth map, many at once: quick scores and projective ICP.
+
+Poses are arrays (k, 4, 4) of the part's frame in the scanner's frame, as compiled code takes
+them.
+"""
+
+import numpy as np
+from numba import njit
+
+from workbench.model.geometry import Floats
+from workbench.perception.localization.maps import DepthMap
+from workbench.perception.localization.oriented import OrientedPoints
+
+FACING = 0.15
+"""Cosine to the line of sight above which a model point is expected to be measured."""
+
+AGREEING = 0.6
+"""Cosine between normals of model and scan above which they agree."""
+
+FEWEST_PAIRS = 12
+"""Points of model and scan without which a pose is not fitted."""
+
+DAMPING = 1e-3
+"""Share of the mean diagonal by which `solved` raises it."""
+
+SUPPORT, VIOLATION, OCCLUSION = 0, 1, 2
+"""Columns of `quick_scores`."""
+
+
+def quick_scores(maps: DepthMap, poses: Floats, model: OrientedPoints, tolerance: float) -> Floats:
+    """How the scan agrees with each pose, from the model points that face the scanner.
+
+    Args:
+        maps: the scan.
+        poses: (k, 4, 4).
+        model: points of the part's surface.
+        tolerance: distance from the surface [m] up to which a point counts as measured.
+
+    Returns:
+        (k, 3): shares of the facing surface that are measured where the pose has them, where
+        the scan looks through them, and which hide behind something else.
+    """
+    return _quick_scores(
+        maps.rays, maps.depth, maps.normals, maps.foreground, *maps.view,
+        np.ascontiguousarray(poses), model.points, model.normals, tolerance,
+    )  # fmt: skip
+
+
+def refine(
+    maps: DepthMap, poses: Floats, model: OrientedPoints, gates: Floats
+) -> tuple[Floats, Floats]:
+    """Point-to-plane ICP (Chen & Medioni 1992) with projective association.
+
+    Each model point that faces the scanner is paired with the scan point in its pixel.
+
+    Args:
+        maps: the scan.
+        poses: (k, 4, 4), where to begin.
+        model: points of the part's surface.
+        gates: (iterations,) [m] the largest distance of a pair in each iteration.
+
+    Returns:
+        The refined poses (k, 4, 4) and the root mean square distance (k,) [m] of the pairs of
+        the last iteration, infinite when there were too few.
+    """
+    return _refine(
+        maps.rays, maps.depth, maps.normals, maps.foreground, *maps.view,
+        np.ascontiguousarray(poses), model.points, model.normals, np.ascontiguousarray(gates),
+    )  # fmt: skip
+
+
+@njit(cache=True)
+def transformed(T, p):  # pragma: no cover (compiled)
+    """The point `p` (3,) moved by the pose `T` (4, 4), as a tuple."""
+    return (
+        T[0, 0] * p[0] + T[0, 1] * p[1] + T[0, 2] * p[2] + T[0, 3],
+        T[1, 0] * p[0] + T[1, 1] * p[1] + T[1, 2] * p[2] + T[1, 3],
+        T[2, 0] * p[0] + T[2, 1] * p[1] + T[2, 2] * p[2] + T[2, 3],
+    )
+
+
+@njit(cache=True)
+def _turned(T, n):  # pragma: no cover (compiled)
+    return (
+        T[0, 0] * n[0] + T[0, 1] * n[1] + T[0, 2] * n[2],
+        T[1, 0] * n[0] + T[1, 1] * n[1] + T[1, 2] * n[2],
+        T[2, 0] * n[0] + T[2, 1] * n[1] + T[2, 2] * n[2],
+    )
+
+
+@njit(cache=True)
+def _dot(a, b):  # pragma: no cover (compiled)
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+@njit(cache=True)
+def _pixel(p, focal, column, row, shape):  # pragma: no cover (compiled)
+    """Row and column where the camera sees `p`, or (-1, -1)."""
+    u = int(np.rint(p[0] / p[2] * focal + column))
+    v = int(np.rint(p[1] / p[2] * focal + row))
+    return (v, u) if 0 <= u < shape[1] and 0 <= v < shape[0] else (-1, -1)
+
+
+@njit(cache=True)
+def _quick_scores(
+    rays, depth, scan_normals, foreground, focal, column, row, poses, points, normals, tolerance
+):  # pragma: no cover (compiled)
+    scores = np.zeros((len(poses), 3))
+    for k in range(len(poses)):
+        total = 0.0
+        for m in range(len(points)):
+            p, n = transformed(poses[k], points[m]), _turned(poses[k], normals[m])
+            cosine = -_dot(n, p) / np.sqrt(_dot(p, p))
+            if cosine < FACING or p[2] <= 0.0:
+                continue
+            total += cosine
+            v, u = _pixel(p, focal, column, row, depth.shape)
+            if v < 0 or depth[v, u] == 0.0:
+                continue
+            off = depth[v, u] * _dot(n, rays[v, u]) - _dot(n, p)
+            if off < -tolerance:
+                scores[k, VIOLATION] += cosine
+            elif off > tolerance:
+                scores[k, OCCLUSION] += cosine
+            elif foreground[v, u] and _dot(n, scan_normals[v, u]) > AGREEING:
+                scores[k, SUPPORT] += cosine
+        if total > 0.0:
+            for which in range(3):
+                scores[k, which] /= total
+    return scores
+
+
+@njit(cache=True)
+def _refine(
+    rays, depth, scan_normals, foreground, focal, column, row, poses, points, normals, gates
+):  # pragma: no cover (compiled)
+    refined = poses.copy()
+    errors = np.full(len(poses), np.inf)
+    middle = np.zeros(3)
+    for m in range(len(points)):
+        middle += points[m] / len(points)
+    size = 0.0
+    for m in range(len(points)):
+        size = max(size, np.sqrt(np.sum((points[m] - middle) ** 2)))
+    A, b, x = np.empty((6, 6)), np.empty(6), np.empty(6)
+    for k in range(len(poses)):
+        T = refined[k]
+        for gate in gates:
+            centre = transformed(T, middle)
+            A[:] = 0.0
+            b[:] = 0.0
+            pairs, square = 0, 0.0
+            for m in range(len(points)):
+                p, n = transformed(T, points[m]), _turned(T, normals[m])
+                if _dot(n, p) > -FACING * p[2] or p[2] <= 0.0:
+                    continue
+                v, u = _pixel(p, focal, column, row, depth.shape)
+                if v < 0 or not foreground[v, u] or _dot(n, scan_normals[v, u]) < AGREEING:
+                    continue
+                off = depth[v, u] * _dot(n, rays[v, u]) - _dot(n, p)
+                if abs(off) > gate:
+                    continue
+                # Turns about the middle in units of the size: all six unknowns alike.
+                ax, ay, az = p[0] - centre[0], p[1] - centre[1], p[2] - centre[2]
+                x[0] = (ay * n[2] - az * n[1]) / size
+                x[1] = (az * n[0] - ax * n[2]) / size
+                x[2] = (ax * n[1] - ay * n[0]) / size
+                x[3], x[4], x[5] = n
+                weight = (1.0 - (off / gate) ** 2) ** 2  # Tukey's biweight
+                for i in range(6):
+                    b[i] += weight * x[i] * off
+                    for j in range(i + 1):
+                        A[i, j] += weight * x[i] * x[j]
+                pairs += 1
+                square += off * off
+            if pairs < FEWEST_PAIRS:
+                errors[k] = np.inf
+                break
+            errors[k] = np.sqrt(square / pairs)
+            solved(A, b, x)
+            move(T, centre, x, size)
+    return refined, errors
+
+
+@njit(cache=True)
+def solved(A, b, x):  # pragma: no cover (compiled)
+    """Solve A x = b by Cholesky's method in place; only the lower half of A is given.
+
+    The diagonal is raised a little (`DAMPING`), so that the pose does not drift in directions that
+    the scan leaves open.
+    """
+    trace = 0.0
+    for i in range(6):
+        trace += A[i, i]
+    for i in range(6):
+        A[i, i] += DAMPING * trace / 6.0
+    for i in range(6):
+        for j in range(i + 1):
+            total = A[i, j]
+            for k in range(j):
+                total -= A[i, k] * A[j, k]
+            A[i, j] = np.sqrt(max(total, 1e-300)) if i == j else total / A[j, j]
+    for i in range(6):
+        total = b[i]
+        for k in range(i):
+            total -= A[i, k] * x[k]
+        x[i] = total / A[i, i]
+    for i in range(5, -1, -1):
+        total = x[i]
+        for k in range(i + 1, 6):
+            total -= A[k, i] * x[k]
+        x[i] = total / A[i, i]
+
+
+@njit(cache=True)
+def move(T, centre, x, size):  # pragma: no cover (compiled)
+    """Turn the pose `T` by x[:3] / size about `centre` and shift it by x[3:]."""
+    w0, w1, w2 = x[0] / size, x[1] / size, x[2] / size
+    angle = np.sqrt(w0 * w0 + w1 * w1 + w2 * w2)
+    K = np.array([[0.0, -w2, w1], [w2, 0.0, -w0], [-w1, w0, 0.0]])
+    turn = np.eye(3) + K
+    if angle > 1e-9:  # Rodrigues
+        turn = np.eye(3) + np.sin(angle) / angle * K + (1.0 - np.cos(angle)) / angle**2 * (K @ K)
+    old = T.copy()
+    for i in range(3):
+        T[i, 3] = centre[i] + x[3 + i]
+        for j in range(3):
+            T[i, 3] += turn[i, j] * (old[j, 3] - centre[j])
+            T[i, j] = 0.0
+            for k in range(3):
+                T[i, j] += turn[i, k] * old[k, j]

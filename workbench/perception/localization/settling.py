@@ -1,0 +1,220 @@
+"""Bringing poses to rest: a dense fit to the scan, and a search where surfaces do not hold them."""
+
+import numpy as np
+from numba import njit, prange
+
+from workbench.model.geometry import Floats
+from workbench.perception.localization.maps import DepthMap
+from workbench.perception.localization.part_surface import PartSurface
+from workbench.perception.localization.registration import move, solved, transformed
+from workbench.perception.localization.sightings import (
+    AGAINST,
+    EXPLAINED,
+    SQUARES,
+    VIOLATED,
+    closeness,
+    counted,
+    drawing,
+    pull,
+    pulled,
+    tally,
+)
+
+FITS = 3
+"""Gauss-Newton steps of the dense fit."""
+
+WEAK = 3
+"""Directions that are searched at most: those that the fit holds least."""
+
+LOOSE = 0.05
+"""Directions are searched when the noise alone may shift them by this share of the tolerance."""
+
+NOISE = 0.25
+"""Deviation of the points over the tolerance."""
+
+GIVEN_UP = 0.01
+"""The last fit stands if it costs the pose no more than a pixel and this share of its closeness."""
+
+SLACK = 0.02
+"""A part that may shift by this share of its diameter, and be explained as well, is not held."""
+
+SURE = 3.0
+"""Standard errors that must stay below that shift where the fit is to hold the part alone."""
+
+HELD = 8.0
+"""[pixels] By which the pose must be better than one that is shifted so."""
+
+FIRM = 1e6
+"""Information given to a direction that does not count, so that it is taken for held."""
+
+DAMPING = 1e-4
+"""Share of the mean information that is added to all directions: nothing may hold one of them."""
+
+
+def settled(
+    maps: DepthMap,
+    surface: PartSurface,
+    poses: Floats,
+    tolerance: float,
+    steps: tuple[float, ...],
+) -> Floats:
+    """Each of the poses (k, 4, 4) after a fit, and a search along what the fit leaves loose.
+
+    A cylinder slides along its axis without leaving its surface, a plate in its plane; where they
+    end is seen by which pixels show them, which no distance between points and planes expresses.
+
+    Args:
+        maps: the scan.
+        surface: the part.
+        poses: (k, 4, 4) not far from the truth.
+        tolerance: [m] see `sightings.look`.
+        steps: [m] lengths of the search's steps, one after the other.
+    """
+    return _settled(
+        *drawing(maps, surface, tolerance), np.ascontiguousarray(poses), surface.middle,
+        surface.diameter / 2, np.array(steps),
+    )  # fmt: skip
+
+
+@njit(cache=True, parallel=True)
+def _settled(
+    rays, depth, scan_normals, foreground, focal, column, row, vertices, triangles, is_closed,
+    tolerance, poses, middle, radius, steps,
+):  # fmt: skip  # pragma: no cover (compiled)
+    rested = poses.copy()
+    for k in prange(len(poses)):
+        T, x = rested[k], np.empty(6)
+        _fit(
+            rays, depth, scan_normals, foreground, focal, column, row, vertices, triangles,
+            is_closed, tolerance, T, middle, radius,
+        )  # fmt: skip
+        centre = transformed(T, middle)
+        A, _ = pulled(
+            rays, depth, scan_normals, foreground, focal, column, row, vertices, triangles,
+            is_closed, tolerance, T, centre, radius,
+        )  # fmt: skip
+        values, directions = np.linalg.eigh(A)
+        value = -np.inf
+        for weak in range(WEAK):
+            if NOISE / np.sqrt(max(values[weak], 1e-12)) < LOOSE:
+                break
+            for step in np.append(0.0, steps) if weak == 0 else steps:
+                start = T.copy()
+                for sign in (-1.0, 1.0):
+                    tried = start.copy()
+                    centre = transformed(tried, middle)
+                    for i in range(6):
+                        x[i] = directions[i, weak] * (sign * step)
+                    move(tried, centre, x, radius)
+                    says = counted(
+                        rays, depth, scan_normals, foreground, focal, column, row, vertices,
+                        triangles, is_closed, tolerance, tried,
+                    )  # fmt: skip
+                    found = says[EXPLAINED] - AGAINST * says[VIOLATED] - says[SQUARES]
+                    if found > value:
+                        value = found
+                        _copy(tried, T)
+                    if step == 0.0:
+                        break
+        # Counting pixels is coarse: what surfaces hold, they hold better, if the shape is right.
+        tried = T.copy()
+        _fit(
+            rays, depth, scan_normals, foreground, focal, column, row, vertices, triangles,
+            is_closed, tolerance, tried, middle, radius,
+        )  # fmt: skip
+        says = counted(
+            rays, depth, scan_normals, foreground, focal, column, row, vertices,
+            triangles, is_closed, tolerance, tried,
+        )  # fmt: skip
+        found = says[EXPLAINED] - AGAINST * says[VIOLATED] - says[SQUARES]
+        if found >= value - 1.0 - GIVEN_UP * abs(value):
+            _copy(tried, T)
+    return rested
+
+
+@njit(cache=True)
+def _copy(source, target):  # pragma: no cover (compiled)
+    """Write one pose (4, 4) over another; numba takes seconds to compile `target[:] = source`."""
+    for i in range(4):
+        for k in range(4):
+            target[i, k] = source[i, k]
+
+
+@njit(cache=True)
+def _fit(
+    rays, depth, scan_normals, foreground, focal, column, row, vertices, triangles, is_closed,
+    tolerance, T, middle, radius,
+):  # fmt: skip  # pragma: no cover (compiled)
+    """A few Gauss-Newton steps of the pose `T`, in place."""
+    x = np.empty(6)
+    for _ in range(FITS):
+        centre = transformed(T, middle)
+        A, b = pulled(
+            rays, depth, scan_normals, foreground, focal, column, row, vertices, triangles,
+            is_closed, tolerance, T, centre, radius,
+        )  # fmt: skip
+        if A[0, 0] == 0.0:
+            break
+        solved(A, b, x)
+        move(T, centre, x, radius)
+
+
+def is_held(maps: DepthMap, surface: PartSurface, pose: Floats, tolerance: float) -> bool:
+    """Whether the scan shows where the part ends: no small shift of it is explained as well.
+
+    Turns about a near-symmetry axis do not count: that is what `roll_error` is for.
+
+    Args:
+        maps: the scan.
+        surface: the part.
+        pose: (4, 4).
+        tolerance: [m] see `sightings.look`.
+    """
+    A, _ = pull(maps, surface, pose, tolerance)
+    if surface.symmetry.axis is not None:
+        turn = _turn(surface, pose)
+        A = A + FIRM * np.outer(turn, turn) / float(turn @ turn)
+    values, vectors = np.linalg.eigh(A)
+    radius, step = surface.diameter / 2, SLACK * surface.diameter
+    errors = NOISE * tolerance / np.sqrt(np.maximum(values, 1e-12))
+    directions = vectors[:, SURE * errors > step].T
+    if len(directions) == 0:
+        return True
+    tried = [pose]
+    for direction in directions:
+        for sign in (-1.0, 1.0):
+            shifted = np.array(pose)
+            centre = transformed(shifted, surface.middle)
+            move(shifted, centre, sign * step * direction, radius)
+            tried.append(shifted)
+    own, *others = closeness(tally(maps, surface, np.array(tried), tolerance))
+    return max(others) <= own - HELD
+
+
+def roll_error(
+    maps: DepthMap, surface: PartSurface, pose: Floats, tolerance: float, deviation: float
+) -> float:
+    """Standard error [rad] of the turn about the near-symmetry axis, all else being free too.
+
+    Args:
+        maps: the scan.
+        surface: one that has such an axis.
+        pose: (4, 4).
+        tolerance: [m] see `sightings.look`.
+        deviation: [m] of the points from the surface.
+    """
+    A, _ = pull(maps, surface, pose, tolerance)
+    turn = _turn(surface, pose)
+    others = np.linalg.svd(turn[None])[2][1:]
+    basis = np.column_stack([turn, others.T])
+    damped = A + (DAMPING * np.trace(A) / 6 + 1e-9) * np.eye(6)
+    return deviation * float(np.sqrt(np.linalg.inv(basis.T @ damped @ basis)[0, 0]))
+
+
+def _turn(surface: PartSurface, pose: Floats) -> Floats:
+    """The motion (6,) [m] of one radian about the near-symmetry axis."""
+    assert surface.symmetry.axis is not None
+    point, direction = surface.symmetry.axis
+    axis = pose[:3, :3] @ direction
+    arm = pose[:3, :3] @ (surface.middle - point)
+    return np.concatenate([axis * surface.diameter / 2, np.cross(axis, arm)])

@@ -1,0 +1,251 @@
+"""What a pose predicts the scanner to see, pixel by pixel, held against what it saw."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numba import njit
+
+from workbench.model.geometry import Floats, frozen, put
+from workbench.perception.localization.maps import DepthMap
+from workbench.perception.localization.part_surface import PartSurface
+from workbench.perception.localization.registration import transformed
+from workbench.perception.views.rendering import rendered
+
+AGREEING = 0.5
+"""Cosine between predicted and measured normal above which a pixel is explained."""
+
+AGAINST = 2.0
+"""What a pixel where the scan looks through the part counts against one that it explains."""
+
+EXPLAINED, VIOLATED, HIDDEN = 1, 2, 3
+"""What a pixel says of a pose; see `Sighting`."""
+
+SQUARES = 0
+"""Column of a tally that sums the squares of the distances of explained points; the others count
+the pixels of each state."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Sighting:
+    """The pixels (flat indices) in which a pose shows the part, sorted out.
+
+    `explained` are measured on the predicted surface, `off` (n,) [m] from it, along its
+    normal; `violated` are measured behind it, so that the part cannot be there; `hidden` are
+    measured in front of it, or not at all.
+    """
+
+    explained: np.ndarray
+    off: Floats
+    violated: np.ndarray
+    hidden: np.ndarray
+
+    def __post_init__(self) -> None:
+        put(
+            self,
+            explained=frozen(self.explained, np.int64),
+            off=frozen(self.off),
+            violated=frozen(self.violated, np.int64),
+            hidden=frozen(self.hidden, np.int64),
+        )
+
+    @property
+    def shown(self) -> int:
+        """Pixels in which the pose shows the part, if nothing were in the way."""
+        return len(self.explained) + len(self.violated) + len(self.hidden)
+
+    @property
+    def visible(self) -> float:
+        """Share of the surface facing the scanner that was seen, 0..1."""
+        return len(self.explained) / max(self.shown, 1)
+
+    @property
+    def gain(self) -> float:
+        """Pixels that speak for the pose less those that speak against it."""
+        return len(self.explained) - AGAINST * len(self.violated)
+
+    @property
+    def score(self) -> float:
+        """The gain over all pixels that the pose shows, 0..1."""
+        return max(self.gain, 0.0) / max(self.shown, 1)
+
+
+def look(maps: DepthMap, surface: PartSurface, pose: Floats, tolerance: float) -> Sighting:
+    """Render the part at `pose` (4, 4) in the scanner's frame, and compare pixel by pixel.
+
+    Args:
+        maps: the scan.
+        surface: the part.
+        pose: where it is thought to be.
+        tolerance: [m] how far from the predicted surface a measured point may lie.
+    """
+    pixels, states, off = _look(*drawing(maps, surface, tolerance), np.ascontiguousarray(pose))
+    explained = states == EXPLAINED
+    return Sighting(
+        pixels[explained], off[explained], pixels[states == VIOLATED], pixels[states == HIDDEN]
+    )
+
+
+def tally(maps: DepthMap, surface: PartSurface, poses: Floats, tolerance: float) -> Floats:
+    """The same for many poses (k, 4, 4), counted only: (k, 4).
+
+    Columns are `EXPLAINED`, `VIOLATED`, `HIDDEN` [pixels], and `SQUARES`, the sum of the squares
+    of the distances of the explained points over the tolerance.
+    """
+    return _tally(*drawing(maps, surface, tolerance), np.ascontiguousarray(poses))
+
+
+def pull(
+    maps: DepthMap, surface: PartSurface, pose: Floats, tolerance: float
+) -> tuple[Floats, Floats]:
+    """How the explained points pull at the part: A x = b of a point-to-plane fit.
+
+    The unknowns x (6,) [m] are turns about the part's middle times its radius, and shifts.
+    Points count less the further they are off (Tukey's biweight).
+
+    Returns:
+        A (6, 6) and b (6,) [m].
+    """
+    centre = transformed(pose, surface.middle)
+    arguments = drawing(maps, surface, tolerance)
+    return pulled(*arguments, np.ascontiguousarray(pose), centre, surface.diameter / 2)
+
+
+def gains(tallies: Floats) -> Floats:
+    """`Sighting.gain` of each tally (k, 4)."""
+    return tallies[:, EXPLAINED] - AGAINST * tallies[:, VIOLATED]
+
+
+def closeness(tallies: Floats) -> Floats:
+    """The gains, with explained pixels counting less the further they are off, (k,)."""
+    return gains(tallies) - tallies[:, SQUARES]
+
+
+def drawing(maps: DepthMap, surface: PartSurface, tolerance: float) -> tuple[Any, ...]:
+    """What compiled code takes first to hold a pose against the scan."""
+    return (
+        maps.rays, maps.depth, maps.normals, maps.foreground, *maps.view,
+        surface.vertices, surface.triangles, surface.is_closed, tolerance,
+    )  # fmt: skip
+
+
+@njit(cache=True)
+def _look(
+    rays, depth, scan_normals, foreground, focal, column, row, vertices, triangles, is_closed,
+    tolerance, T,
+):  # fmt: skip  # pragma: no cover (compiled)
+    """Pixels (n,) that show the part, what each says, and how far off it is [m]."""
+    first_v, first_u, predicted, hit, normals = rendered(
+        T, vertices, triangles, is_closed, rays, focal, column, row
+    )
+    high, wide = predicted.shape
+    pixels = np.empty(high * wide, np.int64)
+    states = np.empty(high * wide, np.int8)
+    off = np.empty(high * wide)
+    n = 0
+    for j in range(high):
+        for i in range(wide):
+            if predicted[j, i] < np.inf:
+                v, u = first_v + j, first_u + i
+                pixels[n] = v * depth.shape[1] + u
+                states[n], off[n] = _says(
+                    rays, depth, scan_normals, foreground, v, u,
+                    predicted[j, i], normals, hit[j, i], tolerance,
+                )  # fmt: skip
+                n += 1
+    return pixels[:n], states[:n], off[:n]
+
+
+@njit(cache=True)
+def _tally(
+    rays, depth, scan_normals, foreground, focal, column, row, vertices, triangles, is_closed,
+    tolerance, poses,
+):  # fmt: skip  # pragma: no cover (compiled)
+    tallies = np.empty((len(poses), 4))
+    for k in range(len(poses)):
+        tally = counted(
+            rays, depth, scan_normals, foreground, focal, column, row, vertices, triangles,
+            is_closed, tolerance, poses[k],
+        )  # fmt: skip
+        for i in range(4):
+            tallies[k, i] = tally[i]
+    return tallies
+
+
+@njit(cache=True)
+def counted(
+    rays, depth, scan_normals, foreground, focal, column, row, vertices, triangles, is_closed,
+    tolerance, T,
+):  # fmt: skip  # pragma: no cover (compiled)
+    """The tally (4,) of one pose (4, 4)."""
+    tally = np.zeros(4)
+    first_v, first_u, predicted, hit, normals = rendered(
+        T, vertices, triangles, is_closed, rays, focal, column, row
+    )
+    for j in range(predicted.shape[0]):
+        for i in range(predicted.shape[1]):
+            if predicted[j, i] == np.inf:
+                continue
+            state, off = _says(
+                rays, depth, scan_normals, foreground, first_v + j, first_u + i,
+                predicted[j, i], normals, hit[j, i], tolerance,
+            )  # fmt: skip
+            tally[state] += 1.0
+            if state == EXPLAINED:
+                tally[SQUARES] += (off / tolerance) ** 2
+    return tally
+
+
+@njit(cache=True)
+def pulled(
+    rays, depth, scan_normals, foreground, focal, column, row, vertices, triangles, is_closed,
+    tolerance, T, centre, radius,
+):  # fmt: skip  # pragma: no cover (compiled)
+    """See `pull`; `centre` (3,) [m] is the part's middle, `radius` [m] its radius."""
+    A, b, x = np.zeros((6, 6)), np.zeros(6), np.empty(6)
+    first_v, first_u, predicted, hit, normals = rendered(
+        T, vertices, triangles, is_closed, rays, focal, column, row
+    )
+    for j in range(predicted.shape[0]):
+        for i in range(predicted.shape[1]):
+            if predicted[j, i] == np.inf:
+                continue
+            v, u = first_v + j, first_u + i
+            state, off = _says(
+                rays, depth, scan_normals, foreground, v, u,
+                predicted[j, i], normals, hit[j, i], tolerance,
+            )  # fmt: skip
+            if state != EXPLAINED:
+                continue
+            n0, n1, n2 = normals[hit[j, i], 0], normals[hit[j, i], 1], normals[hit[j, i], 2]
+            a0 = rays[v, u, 0] * depth[v, u] - centre[0]
+            a1 = rays[v, u, 1] * depth[v, u] - centre[1]
+            a2 = depth[v, u] - centre[2]
+            x[0], x[1] = (a1 * n2 - a2 * n1) / radius, (a2 * n0 - a0 * n2) / radius
+            x[2], x[3], x[4], x[5] = (a0 * n1 - a1 * n0) / radius, n0, n1, n2
+            weight = (1.0 - (off / tolerance) ** 2) ** 2
+            for k in range(6):
+                b[k] += weight * x[k] * off
+                for m in range(6):
+                    A[k, m] += weight * x[k] * x[m]
+    return A, b
+
+
+@njit(cache=True)
+def _says(
+    rays, depth, scan_normals, foreground, v, u, predicted, normals, hit, tolerance
+):  # pragma: no cover (compiled)
+    """What pixel (v, u) says, and how far off the surface its measurement is [m]."""
+    if depth[v, u] == 0.0:
+        return HIDDEN, 0.0
+    along, agreement = 0.0, 0.0
+    for i in range(3):
+        along += normals[hit, i] * rays[v, u, i]
+        agreement += normals[hit, i] * scan_normals[v, u, i]
+    # Along the normal, which faces the scanner; negative is behind the surface.
+    off = along * (depth[v, u] - predicted)
+    if off < -tolerance:
+        return VIOLATED, off
+    if off <= tolerance and foreground[v, u] and agreement > AGREEING:
+        return EXPLAINED, off
+    return HIDDEN, off

@@ -1,0 +1,116 @@
+"""Which points that nothing explains are something, and which a mistake of the scanner.
+
+A scanner decodes single pixels wrongly, and a pixel that lies half on one surface and half on the
+next measures something between the two.  Anything real is seen by several pixels side by side, so
+a point is believed when enough area was seen around it that is not such a mistake, and then what
+lies beside it is believed with it.
+"""
+
+import numpy as np
+import open3d as o3d
+
+from workbench.model.geometry import Bools, Floats
+from workbench.perception.scene.voxels import Blocks, Voxels
+from workbench.perception.views.surfaces import rays_of
+
+NARROWEST = 0.004
+"""[m] Of the blocks in which area is counted: with their neighbours they are three times that."""
+
+ENOUGH = 6e-6
+"""[m2] Area that is believed: a pin of 3 mm, if the scanner sees that fine."""
+
+FEWEST = 5
+"""Pixels that are believed, however large they are."""
+
+SURE = 0.6
+"""Share of a whole surface from which on nobody asks whether it is a mistake."""
+
+BESIDE = 1.5
+"""Pixels from a point to where the surfaces are that it may be mixed of."""
+
+FEW = 50
+"""Points from which nothing is told about a scan."""
+
+MOST = 50_000
+"""Points by which that is measured; of more of them every second, third, ... is left out."""
+
+A_CELL = 30
+"""Points in a cell of the grid by which their density is measured, on average."""
+
+_CLOCK = np.linspace(0.0, 2 * np.pi, 8, endpoint=False)
+
+
+def pixel_angle(points: Floats) -> float:
+    """The angle [rad] between neighbouring points, as the one in the middle of all sees it.
+
+    Args:
+        points: (n, 3) [m] in the scanner's frame, organised or not.
+    """
+    step = max(1, len(points) // MOST)
+    some = points[::step]
+    far = np.linalg.norm(some, axis=1)
+    some, far = some[far > 0], far[far > 0]
+    if len(some) < FEW:
+        return 0.0
+    ahead = np.mean(some / far[:, None], axis=0)
+    across = np.linalg.svd(ahead[None])[2][1:]
+    depth = some @ (ahead / np.linalg.norm(ahead))
+    is_ahead = depth > 0.1 * far
+    flat = (some[is_ahead] @ across.T) / depth[is_ahead, None]
+    low, high = np.quantile(flat, (0.02, 0.98), axis=0)
+    width, height = np.maximum(high - low, 1e-6)
+    size = float(np.sqrt(width * height * A_CELL / len(flat)))
+    rows = int(height / size) + 1
+    index = np.floor((flat[np.all((flat >= low) & (flat <= high), axis=1)] - low) / size)
+    place = index.astype(np.int64) @ np.array([rows, 1])
+    counts = np.bincount(place)
+    # By points, not by cells: empty edges of the picture do not make its middle less dense.
+    return size / float(np.sqrt(np.median(counts[place]) * step))
+
+
+def believed(
+    voxels: Voxels,
+    eye: Floats,
+    angle: float,
+    pitch: float,
+    known: o3d.t.geometry.RaycastingScene,
+) -> Bools:
+    """Which voxels (n,) hold something.
+
+    Args:
+        voxels: points that nothing explains.
+        eye: (3,) [m] where they were seen from.
+        angle: between pixels [rad].
+        pitch: between points on what the scanner looks at [m].
+        known: the surfaces that are known, in the frame of the voxels.
+    """
+    width = max(2, int(np.ceil(max(NARROWEST, 2 * pitch) / voxels.edge)))
+    blocks = Blocks(voxels, width)
+    seen = blocks.sums(voxels.counts)
+    area = max(pitch, 1e-6) ** 2
+    enough = max(FEWEST, ENOUGH / area)
+    whole = (3 * width * voxels.edge) ** 2 / area
+    weights = voxels.counts.copy()
+    # Alone they are too few even with their neighbours' help, or enough without asking.
+    doubtful = np.flatnonzero(seen < max(enough, SURE * whole))
+    mixed = _may_be_mixed(voxels.centres[doubtful], eye, angle, known)
+    weights[doubtful[mixed]] = 0
+    core = blocks.sums(weights) >= enough
+    return blocks.sums(core & (weights > 0)) > 0
+
+
+def _may_be_mixed(
+    points: Floats, eye: Floats, angle: float, known: o3d.t.geometry.RaycastingScene
+) -> Bools:
+    """Whether points (n, 3) lie between known surfaces that pixels beside them see, (n,)."""
+    if len(points) == 0:
+        return np.zeros(0, np.bool_)
+    ahead = points - eye
+    one = np.cross(ahead, np.eye(3)[np.argmin(np.abs(ahead), axis=1)])
+    one /= np.linalg.norm(one, axis=1)[:, None]
+    other = np.cross(ahead, one)  # as long as the way to the point
+    one *= np.linalg.norm(ahead, axis=1)[:, None]
+    spread = np.cos(_CLOCK)[:, None] * one[:, None] + np.sin(_CLOCK)[:, None] * other[:, None]
+    rays = rays_of(eye, (ahead[:, None] + BESIDE * angle * spread).reshape(-1, 3))
+    hits = known.cast_rays(rays, nthreads=1)["t_hit"].numpy().reshape(-1, len(_CLOCK))
+    return (hits.min(axis=1) < 1.0) & (hits.max(axis=1) > 1.0)

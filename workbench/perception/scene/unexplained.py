@@ -1,0 +1,157 @@
+"""What a scan shows that neither the cell nor the parts found explain: obstacles nobody modelled.
+
+Points near a known surface are explained by it.  What is left is counted in small cubes, so that
+the cost goes by how much there is to see and not by how finely it was seen; mistakes of the
+scanner are dropped (`spurious`), and the rest becomes a few upright boxes.  They reach down to the
+floor below: the scanner does not see what is underneath.
+"""
+
+import numpy as np
+import open3d as o3d
+import pinocchio as pin
+from numba import njit
+
+from workbench.model.cell import Cell
+from workbench.model.geometry import Box, Floats, Ints, Solid
+from workbench.model.reach import reach
+from workbench.model.scan import Detection, Obstacle, Scan
+from workbench.perception.scene.spurious import believed, pixel_angle
+from workbench.perception.scene.upright_boxes import upright_boxes
+from workbench.perception.scene.voxels import Voxels, counted
+from workbench.perception.views.surfaces import add_surface, surface_of
+
+TOLERANCE = 0.006
+"""[m] So far from a known surface a point still belongs to it: noise, and pose errors."""
+
+CUBE = 0.002
+"""[m] Edge of the cubes that points are counted in: a third of the tolerance."""
+
+NARROWEST = 0.006
+"""[m] Of the grid seen from above; a scan with wide pixels gets a wider one."""
+
+BETWEEN = 1.5
+"""Width of a grid cell over the distance of points: what lies between them is not seen."""
+
+FARTHEST = 20.0
+"""[m] No arm gets further, whatever the limits of its joints say."""
+
+OF_THE_CELL = -1
+UNEXPLAINED = -2
+
+
+def explained_by(cell: Cell, detections: tuple[Detection, ...], points: Floats) -> Ints:
+    """What each point (n, 3) [m] in the world belongs to, as integers (n,).
+
+    Returns:
+        The number of the detection, `OF_THE_CELL` for bin and fixtures, or `UNEXPLAINED`.
+    """
+    scene, owners = _known(cell, detections, pin.SE3.Identity())
+    return _owners(scene, owners, points)
+
+
+def unexplained(cell: Cell, scan: Scan, detections: tuple[Detection, ...]) -> tuple[Obstacle, ...]:
+    """Upright boxes around all within the robot's reach that nothing known explains.
+
+    Args:
+        cell: bin and fixtures; the robot is expected to be out of the picture.
+        scan: what was seen.
+        detections: the parts found in it.
+    """
+    T_bin_world = cell.bin.T_world_bin.inverse()
+    T_bin_scanner = T_bin_world * scan.T_world_scanner
+    centre = T_bin_world.act(cell.T_world_robot.translation)
+    radius = min(reach(cell), FARTHEST)
+    boxes = [(T_bin_world * T, solid.shape.size) for T, solid in _solids(cell) if _is_box(solid)]
+    Ts = np.array([T.inverse().homogeneous for T, _ in boxes])
+    halves = np.array([size / 2 for _, size in boxes])
+    states = _states(scan.points, T_bin_scanner.homogeneous, centre, radius, Ts, halves, TOLERANCE)
+    points = scan.points[states == _LEFT]
+    if len(points) == 0:
+        return ()
+    voxels = counted(points @ T_bin_scanner.rotation.T + T_bin_scanner.translation, CUBE)
+    scene, owners = _known(cell, detections, T_bin_world)
+    voxels = voxels.only(_owners(scene, owners, voxels.centres) == UNEXPLAINED)
+    if len(voxels.counts) == 0:
+        return ()
+    angle = pixel_angle(scan.points[states != _OUT_OF_REACH])
+    pitch = angle * float(np.linalg.norm(T_bin_scanner.translation))
+    voxels = voxels.only(believed(voxels, T_bin_scanner.translation, angle, pitch, scene))
+    return tuple(
+        Obstacle(cell.bin.T_world_bin * one.T_world_box, one.size)
+        for one in _boxes_around(voxels, pitch)
+    )
+
+
+def _boxes_around(voxels: Voxels, pitch: float) -> tuple[Obstacle, ...]:
+    """Boxes in the frame of the voxels, which hold all of them."""
+    many = int(np.ceil(max(NARROWEST, BETWEEN * pitch) / voxels.edge))
+    cells, place = np.unique(voxels.index[:, :2] // many, axis=0, return_inverse=True)
+    tops = np.full(len(cells), -np.inf)
+    np.maximum.at(tops, place.reshape(-1), (voxels.index[:, 2] + 1) * voxels.edge)
+    return upright_boxes(cells, tops, many * voxels.edge)
+
+
+def _solids(cell: Cell) -> list[tuple[pin.SE3, Solid]]:
+    """All that stands still, with its pose in the world."""
+    owners = [(cell.bin.T_world_bin, cell.bin.solids)]
+    owners += [(fixture.T_world_fixture, fixture.solids) for fixture in cell.fixtures]
+    return [(T * solid.T_owner_shape, solid) for T, solids in owners for solid in solids]
+
+
+def _is_box(solid: Solid) -> bool:
+    return isinstance(solid.shape, Box)
+
+
+def _known(
+    cell: Cell, detections: tuple[Detection, ...], T_frame_world: pin.SE3
+) -> tuple[o3d.t.geometry.RaycastingScene, Ints]:
+    """All known surfaces in some frame, and whose each is."""
+    scene = o3d.t.geometry.RaycastingScene(nthreads=1)
+    solids = _solids(cell)
+    for T, solid in solids:
+        add_surface(scene, surface_of(solid.shape), T_frame_world * T)
+    for detection in detections:
+        mesh = cell.part(detection.part).mesh
+        add_surface(scene, surface_of(mesh), T_frame_world * detection.T_world_part)
+    return scene, np.array([OF_THE_CELL] * len(solids) + list(range(len(detections))))
+
+
+def _owners(scene: o3d.t.geometry.RaycastingScene, owners: Ints, points: Floats) -> Ints:
+    """Whose the surface near each point (n, 3) is, `UNEXPLAINED` where none is, (n,)."""
+    queries = np.ascontiguousarray(points, dtype=np.float32)
+    nearest = scene.compute_closest_points(o3d.core.Tensor(queries), nthreads=1)
+    away = np.linalg.norm(nearest["points"].numpy() - queries, axis=1)
+    found = owners[nearest["geometry_ids"].numpy().astype(np.int64)]
+    return np.where(away <= TOLERANCE, found, UNEXPLAINED)
+
+
+_OUT_OF_REACH, _EXPLAINED, _LEFT = 0, 1, 2
+
+
+@njit(cache=True)
+def _states(points, T, centre, radius, Ts, halves, tolerance):  # pragma: no cover (compiled)
+    """Which points (n, 3) are out of a ball, near the surface of a box, or neither, (n,).
+
+    A scan shows bin and table above all, and these are boxes: their distance is quickly told.
+    """
+    states = np.empty(len(points), np.uint8)
+    for k in range(len(points)):
+        a, b, c = points[k, 0], points[k, 1], points[k, 2]
+        x = T[0, 0] * a + T[0, 1] * b + T[0, 2] * c + T[0, 3]
+        y = T[1, 0] * a + T[1, 1] * b + T[1, 2] * c + T[1, 3]
+        z = T[2, 0] * a + T[2, 1] * b + T[2, 2] * c + T[2, 3]
+        states[k] = _LEFT
+        if not (x - centre[0]) ** 2 + (y - centre[1]) ** 2 + (z - centre[2]) ** 2 <= radius**2:
+            states[k] = _OUT_OF_REACH
+            continue
+        for i in range(len(Ts)):
+            deepest, outside = -np.inf, 0.0
+            for j in range(3):
+                B = Ts[i, j]
+                over = abs(B[0] * x + B[1] * y + B[2] * z + B[3]) - halves[i, j]
+                deepest = max(deepest, over)
+                outside += max(over, 0.0) ** 2
+            if -tolerance <= deepest and outside <= tolerance**2:
+                states[k] = _EXPLAINED
+                break
+    return states

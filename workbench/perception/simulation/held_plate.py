@@ -1,0 +1,144 @@
+"""A simulated scan of the robot that holds the reference plate over its bin.
+
+The piles that `synthesize` looks at have no robot in them; here it is the robot that is looked at.
+"""
+
+from collections.abc import Mapping
+
+import numpy as np
+import open3d as o3d
+import pinocchio as pin
+
+from workbench.model.calibration import BallPlate
+from workbench.model.cell import Cell
+from workbench.model.errors import InputError
+from workbench.model.geometry import Cylinder, Solid, Sphere
+from workbench.model.scan import Scan
+from workbench.perception.views.camera import Pinhole
+from workbench.perception.views.surfaces import add_solids, rays_of
+
+ROD = 0.002
+"""[m] Radius of the rods that carry the balls."""
+
+GRAZING = 0.26
+"""Cosine of incidence below which nothing is measured."""
+
+LOST = 0.02
+"""Share of pixels that fail."""
+
+OFFSET, HEIGHT = 0.11, -0.06
+"""[m] In the simulation the plate is held beside the tool, along x of the TCP, and above it."""
+
+
+def held_pose(plate: BallPlate) -> pin.SE3:
+    """`T_tcp_plate` of the simulation: beside the tool, where it hides no ball from above."""
+    middle = plate.centres.mean(axis=0)
+    return pin.SE3(np.eye(3), np.array([OFFSET, -middle[1], HEIGHT]))
+
+
+def plate_solids(plate: BallPlate) -> tuple[Solid, ...]:
+    """The balls, and rods between them and to the tool, in the plate's frame."""
+    centres = plate.centres
+    solids = [
+        Solid(f"ball_{k + 1}", Sphere(plate.radius), pin.SE3(np.eye(3), centre))
+        for k, centre in enumerate(centres)
+    ]
+    ends = [(centres[0], centres[1]), (centres[1], centres[2]), (centres[2], centres[0])]
+    ends.append((centres[0], np.array([-OFFSET, centres.mean(axis=0)[1], 0.0])))
+    for k, (start, end) in enumerate(ends):
+        along = end - start
+        turn = pin.Quaternion.FromTwoVectors(np.array([0.0, 0.0, 1.0]), along).matrix()
+        rod = Cylinder(ROD, float(np.linalg.norm(along)))
+        solids.append(Solid(f"rod_{k + 1}", rod, pin.SE3(turn, (start + end) / 2)))
+    return tuple(solids)
+
+
+def scan_held_plate(
+    cell: Cell,
+    Ts_world_link: Mapping[str, pin.SE3],
+    arm: str,
+    plate: BallPlate,
+    *,
+    seed: int,
+    T_world_scanner: pin.SE3 | None = None,
+) -> Scan:
+    """What the scanner sees of robot, tools, plate, bin and fixtures.
+
+    Args:
+        cell: with the scanner.
+        Ts_world_link: where every link is.
+        arm: that holds the plate as `held_pose` says.
+        plate: the reference.
+        seed: of the noise.
+        T_world_scanner: where the scanner truly hangs; where the cell says when not given.
+
+    Raises:
+        InputError: nothing is within the scanner's range.
+    """
+    T_true = cell.scanner.T_world_scanner if T_world_scanner is None else T_world_scanner
+    scene = robot_scene(cell, Ts_world_link)
+    add_solids(scene, plate_solids(plate), _plate_of(cell, Ts_world_link, arm, plate))
+    add_solids(scene, cell.bin.solids, cell.bin.T_world_bin)
+    for fixture in cell.fixtures:
+        add_solids(scene, fixture.solids, fixture.T_world_fixture)
+    mount = cell.scanner
+    rays = Pinhole.of_scanner(mount).rays().reshape(-1, 3)
+    directions = rays @ T_true.rotation.T
+    hits = scene.cast_rays(rays_of(T_true.translation, directions))
+    depth = hits["t_hit"].numpy().astype(np.float64)
+    normals = hits["primitive_normals"].numpy()
+    cosine = np.abs(np.sum(normals * directions, axis=1)) / np.linalg.norm(directions, axis=1)
+    generator = np.random.default_rng(seed)
+    seen = np.isfinite(depth) & (cosine > GRAZING) & (generator.random(len(depth)) > LOST)
+    seen &= (depth > mount.near) & (depth < mount.far)
+    pixels = np.flatnonzero(seen)
+    if len(pixels) == 0:
+        raise InputError(f"the scanner of cell {cell.name} sees nothing within its range")
+    deviation = mount.depth_noise * depth[pixels] ** 2 / cosine[pixels]
+    depth = depth[pixels] + deviation * generator.standard_normal(len(pixels))
+    return Scan(rays[pixels] * depth[:, None], T_true, "simulated", pixels, mount.resolution)
+
+
+def is_plate_in_sight(
+    cell: Cell, Ts_world_link: Mapping[str, pin.SE3], arm: str, plate: BallPlate
+) -> bool:
+    """Whether all three balls lie inside the scanner's picture and nothing of the robot hides them.
+
+    Each ball is looked at in its middle and at four places around it.
+    """
+    T_world_plate = _plate_of(cell, Ts_world_link, arm, plate)
+    T_scanner_plate = cell.scanner.T_world_scanner.actInv(T_world_plate)
+    around = (
+        0.8 * plate.radius * np.array([[0, 0, 0], [1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0]])
+    )
+    centres = plate.centres @ T_scanner_plate.rotation.T + T_scanner_plate.translation
+    points = (centres[:, None] + around).reshape(-1, 3)
+    camera = Pinhole.of_scanner(cell.scanner)
+    pixels = points[:, :2] / points[:, 2:] * camera.focal + camera.centre
+    rows, columns = camera.shape
+    is_inside = (pixels >= 0).all() and (pixels < (columns, rows)).all()
+    if not is_inside or points[:, 2].min() < cell.scanner.near + plate.radius:
+        return False
+    T = cell.scanner.T_world_scanner
+    directions = points @ T.rotation.T
+    hits = robot_scene(cell, Ts_world_link).cast_rays(rays_of(T.translation, directions))
+    # A direction is as long as the way to its point: 1 is there.
+    return bool((hits["t_hit"].numpy() > 1.0).all())
+
+
+def _plate_of(
+    cell: Cell, Ts_world_link: Mapping[str, pin.SE3], arm: str, plate: BallPlate
+) -> pin.SE3:
+    holder = cell.arm(arm)
+    return Ts_world_link[holder.flange] * holder.tool.T_flange_tcp * held_pose(plate)
+
+
+def robot_scene(cell: Cell, Ts_world_link: Mapping[str, pin.SE3]) -> o3d.t.geometry.RaycastingScene:
+    """The robot and its tools, fingers closed."""
+    scene = o3d.t.geometry.RaycastingScene()
+    for link in cell.robot.links:
+        add_solids(scene, link.visual or link.collision, Ts_world_link[link.name])
+    for arm in cell.arms:
+        solids = (*arm.tool.body, *(finger.solid for finger in arm.tool.fingers))
+        add_solids(scene, solids, Ts_world_link[arm.flange])
+    return scene

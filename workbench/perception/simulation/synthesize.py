@@ -1,0 +1,117 @@
+"""A scan of a known scene: what a structured-light scanner would have measured."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import open3d as o3d
+import pinocchio as pin
+
+from workbench.model.cell import Cell
+from workbench.model.errors import InputError
+from workbench.model.geometry import Floats
+from workbench.model.scan import Detection, Scan
+from workbench.perception.simulation.scan_noise import FINE, NoiseModel, noisy
+from workbench.perception.views.camera import Pinhole
+from workbench.perception.views.surfaces import add_solids, add_surface, rays_of, surface_of
+
+LIT = 0.9995
+"""Share of the way from projector to surface that must be free, short of the surface itself."""
+
+
+def synthesize(
+    cell: Cell,
+    truth: Sequence[Detection],
+    *,
+    seed: int,
+    noise: NoiseModel = FINE,
+) -> Scan:
+    """The organised cloud of the parts in their bin, seen by the cell's scanner.
+
+    Rays through all pixels meet parts, bin and fixtures (the robot waits outside the view).  What
+    the projector, beside the camera, does not light is not measured: the shadows of stereo.  How
+    the rest is measured is told in `scan_noise`.
+
+    Args:
+        cell: bin, fixtures, parts and scanner.
+        truth: the parts that lie there; may be empty.
+        seed: of noise and failures.
+        noise: the build of scanner; the mount's `depth_noise` says how large its deviation is.
+
+    Raises:
+        InputError: a part that the cell does not know, or nothing within the scanner's range.
+    """
+    scene = _scene(cell, truth)
+    camera = Pinhole.of_scanner(cell.scanner)
+    rays = camera.rays().reshape(-1, 3)
+    depth, cosine = _cast(scene, rays, cell.scanner.T_world_scanner, noise.baseline)
+    generator = np.random.default_rng(seed)
+    deviation = cell.scanner.depth_noise
+    image = (depth.reshape(camera.shape), cosine.reshape(camera.shape))
+    depth = noisy(*image, deviation, noise, generator).ravel()
+    measured = (depth >= cell.scanner.near) & (depth <= cell.scanner.far)
+    pixels = np.flatnonzero(measured)
+    if len(pixels) == 0:
+        raise InputError(
+            f"the scanner of cell {cell.name} sees nothing between {cell.scanner.near:g} m "
+            f"and {cell.scanner.far:g} m; look at its position, near and far"
+        )
+    return Scan(
+        points=rays[pixels] * depth[pixels, None],
+        T_world_scanner=cell.scanner.T_world_scanner,
+        source="simulated",
+        pixels=pixels,
+        resolution=cell.scanner.resolution,
+    )
+
+
+def visible_shares(cell: Cell, truth: Sequence[Detection]) -> tuple[float, ...]:
+    """How much of each part the camera sees of what it would see were the part alone, 0..1."""
+    camera = Pinhole.of_scanner(cell.scanner)
+    directions = camera.rays().reshape(-1, 3) @ cell.scanner.T_world_scanner.rotation.T
+    rays = rays_of(cell.scanner.T_world_scanner.translation, directions)
+    hit = _scene(cell, truth).cast_rays(rays)["geometry_ids"].numpy()
+    shares: list[float] = []
+    for number, one in enumerate(truth):
+        alone = o3d.t.geometry.RaycastingScene()
+        add_surface(alone, surface_of(cell.part(one.part).mesh), one.T_world_part)
+        shown = int(np.count_nonzero(np.isfinite(alone.cast_rays(rays)["t_hit"].numpy())))
+        shares.append(np.count_nonzero(hit == number) / shown if shown else 0.0)
+    return tuple(shares)
+
+
+def _scene(cell: Cell, truth: Sequence[Detection]) -> o3d.t.geometry.RaycastingScene:
+    """All that stands still, after the parts in their order."""
+    scene = o3d.t.geometry.RaycastingScene()
+    surfaces = {name: surface_of(cell.part(name).mesh) for name in {one.part for one in truth}}
+    for one in truth:
+        add_surface(scene, surfaces[one.part], one.T_world_part)
+    add_solids(scene, cell.bin.solids, cell.bin.T_world_bin)
+    for fixture in cell.fixtures:
+        add_solids(scene, fixture.solids, fixture.T_world_fixture)
+    return scene
+
+
+def _cast(
+    scene: o3d.t.geometry.RaycastingScene, rays: Floats, T_world_scanner: pin.SE3, baseline: float
+) -> tuple[Floats, Floats]:
+    """Depth along z (infinite where nothing is hit) and cosine of incidence, each (n,).
+
+    The cosine is the smaller one of camera and projector, and zero where the projector's light is
+    blocked or falls on the back.
+    """
+    directions = rays @ T_world_scanner.rotation.T
+    hits = scene.cast_rays(rays_of(T_world_scanner.translation, directions))
+    depth = hits["t_hit"].numpy().astype(np.float64)
+    normals = hits["primitive_normals"].numpy().astype(np.float64)
+    seen = np.sum(normals * directions, axis=1)
+    # Normals look at the camera, whichever way round the triangle was written.
+    normals *= -np.sign(seen)[:, None]
+    cosine = np.abs(seen) / np.linalg.norm(directions, axis=1)
+
+    hit = np.flatnonzero(np.isfinite(depth))
+    projector = T_world_scanner.act(np.array([baseline, 0.0, 0.0]))
+    beams = T_world_scanner.translation + depth[hit, None] * directions[hit] - projector
+    is_dark = scene.test_occlusions(rays_of(projector, beams), tfar=LIT).numpy()
+    lit = -np.sum(normals[hit] * beams, axis=1) / np.linalg.norm(beams, axis=1)
+    cosine[hit] = np.where(is_dark, 0.0, np.clip(lit, 0.0, cosine[hit]))
+    return depth, cosine

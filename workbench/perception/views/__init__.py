@@ -1,0 +1,4 @@
+"""What a camera would see of shapes: the pinhole, triangles, depth pictures.
+
+Imports nothing of perception.
+"""

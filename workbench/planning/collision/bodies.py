@@ -1,0 +1,313 @@
+"""The solids of a cell as Pinocchio and Coal know them, and the pairs that can meet."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Literal
+
+import coal
+import numpy as np
+import pinocchio as pin
+
+from workbench.model.cell import Cell
+from workbench.model.geometry import (
+    Bools,
+    Box,
+    Capsule,
+    Cylinder,
+    Floats,
+    Mesh,
+    Shape,
+    Solid,
+    Sphere,
+    frozen,
+)
+from workbench.model.scan import Detection, Obstacle
+from workbench.planning.collision.bounds import Boxes, box_of
+from workbench.planning.kinematics.robot import Kinematics
+
+BodyKind = Literal["link", "tool", "fixture", "bin", "part"]
+
+
+@dataclass(slots=True)
+class Body:
+    """One solid in the world.
+
+    `owner` is the link, the arm (tools), the fixture, or the number of the part; `arm` the
+    index of the arm that carries it, -1 when none does; `finger` the travel direction of a
+    finger in the frame of its joint, shape (3,).
+    """
+
+    label: str
+    kind: BodyKind
+    owner: str
+    arm: int
+    joint: int
+    T_joint_body: pin.SE3
+    shape: Shape
+    finger: Floats | None = None
+
+    @property
+    def is_loose(self) -> bool:
+        """Whether it is elsewhere in another phase: fingers open, parts are carried away."""
+        return self.kind == "part" or self.finger is not None
+
+
+def bodies_of(
+    cell: Cell,
+    kinematics: Kinematics,
+    detections: tuple[Detection, ...],
+    obstacles: tuple[Obstacle, ...],
+) -> list[Body]:
+    """All bodies: links, tools with fingers closed, fixtures, bin, parts found, obstacles seen."""
+    return [
+        *_link_bodies(cell, kinematics),
+        *_tool_bodies(cell, kinematics),
+        *still_bodies(cell, detections, obstacles),
+    ]
+
+
+def still_bodies(
+    cell: Cell, detections: tuple[Detection, ...], obstacles: tuple[Obstacle, ...]
+) -> list[Body]:
+    """What no arm carries: fixtures, bin, parts found, obstacles seen."""
+    bodies: list[Body] = []
+    for fixture in cell.fixtures:
+        for solid in fixture.solids:
+            bodies.append(
+                _still(solid, fixture.T_world_fixture, "fixture", fixture.name, solid.name)
+            )
+    for solid in cell.bin.solids:
+        bodies.append(_still(solid, cell.bin.T_world_bin, "bin", "bin", solid.name))
+    for number, detection in enumerate(detections):
+        for piece in cell.part(detection.part).pieces:
+            bodies.append(
+                _still(piece, detection.T_world_part, "part", str(number), part_label(number))
+            )
+    for number, obstacle in enumerate(obstacles):
+        label = obstacle_label(number)
+        bodies.append(
+            Body(label, "fixture", "seen", -1, 0, obstacle.T_world_box, Box(obstacle.size))
+        )
+    return bodies
+
+
+def obstacle_label(number: int) -> str:
+    """How people see an obstacle of the scan named, `number` counted from 0."""
+    return f"seen-{number + 1}"
+
+
+def part_label(number: int) -> str:
+    """How people see the part of detection `number` (counted from 0) named."""
+    return f"part-{number + 1}"
+
+
+def _still(solid: Solid, T_world_owner: pin.SE3, kind: BodyKind, owner: str, label: str) -> Body:
+    return Body(label, kind, owner, -1, 0, T_world_owner * solid.T_owner_shape, solid.shape)
+
+
+def _link_bodies(cell: Cell, kinematics: Kinematics) -> list[Body]:
+    carriers = arm_of_joint(cell, kinematics)
+    bodies: list[Body] = []
+    for link in cell.robot.links:
+        joint, T_joint_link = kinematics.frames[link.name]
+        for solid in link.collision:
+            carrier, T = _unturned(kinematics, joint, T_joint_link * solid.T_owner_shape, solid)
+            bodies.append(
+                Body(link.name, "link", link.name, carriers[joint], carrier, T, solid.shape)
+            )
+    return bodies
+
+
+def _unturned(
+    kinematics: Kinematics, joint: int, T_joint_body: pin.SE3, solid: Solid
+) -> tuple[int, pin.SE3]:
+    """The joint that really moves a body, and the body's pose in it.
+
+    A round solid on the axis of its own revolute joint fills the same space at every angle of
+    it: it hangs on the joint before.  Wrist flanges are such solids, and turning a wrist then
+    needs no finer checks because of them.
+    """
+    model = kinematics.model
+    if joint == 0 or not isinstance(solid.shape, Cylinder | Capsule):
+        return joint, T_joint_body
+    axis = kinematics.axes[joint]
+    z, p = T_joint_body.rotation[:, 2], T_joint_body.translation
+    if axis is None or np.linalg.norm(np.cross(axis, z)) > 1e-9:
+        return joint, T_joint_body
+    if np.linalg.norm(np.cross(axis, p)) > 1e-9:
+        return joint, T_joint_body
+    return int(model.parents[joint]), model.jointPlacements[joint] * T_joint_body
+
+
+def _tool_bodies(cell: Cell, kinematics: Kinematics) -> list[Body]:
+    bodies: list[Body] = []
+    for index, arm in enumerate(cell.arms):
+        joint, T_joint_flange = kinematics.frames[arm.flange]
+        for solid in arm.tool.body:
+            carrier, T = _unturned(kinematics, joint, T_joint_flange * solid.T_owner_shape, solid)
+            bodies.append(
+                Body(f"{arm.name} {solid.name}", "tool", arm.name, index, carrier, T, solid.shape)
+            )
+        for finger in arm.tool.fingers:
+            solid, label = finger.solid, f"{arm.name} {finger.solid.name}"
+            T = T_joint_flange * solid.T_owner_shape
+            direction = T_joint_flange.rotation @ finger.direction
+            bodies.append(Body(label, "tool", arm.name, index, joint, T, solid.shape, direction))
+    return bodies
+
+
+def arm_of_joint(cell: Cell, kinematics: Kinematics) -> list[int]:
+    """For every joint of the model the arm that it belongs to, -1 for the world."""
+    carriers = [-1] * kinematics.model.njoints
+    for index, arm in enumerate(cell.arms):
+        for name in arm.joints:
+            carriers[kinematics.model.getJointId(name)] = index
+    return carriers
+
+
+def pairs_of(cell: Cell, kinematics: Kinematics, bodies: list[Body]) -> Bools:
+    """Which bodies can meet in some phase, upper triangle (b, b); the rest is never looked at.
+
+    Left out: bodies of one link or tool, or on the same joint, pairs that the SRDF disables, and
+    still things among themselves, except parts, which may be carried.
+    """
+    owners = [_owner_of(body) for body in bodies]
+    number = {name: k for k, name in enumerate(dict.fromkeys(owners))}
+    owner = np.array([number[name] for name in owners])
+    disabled = np.zeros((len(number), len(number)), bool)
+    for pair in cell.robot.disabled_pairs:
+        a, b = (number.get(("robot", name)) for name in pair)
+        if a is not None and b is not None:
+            disabled[a, b] = disabled[b, a] = True
+    joint = np.array([body.joint for body in bodies])
+    part = np.array([int(body.owner) if body.kind == "part" else -1 for body in bodies])
+    meets = (joint[:, None] != joint) & (owner[:, None] != owner)
+    meets &= ~disabled[owner[:, None], owner]
+    is_part = part >= 0
+    meets |= is_part[:, None] | is_part
+    meets &= ~((part[:, None] == part) & is_part)
+    return np.triu(meets, 1)
+
+
+def _owner_of(body: Body) -> tuple[str, str]:
+    """What a body belongs to; links and tools by the names that an SRDF has for them.
+
+    A fixture may have the name of a link, and is something else all the same.
+    """
+    match body.kind:
+        case "link":
+            return "robot", body.owner
+        case "tool":
+            return "robot", f"{body.owner}_tool"
+        case "fixture" | "bin" | "part":
+            return body.kind, body.owner
+
+
+def _settle_box_size() -> None:
+    """Have Coal take every box as large as it is, whatever is asked of it first.
+
+    The first direction in which a process asks for a box's support decides, for good, whether
+    boxes count as 1 + 1e-10 times their size: so if one of its components is zero (Coal's
+    `getShapeSupport` of a box keeps that factor in a static).  Distances would then differ in
+    their last digits between processes that did different things before.
+    """
+    R = np.array([[0.36, 0.48, -0.8], [-0.8, 0.6, 0.0], [0.48, 0.64, 0.6]])
+    aslant = coal.Transform3s(R, np.array([0.01, 0.02, 0.03]))
+    coal.distance(
+        coal.Cylinder(0.02, 0.05),
+        aslant,
+        coal.Box(np.full(3, 0.1)),
+        coal.Transform3s(np.eye(3), np.zeros(3)),
+        coal.DistanceRequest(),
+        coal.DistanceResult(),
+    )
+
+
+_settle_box_size()
+
+
+@lru_cache(maxsize=4096)
+def coal_shape(shape: Shape) -> coal.CollisionGeometry:
+    """The Coal geometry of a shape; convex meshes become solid, others triangle trees.
+
+    Shapes never change and nor does what is made of them here: one serves all worlds.
+    """
+    match shape:
+        case Box():
+            return coal.Box(np.array(shape.size))
+        case Cylinder():
+            return coal.Cylinder(shape.radius, shape.length)
+        case Capsule():
+            return coal.Capsule(shape.radius, shape.length)
+        case Sphere():
+            return coal.Sphere(shape.radius)
+        case Mesh():
+            points = coal.StdVec_Vec3s()
+            for point in shape.points:
+                points.append(np.array(point))
+            triangles = coal.StdVec_Triangle()
+            for i, j, k in shape.triangles.tolist():
+                triangles.append(coal.Triangle(i, j, k))
+            if shape.is_convex:
+                return coal.Convex(points, triangles)
+            tree = coal.BVHModelOBBRSS()
+            tree.beginModel(len(shape.triangles), len(shape.points))
+            tree.addSubModel(points, triangles)
+            tree.endModel()
+            return tree
+
+
+def in_their_parts(bodies: Sequence[Body], detections: Sequence[Detection]) -> dict[int, pin.SE3]:
+    """By number, the poses of the pieces of parts in the frame of their part."""
+    return {
+        number: detections[int(body.owner)].T_world_part.actInv(body.T_joint_body)
+        for number, body in enumerate(bodies)
+        if body.kind == "part"
+    }
+
+
+def geometry_of(bodies: Sequence[Body]) -> pin.GeometryModel:
+    """The bodies where they are now, named by their numbers, without pairs."""
+    geometry = pin.GeometryModel()
+    for number, body in enumerate(bodies):
+        shape = coal_shape(body.shape)
+        geometry.addGeometryObject(
+            pin.GeometryObject(f"{number}", body.joint, body.T_joint_body, shape)
+        )
+    return geometry
+
+
+@lru_cache(maxsize=4096)
+def extent(shape: Shape) -> tuple[Floats, Floats, float]:
+    """Centre (3,) and half sizes (3,) of the shape's box in its frame, and the ball around it."""
+    zero = frozen(np.zeros(3))
+    match shape:
+        case Box():
+            half = frozen(np.asarray(shape.size) / 2)
+            return zero, half, float(np.linalg.norm(half))
+        case Sphere():
+            return zero, frozen(np.full(3, shape.radius)), shape.radius
+        case Cylinder():
+            half = frozen([shape.radius, shape.radius, shape.length / 2])
+            return zero, half, float(np.hypot(shape.radius, shape.length / 2))
+        case Capsule():
+            length = shape.length / 2 + shape.radius
+            return zero, frozen([shape.radius, shape.radius, length]), length
+        case Mesh():
+            centre, half = box_of(shape.points)
+            ball = np.linalg.norm(shape.points - centre, axis=1).max()
+            return frozen(centre), frozen(half), float(ball)
+
+
+def boxes_of(bodies: Sequence[Body]) -> Boxes:
+    """The boxes around all bodies, each in the frame of the joint that carries it."""
+    extents = [extent(body.shape) for body in bodies]
+    poses = [body.T_joint_body for body in bodies]
+    return Boxes(
+        joint=np.array([body.joint for body in bodies]),
+        R=np.array([T.rotation for T in poses]),
+        c=np.array([T.act(e[0]) for T, e in zip(poses, extents, strict=True)]),
+        half=np.array([half for _, half, _ in extents]),
+        radius=np.array([radius for _, _, radius in extents]),
+    )

@@ -1,0 +1,164 @@
+"""What the robot really does between waypoints, as curves, and the continuous check of them.
+
+The controller interpolates all joints of an arm linearly.  Either it stops at every waypoint, or
+it rounds the corners: within a `zone` (a fraction of the neighbouring segments) it follows a
+parabola that touches both.  So a motion is a chain of quadratic Bezier curves in joint space:
+straight pieces and corners.  A corner that the controller cannot round becomes a stop, so where
+corners are rounded the sharp ones are checked as well (`walked`).
+
+A curve is proven clear by halving: at its middle no pair may be closer than its margin plus
+the most that the rest of the curve can bring it nearer (`bounds`).  Where that cannot be told,
+each half is looked at.  Below `RESOLUTION` of motion a state counts as itself.
+"""
+
+from collections import deque
+from dataclasses import dataclass
+
+import numpy as np
+from numba import njit
+
+from workbench.model.geometry import Floats, Ints
+from workbench.planning.collision.contact import Contact
+from workbench.planning.collision.world import World
+
+RESOLUTION = 0.0005
+"""[m] Where a state is clear and no body moves further than this around it, it is not halved."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Curves:
+    """A chain of quadratic Bezier curves in joint space.
+
+    `points` (k, 3, n): control points of each; `waypoints` (k,): after which waypoint each lies.
+    """
+
+    points: Floats
+    waypoints: Ints
+
+
+def segment(start: Floats, end: Floats) -> Curves:
+    """The one straight curve between two configurations (n,)."""
+    return Curves(np.array([[start, (start + end) / 2, end]]), np.zeros(1, np.int64))
+
+
+def curves_of(path: Floats, zone: float) -> Curves:
+    """The curves that the controller makes of waypoints (m, n) with zones 0 <= zone < 0.5."""
+    steps = np.diff(path, axis=0)
+    starts, ends = path[:-1] + zone * steps, path[1:] - zone * steps
+    starts[0], ends[-1] = path[0], path[-1]
+    straight = np.stack([starts, (starts + ends) / 2, ends], axis=1)
+    if zone <= 0:
+        return Curves(straight, np.arange(len(steps)))
+    points = np.empty((2 * len(steps) - 1, *straight.shape[1:]))
+    points[::2] = straight
+    points[1::2] = np.stack([ends[:-1], path[1:-1], starts[1:]], axis=1)
+    return Curves(points, np.arange(len(points)) // 2)
+
+
+def walked(path: Floats, zone: float) -> Curves:
+    """All that the controller may make of waypoints (m, n), with a zone as in `curves_of`.
+
+    That is every straight way from waypoint to waypoint, where it stops or a zone cannot be done,
+    and every corner rounded.
+    """
+    sharp = curves_of(path, 0.0)
+    if zone <= 0:
+        return sharp
+    rounded = curves_of(path, zone)
+    points = rounded.points.copy()
+    points[::2] = sharp.points
+    return Curves(points, rounded.waypoints)
+
+
+@njit(cache=True)
+def halved(points: Floats) -> tuple[Floats, Floats, Floats, Floats]:
+    """Middle of a quadratic Bezier curve (3, n), the most any joint leaves it, and both halves."""
+    n = points.shape[1]
+    middle, span = np.empty(n), np.empty(n)
+    left, right = np.empty((3, n)), np.empty((3, n))
+    for i in range(n):
+        a, b, c = points[0, i], points[1, i], points[2, i]
+        m = (a + 2.0 * b + c) / 4.0
+        middle[i], span[i] = m, max(abs(a - m), abs(b - m), abs(c - m))
+        left[0, i], left[1, i], left[2, i] = a, (a + b) / 2.0, m
+        right[0, i], right[1, i], right[2, i] = m, (b + c) / 2.0, c
+    return middle, span, left, right
+
+
+def path_contact(
+    world: World,
+    columns: Ints,
+    base: Floats,
+    path: Floats,
+    zone: float,
+    resolution: float = RESOLUTION,
+    among: Ints | None = None,
+) -> tuple[Contact, Floats, int] | None:
+    """The first contact along waypoints (m, n) as executed; see `chain_contact`."""
+    return chain_contact(world, columns, base, walked(path, zone), resolution, among)
+
+
+def chain_contact(
+    world: World,
+    columns: Ints,
+    base: Floats,
+    curves: Curves,
+    resolution: float = RESOLUTION,
+    among: Ints | None = None,
+) -> tuple[Contact, Floats, int] | None:
+    """The first contact along a chain of curves of the joints `columns`, others at `base`.
+
+    Only the pairs `among` are looked at, all that count in the phase when it is None.
+
+    Returns:
+        The contact, the arm's configuration (n,) there, and the waypoint before it; None when
+        all of the chain is clear.
+    """
+    first = 0
+    while first < len(curves.points):
+        swept = world.sweep(curves.points[first:], columns, base, resolution, among)
+        stopped = first + swept.clear
+        measured = first
+        if len(swept.left):
+            rest = curves.points[first:stopped]
+            measured = stopped - world.parted(rest, columns, base, resolution, swept.left)
+        for k in range(first, measured):
+            found = _curve_contact(world, columns, base, curves.points[k], resolution, swept.left)
+            if found is not None:
+                return (*found, int(curves.waypoints[k]))
+        if stopped == len(curves.points):
+            return None
+        found = swept.met or _curve_contact(
+            world, columns, base, curves.points[stopped], resolution, among
+        )
+        if found is not None:
+            return (*found, int(curves.waypoints[stopped]))
+        first = stopped + 1
+    return None
+
+
+def _curve_contact(
+    world: World,
+    columns: Ints,
+    base: Floats,
+    points: Floats,
+    resolution: float,
+    among: Ints | None,
+) -> tuple[Contact, Floats] | None:
+    """The first contact along one curve (3, n), every state looked at by Coal."""
+    q, d = base.copy(), np.zeros(len(base))
+    # Breadth first: what is in the way is mostly met by the coarse looks already.  A pair that
+    # a look has cleared for the whole curve is not looked at again in its halves.
+    pending: deque[tuple[Floats, Ints | None]] = deque([(points, among)])
+    while pending:
+        points, left_open = pending.popleft()
+        middle, span, left, right = halved(points)
+        q[columns], d[columns] = middle, span
+        met, unclear, move = world.look(q, d, left_open)
+        if met is not None:
+            return met, middle
+        # Where the bound is finer than the resolution, what counts is the state itself.
+        if len(unclear) and move > resolution:
+            pending.append((left, unclear))
+            pending.append((right, unclear))
+    return None

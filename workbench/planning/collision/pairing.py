@@ -1,0 +1,223 @@
+"""Which pairs of bodies count in a phase, and what distance each must keep."""
+
+import threading
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+import pinocchio as pin
+
+from workbench.model.cell import Cell, Policy
+from workbench.model.geometry import Bools, Floats, Ints
+from workbench.planning.collision.bodies import Body, pairs_of
+from workbench.planning.kinematics.robot import Kinematics
+
+MOST_PAIRINGS = 16
+"""Kept for cells and numbers of parts that come again."""
+
+
+@dataclass(frozen=True, slots=True)
+class Phase:
+    """What is true during one leg.
+
+    `moving`: the arms that move.  `openings`: arm -> finger opening [m]; arms not named keep
+    their fingers closed.  `held`: arm -> (detection, `T_tcp_part`).  `placed`: arm -> (detection,
+    `T_tcp_part`, configuration (n,) [rad] in which it has let go of it); there the part stays.
+    `absent`: detections that are in none of these places.  `targets`: arm -> the part that its tool
+    is about to take.  `straight`: arms whose tool and held part may come as near as the policy's
+    `near_margin`.
+    """
+
+    moving: frozenset[str]
+    openings: Mapping[str, float] = field(default_factory=dict)
+    held: Mapping[str, tuple[int, pin.SE3]] = field(default_factory=dict)
+    placed: Mapping[str, tuple[int, pin.SE3, Floats]] = field(default_factory=dict)
+    absent: frozenset[int] = frozenset()
+    targets: Mapping[str, int] = field(default_factory=dict)
+    straight: frozenset[str] = frozenset()
+
+    @property
+    def key(self) -> tuple[object, ...]:
+        """What the pairs depend on: all but the numbers of the poses."""
+        holders = tuple(sorted((arm, number) for arm, (number, _) in self.held.items()))
+        placers = tuple(sorted((arm, number) for arm, (number, _, _) in self.placed.items()))
+        targets = tuple(sorted(self.targets.items()))
+        return (self.moving, holders, placers, self.absent, targets, self.straight)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Checks:
+    """The pairs of a phase.
+
+    `among` are the numbers of those that count.  For every pair there is its margin [m], the
+    arms that carry its bodies in `carriers` (pairs, 2), -1 where none does, and in `commons` the
+    deepest joint that carries both.  `lifts` tells whether one of them is a part that is being
+    lifted, `leaves` whether it is a part that has been placed and the other is of the arm that now
+    goes away from it, `placed` whether it is a placed part at all.
+    """
+
+    among: Ints
+    margins: Floats
+    carriers: Ints
+    commons: Ints
+    lifts: Bools
+    leaves: Bools
+    placed: Bools
+
+    @property
+    def own(self) -> Bools:
+        """Whether both bodies are of one arm."""
+        return (self.carriers[:, 0] == self.carriers[:, 1]) & (self.carriers[:, 0] >= 0)
+
+    @property
+    def may_begin_close(self) -> Bools:
+        """Pairs that may be closer than their margin where a leg begins; none of two arms."""
+        first, second = self.carriers.T
+        return (self.lifts | self.leaves) & ((first < 0) | (second < 0) | (first == second))
+
+    def at_start(self, pairs: Ints, distances: Floats, near: float, slack: float) -> Floats:
+        """The margins [m] of a leg for which pairs are as close as `distances` where it begins.
+
+        A part lies on the bin's floor and on other parts when it is taken: as it is lifted, its
+        margin to these is the distance there, less `slack`.  A hand that has let go of a part is
+        around it or on it: on its way out it keeps `near` to it as on any straight way, and where
+        it is closer already it may not come nearer.  `leaving.comes_back` says what follows.
+        """
+        # The margins of the phase serve others too; these are for this leg alone.
+        margins = np.where(self.leaves, np.minimum(self.margins, near), self.margins)
+        margins[pairs] = np.minimum(margins[pairs], distances - slack)
+        return margins
+
+    def alone(self, arm: int) -> Ints:
+        """The pairs that one arm has with itself and with what no arm carries."""
+        is_own = self.carriers[self.among] == arm
+        is_still = self.carriers[self.among] < 0
+        return self.among[is_own.any(axis=1) & (is_own | is_still).all(axis=1)]
+
+    def involving(self, arm: int) -> Ints:
+        """The pairs of which one body at least is carried by an arm."""
+        return self.among[(self.carriers[self.among] == arm).any(axis=1)]
+
+    def to_placed(self, arm: int) -> Ints:
+        """The pairs of an arm with parts that other arms have placed."""
+        among = self.involving(arm)
+        return among[self.placed[among] & ~self.leaves[among]]
+
+    def left_behind(self, arm: int) -> Ints:
+        """The pairs of an arm with the part that it has just let go of."""
+        among = self.involving(arm)
+        return among[self.leaves[among]]
+
+    def between(self) -> Ints:
+        """The pairs of bodies that different arms carry."""
+        first, second = self.carriers[self.among].T
+        return self.among[(first >= 0) & (second >= 0) & (first != second)]
+
+
+class Pairing:
+    """The rules by which pairs count, worked out once for each kind of phase.
+
+    Where the parts lie changes nothing in them, so worlds share it: see `pairing_of`.
+    """
+
+    def __init__(
+        self, cell: Cell, policy: Policy, kinematics: Kinematics, bodies: list[Body]
+    ) -> None:
+        self.meets = pairs_of(cell, kinematics, bodies)
+        self.first, self.second = np.nonzero(self.meets)
+        self._policy = policy
+        self._arm = {arm.name: index for index, arm in enumerate(cell.arms)}
+        flanges = {arm.flange: index for index, arm in enumerate(cell.arms)}
+        self._carrier = np.array([body.arm for body in bodies])
+        self._press = {arm.name: 0.0 if arm.tool.fingers else arm.tool.press for arm in cell.arms}
+        self._tool = np.array([body.kind == "tool" for body in bodies])
+        self._part = np.array([int(b.owner) if b.kind == "part" else -1 for b in bodies])
+        self._hand = np.array(
+            [body.arm if body.kind == "tool" else flanges.get(body.owner, -1) for body in bodies]
+        )
+        parents = list(kinematics.model.parents)
+        self._ancestors = np.zeros((len(parents), len(parents)), bool)
+        for j in range(1, len(parents)):
+            self._ancestors[j] = self._ancestors[parents[j]]
+            self._ancestors[j, j] = True
+        self._known: dict[tuple[object, ...], Checks] = {}
+
+    def checks(self, phase: Phase, joint: Ints) -> Checks:
+        """The pairs of a phase.
+
+        Args:
+            phase: what is true.
+            joint: which joint carries each body in it (b,).
+        """
+        if phase.key not in self._known:
+            self._known[phase.key] = self._checks(phase, joint)
+        return self._known[phase.key]
+
+    def _checks(self, phase: Phase, joint: Ints) -> Checks:
+        a, b = self.first, self.second
+        moving = [self._arm[name] for name in phase.moving]
+        held = np.full(len(self._carrier), -1)
+        for name, (number, _) in phase.held.items():
+            held[self._part == number] = self._arm[name]
+        carrier = np.where(held >= 0, held, self._carrier)
+        gone = np.isin(self._part, list(phase.absent))
+        moves = np.isin(carrier, moving)
+        # A part in the hand touches the tool and the flange, and stays with them.
+        in_hand = ((held[a] >= 0) & (held[a] == self._hand[b])) | (
+            (held[b] >= 0) & (held[b] == self._hand[a])
+        )
+        one_piece = (held[a] >= 0) & (held[a] == held[b])
+        counts = (moves[a] | moves[b]) & ~in_hand & ~one_piece & ~gone[a] & ~gone[b]
+        own = (carrier[a] == carrier[b]) & (carrier[a] >= 0)
+        margins = np.full(len(a), self._policy.margin)
+        margins[own] = self._policy.self_margin
+        if phase.straight:
+            straight = np.isin(carrier, [self._arm[name] for name in phase.straight])
+            works = (self._tool | (held >= 0)) & straight
+            still = carrier < 0
+            margins[(works[a] & still[b]) | (works[b] & still[a])] = self._policy.near_margin
+            for name, number in phase.targets.items():
+                tool = self._tool & (self._carrier == self._arm[name])
+                target = self._part == number
+                margins[(tool[a] & target[b]) | (tool[b] & target[a])] = -self._press[name]
+        both = self._ancestors[joint[a]] & self._ancestors[joint[b]]
+        commons = np.where(both, np.arange(both.shape[1]), 0).max(axis=1)
+        carriers = np.stack([carrier[a], carrier[b]], axis=1)
+        lifted = (held >= 0) & np.isin(held, [self._arm[name] for name in phase.straight])
+        # Who has placed each body, -1 for all but parts that lie where an arm has put them.
+        placer = np.full(len(self._carrier), -1)
+        for name, (number, _, _) in phase.placed.items():
+            placer[self._part == number] = self._arm[name]
+        is_left = np.isin(placer, moving)
+        leaves = (is_left[a] & (carrier[b] == placer[a])) | (is_left[b] & (carrier[a] == placer[b]))
+        return Checks(
+            np.flatnonzero(counts),
+            margins,
+            carriers,
+            commons,
+            lifted[a] | lifted[b],
+            leaves,
+            (placer[a] >= 0) | (placer[b] >= 0),
+        )
+
+
+_PAIRINGS: dict[tuple[str, Policy, tuple[str, ...], int], Pairing] = {}
+_CHANGES = threading.Lock()
+
+
+def pairing_of(
+    cell: Cell, policy: Policy, parts: tuple[str, ...], kinematics: Kinematics, bodies: list[Body]
+) -> Pairing:
+    """The pairing of all worlds of this cell with found parts of these names, in this order.
+
+    Worlds with as many bodies differ in nothing that counts here.
+
+    Concurrency: any thread; several of them make worlds for the page.
+    """
+    key = (cell.digest, policy, parts, len(bodies))
+    with _CHANGES:
+        if key not in _PAIRINGS:
+            while len(_PAIRINGS) >= MOST_PAIRINGS:
+                del _PAIRINGS[next(iter(_PAIRINGS))]
+            _PAIRINGS[key] = Pairing(cell, policy, kinematics, bodies)
+        return _PAIRINGS[key]

@@ -1,0 +1,404 @@
+"""The world of one scan: one collision model whose attachments and margins change by phase."""
+
+import math
+from collections.abc import Generator, Mapping
+from contextlib import contextmanager
+from dataclasses import replace
+
+import numpy as np
+import pinocchio as pin
+
+from workbench.model.cell import Arm, Cell, Policy
+from workbench.model.geometry import Floats, Ints, Shape
+from workbench.model.scan import Detection, Obstacle
+from workbench.planning.collision.bodies import (
+    bodies_of,
+    boxes_of,
+    extent,
+    geometry_of,
+    in_their_parts,
+)
+from workbench.planning.collision.bounds import close_pairs
+from workbench.planning.collision.contact import Contact, Swept
+from workbench.planning.collision.gjk import cores_of
+from workbench.planning.collision.pairing import Phase, pairing_of
+from workbench.planning.collision.sweep import Model, swept
+from workbench.planning.kinematics.chain import Chain, chain_of
+from workbench.planning.kinematics.robot import Kinematics
+
+LOOSENESS = 0.03
+"""[m] By about this much the lower bound of a distance falls short; only a matter of speed."""
+
+
+AT_REST = "at rest"
+"""Where `World` has placed a part that no hand holds."""
+
+
+class World:
+    """The cell with the parts found, ready to answer "how close?" for any configuration.
+
+    `deadline` [s], on the clock of `working_time`, is when searches in it give up.
+
+    Lifetime: as long as cell and detections; `enter` changes what is attached, nothing is rebuilt.
+    Concurrency: one thread at a time.
+    """
+
+    def __init__(
+        self,
+        cell: Cell,
+        detections: tuple[Detection, ...],
+        obstacles: tuple[Obstacle, ...] = (),
+        policy: Policy | None = None,
+        *,
+        by_coal: bool = False,
+    ) -> None:
+        """The cell with those parts in it.
+
+        Args:
+            cell: as it is.
+            detections: the parts found.
+            obstacles: what the scan shows beside them.
+            policy: by which to plan, where a request differs from the cell; how far corners are
+                rounded is a matter of the cell alone.
+            by_coal: measure every distance with Coal, as a proof does; otherwise curves are
+                checked by our own compiled search, which is some times as fast.
+        """
+        self.cell = cell
+        self.policy = replace(cell.policy if policy is None else policy, zone=cell.zone)
+        self.detections = detections
+        self.obstacles = obstacles
+        self.kinematics = Kinematics(cell)
+        self.chains: dict[str, Chain] = {arm.name: chain_of(cell, arm) for arm in cell.arms}
+        self.checks = 0
+        self.deadline = math.inf
+        self._by_coal = by_coal
+        self._arm_index = {arm.name: index for index, arm in enumerate(cell.arms)}
+        self._bodies = bodies_of(cell, self.kinematics, detections, obstacles)
+        self._geometry = geometry_of(self._bodies)
+        self._T_part_piece = in_their_parts(self._bodies, detections)
+        self._loose = [g for g, body in enumerate(self._bodies) if body.is_loose]
+        self._centre = np.array([extent(body.shape)[0] for body in self._bodies])
+        self._boxes = boxes_of(self._bodies)
+        self._still = np.zeros(self.kinematics.model.nq)
+        self._placed: dict[int, float | str | None] = {}
+        self._make_pairs()
+        self.enter(Phase(frozenset(arm.name for arm in cell.arms)))
+
+    # -- what is where ---------------------------------------------------------------------
+
+    def arm(self, name: str) -> Arm:
+        """The arm of that name."""
+        return self.cell.arm(name)
+
+    def enter(self, phase: Phase) -> None:
+        """Attach, release and set margins for a leg."""
+        holders = {number: arm for arm, (number, _) in phase.held.items()}
+        lying = {
+            number: self.chains[arm].pose(q) * T_tcp_part
+            for arm, (number, T_tcp_part, q) in phase.placed.items()
+        }
+        for g in self._loose:
+            body = self._bodies[g]
+            if body.finger is not None:
+                opening = phase.openings.get(body.owner, 0.0)
+                if self._placed.get(g) != opening:
+                    T = body.T_joint_body.copy()
+                    T.translation += opening / 2 * body.finger
+                    self._place(g, body.joint, T)
+                    self._placed[g] = opening
+            elif int(body.owner) in holders:
+                arm = self.arm(holders[int(body.owner)])
+                joint, T_joint_flange = self.kinematics.frames[arm.flange]
+                T_tcp_body = phase.held[arm.name][1] * self._T_part_piece[g]
+                self._place(g, joint, T_joint_flange * arm.tool.T_flange_tcp * T_tcp_body)
+                self._placed[g] = None
+            elif int(body.owner) in lying:
+                self._place(g, 0, lying[int(body.owner)] * self._T_part_piece[g])
+                self._placed[g] = None
+            elif self._placed.get(g) != AT_REST:
+                self._place(g, 0, body.T_joint_body)
+                self._placed[g] = AT_REST
+        self._checks = self._pairing.checks(phase, self._boxes.joint)
+        self._own = self._checks.own
+        self._use(self._checks.margins)
+
+    def _use(self, margins: Floats) -> None:
+        self._margins = margins
+        self._split = self._split_of(self._checks.among)
+
+    def _split_of(self, among: Ints) -> tuple[Ints, Ints]:
+        """The pairs that compiled code can tell apart, and the others.
+
+        Parts that may stay in touch are measured: how deep they are is not searched for there.
+        """
+        is_easy = (self._margins[among] >= 0.0) & self._is_easy[among]
+        return among[is_easy], among[~is_easy]
+
+    def _place(self, g: int, joint: int, T: pin.SE3) -> None:
+        shape = self._geometry.geometryObjects[g]
+        shape.parentJoint = joint
+        shape.placement = T
+        boxes = self._boxes
+        boxes.joint[g] = joint
+        boxes.R[g] = T.rotation
+        boxes.c[g] = T.translation + T.rotation @ self._centre[g]
+
+    # -- questions -------------------------------------------------------------------------
+
+    def configuration(self, q: Mapping[str, Floats]) -> Floats:
+        """The whole configuration (nq,): named arms at `q` (n,), others at home."""
+        return self.kinematics.configuration(q)
+
+    def contact(self, q: Floats, among: Ints | None = None) -> Contact | None:
+        """The first pair, of those `among` if given, closer than its margin at q (nq,)."""
+        return self.look(q, self._still, among)[0]
+
+    def contacts(self, q: Floats) -> tuple[Contact, ...]:
+        """Every two bodies nearer than their margin at this whole configuration (nq,).
+
+        Of several pairs with the same two labels the nearest stands; the nearest pair comes first.
+        """
+        pairs, _, _ = self._close(q, self._still, 0.0, None)
+        found: dict[tuple[str, str], Contact] = {}
+        for k in pairs.tolist():
+            contact = self._contact_of(k, self._distance(k))
+            known = found.get(contact.pair)
+            if contact.distance < contact.margin and (
+                known is None or contact.distance < known.distance
+            ):
+                found[contact.pair] = contact
+        return tuple(sorted(found.values(), key=lambda contact: contact.distance))
+
+    def meets(self, q: Floats) -> bool:
+        """Whether different arms are too close to each other at this whole configuration (nq,)."""
+        return self.look(q, self._still, self.between())[0] is not None
+
+    def look(self, q: Floats, d: Floats, among: Ints | None) -> tuple[Contact | None, Ints, float]:
+        """What can be said about a motion from a look at its middle.
+
+        Args:
+            q: whole configuration (nq,) in the middle.
+            d: how far each joint may move from it (nq,).
+            among: pairs to look at, as a former look left them open; None for all.
+
+        Returns:
+            A contact at `q`, if there is one; otherwise the pairs that the motion might bring
+            closer than their margins, and the largest motion bound of those [m].
+        """
+        pairs, moves, lower = self._close(q, d, 0.0, among)
+        unclear: list[int] = []
+        furthest = 0.0
+        for k, move, bound in zip(pairs.tolist(), moves.tolist(), lower.tolist(), strict=True):
+            needed = self._margins[k]
+            # Certainly no contact now, and so long a way that measuring would hardly clear it.
+            hopeless = bound >= needed and bound < needed + move - LOOSENESS
+            if not hopeless:
+                distance = self._distance(k)
+                if distance < needed:
+                    return self._contact_of(k, distance), pairs, move
+                if distance >= needed + move:
+                    continue
+            unclear.append(k)
+            furthest = max(furthest, move)
+        return None, np.array(unclear, dtype=np.int64), furthest
+
+    def sweep(
+        self, points: Floats, columns: Ints, base: Floats, resolution: float, among: Ints | None
+    ) -> Swept:
+        """Check a chain of curves as far as compiled code can.
+
+        Args:
+            points: control points (k, 3, n) of the curves, of the joints `columns`.
+            columns: places of those joints in the whole configuration.
+            base: whole configuration (nq,) of the others.
+            resolution: [m] see `motion`.
+            among: pairs to look at; None for all.
+        """
+        if self._by_coal:
+            return Swept(len(points), None, self._checks.among if among is None else among)
+        commons = self._checks.commons
+        easy, others = self._split if among is None else self._split_of(among)
+        clear, pair, middle, looks = swept(
+            points, columns, base, resolution, easy, self._margins, commons, self._model
+        )
+        self.checks += looks
+        if pair < 0:
+            return Swept(clear, None, others)
+        q = base.copy()
+        q[columns] = middle
+        pin.updateGeometryPlacements(
+            self.kinematics.model, self.kinematics.data, self._geometry, self._data, q
+        )
+        return Swept(clear, (self._contact_of(pair, self._distance(pair)), middle), others)
+
+    def parted(
+        self, points: Floats, columns: Ints, base: Floats, resolution: float, among: Ints
+    ) -> int:
+        """How many curves at the end of a chain surely have no two bodies of `among` in touch.
+
+        A part that is lifted leaves what it lies on, so that only the first curves have to be
+        measured.  Arguments as those of `sweep`; 0 where compiled code cannot tell.
+        """
+        if self._by_coal or not self._is_easy[among].all():
+            return 0
+        backwards, margins = np.ascontiguousarray(points[::-1]), np.maximum(self._margins, 0.0)
+        commons = self._checks.commons
+        clear, _, _, looks = swept(
+            backwards, columns, base, resolution, among, margins, commons, self._model
+        )
+        self.checks += looks
+        return clear
+
+    def worst(self, q: Floats, reach: float) -> tuple[Contact | None, float]:
+        """The pair with the least room at `q` (nq,), and how much it has beyond its margin [m].
+
+        Pairs with more room than `reach` [m] are not looked at: None means at least that much.
+        """
+        pairs, _, lower = self._close(q, self._still, reach, None)
+        best: Contact | None = None
+        room = reach
+        for k, bound in zip(pairs.tolist(), lower.tolist(), strict=True):
+            needed = float(self._margins[k])
+            if bound - needed < room:
+                distance = self._distance(k)
+                if distance - needed < room:
+                    room, best = distance - needed, self._contact_of(k, distance)
+        return best, room
+
+    def clearance(
+        self, q: Floats, reach: float, among: Ints | None = None
+    ) -> tuple[float, tuple[str, str] | None]:
+        """The smallest distance of any active pair [m] up to `reach`, and which pair it is.
+
+        Links of one arm among themselves do not count: a wrist is always close to itself.
+        """
+        pairs, _, lower = self._close(q, self._still, reach, among)
+        best, at = reach, None
+        for k, bound in zip(pairs.tolist(), lower.tolist(), strict=True):
+            if bound < best and not self._own[k]:
+                distance = self._distance(k)
+                if distance < best:
+                    best, at = distance, self._labels(k)
+        return best, at
+
+    def nearest(self, q: Floats, among: Ints) -> Contact:
+        """The pair of `among` with the least room at `q` (nq,)."""
+        self._close(q, self._still, np.inf, among)
+        distances = [self._distance(k) for k in among.tolist()]
+        number = int(np.argmin(np.array(distances) - self._margins[among]))
+        return self._contact_of(int(among[number]), distances[number])
+
+    def alone(self, arm: str) -> Ints:
+        """Pairs of this phase that one arm has with itself and with what no arm carries."""
+        return self._checks.alone(self._arm_index[arm])
+
+    def involving(self, arm: str) -> Ints:
+        """Pairs of this phase of which one body at least is carried by an arm."""
+        return self._checks.involving(self._arm_index[arm])
+
+    def between(self) -> Ints:
+        """Pairs of this phase whose bodies different arms carry."""
+        return self._checks.between()
+
+    def to_placed(self, arm: str) -> Ints:
+        """Pairs of this phase of an arm with parts that other arms have placed."""
+        return self._checks.to_placed(self._arm_index[arm])
+
+    def left_behind(self, arm: str) -> Ints:
+        """Pairs of this phase of an arm with the part that it has just let go of."""
+        return self._checks.left_behind(self._arm_index[arm])
+
+    def between_hands(self) -> Ints:
+        """As `between`, without the pairs of two shoulders, which never come far apart.
+
+        A shoulder is what the first two joints of an arm carry.
+        """
+        joints = [self.kinematics.model.getJointId(j) for a in self.cell.arms for j in a.joints[:2]]
+        is_shoulder = np.isin(self._boxes.joint, joints)
+        among = self.between()
+        both = is_shoulder[self._pairing.first[among]] & is_shoulder[self._pairing.second[among]]
+        return among[~both]
+
+    def allow_start_contacts(self, q: Floats, slack: float = 0.0005) -> None:
+        """Let parts that touch something where a leg begins, at `q` (nq,), come away from it.
+
+        See `Checks.at_start`; `slack` [m] is for the lean of the lift.
+        """
+        pairs, _, _ = self._close(q, self._still, 0.0, None)
+        pairs = pairs[self._checks.may_begin_close[pairs]]
+        distances = np.array([self._distance(k) for k in pairs.tolist()])
+        self._use(self._checks.at_start(pairs, distances, self.policy.near_margin, slack))
+
+    @contextmanager
+    def at_full_margins(self, more: float = 0.0) -> Generator[None]:
+        """Within it nothing of `allow_start_contacts` holds; margins are larger by `more` [m]."""
+        allowed = self._margins
+        self._use(self._checks.margins + more if more else self._checks.margins)
+        try:
+            yield
+        finally:
+            self._use(allowed)
+
+    def placed(self, q: Floats, pair: tuple[str, str]) -> tuple[tuple[Shape, pin.SE3], ...]:
+        """The shapes of the bodies with these labels, with their poses in the world at `q` (nq,).
+
+        A label may stand for several bodies; an unknown one for none.
+        """
+        pin.updateGeometryPlacements(
+            self.kinematics.model, self.kinematics.data, self._geometry, self._data, q
+        )
+        return tuple(
+            (body.shape, pin.SE3(self._data.oMg[g]))
+            for g, body in enumerate(self._bodies)
+            if body.label in pair
+        )
+
+    # -- machinery -------------------------------------------------------------------------
+
+    def _close(
+        self, q: Floats, d: Floats, extra: float, among: Ints | None
+    ) -> tuple[Ints, Floats, Floats]:
+        """Pairs that may be closer than their margin and `extra`; see `close_pairs`.
+
+        What `_distance` measures is at `q` after it.
+        """
+        self.checks += 1
+        close = close_pairs(
+            self.kinematics.tree,
+            self._boxes,
+            q,
+            d,
+            self._pairing.first,
+            self._pairing.second,
+            self._checks.among if among is None else among,
+            self._margins,
+            self._checks.commons,
+            extra,
+        )
+        if len(close[0]):
+            pin.updateGeometryPlacements(
+                self.kinematics.model, self.kinematics.data, self._geometry, self._data, q
+            )
+        return close
+
+    def _distance(self, k: int) -> float:
+        return float(pin.computeDistance(self._geometry, self._data, k).min_distance)
+
+    def _labels(self, k: int) -> tuple[str, str]:
+        return (
+            self._bodies[self._pairing.first[k]].label,
+            self._bodies[self._pairing.second[k]].label,
+        )
+
+    def _contact_of(self, k: int, distance: float) -> Contact:
+        return Contact(self._labels(k), distance, float(self._margins[k]))
+
+    def _make_pairs(self) -> None:
+        parts = tuple(detection.part for detection in self.detections)
+        self._pairing = pairing_of(self.cell, self.policy, parts, self.kinematics, self._bodies)
+        self._geometry.setCollisionPairs(self._pairing.meets, True)
+        self._data = pin.GeometryData(self._geometry)
+        cores = cores_of([body.shape for body in self._bodies], self._centre)
+        first, second = self._pairing.first, self._pairing.second
+        self._is_easy = cores.known[first] & cores.known[second]
+        self._model = Model(self.kinematics.tree, self._boxes, first, second, cores)

@@ -1,0 +1,220 @@
+"""However a part lies in the bin: which of its grasps can take it, and where none can.
+
+The part is put into the bin in orientations spread evenly, at some places, alone.  A grasp works
+there when the tool by itself fits between the walls, on arrival and as closed, and the arm reaches
+it; whether the arm's links are clear, and a path leads there, is for planning to say.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import pinocchio as pin
+
+from workbench.model.cell import Cell
+from workbench.model.geometry import Floats, frozen, put
+from workbench.model.part import Part
+from workbench.planning.grasps.grasp_suggestions import Suggestion, suggest
+from workbench.planning.grasps.grasp_trial import Trial
+from workbench.planning.grasps.part_rays import NOTHING, first_hits, normals_of
+
+DIRECTIONS = 60
+"""Of the part that point up, spread over the sphere."""
+
+TURNS = 4
+"""Of the part about the vertical, for each of them."""
+
+PLACES = ((0.0, 0.0), (-0.25, -0.25), (0.25, 0.25))
+"""In the bin, as shares of its length and width from the middle."""
+
+REGION = np.deg2rad(35.0)
+"""Directions this near belong to one region of the sphere."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class MissingGrasp:
+    """Where a part cannot be taken, and what would help.
+
+    `direction` (3,) of the part points up there; `share` of the poses around it in which some grasp
+    works.  The ray down along it meets the part at `point` (3,) [m], on a face with `normal` (3,).
+    `suggestion` is a grasp that would work in `would_work` of those poses, None if none was found.
+    """
+
+    direction: Floats
+    share: float
+    point: Floats
+    normal: Floats
+    suggestion: Suggestion | None
+    arm: str
+    would_work: float
+
+    def __post_init__(self) -> None:
+        put(
+            self,
+            direction=frozen(self.direction),
+            point=frozen(self.point),
+            normal=frozen(self.normal),
+        )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Coverage:
+    """What the grasps of a part can do in a cell.
+
+    `directions` (n, 3): of the part, pointing up; `shares` (n,) of the poses with that direction
+    up in which any grasp works with any arm, `arm_shares` (n, a) with each arm.  `grasp_shares`
+    (g, a): of all poses, for each grasp of the library and arm.  `poses` is how many were looked
+    at; fewer when the search was ended.
+    """
+
+    part: str
+    arms: tuple[str, ...]
+    grasps: tuple[str, ...]
+    directions: Floats
+    shares: Floats
+    arm_shares: Floats
+    grasp_shares: Floats
+    poses: int
+    missing: MissingGrasp | None
+
+    def __post_init__(self) -> None:
+        put(
+            self,
+            directions=frozen(self.directions),
+            shares=frozen(self.shares),
+            arm_shares=frozen(self.arm_shares),
+            grasp_shares=frozen(self.grasp_shares),
+        )
+
+    @property
+    def share(self) -> float:
+        """Of all poses, those in which some grasp works."""
+        return float(self.shares.mean()) if len(self.shares) else 0.0
+
+
+def coverage(
+    cell: Cell,
+    part: Part,
+    *,
+    directions: int = DIRECTIONS,
+    turns: int = TURNS,
+    places: tuple[tuple[float, float], ...] = PLACES,
+    advise: bool = True,
+    report: Callable[[float, str], None] = lambda done, note: None,
+    cancelled: Callable[[], bool] = lambda: False,
+) -> Coverage:
+    """Try every grasp of a part in orientations spread evenly.
+
+    Args:
+        cell: whose bin and arms are used; the part need not be one of its parts.
+        part: with its grasps.
+        directions: of the part that point up.
+        turns: about the vertical, for each direction.
+        places: in the bin, as shares of its length and width from the middle.
+        advise: look for a grasp that would help where fewest work.
+        report: takes the share done and what is being done.
+        cancelled: True ends the search with what is known by then.
+    """
+    ups = spread(directions)
+    trial = Trial(cell, part)
+    grasps = part.library.grasps
+    usable = trial.usable(grasps)
+    poses = [trial.poses(up, k, turns, places) for k, up in enumerate(ups)]
+    # (directions, poses of each, grasps, arms)
+    works = np.zeros((len(ups), turns * len(places), len(grasps), len(cell.arms)), bool)
+    seen = np.zeros(len(ups), bool)
+    # In an order that jumps about, so that what is known early covers the sphere.
+    for done, k in enumerate(np.argsort(np.arange(len(ups)) * 0.6180339887 % 1.0).tolist()):
+        if cancelled():
+            break
+        report(0.9 * done / len(ups), f"{done} of {len(ups)} directions")
+        works[k] = trial.works(poses[k], grasps, usable)
+        seen[k] = True
+    works, ups = works[seen], ups[seen]
+    any_arm = np.any(works, axis=2)
+    shares = np.any(any_arm, axis=2).mean(axis=1) if len(ups) else np.empty(0)
+    missing = None
+    if advise and len(ups) and not cancelled():
+        report(0.9, "what to add")
+        missing = _missing(trial, ups, shares, [poses[k] for k in np.flatnonzero(seen)], cancelled)
+    return Coverage(
+        part.name,
+        tuple(arm.name for arm in cell.arms),
+        tuple(grasp.name for grasp in grasps),
+        ups,
+        shares,
+        any_arm.mean(axis=1) if len(ups) else np.empty((0, len(cell.arms))),
+        works.mean(axis=(0, 1)) if len(ups) else np.zeros(works.shape[2:]),
+        int(seen.sum()) * turns * len(places),
+        missing,
+    )
+
+
+def spread(count: int) -> Floats:
+    """Unit vectors (count, 3) spread evenly over the sphere: a Fibonacci spiral."""
+    k = np.arange(count) + 0.5
+    z = 1 - 2 * k / count
+    angle = np.pi * (1 + np.sqrt(5)) * k
+    radius = np.sqrt(1 - z * z)
+    return np.stack([radius * np.cos(angle), radius * np.sin(angle), z], axis=1)
+
+
+def _missing(
+    trial: Trial,
+    ups: Floats,
+    shares: Floats,
+    poses: list[list[pin.SE3]],
+    cancelled: Callable[[], bool],
+) -> MissingGrasp | None:
+    """The region in which fewest grasps work, and what would; None when all poses work."""
+    near = ups @ ups.T > np.cos(REGION)
+    around = (near @ shares) / near.sum(axis=1)
+    worst = int(np.argmin(np.round(around, 6)))
+    if around[worst] >= 1.0 - 1e-9:
+        return None
+    up = ups[worst]
+    point, normal = _top(trial.part, up)
+    wanting = np.flatnonzero(near[worst] & (shares < 1.0 - 1e-9))
+    there = [T for k in wanting.tolist() for T in poses[k]]
+    best, arm_name, best_share = _best_suggestion(trial, up, there, cancelled)
+    return MissingGrasp(up, float(around[worst]), point, normal, best, arm_name, best_share)
+
+
+def _top(part: Part, up: Floats) -> tuple[Floats, Floats]:
+    """What points up: where a ray down through the middle meets the part, and the normal there."""
+    middle = (part.mesh.points.min(axis=0) + part.mesh.points.max(axis=0)) / 2
+    far = 2 * float(np.linalg.norm(np.ptp(part.mesh.points, axis=0)))
+    start = middle + far * up
+    distances, met = first_hits(part.mesh, start[None], -up[None])
+    if met[0] == NOTHING:
+        # Through a gap or beside: the face that shows most of itself instead.
+        normals, areas = normals_of(part.mesh)
+        most = int(np.argmax(areas * (normals @ up)))
+        return part.mesh.points[part.mesh.triangles[most]].mean(axis=0), normals[most]
+    return start - distances[0] * up, normals_of(part.mesh)[0][met[0]]
+
+
+TRIED = 12
+"""Suggestions that are tried where a grasp is missing."""
+
+
+def _best_suggestion(
+    trial: Trial, up: Floats, poses: list[pin.SE3], cancelled: Callable[[], bool]
+) -> tuple[Suggestion | None, str, float]:
+    """The suggestion that works in most of the poses, with which arm, and in which share."""
+    best: tuple[Suggestion | None, str, float] = (None, "", 0.0)
+    of_tool: dict[str, tuple[Suggestion, ...]] = {}
+    for a, arm in enumerate(trial.cell.arms):
+        if arm.tool.name not in of_tool:
+            of_tool[arm.tool.name] = suggest(trial.part, arm.tool, most=60)
+        found = sorted(
+            of_tool[arm.tool.name], key=lambda one: float(one.grasp.T_part_tcp.rotation[:, 2] @ up)
+        )
+        for one in found[:TRIED]:
+            if cancelled():
+                return best
+            usable = np.arange(len(trial.cell.arms))[None] == a
+            share = float(trial.works(poses, (one.grasp,), usable)[:, 0, a].mean())
+            if share > best[2] + 1e-9:
+                best = (one, arm.name, share)
+    return best

@@ -1,0 +1,274 @@
+"""Whether a tool can take a part as a grasp says: the part alone, before any cell or robot."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import coal
+import numpy as np
+import pinocchio as pin
+
+from workbench.model.cell import Tool
+from workbench.model.geometry import Floats, Solid
+from workbench.model.part import Grasp, Part
+from workbench.planning.collision.bodies import coal_shape, extent
+from workbench.planning.grasps.cup import Cup
+from workbench.planning.grasps.pads import Hold, Pads, has_pads
+
+FindingKind = Literal["tool", "stroke", "cut", "approach", "width", "contact", "slip", "seal"]
+
+FRICTION = np.arctan(0.4)
+"""[rad] Half the angle of the friction cone: rubber pads on metal or plastic."""
+
+ROUNDING = 1e-5
+"""[m] What cuts no deeper touches."""
+
+STEP = 0.002
+"""[m] Along the approach."""
+
+LEAST_AREA = 10e-6
+"""[m2] A pad that touches less holds an edge or a corner."""
+
+MOST_UNSEALED = 0.02
+"""Share of a cup's lip that may lie beyond the part, by rounding of the grid."""
+
+
+@dataclass(frozen=True, slots=True)
+class GraspFinding:
+    """Something that speaks against a grasp, or, if it is no problem, that one should know.
+
+    `amount` is what is wrong, in m, or in rad for `slip`, or a share for a cup's lip.
+    """
+
+    kind: FindingKind
+    text: str
+    amount: float
+    is_problem: bool = True
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class GraspCheck:
+    """What was found about a grasp with a tool.
+
+    `width` [m] of the part between the fingers, None for cups and where nothing is; `clearance`
+    [m] of the open tool to the part on arrival, below 0 when it cuts; `hold` how the pads lie.
+    """
+
+    grasp: str
+    tool: str
+    findings: tuple[GraspFinding, ...]
+    width: float | None
+    clearance: float
+    hold: Hold | None = None
+
+    @property
+    def is_ok(self) -> bool:
+        """Whether nothing speaks against the grasp."""
+        return not any(finding.is_problem for finding in self.findings)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Moved:
+    """A solid of the tool, with its box and the way a finger goes for each metre of opening."""
+
+    name: str
+    shape: coal.CollisionGeometry
+    T_tcp_shape: pin.SE3
+    travel: Floats
+    centre: Floats
+    radius: float
+
+
+class GraspChecker:
+    """A part and a tool, prepared for any number of grasps.
+
+    Lifetime: as long as part and tool.
+    Concurrency: one thread at a time.
+    """
+
+    def __init__(self, part: Part, tool: Tool):
+        self.part = part
+        self.tool = tool
+        self.pads = Pads(tool) if has_pads(tool) else None
+        self.cup = None if tool.fingers or not tool.body else Cup(tool)
+        T_tcp_flange = tool.T_flange_tcp.inverse()
+        moving = [(finger.solid, np.asarray(finger.direction) / 2) for finger in tool.fingers]
+        self._solids: list[_Moved] = []
+        for solid, travel in [*((solid, np.zeros(3)) for solid in tool.body), *moving]:
+            T = T_tcp_flange * solid.T_owner_shape
+            centre, _, radius = extent(solid.shape)
+            self._solids.append(
+                _Moved(
+                    solid.name,
+                    coal_shape(solid.shape),
+                    T,
+                    T_tcp_flange.rotation @ travel,
+                    T.act(centre),
+                    radius,
+                )
+            )
+        self._pieces = [
+            (coal_shape(piece.shape), piece.T_owner_shape, *_ball(piece)) for piece in part.pieces
+        ]
+        self._request, self._result = coal.DistanceRequest(), coal.DistanceResult()
+
+    def clearance(
+        self, T_part_tcp: pin.SE3, opening: float, within: float = np.inf
+    ) -> tuple[float, str]:
+        """How far the tool is from the part [m], below 0 how deep it cuts, and the solid nearest.
+
+        Distances beyond `within` are not told apart.
+        """
+        best, at = within, ""
+        for one in self._solids:
+            T_tcp = pin.SE3(
+                one.T_tcp_shape.rotation, one.T_tcp_shape.translation + one.travel * opening
+            )
+            T = T_part_tcp * T_tcp
+            centre = T_part_tcp.act(one.centre + one.travel * opening)
+            transform = coal.Transform3s(T.rotation, T.translation)
+            for shape, T_part_piece, middle, radius in self._pieces:
+                if np.linalg.norm(centre - middle) - one.radius - radius >= best:
+                    continue
+                self._result.clear()
+                distance = coal.distance(
+                    one.shape,
+                    transform,
+                    shape,
+                    coal.Transform3s(T_part_piece.rotation, T_part_piece.translation),
+                    self._request,
+                    self._result,
+                )
+                if distance < best:
+                    best, at = float(distance), one.name
+        return best, at
+
+    def way_in(self, grasp: Grasp) -> tuple[float, float, str]:
+        """The least distance on the straight way in, open.
+
+        Returns:
+            The distance [m], how far before the end of the way [m], and the solid; the distance is
+            not below `-ROUNDING` when the way is clear.
+        """
+        worst, where, at = np.inf, 0.0, ""
+        gone = 0.0
+        while gone <= grasp.approach_length:
+            back = grasp.T_part_tcp.rotation @ (grasp.approach * gone)
+            T = pin.SE3(grasp.T_part_tcp.rotation, grasp.T_part_tcp.translation - back)
+            distance, name = self.clearance(T, grasp.opening)
+            if distance < worst:
+                worst, where, at = distance, gone, name
+            gone += max(distance, STEP)
+        return worst, where, at
+
+    def hold(self, T_part_tcp: pin.SE3, opening: float | None = None) -> Hold | None:
+        """What two fingers close on from `opening`, from the widest when not given."""
+        if self.pads is None:
+            return None
+        wide = self.tool.stroke[1] if opening is None else opening
+        return self.pads.hold(self.part.mesh, T_part_tcp.inverse(), wide)
+
+    def check(self, grasp: Grasp) -> GraspCheck:
+        """Everything that can be said about a grasp without a cell."""
+        findings: list[GraspFinding] = []
+        if grasp.tool and grasp.tool != self.tool.name:
+            text = f"is for the tool {grasp.tool}, not for {self.tool.name}"
+            findings.append(GraspFinding("tool", text, 0.0, is_problem=False))
+        hold = None
+        if self.tool.fingers:
+            findings += _stroke_findings(grasp, self.tool)
+            clearance = self._cuts(grasp, findings)
+            if self.pads is not None:
+                hold = self.hold(grasp.T_part_tcp, max(grasp.opening, 0.0))
+                findings += _hold_findings(grasp, self.tool, hold)
+        else:
+            clearance = self._cuts(grasp, findings)
+            findings += self.seal_findings(grasp)
+        width = None if hold is None else hold.width
+        return GraspCheck(grasp.name, self.tool.name, tuple(findings), width, clearance, hold)
+
+    def _cuts(self, grasp: Grasp, findings: list[GraspFinding]) -> float:
+        """Where the tool cuts the part: arriving, on the way, closed; the clearance on arrival."""
+        press = self.tool.press
+        allowed = ROUNDING if self.tool.fingers else press
+        opening = f" at opening {_mm(grasp.opening)}" if self.tool.fingers else ""
+        clearance, at = self.clearance(grasp.T_part_tcp, grasp.opening)
+        if clearance < -allowed:
+            text = f"{at} cuts the part by {_mm(-clearance)}{opening}"
+            findings.append(GraspFinding("cut", text, -clearance))
+        worst, where, at = self.way_in(grasp)
+        if worst < -allowed and worst < clearance - ROUNDING:
+            text = f"{at} cuts the part by {_mm(-worst)} on the way in, {_mm(where)} before its end"
+            findings.append(GraspFinding("approach", text + opening, -worst))
+        if self.tool.fingers:
+            closed, at = self.clearance(grasp.T_part_tcp, grasp.grip, within=0.0)
+            if closed < -press - ROUNDING:
+                text = f"closed to {_mm(grasp.grip)}, {at} cuts the part by {_mm(-closed)}"
+                text += f", {_mm(press)} are allowed"
+                findings.append(GraspFinding("cut", text, -closed))
+        return clearance
+
+    def seal_findings(self, grasp: Grasp) -> list[GraspFinding]:
+        """What keeps the lip of a cup from closing; nothing for another tool."""
+        cup = self.cup
+        if cup is None:
+            return []
+        seal = cup.seal(self.part.mesh, grasp.T_part_tcp.inverse(), grasp.approach_length)
+        press, across = self.tool.press, _mm(2 * cup.radius)
+        if seal is None:
+            return [GraspFinding("seal", "there is nothing under the cup", 1.0)]
+        found: list[GraspFinding] = []
+        if seal.missing > MOST_UNSEALED:
+            text = f"{seal.missing:.0%} of the lip of the cup, {across} across, lie beyond the part"
+            found.append(GraspFinding("seal", text, seal.missing))
+        if seal.unevenness > press:
+            text = f"the surface under the lip is uneven by {_mm(seal.unevenness)}"
+            text += f", the lip gives way by {_mm(press)}"
+            found.append(GraspFinding("seal", text, seal.unevenness))
+        elif seal.height < -press:
+            text = f"the cup ends {_mm(-seal.height)} before the surface"
+            found.append(GraspFinding("seal", text, -seal.height))
+        return found
+
+
+def _ball(piece: Solid) -> tuple[Floats, float]:
+    centre, _, radius = extent(piece.shape)
+    return piece.T_owner_shape.act(centre), radius
+
+
+def _stroke_findings(grasp: Grasp, tool: Tool) -> list[GraspFinding]:
+    low, high = tool.stroke
+    found: list[GraspFinding] = []
+    for name, value in (("opening", grasp.opening), ("grip", grasp.grip)):
+        beyond = max(value - high, low - value)
+        if beyond > ROUNDING:
+            text = f"{name} {_mm(value)} is outside of the stroke, {_mm(low)} to {_mm(high)}"
+            found.append(GraspFinding("stroke", text, beyond))
+    return found
+
+
+def _hold_findings(grasp: Grasp, tool: Tool, hold: Hold | None) -> list[GraspFinding]:
+    """Whether both pads lie on the part as the grasp says."""
+    if hold is None:
+        return [GraspFinding("contact", "there is nothing between the fingers", 0.0)]
+    found: list[GraspFinding] = []
+    apart = grasp.grip - hold.width
+    if abs(apart) > tool.press:
+        text = f"the part is {_mm(hold.width)} wide between the fingers, the grip {_mm(grasp.grip)}"
+        found.append(GraspFinding("width", text, abs(apart)))
+    names = [finger.solid.name for finger in tool.fingers]
+    for name, slant, area in zip(names, hold.slants, hold.areas, strict=True):
+        if slant > FRICTION:
+            text = f"{name} meets a face inclined by {np.rad2deg(slant):.0f} degrees and would slip"
+            found.append(GraspFinding("slip", text, slant))
+        if area < LEAST_AREA:
+            text = f"{name} touches {area * 1e6:.1f} mm2 only"
+            found.append(GraspFinding("contact", text, area, is_problem=False))
+    if abs(hold.offset) > tool.press:
+        first = names[0] if hold.offset > 0 else names[1]
+        text = f"the part lies {_mm(abs(hold.offset))} off the middle: {first} touches it first"
+        found.append(GraspFinding("contact", text, abs(hold.offset), is_problem=False))
+    return found
+
+
+def _mm(length: float) -> str:
+    return f"{length * 1000:.1f} mm"

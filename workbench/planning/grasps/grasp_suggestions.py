@@ -1,0 +1,279 @@
+"""Grasps that a part's shape suggests: opposite faces for two fingers, even ones for a cup.
+
+Pairs of points with opposite normals are sampled on the surface, and hands put around them from
+all sides; the most promising are looked at closely (`grasp_check`), unless like better ones.
+
+Source: V.-D. Nguyen, "Constructing force-closure grasps", International Journal of Robotics
+Research 7(3), 1988: two contacts hold when the line between them lies in both friction cones.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pinocchio as pin
+
+from workbench.model.cell import Tool
+from workbench.model.geometry import Floats, Mesh
+from workbench.model.part import Grasp, Part
+from workbench.planning.grasps.grasp_check import FRICTION, GraspCheck, GraspChecker
+from workbench.planning.grasps.grasp_frames import (
+    BEYOND,
+    centred,
+    fitted_opening,
+    palm_distance,
+    thickness,
+)
+from workbench.planning.grasps.pads import Pads
+from workbench.planning.grasps.part_rays import first_hits, normals_of, samples_of
+from workbench.planning.grasps.part_symmetry import turns_of
+
+SAMPLES = 400
+"""Points on the surface."""
+
+SIDES = 8
+"""Directions from which the hand may come to two points."""
+
+LOOKS = 400
+"""Grasps that are looked at closely, at most."""
+
+APART = 0.12
+"""Share of the part's size: grasps nearer to each other, and turned by less, are alike."""
+
+TURNED = np.deg2rad(30.0)
+"""[rad] See `APART`."""
+
+PAD = 50e-6
+"""[m2] A pad that touches more holds no better."""
+
+ROOM = 0.004
+"""[m] More room between the open tool and the part is no better."""
+
+THINNEST = 0.0005
+"""[m] Nothing thinner is taken between fingers."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Suggestion:
+    """A grasp that a tool can do, ready to be added.
+
+    `score` 0..1; `angle` [rad] between the faces and square to the fingers' travel, or 0 for a cup;
+    `lever` [m] from the grasp to the centre of mass; `check` what the close look said.
+    """
+
+    grasp: Grasp
+    score: float
+    angle: float
+    lever: float
+    check: GraspCheck
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Idea:
+    """A pose to look at, promising as `promise` says."""
+
+    T_part_tcp: pin.SE3
+    promise: float
+    angle: float
+    lever: float
+
+
+def suggest(
+    part: Part, tool: Tool, *, most: int = 20, seed: int = 0, name: str = "suggested"
+) -> tuple[Suggestion, ...]:
+    """Grasps for a part, the best first; none like those that its library holds.
+
+    Args:
+        part: with its library, which is left as it is.
+        tool: with two fingers, or with none: a cup.
+        most: that are returned.
+        seed: of the samples.
+        name: of the grasps, followed by a number that makes it new in the library.
+
+    Returns:
+        At most `most`; none when the tool cannot take the part.
+    """
+    checker = GraspChecker(part, tool)
+    rng = np.random.default_rng(seed)
+    if checker.pads is not None:
+        ideas = _opposite(checker, checker.pads, rng)
+    elif checker.cup is not None:
+        ideas = _even(checker, rng)
+    else:
+        return ()
+    kept = _Kept(part, tool)
+    for grasp in part.library.grasps:
+        if not grasp.tool or grasp.tool == tool.name:
+            kept.add(grasp.T_part_tcp)
+    found: list[Suggestion] = []
+    looks = 0
+    for idea in sorted(ideas, key=lambda idea: -idea.promise):
+        if len(found) == most or looks == LOOKS:
+            break
+        if kept.has_like(idea.T_part_tcp):
+            continue
+        looks += 1
+        suggestion = _looked_at(checker, idea)
+        if suggestion is not None:
+            kept.add(suggestion.grasp.T_part_tcp)
+            found.append(suggestion)
+    found.sort(key=lambda one: -one.score)
+    return tuple(_named(found, {grasp.name for grasp in part.library.grasps}, name))
+
+
+def centre_of_mass(mesh: Mesh) -> Floats:
+    """Of an evenly filled body (3,) [m]; of its surface when that encloses nothing."""
+    a, b, c = mesh.points[mesh.triangles.T]
+    middle = mesh.points.mean(axis=0)
+    volumes = np.einsum("ij,ij->i", a - middle, np.cross(b - middle, c - middle)) / 6
+    whole = float(volumes.sum())
+    if whole > 1e-3 * float(np.prod(np.ptp(mesh.points, axis=0))):
+        return middle + volumes @ ((a + b + c - 3 * middle) / 4) / whole
+    _, areas = normals_of(mesh)
+    return areas @ ((a + b + c) / 3) / areas.sum()
+
+
+def _opposite(checker: GraspChecker, pads: Pads, rng: np.random.Generator) -> list[_Idea]:
+    """Hands around pairs of points whose normals are opposite."""
+    mesh, (low, high) = checker.part.mesh, checker.tool.stroke
+    normals, _ = normals_of(mesh)
+    points, triangles = samples_of(mesh, SAMPLES, rng)
+    inward = -normals[triangles]
+    widths, met = first_hits(mesh, points + 1e-6 * inward, inward)
+    facing = np.clip(np.einsum("ij,ij->i", inward, normals[met]), -1.0, 1.0)
+    angles = np.arccos(facing)
+    fits = (widths > max(low, THINNEST)) & (widths < high) & (angles < FRICTION)
+    inward, angles = inward[fits], angles[fits]
+    middles = points[fits] + widths[fits, None] / 2 * inward
+    levers = np.linalg.norm(middles - centre_of_mass(mesh), axis=1)
+    size = float(np.linalg.norm(np.ptp(mesh.points, axis=0)))
+    fingers = max(palm_distance(checker), THINNEST)
+    # One row for each pair of points and each side.
+    z = _sides(inward).reshape(-1, 3)
+    y, middles = np.repeat(inward, SIDES, axis=0), np.repeat(middles, SIDES, axis=0)
+    angles, levers = np.repeat(angles, SIDES), np.repeat(levers, SIDES)
+    over, below = thickness(mesh, middles, -z), thickness(mesh, middles, z)
+    promise = 1.0 - angles / FRICTION - 2 * levers / size - 0.3 * over / fingers
+    # Fingers mostly travel along y of the TCP; where they do not, the hand is turned by as much.
+    R = np.stack([np.cross(y, z), y, z], axis=2) @ pads.R_tcp_closing.T
+    p = middles + np.minimum(BEYOND, below)[:, None] * z
+    return [
+        _Idea(pin.SE3(R[k], p[k]), float(promise[k]), float(angles[k]), float(levers[k]))
+        for k in np.flatnonzero(over < fingers)
+    ]
+
+
+def _sides(y: Floats) -> Floats:
+    """Directions (n, SIDES, 3) square to each of y (n, 3).
+
+    The first is as near to an axis of the part as can be.
+    """
+    axes = np.eye(3)[np.abs(y).argmin(axis=1)]
+    first = axes - np.einsum("ij,ij->i", axes, y)[:, None] * y
+    first /= np.linalg.norm(first, axis=1, keepdims=True)
+    turns = np.arange(SIDES)[:, None] * 2 * np.pi / SIDES
+    return np.cos(turns) * first[:, None] + np.sin(turns) * np.cross(y, first)[:, None]
+
+
+def _even(checker: GraspChecker, rng: np.random.Generator) -> list[_Idea]:
+    """Cups on points, in the middle of the flat faces first."""
+    mesh = checker.part.mesh
+    normals, _ = normals_of(mesh)
+    points, triangles = samples_of(mesh, SAMPLES, rng)
+    flat_points, flat_normals = _flat_faces(mesh)
+    points = np.vstack([flat_points, points])
+    outward = np.vstack([flat_normals, normals[triangles]])
+    size = float(np.linalg.norm(np.ptp(mesh.points, axis=0)))
+    levers = np.linalg.norm(np.cross(centre_of_mass(mesh) - points, outward), axis=1)
+    x = _sides(outward)[:, 0]
+    R = np.stack([x, np.cross(-outward, x), -outward], axis=2)
+    return [
+        _Idea(pin.SE3(R[k], points[k]), 1.0 - 2 * lever / size, 0.0, lever)
+        for k, lever in enumerate(levers.tolist())
+    ]
+
+
+def _flat_faces(mesh: Mesh) -> tuple[Floats, Floats]:
+    """The middles (n, 3) [m] of the flat faces and their normals (n, 3), the largest first."""
+    normals, areas = normals_of(mesh)
+    middles = mesh.points[mesh.triangles].mean(axis=1)
+    height = np.einsum("ij,ij->i", normals, middles)
+    planes = np.column_stack([np.round(normals, 2), np.round(height, 4)])
+    _, number = np.unique(planes, axis=0, return_inverse=True)
+    number = number.ravel()
+    whole = np.bincount(number, areas)
+    largest = np.argsort(-whole, kind="stable")[:50]
+    sums = np.stack([np.bincount(number, areas * middles[:, k]) for k in range(3)], axis=1)
+    first = np.array([int(np.flatnonzero(number == face)[0]) for face in largest])
+    # Slivers have no normal to go by.
+    good = (whole[largest] > 1e-9) & (np.linalg.norm(normals[first], axis=1) > 0.5)
+    largest, first = largest[good], first[good]
+    return sums[largest] / whole[largest][:, None], normals[first]
+
+
+def _looked_at(checker: GraspChecker, idea: _Idea) -> Suggestion | None:
+    """The grasp of an idea with its score; None when something speaks against it."""
+    if checker.pads is not None:
+        T_part_tcp = centred(checker, idea.T_part_tcp)
+        fingers = fitted_opening(checker, T_part_tcp)
+        if fingers is None or fingers.grip > checker.tool.stroke[1]:
+            return None
+        if checker.clearance(T_part_tcp, fingers.opening, within=0.0)[0] < 0.0:
+            return None
+        grasp = Grasp("", T_part_tcp, fingers.opening, fingers.grip)
+    else:
+        grasp = Grasp("", idea.T_part_tcp, 0.0, 0.0, free_rotation=np.pi)
+        if checker.seal_findings(grasp):
+            return None
+    check = checker.check(grasp)
+    if check.findings:  # also what is no problem: there are better ones
+        return None
+    size = float(np.linalg.norm(np.ptp(checker.part.mesh.points, axis=0)))
+    near = max(0.0, 1 - 2 * idea.lever / size)
+    if check.hold is None:
+        return Suggestion(grasp, 0.3 + 0.7 * near, idea.angle, idea.lever, check)
+    angle = max(check.hold.slants)
+    room = min(max(check.clearance, 0.0) / ROOM, 1.0)
+    area = min(min(check.hold.areas) / PAD, 1.0)
+    score = 0.35 * (1 - angle / FRICTION) + 0.3 * near + 0.15 * room + 0.2 * area
+    return Suggestion(grasp, score, angle, idea.lever, check)
+
+
+def _named(found: list[Suggestion], taken: set[str], name: str) -> list[Suggestion]:
+    named: list[Suggestion] = []
+    number = 0
+    for one in found:
+        number += 1
+        while f"{name}-{number}" in taken:
+            number += 1
+        named.append(replace(one, grasp=replace(one.grasp, name=f"{name}-{number}")))
+    return named
+
+
+class _Kept:
+    """Grasps that count already, with all that are the same grip for the part's symmetry."""
+
+    def __init__(self, part: Part, tool: Tool):
+        self._turns = turns_of(part.symmetry)
+        self._size = float(np.linalg.norm(np.ptp(part.mesh.points, axis=0)))
+        self._is_round = not tool.fingers
+        self._changes = len(tool.fingers) == 2
+        self._R, self._p = np.empty((0, 3, 3)), np.empty((0, 3))
+
+    def add(self, T: pin.SE3) -> None:
+        """From now on what is like this grasp is known."""
+        R = self._turns @ T.rotation
+        if self._changes:
+            R = np.concatenate([R, R * [-1.0, -1.0, 1.0]])
+        p = self._turns @ T.translation
+        self._R = np.concatenate([self._R, R])
+        self._p = np.concatenate([self._p, np.resize(p, (len(R), 3))])
+
+    def has_like(self, T: pin.SE3) -> bool:
+        """Whether a grasp is like one of them."""
+        near = np.linalg.norm(self._p - T.translation, axis=1) < APART * self._size
+        R = self._R[near]
+        if self._is_round:
+            cosines = R[:, :, 2] @ T.rotation[:, 2]
+        else:
+            cosines = (np.einsum("nij,ij->n", R, T.rotation) - 1) / 2
+        return bool((cosines > np.cos(TURNED)).any())

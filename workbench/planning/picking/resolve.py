@@ -1,0 +1,240 @@
+"""From a candidate to configurations: grasp, the straight ways in and out, and the place."""
+
+from dataclasses import replace
+from functools import lru_cache
+
+import numpy as np
+import pinocchio as pin
+
+from workbench.model.candidate import Candidate, Pick, Reason, Stage, Verdict
+from workbench.model.cell import Arm
+from workbench.model.geometry import Floats, frozen
+from workbench.planning.collision.contact import Contact
+from workbench.planning.collision.legs import grips
+from workbench.planning.collision.motion import path_contact
+from workbench.planning.collision.pairing import Phase
+from workbench.planning.collision.world import World
+from workbench.planning.kinematics.chain import Chain, is_solution
+from workbench.planning.kinematics.straight import follow
+from workbench.planning.kinematics.wire import on_wire
+from workbench.planning.picking.put_down import ways_down
+
+STARTS = 12
+"""Starting points of the inverse kinematics, home among them."""
+
+TRIES = 3
+"""Grasp configurations of one candidate that are followed to the end."""
+
+SAME = np.deg2rad(5.0)
+"""Two solutions closer than this in every joint are one."""
+
+
+def resolve(world: World, candidate: Candidate, *, seed: int) -> Pick | Verdict:
+    """The configurations by which a candidate works, or why it does not.
+
+    Solutions of the inverse kinematics are tried in the order of joint travel from home, those
+    with little clearance later.  When none works out, the verdict is that of the one which got
+    furthest along the line.
+
+    Args:
+        world: cell and detections that the candidate was made from.
+        candidate: one whose verdict is still OK; another is given its own verdict back.
+        seed: of the request; together with the arm it determines every random start.
+    """
+    if not candidate.verdict.is_ok:
+        return candidate.verdict
+    arm = world.arm(candidate.arm)
+    solutions, refusal = _grasp_solutions(world, candidate, arm, seed)
+    best = refusal
+    for q_grasp, T_world_tcp, clearance in solutions[:TRIES]:
+        result = _completed(world, candidate, arm, q_grasp, T_world_tcp, clearance)
+        if isinstance(result, Pick):
+            return replace(result, solutions=tuple(q for q, _, _ in solutions))
+        if best is None or _progress(result) >= _progress(best):
+            best = result
+    return best if best is not None else Verdict(Reason.OUT_OF_REACH, Stage.GRASP)
+
+
+def _progress(verdict: Verdict) -> int:
+    return list(Stage).index(verdict.stage)
+
+
+@lru_cache(maxsize=8)
+def _starts(chain: Chain, arm: Arm, seed: int) -> Floats:
+    """Home, the middle of the range, and seeded random configurations, shape (s, n)."""
+    rng = np.random.default_rng(np.random.SeedSequence([seed, ord(arm.letter)]))
+    random = rng.uniform(chain.lower, chain.upper, (STARTS - 2, len(chain.lower)))
+    return frozen(np.vstack([arm.home, (chain.lower + chain.upper) / 2, random]))
+
+
+def _grasp_solutions(
+    world: World, candidate: Candidate, arm: Arm, seed: int
+) -> tuple[list[tuple[Floats, pin.SE3, float]], Verdict | None]:
+    """Clear grasp configurations with hand pose and clearance, best first; or the refusal."""
+    chain = world.chains[arm.name]
+    starts = _starts(chain, arm, seed)
+    found: list[tuple[Floats, pin.SE3]] = []
+    nearest, q_nearest = np.inf, starts[0]
+    hands = grips(arm, candidate.grasp)
+    known = np.empty((len(hands) * len(starts), starts.shape[1]))
+    for T_tcp_hand in hands:
+        T_world_tcp = candidate.T_world_tcp * T_tcp_hand
+        answers, residuals = chain.solve(T_world_tcp, starts)
+        for q, residual, solved in zip(answers, residuals, is_solution(residuals), strict=True):
+            if solved and not (np.abs(known[: len(found)] - q).max(axis=1) < SAME).any():
+                known[len(found)] = q
+                found.append((q, T_world_tcp))
+            if residual[0] + 0.1 * residual[1] < nearest:
+                nearest, q_nearest = residual[0] + 0.1 * residual[1], q
+    if not found:
+        return [], Verdict(Reason.OUT_OF_REACH, Stage.GRASP, distance=float(nearest), q=q_nearest)
+    world.enter(approach_phase(candidate, arm))
+    clear: list[tuple[float, Floats, pin.SE3, float]] = []
+    refusal: Verdict | None = None
+    for q, T_world_tcp in found:
+        contact, room = world.worst(world.configuration({arm.name: q}), reach=0.01)
+        if contact is not None and room < 0:
+            verdict = _refused(Reason.IN_COLLISION, Stage.GRASP, contact, q)
+            if refusal is None or (verdict.distance or 0) > (refusal.distance or 0):
+                refusal = verdict
+            continue
+        travel = float(np.abs(q - arm.home).sum())
+        # Less than 10 mm of room counts like up to two radians of extra travel.
+        clear.append((travel + 2.0 * (1.0 - room / 0.01), q, T_world_tcp, room))
+    clear.sort(key=lambda entry: entry[0])
+    return [(q, T, room) for _, q, T, room in clear], refusal
+
+
+def approach_phase(candidate: Candidate, arm: Arm) -> Phase:
+    """The phase in which an arm comes to the candidate's part with its fingers open."""
+    return Phase(
+        moving=frozenset({arm.name}),
+        openings={arm.name: candidate.grasp.opening},
+        targets={arm.name: candidate.detection},
+        straight=frozenset({arm.name}),
+    )
+
+
+def holding_phase(candidate: Candidate, arm: Arm, T_tcp_part: pin.SE3, *, straight: bool) -> Phase:
+    """The phase of a leg with the candidate's part in the hand."""
+    return Phase(
+        moving=frozenset({arm.name}),
+        openings={arm.name: candidate.grasp.grip},
+        held={arm.name: (candidate.detection, T_tcp_part)},
+        straight=frozenset({arm.name} if straight else ()),
+    )
+
+
+def _refused(reason: Reason, stage: Stage, contact: Contact, q: Floats) -> Verdict:
+    return Verdict(reason, stage, pair=contact.pair, distance=contact.distance, q=q)
+
+
+def _broken_off(reason: Reason, stage: Stage, q: Floats, share: float) -> Verdict:
+    """The verdict on a straight line that the arm can follow only up to `q`."""
+    return Verdict(reason, stage, q=q, note=f"the arm can follow only {share:.0%} of the line")
+
+
+def _completed(
+    world: World, candidate: Candidate, arm: Arm, q_grasp: Floats, T_world_tcp: pin.SE3, room: float
+) -> Pick | Verdict:
+    """Approach, extraction and place for one grasp configuration."""
+    q_grasp = on_wire(q_grasp)
+    approach = _approach(world, candidate, arm, q_grasp, T_world_tcp)
+    if isinstance(approach, Verdict):
+        return approach
+    T_world_part = world.detections[candidate.detection].T_world_part
+    T_tcp_part = world.chains[arm.name].pose(q_grasp).actInv(T_world_part)
+    extract = _extract(world, candidate, arm, q_grasp, T_tcp_part)
+    if isinstance(extract, Verdict):
+        return extract
+    place = _place(world, candidate, arm, extract[-1], T_tcp_part)
+    if isinstance(place, Verdict):
+        return place
+    legs = np.vstack([arm.home, approach, extract, place, arm.home])
+    travel = float(np.abs(np.diff(legs, axis=0)).sum())
+    return Pick(candidate, T_tcp_part, approach, extract, place, room, travel)
+
+
+def _approach(
+    world: World, candidate: Candidate, arm: Arm, q_grasp: Floats, T_world_tcp: pin.SE3
+) -> Floats | Verdict:
+    grasp, policy = candidate.grasp, world.policy
+    chain, columns = world.chains[arm.name], world.kinematics.columns[arm.name]
+    # Authored in the TCP frame of the grasp, which the hand may be turned against.
+    way = grasp.approach_length * (candidate.T_world_tcp.rotation @ grasp.approach)
+    T_pregrasp = pin.SE3(T_world_tcp.rotation, T_world_tcp.translation - way)
+    backwards, share = follow(chain, q_grasp, T_pregrasp, policy.straight_points)
+    if share < 1.0:
+        return _broken_off(Reason.APPROACH_BLOCKED, Stage.APPROACH, backwards[-1], share)
+    path = on_wire(backwards[::-1])
+    path[-1] = q_grasp
+    base = world.configuration({})
+    world.enter(approach_phase(candidate, arm))
+    found = path_contact(world, columns, base, path, policy.zone)
+    if found is None:
+        world.enter(Phase(frozenset({arm.name}), {arm.name: grasp.opening}))
+        q = path[0]
+        contact = world.contact(world.configuration({arm.name: q}))
+    else:
+        contact, q, _ = found
+    if contact is not None:
+        return _refused(Reason.APPROACH_BLOCKED, Stage.APPROACH, contact, q)
+    return path
+
+
+def lift_direction(world: World, T_world_tcp: pin.SE3) -> Floats:
+    """Straight up, leaning by the policy's angle towards the middle of the bin, shape (3,)."""
+    up = world.cell.bin.T_world_bin.rotation[:, 2]
+    inwards = world.cell.bin.T_world_bin.translation - T_world_tcp.translation
+    inwards = inwards - up * (up @ inwards)
+    far = float(np.linalg.norm(inwards))
+    if far < 1e-3:
+        return up
+    lean = world.policy.lift_lean
+    # Near the middle a full lean would carry the part past it.
+    lean = min(lean, float(np.arctan2(far, world.policy.lift_length)))
+    return np.cos(lean) * up + np.sin(lean) * inwards / far
+
+
+def _extract(
+    world: World, candidate: Candidate, arm: Arm, q_grasp: Floats, T_tcp_part: pin.SE3
+) -> Floats | Verdict:
+    grasp, policy = candidate.grasp, world.policy
+    chain, columns = world.chains[arm.name], world.kinematics.columns[arm.name]
+    T_grasp = chain.pose(q_grasp)
+    if grasp.retreat is None:
+        way = policy.lift_length * lift_direction(world, T_grasp)
+    else:
+        way = grasp.retreat_length * (candidate.T_world_tcp.rotation @ grasp.retreat)
+    T_end = pin.SE3(T_grasp.rotation, T_grasp.translation + way)
+    path, share = follow(chain, q_grasp, T_end, policy.straight_points)
+    if share < 1.0:
+        return _broken_off(Reason.EXTRACT_BLOCKED, Stage.EXTRACT, path[-1], share)
+    path = on_wire(path)
+    world.enter(holding_phase(candidate, arm, T_tcp_part, straight=True))
+    world.allow_start_contacts(world.configuration({arm.name: q_grasp}))
+    found = path_contact(world, columns, world.configuration({}), path, policy.zone)
+    if found is None:
+        world.enter(holding_phase(candidate, arm, T_tcp_part, straight=False))
+        q = path[-1]
+        contact = world.contact(world.configuration({arm.name: q}))
+    else:
+        contact, q, _ = found
+    if contact is not None:
+        return _refused(Reason.EXTRACT_BLOCKED, Stage.EXTRACT, contact, q)
+    return path
+
+
+def _place(
+    world: World, candidate: Candidate, arm: Arm, q_from: Floats, T_tcp_part: pin.SE3
+) -> Floats | Verdict:
+    """The straight way down to the first place that works, shape (m, n)."""
+    reaches = "the arm reaches none of its places"
+    note = reaches if arm.Ts_world_place else "the cell has no place for this arm"
+    refusal = Verdict(Reason.NO_PLACE, Stage.PLACE, note=note)
+    phase = holding_phase(candidate, arm, T_tcp_part, straight=False)
+    for way in ways_down(world, arm, phase, q_from):
+        if not isinstance(way, Verdict):
+            return way
+        refusal = way
+    return refusal

@@ -1,0 +1,227 @@
+"""From picks to a plan: the free legs between the straight ones, as they will be sent."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Literal
+
+import numpy as np
+
+from workbench.model.candidate import Pick, Reason, Stage, Verdict
+from workbench.model.cell import Arm
+from workbench.model.geometry import Floats
+from workbench.model.plan import (
+    LEG_NAMES,
+    ArmPlan,
+    Guarantee,
+    Leg,
+    LegName,
+    Plan,
+    Step,
+    Strategy,
+)
+from workbench.planning.collision.contact import Contact
+from workbench.planning.collision.legs import HOLDING, Run, phase_of
+from workbench.planning.collision.motion import Curves, chain_contact, path_contact
+from workbench.planning.collision.world import World
+from workbench.planning.picking.execution import timed
+from workbench.planning.picking.put_down import PutDown, home_of, put_down
+from workbench.planning.picking.search import joint_weights, onward
+from workbench.planning.planners.clock import working_time
+
+MOTIONS: Mapping[LegName, Literal["joint", "linear"]] = {
+    "reach": "joint",
+    "approach": "linear",
+    "extract": "linear",
+    "return": "joint",
+    "place": "linear",
+    "home": "joint",
+}
+
+STRAIGHT_REASONS: Mapping[LegName, Reason] = {
+    "approach": Reason.APPROACH_BLOCKED,
+    "extract": Reason.EXTRACT_BLOCKED,
+}
+"""Legs that are known to be clear but for what other arms have placed; what they are refused by."""
+
+
+def route(
+    world: World,
+    picks: Sequence[Pick],
+    strategy: Strategy,
+    *,
+    scan_digest: str,
+    seed: int,
+    note: str = "",
+) -> Plan | Verdict:
+    """A plan in which the arms work one after the other, in the order of `picks`.
+
+    Each arm reaches, approaches, closes, extracts, returns, places, opens and goes home while
+    the other stands at home as an obstacle; what the arms before have placed is one, too.
+
+    Args:
+        world: of the cell and the detections that the picks were made from.
+        picks: at most one an arm, each of another detection.
+        strategy: what to call the plan; it says which arms work.
+        scan_digest: what the detections were found in.
+        seed: of the request.
+        note: for people, why this strategy.
+
+    Returns:
+        The plan, or the verdict of the leg for which no path was found.
+    """
+    began = working_time()
+    arms: list[ArmPlan] = []
+    steps: list[Step] = []
+    for pick in picks:
+        planned = arm_plan(world, pick, seed, arms)
+        if isinstance(planned, Verdict):
+            return planned
+        arms.append(planned)
+        steps.extend(Step(((planned.arm, leg.name),)) for leg in planned.legs)
+    return Plan(
+        cell=world.cell.name,
+        cell_digest=world.cell.digest,
+        scan_digest=scan_digest,
+        seed=seed,
+        strategy=strategy,
+        guarantee=Guarantee.ONE_AT_A_TIME,
+        detections=world.detections,
+        obstacles=world.obstacles,
+        arms=tuple(arms),
+        sequence=tuple(steps),
+        note=note,
+        seconds={"route": working_time() - began},
+    )
+
+
+def arm_plan(
+    world: World, pick: Pick, seed: int, before: Sequence[ArmPlan] = (), since: int = 0
+) -> ArmPlan | Verdict:
+    """All legs of one arm, the others standing at home.
+
+    Args:
+        world: of the cell and the detections that the pick was made from.
+        pick: what the arm does.
+        seed: of the request.
+        before: plans of arms that have placed their parts where this one comes by.
+        since: number of the leg from which on they have; before it their parts lie in the bin.
+
+    Returns:
+        The plan, or the verdict of the first leg for which no path was found.
+    """
+    arm, grasp = world.arm(pick.candidate.arm), pick.candidate.grasp
+
+    def waiting(name: LegName) -> list[Run]:
+        is_placed = LEG_NAMES.index(name) >= since
+        return [(one, "home", one.leg("home").opening) for one in before] if is_placed else []
+
+    put = put_down(world, pick, phase_of([], waiting("place")))
+    if isinstance(put, Verdict):
+        return put
+    plan = _straight_legs(world, pick, put)
+    for name in STRAIGHT_REASONS:
+        world.enter(phase_of([(plan, name, plan.leg(name).opening)], waiting(name)))
+        contact = along_placed(world, arm.name, np.asarray(plan.leg(name).q))
+        if contact is not None:
+            reason = STRAIGHT_REASONS[name]
+            return Verdict(reason, Stage.ROUTE, contact.pair, contact.distance)
+    home = home_of(world, arm)
+    seeds = np.random.SeedSequence([seed, plan.detection, ord(arm.letter)])
+    rng = np.random.default_rng(seeds)
+    free: list[Leg] = []
+    ways: tuple[tuple[LegName, Floats, Floats], ...] = (
+        ("reach", home[None], pick.approach[0]),
+        ("return", pick.extract[-1:], put.down[0]),
+        ("home", put.out, home),
+    )
+    for name, lead, goal in ways:
+        opening = grasp.grip if name in HOLDING else grasp.opening
+        world.enter(phase_of([(plan, name, opening)], waiting(name)))
+        if name == "home" and len(lead) == 1:
+            # The place is at home, the hand stays around the part.
+            world.allow_start_contacts(world.configuration({arm.name: lead[0]}))
+        path = free_path(world, arm, lead, goal, rng)
+        if isinstance(path, Verdict):
+            return path if name == "reach" else _without_return(path, name)
+        free.append(leg_of(world, arm, name, path, opening))
+    legs = sorted((*plan.legs, *free), key=lambda leg: LEG_NAMES.index(leg.name))
+    return replace(plan, legs=tuple(legs))
+
+
+def _straight_legs(world: World, pick: Pick, put: PutDown) -> ArmPlan:
+    """The plan of an arm with its straight legs alone."""
+    candidate, grasp = pick.candidate, pick.candidate.grasp
+    arm = world.arm(candidate.arm)
+    legs = (
+        leg_of(world, arm, "approach", pick.approach, grasp.opening),
+        leg_of(world, arm, "extract", pick.extract, grasp.grip),
+        leg_of(world, arm, "place", put.down, grasp.grip),
+    )
+    return ArmPlan(arm.name, candidate.detection, grasp.name, pick.T_tcp_part, arm.joints, legs)
+
+
+def along_placed(world: World, arm: str, path: Floats) -> Contact | None:
+    """What an arm meets, in the world's present phase, of parts that other arms have placed."""
+    among = world.to_placed(arm)
+    if len(among) == 0:
+        return None
+    columns, base = world.kinematics.columns[arm], world.configuration({})
+    found = path_contact(world, columns, base, path, world.policy.zone, among=among)
+    return None if found is None else found[0]
+
+
+def _without_return(verdict: Verdict, name: LegName) -> Verdict:
+    """The verdict on a way back that was not found; where time ran out, nothing else is known."""
+    if verdict.reason is Reason.OUT_OF_TIME:
+        return verdict
+    return replace(verdict, reason=Reason.NO_RETURN, note=f"leg {name}")
+
+
+def leg_of(world: World, arm: Arm, name: LegName, path: Floats, opening: float) -> Leg:
+    """A leg of one arm with its timing."""
+    policy = world.policy
+    _, _, velocity = world.cell.robot.limits(arm.joints)
+    times = timed(path, velocity * policy.speed, np.asarray(arm.acceleration), policy.zone)
+    return Leg(name, MOTIONS[name], name in HOLDING, opening, path, times)
+
+
+def free_path(
+    world: World, arm: Arm, lead: Floats, goal: Floats, rng: np.random.Generator
+) -> Floats | Verdict:
+    """A path of one arm in the world's present phase, rounded and checked as it will be run.
+
+    Args:
+        world: in the phase of the leg.
+        arm: that moves.
+        lead: waypoints (k, n) that the path begins with; only the last one and the corner there
+            are checked.
+        goal: where it ends (n,).
+        rng: of everything random.
+
+    Returns:
+        Waypoints (m, n) [rad]; or why there are none, with the pair in the way when an end
+        of the path is itself too close to something.
+    """
+    columns, base = world.kinematics.columns[arm.name], world.configuration({})
+    for q in (lead[-1], goal):
+        contact = world.contact(world.configuration({arm.name: q}))
+        if contact is not None:
+            return Verdict(
+                Reason.NO_PATH, Stage.ROUTE, contact.pair, contact.distance, q, "at its end"
+            )
+
+    def check(curves: Curves) -> tuple[Contact, Floats] | None:
+        found = chain_contact(world, columns, base, curves)
+        return None if found is None else found[:2]
+
+    chain = world.chains[arm.name]
+    return onward(
+        lead,
+        goal,
+        (chain.lower, chain.upper),
+        joint_weights(len(goal), world.policy),
+        check,
+        world.policy,
+        rng,
+        world.deadline,
+    )

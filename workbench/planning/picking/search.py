@@ -1,0 +1,151 @@
+"""One free way: searched by the planner of that name, shortened, rounded, checked as it is run."""
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from workbench.model.candidate import Reason, Stage, Verdict
+from workbench.model.cell import PlannerName, Policy
+from workbench.model.geometry import Floats
+from workbench.planning.collision.contact import Contact
+from workbench.planning.collision.motion import Curves, segment, walked
+from workbench.planning.kinematics.wire import on_wire
+from workbench.planning.planners.clock import working_time
+from workbench.planning.planners.ompl_planners import ompl_planner
+from workbench.planning.planners.prm_star import prm_star
+from workbench.planning.planners.rrt import (
+    EdgeCheck,
+    Planner,
+    merged,
+    resampled,
+    rrt,
+    rrt_connect,
+    shortened,
+)
+from workbench.planning.planners.sbl import sbl
+
+PLANNERS: Mapping[PlannerName, Planner] = {
+    "rrtconnect": rrt_connect,
+    "birrt": rrt_connect,
+    "rrt": rrt,
+    "sbl": sbl,
+    "prmstar": prm_star,
+    "bitstar": ompl_planner("BITstar"),
+    "lbkpiece": ompl_planner("LBKPIECE1"),
+    "informed-rrtstar": ompl_planner("InformedRRTstar"),
+    "aorrtc": ompl_planner("AORRTC"),
+}
+
+TRIES = 3
+"""Free paths searched before giving up: rounding to the wire and the corners may spoil one."""
+
+
+def joint_weights(count: int, policy: Policy) -> Floats:
+    """How much each joint of an arm counts in the metric, shape (count,)."""
+    weights: Floats = np.power(policy.metric, np.arange(count, dtype=np.float64))
+    return weights * math.sqrt(count / float(weights @ weights))
+
+
+Check = Callable[[Curves], tuple[Contact, Floats] | None]
+"""Whether a motion is clear: what is met and where, or None."""
+
+
+def searched(
+    start: Floats,
+    goal: Floats,
+    limits: tuple[Floats, Floats],
+    weights: Floats,
+    check: Check,
+    policy: Policy,
+    rng: np.random.Generator,
+    deadline: float = math.inf,
+    before: Floats | None = None,
+) -> Floats | Verdict:
+    """A path between two clear configurations (n,), rounded and checked as it will be run.
+
+    `before` (n,) is the waypoint from which the arm comes to the start: the corner there belongs to
+    what is checked.  Without it the arm begins at the start.  `deadline` [s] on the clock of
+    `working_time` ends the search wherever it stands.
+
+    Returns:
+        Waypoints (m, n) [rad]; or why there are none, with what was met last.
+    """
+    is_clear = edge_check(check, deadline)
+    met: tuple[Contact, Floats] | None = None
+    try:
+        for number in range(TRIES + 1):
+            path = np.array([start, goal])  # straight ahead first
+            if number:
+                search = PLANNERS[policy.planner]
+                path = search(
+                    start, goal, *limits, weights, is_clear, iterations=policy.iterations, rng=rng
+                ).path
+            if path is None:
+                break
+            path = as_sent(path, is_clear, policy.free_points)
+            met = check(_walked_from(before, path, policy.zone))
+            if met is None:
+                return path
+    except _Late:
+        return Verdict(Reason.OUT_OF_TIME, Stage.ROUTE)
+    if met is None:
+        return Verdict(Reason.NO_PATH, Stage.ROUTE)
+    contact, q = met
+    return Verdict(Reason.NO_PATH, Stage.ROUTE, contact.pair, contact.distance, q)
+
+
+def onward(
+    lead: Floats,
+    goal: Floats,
+    limits: tuple[Floats, Floats],
+    weights: Floats,
+    check: Check,
+    policy: Policy,
+    rng: np.random.Generator,
+    deadline: float = math.inf,
+) -> Floats | Verdict:
+    """A path that begins with `lead` (k, n), searched from its last waypoint on; see `searched`.
+
+    All of it has as many waypoints as other paths, or as many as it needs.
+    """
+    count = len(lead) - 1
+    before = lead[-2] if count else None
+    fewer = replace(policy, free_points=max(2, policy.free_points - count))
+    path = searched(lead[-1], goal, limits, weights, check, fewer, rng, deadline, before)
+    return path if isinstance(path, Verdict) else np.vstack([lead[:-1], path])
+
+
+def _walked_from(before: Floats | None, path: Floats, zone: float) -> Curves:
+    """All curves of a path, with the corner at its start where it comes from `before`."""
+    if before is None:
+        return walked(path, zone)
+    curves = walked(np.vstack([before, path]), zone)
+    return Curves(curves.points[1:], curves.waypoints[1:])
+
+
+class _Late(Exception):
+    """The deadline has passed; raised through the planners, which know nothing of it."""
+
+
+def edge_check(check: Check, deadline: float = math.inf) -> EdgeCheck:
+    """Whether one straight joint motion is clear, by a check of whole motions."""
+
+    def is_clear(a: Floats, b: Floats) -> bool:
+        if working_time() > deadline:
+            raise _Late
+        return check(segment(a, b)) is None
+
+    return is_clear
+
+
+def as_sent(path: Floats, is_clear: EdgeCheck, count: int) -> Floats:
+    """A path shortened, divided into `count` waypoints or as many as it needs, and rounded.
+
+    Waypoints that rounding makes equal become one.  A path that ends where it starts keeps two.
+    """
+    path = merged(shortened(path, is_clear, most=count), is_clear)
+    path = on_wire(resampled(path, count))
+    moves = np.any(np.diff(path, axis=0) != 0, axis=1)
+    return path[np.concatenate([[True], moves])] if moves.any() else path[[0, -1]]

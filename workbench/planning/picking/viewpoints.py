@@ -1,0 +1,92 @@
+"""Where an arm can hold something into the scanner's view: poses that differ as much as can be."""
+
+import numpy as np
+import pinocchio as pin
+
+from workbench.model.cell import Arm, Cell
+from workbench.model.geometry import Floats
+from workbench.planning.collision.pairing import Phase
+from workbench.planning.collision.world import World
+from workbench.planning.kinematics.chain import is_solution
+
+TILT = np.deg2rad(30.0)
+"""[rad] Largest tilt of the tool from straight down."""
+
+LOWEST, HIGHEST = 0.12, 0.26
+"""[m] Height of what is shown above the rim of the bin."""
+
+ASIDE = 0.03
+"""[m] Largest distance of what is shown from the scanner's axis."""
+
+TRIES = 40
+"""Poses that are tried for each one that is wanted."""
+
+STARTS = 16
+"""Starting points of the inverse kinematics, beside home."""
+
+
+def poses_in_view(
+    cell: Cell, arm: Arm, T_tcp_shown: pin.SE3, count: int, *, seed: int
+) -> tuple[Floats, ...]:
+    """Configurations in which an arm shows something to the scanner, above the bin.
+
+    The other arms stand at home, fingers are closed, and everything keeps the policy's margin.  The
+    turns of the tool are as different as those that were found allow.
+
+    Args:
+        cell: with bin and scanner; the scanner looks into the bin.
+        arm: that moves.
+        T_tcp_shown: what is shown, in the frame of the arm's TCP.
+        count: how many are wanted; fewer come when the arm cannot.
+        seed: of the poses that are tried.
+
+    Returns:
+        Configurations (n,) [rad].
+    """
+    rng, world = np.random.default_rng(seed), World(cell, ())
+    world.enter(Phase(frozenset(one.name for one in cell.arms)))
+    chain = world.chains[arm.name]
+    found: list[tuple[Floats, Floats]] = []
+    for _ in range(count * TRIES):
+        T_world_tcp = _shown(cell, rng) * T_tcp_shown.inverse()
+        starts = np.vstack(
+            [arm.home, rng.uniform(chain.lower, chain.upper, (STARTS, len(arm.home)))]
+        )
+        answers, residuals = chain.solve(T_world_tcp, starts)
+        answers = answers[is_solution(residuals)]
+        # Nearest to home first: that is how a person would go there.
+        for q in answers[np.argsort(np.abs(answers - arm.home).max(axis=1), kind="stable")]:
+            if world.contact(world.configuration({arm.name: q})) is None:
+                found.append((q, T_world_tcp.rotation))
+                break
+        if len(found) >= 4 * count:
+            break
+    return _spread(found, count)
+
+
+def _shown(cell: Cell, rng: np.random.Generator) -> pin.SE3:
+    """A pose above the bin for what is shown, z downwards but for the tilt."""
+    T, axis = cell.bin.T_world_bin, cell.scanner.T_world_scanner
+    height = float(cell.bin.size[2]) + rng.uniform(LOWEST, HIGHEST)
+    above = T.act(np.array([0.0, 0.0, height]))
+    # On the scanner's axis, at that height.
+    forward = axis.rotation[:, 2]
+    along = float(forward @ (above - axis.translation))
+    centre = axis.translation + along * forward
+    centre = centre + axis.rotation[:, :2] @ rng.uniform(-ASIDE, ASIDE, 2)
+    lean, yaw, tilt = rng.uniform(-np.pi, np.pi), rng.uniform(-np.pi, np.pi), rng.uniform(0, TILT)
+    turn = pin.exp3(tilt * np.array([np.cos(lean), np.sin(lean), 0.0]))
+    return pin.SE3(turn @ pin.rpy.rpyToMatrix(np.pi, 0.0, yaw), centre)
+
+
+def _spread(found: list[tuple[Floats, Floats]], count: int) -> tuple[Floats, ...]:
+    """Those whose rotations differ most: each next one is the furthest from those taken."""
+    if not found:
+        return ()
+    taken = [0]
+    while len(taken) < min(count, len(found)):
+        nearest = [
+            min(float(np.linalg.norm(pin.log3(found[k][1].T @ R))) for k in taken) for _, R in found
+        ]
+        taken.append(int(np.argmax(nearest)))
+    return tuple(found[k][0] for k in taken)

@@ -1,0 +1,4 @@
+"""Who comes in: users, passwords, logins and tokens, and what is done against guessing.
+
+Imports `http`.
+"""

@@ -1,0 +1,219 @@
+"""Who may come in: users with a role and a password, and tokens for their programs."""
+
+import hashlib
+import secrets
+import sqlite3
+import time
+import unicodedata
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from workbench.app.core.people import Person, Role
+from workbench.app.core.rights import MACHINES, NOBODY
+from workbench.model.errors import InputError
+from workbench.web.access.passwords import NOBODYS, hash_of, is_right
+from workbench.web.access.store import Store
+
+LONGEST_NAME = 64
+
+TOKEN_MARK = "wb_"
+"""Begins every token, so that one that leaked is known for what it is."""
+
+
+@dataclass(frozen=True, slots=True)
+class Token:
+    """What is known of a program's token; the token itself was shown once."""
+
+    name: str
+    made_at: float
+
+
+@dataclass(frozen=True, slots=True)
+class User:
+    """Somebody who may log in, unless disabled."""
+
+    name: str
+    role: Role
+    is_disabled: bool
+    tokens: tuple[Token, ...]
+
+    @property
+    def person(self) -> Person:
+        """As commands know them."""
+        return Person(self.name, self.role)
+
+
+class Users:
+    """The users in a store.
+
+    Whatever takes something from a user ends that user's logins in the same change.
+
+    Concurrency: any thread.
+    """
+
+    def __init__(self, store: Store, now: Callable[[], float] = time.time):
+        """The users in `store`; `now` is the time [s since 1970]."""
+        self._store = store
+        self._now = now
+
+    def all(self) -> tuple[User, ...]:
+        """Everybody, by name."""
+        tokens: dict[str, list[Token]] = {}
+        for key, name, made_at in self._store.ask(
+            "SELECT user, name, made_at FROM tokens ORDER BY name"
+        ):
+            tokens.setdefault(key, []).append(Token(name, made_at))
+        return tuple(
+            User(name, Role(role), bool(is_disabled), tuple(tokens.get(key, ())))
+            for key, name, role, is_disabled in self._store.ask(
+                "SELECT key, name, role, is_disabled FROM users ORDER BY key"
+            )
+        )
+
+    def are_there(self) -> bool:
+        """Whether there is anybody, disabled or not."""
+        return bool(self._store.ask("SELECT 1 FROM users LIMIT 1"))
+
+    def add(self, name: str, role: Role, password: str) -> None:
+        """Let somebody in.  The login by the first link ends: it was for having no users.
+
+        Raises:
+            InputError: the name cannot be one or is taken, or the password is too short.
+        """
+        key, kept = key_of(name), hash_of(password)
+        with self._store.change() as connection:
+            if connection.execute("SELECT 1 FROM users WHERE key = ?", (key,)).fetchone():
+                raise InputError(f"there is a user {name!r} already")
+            connection.execute(
+                "INSERT INTO users (key, name, role, hash) VALUES (?, ?, ?, ?)",
+                (key, name, role, kept),
+            )
+            connection.execute("DELETE FROM sessions WHERE user IS NULL")
+
+    def remove(self, name: str) -> None:
+        """Forget somebody, with tokens and logins.
+
+        Raises:
+            InputError: there is no such user.
+        """
+        self._alter(name, "DELETE FROM users WHERE key = :key")
+
+    def set_disabled(self, name: str, is_disabled: bool) -> None:
+        """Keep somebody out, or let them in again.
+
+        Raises:
+            InputError: there is no such user.
+        """
+        self._alter(name, "UPDATE users SET is_disabled = :to WHERE key = :key", int(is_disabled))
+
+    def set_role(self, name: str, role: Role) -> None:
+        """Give somebody another role.
+
+        Raises:
+            InputError: there is no such user.
+        """
+        self._alter(name, "UPDATE users SET role = :to WHERE key = :key", role)
+
+    def set_password(self, name: str, password: str) -> None:
+        """Give somebody another password.
+
+        Raises:
+            InputError: there is no such user, or the password is too short.
+        """
+        self._alter(name, "UPDATE users SET hash = :to WHERE key = :key", hash_of(password))
+
+    def make_token(self, name: str, called: str) -> str:
+        """A new token for a program that acts for a user; shown this once.
+
+        Raises:
+            InputError: there is no such user, or one of that name has been made before.
+        """
+        if not called.strip() or len(called) > LONGEST_NAME or not called.isprintable():
+            raise InputError(f"a token's name has 1 to {LONGEST_NAME} characters, not {called!r}")
+        token = TOKEN_MARK + secrets.token_urlsafe(32)
+        with self._store.change() as connection:
+            key = self._known(connection, name)
+            known = "SELECT 1 FROM tokens WHERE user = ? AND name = ?"
+            if connection.execute(known, (key, called)).fetchone():
+                raise InputError(f"{name} has a token {called!r} already; revoke it first")
+            connection.execute(
+                "INSERT INTO tokens (digest, user, name, made_at) VALUES (?, ?, ?, ?)",
+                (digest_of(token), key, called, self._now()),
+            )
+        return token
+
+    def revoke_token(self, name: str, called: str) -> None:
+        """Make a token worthless.
+
+        Raises:
+            InputError: there is no such user or token.
+        """
+        with self._store.change() as connection:
+            key = self._known(connection, name)
+            gone = connection.execute(
+                "DELETE FROM tokens WHERE user = ? AND name = ?", (key, called)
+            )
+            if not gone.rowcount:
+                raise InputError(f"{name} has no token {called!r}")
+
+    def by_password(self, name: str, password: str) -> Person | None:
+        """Whose name and password these are; takes the same time for a name that nobody has."""
+        question = "SELECT name, role, hash FROM users WHERE key = ? AND is_disabled = 0"
+        rows = self._store.ask(question, folded(name))
+        known, role, kept = rows[0] if rows else ("", Role.VIEWER, NOBODYS)
+        is_theirs = is_right(password, kept)
+        return Person(known, Role(role)) if rows and is_theirs else None
+
+    def by_token(self, token: str) -> Person | None:
+        """For whom a program acts that shows this token."""
+        question = """
+            SELECT users.name, users.role FROM tokens JOIN users ON users.key = tokens.user
+            WHERE tokens.digest = ? AND users.is_disabled = 0
+        """
+        rows = self._store.ask(question, digest_of(token))
+        return Person(rows[0][0], Role(rows[0][1])) if rows else None
+
+    def _alter(self, name: str, statement: str, to: object = None) -> None:
+        with self._store.change() as connection:
+            key = self._known(connection, name)
+            connection.execute("DELETE FROM sessions WHERE user = ?", (key,))
+            connection.execute(statement, {"key": key, "to": to})
+
+    def _known(self, connection: sqlite3.Connection, name: str) -> str:
+        """The key of a user who is there."""
+        key = folded(name)
+        if connection.execute("SELECT 1 FROM users WHERE key = ?", (key,)).fetchone():
+            return key
+        names = [row[0] for row in connection.execute("SELECT name FROM users ORDER BY key")]
+        listed = ", ".join(names) if names else "nobody"
+        raise InputError(f"there is no user {name!r} (there is {listed})")
+
+
+def digest_of(secret: str) -> str:
+    """What is kept of a random secret; it has 256 bits, so a plain hash is enough."""
+    return hashlib.sha256(secret.encode(errors="replace")).hexdigest()
+
+
+def folded(name: str) -> str:
+    """The name by which a user is found: capitals and ways of writing an accent do not count.
+
+    Bytes of a command line that are no text (surrogates) become question marks.
+    """
+    return unicodedata.normalize("NFKC", name).casefold().encode(errors="replace").decode()
+
+
+def key_of(name: str) -> str:
+    """The key of a name that may be given to somebody.
+
+    Raises:
+        InputError: it may not.
+    """
+    is_plain = name.isprintable() and name.split() == name.split(" ")
+    if not 0 < len(name) <= LONGEST_NAME or not is_plain:
+        raise InputError(
+            f"a user's name has 1 to {LONGEST_NAME} printable characters and single spaces "
+            f"between them, not {name[: LONGEST_NAME + 1]!r}"
+        )
+    if folded(name) in {folded(taken) for taken in (*MACHINES, NOBODY)}:
+        raise InputError(f"the name {name!r} stands for no person in the record; choose another")
+    return folded(name)

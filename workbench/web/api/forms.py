@@ -1,0 +1,164 @@
+"""Values as JSON for programs: SI units and radians, poses as rows of 4 x 4 matrices."""
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+from workbench.app.core.state import State
+from workbench.app.records.statistics import GROUPS, Statistics
+from workbench.app.runtime.live import Live
+from workbench.model.candidate import Candidate, Verdict
+from workbench.model.digest import canonical
+from workbench.model.plan import Finding, Proof
+from workbench.model.scan import Scan
+
+Form = dict[str, Any]
+
+
+def state_form(state: State, live: Live) -> Form:
+    """What everybody may know at a glance; the large values have answers of their own."""
+    return {
+        "number": state.number,
+        "phase": str(state.phase),
+        "message": state.message,
+        "fault": state.fault,
+        "stale": state.stale,
+        "cell": state.cell.name,
+        "cell_digest": state.cell.digest,
+        "is_saved": state.saved == state.cell.digest,
+        "control": state.control,
+        "asking": list(state.asking),
+        "job": None if state.job is None else state.job.number,
+        "getting_ready": _preparing(live),
+        "scan": None if state.scan is None else state.scan.digest,
+        "detections": None if state.detections is None else len(state.detections),
+        "verdict": None if state.verdict is None else verdict_form(state.verdict),
+        "plan": None if state.plan is None else state.plan.digest,
+        "strategy": None if state.plan is None else str(state.plan.strategy),
+        "holds": None if state.proof is None else state.proof.holds,
+        "watched": list(state.watched),
+        "approved_by": [] if state.approval is None else list(state.approval.people),
+        "approved_until": None if state.approval is None else state.approval.until,
+        "messages_sent": len(state.receipts),
+        "parts_placed": state.parts_placed,
+        "outcomes": [
+            {"detection": one.detection, "is_picked": one.is_picked, "by": one.by, "why": one.why}
+            for one in state.outcomes
+        ],
+    }
+
+
+def job_form(state: State, live: Live) -> Form:
+    """The running task, or none; `message` says how the last one ended."""
+    job = state.job
+    return {
+        "number": state.number,
+        "phase": str(state.phase),
+        "message": state.message,
+        "job": None
+        if job is None
+        else {
+            "number": job.number,
+            "name": job.name,
+            "at": job.at,
+            "done": finite(live.told_of(job.number)[0]),
+            "note": live.told_of(job.number)[1],
+        },
+        "getting_ready": _preparing(live),
+    }
+
+
+def _preparing(live: Live) -> Form | None:
+    what = live.getting_ready
+    return None if what is None else {"done": finite(what.done), "note": what.note}
+
+
+def scan_form(scan: Scan) -> Form:
+    """A scan without its points."""
+    low, high = scan.points_world.min(axis=0), scan.points_world.max(axis=0)
+    return {
+        "digest": scan.digest,
+        "source": scan.source,
+        "at": scan.at,
+        "points": len(scan.points),
+        "resolution": None if scan.resolution is None else list(scan.resolution),
+        "T_world_scanner": canonical(scan.T_world_scanner),
+        "low": low.tolist(),
+        "high": high.tolist(),
+    }
+
+
+def candidate_form(candidate: Candidate) -> Form:
+    """A candidate with its verdict."""
+    return {
+        "detection": candidate.detection,
+        "grasp": candidate.grasp.name,
+        "arm": candidate.arm,
+        "rank": finite(candidate.rank),
+        "T_world_tcp": canonical(candidate.T_world_tcp),
+        "verdict": verdict_form(candidate.verdict),
+    }
+
+
+def verdict_form(verdict: Verdict) -> Form:
+    """A verdict with its evidence."""
+    return {
+        "reason": verdict.reason.name,
+        "stage": str(verdict.stage),
+        "pair": None if verdict.pair is None else list(verdict.pair),
+        "distance": None if verdict.distance is None else finite(verdict.distance),
+        "q": None if verdict.q is None else verdict.q.tolist(),
+        "note": verdict.note,
+    }
+
+
+def proof_form(proof: Proof) -> Form:
+    """A proof without the clearance of every waypoint."""
+    return {
+        "digest": proof.digest,
+        "plan": proof.plan_digest,
+        "holds": proof.holds,
+        "checks": proof.checks,
+        "resolution": finite(proof.resolution),
+        "clearance": finite(proof.clearance),
+        "nearest": None if proof.nearest is None else _finding_form(proof.nearest),
+        "findings": [_finding_form(finding) for finding in proof.findings],
+    }
+
+
+def statistics_form(statistics: Statistics) -> Form:
+    """How often picks have succeeded, and what was in the way."""
+    return {
+        "cycles": len(statistics.cycles),
+        "picked": statistics.picked,
+        "picks_per_hour": statistics.picks_per_hour,
+        "rates": {name: _rates(statistics, name) for name in GROUPS},
+        "refusals": {reason: count for reason, count in statistics.refusals},
+        "stages": {
+            stage: {"median": middle, "largest": largest}
+            for stage, middle, largest in statistics.stage_medians()
+        },
+    }
+
+
+def finite(value: float) -> float | None:
+    """A number as JSON can say it; None where it cannot."""
+    return float(value) if math.isfinite(value) else None
+
+
+def _rates(statistics: Statistics, name: str) -> Mapping[str, Form]:
+    return {
+        rate.name: {"picked": rate.picked, "failed": rate.failed}
+        for rate in statistics.rates(GROUPS[name])
+    }
+
+
+def _finding_form(finding: Finding) -> Form:
+    return {
+        "problem": finding.problem,
+        "arm": finding.arm,
+        "leg": finding.leg,
+        "waypoint": finding.waypoint,
+        "pair": None if finding.pair is None else list(finding.pair),
+        "distance": None if finding.distance is None else finite(finding.distance),
+    }

@@ -1,0 +1,152 @@
+"""What can be read over HTTP: one table, a row an answer."""
+
+import io
+import threading
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from workbench.app.core.state import State
+from workbench.app.records.statistics import Count, Statistics
+from workbench.app.runtime.bench import Bench
+from workbench.formats.plans.plan_files import plan_content
+from workbench.model.digest import canonical
+from workbench.web.api import forms, schemas
+
+JSON = "application/json"
+DATABASE = "journal.sqlite"
+
+
+class Source:
+    """What answers are made from.
+
+    Lifetime: as long as the routes.
+
+    Concurrency: any thread.
+    """
+
+    def __init__(self, bench: Bench):
+        """Nothing is counted yet."""
+        self.bench = bench
+        self._count = Count()
+        self._counting = threading.Lock()
+
+    @property
+    def state(self) -> State:
+        """The newest state."""
+        return self.bench.state
+
+    @property
+    def statistics(self) -> Statistics:
+        """Of the session, counted on from where they were."""
+        with self._counting:
+            self._count.add(self.bench.entries(self._count.last))
+            return self._count.value
+
+
+@dataclass(frozen=True, slots=True)
+class Read:
+    """An answer to a GET of `path`; None is answered as not there, with what is `missing`."""
+
+    path: str
+    says: str
+    answer: Callable[[Source], Any]
+    schema: schemas.Schema
+    missing: str = ""
+    kind: str = JSON
+
+
+def _scan(source: Source) -> Any:
+    scan = source.state.scan
+    return None if scan is None else forms.scan_form(scan)
+
+
+def _points(source: Source) -> bytes | None:
+    scan = source.state.scan
+    if scan is None:
+        return None
+    # Someone who has the points has what the digest is about.
+    values: dict[str, Any] = {"points": scan.points}
+    values["T_world_scanner"] = scan.T_world_scanner.homogeneous
+    if scan.pixels is not None:
+        values |= {"pixels": scan.pixels, "resolution": np.array(scan.resolution)}
+    content = io.BytesIO()
+    np.savez_compressed(content, **values)
+    return content.getvalue()
+
+
+def _detections(source: Source) -> Any:
+    found = source.state.detections
+    return None if found is None else [canonical(one) for one in found]
+
+
+def _candidates(source: Source) -> Any:
+    candidates = source.state.candidates
+    return None if candidates is None else [forms.candidate_form(one) for one in candidates]
+
+
+def _plan(source: Source) -> Any:
+    state = source.state
+    return None if state.plan is None else plan_content(state.plan, state.proof)
+
+
+def _proof(source: Source) -> Any:
+    proof = source.state.proof
+    return None if proof is None else forms.proof_form(proof)
+
+
+def _statistics(source: Source) -> Any:
+    return forms.statistics_form(source.statistics)
+
+
+def _sessions(source: Source) -> Any:
+    folder = source.bench.folder
+    beside = sorted(one.parent.name for one in folder.parent.glob(f"*/{DATABASE}"))
+    return {"current": folder.name, "sessions": beside}
+
+
+READS: tuple[Read, ...] = (
+    Read(
+        "/state",
+        "Where the cycle stands.",
+        lambda source: forms.state_form(source.state, source.bench.live),
+        schemas.STATE,
+    ),
+    Read(
+        "/jobs/current",
+        "The running task and how far it is; null when none runs.",
+        lambda source: forms.job_form(source.state, source.bench.live),
+        schemas.JOB,
+    ),
+    Read("/scan", "The scan, without its points.", _scan, schemas.SCAN, "take a scan first"),
+    Read(
+        "/scan/points",
+        "The scan as a NumPy archive: `points` (n, 3) [m] in the scanner's frame, "
+        "`T_world_scanner`, and `pixels` with `resolution` where the scanner gives them.",
+        _points,
+        {"type": "string", "format": "binary"},
+        "take a scan first",
+        "application/octet-stream",
+    ),
+    Read(
+        "/detections",
+        "The parts found.",
+        _detections,
+        schemas.DETECTIONS,
+        "find the parts first",
+    ),
+    Read(
+        "/candidates",
+        "Every grasp of every part with every arm, and what became of it.",
+        _candidates,
+        schemas.CANDIDATES,
+        "make a plan first",
+    ),
+    Read("/plan", "The plan, as its file has it.", _plan, schemas.PLAN, "make a plan first"),
+    Read("/proof", "The proof of the plan.", _proof, schemas.PROOF, "make a plan first"),
+    Read("/statistics", "What this session has brought.", _statistics, schemas.STATISTICS),
+    Read("/sessions", "This session and those beside it.", _sessions, schemas.SESSIONS),
+)
+"""Readable by every role; a viewer may look at everything."""

@@ -1,0 +1,190 @@
+"""The HTTP interface: the commands and values of the bench for programs.
+
+Every request is somebody's, every command passes the same rules as one from the page, and every
+refusal is a sentence with a status.  Who asks is for `identify` to say.
+"""
+
+import asyncio
+import json
+import logging
+from collections.abc import Awaitable, Callable
+from functools import partial
+from http import HTTPStatus
+from typing import Any
+
+from aiohttp import web
+
+from workbench.app.core.commands import Approve, WatchPlan
+from workbench.app.core.people import Person
+from workbench.app.core.rights import NOBODY, RIGHTS
+from workbench.app.runtime.bench import Bench
+from workbench.model.errors import NotAllowed, WorkbenchError
+from workbench.web.api.calls import CALLS, Call
+from workbench.web.api.events import HEARTBEAT, MOST_LISTENERS, Events
+from workbench.web.api.fields import LARGEST_BODY, body_of
+from workbench.web.api.openapi import PREFIX, openapi
+from workbench.web.api.problems import problem, problem_of
+from workbench.web.api.reads import JSON, READS, Read, Source
+from workbench.web.api.reference import reference_html
+
+log = logging.getLogger(__name__)
+
+Identify = Callable[[web.Request], Awaitable[Person | None]]
+"""Who asks; None when nobody has logged in."""
+
+POLICY = "default-src 'none'; style-src 'unsafe-inline'; frame-ancestors 'none'"
+"""Of the page that describes the interface: it has a style and nothing else."""
+
+NAMED = frozenset({Approve, WatchPlan})
+"""What a person answers for: nothing that a login without a name could say."""
+
+Answer = Callable[[web.Request, Person], Awaitable[web.StreamResponse]]
+
+
+def api_routes(
+    bench: Bench, identify: Identify, *, heartbeat: float = HEARTBEAT
+) -> list[web.RouteDef]:
+    """The routes of the interface, below `/api/v1`.
+
+    The description of the interface is for everybody, everything else for who has logged in.
+
+    Args:
+        bench: whose state is told, and which takes the commands.
+        identify: says who asks.
+        heartbeat: [s] after which an event stream shows that it lives.
+    """
+    api = Api(bench, identify, Events(bench, heartbeat=heartbeat))
+    routes = [web.get(PREFIX + read.path, api.asked(partial(api.read, read))) for read in READS]
+    routes += [web.post(PREFIX + call.path, api.asked(partial(api.give, call))) for call in CALLS]
+    routes += [
+        web.get(f"{PREFIX}/me", api.asked(api.me)),
+        web.get(f"{PREFIX}/events", api.asked(api.listen)),
+        web.get(f"{PREFIX}/openapi.json", _described),
+        web.get(f"{PREFIX}/", _reference),
+    ]
+    return routes
+
+
+class Api:
+    """Handlers of the interface.
+
+    Lifetime: as long as its routes.
+
+    Concurrency: the event loop; what takes time goes to threads.
+    """
+
+    def __init__(self, bench: Bench, identify: Identify, events: Events):
+        """Nothing is asked yet."""
+        self._bench = bench
+        self._identify = identify
+        self._events = events
+        self._source = Source(bench)
+
+    def asked(self, answer: Answer) -> Callable[[web.Request], Awaitable[web.StreamResponse]]:
+        """A handler that answers people only, and errors with their sentences."""
+
+        async def handler(request: web.Request) -> web.StreamResponse:
+            person = await self._identify(request)
+            if person is None:
+                headers = {"WWW-Authenticate": "Bearer"}
+                return problem(HTTPStatus.UNAUTHORIZED, "log in first", headers=headers)
+            try:
+                return await answer(request, person)
+            except WorkbenchError as error:
+                return problem_of(error)
+            except web.HTTPException:
+                raise
+            except Exception:
+                # A rim: whatever goes wrong with one request is in the log, not in the answer.
+                log.exception("%s %s failed", request.method, request.path)
+                return problem(HTTPStatus.INTERNAL_SERVER_ERROR, "internal error, see the log")
+
+        return handler
+
+    async def read(self, read: Read, request: web.Request, person: Person) -> web.Response:
+        """Answer with a value as it is now."""
+        del request, person
+        content = await asyncio.to_thread(self._made, read)
+        if content is None:
+            return problem(HTTPStatus.NOT_FOUND, f"it is not there yet: {read.missing}")
+        return web.Response(
+            body=content, content_type=read.kind, headers={"Cache-Control": "no-store"}
+        )
+
+    async def give(self, call: Call, request: web.Request, person: Person) -> web.Response:
+        """Give a command in the name of who asks."""
+        if person.name == NOBODY and call.kind in NAMED:
+            raise NotAllowed(f"{RIGHTS[call.kind].says} needs a name: log in as somebody")
+        content = await _body(request)
+        if isinstance(content, web.Response):
+            return content
+        command = call.make(body_of(content, call.fields))
+        state = await asyncio.to_thread(self._bench.do, command, person.name, person.role)
+        done = {
+            "number": state.number,
+            "phase": str(state.phase),
+            "message": state.message,
+            "job": None if state.job is None else state.job.number,
+        }
+        status = HTTPStatus.ACCEPTED if call.begins else HTTPStatus.OK
+        headers = {"Location": f"{PREFIX}/jobs/current"} if call.begins else {}
+        return _json(done, status=status, headers=headers)
+
+    async def me(self, request: web.Request, person: Person) -> web.Response:
+        """Answer who asks."""
+        del request
+        may = [call.path for call in CALLS if person.role.covers(RIGHTS[call.kind].role)]
+        return _json({"name": person.name, "role": str(person.role), "may": may})
+
+    async def listen(self, request: web.Request, person: Person) -> web.StreamResponse:
+        """Tell every new state until the listener goes or is somebody else."""
+        if self._events.is_full:
+            said = f"{MOST_LISTENERS} streams are open already; close one first"
+            return problem(HTTPStatus.SERVICE_UNAVAILABLE, said)
+
+        async def is_still_allowed() -> bool:
+            return await self._identify(request) == person
+
+        return await self._events.stream(request, is_still_allowed)
+
+    def _made(self, read: Read) -> bytes | None:
+        value = read.answer(self._source)
+        return value if value is None or isinstance(value, bytes) else _text(value)
+
+
+async def _body(request: web.Request) -> bytes | web.Response:
+    """The body, as long as it may be, or what is wrong with it."""
+    too_long = f"a body may have {LARGEST_BODY} bytes"
+    if request.content_length is not None and request.content_length > LARGEST_BODY:
+        return problem(HTTPStatus.REQUEST_ENTITY_TOO_LARGE, too_long)
+    content = bytearray()
+    async for chunk in request.content.iter_any():
+        content += chunk
+        if len(content) > LARGEST_BODY:
+            return problem(HTTPStatus.REQUEST_ENTITY_TOO_LARGE, too_long)
+    if content and request.content_type != JSON:
+        said = f"the body must be {JSON}, not {request.content_type[:60]}"
+        return problem(HTTPStatus.UNSUPPORTED_MEDIA_TYPE, said)
+    return bytes(content)
+
+
+def _text(value: Any) -> bytes:
+    return json.dumps(value, ensure_ascii=False, allow_nan=False).encode()
+
+
+def _json(value: Any, **about: Any) -> web.Response:
+    return web.Response(body=_text(value), content_type=JSON, **about)
+
+
+async def _described(request: web.Request) -> web.Response:
+    del request
+    return _json(openapi())
+
+
+async def _reference(request: web.Request) -> web.Response:
+    del request
+    return web.Response(
+        text=reference_html(openapi()),
+        content_type="text/html",
+        headers={"Content-Security-Policy": POLICY},
+    )

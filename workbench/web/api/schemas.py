@@ -1,0 +1,164 @@
+"""The shape of every answer, as JSON Schema; `forms` makes what fits it."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from workbench.app.core.state import Phase
+from workbench.formats.plans.plan_files import PLAN_FORMAT
+from workbench.model.candidate import Reason, Stage
+
+Schema = Mapping[str, Any]
+
+TEXT: Schema = {"type": "string"}
+FLAG: Schema = {"type": "boolean"}
+WHOLE: Schema = {"type": "integer"}
+NUMBER: Schema = {"type": "number"}
+DIGEST: Schema = {"type": "string", "pattern": "^[0-9a-f]{64}$"}
+PHASE: Schema = {"type": "string", "enum": [str(phase) for phase in Phase]}
+
+
+def or_none(schema: Schema) -> Schema:
+    """Null, too."""
+    return {"anyOf": [schema, {"type": "null"}]}
+
+
+def many(schema: Schema) -> Schema:
+    """A list."""
+    return {"type": "array", "items": schema}
+
+
+def record(**properties: Schema) -> Schema:
+    """An object with exactly these keys."""
+    return {
+        "type": "object",
+        "properties": properties,
+        "required": list(properties),
+        "additionalProperties": False,
+    }
+
+
+def by_name(schema: Schema) -> Schema:
+    """An object whose keys are names."""
+    return {"type": "object", "additionalProperties": schema}
+
+
+POSE: Schema = {
+    "type": "array",
+    "description": "rows of a homogeneous matrix [m]",
+    "items": {"type": "array", "items": NUMBER, "minItems": 4, "maxItems": 4},
+    "minItems": 4,
+    "maxItems": 4,
+}
+POINT: Schema = {"type": "array", "items": NUMBER, "minItems": 3, "maxItems": 3}
+
+VERDICT = record(
+    reason={"type": "string", "enum": [reason.name for reason in Reason]},
+    stage={"type": "string", "enum": [str(stage) for stage in Stage]},
+    pair=or_none(many(TEXT)),
+    distance=or_none(NUMBER),
+    q=or_none(many(NUMBER)),
+    note=TEXT,
+)
+PREPARING = or_none(record(done=or_none(NUMBER), note=TEXT))
+"""What tasks wait for: it is done once, after an installation."""
+
+STATE = record(
+    number=WHOLE,
+    phase=PHASE,
+    message=TEXT,
+    fault=TEXT,
+    stale=TEXT,
+    cell=TEXT,
+    cell_digest=DIGEST,
+    is_saved=FLAG,
+    control=TEXT,
+    asking=many(TEXT),
+    job=or_none(WHOLE),
+    getting_ready=PREPARING,
+    scan=or_none(DIGEST),
+    detections=or_none(WHOLE),
+    verdict=or_none(VERDICT),
+    plan=or_none(DIGEST),
+    strategy=or_none(TEXT),
+    holds=or_none(FLAG),
+    watched=many(TEXT),
+    approved_by=many(TEXT),
+    approved_until=or_none(NUMBER),
+    messages_sent=WHOLE,
+    parts_placed=WHOLE,
+    outcomes=many(record(detection=WHOLE, is_picked=FLAG, by=TEXT, why=TEXT)),
+)
+JOB = record(
+    number=WHOLE,
+    phase=PHASE,
+    message=TEXT,
+    job=or_none(record(number=WHOLE, name=TEXT, at=NUMBER, done=or_none(NUMBER), note=TEXT)),
+    getting_ready=PREPARING,
+)
+DONE = record(number=WHOLE, phase=PHASE, message=TEXT, job=or_none(WHOLE))
+PERSON = record(name=TEXT, role=TEXT, may=many(TEXT))
+SCAN = record(
+    digest=DIGEST,
+    source=TEXT,
+    at=NUMBER,
+    points=WHOLE,
+    resolution=or_none(many(WHOLE)),
+    T_world_scanner=POSE,
+    low=POINT,
+    high=POINT,
+)
+DETECTIONS = many(
+    record(
+        part=TEXT,
+        T_world_part=POSE,
+        score=NUMBER,
+        visible=NUMBER,
+        gap=or_none(NUMBER),
+        residual=or_none(NUMBER),
+        roll_known=FLAG,
+    )
+)
+CANDIDATES = many(
+    record(
+        detection=WHOLE,
+        grasp=TEXT,
+        arm=TEXT,
+        rank=or_none(NUMBER),
+        T_world_tcp=POSE,
+        verdict=VERDICT,
+    )
+)
+PLAN: Schema = {
+    "type": "object",
+    "description": f"a plan as its file has it, {PLAN_FORMAT}",
+    "properties": {"format": {"const": PLAN_FORMAT}, "digest": DIGEST},
+    "required": ["format", "digest", "arms", "sequence", "proof"],
+}
+FINDING = record(
+    problem=TEXT,
+    arm=TEXT,
+    leg=TEXT,
+    waypoint=or_none(WHOLE),
+    pair=or_none(many(TEXT)),
+    distance=or_none(NUMBER),
+)
+PROOF = record(
+    digest=DIGEST,
+    plan=DIGEST,
+    holds=FLAG,
+    checks=WHOLE,
+    resolution=or_none(NUMBER),
+    clearance=or_none(NUMBER),
+    nearest=or_none(FINDING),
+    findings=many(FINDING),
+)
+STATISTICS = record(
+    cycles=WHOLE,
+    picked=WHOLE,
+    picks_per_hour=or_none(NUMBER),
+    rates=by_name(by_name(record(picked=WHOLE, failed=WHOLE))),
+    refusals=by_name(WHOLE),
+    stages=by_name(record(median=NUMBER, largest=NUMBER)),
+)
+SESSIONS = record(current=TEXT, sessions=many(TEXT))
+PROBLEM = record(title=TEXT, status=WHOLE, detail=TEXT)

@@ -1,0 +1,95 @@
+"""A log that nobody outside can fill: of lines that come too often some are left out, and counted.
+
+What is refused is one line each, and the libraries below us write many for each connection that
+they cannot make sense of; who may connect could have them written as fast as he asks.
+"""
+
+import logging
+import threading
+import time
+from collections.abc import Callable, Generator
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
+
+AT_ONCE = 50
+"""Lines of one kind that may be written together."""
+
+AT_ONCE_BELOW = 5
+"""The same for libraries, which add to each where in their code it happened."""
+
+SECONDS = 5.0
+"""[s] After which one more may."""
+
+MOST_KINDS = 64
+"""Beyond these all kinds count as one: some lines are never the same twice."""
+
+OTHERS = "others"
+
+LOGGERS = {
+    "workbench.web": AT_ONCE,
+    "workbench.web.opcua.server": AT_ONCE,
+    "aiohttp.server": AT_ONCE_BELOW,
+    "asyncio": AT_ONCE_BELOW,
+    "websockets.server": AT_ONCE_BELOW,
+    "asyncua.server.binary_server_asyncio": AT_ONCE_BELOW,
+    "asyncua.server.uaprocessor": AT_ONCE_BELOW,
+}
+"""That write what others cause."""
+
+
+@dataclass(slots=True)
+class _Kind:
+    credit: float
+    counted: float
+    left_out: int = 0
+
+
+class Sparing(logging.Filter):
+    """Lets through what is written at a moderate pace; lines are of one kind by their form.
+
+    Concurrency: any thread.
+    """
+
+    def __init__(self, at_once: int, clock: Callable[[], float] = time.monotonic):
+        """Nothing was written yet.
+
+        Args:
+            at_once: lines of a kind that may be written together.
+            clock: tells [s] and does not jump.
+        """
+        super().__init__()
+        self._at_once = at_once
+        self._clock = clock
+        self._kinds: dict[str, _Kind] = {}
+        self._lock = threading.Lock()
+
+    def filter(self, record: logging.LogRecord) -> bool:
+        """Whether the line is to be written; says with it how many of its kind were not."""
+        with self._lock:
+            form = str(record.msg)
+            if form not in self._kinds and len(self._kinds) >= MOST_KINDS:
+                form = OTHERS
+            now = self._clock()
+            kind = self._kinds.setdefault(form, _Kind(self._at_once, now))
+            kind.credit = min(self._at_once, kind.credit + (now - kind.counted) / SECONDS)
+            kind.counted = now
+            if kind.credit < 1.0:
+                kind.left_out += 1
+                return False
+            kind.credit -= 1.0
+            left_out, kind.left_out = kind.left_out, 0
+        if left_out:
+            record.msg = f"{record.getMessage()} ({left_out} lines like this were left out before)"
+            record.args = None
+        return True
+
+
+@contextmanager
+def sparing() -> Generator[None]:
+    """Keep the loggers of `LOGGERS` sparing as long as the block runs."""
+    with ExitStack() as undo:
+        for name, at_once in LOGGERS.items():
+            logger, spares = logging.getLogger(name), Sparing(at_once)
+            logger.addFilter(spares)
+            undo.callback(logger.removeFilter, spares)
+        yield

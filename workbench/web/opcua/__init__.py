@@ -1,0 +1,4 @@
+"""The state and a few commands for a PLC.
+
+Imports `http`.
+"""

@@ -1,0 +1,90 @@
+"""What a PLC may ask for: a row a method; each answers whether it was done, and a sentence."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from asyncua import ua
+
+from workbench.app.core.commands import (
+    AcknowledgeFault,
+    CancelJob,
+    Command,
+    FindParts,
+    MakePlan,
+    ReleaseControl,
+    ReportPick,
+    SendPlan,
+    Stop,
+    TakeControl,
+    TakeScan,
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Argument:
+    """One argument of a method."""
+
+    name: str
+    kind: ua.VariantType
+    says: str
+
+    def described(self) -> ua.Argument:
+        """As clients are told it."""
+        argument = ua.Argument()
+        argument.Name = self.name
+        argument.DataType = ua.NodeId(ua.Int32(self.kind.value))
+        argument.ValueRank = ua.Int32(-1)
+        argument.ArrayDimensions = []
+        argument.Description = ua.LocalizedText(self.says)
+        return argument
+
+
+@dataclass(frozen=True, slots=True)
+class Method:
+    """A command by its name; `make` makes it of the arguments."""
+
+    name: str
+    make: Callable[[Sequence[Any]], Command]
+    arguments: tuple[Argument, ...] = ()
+
+
+SEED = Argument("Seed", ua.VariantType.UInt32, "the same seed gives the same result")
+
+METHODS: tuple[Method, ...] = (
+    Method(
+        "Scan",
+        lambda given: TakeScan(given[0], given[1]),
+        (SEED, Argument("Parts", ua.VariantType.UInt32, "in the simulated pile")),
+    ),
+    Method("FindParts", lambda given: FindParts(given[0]), (SEED,)),
+    Method(
+        "MakePlan",
+        lambda given: MakePlan(given[1], given[2], given[0]),
+        (
+            SEED,
+            Argument("Strategy", ua.VariantType.String, "which arms work, such as auto"),
+            Argument("Threshold", ua.VariantType.Double, "[m]"),
+        ),
+    ),
+    Method(
+        "Send",
+        lambda given: SendPlan(given[0]),
+        (Argument("Plan", ua.VariantType.String, "digest of the approved plan"),),
+    ),
+    Method("Stop", lambda given: Stop()),
+    Method("Cancel", lambda given: CancelJob()),
+    Method("Acknowledge", lambda given: AcknowledgeFault()),
+    Method(
+        "Report",
+        lambda given: ReportPick(given[0], given[1], given[2]),
+        (
+            Argument("Detection", ua.VariantType.UInt32, "index of the part in the plan"),
+            Argument("IsPicked", ua.VariantType.Boolean, "whether it was"),
+            Argument("Why", ua.VariantType.String, "what is known about a failure"),
+        ),
+    ),
+    Method("TakeControl", lambda given: TakeControl()),
+    Method("ReleaseControl", lambda given: ReleaseControl()),
+)
+"""Approvals are not here: they are a person's."""

@@ -1,0 +1,46 @@
+"""What a PLC sees of the state: a flat list of simple variables."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from asyncua import ua
+
+from workbench.app.core.state import State
+from workbench.app.runtime.live import Live
+
+VARIABLES: Mapping[str, ua.VariantType] = {
+    "Number": ua.VariantType.UInt32,
+    "Phase": ua.VariantType.String,
+    "Message": ua.VariantType.String,
+    "Fault": ua.VariantType.String,
+    "Control": ua.VariantType.String,
+    "PartsFound": ua.VariantType.UInt32,
+    "PlanDigest": ua.VariantType.String,
+    "Strategy": ua.VariantType.String,
+    "Holds": ua.VariantType.Boolean,
+    "ApprovedBy": ua.VariantType.String,
+    "PartsPlaced": ua.VariantType.UInt32,
+    "Job": ua.VariantType.String,
+    "JobDone": ua.VariantType.Double,
+}
+"""By name; texts are empty and numbers 0 while there is nothing to say."""
+
+
+def values_of(state: State, live: Live) -> Mapping[str, Any]:
+    """The value of each variable."""
+    job = state.job
+    return {
+        "Number": state.number,
+        "Phase": str(state.phase),
+        "Message": state.message,
+        "Fault": state.fault,
+        "Control": state.control,
+        "PartsFound": len(state.detections or ()),
+        "PlanDigest": "" if state.plan is None else state.plan.digest,
+        "Strategy": "" if state.plan is None else str(state.plan.strategy),
+        "Holds": state.proof is not None and state.proof.holds,
+        "ApprovedBy": "" if state.approval is None else ", ".join(state.approval.people),
+        "PartsPlaced": state.parts_placed,
+        "Job": "" if job is None else job.name,
+        "JobDone": 0.0 if job is None else live.told_of(job.number)[0],
+    }

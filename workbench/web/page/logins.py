@@ -1,0 +1,195 @@
+"""Coming in and going out: the login page, the first link, and logging out."""
+
+import asyncio
+import math
+
+from aiohttp import WSCloseCode, WSMsgType, hdrs, web
+
+from workbench.app.core.people import Person
+from workbench.web.access.first_key import FirstKey
+from workbench.web.access.identity import ACCESS, session_of
+from workbench.web.access.lockout import LockedOut, Lockout
+from workbench.web.access.users import LONGEST_NAME
+from workbench.web.http.refusals import refused
+from workbench.web.page.connections import Connections
+from workbench.web.page.conversation import close
+from workbench.web.page.pages import Pages
+from workbench.web.page.relay import HEARTBEAT
+
+MOST_FORM = 4096
+"""Bytes of a filled in form."""
+
+FORM_SECONDS = 10.0
+"""[s] How long a browser may take to send it."""
+
+AT_ONCE = 2
+"""Passwords that are tried at the same time; each takes 64 MiB and 0.1 s of a processor."""
+
+MOST_WAITING = 20
+"""Passwords that may wait to be tried."""
+
+WRONG = "Name or password are wrong."
+NO_USERS = (
+    "There are no users yet. Open the link that the workbench printed when it was started. It "
+    "works once, for one browser; a new start prints another. For more browsers and people add "
+    "users: workbench user add NAME --role engineer"
+)
+USED = "This link has been used, or is of an earlier start. " + NO_USERS
+
+
+class Logins:
+    """The requests about logging in.
+
+    Concurrency: the front's event loop only; passwords are tried in threads.
+    """
+
+    def __init__(
+        self, pages: Pages, lockout: Lockout, first: FirstKey, connections: Connections, title: str
+    ):
+        """Made by `serve_front`; `title` stands above the form."""
+        self._pages = pages
+        self._lockout = lockout
+        self._first = first
+        self._connections = connections
+        self._title = title
+        self._trying = asyncio.Semaphore(AT_ONCE)
+        self._waiting = 0
+
+    async def form(self, request: web.Request) -> web.StreamResponse:
+        """The login page."""
+        if session_of(request) is not None:
+            raise web.HTTPSeeOther("/")
+        has_users = request.config_dict[ACCESS].users.are_there()
+        return self._form(request, 200, "" if has_users else NO_USERS)
+
+    async def login(self, request: web.Request) -> web.StreamResponse:
+        """A form that was filled in."""
+        form = await _form(request)
+        name, password = str(form.get("name", "")), str(form.get("password", ""))
+        shown = name[:LONGEST_NAME]
+        if self._waiting >= MOST_WAITING:
+            refused("login", why="too many at once", origin=request.remote, who=shown)
+            return self._form(request, 503, "Too many are logging in. Try again.", shown)
+        self._waiting += 1
+        try:
+            async with self._trying:
+                found = await asyncio.to_thread(self._try, request, name, password)
+        finally:
+            self._waiting -= 1
+        if isinstance(found, LockedOut):
+            refused("login", why="too many failed", origin=request.remote, who=shown)
+            minutes = math.ceil(found.seconds / 60)
+            text = f"Too many logins have failed. Try again in {minutes} min."
+            answer = self._form(request, 429, text, shown)
+            answer.headers[hdrs.RETRY_AFTER] = str(math.ceil(found.seconds))
+            return answer
+        if found is None:
+            refused("login", why="wrong name or password", origin=request.remote, who=shown)
+            return self._form(request, 401, WRONG, shown)
+        answer = web.Response(status=303, headers={hdrs.LOCATION: "/"})
+        await self._begin(request, answer, found)
+        return answer
+
+    async def by_link(self, request: web.Request) -> web.StreamResponse:
+        """The link that was printed at the start."""
+        access = request.config_dict[ACCESS]
+        if not self._first.take(request.query.get("key", ""), request.remote):
+            refused("first link", why="used, wrong, or from elsewhere", origin=request.remote)
+            return self._form(request, 401, USED if not access.users.are_there() else "")
+        answer = self._pages.page(request, "onward.html")
+        await self._begin(request, answer, None)
+        return answer
+
+    async def logout(self, request: web.Request) -> web.StreamResponse:
+        """The end of a login, in all windows of the browser."""
+        session = session_of(request)
+        if session is not None:
+            await asyncio.to_thread(request.config_dict[ACCESS].sessions.end, session.digest)
+            self._connections.cut(frozenset({session.digest}))
+        answer = web.Response(status=303, headers={hdrs.LOCATION: "/login"})
+        answer.del_cookie(request.config_dict[ACCESS].cookie, path="/")
+        return answer
+
+    async def presence(self, request: web.Request) -> web.StreamResponse:
+        """A websocket that says nothing and closes when the login ends."""
+        session = session_of(request)
+        if session is None:
+            raise web.HTTPUnauthorized(text="Log in first.\n")
+        with self._connections.seat(session) as seat:
+            if seat is None:
+                raise web.HTTPTooManyRequests(text="Too many windows are open.\n")
+            browser = web.WebSocketResponse(heartbeat=HEARTBEAT, max_msg_size=1024)
+            await browser.prepare(request)
+            ways = (asyncio.create_task(_silence(browser)), asyncio.create_task(seat.over.wait()))
+            try:
+                await asyncio.wait(ways, return_when=asyncio.FIRST_COMPLETED)
+            finally:
+                for way in ways:
+                    way.cancel()
+                await asyncio.gather(*ways, return_exceptions=True)
+            code = seat.code if seat.over.is_set() else WSCloseCode.OK
+            await close(browser, request.transport, code, "")
+        return browser
+
+    def _try(self, request: web.Request, name: str, password: str) -> Person | LockedOut | None:
+        """In a thread: whose name and password these are, unless nothing may be tried."""
+        attempt = self._lockout.begin(request.remote or "", name)
+        if isinstance(attempt, LockedOut):
+            return attempt
+        person = request.config_dict[ACCESS].users.by_password(name, password)
+        if person is not None:
+            self._lockout.succeeded(attempt)
+        return person
+
+    async def _begin(
+        self, request: web.Request, answer: web.Response, person: Person | None
+    ) -> None:
+        """Give the browser a new login; one that it has is over, whoever's it was."""
+        access, before = request.config_dict[ACCESS], session_of(request)
+        if before is not None:
+            await asyncio.to_thread(access.sessions.end, before.digest)
+            self._connections.cut(frozenset({before.digest}))
+        cookie = await asyncio.to_thread(access.sessions.begin, person)
+        answer.set_cookie(
+            access.cookie,
+            cookie,
+            max_age=int(access.sessions.seconds),
+            path="/",
+            httponly=True,
+            samesite="Strict",
+            secure=request.secure,
+        )
+
+    def _form(
+        self, request: web.Request, status: int, problem: str, name: str = ""
+    ) -> web.Response:
+        return self._pages.page(
+            request, "login.html", status, title=self._title, problem=problem, user=name
+        )
+
+
+async def _form(request: web.Request) -> dict[str, object]:
+    """What was filled in.
+
+    Raises:
+        HTTPException: it is too long, takes too long, or is no form.
+    """
+    charset = (request.charset or "utf-8").casefold()
+    if request.content_type != "application/x-www-form-urlencoded" or charset != "utf-8":
+        raise web.HTTPUnsupportedMediaType
+    if request.content_length is None or request.content_length > MOST_FORM:
+        raise web.HTTPRequestEntityTooLarge(MOST_FORM, request.content_length or 0)
+    try:
+        async with asyncio.timeout(FORM_SECONDS):
+            return dict(await request.post())
+    except TimeoutError as error:
+        raise web.HTTPRequestTimeout from error
+    except UnicodeDecodeError as error:
+        raise web.HTTPBadRequest(text="The form is not in UTF-8.\n") from error
+
+
+async def _silence(browser: web.WebSocketResponse) -> None:
+    """Return when the browser goes, or says anything: there is nothing to be said."""
+    async for message in browser:
+        if message.type in (WSMsgType.BINARY, WSMsgType.TEXT):
+            return

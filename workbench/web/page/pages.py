@@ -1,0 +1,73 @@
+"""Our own pages and files: read once, filled in, and nothing else is ever served from a disk."""
+
+import html
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from aiohttp import web
+
+from workbench.formats.files.shipped import find
+from workbench.web.http.headers import page_policy
+
+TYPES: Mapping[str, str] = {
+    "login.css": "text/css",
+    "shell.css": "text/css",
+    "shell.js": "text/javascript",
+    "logo.svg": "image/svg+xml",
+    "logo-dark.svg": "image/svg+xml",
+}
+"""Files under `static/` that anybody may have, and what they are."""
+
+PAGES = ("login.html", "onward.html", "shell.html")
+
+
+@dataclass(frozen=True, slots=True)
+class Pages:
+    """The texts of our pages and the contents of their files, by name."""
+
+    texts: Mapping[str, str]
+    files: Mapping[str, bytes]
+
+    @classmethod
+    def read(cls) -> "Pages":
+        """Read them.
+
+        Raises:
+            FileError: one is missing.
+        """
+        return cls(
+            {name: find("static", name).read_text(encoding="utf-8") for name in PAGES},
+            {name: find("static", name).read_bytes() for name in TYPES},
+        )
+
+    def page(
+        self, request: web.Request, name: str, status: int = 200, **values: str
+    ) -> web.Response:
+        """A page with its places `{{name}}` filled in; what is put there is text, never HTML."""
+        text = re.sub(
+            r"\{\{(\w+)\}\}", lambda place: html.escape(values[place[1]]), self.texts[name]
+        )
+        return web.Response(
+            text=text,
+            status=status,
+            content_type="text/html",
+            headers=page_policy(sockets_of(request)),
+        )
+
+    async def file(self, request: web.Request) -> web.Response:
+        """One of our files."""
+        name = request.match_info["name"]
+        if name not in self.files:
+            raise web.HTTPNotFound
+        return web.Response(
+            body=self.files[name],
+            content_type=TYPES[name],
+            headers={"Cache-Control": "no-cache"},
+        )
+
+
+def sockets_of(request: web.Request) -> str:
+    """Where the page of this request may open websockets to: here."""
+    # Not every browser counts them as 'self' in a policy.
+    return f"{'wss' if request.secure else 'ws'}://{request.host}"

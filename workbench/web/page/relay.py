@@ -1,0 +1,183 @@
+"""Viser's page and its websocket, for those who have logged in.
+
+viser listens on this machine alone and answers only to who knows a secret that is made anew at
+each start.  It learns from us who sits at a browser; what a browser itself says about that is
+never passed on.
+"""
+
+import asyncio
+import hashlib
+import zlib
+from dataclasses import dataclass
+from urllib.parse import quote
+
+from aiohttp import (
+    ClientError,
+    ClientSession,
+    ClientTimeout,
+    ClientWebSocketResponse,
+    ClientWSTimeout,
+    TCPConnector,
+    hdrs,
+    web,
+)
+
+from workbench.app.core.people import Person
+from workbench.web.access.identity import session_of
+from workbench.web.http.headers import scene_policy
+from workbench.web.http.refusals import refused
+from workbench.web.page.connections import Connections
+from workbench.web.page.conversation import CLOSE_SECONDS, Conversation
+from workbench.web.page.pages import sockets_of
+
+MOST_FROM_BROWSER = 1024 * 1024
+"""Bytes of one message; the biggest are parts of files, with half of that."""
+
+MOST_FROM_VISER = 256 * 1024 * 1024
+
+HEARTBEAT = 40.0
+"""A browser that does not answer for half of this [s] has gone."""
+
+ANSWER_SECONDS = 10.0
+"""[s] How long viser may take to answer, or to open a websocket."""
+
+PROTOCOL = "viser-v"
+"""Begins the name of the websocket protocol; viser compares the version behind it."""
+
+
+@dataclass(frozen=True, slots=True)
+class Upstream:
+    """Where viser listens, and the secret that opens it."""
+
+    url: str
+    secret: str
+
+
+@dataclass(frozen=True, slots=True)
+class _Scene:
+    packed: bytes
+    tag: str
+
+
+class Relay:
+    """The way to viser.
+
+    Lifetime: `open` to `close`.
+
+    Concurrency: the front's event loop only.
+    """
+
+    def __init__(self, upstream: Upstream, connections: Connections):
+        """Nothing is connected yet."""
+        self._upstream = upstream
+        self._connections = connections
+        self._client: ClientSession | None = None
+        self._scene: _Scene | None = None
+
+    async def open(self) -> None:
+        """Get ready; in the event loop that everything else runs in."""
+        self._client = ClientSession(
+            self._upstream.url,
+            connector=TCPConnector(limit=0),
+            timeout=ClientTimeout(total=None),
+            auto_decompress=False,
+        )
+
+    async def close(self) -> None:
+        """Cut what is connected still."""
+        if self._client is not None:
+            await self._client.close()
+
+    async def page(self, request: web.Request) -> web.StreamResponse:
+        """Viser's page."""
+        if session_of(request) is None:
+            raise web.HTTPSeeOther("/login")
+        if request.query_string:
+            # The page would connect to any host that its address names, and do what it says.
+            raise web.HTTPSeeOther(request.path)
+        scene = await self._read()
+        headers = {
+            **scene_policy(sockets_of(request)),
+            "Cache-Control": "no-cache",
+            "ETag": f'"{scene.tag}"',
+        }
+        if request.headers.get(hdrs.IF_NONE_MATCH) == f'"{scene.tag}"':
+            return web.Response(status=304, headers=headers)
+        body = scene.packed
+        if "gzip" in request.headers.get(hdrs.ACCEPT_ENCODING, ""):
+            headers["Content-Encoding"] = "gzip"
+        else:
+            body = zlib.decompress(body, wbits=31)
+        return web.Response(body=body, content_type="text/html", charset="utf-8", headers=headers)
+
+    async def socket(self, request: web.Request) -> web.StreamResponse:
+        """Viser's websocket, for as long as browser, login and viser hold."""
+        session = session_of(request)
+        if session is None:
+            refused("websocket", why="no login", origin=request.remote)
+            raise web.HTTPUnauthorized(text="Log in first.\n")
+        person = session.person
+        protocol = _protocol(request)
+        if protocol is None or request.query_string:
+            refused("websocket", why="not of the page", origin=request.remote, who=person.name)
+            raise web.HTTPBadRequest(text="This websocket is for the page.\n")
+        with self._connections.seat(session) as seat:
+            if seat is None:
+                refused("websocket", why="too many", origin=request.remote, who=person.name)
+                raise web.HTTPTooManyRequests(text="Too many windows are open.\n")
+            async with await self._connected(person, protocol) as viser:
+                browser = web.WebSocketResponse(
+                    protocols=(protocol,),
+                    timeout=CLOSE_SECONDS,
+                    heartbeat=HEARTBEAT,
+                    max_msg_size=MOST_FROM_BROWSER,
+                    compress=False,
+                )
+                await browser.prepare(request)
+                await Conversation(browser, viser, seat, request).run()
+        return browser
+
+    async def _connected(self, person: Person, protocol: str) -> ClientWebSocketResponse:
+        """A websocket to viser for somebody."""
+        try:
+            async with asyncio.timeout(ANSWER_SECONDS):
+                return await self._ready().ws_connect(
+                    "/",
+                    protocols=(protocol,),
+                    headers=self._credentials(person),
+                    max_msg_size=MOST_FROM_VISER,
+                    timeout=ClientWSTimeout(ws_close=1.0),  # pyright: ignore[reportCallIssue]
+                )
+        except (ClientError, TimeoutError) as error:
+            raise web.HTTPServiceUnavailable(text="The page does not answer.\n") from error
+
+    async def _read(self) -> _Scene:
+        """The page, packed; it is the same for everybody and as long as viser runs."""
+        if self._scene is None:
+            headers = {**self._credentials(None), "Accept-Encoding": "gzip"}
+            try:
+                async with asyncio.timeout(ANSWER_SECONDS):
+                    async with self._ready().get("/", headers=headers) as answer:
+                        answer.raise_for_status()
+                        packed = await answer.read()
+            except (ClientError, TimeoutError) as error:
+                raise web.HTTPServiceUnavailable(text="The page does not answer.\n") from error
+            self._scene = _Scene(packed, hashlib.sha256(packed).hexdigest()[:32])
+        return self._scene
+
+    def _ready(self) -> ClientSession:
+        assert self._client is not None
+        return self._client
+
+    def _credentials(self, person: Person | None) -> dict[str, str]:
+        headers = {"X-WB-Key": self._upstream.secret}
+        if person is not None:
+            headers["X-WB-User"] = quote(person.name)
+            headers["X-WB-Role"] = person.role.value
+        return headers
+
+
+def _protocol(request: web.Request) -> str | None:
+    """The protocol that viser's page asks for."""
+    offered = request.headers.get(hdrs.SEC_WEBSOCKET_PROTOCOL, "").split(",")
+    return next((one.strip() for one in offered if one.strip().startswith(PROTOCOL)), None)
