@@ -11,7 +11,6 @@ from workbench.app.core.commands import (
     LinkEnded,
 )
 from workbench.app.core.effects import Send, StartJob, StopSending
-from workbench.app.core.plan_result import PlanResult
 from workbench.app.core.rights import ROBOT_LINK, WORKER
 from workbench.app.picking.pipeline import plan_pick
 from workbench.app.runtime.live import Live
@@ -19,6 +18,7 @@ from workbench.formats.cells.reading import read_cell
 from workbench.model.cell import Cell
 from workbench.model.errors import CommandRefused
 from workbench.model.geometry import pose_from_rpy
+from workbench.model.plan import PlanResult
 from workbench.model.scan import Detection, Scan
 
 

@@ -7,12 +7,21 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from workbench.app.core.plan_result import PlanResult
 from workbench.model.candidate import Candidate, Reason, Stage, Verdict
 from workbench.model.cell import Arm, Bin, Cell, Controller, Policy, ScannerMount, Tool
 from workbench.model.geometry import Box, Mesh, Solid
 from workbench.model.part import Grasp, GraspLibrary, Part, Symmetry
-from workbench.model.plan import ArmPlan, Finding, Guarantee, Leg, Plan, Proof, Step, Strategy
+from workbench.model.plan import (
+    ArmPlan,
+    Finding,
+    Guarantee,
+    Leg,
+    Plan,
+    PlanResult,
+    Proof,
+    Step,
+    Strategy,
+)
 from workbench.model.robot import Joint, Link, Robot
 from workbench.model.scan import Detection, Scan
 

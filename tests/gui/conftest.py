@@ -10,7 +10,6 @@ from idle import Idle
 
 import workbench.gui.shared.visitor
 from workbench.app.core.people import Person, Role
-from workbench.app.core.plan_result import PlanResult
 from workbench.app.core.rules import approve
 from workbench.app.core.state import Job, Phase, State
 from workbench.app.picking.pipeline import plan_pick
@@ -24,6 +23,7 @@ from workbench.gui.shared.visitor import Visitor
 from workbench.journal.journal import Journal
 from workbench.model.cell import Cell
 from workbench.model.geometry import pose_from_rpy
+from workbench.model.plan import PlanResult
 from workbench.model.release import Receipt
 from workbench.model.scan import Detection, Scan
 

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from workbench.app.core.plan_result import PlanResult
 from workbench.app.picking.pipeline import plan_pick
 from workbench.formats.cells.reading import read_cell
 from workbench.model.cell import Cell
 from workbench.model.geometry import pose_from_rpy
+from workbench.model.plan import PlanResult
 from workbench.model.scan import Detection
 from workbench.planning.collision.world import World
 

@@ -1,4 +1,4 @@
-"""A plan: what each arm does, leg by leg, exactly as it will be sent; and its proof."""
+"""A plan: what each arm does, exactly as it will be sent; its proof; and what planning brings."""
 
 import enum
 from collections.abc import Mapping, Sequence
@@ -8,6 +8,8 @@ from typing import Literal
 import numpy as np
 import pinocchio as pin
 
+from workbench.model.candidate import Candidate, Verdict
+from workbench.model.cell import PlannerName
 from workbench.model.digest import digest_of
 from workbench.model.geometry import Floats, copied, frozen, put
 from workbench.model.scan import Detection, Obstacle
@@ -182,7 +184,8 @@ class Proof:
     `clearance`
     [m] is the smallest found over free legs, `nearest` where; `clearances` (steps) holds per
     arm and leg the smallest distance after each waypoint, for the plot, and `apart` (steps) the
-    distance between the arms at each waypoint, measured as far as `planning.proving.prove.FAR_SIGHT`.
+    distance between the arms at each waypoint, measured as far as
+    `planning.proving.prove.FAR_SIGHT`.
     """
 
     plan_digest: str
@@ -210,3 +213,20 @@ class Proof:
     def holds(self) -> bool:
         """Whether nothing was found against the plan."""
         return not self.findings
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PlanResult:
+    """What a planning job brings: every candidate judged, and the plan or why there is none.
+
+    `beside` is what the other strategy brought, where both were asked for.
+    """
+
+    candidates: tuple[Candidate, ...]
+    plan: Plan | None
+    proof: Proof | None
+    verdict: Verdict
+    seconds: dict[str, float]
+    obstacles: tuple[Obstacle, ...] = ()
+    planner: PlannerName = "rrtconnect"
+    beside: "tuple[PlanResult, ...]" = ()

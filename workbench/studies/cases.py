@@ -14,7 +14,7 @@ Case = TypeVar("Case")
 Result = TypeVar("Result")
 
 Report = Callable[[float, str], None]
-"""As in `app.picking.pipeline`, which is not imported here: workers that need no planning start faster."""
+"""As in `app.picking.pipeline`; not imported: workers that need no planning start faster."""
 
 RETRIES = 5
 """How often a case is tried again when its worker is lost."""

@@ -12,11 +12,10 @@ from typing import Any
 
 import numpy as np
 
-from workbench.app.core.plan_result import PlanResult
 from workbench.app.picking.pipeline import plan_pick
 from workbench.formats.cells.reading import read_cell
 from workbench.model.cell import Cell
-from workbench.model.plan import Strategy
+from workbench.model.plan import PlanResult, Strategy
 from workbench.model.prediction import Forecast, Predictions
 from workbench.model.scan import Detection
 from workbench.perception.simulation.piles import drop_parts

@@ -6,15 +6,15 @@ import numpy as np
 import pytest
 
 from workbench.app.core.state import State
-from workbench.gui.calibration.views import (
+from workbench.gui.parts.views import remarks_html
+from workbench.gui.scene.searches import searches_html
+from workbench.gui.shared.calibration_views import (
     answer_html,
     bin_html,
     calibration_warning,
     poses_html,
     record_line,
 )
-from workbench.gui.parts.views import remarks_html
-from workbench.gui.scene.searches import searches_html
 from workbench.model.bin_check import BinCheck
 from workbench.model.calibration import (
     BallPlate,

@@ -13,8 +13,7 @@ from workbench.app.runtime.worker import GettingReady
 from workbench.devices.abb_socket.status import LinkStatus
 from workbench.gui.cycle.approval_views import approval_line, facts_html
 from workbench.gui.parts.views import avoided_html, discarded_html
-from workbench.gui.robot import views as link_views
-from workbench.gui.shared import views
+from workbench.gui.shared import link_views, views
 from workbench.gui.shared.charts import cursor_html, lanes_html
 from workbench.gui.shared.look import View
 from workbench.gui.shared.tables import COLUMNS, PAGE, Order, candidates_html, funnel_html

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from stand_ins import public_yumi, sources
 
-from workbench.app.core.plan_result import PlanResult
 from workbench.app.picking.pipeline import plan_pick
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.plans.pose_files import read_poses
 from workbench.model.candidate import Reason
 from workbench.model.cell import Cell
+from workbench.model.plan import PlanResult
 from workbench.planning.kinematics.robot import Kinematics
 from workbench.planning.proving.prove import prove
 

@@ -12,13 +12,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from workbench.app.core.people import Role
-from workbench.app.core.plan_result import PlanResult
 from workbench.model.calibration import BallPlate, PlateSighting
 from workbench.model.cell import Cell, Wishes
 from workbench.model.errors import WorkbenchError
 from workbench.model.geometry import Floats, frozen, put
 from workbench.model.part import Entry as GraspEntry
 from workbench.model.part import GraspPair, Part, Symmetry
+from workbench.model.plan import PlanResult
 from workbench.model.release import PartReport, Receipt
 from workbench.model.scan import Detection, Scan
 from workbench.model.search import SearchWishes

@@ -60,7 +60,6 @@ from workbench.app.core.effects import (
     WriteCell,
 )
 from workbench.app.core.outcomes import after_one_more_scan, avoided_parts, with_outcome
-from workbench.app.core.plan_result import PlanResult
 from workbench.app.core.planned import with_plan
 from workbench.app.core.release import opened_again, without_approval, words_of_others
 from workbench.app.core.rules import approve
@@ -70,6 +69,7 @@ from workbench.model.calibration import PlateSighting
 from workbench.model.digest import digest_of
 from workbench.model.errors import CommandRefused, JobCancelled, WorkbenchError
 from workbench.model.part import Part
+from workbench.model.plan import PlanResult
 from workbench.model.release import Word
 from workbench.model.scan import Scan
 from workbench.model.search import Remark, Search

@@ -2,8 +2,8 @@
 
 from dataclasses import replace
 
-from workbench.app.core.plan_result import PlanResult
 from workbench.app.core.state import Outline, Phase, State
+from workbench.model.plan import PlanResult
 
 MOST_OUTLINES = 20
 """Plannings for the same parts that are remembered."""

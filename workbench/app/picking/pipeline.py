@@ -8,12 +8,11 @@ from types import MappingProxyType
 
 import numpy as np
 
-from workbench.app.core.plan_result import PlanResult
 from workbench.app.core.rules import STRATEGIES, can_be_sent, moves_both_arms
 from workbench.model.candidate import Candidate, Pick, Reason, Stage, Verdict
 from workbench.model.cell import Cell, Wishes
 from workbench.model.errors import InputError, JobCancelled
-from workbench.model.plan import Plan, Strategy
+from workbench.model.plan import Plan, PlanResult, Strategy
 from workbench.model.scan import Detection, Obstacle
 from workbench.planning.collision.world import World
 from workbench.planning.picking.dual_arm import OFFSETS, coordinate, pairs_of, side_by_side

@@ -17,7 +17,6 @@ from workbench.app.core.commands import (
     JobEnded,
 )
 from workbench.app.core.people import Role
-from workbench.app.core.plan_result import PlanResult
 from workbench.app.core.rights import MACHINES
 from workbench.app.core.state import State
 from workbench.app.records.forms import ReadFile, large_arrays, restored
@@ -26,6 +25,7 @@ from workbench.model.cell import Cell
 from workbench.model.digest import canonical
 from workbench.model.errors import JobCancelled, JournalError, WorkbenchError
 from workbench.model.part import Part
+from workbench.model.plan import PlanResult
 from workbench.model.scan import Detection, Scan
 
 Result = Scan | tuple[Detection, ...] | PlanResult | PlateSighting | Part | WorkbenchError

@@ -10,11 +10,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from workbench.app.core.plan_result import PlanResult
 from workbench.model.calibration import PlateSighting
 from workbench.model.cell import Cell
 from workbench.model.digest import digest_of
-from workbench.model.plan import Plan, Proof
+from workbench.model.plan import Plan, PlanResult, Proof
 from workbench.model.scan import Detection, Scan
 from workbench.perception.localization.pose_error import pose_error
 from workbench.planning.kinematics.wire import WIRE_STEP

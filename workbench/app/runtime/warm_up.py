@@ -1,4 +1,4 @@
-"""`python -m workbench.app.runtime.warm_up USE`: compile for one use, and tell the share done in lines.
+"""`python -m workbench.app.runtime.warm_up USE`: compile for one use, tell the share done.
 
 Everything is used once, as it will be.  The process ends when its standard input does, that is
 with whoever has started it.

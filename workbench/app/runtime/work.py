@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 
-from workbench.app.core.plan_result import PlanResult
 from workbench.app.core.value_checks import ALL_KINDS
 from workbench.app.picking.calibration import simulated_sight
 from workbench.app.picking.part_import import imported_part
@@ -20,6 +19,7 @@ from workbench.model.calibration import PlateSighting
 from workbench.model.cell import Cell
 from workbench.model.errors import InputError, JobCancelled
 from workbench.model.part import Part
+from workbench.model.plan import PlanResult
 from workbench.model.scan import Detection, Findings, Obstacle, Scan
 from workbench.model.search import SearchWishes
 from workbench.perception.calibration.balls import sight_plate

@@ -5,7 +5,6 @@ import time
 from dataclasses import replace
 from pathlib import Path
 
-from workbench.app.core.plan_result import PlanResult
 from workbench.app.core.value_checks import LARGEST_MARGIN, MOST_ITERATIONS, SEED_LIMIT
 from workbench.app.picking.pipeline import plan_pick
 from workbench.app.runtime.readiness import make_ready
@@ -37,7 +36,7 @@ from workbench.model.cell import Cell, Wishes
 from workbench.model.digest import digest_of
 from workbench.model.errors import InputError
 from workbench.model.geometry import pose_from_rpy
-from workbench.model.plan import Finding, Plan
+from workbench.model.plan import Finding, Plan, PlanResult
 from workbench.model.scan import Detection, Obstacle
 from workbench.perception.scene.unexplained import unexplained
 from workbench.planning.proving.prove import prove

@@ -10,7 +10,12 @@ import viser
 
 from workbench.app.core.commands import ChangeCell, Command, SaveCell, SightPlate, UseSightings
 from workbench.app.picking.calibration import calibrated, suggested_poses, with_calibration
-from workbench.gui.calibration.views import answer_html, overlay_line, poses_html, record_line
+from workbench.gui.shared.calibration_views import (
+    answer_html,
+    overlay_line,
+    poses_html,
+    record_line,
+)
 from workbench.gui.shared.look import View
 from workbench.gui.shared.views import line
 from workbench.gui.shared.visitor import Visitor

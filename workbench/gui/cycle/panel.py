@@ -19,12 +19,12 @@ from workbench.app.core.release import moved_away, standing_words
 from workbench.app.core.rules import STRATEGIES
 from workbench.app.core.state import Phase, State
 from workbench.app.core.value_checks import ALL_KINDS, MOST_PARTS, SEED_LIMIT
-from workbench.gui.calibration.views import bin_html
 from workbench.gui.cycle.approval import ApprovalDialog
 from workbench.gui.cycle.approval_views import approval_line
 from workbench.gui.cycle.outcomes import OutcomeInputs
 from workbench.gui.cycle.wishes import WishesInputs
-from workbench.gui.robot.views import NO_SAFETY
+from workbench.gui.shared.calibration_views import bin_html
+from workbench.gui.shared.link_views import NO_SAFETY
 from workbench.gui.shared.look import View
 from workbench.gui.shared.things import BIN, moved
 from workbench.gui.shared.views import (

@@ -4,7 +4,7 @@ import viser
 
 from workbench.app.core.commands import EmptyPallets
 from workbench.app.core.state import Phase
-from workbench.gui.robot.views import link_html
+from workbench.gui.shared.link_views import link_html
 from workbench.gui.shared.look import View
 from workbench.gui.shared.views import joints_html, line
 from workbench.gui.shared.visitor import Visitor

@@ -3,7 +3,7 @@
 The library's random numbers belong to the whole process, and it warns that a seed set anew comes
 too late.  It does for samplers that exist; every planner made after it draws from the new seed, and
 here nothing of a request outlives it: the same request gives the same path whatever ran before
-(`tests/planning/planners/test_planners.py`).  This file is the only one that touches that generator.
+(`tests/planning/planners/test_planners.py`).  No other file touches that generator.
 
 PRM* is our own (`prm_star.py`): the library's looks for a solution in a second thread, so what it
 finds depends on timing.
