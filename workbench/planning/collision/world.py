@@ -11,13 +11,7 @@ import pinocchio as pin
 from workbench.model.cell import Arm, Cell, Policy
 from workbench.model.geometry import Floats, Ints, Shape
 from workbench.model.scan import Detection, Obstacle
-from workbench.planning.collision.bodies import (
-    bodies_of,
-    boxes_of,
-    extent,
-    geometry_of,
-    in_their_parts,
-)
+from workbench.planning.collision import bodies
 from workbench.planning.collision.bounds import close_pairs
 from workbench.planning.collision.contact import Contact, Swept
 from workbench.planning.collision.gjk import cores_of
@@ -28,7 +22,6 @@ from workbench.planning.kinematics.robot import Kinematics
 
 LOOSENESS = 0.03
 """[m] By about this much the lower bound of a distance falls short; only a matter of speed."""
-
 
 AT_REST = "at rest"
 """Where `World` has placed a part that no hand holds."""
@@ -73,12 +66,12 @@ class World:
         self.deadline = math.inf
         self._by_coal = by_coal
         self._arm_index = {arm.name: index for index, arm in enumerate(cell.arms)}
-        self._bodies = bodies_of(cell, self.kinematics, detections, obstacles)
-        self._geometry = geometry_of(self._bodies)
-        self._T_part_piece = in_their_parts(self._bodies, detections)
+        self._bodies = bodies.bodies_of(cell, self.kinematics, detections, obstacles)
+        self._geometry = bodies.geometry_of(self._bodies)
+        self._T_part_piece = bodies.in_their_parts(self._bodies, detections)
         self._loose = [g for g, body in enumerate(self._bodies) if body.is_loose]
-        self._centre = np.array([extent(body.shape)[0] for body in self._bodies])
-        self._boxes = boxes_of(self._bodies)
+        self._centre = np.array([bodies.extent(body.shape)[0] for body in self._bodies])
+        self._boxes = bodies.boxes_of(self._bodies)
         self._still = np.zeros(self.kinematics.model.nq)
         self._placed: dict[int, float | str | None] = {}
         self._make_pairs()

@@ -1,0 +1,38 @@
+"""The tree of layers and folders in `architecture.md`, made from the docstrings of the code.
+
+`python docs/make_tree.py` writes it anew; a test says when that is due.
+"""
+
+import ast
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+PAGE = ROOT / "docs" / "architecture.md"
+BEGIN, END = "<!-- tree: docs/make_tree.py -->\n", "<!-- end of tree -->"
+WIDTH = 24
+
+
+def tree() -> str:
+    """A line for each layer and each folder in it: how many files, and what they are about."""
+    lines: list[str] = []
+    for layer in sorted((ROOT / "workbench").glob("*/__init__.py")):
+        lines.append(_line(layer.parent, 0))
+        lines += [_line(folder.parent, 1) for folder in sorted(layer.parent.glob("*/__init__.py"))]
+    return "```\n" + "\n".join(lines) + "\n```\n"
+
+
+def _line(folder: Path, depth: int) -> str:
+    text = ast.get_docstring(ast.parse((folder / "__init__.py").read_text(encoding="utf-8"))) or ""
+    count = len(list(folder.glob("[!_]*.py")))
+    name = f"{'  ' * depth}{folder.name}/"
+    return f"{name:{WIDTH}}{count or '':>3}  {text.splitlines()[0]}"
+
+
+def whole(page: str) -> str:
+    """The page with the tree of now."""
+    before, _, rest = page.partition(BEGIN)
+    return before + BEGIN + tree() + END + rest.partition(END)[2]
+
+
+if __name__ == "__main__":
+    PAGE.write_text(whole(PAGE.read_text(encoding="utf-8")), encoding="utf-8")

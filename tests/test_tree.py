@@ -1,0 +1,57 @@
+"""Where code lies: folders that name ideas, few files in each, and tests beside them."""
+
+import ast
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[1]
+PACKAGE = ROOT / "workbench"
+FOLDERS = sorted(path.parent for path in PACKAGE.rglob("__init__.py"))
+MOST_FILES = 16
+MOST_LINES = 400
+
+WHOLE = {"browser", "cells", "golden", "packaging", "portable", "robots"}
+"""What is tried as a whole lies in folders of its own."""
+
+every_folder = pytest.mark.parametrize(
+    "folder", FOLDERS, ids=lambda path: str(path.relative_to(ROOT))
+)
+
+
+@every_folder
+def test_a_folder_holds_few_files_and_says_what_they_are(folder):
+    files = [path for path in folder.glob("*.py") if path.name != "__init__.py"]
+    assert len(files) <= MOST_FILES, [path.name for path in files]
+    assert ast.get_docstring(ast.parse((folder / "__init__.py").read_text(encoding="utf-8")))
+
+
+def test_no_folder_is_without_a_docstring():
+    assert {path.parent for path in PACKAGE.rglob("*.py")} == set(FOLDERS)
+
+
+def test_no_file_is_long():
+    long = [
+        (str(path.relative_to(ROOT)), count)
+        for top in (PACKAGE, ROOT / "tests", ROOT / "docs")
+        for path in top.rglob("*.py")
+        if (count := len(path.read_text(encoding="utf-8").splitlines())) > MOST_LINES
+    ]
+    assert long == []
+
+
+def test_tests_lie_as_the_code_does():
+    tests = ROOT / "tests"
+    for file in tests.rglob("test_*.py"):
+        folder = file.parent.relative_to(tests)
+        if folder.parts and folder.parts[0] not in WHOLE:
+            assert (PACKAGE / folder / "__init__.py").is_file(), f"tests/{folder} has no such code"
+
+
+def test_the_tree_in_the_documents_is_that_of_the_code(monkeypatch):
+    monkeypatch.setattr(sys, "path", [*sys.path, str(ROOT / "docs")])
+    from make_tree import PAGE, whole
+
+    page = PAGE.read_text(encoding="utf-8")
+    assert whole(page) == page, "python docs/make_tree.py makes it anew"
