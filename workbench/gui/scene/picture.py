@@ -11,6 +11,7 @@ from workbench.gui.scene.marks import draw_discarded, draw_reach
 from workbench.gui.scene.robot import ROBOT, ROBOT_CHECKED, DrawnRobot, place
 from workbench.gui.scene.searches import draw_search
 from workbench.gui.scene.surroundings import (
+    add_light,
     add_surroundings,
     aim_camera,
     paint_background,
@@ -68,9 +69,7 @@ class Scene:
         """Add robot and surroundings of a cell to an empty scene."""
         scene = self._scene
         self._cell, self._kinematics = cell, Kinematics(cell)
-        # Where no graphics processor draws, shadows take a third or more of the time
-        # of the first picture.  First, since what is drawn with them is prepared anew without.
-        scene.configure_default_lights(cast_shadow=False)
+        add_light(scene)
         paint_background(scene)
         add_surroundings(scene, cell)
         self._robot = DrawnRobot(scene, ROBOT, cell)
