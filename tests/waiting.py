@@ -3,7 +3,7 @@
 import time
 from collections.abc import Callable
 
-PATIENCE = 600.0
+PATIENCE = 300.0
 """[s] Far more than it takes, also on a machine where others compute."""
 
 

@@ -46,3 +46,11 @@ def test_unless_it_is_asked_for_they_stay_like_a_real_one(left_away):
     time.sleep(0.3)
     assert not controller._body.is_home()
     assert controller.state()["fault"] == "stopped by the client"
+
+
+def test_of_several_faults_the_first_is_told(left_away):
+    body = left_away()._body
+    body.halt("the connection was reset")
+    assert body.state()["fault"] == "stopped by the client"
+    body.halt("")
+    assert body.state()["fault"] == ""

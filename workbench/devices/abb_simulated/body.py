@@ -82,9 +82,9 @@ class Body:
             self._moving = moving
 
     def halt(self, fault: str) -> None:
-        """Nothing moves any more; `fault` says why, and may be empty."""
+        """Nothing moves any more; `fault` says why, of several the first; empty ends them."""
         with self._lock:
-            self._moving, self._fault = "", fault
+            self._moving, self._fault = "", (self._fault or fault) if fault else ""
 
     def step_home(self, most: float) -> None:
         """Bring every arm nearer to its home, no joint by more than `most` [rad].
