@@ -7,6 +7,7 @@ import pytest
 from hands import field
 
 from workbench.app.core.commands import ChangeCell, UseScan
+from workbench.app.picking.facts import bin_check_of
 from workbench.gui.shared.things import BIN, moved
 from workbench.model.geometry import pose_from_rpy
 from workbench.perception.simulation.synthesize import synthesize
@@ -79,5 +80,6 @@ def test_a_moved_bin_is_told_and_the_cell_follows(screen, bench, wait, moved_sca
     off = T.actInv(bench.state.cell.bin.T_world_bin)
     assert np.linalg.norm(off.translation) < 0.0005
     screen.wait_for("The bin is empty")
-    assert bench.state.bin_check.is_empty and not bench.state.bin_check.is_elsewhere
+    check = bin_check_of(bench.state)
+    assert check.is_empty and not check.is_elsewhere
     assert screen.errors == []

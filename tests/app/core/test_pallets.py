@@ -12,6 +12,7 @@ from workbench.app.core.decide import decide
 from workbench.app.core.rights import ROBOT_LINK
 from workbench.app.core.rules import allowed
 from workbench.app.core.state import Phase, State
+from workbench.app.picking.facts import with_facts
 from workbench.app.picking.pipeline import plan_pick
 from workbench.app.runtime.work import boxes_around
 from workbench.formats.cells.reading import read_cell
@@ -52,7 +53,7 @@ def in_the_bin(cell, x=0.0, y=0.0) -> tuple[Detection, ...]:
 
 
 def done(state: State, fault: str = "") -> State:
-    command = LinkEnded(fault, 0 if fault else 1)
+    command = with_facts(state, LinkEnded(fault, 0 if fault else 1))
     allowed(state, command, ROBOT_LINK, 1.0)
     return decide(state, Entry(state.number + 1, 1.0, ROBOT_LINK, command))[0]
 

@@ -15,6 +15,7 @@ from workbench.app.core.commands import (
     UseScan,
 )
 from workbench.app.core.rights import WORKER
+from workbench.app.picking.facts import bin_check_of
 from workbench.app.runtime.bench import Bench
 from workbench.journal.journal import Journal
 from workbench.model.errors import CommandRefused
@@ -77,13 +78,15 @@ def test_wishes_out_of_range_are_refused(bench, samples, wishes):
 
 
 def test_the_check_of_the_bin_follows_scan_and_cell(bench, samples):
-    assert bench.state.bin_check is None
+    assert bin_check_of(bench.state) is None
     state = bench.do(UseScan(samples.scan()), "ada")
-    assert state.bin_check is not None and state.bin_check.T_world_bin is None
+    check = bin_check_of(state)
+    assert check is not None and check.T_world_bin is None
+    assert bin_check_of(state) is check
     moved = replace(bench.cell, bin=replace(bench.cell.bin, T_world_bin=pose_from_rpy((1, 0, 0))))
     after = bench.do(ChangeCell(moved, "moved"), "ada")
-    assert after.scan is state.scan and after.bin_check is not state.bin_check
-    assert bench.do(TakeScan(), "ada").bin_check is after.bin_check
+    assert after.scan is state.scan and bin_check_of(after) is not check
+    assert bin_check_of(bench.do(TakeScan(), "ada")) is bin_check_of(after)
 
 
 def test_the_session_tells_the_same_when_it_is_read_again(bench, samples, clock, tmp_path):

@@ -49,15 +49,15 @@ def test_an_old_or_missing_calibration_is_warned_of(cell):
 
 def test_the_bin_has_a_light_and_a_sentence(cell):
     good = BinCheck(cell.bin.T_world_bin, 0.0001, 0.0, 0.05, 0.0, "good", ())
-    state = State(cell, bin_check=good)
-    assert 'data-light="good"' in bin_html(state, NOW)
-    assert "The bin is where it should be, to 0.1 mm, 5% full." in bin_html(state, NOW)
-    old = State(with_record(cell, 100), bin_check=good)
-    assert 'data-light="warning"' in bin_html(old, NOW)
-    assert "100 days ago" in bin_html(old, NOW)
+    state = State(cell)
+    assert 'data-light="good"' in bin_html(state, good, NOW)
+    assert "The bin is where it should be, to 0.1 mm, 5% full." in bin_html(state, good, NOW)
+    old = State(with_record(cell, 100))
+    assert 'data-light="warning"' in bin_html(old, good, NOW)
+    assert "100 days ago" in bin_html(old, good, NOW)
     gone = BinCheck(None, 0.0, 0.0, None, 0.0, "bad", ("the rim of the bin is not seen",))
-    assert 'data-light="bad"' in bin_html(State(cell, bin_check=gone), NOW)
-    assert bin_html(State(cell), NOW) == ""
+    assert 'data-light="bad"' in bin_html(state, gone, NOW)
+    assert bin_html(state, None, NOW) == ""
 
 
 @pytest.fixture

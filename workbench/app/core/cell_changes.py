@@ -11,7 +11,6 @@ from workbench.app.core.state import Phase, State, anew, overtaken_by
 from workbench.model.cell import Cell
 from workbench.model.digest import digest_of
 from workbench.model.part_edits import differ_in_grasps_only, with_part
-from workbench.perception.scene.bin_check import check_bin
 
 Changed = tuple[State, tuple[UseCell | KeepDrafts, ...]]
 
@@ -94,7 +93,6 @@ def _with_cell(state: State, cell: Cell, message: str) -> Changed:
         Phase.SCANNED,
         scan=scan,
         scene_digest=scan.digest,
-        bin_check=check_bin(scan, cell.bin),
         stale=stale,
         message=message,
     )
@@ -115,7 +113,6 @@ def _with_grasps(state: State, cell: Cell, message: str) -> Changed:
         after,
         Phase.LOCALIZED if state.detections else Phase.SCANNED,
         scan=state.scan,
-        bin_check=state.bin_check,
         searches=state.searches,
         remarks=state.remarks,
         detections=state.detections,

@@ -326,12 +326,14 @@ class Sent:
 class LinkEnded:
     """The robot link is closed.  `fault` is empty when the controller reported the end.
 
-    `parts` says of each part of the plan what the controller told of it.
+    `parts` says of each part of the plan what the controller told of it; `placed` are the parts
+    that lie on pallets now, or may lie there, None as long as nobody has worked that out.
     """
 
     fault: str = ""
     parts_placed: int = 0
     parts: tuple[PartReport, ...] = ()
+    placed: tuple[Detection, ...] | None = None
 
 
 Command = (

@@ -73,7 +73,6 @@ from workbench.model.plan import PlanResult
 from workbench.model.release import Word
 from workbench.model.scan import Scan
 from workbench.model.search import Remark, Search
-from workbench.perception.scene.bin_check import check_bin
 
 Outcome = tuple[State, tuple[Effect, ...]]
 
@@ -305,7 +304,6 @@ def _with_scan(state: State, scan: Scan, at: float) -> State:
         Phase.SCANNED,
         scan=scan,
         scene_digest=scan.digest,
-        bin_check=check_bin(scan, state.cell.bin),
         stale="" if state.phase is Phase.DONE else overtaken_by(state, "there is a newer scan"),
         message=f"scan with {len(scan.points):,} points",
     )
@@ -317,7 +315,6 @@ def _with_detections(state: State, search: Search) -> State:
         state,
         Phase.LOCALIZED if detections else Phase.SCANNED,
         scan=state.scan,
-        bin_check=state.bin_check,
         searches=(*state.searches, search)[-MOST_SEARCHES:],
         detections=detections,
         scene_digest=state.scan.digest if state.scan is not None else "",
@@ -336,7 +333,6 @@ def _with_outside_detections(state: State, entry: Entry, command: UseDetections)
         state,
         Phase.LOCALIZED,
         scan=None if is_picked else state.scan,
-        bin_check=None if is_picked else state.bin_check,
         searches=() if is_picked else state.searches,
         remarks=(*(() if is_picked else state.remarks), remark)[-MOST_REMARKS:],
         detections=detections,

@@ -2,37 +2,17 @@
 
 from dataclasses import replace
 
-import numpy as np
-
 from workbench.app.core.commands import LinkEnded, ReportPick
 from workbench.app.core.outcomes import escalated, outcome_problem, with_outcome
 from workbench.app.core.rights import ROBOT_LINK
 from workbench.app.core.state import Phase, State, counted
-from workbench.model.cell import Cell
-from workbench.model.plan import Plan
 from workbench.model.release import Receipt
-from workbench.model.scan import Detection
-from workbench.planning.kinematics.robot import Kinematics
 
 
 def with_receipt(state: State, receipt: Receipt) -> State:
     """The state after one more message went out."""
     message = f"{receipt.done} of {receipt.total} messages sent"
     return replace(state, receipts=(*state.receipts, receipt), message=message)
-
-
-def _put_down(cell: Cell, plan: Plan) -> tuple[Detection, ...]:
-    """The parts of a plan where its arms put them, for arms whose places keep them."""
-    kinematics = Kinematics(cell)
-    return tuple(
-        Detection(
-            plan.detections[one.detection].part,
-            kinematics.tcp_pose(cell.arm(one.arm), np.asarray(one.leg("place").q[-1]))
-            * one.T_tcp_part,
-        )
-        for one in plan.arms
-        if cell.arm(one.arm).keeps_parts
-    )
 
 
 def after_sending(state: State, ended: LinkEnded, at: float) -> State:
@@ -43,9 +23,8 @@ def after_sending(state: State, ended: LinkEnded, at: float) -> State:
         ended: what the link says.
         at: when [s since the epoch].
     """
-    if state.plan is not None:
-        # After a fault nobody knows: no other part is put where one may lie.
-        state = replace(state, placed=(*state.placed, *_put_down(state.cell, state.plan)))
+    # After a fault nobody knows: no other part is put where one may lie.
+    state = replace(state, placed=(*state.placed, *(ended.placed or ())))
     for part in ended.parts:
         if part.is_picked is not None:
             said = ReportPick(part.detection, part.is_picked, part.why)

@@ -4,7 +4,6 @@ import enum
 from dataclasses import dataclass, field
 from typing import Any
 
-from workbench.model.bin_check import BinCheck
 from workbench.model.calibration import PlateSighting
 from workbench.model.candidate import Candidate, Verdict
 from workbench.model.cell import Cell, PlannerName
@@ -107,9 +106,8 @@ class State:
     plan was played to its end, `words` are given for it, enough of them or not.
     `outcomes` are of this plan's parts; `failures` counts failed picks in a row, over all cycles,
     and `avoided` says where.
-    `bin_check` is what the scan says about the bin of this cell; `searches` are those in this scan,
-    the latest last, and `remarks` what people have done to what was found.  `sightings` are those
-    of a calibration that is being made.
+    `searches` are those in this scan, the latest last, and `remarks` what people have done to what
+    was found.  `sightings` are those of a calibration that is being made.
     `control` is the name of who is in control, empty while nobody is; `asking` are those who have
     asked for it, the first one first.
     """
@@ -147,7 +145,6 @@ class State:
     outcomes: tuple[Outcome, ...] = ()
     failures: int = 0
     avoided: tuple[Avoided, ...] = ()
-    bin_check: BinCheck | None = None
     searches: tuple[Search, ...] = ()
     remarks: tuple[Remark, ...] = ()
     sightings: tuple[PlateSighting, ...] = ()

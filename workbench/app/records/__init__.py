@@ -1,4 +1,4 @@
 """Sessions as they are kept: entries as bytes, replayed, counted, packed.
 
-Imports `core`.
+Imports `core` and `picking`.
 """

@@ -1,11 +1,13 @@
 """A session computed again from its journal, and checked against what was recorded."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 from workbench.app.core.commands import Entry
 from workbench.app.core.decide import decide
 from workbench.app.core.rules import allowed
 from workbench.app.core.state import State
+from workbench.app.picking.facts import with_facts
 from workbench.app.records.record import check_session, entry_of, summary
 from workbench.journal.journal import Journal
 from workbench.model.cell import Cell
@@ -33,7 +35,7 @@ def replay(journal: Journal, cell: Cell) -> Iterator[tuple[Entry, State]]:
         entry, recorded = entry_of(row.number, row.kind, row.body, journal.read)
         try:
             allowed(state, entry.command, entry.actor, entry.at, entry.joints, entry.role)
-            state, _ = decide(state, entry)
+            state, _ = decide(state, replace(entry, command=with_facts(state, entry.command)))
         except CommandRefused as error:
             raise JournalError(
                 f"entry {row.number} ({row.kind}) was not in order: {error}"

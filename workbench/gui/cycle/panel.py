@@ -19,6 +19,7 @@ from workbench.app.core.release import moved_away, standing_words
 from workbench.app.core.rules import STRATEGIES
 from workbench.app.core.state import Phase, State
 from workbench.app.core.value_checks import ALL_KINDS, MOST_PARTS, SEED_LIMIT
+from workbench.app.picking.facts import bin_check_of
 from workbench.gui.cycle.approval import ApprovalDialog
 from workbench.gui.cycle.approval_views import approval_line
 from workbench.gui.cycle.outcomes import OutcomeInputs
@@ -129,8 +130,8 @@ class CyclePanel:
         self._show_kinds(state.cell)
         self._follow_threshold(None if old is None else old.state, state)
         self._scan_line.content = scan_line(state)
-        self._bin_line.content = bin_html(state, new.at)
-        check = state.bin_check
+        self._bin_line.content = bin_html(state, new.bin_check, new.at)
+        check = new.bin_check
         self._move_bin.visible = check is not None and check.is_elsewhere
         self._visitor.admit(self._move_bin, state, ChangeCell)
         self._draw_parts(state)
@@ -212,7 +213,7 @@ class CyclePanel:
 
     def _wanted_bin(self) -> Command:
         state = self._visitor.bench.state
-        check = state.bin_check
+        check = bin_check_of(state)
         if check is None or check.T_world_bin is None:
             raise InputError("the bin is not seen anywhere")
         says = f"the bin is moved by {check.shift * 1000:.1f} mm to where it is seen"

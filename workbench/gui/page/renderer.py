@@ -12,6 +12,7 @@ import viser
 
 from workbench.app.core.commands import TakeScan
 from workbench.app.core.state import Phase, State
+from workbench.app.picking.facts import bin_check_of
 from workbench.app.review.history import History
 from workbench.app.runtime.bench import Bench
 from workbench.gui.drawing.fixes import Fixes
@@ -234,6 +235,7 @@ class Renderer:
             self._reaches.of(state.cell, look.reach),
             self._counted.of(state),
             self._calibration(state),
+            bin_check_of(state),
         )
 
     def _calibration(self, state: State) -> Calibration | str:

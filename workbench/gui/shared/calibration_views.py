@@ -12,6 +12,7 @@ from workbench.gui.shared.calibrating import CLOSE, OFF, Overlay
 from workbench.gui.shared.colours import BAD, BUSY, GOOD, MUTED
 from workbench.gui.shared.tables import clickable, marked
 from workbench.gui.shared.views import line, mm, sentence, table_html
+from workbench.model.bin_check import BinCheck
 from workbench.model.calibration import Calibration, Light, PlateSighting, PoseResidual
 from workbench.model.cell import Cell
 
@@ -62,10 +63,9 @@ def light_html(light: Light, text: str, *, tip: str = "") -> str:
     )
 
 
-def bin_html(state: State, now: float) -> str:
+def bin_html(state: State, check: BinCheck | None, now: float) -> str:
     """What the scan says about the bin, and what is to be said against the scanner's pose."""
     warning = calibration_warning(state.cell, now)
-    check = state.bin_check
     if check is None:
         return light_html("warning", f"{sentence(warning)}.") if warning else ""
     said = f"{sentence(check.says)}."

@@ -13,6 +13,7 @@ from workbench.app.runtime.live import Live
 from workbench.gui.shared.calibrating import Overlay
 from workbench.gui.shared.own import NOTHING_OWN, Own
 from workbench.gui.shared.playback import Moment, Run, moments
+from workbench.model.bin_check import BinCheck
 from workbench.model.calibration import Calibration
 from workbench.model.geometry import Floats, Shape
 from workbench.model.scan import Discarded
@@ -100,8 +101,8 @@ class View:
     `runs` is the timeline of the state's plan, empty without one; `poses` those of the chosen
     candidate, and `fix` what would admit it; `reached` holds places (n, 3) [m] and shares (n,) of
     the reach that is shown; `statistics` are those of the session; `calibration` is the answer of
-    the poses scanned so far, or why there is none; `at` [s since the epoch] is when it looked like
-    this.
+    the poses scanned so far, or why there is none; `bin_check` is what the scan says about the bin
+    of the cell; `at` [s since the epoch] is when it looked like this.
 
     The rest is of one browser alone, and as if it did nothing in the view that all share: its `own`
     look, `jogged` while the robot is moved by hand there, and `overlay`, the pose of a calibration
@@ -118,6 +119,7 @@ class View:
     reached: tuple[Floats, Floats] | None = None
     statistics: Statistics = NOT_COUNTED
     calibration: Calibration | str = ""
+    bin_check: BinCheck | None = None
     own: Own = NOTHING_OWN
     jogged: Jogged | None = None
     overlay: Overlay | None = None

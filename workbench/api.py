@@ -1,0 +1,175 @@
+"""What programs use of the workbench: `import workbench` offers all of it, and nothing else.
+
+The values are those that the page uses: frozen, SI units and radians, poses as Pinocchio's SE3.
+Whatever is compiled for its first use makes the first call of `localize` or `plan` on a machine
+take about a minute; `workbench compile` does that ahead.
+"""
+
+import time
+from collections.abc import Sequence
+
+from workbench.app.core import rules
+from workbench.app.picking.pipeline import judge, plan_pick
+from workbench.devices.abb_socket.link import send
+from workbench.formats.cells.reading import read_cell
+from workbench.formats.clouds.scans import read_scan, write_cloud
+from workbench.formats.parts.reading import read_part
+from workbench.formats.plans import plan_files
+from workbench.formats.plans.plan_files import write_plan
+from workbench.formats.plans.pose_files import read_poses, write_poses
+from workbench.model.candidate import Candidate, Verdict
+from workbench.model.cell import Cell, Wishes
+from workbench.model.digest import digest_of
+from workbench.model.errors import CommandRefused, FileError, InputError, LinkError, WorkbenchError
+from workbench.model.part import Grasp, GraspLibrary, Part
+from workbench.model.plan import Plan, PlanResult, Proof
+from workbench.model.release import Approval, Receipt
+from workbench.model.scan import Detection, Findings, Obstacle, Scan
+from workbench.perception.localization.kinds import search_all
+from workbench.perception.scene.unexplained import unexplained
+from workbench.perception.simulation.piles import drop_parts
+from workbench.perception.simulation.synthesize import synthesize
+from workbench.planning.grasps.grasp_suggestions import suggest
+from workbench.planning.picking.nearest_fix import Fix, nearest_fix
+from workbench.planning.proving.prove import prove
+
+__all__ = [
+    "Approval",
+    "Candidate",
+    "Cell",
+    "CommandRefused",
+    "Detection",
+    "FileError",
+    "Findings",
+    "Fix",
+    "Grasp",
+    "GraspLibrary",
+    "InputError",
+    "LinkError",
+    "Obstacle",
+    "Part",
+    "Plan",
+    "PlanResult",
+    "Proof",
+    "Receipt",
+    "Scan",
+    "Verdict",
+    "Wishes",
+    "WorkbenchError",
+    "approve",
+    "drop_parts",
+    "judge",
+    "localize",
+    "nearest_fix",
+    "plan",
+    "prove",
+    "read_cell",
+    "read_part",
+    "read_plan",
+    "read_poses",
+    "read_scan",
+    "send",
+    "simulate_scan",
+    "suggest",
+    "unexplained",
+    "write_cloud",
+    "write_plan",
+    "write_poses",
+]
+
+
+def simulate_scan(cell: Cell, truth: Sequence[Detection], *, seed: int = 0) -> Scan:
+    """What the scanner of a cell would see of parts that lie as they are given.
+
+    Args:
+        cell: with its scanner, bin and fixtures; the robot is out of the picture.
+        truth: the parts, for example from `drop_parts`.
+        seed: of the scanner's noise.
+    """
+    return synthesize(cell, truth, seed=seed)
+
+
+def localize(cell: Cell, scan: Scan, *, seed: int = 0, detail: float = 1.0) -> Findings:
+    """All parts of a cell that are seen in a scan, the surest first.
+
+    Args:
+        cell: whose parts are searched for.
+        scan: of its scanner.
+        seed: the same seed finds the same.
+        detail: more than 1 looks more closely and takes longer, less than 1 less.
+    """
+    return search_all(
+        scan,
+        cell,
+        seed=seed,
+        detail=detail,
+        report=lambda done, note: None,
+        cancelled=lambda: False,
+    )
+
+
+def plan(
+    cell: Cell,
+    detections: Sequence[Detection],
+    *,
+    scan: Scan | None = None,
+    strategy: str = "auto",
+    threshold: float | None = None,
+    wishes: Wishes | None = None,
+    seed: int = 0,
+) -> PlanResult:
+    """Judge every grasp of every part, plan for the best, and prove the plan.
+
+    Args:
+        cell: with its arms, places and policy.
+        detections: the parts in the bin, at least one; those not taken are obstacles.
+        scan: in which they were found; what else it shows within reach is avoided.
+        strategy: `auto`, `both`, or a `Strategy`.
+        threshold: [m] nearer parts are taken by one arm after the other; None takes the cell's.
+        wishes: what this one planning wants otherwise than the cell's policy.
+        seed: the same seed gives the same plan.
+
+    Returns:
+        All candidates with their verdicts, and the plan with its proof, or why there is none.
+
+    Raises:
+        InputError: there are no detections, or the strategy is not one.
+    """
+    found = tuple(detections)
+    return plan_pick(
+        cell,
+        found,
+        digest_of(found) if scan is None else scan.digest,
+        strategy=strategy,
+        threshold=threshold,
+        wishes=Wishes() if wishes is None else wishes,
+        obstacles=() if scan is None else unexplained(cell, scan, found),
+        seed=seed,
+    )
+
+
+def read_plan(path: str) -> Plan:
+    """A plan from its file.
+
+    Raises:
+        FileError: it cannot be read, is no plan, or was changed after it was made.
+    """
+    read, stated = plan_files.read_plan(path)
+    if stated != read.digest:
+        raise FileError(path, f"was changed after it was made: it states digest {stated[:12]}")
+    return read
+
+
+def approve(cell: Cell, plan: Plan, proof: Proof, actor: str) -> Approval:
+    """The word of a person, who has looked at it, for exactly this plan in this cell.
+
+    Args:
+        cell: as it is now; how long the word stands is in its policy.
+        plan: what will be sent.
+        proof: of this plan.
+        actor: the name of the person.
+
+    Raises:
+        CommandRefused: the proof does not hold, or plan, proof and cell do not belong together.
+    """
+    return rules.approve(cell, plan, proof, actor, time.time())

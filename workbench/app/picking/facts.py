@@ -1,0 +1,52 @@
+"""What has to be computed from a state or a command: `decide` itself looks at no picture or arm."""
+
+import functools
+from dataclasses import replace
+
+import numpy as np
+
+from workbench.app.core.commands import Command, LinkEnded
+from workbench.app.core.state import State
+from workbench.model.bin_check import BinCheck
+from workbench.model.cell import Bin, Cell
+from workbench.model.plan import Plan
+from workbench.model.scan import Detection, Scan
+from workbench.perception.scene.bin_check import check_bin
+from workbench.planning.kinematics.robot import Kinematics
+
+
+def bin_check_of(state: State) -> BinCheck | None:
+    """What the scan of a state says about the bin of its cell; None without a scan."""
+    return None if state.scan is None else _checked(state.scan, state.cell.bin)
+
+
+# It takes some 10 ms, and is asked for at every drawing.
+@functools.lru_cache(maxsize=2)
+def _checked(scan: Scan, bin: Bin) -> BinCheck:
+    return check_bin(scan, bin)
+
+
+def with_facts(state: State, command: Command) -> Command:
+    """A command with what follows from it and the state, where somebody has to compute that.
+
+    Args:
+        state: before the command.
+        command: as it came, or as it was recorded before facts were.
+    """
+    if isinstance(command, LinkEnded) and command.placed is None and state.plan is not None:
+        return replace(command, placed=put_down(state.cell, state.plan))
+    return command
+
+
+def put_down(cell: Cell, plan: Plan) -> tuple[Detection, ...]:
+    """The parts of a plan where its arms put them, for arms whose places keep them."""
+    kinematics = Kinematics(cell)
+    return tuple(
+        Detection(
+            plan.detections[one.detection].part,
+            kinematics.tcp_pose(cell.arm(one.arm), np.asarray(one.leg("place").q[-1]))
+            * one.T_tcp_part,
+        )
+        for one in plan.arms
+        if cell.arm(one.arm).keeps_parts
+    )
