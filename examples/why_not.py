@@ -11,5 +11,5 @@ for reason, count in Counter(str(one.verdict.reason) for one in judged).most_com
     print(f"{count:4} {reason}")
 refused = [one for one in judged if not one.verdict.is_ok]
 print("for example:", refused[0].grasp.name, "-", refused[0].verdict)
-fix = wb.nearest_fix(cell, pile, judged)
+fix = wb.nearest_fix(cell, pile, judged, seed=0)
 print("nearest fix:", "none of those tried" if fix is None else fix.change)

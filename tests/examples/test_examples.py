@@ -12,7 +12,7 @@ SAYS = {
     "bent_plan": ["objections, the first: arm", "refused: "],
     "own_grasps": ["grasps suggested: suggested", "taken by: ", " arm, suggested"],
     "scan_to_plan": ["2 parts in the bin, 2 found", "proven: True"],
-    "why_not": ["TOOL_COLLISION", "nearest fix: "],
+    "why_not": [" tool collision", "nearest fix: "],
 }
 
 
