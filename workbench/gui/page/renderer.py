@@ -273,10 +273,12 @@ class Renderer:
     def _welcome(self, client: viser.ClientHandle, view: View) -> None:
         visitor = Visitor(client, self._bench, self._look, self._predictions, self._folders)
         self._visitors[client.client_id] = visitor
-        header = Header(visitor, self._theme, self._style)
-        panels = (header, OwnScene(visitor), *tabs_of(visitor, self._woken.set))
-        for panel in panels:
-            panel.show(None, view)
+        # All at once: what is pressed before somebody listens would be lost.
+        with client.atomic():
+            header = Header(visitor, self._theme, self._style)
+            panels = (header, OwnScene(visitor), *tabs_of(visitor, self._woken.set))
+            for panel in panels:
+                panel.show(None, view)
         self._shown[client.client_id] = view
         self._panels[client.client_id] = panels
 
