@@ -96,7 +96,7 @@ def test_the_files_on_the_page_are_read(tmp_path):
     found = read_scanned_poses(tmp_path, read_cell("yumi"))
     assert (found.arm, found.unit, len(found.poses)) == ("right", "mm", 1)
     assert "[detections]" in detections
-    shipped = Path(read_cell.__code__.co_filename).parents[2] / "robots" / "yumi"
+    shipped = Path(read_cell.__code__.co_filename).parents[3] / "robots" / "yumi"
     (tmp_path / "yumi").symlink_to(shipped)
     text = (shipped / "cell.toml").read_text().replace('"yumi.', '"yumi/yumi.')
     text = text.replace('"meshes/', '"yumi/meshes/')

@@ -171,7 +171,7 @@ def _stamp(use: Use) -> Path:
 def _fingerprint() -> str:
     """Of all that compiled code depends on."""
     package = _package()
-    files = sorted(file for room in ROOMS for file in (package / room).glob("*.py"))
+    files = sorted(file for room in ROOMS for file in (package / room).rglob("*.py"))
     stats = [(file.name, status.st_size, status.st_mtime_ns) for file in files
              for status in [file.stat()]]  # fmt: skip
     processor = (llvm.get_host_cpu_name(), llvm.get_host_cpu_features().flatten())

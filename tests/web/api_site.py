@@ -1,0 +1,107 @@
+"""The HTTP interface of a bench on loopback; who asks is told by a token."""
+
+import asyncio
+import threading
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import pytest
+import requests
+from aiohttp import web
+from canned import Canned, Results, make_results
+from waiting import PATIENCE
+
+from workbench.app.core.people import Person, Role
+from workbench.app.runtime.bench import Bench
+from workbench.journal.journal import Journal
+from workbench.web.api.routes import api_routes
+
+PEOPLE = {
+    "Bearer ada": Person("Ada", Role.ENGINEER),
+    "Bearer bob": Person("Bob", Role.OPERATOR),
+    "Bearer vic": Person("Vic", Role.VIEWER),
+}
+
+
+@dataclass
+class Site:
+    """Where the interface is, and one person's hands on it."""
+
+    bench: Bench
+    effects: Canned
+    url: str
+    session: requests.Session
+
+    def get(self, path: str, who: str = "ada", **about):
+        return self.session.get(self.url + path, headers=self.token(who), timeout=PATIENCE, **about)
+
+    def post(self, path: str, who: str = "ada", **body):
+        return self.session.post(
+            self.url + path, json=body, headers=self.token(who), timeout=PATIENCE
+        )
+
+    def token(self, who: str) -> dict[str, str]:
+        return {"Authorization": f"Bearer {who}"} if who else {}
+
+    def reach(self, phase: str) -> None:
+        state = self.bench.wait(lambda state: state.phase == phase and not state.job, PATIENCE)
+        assert state.phase == phase, state.message
+
+
+@pytest.fixture(scope="session")
+def results() -> Results:
+    return make_results()
+
+
+@pytest.fixture
+def people() -> dict[str, Person]:
+    """Whose each token is; one that is taken out is nobody's any more."""
+    return dict(PEOPLE)
+
+
+@pytest.fixture
+def heartbeat() -> float:
+    return 10.0
+
+
+async def _ended(runner: web.AppRunner) -> None:
+    await runner.cleanup()
+    # A stream notices that nobody listens any more when it next has something to say.
+    others = asyncio.all_tasks() - {asyncio.current_task()}
+    for task in others:
+        task.cancel()
+    await asyncio.gather(*others, return_exceptions=True)
+
+
+@pytest.fixture
+def site(results, people, heartbeat, tmp_path) -> Iterator[Site]:
+    made: list[Canned] = []
+
+    async def identify(request: web.Request) -> Person | None:
+        return people.get(request.headers.get("Authorization", ""))
+
+    def effects(cell, do, now):
+        made.append(Canned(results, do))
+        return made[0]
+
+    bench = Bench(results.cell, Journal(tmp_path / "session"), effects=effects)
+    loop = asyncio.new_event_loop()
+    thread = threading.Thread(target=loop.run_forever)
+    thread.start()
+    app = web.Application()
+    app.add_routes(api_routes(bench, identify, heartbeat=heartbeat))
+    runner = web.AppRunner(app, shutdown_timeout=1.0)
+
+    async def serve() -> int:
+        await runner.setup()
+        await web.TCPSite(runner, "127.0.0.1", 0).start()
+        return runner.addresses[0][1]
+
+    port = asyncio.run_coroutine_threadsafe(serve(), loop).result(PATIENCE)
+    with requests.Session() as session:
+        yield Site(bench, made[0], f"http://127.0.0.1:{port}/api/v1", session)
+    asyncio.run_coroutine_threadsafe(_ended(runner), loop).result(PATIENCE)
+    loop.call_soon_threadsafe(loop.stop)
+    thread.join()
+    loop.close()
+    bench.close()
