@@ -85,7 +85,7 @@ def test_a_page_that_is_not_drawn_has_not_watched(served, screen, bench, reaches
     assert bench.state.watched == ()
 
 
-# Seen with all processors busy and, since the light has changed, also without: the moved robot stays.
+# Seen with busy processors and, since the light is another one, also with idle ones.
 @pytest.mark.xfail(reason="after 'End jogging' the picture may keep the moved robot", strict=False)
 def test_a_jogged_robot_is_drawn_over_the_shared_one_and_gives_it_back(served, screen, bench, wait):
     wait(lambda: len(served._renderer._visitors) == 1, "the browser")
