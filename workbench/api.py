@@ -10,7 +10,6 @@ from collections.abc import Sequence
 
 from workbench.app.core import rules
 from workbench.app.picking.pipeline import judge, plan_pick
-from workbench.devices.abb_socket.link import send
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.clouds.scans import read_scan, write_cloud
 from workbench.formats.parts.reading import read_part
@@ -25,13 +24,14 @@ from workbench.model.part import Grasp, GraspLibrary, Part
 from workbench.model.plan import Plan, PlanResult, Proof
 from workbench.model.release import Approval, Receipt
 from workbench.model.scan import Detection, Findings, Obstacle, Scan
-from workbench.perception.localization.kinds import search_all
 from workbench.perception.scene.unexplained import unexplained
 from workbench.perception.simulation.piles import drop_parts
 from workbench.perception.simulation.synthesize import synthesize
 from workbench.planning.grasps.grasp_suggestions import suggest
 from workbench.planning.picking.nearest_fix import Fix, nearest_fix
 from workbench.planning.proving.prove import prove
+from workbench.plugins.localizer import find_parts
+from workbench.plugins.robot_link import send
 
 __all__ = [
     "Approval",
@@ -98,14 +98,7 @@ def localize(cell: Cell, scan: Scan, *, seed: int = 0, detail: float = 1.0) -> F
         seed: the same seed finds the same.
         detail: more than 1 looks more closely and takes longer, less than 1 less.
     """
-    return search_all(
-        scan,
-        cell,
-        seed=seed,
-        detail=detail,
-        report=lambda done, note: None,
-        cancelled=lambda: False,
-    )
+    return find_parts(scan, cell, seed=seed, detail=detail)
 
 
 def plan(

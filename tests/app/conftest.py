@@ -8,7 +8,7 @@ import pinocchio as pin
 import pytest
 
 from workbench.model.candidate import Candidate, Reason, Stage, Verdict
-from workbench.model.cell import Arm, Bin, Cell, Controller, Policy, ScannerMount, Tool
+from workbench.model.cell import Arm, Bin, Cell, Policy, ScannerMount, Tool
 from workbench.model.geometry import Box, Mesh, Solid
 from workbench.model.part import Grasp, GraspLibrary, Part, Symmetry
 from workbench.model.plan import (
@@ -24,6 +24,7 @@ from workbench.model.plan import (
 )
 from workbench.model.robot import Joint, Link, Robot
 from workbench.model.scan import Detection, Scan
+from workbench.plugins.robot_link import controller_by
 
 HERE = pin.SE3.Identity()
 
@@ -124,7 +125,7 @@ def made_cell(name: str = "sample", port: int = 1025) -> Cell:
         (arm,),
         Bin(HERE, np.array([0.4, 0.3, 0.2])),
         ScannerMount(HERE),
-        Controller(port=port),
+        controller_by("abb-socket", port=port),
         (part,),
         policy=Policy(approval_minutes=5.0),
     )

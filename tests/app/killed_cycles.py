@@ -30,9 +30,9 @@ from workbench.app.core.effects import Send, StartJob
 from workbench.app.core.state import Phase
 from workbench.app.runtime.bench import Bench
 from workbench.app.runtime.live import Live
-from workbench.app.runtime.robot_link import RobotLink
+from workbench.app.runtime.robot_link import LinkRunner
 from workbench.journal.journal import Journal
-from workbench.model.cell import Controller
+from workbench.plugins.robot_link import controller_by
 
 
 class QuickMachines:
@@ -41,7 +41,7 @@ class QuickMachines:
     def __init__(self, cell, do, now):
         self.live = Live()
         self._samples, self._do = Samples(cell), do
-        self._robot = RobotLink(cell, do, now, lambda **changes: None, patience=PATIENT)
+        self._robot = LinkRunner(cell, do, now, lambda **changes: None, patience=PATIENT)
 
     def run(self, effect):
         if isinstance(effect, StartJob):
@@ -76,7 +76,7 @@ def next_command(state):
 
 def run(folder: str, port: str, state_port: str) -> None:
     cell = dataclasses.replace(
-        made_cell(), controller=Controller("127.0.0.1", int(port), int(state_port))
+        made_cell(), controller=controller_by("abb-socket", "127.0.0.1", int(port), int(state_port))
     )
     bench = Bench(cell, Journal(Path(folder)), effects=QuickMachines)
     # Told only once it is done: what is read here must be on the disk.

@@ -18,7 +18,6 @@ from workbench.formats.files.shipped import find
 from workbench.formats.plans.plan_files import read_plan, write_plan
 from workbench.model.geometry import pose_from_rpy
 from workbench.planning.kinematics.chain import chain_of, is_solution
-from workbench.planning.kinematics.wire import on_wire
 from workbench.planning.proving.prove import prove
 
 POSES = Path(__file__).resolve().parents[1] / "cells" / "public_yumi" / "Poses.txt"
@@ -224,7 +223,7 @@ def test_a_waypoint_in_the_bin_wall_fails_with_pair_leg_and_clearance(line, say,
     q = np.asarray(plan.arms[0].leg("return").q)[4]
     starts = np.vstack([q, np.random.default_rng(0).uniform(chain.lower, chain.upper, (40, 7))])
     answers, residuals = chain.solve(T_world_wall, starts)
-    in_wall = on_wire(answers[is_solution(residuals)][0])
+    in_wall = cell.controller.motion.rounded(answers[is_solution(residuals)][0])
 
     def bend(content: dict) -> None:
         leg_of(content, "return")["q"][4] = in_wall.tolist()

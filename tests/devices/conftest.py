@@ -14,11 +14,12 @@ from waiting import PATIENCE
 from workbench.app.picking.pipeline import plan_pick
 from workbench.devices.abb_simulated.controller import SimulatedController
 from workbench.formats.cells.reading import read_cell
-from workbench.model.cell import Cell, Controller, ProtocolName
+from workbench.model.cell import Cell
 from workbench.model.geometry import Floats, pose_from_rpy
 from workbench.model.plan import Plan
 from workbench.model.release import Approval
 from workbench.model.scan import Detection
+from workbench.plugins.robot_link import controller_by
 
 
 @pytest.fixture(scope="session")
@@ -82,7 +83,7 @@ def controller(cell: Cell, tmp_path: Path) -> Iterator[Callable[..., SimulatedCo
 def at(cell: Cell) -> Callable[..., Cell]:
     """The cell with its controller at another address."""
 
-    def moved(port: int, state_port: int = 1, protocol: ProtocolName = "abb-socket") -> Cell:
-        return replace(cell, controller=Controller("127.0.0.1", port, state_port, protocol))
+    def moved(port: int, state_port: int = 1, protocol: str = "abb-socket") -> Cell:
+        return replace(cell, controller=controller_by(protocol, "127.0.0.1", port, state_port))
 
     return moved

@@ -5,14 +5,14 @@ import time
 
 from waiting import PATIENCE
 
-from workbench.devices.abb_socket import link as abb_link
-from workbench.devices.abb_socket.patience import Patience
+from workbench.plugins import robot_link
+from workbench.plugins.robot_link import LinkPatience
 
-PATIENT = Patience(
+PATIENT = LinkPatience(
     silence=PATIENCE, answer=PATIENCE, stop=PATIENCE, report=PATIENCE, doubt=PATIENCE
 )
 
-send = functools.partial(abb_link.send, patience=PATIENT)
+send = functools.partial(robot_link.send, patience=PATIENT)
 
 
 class Hurried:

@@ -6,6 +6,7 @@ import http.server
 import threading
 import time
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pinocchio as pin
@@ -13,11 +14,14 @@ import pytest
 from waiting import PATIENCE
 
 from workbench.devices.scanners import FolderScanner, HttpScanner
+from workbench.formats.cells.reading import read_cell
 from workbench.formats.clouds.scans import write_cloud
 from workbench.model.cell import ScannerMount
 from workbench.model.errors import FileError, JobCancelled, LinkError
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.scan import Scan
+from workbench.plugins.options import NoOptions
+from workbench.plugins.scanner import ScanRequest
 
 T = pose_from_rpy((0.4, 0.0, 0.9), (np.pi, 0, 0))
 DRIBBLES = 2400
@@ -26,8 +30,9 @@ DRIBBLES = 2400
 SCAN = Scan(np.random.default_rng(0).uniform(0.1, 0.5, (500, 3)), T, "made")
 
 
-def mount(source, address, patience=PATIENCE, unit="m") -> ScannerMount:
-    return ScannerMount(T, source=source, address=str(address), patience=patience, unit=unit)
+def made(kind, address, patience=PATIENCE, unit="m"):
+    mount = ScannerMount(T, address=str(address), patience=patience, unit=unit)
+    return kind(replace(read_cell("yumi"), scanner=mount), NoOptions())
 
 
 def taken(scanner, *then: Callable[[], object], cancelled=lambda: False) -> Scan:
@@ -38,13 +43,13 @@ def taken(scanner, *then: Callable[[], object], cancelled=lambda: False) -> Scan
         if left:
             left.pop(0)()
 
-    return scanner.scan(report, cancelled)
+    return scanner.scan(ScanRequest(), report, cancelled)
 
 
 def test_the_next_file_is_the_scan(tmp_path):
     write_cloud(tmp_path / "old.ply", SCAN)
     newer = Scan(SCAN.points + 0.01, T, "newer")
-    scanner = FolderScanner(mount("folder", tmp_path))
+    scanner = made(FolderScanner, tmp_path)
     assert taken(scanner, lambda: write_cloud(tmp_path / "new.ply", newer)).digest == newer.digest
 
 
@@ -58,19 +63,19 @@ def test_a_file_is_read_when_it_is_complete(tmp_path):
 
     pieces = [functools.partial(more, start) for start in range(0, len(content), 2000)]
     assert len(pieces) > 5
-    assert taken(FolderScanner(mount("folder", tmp_path)), *pieces).digest == SCAN.digest
+    assert taken(made(FolderScanner, tmp_path), *pieces).digest == SCAN.digest
 
 
 def test_a_file_that_is_renamed_into_place_counts(tmp_path):
     write_cloud(tmp_path / "scan.part", SCAN)
-    scanner = FolderScanner(mount("folder", tmp_path))
+    scanner = made(FolderScanner, tmp_path)
     found = taken(scanner, lambda: (tmp_path / "scan.part").rename(tmp_path / "scan.ply"))
     assert found.digest == SCAN.digest
 
 
 def test_millimetres_are_millimetres(tmp_path):
     in_mm = Scan(SCAN.points * 1000, T, "mm")
-    scanner = FolderScanner(mount("folder", tmp_path, unit="mm"))
+    scanner = made(FolderScanner, tmp_path, unit="mm")
     found = taken(scanner, lambda: write_cloud(tmp_path / "scan.ply", in_mm))
     np.testing.assert_allclose(found.points, SCAN.points, rtol=1e-12)
 
@@ -78,10 +83,10 @@ def test_millimetres_are_millimetres(tmp_path):
 def test_no_file_no_folder_and_a_broken_file_are_told(tmp_path):
     write_cloud(tmp_path / "old.ply", SCAN)
     with pytest.raises(LinkError, match=r"no new PLY or PCD file came .* within 0.4 s"):
-        taken(FolderScanner(mount("folder", tmp_path, patience=0.4)))
+        taken(made(FolderScanner, tmp_path, patience=0.4))
     with pytest.raises(LinkError, match="there is no folder"):
-        taken(FolderScanner(mount("folder", tmp_path / "nowhere")))
-    scanner = FolderScanner(mount("folder", tmp_path))
+        taken(made(FolderScanner, tmp_path / "nowhere"))
+    scanner = made(FolderScanner, tmp_path)
     with pytest.raises(FileError, match="neither a PLY nor a PCD"):
         taken(scanner, lambda: (tmp_path / "scan.pcd").write_bytes(b"not a cloud"))
 
@@ -90,13 +95,13 @@ def test_a_folder_that_goes_while_a_scan_is_awaited_is_told(tmp_path):
     folder = tmp_path / "scans"
     folder.mkdir()
     with pytest.raises(LinkError, match="scans: No such file"):
-        taken(FolderScanner(mount("folder", folder)), folder.rmdir)
+        taken(made(FolderScanner, folder), folder.rmdir)
 
 
 def test_waiting_can_be_cancelled(tmp_path):
     over = threading.Event()
     with pytest.raises(JobCancelled):
-        taken(FolderScanner(mount("folder", tmp_path)), over.set, cancelled=over.is_set)
+        taken(made(FolderScanner, tmp_path), over.set, cancelled=over.is_set)
 
 
 @pytest.fixture
@@ -141,23 +146,23 @@ def test_a_page_gives_a_scan(page, tmp_path):
     address, answers = page
     write_cloud(tmp_path / "scan.ply", SCAN)
     answers["/scan.ply"] = (tmp_path / "scan.ply").read_bytes()
-    assert taken(HttpScanner(mount("http", f"{address}/scan.ply"))).digest == SCAN.digest
+    assert taken(made(HttpScanner, f"{address}/scan.ply")).digest == SCAN.digest
 
 
 def test_a_page_that_has_none_is_told(page):
     address, answers = page
     with pytest.raises(LinkError, match="404"):
-        taken(HttpScanner(mount("http", f"{address}/other.ply")))
+        taken(made(HttpScanner, f"{address}/other.ply"))
     answers["/scan.ply"] = b"ply\nformat"
     with pytest.raises(FileError):
-        taken(HttpScanner(mount("http", f"{address}/scan.ply")))
+        taken(made(HttpScanner, f"{address}/scan.ply"))
     with pytest.raises(LinkError, match="scanner: http://127"):
-        taken(HttpScanner(mount("http", "http://127.0.0.1:9/scan.ply")))
+        taken(made(HttpScanner, "http://127.0.0.1:9/scan.ply"))
 
 
 def test_a_page_that_gives_a_scan_too_slowly_is_not_waited_for(page):
     address, answers = page
-    scanner = HttpScanner(mount("http", f"{address}/dribble", patience=0.3))
+    scanner = made(HttpScanner, f"{address}/dribble", patience=0.3)
     with pytest.raises(LinkError, match="is too slow"):
         taken(scanner)
     assert len(answers["/dribble"]) < 4 * DRIBBLES, "it waited for the end"
@@ -168,11 +173,11 @@ def test_a_page_that_gives_a_scan_too_slowly_is_not_waited_for(page):
 @pytest.mark.parametrize("path", ["nonsense", "scan 1.ply"])
 def test_an_answer_or_an_address_that_is_no_http_is_told(page, path):
     with pytest.raises(LinkError, match="scanner: http://127"):
-        taken(HttpScanner(mount("http", f"{page[0]}/{path}")))
+        taken(made(HttpScanner, f"{page[0]}/{path}"))
 
 
 def test_the_scan_stands_where_the_scanner_does(tmp_path):
-    scanner = FolderScanner(mount("folder", tmp_path))
+    scanner = made(FolderScanner, tmp_path)
     found = taken(scanner, lambda: write_cloud(tmp_path / "scan.ply", SCAN))
     assert isinstance(found.T_world_scanner, pin.SE3)
     assert found.T_world_scanner.isApprox(T)

@@ -75,6 +75,10 @@ def run(typed: arguments.Arguments) -> int:
             from workbench.cli.serving.demo import demo
 
             return demo(typed)
+        case arguments.Plugins():
+            from workbench.cli.authoring.plugins import plugins
+
+            return plugins(typed)
         case arguments.Scan():
             from workbench.cli.picking.look import scan
 

@@ -1,20 +1,16 @@
-"""Scanners: where scans come from when they are not simulated.
-
-A scanner of another maker is one class with `scan`, and its line in `SCANNERS`; its name goes to
-`model/cell.py:ScanSource`.
-"""
+"""Scanners whose clouds come as files: from a folder, or from a page."""
 
 import http.client
 import time
 import urllib.request
-from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Protocol
 
 from workbench.formats.clouds.scans import LARGEST_FILE, parse_scan, read_scan
-from workbench.model.cell import ScannerMount, ScanSource
+from workbench.model.cell import Cell
 from workbench.model.errors import JobCancelled, LinkError
 from workbench.model.scan import Scan
+from workbench.plugins.options import NoOptions
+from workbench.plugins.scanner import Cancelled, Report, ScanRequest
 
 KINDS = frozenset({".ply", ".pcd"})
 STILL = 0.3
@@ -28,20 +24,6 @@ WAITS = 10.0
 """[s] For the next bytes of an answer."""
 
 
-class Scanner(Protocol):
-    """Takes one scan.
-
-    Raises:
-        LinkError: nothing came in time, or what came is no scan.
-        FileError: what came is no cloud.
-        JobCancelled: `cancelled` said so.
-    """
-
-    def scan(self, report: Callable[[float, str], None], cancelled: Callable[[], bool]) -> Scan:
-        """Wait for the next scan; `report` is told the share of the patience used up."""
-        ...
-
-
 class FolderScanner:
     """The next complete PLY or PCD file that somebody puts into a folder.
 
@@ -49,11 +31,13 @@ class FolderScanner:
     that is not like that any more.  It is complete when it has stopped growing.
     """
 
-    def __init__(self, mount: ScannerMount):
-        self._mount = mount
-        self._folder = Path(mount.address)
+    Options = NoOptions
 
-    def scan(self, report: Callable[[float, str], None], cancelled: Callable[[], bool]) -> Scan:
+    def __init__(self, cell: Cell, options: NoOptions):
+        self._mount = cell.scanner
+        self._folder = Path(cell.scanner.address)
+
+    def scan(self, request: ScanRequest, report: Report, cancelled: Cancelled) -> Scan:
         """Wait for the next file; see `Scanner`."""
         if not self._folder.is_dir():
             raise LinkError(f"scanner: there is no folder {self._folder}")
@@ -97,10 +81,12 @@ class FolderScanner:
 class HttpScanner:
     """A PLY or PCD file that a page gives when it is asked."""
 
-    def __init__(self, mount: ScannerMount):
-        self._mount = mount
+    Options = NoOptions
 
-    def scan(self, report: Callable[[float, str], None], cancelled: Callable[[], bool]) -> Scan:
+    def __init__(self, cell: Cell, options: NoOptions):
+        self._mount = cell.scanner
+
+    def scan(self, request: ScanRequest, report: Report, cancelled: Cancelled) -> Scan:
         """Ask for a scan; see `Scanner`."""
         address, began = self._mount.address, time.monotonic()
         content = bytearray()
@@ -121,10 +107,3 @@ class HttpScanner:
             raise LinkError(f"scanner: {address}: {error}") from None
         name = Path(urllib.request.url2pathname(address).rpartition("/")[2] or "scan")
         return parse_scan(name, bytes(content), self._mount)
-
-
-SCANNERS: Mapping[ScanSource, Callable[[ScannerMount], Scanner]] = {
-    "folder": FolderScanner,
-    "http": HttpScanner,
-}
-"""By the names in the cell file; `simulated` needs a pile and is made in `app/runtime/work.py`."""

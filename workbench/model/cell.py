@@ -1,5 +1,6 @@
 """The cell: robot, arms with their tools, bin, fixtures, scanner, controller, and its policies."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, replace
 from typing import Literal, get_args
 
@@ -7,34 +8,19 @@ import numpy as np
 import pinocchio as pin
 
 from workbench.model.calibration import CalibrationRecord
-from workbench.model.digest import digest_of
+from workbench.model.digest import LATER, digest_of
 from workbench.model.errors import InputError
 from workbench.model.geometry import Box, Floats, Solid, copied, frozen, pose_from_rpy, put
+from workbench.model.motion import MotionModel
 from workbench.model.part import Part
 from workbench.model.robot import Robot
-
-PlannerName = Literal[
-    "rrtconnect",
-    "birrt",
-    "rrt",
-    "sbl",
-    "prmstar",
-    "bitstar",
-    "lbkpiece",
-    "informed-rrtstar",
-    "aorrtc",
-]
-PLANNER_NAMES: tuple[PlannerName, ...] = get_args(PlannerName)
 
 OrderName = Literal["travel", "highest", "score", "nearest", "walls", "thesis"]
 ORDER_NAMES: tuple[OrderName, ...] = get_args(OrderName)
 
 
-ProtocolName = Literal["abb-socket", "abb-socket/2"]
-PROTOCOL_NAMES: tuple[ProtocolName, ...] = get_args(ProtocolName)
-
-ScanSource = Literal["simulated", "folder", "http"]
-SCAN_SOURCES: tuple[ScanSource, ...] = get_args(ScanSource)
+Option = bool | int | float | str
+"""A value of a key that a plug-in has of its own."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -154,11 +140,11 @@ class ScannerMount:
     """Where the scanner hangs and what it sees: camera frame z forward, x right, y down.
 
     `resolution` (columns, rows), `field_of_view` [rad] along the columns, `depth_noise` [m]
-    standard deviation at 1 m, `near` and `far` [m] the range it measures in.  `source` says where
-    scans come from: a simulated pile, the next file in the folder `address`, or the page at
-    `address`; `unit` is that of the files, `patience` [s] how long to wait for one.  `calibration`
-    says who has measured the pose and when, None when nobody has; after `calibration_days` it
-    counts as old.
+    standard deviation at 1 m, `near` and `far` [m] the range it measures in.  `source` names
+    the driver (`plugins.scanner`), `address` is where it finds the scanner, in its own way, `unit`
+    that of files, `patience` [s] how long to wait for a scan, `options` are the driver's own keys.
+    `calibration` says who has measured the pose and when, None when nobody has; after
+    `calibration_days` it counts as old.
     """
 
     T_world_scanner: pin.SE3
@@ -167,15 +153,16 @@ class ScannerMount:
     depth_noise: float = 0.0003
     near: float = 0.3
     far: float = 1.5
-    source: ScanSource = "simulated"
+    source: str = "simulated"
     address: str = ""
     unit: str = "m"
     patience: float = 60.0
     calibration: CalibrationRecord | None = None
     calibration_days: float = 90.0
+    options: Mapping[str, Option] = field(default_factory=dict[str, Option], metadata=LATER)
 
     def __post_init__(self) -> None:
-        put(self, T_world_scanner=copied(self.T_world_scanner))
+        put(self, T_world_scanner=copied(self.T_world_scanner), options=dict(self.options))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -189,22 +176,35 @@ class PosesFolder:
     part: str
 
 
+@dataclass(frozen=True, slots=True)
+class LocalizerChoice:
+    """Which localizer finds the parts, empty: the usual one; `options` are its own keys."""
+
+    name: str = ""
+    options: Mapping[str, Option] = field(default_factory=dict[str, Option])
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Controller:
-    """Address and protocol of the robot controller.
+    """Address of the robot controller, and how it is spoken to and moves.
 
     Motion goes through `port`; a controller that reports its state does so on `state_port`.
+    `motion` names the robot link (`plugins.robot_link`), whose own keys are `options`.
     """
 
-    host: str = "127.0.0.1"
-    port: int = 1025
-    state_port: int = 1026
-    protocol: ProtocolName = "abb-socket"
+    host: str
+    port: int
+    state_port: int
+    motion: MotionModel
+    options: Mapping[str, Option] = field(default_factory=dict[str, Option])
+
+    def __post_init__(self) -> None:
+        put(self, options=dict(self.options))
 
     @property
-    def stops_at_waypoints(self) -> bool:
-        """Whether the robot comes to rest at every waypoint; otherwise it rounds the corners."""
-        return self.protocol == "abb-socket"
+    def link(self) -> str:
+        """The name of the robot link."""
+        return self.motion.link
 
 
 @dataclass(frozen=True, slots=True)
@@ -216,11 +216,11 @@ class Policy:
     `lift_length` and `lift_lean` shape the extraction: straight up, leaning to the bin centre.
     `speed` scales joint velocities.  `zone` is the largest corner rounding, as a fraction of
     the shorter neighbouring segment, where the controller rounds at all (`Cell.zone`).  `planner`
-    searches the free legs, within `iterations` a call; `birrt` is the thesis' name for
-    `rrtconnect`.  `seconds` [s] end a planning wherever it stands: a stop against input that nobody
-    foresaw, not a budget.  `order` says which part is taken first: that with the least joint
-    travel, the highest, the best score, the nearest to the tool, the farthest from the walls, or by
-    the thesis' rules (see `planning.picking.order`).
+    searches the free legs, within `iterations` a call (`plugins.planner`); `birrt` is the thesis'
+    name for `rrtconnect`.  `seconds` [s] end a planning wherever it stands: a stop against input
+    that nobody foresaw, not a budget.  `order` says which part is taken first: that with the least
+    joint travel, the highest, the best score, the nearest to the tool, the farthest from the walls,
+    or by the thesis' rules (see `planning.picking.order`).
     `metric` weighs the joints in the planners' distance: each counts this fraction of the one
     before it, since the first joints move more of the arm.
     """
@@ -235,7 +235,7 @@ class Policy:
     speed: float = 0.5
     zone: float = 0.2
     threshold: float = 0.2
-    planner: PlannerName = "rrtconnect"
+    planner: str = "rrtconnect"
     iterations: int = 500
     seconds: float = 60.0
     order: OrderName = "travel"
@@ -250,7 +250,7 @@ class Wishes:
     A `margin` [m] below the cell's would not be proven: it may only be larger.
     """
 
-    planner: PlannerName | None = None
+    planner: str | None = None
     iterations: int | None = None
     order: OrderName | None = None
     margin: float | None = None
@@ -282,6 +282,7 @@ class Cell:
     poses_folder: PosesFolder | None = None
     policy: Policy = field(default_factory=Policy)
     approvers: int = 1
+    localizer: LocalizerChoice = field(default_factory=LocalizerChoice, metadata=LATER)
     digest: str = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -291,7 +292,7 @@ class Cell:
     @property
     def zone(self) -> float:
         """How far corners are rounded: the policy's `zone`, 0 where the robot stops at them."""
-        return 0.0 if self.controller.stops_at_waypoints else self.policy.zone
+        return 0.0 if self.controller.motion.corners == "stop" else self.policy.zone
 
     def arm(self, name: str) -> Arm:
         """The arm of that name.

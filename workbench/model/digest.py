@@ -15,6 +15,10 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 
+LATER = {"later": True}
+"""Metadata of a field that came when digests were in use: at its default it does not enter them,
+so that they stay as they were."""
+
 LARGE = 4096
 """Arrays with more elements than this enter by the digest of their bytes."""
 
@@ -54,10 +58,19 @@ def canonical(value: Any, *, without: frozenset[str] = frozenset()) -> Any:
             return {
                 field.name: canonical(getattr(value, field.name))
                 for field in dataclasses.fields(value)
-                if field.name not in left_out and not field.metadata.get("derived")
+                if field.name not in left_out and not _is_silent(field, value)
             }
         case _:
             raise TypeError(f"no canonical form for {type(value).__name__}")
+
+
+def _is_silent(field: "dataclasses.Field[Any]", owner: Any) -> bool:
+    """Whether a field does not enter: what is derived from others, and `LATER` ones not used."""
+    if field.metadata.get("derived"):
+        return True
+    if not field.metadata.get("later"):
+        return False
+    return bool(getattr(owner, field.name) == field.default_factory())  # type: ignore[misc]
 
 
 def digest_of(value: Any, *, without: frozenset[str] = frozenset()) -> str:

@@ -9,7 +9,6 @@ import numpy as np
 import pinocchio as pin
 
 from workbench.model.candidate import Candidate, Verdict
-from workbench.model.cell import PlannerName
 from workbench.model.digest import digest_of
 from workbench.model.geometry import Floats, copied, frozen, put
 from workbench.model.scan import Detection, Obstacle
@@ -228,5 +227,5 @@ class PlanResult:
     verdict: Verdict
     seconds: dict[str, float]
     obstacles: tuple[Obstacle, ...] = ()
-    planner: PlannerName = "rrtconnect"
+    planner: str = "rrtconnect"
     beside: "tuple[PlanResult, ...]" = ()

@@ -1,10 +1,10 @@
 """What lets a plan out to the robot, and what came back."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Literal
 
 from workbench.model.digest import digest_of
-from workbench.model.geometry import put
+from workbench.model.geometry import Floats, put
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -56,37 +56,59 @@ class PartReport:
     why: str = ""
 
 
-MessageKind = Literal[
-    "start",
-    "in",
-    "out",
-    "stop",
-    "hello",
-    "plan",
-    "ticket",
-    "leg",
-    "to",
-    "end",
-    "run",
-    "heard",
-]
-"""Words of both protocols; `heard` is what the controller said unasked."""
-
-
 @dataclass(frozen=True, slots=True, eq=False)
 class Receipt:
     """One message on the wire: what went out, and what the controller answered or said.
 
-    `at` [s since the epoch]; `sent` the text without padding, empty when the controller spoke
-    unasked; `heard` its answer, empty where the protocol has none or none came.  `done`, `total`
-    count messages of the whole plan.  `part` is set when it reported what became of a part.
+    `at` [s since the epoch]; `kind` is a word of the link's own; `sent` the text without padding,
+    empty when the controller spoke unasked; `heard` its answer, empty where the protocol has none
+    or none came.  `done`, `total` count messages of the whole plan.  `part` is set when it reported
+    what became of a part.
     """
 
     at: float
     arm: str
-    kind: MessageKind
+    kind: str
     sent: str
     done: int
     total: int
     heard: str = ""
     part: PartReport | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LinkStatus:
+    """How a connection for motion stands; times [s since the epoch].
+
+    `phase` is what the controller says of itself, or `closed`; `acknowledged` its last
+    acknowledgement; `stopped` how long [s] it took to acknowledge a stop, None when it did not, and
+    `stop` says so in words.  `joints` (arm -> (n,) [rad]) are the last it reported on this link.
+    """
+
+    version: str = ""
+    phase: str = "closed"
+    step: int = 0
+    steps: int = 0
+    acknowledged: str = ""
+    acknowledged_at: float = 0.0
+    reported_at: float = 0.0
+    stopped: float | None = None
+    stop: str = ""
+    joints: Mapping[str, Floats] | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class RobotState:
+    """What a controller reports of itself beside the link for motion.
+
+    `joints` [rad], chain order, and `openings` [m] by arm; `moving` the arm in motion or "";
+    `received` counts messages and `placed` the parts put down since it started.  `fault` is
+    empty when there is none.
+    """
+
+    joints: Mapping[str, tuple[float, ...]]
+    openings: Mapping[str, float]
+    moving: str
+    received: int
+    placed: int
+    fault: str

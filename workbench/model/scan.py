@@ -10,6 +10,9 @@ from workbench.model.digest import digest_of
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats, copied, frozen, put
 
+ALL_KINDS = "all"
+"""In place of a part's name: every kind that the cell picks, one of each in turn."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Scan:
@@ -138,3 +141,38 @@ class Obstacle:
         if size.shape != (3,) or not np.all(size > 0):
             raise InputError("an obstacle needs three lengths above zero")
         put(self, T_world_box=copied(self.T_world_box), size=size)
+
+
+@dataclass(frozen=True, slots=True)
+class SearchWishes:
+    """How one search differs from the usual.
+
+    `detail` is how fine the scan is looked at, 1 being usual: finer finds small features and takes
+    longer.  Parts with a score below `least_score` are not taken.
+    """
+
+    detail: float = 1.0
+    least_score: float = 0.0
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Search:
+    """A search in the current scan: its seed and wishes, what was found, and how long it took [s].
+
+    `number` is that of the entry that began it.
+    """
+
+    number: int
+    seed: int
+    wishes: SearchWishes
+    detections: tuple[Detection, ...]
+    seconds: float
+
+
+@dataclass(frozen=True, slots=True)
+class Remark:
+    """What a person has done to the parts found, at [s since the epoch]."""
+
+    at: float
+    by: str
+    says: str

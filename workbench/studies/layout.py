@@ -19,7 +19,6 @@ from workbench.model.robot import Robot
 from workbench.planning.collision.pairing import Phase
 from workbench.planning.collision.world import World
 from workbench.planning.kinematics.chain import Chain, chain_of, is_solution
-from workbench.planning.kinematics.wire import on_wire
 from workbench.studies.targets import judged
 
 FEWEST_JOINTS = 5
@@ -233,7 +232,7 @@ def _homes(cell: Cell, away: float, up: float) -> list[Floats] | None:
             answers += list(found[is_solution(residuals)])
         answers.sort(key=lambda q: _awkwardness(chain, q))
         among = world.alone(arm.name) if len(homes) + 1 < len(cell.arms) else None
-        for q in map(on_wire, answers):
+        for q in map(world.motion.rounded, answers):
             whole = world.configuration({**homes, arm.name: q})
             if world.contact(whole, among) is None:
                 homes[arm.name] = q

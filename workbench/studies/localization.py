@@ -8,15 +8,15 @@ from typing import Any
 
 import numpy as np
 
-from workbench.app.core.value_checks import ALL_KINDS
-from workbench.app.runtime.work import find_parts, pile_of
+from workbench.app.runtime.work import find_parts
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.parts.reading import read_part
 from workbench.model.cell import Cell
 from workbench.model.part import Part
-from workbench.model.scan import Detection
+from workbench.model.scan import ALL_KINDS, Detection
 from workbench.perception.localization.pose_error import pose_error
 from workbench.perception.simulation.scan_noise import FINE, ROUGH, NoiseModel
+from workbench.perception.simulation.simulated_scanner import pile_of
 from workbench.perception.simulation.synthesize import synthesize, visible_shares
 from workbench.planning.planners.clock import working_time
 

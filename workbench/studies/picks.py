@@ -9,7 +9,7 @@ import numpy as np
 
 from workbench.app.picking.pipeline import Report, plan_pick
 from workbench.formats.cells.reading import read_cell
-from workbench.model.cell import PlannerName, Wishes
+from workbench.model.cell import Wishes
 from workbench.perception.simulation.piles import drop_parts
 from workbench.planning.planners.clock import working_time
 
@@ -23,7 +23,7 @@ def measure(
     parts: int = 2,
     seed: int = 0,
     strategy: str = "auto",
-    planner: PlannerName | None = None,
+    planner: str | None = None,
     report: Report = lambda done, note: None,
 ) -> dict[str, Any]:
     """Plan every pile once; times [s] per stage, and what came of it.

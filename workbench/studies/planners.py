@@ -12,15 +12,15 @@ from typing import Any
 import numpy as np
 
 from workbench.app.picking.pipeline import Report
-from workbench.model.cell import Arm, Cell, PlannerName
+from workbench.model.cell import Arm, Cell
 from workbench.model.geometry import Floats
 from workbench.planning.collision.contact import Contact
 from workbench.planning.collision.motion import Curves, chain_contact, walked
 from workbench.planning.collision.pairing import Phase
 from workbench.planning.collision.world import World
-from workbench.planning.kinematics.wire import on_wire
-from workbench.planning.picking.search import PLANNERS, TRIES, as_sent, edge_check, joint_weights
+from workbench.planning.picking.search import TRIES, as_sent, edge_check, joint_weights
 from workbench.planning.planners.clock import working_time
+from workbench.plugins.planner import planner_named
 from workbench.studies.targets import Target, drawn_poses, judged
 
 STEPS = 20
@@ -35,7 +35,7 @@ class Attempt:
     sent, and checks those.  `tool_way` [m] is of what is sent, None when nothing is.
     """
 
-    planner: PlannerName
+    planner: str
     target: int
     allowed: int
     iterations: int
@@ -61,7 +61,7 @@ class Course:
         self.arm: Arm = cell.arms[0]
         self.world = World(cell, ())
         self.world.enter(Phase(frozenset({self.arm.name})))
-        self.start = on_wire(np.asarray(self.arm.home))
+        self.start = self.world.motion.rounded(np.asarray(self.arm.home))
         poses = drawn_poses(cell.bin, count, seed)
         self.targets: list[Target] = judged(self.world, self.arm, poses, seed)
 
@@ -70,7 +70,7 @@ class Course:
         """Number and configuration of the targets that can be taken up."""
         return [(k, target.q) for k, target in enumerate(self.targets) if target.q is not None]
 
-    def attempt(self, planner: PlannerName, number: int, goal: Floats, allowed: int) -> Attempt:
+    def attempt(self, planner: str, number: int, goal: Floats, allowed: int) -> Attempt:
         """Plan once from home to a goal (n,), seeded by the target's number."""
         world, policy = self.world, self.world.policy
         columns, base = world.kinematics.columns[self.arm.name], world.configuration({})
@@ -85,7 +85,7 @@ class Course:
         iterations, path = 0, None
         for _ in range(TRIES):
             began = working_time()
-            found, used = PLANNERS[planner](
+            found, used = planner_named(planner)(
                 self.start,
                 goal,
                 chain.lower,
@@ -99,7 +99,7 @@ class Course:
             search, iterations = search + middle - began, iterations + used
             if found is None:
                 break
-            sent = as_sent(found, is_clear, policy.free_points)
+            sent = as_sent(found, is_clear, policy.free_points, world.motion)
             is_spoiled = check(walked(sent, policy.zone)) is not None
             finish += working_time() - middle
             if not is_spoiled:
@@ -126,7 +126,7 @@ class Course:
 
 
 def compare(
-    course: Course, planners: Sequence[PlannerName], allowed: Sequence[int], report: Report
+    course: Course, planners: Sequence[str], allowed: Sequence[int], report: Report
 ) -> list[Attempt]:
     """Every planner at every target with every number of iterations.
 
@@ -147,7 +147,7 @@ def compare(
 
 def summary(attempts: Sequence[Attempt]) -> list[dict[str, Any]]:
     """One row a planner and number of iterations; times in s, of all attempts."""
-    groups: dict[tuple[PlannerName, int], list[Attempt]] = {}
+    groups: dict[tuple[str, int], list[Attempt]] = {}
     for one in attempts:
         groups.setdefault((one.planner, one.allowed), []).append(one)
     return [_row(planner, allowed, group) for (planner, allowed), group in groups.items()]

@@ -11,7 +11,6 @@ from workbench.model.cell import Arm, Bin
 from workbench.model.geometry import Floats, Ints, pose_from_rpy
 from workbench.planning.collision.world import World
 from workbench.planning.kinematics.chain import is_solution
-from workbench.planning.kinematics.wire import on_wire
 
 TILT = np.deg2rad(20.0)
 """[rad] The tool points straight down but for up to this turn about y, to either side."""
@@ -67,7 +66,7 @@ def judged(
     targets: list[Target] = []
     for T_world_tcp in poses:
         answers, residuals = chain.solve(T_world_tcp, starts)
-        solutions = [on_wire(q) for q in answers[is_solution(residuals)]]
+        solutions = [world.motion.rounded(q) for q in answers[is_solution(residuals)]]
         clear = [
             q for q in solutions if world.contact(world.configuration({arm.name: q}), among) is None
         ]

@@ -27,7 +27,7 @@ from workbench.model.cell import Wishes
 from workbench.model.digest import digest_of
 from workbench.model.errors import CommandRefused, InputError, JobCancelled
 from workbench.model.release import Receipt
-from workbench.model.search import SearchWishes
+from workbench.model.scan import SearchWishes
 
 RECEIPT = Receipt(NOW, "right", "start", "startR#", 1, 4)
 

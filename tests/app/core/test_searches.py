@@ -20,7 +20,7 @@ from workbench.app.runtime.bench import Bench
 from workbench.journal.journal import Journal
 from workbench.model.errors import CommandRefused
 from workbench.model.geometry import pose_from_rpy
-from workbench.model.search import SearchWishes
+from workbench.model.scan import SearchWishes
 
 
 @pytest.fixture

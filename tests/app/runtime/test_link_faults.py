@@ -32,7 +32,7 @@ from workbench.app.picking.pipeline import plan_pick
 from workbench.app.records.replay import replay
 from workbench.app.runtime.bench import Bench
 from workbench.app.runtime.machines import Machines
-from workbench.app.runtime.robot_link import RobotLink
+from workbench.app.runtime.robot_link import LinkRunner
 from workbench.devices.abb_simulated import serve_program as abb_serve_program
 from workbench.devices.abb_simulated.controller import SimulatedController
 from workbench.devices.abb_simulated.faults import FAULT_NAMES, parse_fault
@@ -40,11 +40,11 @@ from workbench.devices.abb_socket.messages import messages
 from workbench.devices.abb_socket.program import lines_of, program_of
 from workbench.formats.cells.reading import read_cell
 from workbench.journal.journal import Journal
-from workbench.model.cell import Controller
 from workbench.model.digest import digest_of
 from workbench.model.errors import CommandRefused, InputError
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.scan import Detection
+from workbench.plugins.robot_link import controller_by
 
 OLD, NEW = "abb-socket", "abb-socket/2"
 
@@ -110,7 +110,7 @@ def rig(tmp_path, yumi, found, planned):
         )
         thread = threading.Thread(target=one.run)
         thread.start()
-        address = Controller("127.0.0.1", one.port, one.state_port, protocol)
+        address = controller_by(protocol, "127.0.0.1", one.port, one.state_port)
         cell = dataclasses.replace(yumi, controller=address)
         ours = dataclasses.replace(PATIENT, clock=clock, **patience)
         effects = functools.partial(Machines, patience=ours)
@@ -267,7 +267,7 @@ def test_joints_that_only_the_link_reports_are_not_shown_once_it_is_closed(rig):
         shown.update(changes)
         moved.append(bool(shown.get("joints")))
 
-    link = RobotLink(
+    link = LinkRunner(
         dataclasses.replace(one.bench.cell, controller=silent),
         lambda command, actor: told.append(command),
         time.time,
@@ -304,7 +304,7 @@ def test_one_approval_is_good_for_one_sending(rig):
     """Even when somebody gets past the rules."""
     one = rig(OLD)
     told = []
-    link = RobotLink(
+    link = LinkRunner(
         one.bench.cell,
         lambda command, actor: told.append(command),
         time.time,

@@ -37,16 +37,18 @@ from workbench.app.runtime.bench import Bench
 from workbench.app.runtime.machines import Machines
 from workbench.devices.abb_simulated.controller import SimulatedController
 from workbench.journal.journal import Journal
-from workbench.model.cell import Controller
 from workbench.model.digest import digest_of
 from workbench.model.errors import CommandRefused
+from workbench.plugins.robot_link import controller_by
 
 HERE = Path(__file__).parents[1]
 MESSAGES = ["startR#", "inR#*30.00*", "outR#*60.00*", "stopR#"]
 
 
 def at(cell, port, state_port):
-    return dataclasses.replace(cell, controller=Controller(port=port, state_port=state_port))
+    return dataclasses.replace(
+        cell, controller=controller_by("abb-socket", port=port, state_port=state_port)
+    )
 
 
 @pytest.fixture(autouse=True)

@@ -35,12 +35,12 @@ from workbench.app.review.history import History
 from workbench.app.review.recompute import cell_of
 from workbench.app.runtime.bench import Bench
 from workbench.app.runtime.live import Live
-from workbench.app.runtime.robot_link import RobotLink
+from workbench.app.runtime.robot_link import LinkRunner
 from workbench.cli.main import main
 from workbench.devices.abb_simulated.controller import SimulatedController
 from workbench.journal.journal import Journal
-from workbench.model.cell import Controller
 from workbench.model.errors import CommandRefused
+from workbench.plugins.robot_link import controller_by
 
 ROOT = Path(__file__).resolve().parents[3]
 MESSAGES = ["startR#", "inR#*30.00*", "outR#*60.00*", "stopR#"]
@@ -48,7 +48,7 @@ MESSAGES = ["startR#", "inR#*30.00*", "outR#*60.00*", "stopR#"]
 
 
 def at(cell, controller):
-    address = Controller(port=controller.port, state_port=controller.state_port)
+    address = controller_by("abb-socket", port=controller.port, state_port=controller.state_port)
     return dataclasses.replace(cell, controller=address)
 
 
@@ -58,7 +58,7 @@ class Linked(Idle):
     def __init__(self, cell, do, now):
         super().__init__(cell, do, now)
         self.live = Live()
-        self._robot = RobotLink(cell, do, now, lambda **changes: None)
+        self._robot = LinkRunner(cell, do, now, lambda **changes: None)
 
     def run(self, effect):
         if isinstance(effect, Send):

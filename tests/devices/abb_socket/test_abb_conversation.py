@@ -11,10 +11,11 @@ from workbench.devices.abb_simulated.serving import Serving
 from workbench.devices.abb_socket.frames import FIRST_CRC, LAST_NUMBER, TEXT, Frames, crc_of, framed
 from workbench.devices.abb_socket.messages import REQUEST
 from workbench.devices.abb_socket.program import lines_of, program_of
-from workbench.devices.abb_socket.sending import PING, SILENCE, Sending
+from workbench.devices.abb_socket.sending import PING, Sending
 from workbench.devices.abb_socket.states import NEXT
 from workbench.model.errors import CommandRefused, InputError, LinkError, ProtocolError
 from workbench.model.plan import Guarantee
+from workbench.plugins.robot_link import USUAL
 
 
 @pytest.fixture(scope="module")
@@ -146,19 +147,19 @@ def test_we_say_something_while_the_robot_moves_and_notice_silence(talk):
     talk.go_on()
     assert talk.ours.say(PING / 2) == b""
     assert b"ping" in talk.ours.say(PING * 1.1)
-    talk.ours.check(PING + SILENCE / 2)
+    talk.ours.check(PING + USUAL.silence / 2)
     with pytest.raises(LinkError, match=r"did not acknowledge '\d{4} ping' within 2 s"):
-        talk.ours.check(PING * 1.1 + SILENCE + 0.1)
+        talk.ours.check(PING * 1.1 + USUAL.silence + 0.1)
 
 
 def test_silence_counts_from_the_last_word(talk):
     talk.at = 5.0
     talk.go_on()
-    talk.at = 5.0 + SILENCE * 0.9
+    talk.at = 5.0 + USUAL.silence * 0.9
     talk.report(1, right=1)
-    talk.ours.check(5.0 + SILENCE * 1.5)
+    talk.ours.check(5.0 + USUAL.silence * 1.5)
     with pytest.raises(LinkError, match="was silent for 2 s at step 1 of 12"):
-        talk.ours.check(5.0 + SILENCE * 2)
+        talk.ours.check(5.0 + USUAL.silence * 2)
 
 
 def test_the_approval_is_asked_again_before_the_robot_moves(cell, plan, approval):

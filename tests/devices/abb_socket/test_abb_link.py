@@ -101,7 +101,7 @@ def test_nothing_is_sent_that_was_not_approved(
 
 
 def test_an_approval_that_runs_out_while_waiting_sends_nothing(at, plan, approval):
-    times = iter([approval.at, approval.until + 1])
+    times = iter([approval.at, approval.at, approval.until + 1])
 
     def late(client, got):
         client.sendall(b"send")

@@ -18,10 +18,10 @@ from workbench.app.picking.pipeline import plan_pick
 from workbench.devices.abb_simulated.faults import Fault
 from workbench.devices.abb_socket.frames import framed
 from workbench.devices.abb_socket.messages import REQUEST
-from workbench.devices.abb_socket.patience import USUAL
 from workbench.model.errors import JobCancelled, LinkError
 from workbench.model.plan import Guarantee
 from workbench.planning.picking.execution import RoundedPolyline
+from workbench.plugins.robot_link import USUAL
 
 SAMPLES = 200
 """Of the proven curve, between two waypoints."""

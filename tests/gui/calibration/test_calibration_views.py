@@ -25,7 +25,7 @@ from workbench.model.calibration import (
 )
 from workbench.model.cell import PosesFolder
 from workbench.model.geometry import pose_from_rpy
-from workbench.model.search import Remark, Search, SearchWishes
+from workbench.model.scan import Remark, Search, SearchWishes
 
 NOW = 1_760_000_000.0
 DAY = 86_400.0

@@ -10,7 +10,6 @@ import pytest
 from workbench.app.core.state import Avoided, Outcome, Phase
 from workbench.app.runtime.live import Live
 from workbench.app.runtime.worker import GettingReady
-from workbench.devices.abb_socket.status import LinkStatus
 from workbench.gui.cycle.approval_views import approval_line, facts_html
 from workbench.gui.parts.views import avoided_html, discarded_html
 from workbench.gui.shared import link_views, views
@@ -21,7 +20,7 @@ from workbench.model.candidate import Candidate, Reason, Stage, Verdict
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.part import Grasp
 from workbench.model.prediction import Forecast, Predictions
-from workbench.model.release import PartReport, Word
+from workbench.model.release import LinkStatus, PartReport, Word
 from workbench.model.scan import Discarded, Objection
 
 NOW = 1_760_000_000.0

@@ -7,11 +7,12 @@ import pytest
 from workbench.formats.parts.reading import read_part
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.scan import Detection, Discarded, Findings, Objection
-from workbench.perception.localization.kinds import merged, search_all
+from workbench.perception.localization.kinds import merged
 from workbench.perception.localization.localize import Searched
 from workbench.perception.localization.part_surface import prepare
 from workbench.perception.simulation.piles import drop_parts
 from workbench.perception.simulation.synthesize import synthesize
+from workbench.plugins.localizer import find_parts
 from workbench.studies.localization import compare
 
 KINDS = tuple(read_part(name) for name in ("keyed_cylinder", "bracket", "bolt"))
@@ -32,7 +33,7 @@ def test_each_kind_is_found_as_what_it_is(mixed, seed):
     truth = drop_parts(KINDS * 2, mixed.bin, seed=seed)
     scan = synthesize(mixed, truth, seed=seed)
     told = []
-    found = search_all(
+    found = find_parts(
         scan, mixed, seed=0, report=lambda done, _: told.append(done), cancelled=lambda: False
     ).detections
     assert told == sorted(told)

@@ -19,6 +19,7 @@ from workbench.planning.kinematics.chain import is_solution
 from workbench.planning.picking.in_step import in_step
 from workbench.planning.proving.prove import prove
 from workbench.planning.proving.walk import at
+from workbench.plugins.robot_link import spoken_to_by
 
 
 def lying(cell, x: float, y: float, turn: float) -> Detection:
@@ -128,7 +129,7 @@ def test_legs_in_step_are_proven_in_step_only(cell, apart, coordinated):
 
 
 def test_what_the_controller_cannot_do_is_not_approved(cell, coordinated):
-    cell = replace(cell, controller=replace(cell.controller, protocol="abb-socket"))
+    cell = spoken_to_by(cell, "abb-socket")
     with pytest.raises(CommandRefused, match="moves one arm at a time"):
         approve(cell, coordinated.plan, coordinated.proof, "Ada", 0.0)
 

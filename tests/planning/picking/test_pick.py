@@ -18,6 +18,7 @@ from workbench.model.scan import Detection
 from workbench.planning.collision.world import World
 from workbench.planning.picking.propose import propose
 from workbench.planning.picking.resolve import resolve
+from workbench.plugins.robot_link import spoken_to_by
 
 
 def test_every_detection_grasp_and_arm_has_a_verdict(cell, detections, result):
@@ -181,7 +182,7 @@ def test_nothing_to_plan_and_unknown_strategies_are_clear_errors(cell, detection
 
 
 def test_both_strategies_are_planned_and_what_can_be_sent_is_taken(cell, detections):
-    one_arm = replace(cell, controller=replace(cell.controller, protocol="abb-socket"))
+    one_arm = spoken_to_by(cell, "abb-socket")
     result = plan_pick(one_arm, detections, "s", strategy="both")
     (other,) = result.beside
     assert (result.plan.strategy, other.plan.strategy) == ("alternated", "coordinated")
@@ -218,12 +219,12 @@ def test_planning_can_be_cancelled(cell, detections):
 def test_auto_takes_both_arms_where_they_lie_apart_and_the_controller_can(
     cell, detections, protocol, threshold, strategy
 ):
-    other = replace(cell, controller=replace(cell.controller, protocol=protocol))
+    other = spoken_to_by(cell, protocol)
     result = plan_pick(other, detections, "s", threshold=threshold)
     assert (result.plan.strategy, result.proof.holds) == (strategy, True)
     assert result.plan.cell_digest == cell.digest
     assert "mm apart" in result.plan.note
     if strategy == "coordinated":
         assert can_be_sent(other, result.plan)
-        behind = replace(cell, controller=replace(cell.controller, protocol="abb-socket"))
+        behind = spoken_to_by(cell, "abb-socket")
         assert not can_be_sent(behind, result.plan)

@@ -7,9 +7,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from workbench.model.cell import PLANNER_NAMES
-from workbench.planning.picking.search import PLANNERS
 from workbench.planning.planners.rrt import TINY, merged, resampled, shortened
+from workbench.plugins.planner import planner_named, planner_names
 
 LOWER, UPPER, WEIGHTS = np.zeros(2), np.full(2, 4.0), np.ones(2)
 START, GOAL = np.array([0.5, 2.0]), np.array([3.5, 2.0])
@@ -31,11 +30,11 @@ def found(
     seed: int, is_clear=free_of_wall, iterations: int = 3000, planner: str = "rrtconnect"
 ) -> np.ndarray | None:
     rng = np.random.default_rng(seed)
-    search = PLANNERS[planner]
+    search = planner_named(planner)
     return search(START, GOAL, LOWER, UPPER, WEIGHTS, is_clear, iterations=iterations, rng=rng).path
 
 
-every_planner = pytest.mark.parametrize("planner", PLANNER_NAMES)
+every_planner = pytest.mark.parametrize("planner", planner_names())
 
 
 @every_planner
@@ -110,7 +109,7 @@ def test_nothing_is_merged_through_a_wall():
 @every_planner
 def test_a_search_is_the_same_whatever_was_searched_before(planner):
     alone = found(5, planner=planner)
-    for other in PLANNER_NAMES:
+    for other in planner_names():
         found(8, iterations=50, planner=other)
     assert np.array_equal(found(5, planner=planner), alone)
 

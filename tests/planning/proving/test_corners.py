@@ -15,16 +15,12 @@ from workbench.model.scan import Detection
 from workbench.planning.collision.legs import stretches
 from workbench.planning.collision.motion import chain_contact, curves_of, segment
 from workbench.planning.collision.world import World
-from workbench.planning.kinematics.wire import on_wire
 from workbench.planning.picking.execution import timed
 from workbench.planning.proving.prove import prove
+from workbench.plugins.robot_link import spoken_to_by
 
 PROTOCOLS = ["abb-socket", "abb-socket/2"]
 ZONE = 0.2
-
-
-def spoken(cell, protocol: str):
-    return replace(cell, controller=replace(cell.controller, protocol=protocol))
 
 
 def entered(cell, plan, arm: str, name: str):
@@ -58,7 +54,7 @@ def spike(world, base, arm: str, q, pair: tuple[str, str], among=None):
             way = segment(q, q + middle * (goal - q))
             is_clear = chain_contact(world, columns, base, way, among=among) is None
             low, high = (middle, high) if is_clear else (low, middle)
-        deep = on_wire(q + 1.05 * high * (goal - q))
+        deep = world.motion.rounded(q + 1.05 * high * (goal - q))
         if 1.05 * high > 1.0 or np.linalg.norm(deep - q) < 0.4:
             continue
         rounded = curves_of(np.array([q, deep, q]), ZONE)
@@ -90,12 +86,12 @@ def test_a_waypoint_inside_something_is_found_though_the_rounded_corner_is_clear
 ):
     arm, number = "left", 3
     q = np.asarray(result.plan.arm(arm).leg(name).q[number])
-    world, base = entered(spoken(cell, "abb-socket/2"), result.plan, arm, name)
+    world, base = entered(spoken_to_by(cell, "abb-socket/2"), result.plan, arm, name)
     deep = spike(world, base, arm, q, pair)
     inside = base.copy()
     inside[world.kinematics.columns[arm]] = deep
     assert world.contact(inside) is not None
-    proof = prove(spoken(cell, protocol), with_spike(result.plan, arm, name, number, deep))
+    proof = prove(spoken_to_by(cell, protocol), with_spike(result.plan, arm, name, number, deep))
     (finding,) = [one for one in proof.findings if one.pair is not None]
     assert (finding.arm, finding.leg) == (arm, name)
     assert finding.distance < cell.policy.margin
@@ -129,13 +125,13 @@ def test_arms_that_meet_at_a_sharp_corner_only_are_found(cell, coordinated, prot
         bent = with_spike(bent, second[0], "home", number, post)
         bent = with_leg(bent, second[0], "home", t=bent.arm(first[0]).leg("home").t)
         assert are_in_step([bent.arm(arm).leg("home") for arm, _ in (first, second)])
-    proof = prove(spoken(cell, protocol), replace(bent, guarantee=guarantee))
+    proof = prove(spoken_to_by(cell, protocol), replace(bent, guarantee=guarantee))
     finding = next(one for one in proof.findings if one.pair is not None)
     assert {label.split("_")[0].split()[0] for label in finding.pair} == {"right", "left"}
 
 
 def test_a_plan_for_a_controller_that_stops_takes_the_time_of_the_stops(cell, detections):
-    stopping = spoken(cell, "abb-socket")
+    stopping = spoken_to_by(cell, "abb-socket")
     result = plan_pick(stopping, detections, "scan", strategy="alternated", seed=0)
     assert result.proof.holds, result.proof.findings
     for one in result.plan.arms:
@@ -147,7 +143,7 @@ def test_a_plan_for_a_controller_that_stops_takes_the_time_of_the_stops(cell, de
 
 
 def test_what_was_proven_with_stops_is_not_approved_for_a_controller_that_rounds(cell, result):
-    stopping, rounding = (spoken(cell, protocol) for protocol in PROTOCOLS)
+    stopping, rounding = (spoken_to_by(cell, protocol) for protocol in PROTOCOLS)
     with_stops, rounded = prove(stopping, result.plan), prove(rounding, result.plan)
     assert with_stops.holds and rounded.holds
     with pytest.raises(CommandRefused, match=r"rounds corners by 0\.2"):
@@ -160,5 +156,5 @@ def test_what_was_proven_with_stops_is_not_approved_for_a_controller_that_rounds
 
 def test_a_cell_with_zone_0_stops_in_either_protocol(cell):
     sharp = replace(cell, policy=replace(cell.policy, zone=0.0))
-    assert [spoken(sharp, protocol).zone for protocol in PROTOCOLS] == [0.0, 0.0]
-    assert [spoken(cell, protocol).zone for protocol in PROTOCOLS] == [0.0, ZONE]
+    assert [spoken_to_by(sharp, protocol).zone for protocol in PROTOCOLS] == [0.0, 0.0]
+    assert [spoken_to_by(cell, protocol).zone for protocol in PROTOCOLS] == [0.0, ZONE]

@@ -11,7 +11,6 @@ from workbench.app.picking.pipeline import plan_pick
 from workbench.formats.cells.reading import read_cell
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.scan import Detection
-from workbench.planning.kinematics.wire import on_wire
 from workbench.planning.proving.prove import prove
 
 DOWN = (np.pi, 0.0, 0.0)
@@ -43,7 +42,7 @@ def apart(cell):
 def straight_home(plan, arm: str):
     """The plan with the way home straight ahead in joint space, in as much time."""
     leg = plan.arm(arm).leg("home")
-    q = on_wire(np.linspace(leg.q[0], leg.q[-1], 10))
+    q = np.deg2rad(np.round(np.rad2deg(np.linspace(leg.q[0], leg.q[-1], 10)), 2))
     return with_leg(plan, arm, "home", q=q, t=np.linspace(0.0, 10.0, 10))
 
 

@@ -10,7 +10,6 @@ from workbench.model.geometry import pose_from_rpy
 from workbench.model.plan import Guarantee, Step
 from workbench.planning.collision.world import World
 from workbench.planning.kinematics.chain import is_solution
-from workbench.planning.kinematics.wire import on_wire
 from workbench.planning.proving.prove import prove
 
 
@@ -43,7 +42,7 @@ def test_a_part_put_down_elsewhere_fails(cell, result):
     above = pose_from_rpy((0.0, 0.0, 0.005)) * chain.pose(place[-1])
     answers, residuals = chain.solve(above, place[-1])
     assert is_solution(residuals)[0]
-    place[-1] = home[0] = on_wire(answers[0])
+    place[-1] = home[0] = cell.controller.motion.rounded(answers[0])
     bent = with_leg(with_leg(result.plan, arm.name, "place", q=place), arm.name, "home", q=home)
     (finding,) = prove(cell, bent).findings
     assert str(finding) == f"arm {arm.name} leg place: the hand opens where the arm has no place"
@@ -60,7 +59,7 @@ def test_a_waypoint_in_the_wall_names_leg_pair_and_clearance(cell, result):
     )
     starts = np.vstack([q, np.random.default_rng(0).uniform(chain.lower, chain.upper, (30, 7))])
     answers, residuals = chain.solve(wall, starts)
-    q[3] = on_wire(answers[is_solution(residuals)][0])
+    q[3] = cell.controller.motion.rounded(answers[is_solution(residuals)][0])
     proof = prove(cell, with_leg(result.plan, arm.name, "return", q=q))
     finding = next(finding for finding in proof.findings if finding.pair is not None)
     assert (finding.arm, finding.leg) == (arm.name, "return")

@@ -20,8 +20,7 @@ from workbench.model.part import Entry as GraspEntry
 from workbench.model.part import GraspPair, Part, Symmetry
 from workbench.model.plan import PlanResult
 from workbench.model.release import PartReport, Receipt
-from workbench.model.scan import Detection, Scan
-from workbench.model.search import SearchWishes
+from workbench.model.scan import Detection, Scan, SearchWishes
 
 Bytes = NDArray[np.uint8]
 

@@ -71,8 +71,7 @@ from workbench.model.errors import CommandRefused, JobCancelled, WorkbenchError
 from workbench.model.part import Part
 from workbench.model.plan import PlanResult
 from workbench.model.release import Word
-from workbench.model.scan import Scan
-from workbench.model.search import Remark, Search
+from workbench.model.scan import Remark, Scan, Search
 
 Outcome = tuple[State, tuple[Effect, ...]]
 

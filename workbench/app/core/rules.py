@@ -50,7 +50,6 @@ from workbench.app.core.release import lacks_people, overtaken, said_already, un
 from workbench.app.core.rights import MACHINES, RIGHTS, lacks_right, lacks_role, obstacle
 from workbench.app.core.state import State
 from workbench.app.core.value_checks import (
-    ALL_KINDS,
     DETAIL,
     MOST_PARTS,
     MOST_SIGHTINGS,
@@ -70,6 +69,7 @@ from workbench.model.digest import digest_of
 from workbench.model.errors import CommandRefused, NotAllowed
 from workbench.model.plan import UNSIGNED, Plan, Proof, Strategy
 from workbench.model.release import Approval, Word
+from workbench.model.scan import ALL_KINDS
 
 STRATEGIES = ("auto", *(str(strategy) for strategy in Strategy), "both")
 """`auto` takes what the controller can run; `both` plans with the arms one after the other and
@@ -202,17 +202,13 @@ def allowed(
             assert_never(command)
 
 
-ONE_ARM = frozenset({"abb-socket"})
-"""Protocols that cannot say that two arms move at once."""
-
-
 def moves_both_arms(cell: Cell) -> bool:
     """Whether the cell has two arms, and a controller that can move them at once."""
-    return len(cell.arms) > 1 and cell.controller.protocol not in ONE_ARM
+    return len(cell.arms) > 1 and cell.controller.motion.arms_at_once > 1
 
 
 def can_be_sent(cell: Cell, plan: Plan) -> bool:
-    """Whether the controller's protocol can say what the plan does."""
+    """Whether the controller can do what the plan says."""
     return moves_both_arms(cell) or all(len(step.runs) == 1 for step in plan.sequence)
 
 
@@ -273,9 +269,8 @@ def check_approvable(cell: Cell, plan: Plan, proof: Proof, actor: str) -> None:
     _refuse(unwalked(cell, proof))
     if not can_be_sent(cell, plan):
         raise CommandRefused(
-            f"the controller's protocol {cell.controller.protocol} moves one arm at a time, "
-            "this plan moves both; make an alternated plan to send it, or use a controller that "
-            "speaks abb-socket/2"
+            f"the robot link {cell.controller.link} moves one arm at a time, this plan moves both; "
+            "make an alternated plan to send it, or use a robot link that moves two"
         )
 
 

@@ -6,11 +6,10 @@ from typing import Any
 
 from workbench.model.calibration import PlateSighting
 from workbench.model.candidate import Candidate, Verdict
-from workbench.model.cell import Cell, PlannerName
+from workbench.model.cell import Cell
 from workbench.model.plan import Plan, Proof
 from workbench.model.release import Approval, PartReport, Receipt, Word
-from workbench.model.scan import Detection, Obstacle, Scan
-from workbench.model.search import Remark, Search, SearchWishes
+from workbench.model.scan import Detection, Obstacle, Remark, Scan, Search, SearchWishes
 
 
 class Phase(enum.StrEnum):
@@ -50,7 +49,7 @@ class Outline:
     why there is no plan, or what speaks against it.
     """
 
-    planner: PlannerName
+    planner: str
     planning: float
     strategy: str = ""
     guarantee: str = ""

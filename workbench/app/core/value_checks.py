@@ -10,13 +10,11 @@ import numpy as np
 import pinocchio as pin
 
 from workbench.app.core.rights import MACHINES
-from workbench.model.cell import ORDER_NAMES, PLANNER_NAMES, Cell, Wishes
+from workbench.model.cell import ORDER_NAMES, Cell, Wishes
 from workbench.model.errors import CommandRefused, InputError
 from workbench.model.geometry import Floats
 from workbench.model.scan import Detection
-
-ALL_KINDS = "all"
-"""In place of a part's name: every kind that the cell picks, one of each in turn."""
+from workbench.plugins.planner import planner_names
 
 MOST_PARTS = 30
 SEED_LIMIT = 2**31
@@ -100,7 +98,7 @@ def check_wishes(cell: Cell, wishes: Wishes) -> None:
         CommandRefused: it is not.
     """
     if wishes.planner is not None:
-        check_among("planner", wishes.planner, PLANNER_NAMES)
+        check_among("planner", wishes.planner, planner_names())
     if wishes.order is not None:
         check_among("order", wishes.order, ORDER_NAMES)
     if wishes.iterations is not None:

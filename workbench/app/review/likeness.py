@@ -16,8 +16,11 @@ from workbench.model.digest import digest_of
 from workbench.model.plan import Plan, PlanResult, Proof
 from workbench.model.scan import Detection, Scan
 from workbench.perception.localization.pose_error import pose_error
-from workbench.planning.kinematics.wire import WIRE_STEP
 from workbench.planning.proving.prove import prove
+
+OTHER_STEP = float(np.deg2rad(0.015))
+"""[rad] A value between two hundredths of a degree, as controllers take them, may be rounded to
+either: only what is farther apart is another way."""
 
 MOVED = 2e-5
 """[m] So far points, parts and clearances may be apart: a tenth of what a fine scanner resolves."""
@@ -206,8 +209,7 @@ def _other_plan(kept: Plan, again: Plan) -> str:
         return "other picks"
     for one, other in zip(kept.arms, again.arms, strict=True):
         for leg, now in zip(one.legs, other.legs, strict=True):
-            # A value that lies between two steps of the wire may be rounded to either.
-            if leg.q.shape != now.q.shape or np.abs(leg.q - now.q).max() > 1.5 * WIRE_STEP:
+            if leg.q.shape != now.q.shape or np.abs(leg.q - now.q).max() > OTHER_STEP:
                 return f"another way for the {one.arm} arm, {leg.name}"
     return ""
 

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from workbench.app.runtime.worker import GettingReady
-from workbench.devices.abb_socket.status import LinkStatus
+from workbench.model.release import LinkStatus
 from workbench.model.scan import Findings
 
 

@@ -22,9 +22,8 @@ from workbench.app.core.effects import (
 from workbench.app.core.rights import CELL_FILE, WORKER
 from workbench.app.runtime.jobs import WORK, Jobs
 from workbench.app.runtime.live import Live
-from workbench.app.runtime.robot_link import Clock, Do, RobotLink
+from workbench.app.runtime.robot_link import Clock, Do, LinkRunner
 from workbench.app.runtime.worker import GettingReady
-from workbench.devices.abb_socket.patience import USUAL, Patience
 from workbench.formats.cells.edits import log_change, save_cell
 from workbench.formats.cells.reading import part_folders, read_cell
 from workbench.formats.parts.reading import read_part
@@ -32,6 +31,7 @@ from workbench.formats.parts.saves import drop_draft, save_part, write_draft
 from workbench.model.cell import Cell
 from workbench.model.errors import CommandRefused, InputError, WorkbenchError
 from workbench.model.scan import Findings
+from workbench.plugins.robot_link import USUAL, LinkPatience
 
 log = logging.getLogger(__name__)
 
@@ -54,7 +54,7 @@ class Machines:
         *,
         module: str = WORK,
         cell_file: Path | None = None,
-        patience: Patience = USUAL,
+        patience: LinkPatience = USUAL,
     ) -> None:
         """Start the worker, and the watch over the robot's state.
 
@@ -72,7 +72,7 @@ class Machines:
         self._lock = threading.Lock()
         self._saving = threading.Lock()
         self._live = Live()
-        self._robot = RobotLink(cell, do, now, self._show, patience=patience)
+        self._robot = LinkRunner(cell, do, now, self._show, patience=patience)
         self._jobs = Jobs(
             cell, self._job_ended, self._job_progressed, prepared=self._prepared, module=module
         )

@@ -11,15 +11,12 @@ from typing import Any, cast
 from workbench.app.core.commands import Command, LinkEnded, Sent
 from workbench.app.core.rights import ROBOT_LINK
 from workbench.app.core.state import State
-from workbench.devices.abb_socket.link import send
-from workbench.devices.abb_socket.patience import USUAL, Patience
-from workbench.devices.abb_socket.reports import ControllerState, watch_state
-from workbench.devices.abb_socket.status import LinkStatus
 from workbench.model.cell import Cell
 from workbench.model.errors import CommandRefused, JobCancelled, LinkError, WorkbenchError
 from workbench.model.geometry import Floats
 from workbench.model.plan import Plan
-from workbench.model.release import Approval, PartReport, Receipt
+from workbench.model.release import Approval, LinkStatus, PartReport, Receipt, RobotState
+from workbench.plugins.robot_link import USUAL, LinkPatience, link_named, send
 
 log = logging.getLogger(__name__)
 
@@ -42,7 +39,7 @@ class Run:
     """
 
     plan: Plan
-    before: ControllerState | None
+    before: RobotState | None
     stopped: threading.Event
     clock: Callable[[], float]
     receipts: list[Receipt] = field(default_factory=list[Receipt])
@@ -54,7 +51,7 @@ class Run:
         return self.stopped.is_set() or (self.doubt != "" and self.clock() >= self.doubted_at)
 
 
-class RobotLink:
+class LinkRunner:
     """Sends plans to the controller of a cell, and shows what it reports of itself.
 
     Lifetime: the controller's reports are listened to from construction until `close`, again
@@ -71,7 +68,7 @@ class RobotLink:
         now: Clock,
         show: Callable[..., None],
         *,
-        patience: Patience = USUAL,
+        patience: LinkPatience = USUAL,
     ) -> None:
         """Begin to listen.
 
@@ -90,7 +87,7 @@ class RobotLink:
         self._stopped = threading.Event()
         self._closing = threading.Event()
         self._reports = threading.Condition()
-        self._report: ControllerState | None = None
+        self._report: RobotState | None = None
         self._sender: threading.Thread | None = None
         self._run: Run | None = None
         self._used: set[str] = set()
@@ -130,12 +127,12 @@ class RobotLink:
         self._sender.start()
 
     def _send(self, run: Run, approval: Approval) -> None:
-        fault, one_arm = "", self._cell.controller.protocol == "abb-socket"
+        fault, is_silent = "", not self._cell.controller.motion.reports_progress
         self._show_link(LinkStatus(phase="connecting"))
         try:
             self._spend(approval)
-            # Only this protocol has nobody else who compares what is done with what was said.
-            self._run = run if one_arm else None
+            # Where the link says nothing, nobody else compares what is done with what was said.
+            self._run = run if is_silent else None
             receipts = send(
                 run.plan,
                 approval,
@@ -151,13 +148,13 @@ class RobotLink:
                     run.receipts.append(receipt)
                     self._do(Sent(receipt), ROBOT_LINK)
         except JobCancelled as error:
-            if one_arm:
+            if is_silent:
                 self._see_it_stand()
             fault = str(error) if run.stopped.is_set() else f"{run.doubt}; {error}"
         except CommandRefused as error:
             fault = str(error)
         except WorkbenchError as error:
-            fault = self._explained(str(error)) if one_arm else str(error)
+            fault = self._explained(str(error)) if is_silent else str(error)
         except Exception as error:
             log.exception("sending failed")
             fault = f"internal error, see the log: {type(error).__name__}: {error}"
@@ -165,7 +162,7 @@ class RobotLink:
         self._show_link(replace(self._status, phase="closed"))
         parts = self._parts(run)
         placed = sum(part.is_picked is True for part in parts)
-        if one_arm:
+        if is_silent:
             placed = self._placed_since(run.before, 0 if fault else len(run.receipts))
         self._end(fault, placed, parts)
 
@@ -182,7 +179,7 @@ class RobotLink:
     def _parts(self, run: Run) -> tuple[PartReport, ...]:
         """What was reported of each part of the plan; where nothing was, nobody knows."""
         told = {receipt.part.arm: receipt.part for receipt in run.receipts if receipt.part}
-        why = f"{self._cell.controller.protocol} had told nothing of it at the end"
+        why = f"{self._cell.controller.link} had told nothing of it at the end"
         return tuple(
             told.get(one.arm, PartReport(one.arm, one.detection, None, why))
             for one in run.plan.arms
@@ -223,14 +220,14 @@ class RobotLink:
         report = self._awaited(lambda report: report.fault != "")
         return f"{fault}; the controller says: {report.fault}" if report and report.fault else fault
 
-    def _placed_since(self, before: ControllerState | None, messages: int) -> int:
+    def _placed_since(self, before: RobotState | None, messages: int) -> int:
         """Parts put down since a report, as reported once that many messages have arrived."""
         if before is None:
             return 0
         after = self._awaited(lambda report: report.received - before.received >= messages)
         return 0 if after is None else max(0, after.placed - before.placed)
 
-    def _awaited(self, condition: Callable[[ControllerState], bool]) -> ControllerState | None:
+    def _awaited(self, condition: Callable[[RobotState], bool]) -> RobotState | None:
         """The newest report, waiting a little for one that fulfils the condition."""
         with self._reports:
             self._reports.wait_for(
@@ -240,11 +237,10 @@ class RobotLink:
 
     def _listen(self) -> None:
         while not self._closing.is_set():
-            controller = self._cell.controller
+            cell = self._cell
             try:
-                for report in watch_state(
-                    controller.host, controller.state_port, self._closing.is_set
-                ):
+                link = link_named(cell.controller.link)
+                for report in link.states(cell, self._closing.is_set):
                     self._take(report)
             except LinkError as error:
                 log.debug("no report from the robot: %s", error)
@@ -253,7 +249,7 @@ class RobotLink:
             self._take(None)
             self._closing.wait(RETRY)
 
-    def _take(self, report: ControllerState | None) -> None:
+    def _take(self, report: RobotState | None) -> None:
         with self._reports:
             before, self._report = self._report, report
             self._reports.notify_all()
@@ -263,7 +259,7 @@ class RobotLink:
         elif before is not None:
             self._show(joints={}, robot="")
 
-    def _compare(self, report: ControllerState) -> None:
+    def _compare(self, report: RobotState) -> None:
         """Whether a report fits what was sent; if not, the sending is to stop."""
         run = self._run
         if run is None or run.doubt:
@@ -285,7 +281,7 @@ class RobotLink:
         }
 
 
-def _words(report: ControllerState) -> str:
+def _words(report: RobotState) -> str:
     if report.fault:
         return f"fault: {report.fault}"
     return f"moves arm {report.moving}" if report.moving else "stands"

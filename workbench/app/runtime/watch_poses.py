@@ -7,7 +7,7 @@ from pathlib import Path
 
 from workbench.app.core.commands import Command, PosesRefused, UseDetections
 from workbench.app.core.rights import POSES_FOLDER
-from workbench.app.core.state import counted
+from workbench.app.core.state import State, counted
 from workbench.app.core.value_checks import LONGEST_NAME
 from workbench.app.runtime.bench import Bench
 from workbench.formats.plans.pose_files import read_poses
@@ -109,17 +109,19 @@ class PosesWatch:
             command = UseDetections(detections, says)
         except InputError as error:
             command = PosesRefused(_told(str(error)))
+        before = self._bench.state
         try:
             self._bench.do(command, POSES_FOLDER)
         except CommandRefused as error:
             if isinstance(command, UseDetections):
-                return self._refused(path, error)
+                return self._refused(path, error, before)
             log.error("poses cannot be used: %s", error)
         return True
 
-    def _refused(self, path: Path, error: CommandRefused) -> bool:
+    def _refused(self, path: Path, error: CommandRefused, before: State) -> bool:
         """Poses of parts that the cell does not know are told of; a busy bench is waited for."""
-        if self._bench.state.job is not None:
+        # A task that has ended meanwhile was in the way all the same.
+        if self._bench.state is not before or before.job is not None:
             return False
         try:
             self._bench.do(PosesRefused(_told(f"{path.name}: {error}")), POSES_FOLDER)

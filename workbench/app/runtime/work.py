@@ -2,58 +2,32 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from itertools import cycle, islice
 from typing import Any
 
 import numpy as np
 import pinocchio as pin
 
-from workbench.app.core.value_checks import ALL_KINDS
 from workbench.app.picking.calibration import simulated_sight
 from workbench.app.picking.part_import import imported_part
 from workbench.app.picking.pipeline import plan_pick
 from workbench.app.runtime.readiness import make_ready
 from workbench.app.runtime.worker import Cancelled, JobFunction, Report
-from workbench.devices.scanners import SCANNERS
 from workbench.model.calibration import PlateSighting
 from workbench.model.cell import Cell
 from workbench.model.errors import InputError, JobCancelled
 from workbench.model.part import Part
 from workbench.model.plan import PlanResult
-from workbench.model.scan import Detection, Findings, Obstacle, Scan
-from workbench.model.search import SearchWishes
+from workbench.model.scan import Detection, Findings, Obstacle, Scan, SearchWishes
 from workbench.perception.calibration.balls import sight_plate
-from workbench.perception.localization.kinds import search_all
 from workbench.perception.scene.unexplained import unexplained
-from workbench.perception.simulation.piles import drop_parts
-from workbench.perception.simulation.synthesize import synthesize
+from workbench.plugins.localizer import find_parts as localized
+from workbench.plugins.scanner import ScanRequest, scanner_of
 
 
 def scan(cell: Cell, arguments: Mapping[str, Any], report: Report, cancelled: Cancelled) -> Scan:
     """A scan by the cell's scanner; a simulated one sees `parts` parts dropped by `seed`."""
-    if cell.scanner.source != "simulated":
-        return SCANNERS[cell.scanner.source](cell.scanner).scan(report, cancelled)
-    seed = arguments["seed"]
-    report(0.1, "parts fall into the bin")
-    truth = pile_of(cell, arguments.get("part", ""), arguments["parts"], seed=seed)
-    if cancelled():
-        raise JobCancelled("the scan was cancelled")
-    report(0.6, "the scanner looks")
-    return synthesize(cell, truth, seed=seed)
-
-
-def pile_of(cell: Cell, kind: str, count: int, *, seed: int) -> tuple[Detection, ...]:
-    """Parts that fell into the cell's bin: `count` of a kind, of the first one when it is empty.
-
-    Of the kind `ALL_KINDS` is one of each in turn.
-
-    Raises:
-        InputError: the cell has no part, or none of that kind; or they do not fit.
-    """
-    if not cell.parts:
-        raise InputError(f"cell {cell.name} has no part, so there is nothing to drop into its bin")
-    kinds = cell.parts if kind == ALL_KINDS else (cell.part(kind or cell.parts[0].name),)
-    return drop_parts(tuple(islice(cycle(kinds), count)), cell.bin, seed=seed)
+    request = ScanRequest(arguments["seed"], arguments["parts"], arguments.get("part", ""))
+    return scanner_of(cell).scan(request, report, cancelled)
 
 
 def find_parts(
@@ -61,7 +35,7 @@ def find_parts(
 ) -> Findings:
     """All parts of the cell, each kind found in `scan` with `seed`, the surest first."""
     wishes: SearchWishes = arguments.get("wishes", SearchWishes())
-    found = search_all(
+    found = localized(
         arguments["scan"],
         cell,
         seed=arguments["seed"],
@@ -82,7 +56,7 @@ def sight(
     if cell.scanner.source == "simulated":
         scan = simulated_sight(cell, arm, q, plate, seed=arguments["seed"])
     else:
-        scan = SCANNERS[cell.scanner.source](cell.scanner).scan(report, cancelled)
+        scan = scanner_of(cell).scan(ScanRequest(), report, cancelled)
     if cancelled():
         raise JobCancelled("the scan of the plate was cancelled")
     report(0.5, "looking for the balls")

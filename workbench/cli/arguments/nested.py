@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 from tyro.conf import Positional, subcommand
 
 from workbench.cli.arguments.access import USERS
-from workbench.cli.arguments.names import PlannerName, StrategyName
+from workbench.cli.arguments.names import StrategyName
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,7 +22,7 @@ class BenchPlanners:
     """Name under robots/, or path of a cell.toml; its first arm moves."""
     targets: int = 200
     """How many tool poses."""
-    planners: tuple[PlannerName, ...] = ("rrt", "rrtconnect", "sbl")
+    planners: tuple[str, ...] = ("rrt", "rrtconnect", "sbl")
     """Which planners; birrt is the thesis' name for rrtconnect."""
     iterations: tuple[int, ...] = (2, 5, 10, 20, 50, 100, 500)
     """Iterations allowed; each is a column of the comparison."""
@@ -52,7 +52,7 @@ class BenchPick:
     """How many parts in each."""
     strategy: StrategyName = "auto"
     """Which arms work."""
-    planner: PlannerName | None = None
+    planner: str | None = None
     """Planner of the free legs; the cell's when not given."""
     seed: int = 0
     """Seed of the first pile; the others follow."""

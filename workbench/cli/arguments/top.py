@@ -10,7 +10,7 @@ from typing import Annotated, Literal
 from tyro.conf import Positional, subcommand
 
 from workbench.cli.arguments.access import USERS, UserCommands
-from workbench.cli.arguments.names import OrderName, PlannerName, ProtocolName, StrategyName
+from workbench.cli.arguments.names import OrderName, StrategyName
 from workbench.cli.arguments.nested import Bench, CellCommands, SessionCommands, Study
 from workbench.cli.arguments.part import Grasps, PartCommands
 
@@ -46,6 +46,14 @@ class Serve:
     """Names under which browsers ask for this machine, beside --host and addresses."""
     hours: float = 8.0
     """How long a login lasts [h]."""
+
+
+@dataclass(frozen=True, slots=True)
+class Plugins:
+    """List scanners, robot links, planners, localizers, tools and tabs: ours and installed ones."""
+
+    json: bool = False
+    """Print one JSON object and nothing else."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -150,8 +158,8 @@ class Plan:
     """Which arms work."""
     threshold: float | None = None
     """Distance of two parts [m] from which both arms may work; the cell's when not given."""
-    planner: PlannerName | None = None
-    """Planner of the free legs; the cell's when not given."""
+    planner: str | None = None
+    """Planner of the free legs, see `workbench plugins`; the cell's when not given."""
     iterations: int | None = None
     """How many iterations the planner may use for each free leg; the cell's when not given."""
     order: OrderName | None = None
@@ -213,8 +221,8 @@ class Send:
     """Name of the person who has looked at the plan and answers for it."""
     cell: str | None = None
     """Name under robots/, or path of a cell.toml; the name in the plan when not given."""
-    protocol: ProtocolName | None = None
-    """Protocol of the controller; that of the cell when not given."""
+    protocol: str | None = None
+    """Robot link to the controller, see `workbench plugins`; that of the cell when not given."""
     json: bool = False
     """Print one JSON object and nothing else."""
 
@@ -334,6 +342,7 @@ class Compile:
 Arguments = (
     Annotated[Serve, subcommand("serve")]
     | Annotated[Demo, subcommand("demo")]
+    | Annotated[Plugins, subcommand("plugins")]
     | Annotated[Scan, subcommand("scan")]
     | Annotated[Localize, subcommand("localize")]
     | Annotated[Calibrate, subcommand("calibrate")]

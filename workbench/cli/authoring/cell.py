@@ -76,7 +76,7 @@ def _show(typed: CellShow) -> int:
         ),
         (
             "controller",
-            f"{cell.controller.protocol} at {cell.controller.host} port {cell.controller.port}",
+            f"{cell.controller.link} at {cell.controller.host} port {cell.controller.port}",
         ),
         *(
             (

@@ -24,11 +24,12 @@ from workbench.formats.parts.reading import read_part
 from workbench.formats.robots.urdf import read_urdf
 from workbench.formats.robots.urdf_package import simplified
 from workbench.formats.robots.xacro_files import expanded, is_xacro
-from workbench.model.cell import Arm, Bin, Cell, Controller, Finger, ScannerMount, Tool
+from workbench.model.cell import Arm, Bin, Cell, Finger, ScannerMount, Tool
 from workbench.model.errors import InputError
 from workbench.model.geometry import Box, Cylinder, Solid, pose_from_rpy
 from workbench.model.robot import Robot
 from workbench.planning.collision.link_pairs import pairs_without_check
+from workbench.plugins.robot_link import controller_by, usual_link
 from workbench.studies.layout import flanges_of, laid_out, without_hands
 
 DARK, LIGHT = (0.35, 0.36, 0.4), (0.55, 0.57, 0.6)
@@ -167,7 +168,7 @@ def _bare(typed: CellNew, robot: Robot, flanges: tuple[str, ...]) -> Cell:
         arms=arms,
         bin=Bin(pose_from_rpy((0, 0, 0)), size),
         scanner=ScannerMount(pose_from_rpy((0, 0, 1))),
-        controller=Controller(),
+        controller=controller_by(usual_link()),
         parts=(part,),
     )
 

@@ -64,8 +64,7 @@ def soak(typed: BenchSoak) -> int:
     cell = read_cell(typed.cell)
     samples: list[Sample] = []
     lost: list[str] = []
-    protocol = cell.controller.protocol
-    with simulated_controller(typed.cell, protocol, speed=typed.speed) as controller:
+    with simulated_controller(typed.cell, cell.controller, speed=typed.speed) as controller:
         cell = replace(cell, controller=controller)
         with progress("soak") as report:
             make_ready(report)

@@ -24,6 +24,7 @@ from workbench.cli.terminal import check_number, check_whole, print_json, print_
 from workbench.formats.cells.predictions import predictions_path, write_predictions
 from workbench.formats.cells.reading import read_cell
 from workbench.model.errors import InputError
+from workbench.plugins.planner import planner_named
 from workbench.studies import klampt, localization, picks, planners, plots, threshold
 from workbench.studies.cases import run_cases
 
@@ -72,6 +73,8 @@ def _planners(typed: BenchPlanners) -> int:
         raise InputError("--iterations and --planners need at least one value each")
     for allowed in typed.iterations:
         check_whole("--iterations", allowed, 1, MOST)
+    for name in typed.planners:
+        planner_named(name)
     cell = read_cell(typed.cell)
     if typed.start == "zero":
         arm = cell.arms[0]

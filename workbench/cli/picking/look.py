@@ -2,15 +2,15 @@
 
 from workbench.app.core.value_checks import DETAIL, MOST_PARTS, SEED_LIMIT
 from workbench.app.runtime.readiness import make_ready
-from workbench.app.runtime.work import find_parts, pile_of
+from workbench.app.runtime.work import find_parts
 from workbench.cli.arguments import top as arguments
 from workbench.cli.terminal import check_number, check_whole, print_table, progress
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.clouds.scans import read_scan, write_cloud
 from workbench.formats.plans.pose_files import write_poses
-from workbench.model.scan import Discarded
-from workbench.model.search import SearchWishes
+from workbench.model.scan import Discarded, SearchWishes
 from workbench.perception.scene.bin_check import check_bin
+from workbench.perception.simulation.simulated_scanner import pile_of
 from workbench.perception.simulation.synthesize import synthesize
 
 

@@ -40,6 +40,7 @@ from workbench.model.plan import Finding, Plan, PlanResult
 from workbench.model.scan import Detection, Obstacle
 from workbench.perception.scene.unexplained import unexplained
 from workbench.planning.proving.prove import prove
+from workbench.plugins.planner import planner_named
 
 
 def plan(typed: arguments.Plan) -> int:
@@ -54,6 +55,8 @@ def plan(typed: arguments.Plan) -> int:
         check_number("--margin", typed.margin, cell.policy.margin, LARGEST_MARGIN)
     if typed.metric is not None:
         check_number("--metric", typed.metric, 0.05, 1.0)
+    if typed.planner is not None:
+        planner_named(typed.planner)
     wishes = Wishes(typed.planner, typed.iterations, typed.order, typed.margin, typed.metric)
     detections = detections_from(cell, typed.poses, typed.part)
     with progress("plan") as report:

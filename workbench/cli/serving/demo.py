@@ -63,9 +63,7 @@ def demo(typed: arguments.Demo) -> int:
     rows: list[StageRow] = []
     cycles: list[dict[str, Any]] = []
     code, why = SUCCESS, ""
-    with simulated_controller(
-        typed.cell, cell.controller.protocol, speed=typed.speed
-    ) as controller:
+    with simulated_controller(typed.cell, cell.controller, speed=typed.speed) as controller:
         cell = replace(cell, controller=controller)
         journal = new_session(typed.sessions, cell, time.time())
         bench = Bench(cell, journal)

@@ -15,17 +15,14 @@ from workbench.app.runtime.readiness import make_ready
 from workbench.cli.arguments import top as arguments
 from workbench.cli.picking.planning import cell_of
 from workbench.cli.terminal import check_number, check_whole, print_json, progress
-from workbench.devices.abb_simulated import controller as abb_simulated
-from workbench.devices.abb_simulated.controller import SimulatedController
-from workbench.devices.abb_simulated.faults import parse_fault
-from workbench.devices.abb_socket import link as abb_link
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.plans.plan_files import read_plan
-from workbench.model.cell import Controller
 from workbench.model.digest import canonical
 from workbench.model.errors import FileError
 from workbench.model.release import PartReport
 from workbench.planning.proving.prove import prove
+from workbench.plugins.robot_link import Running, Simulation, controller_by, link_named
+from workbench.plugins.robot_link import send as send_plan
 
 HIGHEST_PORT = 65535
 
@@ -41,8 +38,11 @@ def send(typed: arguments.Send) -> int:
             f"has {plan.digest[:12]}; make a new plan",
         )
     cell = cell_of(plan, typed.cell)
-    protocol = typed.protocol or cell.controller.protocol
-    cell = replace(cell, controller=Controller(typed.host, typed.port, protocol=protocol))
+    protocol, options = typed.protocol or cell.controller.link, cell.controller.options
+    if protocol != cell.controller.link:
+        options = {}
+    controller = controller_by(protocol, typed.host, typed.port, options=options)
+    cell = replace(cell, controller=controller)
     with progress("send") as report:
         make_ready(report, ("planning",))
         began = time.monotonic()
@@ -51,7 +51,7 @@ def send(typed: arguments.Send) -> int:
         approval = approve(cell, plan, proof, typed.approve_as, time.time())
         sent: Counter[str] = Counter()
         parts: list[PartReport] = []
-        for receipt in abb_link.send(plan, approval, cell):
+        for receipt in send_plan(plan, approval, cell):
             if receipt.sent:
                 sent[receipt.arm or "both"] += 1
             if receipt.part is not None:
@@ -84,7 +84,7 @@ def controller(typed: arguments.Controller) -> int:
     logging.basicConfig(level=logging.INFO, format="%(asctime)s %(message)s")
     cell = read_cell(typed.cell)
 
-    def ready(running: SimulatedController) -> None:
+    def ready(running: Running) -> None:
         def stop(signum: int, frame: FrameType | None) -> None:
             running.stop()
 
@@ -102,22 +102,21 @@ def controller(typed: arguments.Controller) -> int:
                 flush=True,
             )
 
-    abb_simulated.serve(
-        cell,
+    simulation = Simulation(
         host=typed.host,
         port=typed.port,
         state_port=state_port,
         speed=typed.speed,
         record=typed.record,
         trace=typed.trace,
-        faults=[parse_fault(text) for text in typed.fault],
+        faults=typed.fault,
         home_after=math.inf if typed.home_after is None else typed.home_after,
-        ready=ready,
     )
+    link_named(cell.controller.link).serve(cell, simulation, ready)
     return 0
 
 
-def _stop_at_eof(running: SimulatedController) -> None:
+def _stop_at_eof(running: Running) -> None:
     while sys.stdin.buffer.read(4096):
         pass
     running.stop()

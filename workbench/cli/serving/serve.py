@@ -49,7 +49,7 @@ def serve(typed: arguments.Serve) -> int:
     with ExitStack() as stack:
         robot = f"robot controller: {_address(cell.controller)}"
         if is_loopback(cell.controller.host) and not _answers(cell.controller):
-            simulated = simulated_controller(typed.cell, cell.controller.protocol)
+            simulated = simulated_controller(typed.cell, cell.controller)
             cell = replace(cell, controller=stack.enter_context(simulated))
             robot = f"robot controller: simulated, {_address(cell.controller)}"
         journal = goes_on or new_session(SESSIONS, cell, time.time())

@@ -7,7 +7,7 @@ from collections.abc import Generator
 from contextlib import contextmanager
 from dataclasses import replace
 
-from workbench.model.cell import Controller, ProtocolName
+from workbench.model.cell import Controller
 from workbench.model.errors import LinkError
 
 PATIENCE = 5.0
@@ -19,7 +19,7 @@ HOME_AFTER = 3.0
 
 @contextmanager
 def simulated_controller(
-    cell: str, protocol: ProtocolName, *, speed: float = 1.0
+    cell: str, controller: Controller, *, speed: float = 1.0
 ) -> Generator[Controller]:
     """Run `workbench controller` on free ports of this machine for as long as the block runs.
 
@@ -28,7 +28,7 @@ def simulated_controller(
 
     Args:
         cell: name or path, as typed.
-        protocol: to speak with it; it understands all.
+        controller: the cell's; it says how this one is spoken to.
         speed: 1 is real time.
 
     Raises:
@@ -47,7 +47,7 @@ def simulated_controller(
         if process.stdin is None or process.stdout is None:
             raise LinkError("the simulated controller has no pipes")
         try:
-            yield replace(_address(process.stdout.readline()), protocol=protocol)
+            yield _at(controller, process.stdout.readline())
         finally:
             process.stdin.close()
             try:
@@ -56,10 +56,12 @@ def simulated_controller(
                 process.kill()
 
 
-def _address(line: bytes) -> Controller:
+def _at(controller: Controller, line: bytes) -> Controller:
     try:
         ports = json.loads(line)
-        return Controller(ports["host"], ports["port"], ports["state_port"])
+        return replace(
+            controller, host=ports["host"], port=ports["port"], state_port=ports["state_port"]
+        )
     except (ValueError, KeyError) as error:
         raise LinkError(
             "the simulated controller did not start; `workbench controller` tells why"

@@ -17,9 +17,9 @@ from workbench.devices.abb_simulated.faults import Fault, Faults
 from workbench.devices.abb_simulated.serve_program import TICK, ProgramClient, Station
 from workbench.devices.abb_simulated.serve_requests import RequestClient
 from workbench.devices.abb_socket.messages import REQUEST
-from workbench.devices.abb_socket.patience import USUAL, Patience
 from workbench.model.cell import Cell
 from workbench.model.errors import LinkError
+from workbench.plugins.robot_link import USUAL, LinkPatience
 
 log = logging.getLogger(__name__)
 
@@ -56,7 +56,7 @@ class SimulatedController:
         faults: Sequence[Fault] = (),
         paces: Mapping[str, float] | None = None,
         home_after: float = math.inf,
-        patience: Patience = USUAL,
+        patience: LinkPatience = USUAL,
     ) -> None:
         """Open the ports.
 

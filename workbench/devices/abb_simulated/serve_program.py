@@ -14,8 +14,8 @@ from workbench.devices.abb_simulated.motion import Motion
 from workbench.devices.abb_simulated.serving import LONGEST_WORDS, Serving
 from workbench.devices.abb_socket.frames import Frame
 from workbench.devices.abb_socket.messages import in_degrees
-from workbench.devices.abb_socket.patience import USUAL, Patience
 from workbench.model.errors import LinkError, ProtocolError
+from workbench.plugins.robot_link import USUAL, LinkPatience
 
 TICK = 0.02
 """[s] Between two looks at the client while the robot moves."""
@@ -41,7 +41,7 @@ class Station:
     look_around: Callable[[], None]
     paces: Mapping[str, float] = field(default_factory=dict[str, float])
     tickets: list[str] = field(default_factory=list[str])
-    patience: Patience = USUAL
+    patience: LinkPatience = USUAL
 
     def wait(self, seconds: float) -> None:
         """Do nothing for so long, unless the controller ends."""

@@ -1,104 +1,78 @@
 """Our end of the robot link: an approved plan goes out, message by message, or nothing does."""
 
 import socket
-import time
 from collections.abc import Callable, Iterator
 from contextlib import suppress
 
 from workbench.devices.abb_socket.connecting import connected
 from workbench.devices.abb_socket.messages import Requests, messages
-from workbench.devices.abb_socket.patience import USUAL, Patience
 from workbench.devices.abb_socket.program import program_of
 from workbench.devices.abb_socket.sending import Sending
-from workbench.devices.abb_socket.status import LinkStatus
 from workbench.model.cell import Cell
-from workbench.model.errors import CommandRefused, JobCancelled, LinkError, WorkbenchError
+from workbench.model.errors import JobCancelled, LinkError, WorkbenchError
 from workbench.model.plan import Plan
-from workbench.model.release import Approval, Receipt
+from workbench.model.release import Approval, LinkStatus, Receipt
+from workbench.plugins.robot_link import LinkPatience, check_approval
 
 MOST_HEARD = 65536
 """Bytes taken at once: many times what a controller says within the longest silence."""
 
 
-def check_approval(plan: Plan, approval: Approval, cell: Cell, now: float) -> None:
-    """Refuse to send what was not approved exactly so.
-
-    Raises:
-        CommandRefused: says what differs, or that the approval has run out.
-    """
-    pairs = (
-        ("plan", approval.plan_digest, plan.digest),
-        ("cell", approval.cell_digest, cell.digest),
-        ("cell of the plan", plan.cell_digest, cell.digest),
-        ("scan", approval.scan_digest, plan.scan_digest),
-    )
-    for what, approved, present in pairs:
-        if approved != present:
-            raise CommandRefused(
-                f"the approval is for another {what} ({approved[:12]}, here {present[:12]})"
-            )
-    if now < approval.at:
-        raise CommandRefused(
-            f"the approval begins in {approval.at - now:.0f} s: a clock has been set back"
-        )
-    if not now <= approval.until:
-        raise CommandRefused(f"the approval ran out {now - approval.until:.0f} s ago")
-
-
-def send(
+def send_program(
     plan: Plan,
     approval: Approval,
     cell: Cell,
     *,
-    now: Callable[[], float] = time.time,
-    cancelled: Callable[[], bool] = lambda: False,
-    show: Callable[[LinkStatus], None] = lambda status: None,
-    patience: Patience = USUAL,
+    now: Callable[[], float],
+    cancelled: Callable[[], bool],
+    show: Callable[[LinkStatus], None],
+    patience: LinkPatience,
 ) -> Iterator[Receipt]:
-    """Send a plan to the controller of the cell, in the protocol of the cell.
+    """Send a plan by `abb-socket/2`, which loads it as a program and then runs it.
 
     One receipt for each message that went out, and for each that says something new.  Nothing is
     sent twice: after any error the link is closed, and what was sent stands in the receipts.  The
-    iterator ends when the controller has reported the end of the last motion, by asking once more
-    (`abb-socket`) or in so many words (`abb-socket/2`).
+    iterator ends when the controller has reported the end of the last motion.
 
-    Args:
-        plan: what is sent.
-        approval: that lets it out.
-        cell: as it is now.
-        now: seconds since the epoch.
-        cancelled: asked all the time; True stops the robot as far as the protocol can.
-        show: takes how the link stands, when that changes.
-        patience: how long the controller is waited for.
+    Arguments and errors are those of `plugins.robot_link.RobotLink.send`; in addition:
 
     Raises:
-        CommandRefused: the approval is not for this, or has run out; nothing has moved.
-        InputError: the plan cannot be said in this protocol; nothing was sent.
-        LinkError: no connection, silence, a refusal, or the controller closed the link.
         ProtocolError: the controller said or does something that cannot be.
-        JobCancelled: `cancelled` said so; the link is closed.
     """
 
     def check() -> None:
         check_approval(plan, approval, cell, now())
 
     check()
-    controller = cell.controller
-    if controller.protocol == "abb-socket/2":
-        program = program_of(cell, plan, approval)
-        silence = patience.silence
-        talk = Sending(cell, plan, program, now=now, released=check, silence=silence)
-        with connected(controller.host, controller.port, "answers") as link:
-            yield from _converse(link, talk, cancelled, show, patience)
-        return
+    program = program_of(cell, plan, approval)
+    talk = Sending(cell, plan, program, now=now, released=check, silence=patience.silence)
+    with connected(cell.controller.host, cell.controller.port, "answers") as link:
+        yield from _converse(link, talk, cancelled, show, patience)
+
+
+def send_messages(
+    plan: Plan,
+    approval: Approval,
+    cell: Cell,
+    *,
+    now: Callable[[], float],
+    cancelled: Callable[[], bool],
+    show: Callable[[LinkStatus], None],
+    patience: LinkPatience,
+) -> Iterator[Receipt]:
+    """Send a plan by `abb-socket`, message by message, each when the controller asks for it.
+
+    As `send_program`; the iterator ends when the controller has asked once more.
+    """
+    check_approval(plan, approval, cell, now())
     ready = messages(cell, plan)
-    with connected(controller.host, controller.port, "answers") as link:
+    with connected(cell.controller.host, cell.controller.port, "answers") as link:
         requests, total = Requests(), len(ready)
         for number, message in enumerate(ready, start=1):
             _await_request(link, requests, f"message {number} of {total}", cancelled, patience)
             if number == 1:
                 # The connection may have waited; the approval must hold when motion begins.
-                check()
+                check_approval(plan, approval, cell, now())
             show(LinkStatus("abb-socket", "sending", number, total, "send", now(), now()))
             _say(link, message.text.encode("ascii"), f"message {number} of {total}")
             yield Receipt(now(), message.arm, message.kind, message.text, number, total)
@@ -111,7 +85,7 @@ def _converse(
     talk: Sending,
     cancelled: Callable[[], bool],
     show: Callable[[LinkStatus], None],
-    patience: Patience,
+    patience: LinkPatience,
 ) -> Iterator[Receipt]:
     """Say and hear until the end; whatever else happens, the robot is told to stop."""
     clock = patience.clock
@@ -139,7 +113,7 @@ def _converse(
 
 
 def _stop(
-    link: socket.socket, talk: Sending, show: Callable[[LinkStatus], None], patience: Patience
+    link: socket.socket, talk: Sending, show: Callable[[LinkStatus], None], patience: LinkPatience
 ) -> Iterator[Receipt]:
     """Ask the controller to stop, and wait for its word.
 
@@ -188,7 +162,7 @@ def _await_request(
     requests: Requests,
     where: str,
     cancelled: Callable[[], bool],
-    patience: Patience,
+    patience: LinkPatience,
 ) -> None:
     until = patience.clock() + patience.answer
     while True:

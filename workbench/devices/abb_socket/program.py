@@ -17,7 +17,7 @@ from workbench.model.cell import Cell
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats, frozen, put
 from workbench.model.plan import Guarantee, Leg, LegName, Plan, Step, are_in_step
-from workbench.model.release import Approval, MessageKind
+from workbench.model.release import Approval
 
 Mode = Literal["alone", "free", "sync"]
 Hand = Literal["open", "grip", "keep"]
@@ -88,7 +88,7 @@ class Line:
     """One message of a program, still without its number; `arm` is empty where none is meant."""
 
     arm: str
-    word: MessageKind
+    word: str
     rest: str
 
 

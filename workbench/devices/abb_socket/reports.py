@@ -3,35 +3,18 @@
 import json
 import math
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 from typing import Any
 
 from workbench.devices.abb_socket.connecting import connected
 from workbench.model.errors import LinkError, ProtocolError
+from workbench.model.release import RobotState
 
 LONGEST_LINE = 64 * 1024
 
 
-@dataclass(frozen=True, slots=True)
-class ControllerState:
-    """What a controller reports of itself.
-
-    `joints` [rad], chain order, and `openings` [m] by arm; `moving` the arm in motion or "";
-    `received` counts messages and `placed` the parts put down since it started.  `fault` is
-    empty when there is none.
-    """
-
-    joints: dict[str, tuple[float, ...]]
-    openings: dict[str, float]
-    moving: str
-    received: int
-    placed: int
-    fault: str
-
-
 def watch_state(
     host: str, port: int, cancelled: Callable[[], bool] = lambda: False
-) -> Iterator[ControllerState]:
+) -> Iterator[RobotState]:
     """The states that a controller reports, as they come: one JSON object a line.
 
     Raises:
@@ -57,10 +40,10 @@ def watch_state(
                 yield _state(line)
 
 
-def _state(line: bytes) -> ControllerState:
+def _state(line: bytes) -> RobotState:
     try:
         report: dict[str, Any] = json.loads(line)
-        return ControllerState(
+        return RobotState(
             joints={str(a): tuple(map(_finite, q)) for a, q in report["joints"].items()},
             openings={str(a): _finite(v) for a, v in report["openings"].items()},
             moving=str(report["moving"]),

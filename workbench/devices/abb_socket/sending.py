@@ -9,7 +9,7 @@
     controller  part                            once for each hand that lets go
     controller  done
 
-While the robot moves we say `ping`, and whoever hears nothing for `SILENCE` takes the link for
+While the robot moves we say `ping`, and whoever hears nothing for its patience takes the link for
 dead: we stop, and so does the controller.  `abort` may be said at any time.
 """
 
@@ -26,13 +26,12 @@ from workbench.devices.abb_socket.frames import (
     number_after,
 )
 from workbench.devices.abb_socket.messages import REQUEST, angles_of
-from workbench.devices.abb_socket.patience import SILENCE
 from workbench.devices.abb_socket.program import Line, Program, lines_of
-from workbench.devices.abb_socket.status import LinkStatus
 from workbench.model.cell import Cell
 from workbench.model.errors import LinkError, ProtocolError
 from workbench.model.plan import Plan
-from workbench.model.release import PartReport, Receipt
+from workbench.model.release import LinkStatus, PartReport, Receipt
+from workbench.plugins.robot_link import USUAL
 
 VERSION = "abb-socket/2"
 
@@ -59,7 +58,7 @@ class Sending:
         *,
         now: Callable[[], float],
         released: Callable[[], None],
-        silence: float = SILENCE,
+        silence: float = USUAL.silence,
     ) -> None:
         """Get ready to send.
 

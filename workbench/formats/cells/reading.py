@@ -4,40 +4,35 @@ import re
 from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
-from typing import cast
 
 import numpy as np
 import pinocchio as pin
 
-from workbench.formats.cells.calibrations import read_record
+from workbench.formats.cells.devices import read_controller, read_localizer, read_scanner
+from workbench.formats.cells.tools import read_tool
 from workbench.formats.files.shipped import exists, find
 from workbench.formats.files.toml_keys import Table, read_toml
-from workbench.formats.files.units import UNITS
 from workbench.formats.meshes.solids import read_pose, read_solid
 from workbench.formats.parts.reading import read_part
 from workbench.formats.robots.dh import read_dh
 from workbench.formats.robots.urdf import read_srdf, read_urdf
 from workbench.model.cell import (
     ORDER_NAMES,
-    PLANNER_NAMES,
-    PROTOCOL_NAMES,
-    SCAN_SOURCES,
     Arm,
     Bin,
     Cell,
-    Controller,
-    Finger,
     Fixture,
+    LocalizerChoice,
     Policy,
     PosesFolder,
-    ProtocolName,
-    ScannerMount,
     Tool,
 )
 from workbench.model.errors import FileError, InputError
 from workbench.model.geometry import Floats
 from workbench.model.part import Part
 from workbench.model.robot import Link, Robot
+from workbench.plugins.planner import planner_names
+from workbench.plugins.robot_link import controller_by, usual_link
 
 ARM_NAMES = ("right", "left")
 
@@ -71,7 +66,7 @@ def read_cell(name: str | Path) -> Cell:
     robot = _robot(robot_table)
     T_world_robot = read_pose(robot_table)
     robot_table.finish()
-    mounted = [_tool(tool) for tool in table.tables("tool")]
+    mounted = [read_tool(tool) for tool in table.tables("tool")]
     table.once("tool.name", (tool.name for tool in mounted))
     tools = {tool.name: tool for tool in mounted}
     arms = tuple(_arm(arm, robot, tools) for arm in table.tables("arm"))
@@ -87,15 +82,18 @@ def read_cell(name: str | Path) -> Cell:
         T_world_robot=T_world_robot,
         arms=arms,
         bin=_bin(table.table("bin")),
-        scanner=_scanner(table.table("scanner")),
-        controller=_controller(table.table("controller"))
+        scanner=read_scanner(table.table("scanner")),
+        controller=read_controller(table.table("controller"))
         if table.has("controller")
-        else Controller(),
+        else controller_by(usual_link()),
         parts=tuple(_part(table, name) for name in table.texts("parts")),
         fixtures=tuple(_fixture(fixture) for fixture in table.tables("fixture")),
         poses_folder=read_poses_folder(table.table("detections"))
         if table.has("detections")
         else None,
+        localizer=read_localizer(table.table("localizer"))
+        if table.has("localizer")
+        else LocalizerChoice(),
         policy=policy,
         approvers=approvers,
     )
@@ -167,31 +165,6 @@ def _robot(table: Table) -> Robot:
             if link not in known:
                 raise FileError(srdf, f"names link {link!r}, which the URDF does not have")
     return replace(robot, disabled_pairs=robot.disabled_pairs | pairs)
-
-
-def _tool(table: Table) -> Tool:
-    tcp = table.table("tcp")
-    T_flange_tcp = read_pose(tcp)
-    tcp.finish()
-    fingers: list[Finger] = []
-    for finger in table.tables("finger"):
-        direction = finger.numbers("opens_along", 3)
-        if abs(float(np.linalg.norm(direction)) - 1.0) > 1e-6:
-            raise finger.error("opens_along", "must be a unit vector")
-        fingers.append(Finger(read_solid(finger), direction))
-    low, high = table.numbers("stroke_mm", 2, [0, 0], low=0, high=1000) / 1000
-    if fingers and not low < high:
-        raise table.error("stroke_mm", "must be [smallest, largest] opening")
-    tool = Tool(
-        name=table.text("name"),
-        T_flange_tcp=T_flange_tcp,
-        body=tuple(read_solid(solid) for solid in table.tables("body")),
-        fingers=tuple(fingers),
-        stroke=(float(low), float(high)),
-        press=table.number("press_mm", 1.5, low=0, high=50) / 1000,
-    )
-    table.finish()
-    return tool
 
 
 def _arm(table: Table, robot: Robot, tools: dict[str, Tool]) -> Arm:
@@ -287,40 +260,6 @@ def _bin(table: Table) -> Bin:
     return found
 
 
-def _scanner(table: Table) -> ScannerMount:
-    columns, rows = table.numbers("resolution", 2, [640, 480], low=16, high=4096).astype(int)
-    mount = ScannerMount(
-        T_world_scanner=read_pose(table),
-        resolution=(int(columns), int(rows)),
-        field_of_view=float(np.deg2rad(table.number("field_of_view_deg", low=1, high=150))),
-        depth_noise=table.number("depth_noise_mm", 0.3, low=0, high=20) / 1000,
-        near=table.number("near_mm", 300, low=1, high=20_000) / 1000,
-        far=table.number("far_mm", 1500, low=1, high=20_000) / 1000,
-        source=table.text("source", "simulated", among=SCAN_SOURCES),  # type: ignore[arg-type]
-        address=_address(table),
-        unit=table.text("unit", "m", among=tuple(UNITS)),
-        patience=table.number("patience_s", 60, low=0.1, high=3600),
-        calibration=read_record(table.table("calibration")) if table.has("calibration") else None,
-        calibration_days=table.number("calibration_days", 90, low=0.1, high=3650),
-    )
-    table.finish()
-    if mount.source != "simulated" and not mount.address:
-        raise table.error("address", f"source {mount.source!r} needs one")
-    if mount.source == "http" and not mount.address.startswith(("http://", "https://")):
-        raise table.error("address", f"{mount.address!r} does not begin with http:// or https://")
-    if not mount.near < mount.far:
-        raise table.error("near_mm", "must be less than far_mm")
-    return mount
-
-
-def _address(table: Table) -> str:
-    """A page as it is; a folder beside the cell file as an absolute path."""
-    address = table.text("address", "", empty=True)
-    if not address or "://" in address:
-        return address
-    return str((table.path.parent / address).resolve())
-
-
 def read_poses_folder(table: Table) -> PosesFolder:
     """The folder `path`, beside the cell file when it is not absolute."""
     table.text("source", "folder", among=("folder",))
@@ -328,19 +267,6 @@ def read_poses_folder(table: Table) -> PosesFolder:
     folder = PosesFolder(path, table.text("part", "", empty=True))
     table.finish()
     return folder
-
-
-def _controller(table: Table) -> Controller:
-    protocol = cast(ProtocolName, table.text("protocol", "abb-socket", among=PROTOCOL_NAMES))
-    port = table.whole("port", 1025, low=1, high=65535)
-    controller = Controller(
-        table.text("host", "127.0.0.1"),
-        port,
-        table.whole("state_port", min(port + 1, 65535), low=1, high=65535),
-        protocol,
-    )
-    table.finish()
-    return controller
 
 
 def _fixture(table: Table) -> Fixture:
@@ -375,7 +301,7 @@ def _policy(table: Table) -> tuple[Policy, int]:
         speed=table.number("speed", usual.speed, low=0.01, high=1),
         zone=table.number("zone", usual.zone, low=0, high=0.45),
         threshold=length("threshold_mm", usual.threshold, 10_000),
-        planner=table.text("planner", usual.planner, among=PLANNER_NAMES),  # type: ignore[arg-type]
+        planner=table.text("planner", usual.planner, among=planner_names()),
         iterations=table.whole("iterations", usual.iterations, low=1, high=1_000_000),
         seconds=table.number("seconds", usual.seconds, low=0.01, high=24 * 3600),
         order=table.text("order", usual.order, among=ORDER_NAMES),  # type: ignore[arg-type]

@@ -9,9 +9,17 @@ from pathlib import Path
 from typing import Any
 
 from workbench.formats.cells.calibrations import read_record
+from workbench.formats.cells.devices import read_localizer
 from workbench.formats.cells.reading import read_cell, read_poses_folder
 from workbench.formats.files.toml_keys import NOTES, Notes, Table
 from workbench.formats.robots.dh import read_dh
+from workbench.plugins.found import Group, load, names
+from workbench.plugins.localizer import GROUP as LOCALIZERS
+from workbench.plugins.localizer import localizer_names
+from workbench.plugins.options import schema_of
+from workbench.plugins.robot_link import GROUP as ROBOT_LINKS
+from workbench.plugins.scanner import GROUP as SCANNERS
+from workbench.plugins.tool import GROUP as TOOLS
 
 NOT_ALWAYS = frozenset(
     ("urdf", "srdf", "dh", "controller", "policy", "size_mm", "radius_mm", "length_mm", "file")
@@ -46,15 +54,55 @@ def cell_schema() -> dict[str, Any]:
         read_dh(Table(file, A_TABLE, "robot.dh."), "robot")
         read_record(Table(file, A_RECORD, "scanner.calibration."))
         read_poses_folder(Table(file, {"path": "poses"}, "detections."))
+        read_localizer(Table(file, {"name": localizer_names()[0]}, "localizer."))
     finally:
         NOTES.reset(token)
     notes = {place: form for place, form in notes.items() if not _is_foreign(place)}
-    for place in ("robot.dh", "scanner.calibration", "detections"):
+    for place in ("robot.dh", "scanner.calibration", "detections", "localizer"):
         notes[place] = {"type": "object", "required": False}
-    return {
+    schema = {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         "title": "A cell of Workbench: lengths in mm, angles in degrees",
         **_object(notes, ""),
+    }
+    _add_options(schema)
+    return schema
+
+
+def _add_options(schema: dict[str, Any]) -> None:
+    """The keys that each installed plug-in has of its own, and tools by their kind."""
+    tables = schema["properties"]
+    seams: tuple[tuple[str, str, Group], ...] = (
+        ("scanner", "source", SCANNERS),
+        ("controller", "protocol", ROBOT_LINKS),
+        ("localizer", "name", LOCALIZERS),
+    )
+    for table, key, group in seams:
+        tables[table]["properties"]["options"] = {"type": "object"}
+        tables[table]["allOf"] = [_with_options(key, name, group) for name in names(group)]
+    # A tool of a kind has its name and options; any other has what the reader asks of it.
+    explicit = tables["tool"]["items"]
+    kinds = [
+        {
+            "type": "object",
+            "properties": {
+                "name": {"type": "string"},
+                "kind": {"const": name},
+                "options": schema_of(load(TOOLS, name).Options),
+            },
+            "required": ["kind", "name"],
+            "additionalProperties": False,
+        }
+        for name in names(TOOLS)
+    ]
+    tables["tool"]["items"] = {"anyOf": [explicit, *kinds]}
+
+
+def _with_options(key: str, name: str, group: Group) -> dict[str, Any]:
+    """Where a table names this plug-in, its options are those that it has."""
+    return {
+        "if": {"properties": {key: {"const": name}}, "required": [key]},
+        "then": {"properties": {"options": schema_of(load(group, name).Options)}},
     }
 
 
@@ -81,6 +129,7 @@ TOP = (
     "policy",
     "fixture",
     "detections",
+    "localizer",
 )
 
 

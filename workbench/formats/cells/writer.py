@@ -17,6 +17,7 @@ from workbench.formats.meshes.triangles import stl_of, surface_of
 from workbench.formats.robots.urdf_package import write_package, write_srdf
 from workbench.model.cell import Arm, Cell, Fixture, Policy, ScannerMount, Tool
 from workbench.model.geometry import Box, Capsule, Cylinder, Floats, Mesh, Solid, Sphere
+from workbench.plugins.options import Options
 
 
 def write_cell(folder: Path, cell: Cell, unchecked: Mapping[tuple[str, str], str]) -> Path:
@@ -59,16 +60,29 @@ def _lines(folder: Path, cell: Cell) -> Iterator[str]:
     yield f"wall_mm = {_number(cell.bin.wall * 1000)}"
     yield from _scanner(cell)
     controller = cell.controller
-    yield from ("", "[controller]", f"protocol = {_text(controller.protocol)}")
+    yield from ("", "[controller]", f"protocol = {_text(controller.link)}")
     yield f"host = {_text(controller.host)}"
     yield f"port = {controller.port}"
     yield f"state_port = {controller.state_port}"
+    yield from _options(controller.options)
+    if cell.localizer.name:
+        yield from ("", "[localizer]", f"name = {_text(cell.localizer.name)}")
+        yield from _options(cell.localizer.options)
     yield from _policy(cell)
     if cell.poses_folder is not None:
         yield from ("", "[detections]", f"path = {_text(cell.poses_folder.path)}")
         yield f"part = {_text(cell.poses_folder.part)}"
     for fixture in cell.fixtures:
         yield from _fixture(folder, fixture)
+
+
+def _options(options: Options) -> Iterator[str]:
+    """Keys that a plug-in has of its own, in one line: a table of its own would end this one."""
+    if not options:
+        return
+    # What JSON writes of texts, numbers and flags is TOML as well.
+    keys = (f"{key} = {json.dumps(value)}" for key, value in options.items())
+    yield f"options = {{ {', '.join(keys)} }}"
 
 
 def _policy(cell: Cell) -> Iterator[str]:
@@ -108,6 +122,7 @@ def _scanner(cell: Cell) -> Iterator[str]:
             yield f"{key} = {_text(getattr(scanner, key))}"
     if scanner.patience != usual.patience:
         yield f"patience_s = {_number(scanner.patience)}"
+    yield from _options(scanner.options)
     if scanner.calibration is not None:
         record = record_table(scanner.calibration)
         yield from ("", "[scanner.calibration]")

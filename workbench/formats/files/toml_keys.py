@@ -151,6 +151,10 @@ class Table:
         value = self._value(key, dict, "a table", MISSING)
         return Table(self.path, value, f"{self.place}{key}.")
 
+    def plain(self) -> dict[str, bool | int | float | str]:
+        """All keys of this table with plain values, for those who know what they mean."""
+        return {key: self._plain(key, self._values[key]) for key in self.names()}
+
     def tables(self, key: str, default: Any = ()) -> Iterator["Table"]:
         """The tables of an array `[[key]]`; none when it is not given."""
         self._note(key, default, {"type": "array", "items": {"type": "object"}})
@@ -217,6 +221,16 @@ class Table:
                 raise self.error(at, f"{columns} {of} are expected, {len(row)} are given")
             rows.append((at, row))
         return rows
+
+    def _plain(self, key: str, value: Any) -> bool | int | float | str:
+        self._asked.add(key)
+        if isinstance(value, str):
+            return self._printable(key, value, True)
+        if not isinstance(value, bool | int | float):
+            raise self.error(
+                key, f"a text, a number or a flag is expected, {shown(value)} is given"
+            )
+        return value
 
     def _text_in_list(self, key: str, value: Any) -> str:
         if not isinstance(value, str):

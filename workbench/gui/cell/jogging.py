@@ -21,7 +21,6 @@ from workbench.model.errors import InputError
 from workbench.model.geometry import Floats
 from workbench.planning.kinematics.chain import Chain, chain_of
 from workbench.planning.kinematics.self_motion import self_motion
-from workbench.planning.kinematics.wire import on_wire
 
 GIZMO = 0.15
 """[m] Size of the gizmo at the tool."""
@@ -242,7 +241,11 @@ class JogControls:
 
     def _wanted_home(self) -> Command:
         arm = self._chosen
-        cell = with_home(self._visitor.cell, arm.name, on_wire(self._now(arm)))
+        cell = with_home(
+            self._visitor.cell,
+            arm.name,
+            self._visitor.cell.controller.motion.rounded(self._now(arm)),
+        )
         return ChangeCell(cell, f"the {arm.name} arm has another home")
 
     def _wanted_place(self) -> Command:

@@ -66,7 +66,7 @@ def tree_html(cell: Cell) -> str:
     rest = [
         _branch("bin", [f"{length} x {width} x {height} inside"]),
         _branch(scanner, [*address, "{} x {} pixels".format(*cell.scanner.resolution)]),
-        _branch(f"controller, {cell.controller.protocol}", [where]),
+        _branch(f"controller, {cell.controller.link}", [where]),
     ]
     return f'<div class="wb-tree">{"".join([robot, *arms, *parts, fixtures, *rest])}</div>'
 

@@ -18,7 +18,7 @@ from workbench.app.core.commands import (
 from workbench.app.core.release import moved_away, standing_words
 from workbench.app.core.rules import STRATEGIES
 from workbench.app.core.state import Phase, State
-from workbench.app.core.value_checks import ALL_KINDS, MOST_PARTS, SEED_LIMIT
+from workbench.app.core.value_checks import MOST_PARTS, SEED_LIMIT
 from workbench.app.picking.facts import bin_check_of
 from workbench.gui.cycle.approval import ApprovalDialog
 from workbench.gui.cycle.approval_views import approval_line
@@ -38,6 +38,7 @@ from workbench.gui.shared.views import (
 from workbench.gui.shared.visitor import Visitor, whole
 from workbench.model.cell import Cell
 from workbench.model.errors import InputError
+from workbench.model.scan import ALL_KINDS
 
 ROW = '<div class="wb-row"></div>'
 """A mark that has its folder laid out in three columns, see the style sheet."""

@@ -4,7 +4,8 @@ import viser
 
 from workbench.app.core.value_checks import LARGEST_MARGIN, MOST_ITERATIONS
 from workbench.gui.shared.visitor import whole
-from workbench.model.cell import ORDER_NAMES, PLANNER_NAMES, Policy, Wishes
+from workbench.model.cell import ORDER_NAMES, Policy, Wishes
+from workbench.plugins.planner import planner_names
 
 
 class WishesInputs:
@@ -14,7 +15,7 @@ class WishesInputs:
         """Add the controls."""
         self._planner = gui.add_dropdown(
             "Planner",
-            PLANNER_NAMES,
+            planner_names(),
             initial_value=policy.planner,
             hint="Searches the free legs; birrt is another name for rrtconnect. Those that improve "
             "what they found (prmstar, bitstar, informed-rrtstar, aorrtc) use all iterations.",

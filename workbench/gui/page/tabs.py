@@ -1,6 +1,8 @@
 """The tabs of a browser, from left to right: the only place that knows all panels."""
 
+import logging
 from collections.abc import Callable
+from functools import partial
 
 from workbench.app.core.commands import EditPart, SightPlate
 from workbench.app.core.rights import RIGHTS
@@ -14,8 +16,14 @@ from workbench.gui.parts.panel import PartsPanel
 from workbench.gui.plan.panel import PlanPanel
 from workbench.gui.recorded.panel import RecordedPanel
 from workbench.gui.robot.panel import RobotPanel
+from workbench.gui.shared.look import View
 from workbench.gui.shared.visitor import Panel, Visitor
 from workbench.gui.statistics.panel import StatisticsPanel
+from workbench.plugins.found import load
+from workbench.plugins.tab import GROUP as TABS
+from workbench.plugins.tab import tab_names
+
+log = logging.getLogger(__name__)
 
 
 def tabs_of(visitor: Visitor, woken: Callable[[], None]) -> tuple[Panel, ...]:
@@ -42,9 +50,47 @@ def tabs_of(visitor: Visitor, woken: Callable[[], None]) -> tuple[Panel, ...]:
         made.insert(-1, ("Calibration", lambda: CalibrationPanel(visitor)))
     if isinstance(bench, History):
         made.insert(0, ("Recorded", lambda: RecordedPanel(visitor, bench)))
+    made += [(name, partial(_foreign, name, visitor)) for name in tab_names()]
     tabs = visitor.gui.add_tab_group()
     panels: list[Panel] = []
     for title, make in made:
         with tabs.add_tab(title):
             panels.append(make())
     return tuple(panels)
+
+
+class _Broken:
+    """In place of a tab that could not be made: what is the matter."""
+
+    def __init__(self, visitor: Visitor, problem: str):
+        visitor.gui.add_markdown(f"**This tab does not work.** {problem}")
+
+    def show(self, old: View | None, new: View) -> None:
+        """Nothing changes."""
+
+
+class _Guarded:
+    """A tab of somebody else: an error in it is logged, and ends nothing but that tab."""
+
+    def __init__(self, name: str, visitor: Visitor):
+        tab: Panel = load(TABS, name)(visitor)
+        self._tab: Panel | None = tab
+        self._name, self._visitor = name, visitor
+
+    def show(self, old: View | None, new: View) -> None:
+        """As the tab does, until it fails."""
+        if self._tab is None:
+            return
+        try:
+            self._tab.show(old, new)
+        except Exception:
+            log.exception("tab %s failed and is not shown any more", self._name)
+            self._tab = None
+
+
+def _foreign(name: str, visitor: Visitor) -> Panel:
+    try:
+        return _Guarded(name, visitor)
+    except Exception as error:
+        log.exception("tab %s cannot be made", name)
+        return _Broken(visitor, f"{type(error).__name__}: {error}")

@@ -9,8 +9,7 @@ from workbench.gui.shared.colours import part_colour
 from workbench.gui.shared.tables import clickable, marked
 from workbench.gui.shared.views import clock, line, mm, table_html
 from workbench.model.cell import PosesFolder
-from workbench.model.scan import Detection, Discarded
-from workbench.model.search import Remark
+from workbench.model.scan import Detection, Discarded, Remark
 
 MOST_ROWS = 30
 """Parts that can be listed: as many as a bin may hold."""

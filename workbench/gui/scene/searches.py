@@ -19,7 +19,7 @@ from workbench.gui.shared.tables import clickable, marked
 from workbench.gui.shared.views import line
 from workbench.gui.shared.visitor import Visitor, whole
 from workbench.model.errors import InputError
-from workbench.model.search import Search, SearchWishes
+from workbench.model.scan import Search, SearchWishes
 
 MOST_ROWS = 6
 

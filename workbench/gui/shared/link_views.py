@@ -25,7 +25,7 @@ def link_html(view: View) -> str:
         phase = link.phase + (f", step {link.step} of {link.steps}" if link.step else "")
     rows = [
         ("Controller", f"{controller.host} port {controller.port}"),
-        ("Protocol", controller.protocol + (f" (speaks {link.version})" if link.version else "")),
+        ("Robot link", controller.link + (f" (speaks {link.version})" if link.version else "")),
         ("Link", phase),
         ("Robot's last word", view.live.robot or "none (no state report)"),
         ("Fault here", state.fault or "none to acknowledge"),

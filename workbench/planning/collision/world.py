@@ -58,6 +58,7 @@ class World:
         """
         self.cell = cell
         self.policy = replace(cell.policy if policy is None else policy, zone=cell.zone)
+        self.motion = cell.controller.motion
         self.detections = detections
         self.obstacles = obstacles
         self.kinematics = Kinematics(cell)

@@ -14,7 +14,6 @@ from numba import njit
 
 from workbench.model.cell import Arm, Cell
 from workbench.model.geometry import Bools, Floats
-from workbench.planning.kinematics.wire import limits_on_wire
 
 POSITION_TOLERANCE = 1e-6
 ROTATION_TOLERANCE = 1e-6
@@ -26,7 +25,7 @@ class Chain:
 
     `R` (n+1, 3, 3), `p` (n+1, 3) [m]: the fixed transform before each joint, and last the one
     from the last joint to the TCP.  `axes` (n, 3), `slides` (n,) 1.0 for prismatic joints.
-    `lower`, `upper` (n,) [rad]: the joint limits as far as they can be sent (`limits_on_wire`).
+    `lower`, `upper` (n,) [rad]: the joint limits as far as they can be sent (`MotionModel.limits`).
     """
 
     R: Floats
@@ -101,7 +100,7 @@ def chain_of(cell: Cell, arm: Arm) -> Chain:
     T = T * arm.tool.T_flange_tcp
     R.append(T.rotation.copy())
     p.append(T.translation.copy())
-    lower, upper = limits_on_wire(*cell.robot.limits(tuple(names))[:2])
+    lower, upper = cell.controller.motion.limits(*cell.robot.limits(tuple(names))[:2])
     return Chain(np.array(R), np.array(p), np.array(axes), np.array(slides), lower, upper)
 
 

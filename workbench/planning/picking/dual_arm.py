@@ -298,7 +298,17 @@ def _around(world: World, pair: Pair, rng: np.random.Generator) -> Iterator[Pair
         chain, weights = world.chains[task.plan.arm], joint_weights(len(columns), world.policy)
         limits = (chain.lower, chain.upper)
         with world.at_full_margins():
-            path = onward(lead, goal, limits, weights, check, world.policy, rng, world.deadline)
+            path = onward(
+                lead,
+                goal,
+                limits,
+                weights,
+                check,
+                world.policy,
+                world.motion,
+                rng,
+                world.deadline,
+            )
         if isinstance(path, Verdict):
             continue
         leg = leg_of(world, world.arm(task.plan.arm), task.name, path, task.leg.opening)

@@ -55,7 +55,9 @@ def in_step(
         weights = np.concatenate([joint_weights(len(plan.joints), policy) for plan in plans])
         fewer = replace(policy, iterations=min(policy.iterations, ITERATIONS))
         with world.at_full_margins():
-            path = onward(lead, goal, limits, weights, check, fewer, rng, world.deadline)
+            path = onward(
+                lead, goal, limits, weights, check, fewer, world.motion, rng, world.deadline
+            )
         if isinstance(path, Verdict):
             return None
     else:

@@ -17,7 +17,6 @@ from workbench.planning.collision.pairing import Phase
 from workbench.planning.collision.world import World
 from workbench.planning.kinematics.chain import is_solution
 from workbench.planning.kinematics.straight import follow
-from workbench.planning.kinematics.wire import on_wire
 
 PLACE_LIFT = 0.05
 """[m] The last straight way down to the place."""
@@ -52,12 +51,12 @@ def ways_down(world: World, arm: Arm, phase: Phase, q_from: Floats) -> Iterator[
             answers, residuals = chain.solve(T_world_tcp, np.vstack([q_from, arm.home]))
             for q in answers[is_solution(residuals)]:
                 above = _raised(T_world_tcp)
-                path, share = follow(chain, on_wire(q), above, policy.straight_points)
+                path, share = follow(chain, world.motion.rounded(q), above, policy.straight_points)
                 if share < 1.0:
                     note = f"the arm can follow only {share:.0%} of the line"
                     yield Verdict(Reason.NO_PLACE, Stage.PLACE, q=path[-1], note=note)
                     continue
-                path = on_wire(path[::-1])
+                path = world.motion.rounded(path[::-1])
                 world.enter(phase)
                 found = path_contact(world, columns, base, path, policy.zone)
                 if found is None:
@@ -113,7 +112,7 @@ def put_down(world: World, pick: Pick, others: Phase) -> PutDown | Verdict:
 def home_of(world: World, arm: Arm) -> Floats:
     """Where an arm is at home (n,) [rad], as far as that can be sent."""
     chain = world.chains[arm.name]
-    return np.clip(on_wire(np.asarray(arm.home)), chain.lower, chain.upper)
+    return np.clip(world.motion.rounded(np.asarray(arm.home)), chain.lower, chain.upper)
 
 
 def _raised(T_world_tcp: pin.SE3) -> pin.SE3:
@@ -149,7 +148,7 @@ def _way_out(world: World, pick: Pick, arm: Arm, phase: Phase, q_place: Floats) 
             note = f"the hand can follow only {share:.0%} of its way out"
             refusal = refusal or Verdict(Reason.NO_PLACE, Stage.PLACE, q=path[-1], note=note)
             continue
-        path = on_wire(path)
+        path = world.motion.rounded(path)
         world.enter(phase)
         world.allow_start_contacts(world.configuration({arm.name: q_place}))
         found = path_contact(world, columns, base, path, policy.zone)

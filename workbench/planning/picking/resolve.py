@@ -16,7 +16,6 @@ from workbench.planning.collision.pairing import Phase
 from workbench.planning.collision.world import World
 from workbench.planning.kinematics.chain import Chain, is_solution
 from workbench.planning.kinematics.straight import follow
-from workbench.planning.kinematics.wire import on_wire
 from workbench.planning.picking.put_down import ways_down
 
 STARTS = 12
@@ -138,7 +137,7 @@ def _completed(
     world: World, candidate: Candidate, arm: Arm, q_grasp: Floats, T_world_tcp: pin.SE3, room: float
 ) -> Pick | Verdict:
     """Approach, extraction and place for one grasp configuration."""
-    q_grasp = on_wire(q_grasp)
+    q_grasp = world.motion.rounded(q_grasp)
     approach = _approach(world, candidate, arm, q_grasp, T_world_tcp)
     if isinstance(approach, Verdict):
         return approach
@@ -166,7 +165,7 @@ def _approach(
     backwards, share = follow(chain, q_grasp, T_pregrasp, policy.straight_points)
     if share < 1.0:
         return _broken_off(Reason.APPROACH_BLOCKED, Stage.APPROACH, backwards[-1], share)
-    path = on_wire(backwards[::-1])
+    path = world.motion.rounded(backwards[::-1])
     path[-1] = q_grasp
     base = world.configuration({})
     world.enter(approach_phase(candidate, arm))
@@ -210,7 +209,7 @@ def _extract(
     path, share = follow(chain, q_grasp, T_end, policy.straight_points)
     if share < 1.0:
         return _broken_off(Reason.EXTRACT_BLOCKED, Stage.EXTRACT, path[-1], share)
-    path = on_wire(path)
+    path = world.motion.rounded(path)
     world.enter(holding_phase(candidate, arm, T_tcp_part, straight=True))
     world.allow_start_contacts(world.configuration({arm.name: q_grasp}))
     found = path_contact(world, columns, world.configuration({}), path, policy.zone)

@@ -222,6 +222,7 @@ def free_path(
         joint_weights(len(goal), world.policy),
         check,
         world.policy,
+        world.motion,
         rng,
         world.deadline,
     )

@@ -1,42 +1,20 @@
 """One free way: searched by the planner of that name, shortened, rounded, checked as it is run."""
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 
 from workbench.model.candidate import Reason, Stage, Verdict
-from workbench.model.cell import PlannerName, Policy
+from workbench.model.cell import Policy
 from workbench.model.geometry import Floats
+from workbench.model.motion import MotionModel
 from workbench.planning.collision.contact import Contact
 from workbench.planning.collision.motion import Curves, segment, walked
-from workbench.planning.kinematics.wire import on_wire
 from workbench.planning.planners.clock import working_time
-from workbench.planning.planners.ompl_planners import ompl_planner
-from workbench.planning.planners.prm_star import prm_star
-from workbench.planning.planners.rrt import (
-    EdgeCheck,
-    Planner,
-    merged,
-    resampled,
-    rrt,
-    rrt_connect,
-    shortened,
-)
-from workbench.planning.planners.sbl import sbl
-
-PLANNERS: Mapping[PlannerName, Planner] = {
-    "rrtconnect": rrt_connect,
-    "birrt": rrt_connect,
-    "rrt": rrt,
-    "sbl": sbl,
-    "prmstar": prm_star,
-    "bitstar": ompl_planner("BITstar"),
-    "lbkpiece": ompl_planner("LBKPIECE1"),
-    "informed-rrtstar": ompl_planner("InformedRRTstar"),
-    "aorrtc": ompl_planner("AORRTC"),
-}
+from workbench.planning.planners.rrt import merged, resampled, shortened
+from workbench.plugins.planner import EdgeCheck, planner_named
 
 TRIES = 3
 """Free paths searched before giving up: rounding to the wire and the corners may spoil one."""
@@ -59,6 +37,7 @@ def searched(
     weights: Floats,
     check: Check,
     policy: Policy,
+    motion: MotionModel,
     rng: np.random.Generator,
     deadline: float = math.inf,
     before: Floats | None = None,
@@ -78,13 +57,13 @@ def searched(
         for number in range(TRIES + 1):
             path = np.array([start, goal])  # straight ahead first
             if number:
-                search = PLANNERS[policy.planner]
+                search = planner_named(policy.planner)
                 path = search(
                     start, goal, *limits, weights, is_clear, iterations=policy.iterations, rng=rng
                 ).path
             if path is None:
                 break
-            path = as_sent(path, is_clear, policy.free_points)
+            path = as_sent(path, is_clear, policy.free_points, motion)
             met = check(_walked_from(before, path, policy.zone))
             if met is None:
                 return path
@@ -103,6 +82,7 @@ def onward(
     weights: Floats,
     check: Check,
     policy: Policy,
+    motion: MotionModel,
     rng: np.random.Generator,
     deadline: float = math.inf,
 ) -> Floats | Verdict:
@@ -113,7 +93,7 @@ def onward(
     count = len(lead) - 1
     before = lead[-2] if count else None
     fewer = replace(policy, free_points=max(2, policy.free_points - count))
-    path = searched(lead[-1], goal, limits, weights, check, fewer, rng, deadline, before)
+    path = searched(lead[-1], goal, limits, weights, check, fewer, motion, rng, deadline, before)
     return path if isinstance(path, Verdict) else np.vstack([lead[:-1], path])
 
 
@@ -140,12 +120,12 @@ def edge_check(check: Check, deadline: float = math.inf) -> EdgeCheck:
     return is_clear
 
 
-def as_sent(path: Floats, is_clear: EdgeCheck, count: int) -> Floats:
+def as_sent(path: Floats, is_clear: EdgeCheck, count: int, motion: MotionModel) -> Floats:
     """A path shortened, divided into `count` waypoints or as many as it needs, and rounded.
 
     Waypoints that rounding makes equal become one.  A path that ends where it starts keeps two.
     """
     path = merged(shortened(path, is_clear, most=count), is_clear)
-    path = on_wire(resampled(path, count))
+    path = motion.rounded(resampled(path, count))
     moves = np.any(np.diff(path, axis=0) != 0, axis=1)
     return path[np.concatenate([[True], moves])] if moves.any() else path[[0, -1]]

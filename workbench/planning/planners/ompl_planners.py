@@ -18,7 +18,7 @@ import numpy as np
 from ompl import base, geometric, util
 
 from workbench.model.geometry import Floats
-from workbench.planning.planners.rrt import EdgeCheck, Planner, Search
+from workbench.plugins.planner import EdgeCheck, Planner, Search
 
 Name = Literal["BITstar", "LBKPIECE1", "InformedRRTstar", "AORRTC"]
 
@@ -123,3 +123,9 @@ def _state(space: base.RealVectorStateSpace, values: Floats) -> base.State:
 
 def _values(state: base.State, scale: Floats) -> Floats:
     return np.array(cast(base.RealVectorStateType, state)[0 : len(scale)]) * scale
+
+
+BIT_STAR = ompl_planner("BITstar")
+LBKPIECE = ompl_planner("LBKPIECE1")
+INFORMED_RRT_STAR = ompl_planner("InformedRRTstar")
+AORRTC = ompl_planner("AORRTC")

@@ -4,15 +4,10 @@ RRT-Connect (Kuffner and LaValle 2000) is written here rather than taken from OM
 module 2.0.1 takes no sampler: samples near start and goal first are what makes ours quick.
 """
 
-from collections.abc import Callable
-from typing import NamedTuple, Protocol
-
 import numpy as np
 
 from workbench.model.geometry import Floats
-
-EdgeCheck = Callable[[Floats, Floats], bool]
-"""Whether the straight joint motion between two configurations (n,) is clear."""
+from workbench.plugins.planner import EdgeCheck, Search
 
 GOAL_BIAS = 10
 
@@ -24,32 +19,6 @@ TINY = np.deg2rad(2.0)
 
 ROUNDS = 2
 """How often all corners are cut: each cut leaves two flatter ones."""
-
-
-class Search(NamedTuple):
-    """What a planner found: a path (m, n) [rad] with start and goal, or None, and its effort."""
-
-    path: Floats | None
-    iterations: int
-
-
-class Planner(Protocol):
-    """Finds a path between two configurations; see `rrt_connect` for the arguments."""
-
-    def __call__(
-        self,
-        start: Floats,
-        goal: Floats,
-        lower: Floats,
-        upper: Floats,
-        weights: Floats,
-        is_clear: EdgeCheck,
-        *,
-        iterations: int,
-        rng: np.random.Generator,
-    ) -> Search:
-        """Search until there is a path or the iterations are used up."""
-        ...
 
 
 STEP = 0.6

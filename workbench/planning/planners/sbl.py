@@ -16,7 +16,7 @@ from itertools import pairwise
 import numpy as np
 
 from workbench.model.geometry import Floats
-from workbench.planning.planners.rrt import EdgeCheck, Search
+from workbench.plugins.planner import EdgeCheck, Search
 
 REACH = 1.5
 """[rad] Largest distance, in the weighted metric, of a new milestone from the one it grows from."""

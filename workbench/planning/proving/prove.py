@@ -17,12 +17,15 @@ from workbench.planning.collision.legs import HOLDING, STRAIGHT, grips, hand_tur
 from workbench.planning.collision.motion import RESOLUTION
 from workbench.planning.collision.world import World
 from workbench.planning.kinematics.chain import chain_of
-from workbench.planning.kinematics.wire import WIRE_STEP
 from workbench.planning.proving.walk import walk
 
 IN_HAND_DISTANCE, IN_HAND_ANGLE = 0.001, np.deg2rad(1.0)
 """[m, rad] How far the part in the hand may be from where the detection and the grasp put it, and
 the hand from the place."""
+
+SAME = 1e-9
+"""[rad] Where configurations travel as they are, so far one leg may begin from the end of another.
+"""
 
 SIGHT = 0.1
 """[m] Clearances are measured up to here."""
@@ -144,8 +147,9 @@ def _arm_form(cell: Cell, plan: Plan, arm_plan: ArmPlan) -> Iterator[Finding]:
         return
     ends = [arm.home, *(leg.q[-1] for leg in arm_plan.legs)]
     starts = [*(leg.q[0] for leg in arm_plan.legs), arm.home]
+    same = max(cell.controller.motion.quantum, SAME)
     for leg_name, end, start in zip((*LEG_NAMES, "home"), ends, starts, strict=True):
-        if np.shape(end) != np.shape(start) or np.abs(end - start).max() > WIRE_STEP:
+        if np.shape(end) != np.shape(start) or np.abs(end - start).max() > same:
             yield Finding("does not start where the arm stands", name, leg_name)
             return
     T_world_part = plan.detections[arm_plan.detection].T_world_part
@@ -204,7 +208,7 @@ def _leg_values(cell: Cell, arm: Arm, leg: Leg) -> Iterator[Finding]:
             name,
             int(row),
         )
-    if np.abs(np.rad2deg(q) * 100 - np.round(np.rad2deg(q) * 100)).max() > 1e-6:
+    if not cell.controller.motion.is_sendable(q):
         yield Finding("holds a configuration finer than what can be sent", arm.name, name)
     low, high = arm.tool.stroke
     if arm.tool.fingers and not low <= leg.opening <= high:

@@ -38,8 +38,9 @@ from workbench.app.core.value_checks import (
     MOST_PARTS,
     SEED_LIMIT,
 )
-from workbench.model.cell import ORDER_NAMES, PLANNER_NAMES, Wishes
-from workbench.model.search import SearchWishes
+from workbench.model.cell import ORDER_NAMES, Wishes
+from workbench.model.scan import SearchWishes
+from workbench.plugins.planner import planner_names
 from workbench.web.api.fields import Field
 
 Values = Mapping[str, Any]
@@ -133,7 +134,7 @@ CALLS: tuple[Call, ...] = (
                 0.2,
             ),
             Field(
-                "planner", "of free legs", {"type": "string", "enum": PLANNER_NAMES}, default=None
+                "planner", "of free legs", {"type": "string", "enum": planner_names()}, default=None
             ),
             Field("order", "of the parts", {"type": "string", "enum": ORDER_NAMES}, default=None),
             Field("iterations", "of the planner", _whole(1, MOST_ITERATIONS), default=None),

@@ -1,0 +1,1 @@
+"""Everything of Acme that Workbench can use."""

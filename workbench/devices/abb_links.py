@@ -1,0 +1,57 @@
+"""The two robot links of ABB controllers, as the seam wants them."""
+
+from collections.abc import Callable, Iterator
+
+from workbench.devices.abb_simulated import controller
+from workbench.devices.abb_simulated.faults import parse_fault
+from workbench.devices.abb_socket.link import send_messages, send_program
+from workbench.devices.abb_socket.reports import watch_state
+from workbench.model.cell import Cell
+from workbench.model.motion import MotionModel
+from workbench.model.release import RobotState
+from workbench.plugins.options import NoOptions
+from workbench.plugins.robot_link import Running, Simulation
+
+
+class AbbSocket:
+    """Asks for message after message, and stops at each waypoint; see `docs/protocol.md`."""
+
+    motion = MotionModel("abb-socket", corners="stop", unit="deg", decimals=2)
+    Options = NoOptions
+    send = staticmethod(send_messages)
+
+    def check(self, cell: Cell) -> None:
+        """Any cell."""
+
+    def states(self, cell: Cell, cancelled: Callable[[], bool]) -> Iterator[RobotState]:
+        """What comes from the port beside the one for motion."""
+        return watch_state(cell.controller.host, cell.controller.state_port, cancelled)
+
+    def serve(self, cell: Cell, simulation: Simulation, ready: Callable[[Running], None]) -> None:
+        """The simulated controller, which speaks both."""
+        controller.serve(
+            cell,
+            host=simulation.host,
+            port=simulation.port,
+            state_port=simulation.state_port,
+            speed=simulation.speed,
+            record=simulation.record,
+            trace=simulation.trace,
+            faults=[parse_fault(text) for text in simulation.faults],
+            home_after=simulation.home_after,
+            ready=ready,
+        )
+
+
+class AbbProgram(AbbSocket):
+    """Loads a plan as a program, moves two arms at once, and rounds corners."""
+
+    motion = MotionModel(
+        "abb-socket/2",
+        corners="blend",
+        unit="deg",
+        decimals=2,
+        arms_at_once=2,
+        reports_progress=True,
+    )
+    send = staticmethod(send_program)

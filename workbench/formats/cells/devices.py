@@ -1,0 +1,79 @@
+"""A cell file's scanner, localizer and controller: found by name, with keys of their own."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from workbench.formats.cells.calibrations import read_record
+from workbench.formats.cells.options import read_options, refused_at
+from workbench.formats.files.toml_keys import Table
+from workbench.formats.files.units import UNITS
+from workbench.formats.meshes.solids import read_pose
+from workbench.model.cell import Controller, LocalizerChoice, ScannerMount
+from workbench.plugins.found import load
+from workbench.plugins.localizer import GROUP as LOCALIZERS
+from workbench.plugins.localizer import localizer_names
+from workbench.plugins.robot_link import controller_by, link_named, link_names, usual_link
+from workbench.plugins.scanner import GROUP as SCANNERS
+from workbench.plugins.scanner import scanner_names
+
+
+def read_scanner(table: Table) -> ScannerMount:
+    """The table `[scanner]`."""
+    columns, rows = table.numbers("resolution", 2, [640, 480], low=16, high=4096).astype(int)
+    mount = ScannerMount(
+        T_world_scanner=read_pose(table),
+        resolution=(int(columns), int(rows)),
+        field_of_view=float(np.deg2rad(table.number("field_of_view_deg", low=1, high=150))),
+        depth_noise=table.number("depth_noise_mm", 0.3, low=0, high=20) / 1000,
+        near=table.number("near_mm", 300, low=1, high=20_000) / 1000,
+        far=table.number("far_mm", 1500, low=1, high=20_000) / 1000,
+        source=table.text("source", "simulated", among=scanner_names()),
+        address=_address(table),
+        unit=table.text("unit", "m", among=tuple(UNITS)),
+        patience=table.number("patience_s", 60, low=0.1, high=3600),
+        calibration=read_record(table.table("calibration")) if table.has("calibration") else None,
+        calibration_days=table.number("calibration_days", 90, low=0.1, high=3650),
+    )
+    with refused_at(table, "source"):
+        options = read_options(table, load(SCANNERS, mount.source).Options)
+        mount = replace(mount, options=options)
+    table.finish()
+    if mount.source in ("folder", "http") and not mount.address:
+        raise table.error("address", f"source {mount.source!r} needs one")
+    if mount.source == "http" and not mount.address.startswith(("http://", "https://")):
+        raise table.error("address", f"{mount.address!r} does not begin with http:// or https://")
+    if not mount.near < mount.far:
+        raise table.error("near_mm", "must be less than far_mm")
+    return mount
+
+
+def _address(table: Table) -> str:
+    """A page as it is; a folder beside the cell file as an absolute path."""
+    address = table.text("address", "", empty=True)
+    if not address or "://" in address:
+        return address
+    return str((table.path.parent / address).resolve())
+
+
+def read_controller(table: Table) -> Controller:
+    """The table `[controller]`."""
+    name = table.text("protocol", usual_link(), among=link_names())
+    port = table.whole("port", 1025, low=1, high=65535)
+    host = table.text("host", "127.0.0.1")
+    state_port = table.whole("state_port", min(port + 1, 65535), low=1, high=65535)
+    with refused_at(table, "protocol"):
+        kind = link_named(name).Options
+        options = read_options(table, kind)
+        controller = controller_by(name, host, port, state_port, options)
+    table.finish()
+    return controller
+
+
+def read_localizer(table: Table) -> LocalizerChoice:
+    """The table `[localizer]`."""
+    name = table.text("name", among=localizer_names())
+    with refused_at(table, "name"):
+        choice = LocalizerChoice(name, read_options(table, load(LOCALIZERS, name).Options))
+    table.finish()
+    return choice

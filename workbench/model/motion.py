@@ -1,0 +1,85 @@
+"""What planning and proof need to know of how a controller moves, whoever has built it."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from workbench.model.errors import InputError
+from workbench.model.geometry import Floats
+
+Corners = Literal["stop", "blend", "streamed"]
+
+WHOLE = 1e-6
+"""[smallest step] A limit this close to a whole step is that step."""
+
+
+@dataclass(frozen=True, slots=True)
+class MotionModel:
+    """How a controller executes waypoints, and what it can say of it.
+
+    Angles travel in `unit` with so many `decimals`, or as they are where `decimals` is None.
+    `corners` at waypoints: it comes to rest there (`stop`), it rounds them by at most the cell's
+    zone (`blend`), or it is sent a configuration every `period` [s] along the rounded way
+    (`streamed`).  `arms_at_once` is how many arms it moves at the same time.  `reports_progress`:
+    the link itself acknowledges what is sent, a stop and the end, and says what became of each
+    part; otherwise all that is known comes from the states that the controller reports beside it.
+    """
+
+    link: str
+    corners: Corners = "stop"
+    unit: Literal["deg", "rad"] = "rad"
+    decimals: int | None = None
+    period: float = 0.0
+    arms_at_once: int = 1
+    reports_progress: bool = False
+
+    def __post_init__(self) -> None:
+        if self.corners == "streamed" and not self.period > 0:
+            raise InputError(f"robot link {self.link}: a streamed motion needs a period above 0 s")
+        if self.arms_at_once < 1:
+            raise InputError(f"robot link {self.link}: at least one arm has to be moved at once")
+
+    @property
+    def quantum(self) -> float:
+        """[rad] The smallest step in which a joint can be sent; 0 where there is none."""
+        if self.decimals is None:
+            return 0.0
+        step = 10.0**-self.decimals
+        return float(np.deg2rad(step)) if self.unit == "deg" else step
+
+    def rounded(self, q: Floats) -> Floats:
+        """The nearest configurations [rad] that can be sent, of the shape of `q`."""
+        if self.decimals is None:
+            return np.array(q, dtype=np.float64)
+        if self.unit == "rad":
+            return np.round(q, self.decimals)
+        return np.deg2rad(np.round(np.rad2deg(q), self.decimals))
+
+    def is_sendable(self, q: Floats) -> bool:
+        """Whether configurations [rad] of any shape are whole steps."""
+        if self.decimals is None:
+            return True
+        steps = self._steps(q)
+        return bool(np.abs(steps - np.round(steps)).max(initial=0.0) <= WHOLE)
+
+    def limits(self, lower: Floats, upper: Floats) -> tuple[Floats, Floats]:
+        """Joint limits (n,) [rad] moved inwards to what can be sent.
+
+        Without this, a joint at its limit could be rounded to beyond it.  A joint with no room
+        for two steps keeps its limits.
+        """
+        if self.decimals is None:
+            return lower, upper
+        low = self._angles(np.ceil(self._steps(lower) - WHOLE))
+        high = self._angles(np.floor(self._steps(upper) + WHOLE))
+        has_range = low < high
+        return np.where(has_range, low, lower), np.where(has_range, high, upper)
+
+    def _steps(self, q: Floats) -> Floats:
+        per_unit = 10 ** (self.decimals or 0)
+        return (np.rad2deg(q) if self.unit == "deg" else np.asarray(q)) * per_unit
+
+    def _angles(self, steps: Floats) -> Floats:
+        angles = steps / 10 ** (self.decimals or 0)
+        return np.deg2rad(angles) if self.unit == "deg" else angles

@@ -1,0 +1,164 @@
+"""What installed packages declare for a seam: entry points, ours among them.
+
+A name is looked up in the workbench's own package first: nobody can take a built-in name.  What
+cannot be loaded is told of by `plugins`, and never stops what does not use it.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cache
+from importlib.metadata import (
+    Distribution,
+    EntryPoint,
+    PackageNotFoundError,
+    distribution,
+    distributions,
+)
+from typing import Any, Literal, get_args
+
+from workbench.model.errors import InputError
+
+OURS = "workbench"
+
+Group = Literal[
+    "workbench.scanners",
+    "workbench.robot_links",
+    "workbench.planners",
+    "workbench.localizers",
+    "workbench.tools",
+    "workbench.tabs",
+]
+GROUPS: tuple[Group, ...] = get_args(Group)
+
+WHAT: dict[Group, str] = {
+    "workbench.scanners": "scanner",
+    "workbench.robot_links": "robot link",
+    "workbench.planners": "planner",
+    "workbench.localizers": "localizer",
+    "workbench.tools": "tool",
+    "workbench.tabs": "tab",
+}
+"""What one of a group is called."""
+
+
+@dataclass(frozen=True, slots=True)
+class Plugin:
+    """One declared name: by which distribution, and why it cannot be used, if so."""
+
+    group: Group
+    name: str
+    target: str
+    package: str
+    version: str
+    problem: str = ""
+
+
+USUAL = "default"
+"""Names for us what is meant where a cell file names nothing; not a name that one can give."""
+
+
+def names(group: Group) -> tuple[str, ...]:
+    """All names that are declared for a seam, ours first, each in the order of the alphabet."""
+    ours = (name for name in sorted(_own()[group]) if name != USUAL)
+    return tuple(dict.fromkeys((*ours, *sorted(_foreign()[group]))))
+
+
+def load(group: Group, name: str) -> Any:
+    """What a name stands for.
+
+    Raises:
+        InputError: nobody declares the name, two packages do, or it cannot be loaded.
+    """
+    own = _own()[group].get(name)
+    found = [own] if own is not None else _foreign()[group].get(name, [])
+    what = WHAT[group]
+    if not found:
+        raise InputError(f"there is no {what} {name!r}; known: {', '.join(names(group))}")
+    if len(found) > 1:
+        both = " and ".join(sorted(package for _, package, _ in found))
+        raise InputError(f"the {what} {name!r} is declared by {both}; remove one of them")
+    entry, package, _ = found[0]
+    try:
+        return _loaded(entry)
+    except Exception as error:
+        raise InputError(f"the {what} {name!r} of {package} {_why(error)}") from error
+
+
+def plugins() -> Iterator[Plugin]:
+    """Everything that is declared, and what is wrong with it."""
+    for group in GROUPS:
+        own, foreign = _own()[group], _foreign()[group]
+        for entry, package, version in own.values():
+            if entry.name == USUAL:
+                continue
+            yield _tried(group, entry, package, version, "")
+        for name, found in foreign.items():
+            for entry, package, version in found:
+                problem = ""
+                if name in own:
+                    problem = "the workbench has one of that name, which is used"
+                elif len(found) > 1:
+                    problem = "several packages declare that name, so none of them is used"
+                yield _tried(group, entry, package, version, problem)
+
+
+_Found = tuple[EntryPoint, str, str]
+"""What is declared, by which distribution, in which version."""
+
+
+def _tried(group: Group, entry: EntryPoint, package: str, version: str, problem: str) -> Plugin:
+    if not problem:
+        try:
+            _loaded(entry)
+        except Exception as error:
+            problem = _why(error)
+    return Plugin(group, entry.name, entry.value, package, version, problem)
+
+
+def _why(error: Exception) -> str:
+    return f"cannot be loaded: {type(error).__name__}: {error}"
+
+
+@cache
+def _loaded(entry: EntryPoint) -> Any:
+    return entry.load()
+
+
+@cache
+def _own() -> dict[Group, dict[str, _Found]]:
+    """Ours, without a look at all that is installed: most need no more."""
+    try:
+        package = distribution(OURS)
+    except PackageNotFoundError:
+        raise InputError("the workbench is not installed; `pip install .` does that") from None
+    return {
+        group: {
+            entry.name: (entry, OURS, package.version)
+            for entry in package.entry_points
+            if entry.group == group
+        }
+        for group in GROUPS
+    }
+
+
+@cache
+def _foreign() -> dict[Group, dict[str, list[_Found]]]:
+    found: dict[Group, dict[str, list[_Found]]] = {group: {} for group in GROUPS}
+    seen: set[str] = {OURS}
+    for package in distributions():
+        name = _name(package)
+        # What lies behind another of the same name on the path is not what gets imported.
+        if name in seen:
+            continue
+        seen.add(name)
+        for entry in package.entry_points:
+            if entry.group in GROUPS:
+                group: Group = entry.group
+                found[group].setdefault(entry.name, []).append((entry, name, package.version))
+    return found
+
+
+def _name(package: Distribution) -> str:
+    # A folder that pip has left behind half removed has no name.
+    metadata: Any = package.metadata
+    return str(metadata["Name"] or "nameless").lower().replace("_", "-")

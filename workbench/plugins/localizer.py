@@ -1,0 +1,97 @@
+"""The seam of localizers: which parts lie where in a scan."""
+
+from collections.abc import Callable
+from typing import Any, Protocol
+
+from workbench.model.cell import Cell
+from workbench.model.errors import InputError
+from workbench.model.scan import Findings, Scan
+from workbench.plugins.found import USUAL, Group, load, names
+from workbench.plugins.options import options_of
+
+GROUP: Group = "workbench.localizers"
+
+
+def _silent(done: float, note: str) -> None:
+    pass
+
+
+def _never() -> bool:
+    return False
+
+
+class Localizer(Protocol):
+    """Finds all parts of a cell in a scan.
+
+    A class with this interface is made for each search, with its options: `Options` is the
+    dataclass of the keys that stand in the cell file under `[localizer.options]`
+    (`plugins.options`), or `NoOptions`.
+    """
+
+    Options: type
+
+    def __init__(self, options: Any) -> None:
+        """Nothing is computed yet."""
+        ...
+
+    def find(
+        self,
+        scan: Scan,
+        cell: Cell,
+        *,
+        seed: int,
+        detail: float,
+        report: Callable[[float, str], None],
+        cancelled: Callable[[], bool],
+    ) -> Findings:
+        """All instances of all parts of the cell that the scan shows in its bin.
+
+        The same scan and seed bring the same findings.  What is not sure is left out: a part that
+        is missing costs a pick, a wrong pose a crash.
+
+        Args:
+            scan: organised or not.
+            cell: its parts say what to look for, its bin where, its scanner how noisy points are.
+            seed: of everything that is drawn.
+            detail: how fine the scan is looked at; 1 is usual.
+            report: is told the share done, 0..1, and what is being done.
+            cancelled: is asked now and then whether to give up.
+
+        Returns:
+            `detections` with `T_world_part` and scores 0..1, the surest first, each of a part of
+            the cell; `discarded` says what was looked at and not taken, and may be empty.
+
+        Raises:
+            JobCancelled: `cancelled` said so.
+        """
+        ...
+
+
+def localizer_names() -> tuple[str, ...]:
+    """All localizers there are."""
+    return names(GROUP)
+
+
+def find_parts(
+    scan: Scan,
+    cell: Cell,
+    *,
+    seed: int,
+    detail: float = 1.0,
+    report: Callable[[float, str], None] = _silent,
+    cancelled: Callable[[], bool] = _never,
+) -> Findings:
+    """The parts in a scan, by the cell's localizer; see `Localizer.find`.
+
+    Raises:
+        InputError: there is no such localizer, or it found a part that the cell does not have.
+    """
+    name = cell.localizer.name or USUAL
+    kind = load(GROUP, name)
+    localizer: Localizer = kind(options_of(kind.Options, cell.localizer.options))
+    found = localizer.find(scan, cell, seed=seed, detail=detail, report=report, cancelled=cancelled)
+    known = {part.name for part in cell.parts}
+    for one in found.detections:
+        if one.part not in known:
+            raise InputError(f"localizer {name} found a part {one.part!r}, which the cell has not")
+    return found

@@ -1,0 +1,73 @@
+"""The seam of scanners: where scans come from."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+from workbench.model.cell import Cell
+from workbench.model.scan import Scan
+from workbench.plugins.found import Group, load, names
+from workbench.plugins.options import options_of
+
+GROUP: Group = "workbench.scanners"
+
+Report = Callable[[float, str], None]
+"""Takes the share done, 0..1, and what is being done."""
+
+Cancelled = Callable[[], bool]
+
+
+@dataclass(frozen=True, slots=True)
+class ScanRequest:
+    """What a simulated scanner shall see; a real one sees what lies there.
+
+    `parts` parts of the kind `part` (empty: the cell's first) dropped by `seed`.
+    """
+
+    seed: int = 0
+    parts: int = 0
+    part: str = ""
+
+
+class Scanner(Protocol):
+    """A driver of one make of scanner.
+
+    A class with this interface is made anew for each scan, in a process of its own, with the cell
+    and its options: `cell.scanner` is the mount with pose, intrinsics, range, `address` and
+    `patience`; `Options` is the dataclass of the keys that stand in the cell file under
+    `[scanner.options]` (`plugins.options`), or `NoOptions`.
+    """
+
+    Options: type
+
+    def __init__(self, cell: Cell, options: Any) -> None:
+        """Connect to nothing yet."""
+        ...
+
+    def scan(self, request: ScanRequest, report: Report, cancelled: Cancelled) -> Scan:
+        """Take one scan, of what lies in the bin after this call.
+
+        `Scan.points` are in the scanner's frame [m]; organised scans have `pixels` and a
+        `resolution`.  `T_world_scanner` is the mount's.
+
+        Raises:
+            LinkError: nothing came within `cell.scanner.patience`, or what came is no scan.
+            FileError: what came is no cloud.
+            JobCancelled: `cancelled`, asked at least every 0.1 s, said so.
+        """
+        ...
+
+
+def scanner_names() -> tuple[str, ...]:
+    """All scanners there are."""
+    return names(GROUP)
+
+
+def scanner_of(cell: Cell) -> Scanner:
+    """The cell's scanner, ready to take one scan.
+
+    Raises:
+        InputError: there is none of its name, or its options are not right.
+    """
+    kind = load(GROUP, cell.scanner.source)
+    return kind(cell, options_of(kind.Options, cell.scanner.options))

@@ -1,0 +1,124 @@
+"""The promises of robot links, tried on the simulated controller that the link brings."""
+
+import threading
+import time
+from collections.abc import Generator, Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+
+from workbench.model.cell import Cell
+from workbench.model.errors import CommandRefused, JobCancelled, LinkError
+from workbench.model.plan import Plan
+from workbench.model.release import Approval, LinkStatus, Receipt
+from workbench.plugins.robot_link import LinkPatience, RobotLink, Running, Simulation, send
+from workbench.testing.options import check_options
+
+PATIENCE = 120.0
+"""[s] For what has to come at some time; only a link that hangs takes so long."""
+
+
+@contextmanager
+def simulated(link: RobotLink, cell: Cell, speed: float) -> Generator[Cell]:
+    """The cell with its controller where the link's simulated controller runs, in a thread."""
+    began, running = threading.Event(), list[Running]()
+
+    def ready(one: Running) -> None:
+        running.append(one)
+        began.set()
+
+    wanted = Simulation("127.0.0.1", 0, 0, speed, None, None, (), float("inf"))
+    thread = threading.Thread(target=link.serve, args=(cell, wanted, ready), daemon=True)
+    thread.start()
+    assert began.wait(PATIENCE), "the simulated controller did not start"
+    at = replace(
+        cell.controller,
+        host="127.0.0.1",
+        port=running[0].port,
+        state_port=running[0].state_port,
+    )
+    try:
+        yield replace(cell, controller=at)
+    finally:
+        running[0].stop()
+        thread.join(PATIENCE)
+        assert not thread.is_alive(), "the simulated controller did not stop"
+
+
+def check_robot_link(link: RobotLink, cell: Cell, plan: Plan, approval: Approval) -> None:
+    """A link sends what was approved, all of it, once; stops when it is told to; and says so.
+
+    Args:
+        link: an object of the class that is declared.
+        cell: spoken to by this link.
+        plan: with a proof that holds, made for this cell.
+        approval: that lets it out, valid now.
+    """
+    assert cell.controller.motion == link.motion, "the cell has to be spoken to by this link"
+    check_options(link.Options, cell.controller.options)
+    link.check(cell)
+    patience = LinkPatience(PATIENCE, PATIENCE, PATIENCE, PATIENCE, PATIENCE)
+    with simulated(link, cell, speed=100.0) as there:
+        shown: list[LinkStatus] = []
+        receipts = list(send(plan, approval, there, show=shown.append, patience=patience))
+        _check_receipts(link, plan, receipts)
+        assert shown, "nobody was told how the link stands"
+        for change in ("plan_digest", "cell_digest", "scan_digest"):
+            other = replace(approval, **{change: "0" * 64})
+            assert _refused(plan, other, there), f"an approval with another {change} was taken"
+            try:
+                list(_straight(link, plan, other, there, patience))
+            except CommandRefused:
+                continue
+            raise AssertionError(f"the link itself took an approval with another {change}")
+    with simulated(link, cell, speed=0.2) as there:
+        began, taken = time.monotonic(), list[Receipt]()
+
+        def is_enough() -> bool:
+            assert time.monotonic() - began < PATIENCE, "`cancelled` is to be asked all the time"
+            return bool(taken)
+
+        try:
+            for receipt in send(plan, approval, there, cancelled=is_enough, patience=patience):
+                taken.append(receipt)
+        except JobCancelled:
+            pass
+        else:
+            raise AssertionError("a sending that was stopped came to its end")
+    nowhere = replace(cell.controller, host="127.0.0.1", port=9)
+    try:
+        list(send(plan, approval, replace(cell, controller=nowhere), patience=patience))
+    except LinkError:
+        return
+    raise AssertionError("nobody listens there, and that was no LinkError")
+
+
+def _check_receipts(link: RobotLink, plan: Plan, receipts: list[Receipt]) -> None:
+    assert receipts, "there are receipts of what was sent"
+    done = [receipt.done for receipt in receipts]
+    assert done == sorted(done), "receipts count upwards"
+    assert done[-1] == receipts[-1].total, "the last receipt tells of the last message"
+    if link.motion.reports_progress:
+        parts = {one.part.arm: one.part for one in receipts if one.part is not None}
+        assert set(parts) == {arm.arm for arm in plan.arms}, "each part of the plan is told of"
+
+
+def _refused(plan: Plan, approval: Approval, cell: Cell) -> bool:
+    try:
+        list(send(plan, approval, cell))
+    except CommandRefused:
+        return True
+    return False
+
+
+def _straight(
+    link: RobotLink, plan: Plan, approval: Approval, cell: Cell, patience: LinkPatience
+) -> Iterator[Receipt]:
+    return link.send(
+        plan,
+        approval,
+        cell,
+        now=time.time,
+        cancelled=lambda: False,
+        show=lambda status: None,
+        patience=patience,
+    )
