@@ -104,7 +104,7 @@ def plan(**changes) -> Plan:
         "cell_digest": "1",
         "scan_digest": "2",
         "seed": 0,
-        "strategy": Strategy.RIGHT_ONLY,
+        "strategy": Strategy.single("right"),
         "guarantee": Guarantee.ONE_AT_A_TIME,
         "detections": (Detection("p", pin.SE3.Identity()),),
         "arms": (arm,),
@@ -118,7 +118,7 @@ def test_computing_time_is_not_part_of_a_plan_but_all_else_is():
     for change in (
         {"seed": 1},
         {"cell_digest": "3"},
-        {"strategy": Strategy.LEFT_ONLY},
+        {"strategy": Strategy.single("left")},
         {"arms": ()},
     ):
         assert plan(**change).digest != plan().digest

@@ -2,7 +2,6 @@
 
 import typing
 
-from workbench.app.core.rules import STRATEGIES
 from workbench.cli.arguments import names
 from workbench.model.cell import ORDER_NAMES, PLANNER_NAMES, PROTOCOL_NAMES
 
@@ -11,4 +10,3 @@ def test_the_choices_are_the_same():
     assert typing.get_args(names.PlannerName) == PLANNER_NAMES
     assert typing.get_args(names.OrderName) == ORDER_NAMES
     assert typing.get_args(names.ProtocolName) == PROTOCOL_NAMES
-    assert typing.get_args(names.StrategyName) == STRATEGIES

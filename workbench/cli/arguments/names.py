@@ -2,7 +2,6 @@
 
 from typing import Literal
 
-StrategyName = Literal["auto", "alternated", "coordinated", "right", "left", "both"]
 ProtocolName = Literal["abb-socket", "abb-socket/2"]
 OrderName = Literal["travel", "highest", "score", "nearest", "walls", "thesis"]
 PlannerName = Literal[

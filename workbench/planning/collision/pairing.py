@@ -1,7 +1,7 @@
 """Which pairs of bodies count in a phase, and what distance each must keep."""
 
 import threading
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -88,11 +88,11 @@ class Checks:
         margins[pairs] = np.minimum(margins[pairs], distances - slack)
         return margins
 
-    def alone(self, arm: int) -> Ints:
-        """The pairs that one arm has with itself and with what no arm carries."""
+    def alone(self, arm: int, beside: Sequence[int] = ()) -> Ints:
+        """The pairs that one arm has with itself, what no arm carries, and the arms `beside`."""
         is_own = self.carriers[self.among] == arm
-        is_still = self.carriers[self.among] < 0
-        return self.among[is_own.any(axis=1) & (is_own | is_still).all(axis=1)]
+        is_meant = is_own | np.isin(self.carriers[self.among], (-1, *beside))
+        return self.among[is_own.any(axis=1) & is_meant.all(axis=1)]
 
     def involving(self, arm: int) -> Ints:
         """The pairs of which one body at least is carried by an arm."""
@@ -108,10 +108,10 @@ class Checks:
         among = self.involving(arm)
         return among[self.leaves[among]]
 
-    def between(self) -> Ints:
-        """The pairs of bodies that different arms carry."""
+    def between(self, arms: Sequence[int]) -> Ints:
+        """The pairs of bodies that different ones of these arms carry."""
         first, second = self.carriers[self.among].T
-        return self.among[(first >= 0) & (second >= 0) & (first != second)]
+        return self.among[np.isin(first, arms) & np.isin(second, arms) & (first != second)]
 
 
 class Pairing:

@@ -1,7 +1,7 @@
 """The world of one scan: one collision model whose attachments and margins change by phase."""
 
 import math
-from collections.abc import Generator, Mapping
+from collections.abc import Generator, Iterable, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
 
@@ -281,17 +281,23 @@ class World:
         number = int(np.argmin(np.array(distances) - self._margins[among]))
         return self._contact_of(int(among[number]), distances[number])
 
-    def alone(self, arm: str) -> Ints:
-        """Pairs of this phase that one arm has with itself and with what no arm carries."""
-        return self._checks.alone(self._arm_index[arm])
+    def alone(self, arm: str, beside: Iterable[str] = ()) -> Ints:
+        """Pairs of this phase of one arm with itself, what no arm carries, and arms `beside`."""
+        return self._checks.alone(
+            self._arm_index[arm], [self._arm_index[other] for other in beside]
+        )
+
+    def all_but(self, arm: str, other: str) -> Ints:
+        """Pairs of this phase that one arm has, but for those with another arm."""
+        return self.alone(arm, [name for name in self._arm_index if name not in (arm, other)])
 
     def involving(self, arm: str) -> Ints:
         """Pairs of this phase of which one body at least is carried by an arm."""
         return self._checks.involving(self._arm_index[arm])
 
-    def between(self) -> Ints:
-        """Pairs of this phase whose bodies different arms carry."""
-        return self._checks.between()
+    def between(self, *arms: str) -> Ints:
+        """Pairs of this phase whose bodies different arms carry, of these arms if any are named."""
+        return self._checks.between([self._arm_index[arm] for arm in arms or self._arm_index])
 
     def to_placed(self, arm: str) -> Ints:
         """Pairs of this phase of an arm with parts that other arms have placed."""

@@ -28,7 +28,7 @@ from workbench.app.core.commands import (
     WantThreshold,
     WatchPlan,
 )
-from workbench.app.core.rules import STRATEGIES
+from workbench.app.core.rules import strategies_of
 from workbench.app.core.value_checks import (
     DETAIL,
     LARGEST_MARGIN,
@@ -125,7 +125,13 @@ CALLS: tuple[Call, ...] = (
         _plan,
         (
             SEED,
-            Field("strategy", "which arms work", {"type": "string", "enum": STRATEGIES}, "auto"),
+            Field(
+                "strategy",
+                "which arms work: one of the `strategies` of the state",
+                {"type": "string"},
+                "auto",
+                strategies_of,
+            ),
             Field(
                 "threshold",
                 "[m] parts nearer to each other are taken one after the other",

@@ -118,7 +118,8 @@ class Api:
         content = await _body(request)
         if isinstance(content, web.Response):
             return content
-        command = call.make(body_of(content, call.fields))
+        cell = self._bench.state.cell
+        command = call.make(body_of(content, [field.in_cell(cell) for field in call.fields]))
         state = await asyncio.to_thread(self._bench.do, command, person.name, person.role)
         done = {
             "number": state.number,
