@@ -46,7 +46,7 @@ class Strategy(str):
         Raises:
             InputError: it is neither one of the two words nor what an arm can be called.
         """
-        if not isinstance(text, str) or not re.fullmatch(ARM_NAME, text):
+        if not re.fullmatch(ARM_NAME, text):
             raise InputError(
                 f"strategy {text!r:.60}: alternated, coordinated or the name of an arm is expected"
             )

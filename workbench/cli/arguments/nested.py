@@ -51,8 +51,7 @@ class BenchPick:
     parts: int = 2
     """How many parts in each."""
     strategy: str = "auto"
-    """Which arms work: auto, alternated, coordinated, both (plans the two and compares), or the
-    name of an arm that works alone, such as right."""
+    """Which arms work: auto, alternated, coordinated, both, or one arm by its name."""
     planner: PlannerName | None = None
     """Planner of the free legs; the cell's when not given."""
     seed: int = 0

@@ -147,8 +147,7 @@ class Plan:
     scan: Path | None = None
     """PLY file that the poses were found in: what it shows beside the parts is kept clear of."""
     strategy: str = "auto"
-    """Which arms work: auto, alternated, coordinated, both (plans the two and compares), or the
-    name of an arm that works alone, such as right."""
+    """Which arms work: auto, alternated, coordinated, both, or one arm by its name."""
     threshold: float | None = None
     """Distance of two parts [m] from which both arms may work; the cell's when not given."""
     planner: PlannerName | None = None

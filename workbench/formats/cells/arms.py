@@ -39,13 +39,13 @@ def read_arms(table: Table, robot: Robot) -> tuple[Arm, ...]:
     known: dict[str, str] = {}
     for arm in arms:
         # People do not tell names apart by capitals, nor do all file systems.
-        other = known.setdefault(arm.name.lower(), arm.name)
-        if other is not arm.name:
+        if (other := known.get(arm.name.lower())) is not None:
             raise table.error(
                 "arm.name",
                 f"{arm.name!r} is there beside {other!r}; names that differ in more than capitals "
                 "are expected",
             )
+        known[arm.name.lower()] = arm.name
     # Messages to the controller call an arm by its letter alone.
     table.once("arm.letter", (arm.letter for arm in arms))
     return arms

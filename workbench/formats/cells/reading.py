@@ -160,8 +160,8 @@ def _without_pairs(table: Table, robot: Robot, arms: tuple[Arm, ...]) -> Robot:
             if name not in links | tools:
                 raise FileError(
                     srdf,
-                    f"names {name!r}; a link of the URDF or the tool of an arm is expected "
-                    f"({', '.join(sorted(tools))})",
+                    f"names link {name!r}, which the URDF does not have; the tool of an arm is "
+                    f"called {' or '.join(sorted(tools))}",
                 )
     return replace(robot, disabled_pairs=robot.disabled_pairs | pairs)
 
