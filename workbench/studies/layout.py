@@ -232,7 +232,7 @@ def _homes(cell: Cell, away: float, up: float) -> list[Floats] | None:
             found, residuals = chain.solve(T, starts)
             answers += list(found[is_solution(residuals)])
         answers.sort(key=lambda q: _awkwardness(chain, q))
-        among = world.alone(arm.name, beside=homes)
+        among = world.alone(arm.name) if len(homes) + 1 < len(cell.arms) else None
         for q in map(on_wire, answers):
             whole = world.configuration({**homes, arm.name: q})
             if world.contact(whole, among) is None:

@@ -88,11 +88,11 @@ class Checks:
         margins[pairs] = np.minimum(margins[pairs], distances - slack)
         return margins
 
-    def alone(self, arm: int, beside: Sequence[int] = ()) -> Ints:
-        """The pairs that one arm has with itself, what no arm carries, and the arms `beside`."""
+    def alone(self, arm: int) -> Ints:
+        """The pairs that one arm has with itself and with what no arm carries."""
         is_own = self.carriers[self.among] == arm
-        is_meant = is_own | np.isin(self.carriers[self.among], (-1, *beside))
-        return self.among[is_own.any(axis=1) & is_meant.all(axis=1)]
+        is_still = self.carriers[self.among] < 0
+        return self.among[is_own.any(axis=1) & (is_own | is_still).all(axis=1)]
 
     def involving(self, arm: int) -> Ints:
         """The pairs of which one body at least is carried by an arm."""

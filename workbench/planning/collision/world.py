@@ -1,7 +1,7 @@
 """The world of one scan: one collision model whose attachments and margins change by phase."""
 
 import math
-from collections.abc import Generator, Iterable, Mapping
+from collections.abc import Generator, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
 
@@ -281,15 +281,13 @@ class World:
         number = int(np.argmin(np.array(distances) - self._margins[among]))
         return self._contact_of(int(among[number]), distances[number])
 
-    def alone(self, arm: str, beside: Iterable[str] = ()) -> Ints:
-        """Pairs of this phase of one arm with itself, what no arm carries, and arms `beside`."""
-        return self._checks.alone(
-            self._arm_index[arm], [self._arm_index[other] for other in beside]
-        )
+    def alone(self, arm: str) -> Ints:
+        """Pairs of this phase that one arm has with itself and with what no arm carries."""
+        return self._checks.alone(self._arm_index[arm])
 
     def all_but(self, arm: str, other: str) -> Ints:
-        """Pairs of this phase that one arm has, but for those with another arm."""
-        return self.alone(arm, [name for name in self._arm_index if name not in (arm, other)])
+        """Pairs of this phase of one arm, but for those with the other."""
+        return np.setdiff1d(self.involving(arm), self.between(arm, other))
 
     def involving(self, arm: str) -> Ints:
         """Pairs of this phase of which one body at least is carried by an arm."""
@@ -384,10 +382,8 @@ class World:
         return float(pin.computeDistance(self._geometry, self._data, k).min_distance)
 
     def _labels(self, k: int) -> tuple[str, str]:
-        return (
-            self._bodies[self._pairing.first[k]].label,
-            self._bodies[self._pairing.second[k]].label,
-        )
+        first, second = self._pairing.first[k], self._pairing.second[k]
+        return self._bodies[first].label, self._bodies[second].label
 
     def _contact_of(self, k: int, distance: float) -> Contact:
         return Contact(self._labels(k), distance, float(self._margins[k]))

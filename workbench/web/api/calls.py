@@ -28,7 +28,6 @@ from workbench.app.core.commands import (
     WantThreshold,
     WatchPlan,
 )
-from workbench.app.core.rules import strategies_of
 from workbench.app.core.value_checks import (
     DETAIL,
     LARGEST_MARGIN,
@@ -128,9 +127,8 @@ CALLS: tuple[Call, ...] = (
             Field(
                 "strategy",
                 "which arms work: one of the `strategies` of the state",
-                {"type": "string"},
+                _text(LONGEST_NAME),
                 "auto",
-                strategies_of,
             ),
             Field(
                 "threshold",

@@ -1,14 +1,13 @@
 """What a request may carry: each field with its JSON Schema, which is also what is checked."""
 
 import re
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from workbench.formats.files.json_keys import parse_object
 from workbench.formats.files.toml_keys import shown
-from workbench.model.cell import Cell
 from workbench.model.errors import InputError
 
 LARGEST_BODY = 64 * 1024
@@ -26,25 +25,17 @@ class Field:
 
     `schema` uses `type` (one of integer, number, string, boolean), `minimum`, `maximum`,
     `maxLength`, `pattern` and `enum`, nothing else; without a `default` the key must be given.
-    `choices` gives those of a cell where they are its own.
     """
 
     name: str
     says: str
     schema: Mapping[str, Any]
     default: Any = REQUIRED
-    choices: Callable[[Cell], tuple[str, ...]] | None = None
 
     @property
     def is_required(self) -> bool:
         """Whether it must be given."""
         return self.default is REQUIRED
-
-    def in_cell(self, cell: Cell) -> "Field":
-        """The field as it is checked in a cell."""
-        if self.choices is None:
-            return self
-        return replace(self, schema={**self.schema, "enum": self.choices(cell)})
 
 
 def body_of(content: bytes, fields: Sequence[Field]) -> dict[str, Any]:

@@ -118,8 +118,7 @@ class Api:
         content = await _body(request)
         if isinstance(content, web.Response):
             return content
-        cell = self._bench.state.cell
-        command = call.make(body_of(content, [field.in_cell(cell) for field in call.fields]))
+        command = call.make(body_of(content, call.fields))
         state = await asyncio.to_thread(self._bench.do, command, person.name, person.role)
         done = {
             "number": state.number,
