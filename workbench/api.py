@@ -117,7 +117,8 @@ def plan(
         cell: with its arms, places and policy.
         detections: the parts in the bin, at least one; those not taken are obstacles.
         scan: in which they were found; what else it shows within reach is avoided.
-        strategy: `auto`, `both`, or a `Strategy`.
+        strategy: `auto`, `alternated`, `coordinated`, `both`, or the name of
+            an arm, which works alone.
         threshold: [m] nearer parts are taken by one arm after the other; None takes the cell's.
         wishes: what this one planning wants otherwise than the cell's policy.
         seed: the same seed gives the same plan.

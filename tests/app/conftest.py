@@ -54,7 +54,7 @@ class Samples:
             cell.digest,
             scan_digest,
             seed,
-            Strategy.RIGHT_ONLY,
+            Strategy.single("right"),
             Guarantee.ONE_AT_A_TIME,
             self.detections(),
             (arm,),

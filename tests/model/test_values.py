@@ -1,6 +1,7 @@
 """Values are made once, cannot be changed, and refuse what is no pose and no scan."""
 
 import dataclasses
+import pickle
 
 import numpy as np
 import pinocchio as pin
@@ -8,6 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from workbench.model.digest import canonical
 from workbench.model.errors import FileError, InputError
 from workbench.model.geometry import pose_from_matrix, pose_from_rpy
 from workbench.model.part import Grasp, GraspLibrary, GraspPattern
@@ -104,7 +106,7 @@ def plan(**changes) -> Plan:
         "cell_digest": "1",
         "scan_digest": "2",
         "seed": 0,
-        "strategy": Strategy.RIGHT_ONLY,
+        "strategy": Strategy.single("right"),
         "guarantee": Guarantee.ONE_AT_A_TIME,
         "detections": (Detection("p", pin.SE3.Identity()),),
         "arms": (arm,),
@@ -118,7 +120,7 @@ def test_computing_time_is_not_part_of_a_plan_but_all_else_is():
     for change in (
         {"seed": 1},
         {"cell_digest": "3"},
-        {"strategy": Strategy.LEFT_ONLY},
+        {"strategy": Strategy.single("left")},
         {"arms": ()},
     ):
         assert plan(**change).digest != plan().digest
@@ -129,3 +131,20 @@ def test_a_file_error_survives_the_way_to_another_process():
 
     error = pickle.loads(pickle.dumps(FileError("a.toml", "key x: is missing")))
     assert str(error) == "a.toml: key x: is missing"
+
+
+def test_a_strategy_is_its_text_wherever_it_goes():
+    for text in ("alternated", "coordinated", "right", "arm_2-b"):
+        strategy = Strategy(text)
+        assert canonical(strategy) == str(strategy) == text
+        assert pickle.loads(pickle.dumps(strategy)) == strategy
+    assert Strategy("right") == Strategy.single("right")
+    assert Strategy.COORDINATED.arm == Strategy.ALTERNATED.arm == ""
+    assert Strategy.single("manipulator").words == "manipulator arm only"
+    assert Strategy.ALTERNATED.words == "alternated"
+
+
+@pytest.mark.parametrize("text", ["", "right arm", "-x", "a" * 41, "größe", "right\n"])
+def test_what_no_arm_can_be_called_is_no_strategy(text):
+    with pytest.raises(InputError, match="the name of an arm is expected"):
+        Strategy(text)

@@ -56,10 +56,15 @@ class Tool:
         put(self, T_flange_tcp=copied(self.T_flange_tcp))
 
 
+ARM_NAME = r"[A-Za-z0-9_][A-Za-z0-9_-]{0,39}"
+"""What an arm can be called."""
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Arm:
     """One kinematic chain with a tool.
 
+    `name` is like `ARM_NAME`, and no word of a strategy: it stands where one is asked for.
     `joints` are the movable joints from base to flange, chain order; `wire_order[k]` is the
     place in the chain of the k-th axis on the wire and `wire_signs` its sense.  `home` (n,)
     [rad], chain order.  `places` are TCP poses where a part may be released, tried in order;

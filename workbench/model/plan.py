@@ -1,15 +1,18 @@
 """A plan: what each arm does, exactly as it will be sent; its proof; and what planning brings."""
 
 import enum
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 import pinocchio as pin
 
 from workbench.model.candidate import Candidate, Verdict
+from workbench.model.cell import ARM_NAME
 from workbench.model.digest import digest_of
+from workbench.model.errors import InputError
 from workbench.model.geometry import Floats, copied, frozen, put
 from workbench.model.scan import Detection, Obstacle
 
@@ -22,13 +25,51 @@ LegName = Literal["reach", "approach", "extract", "return", "place", "home"]
 LEG_NAMES: tuple[LegName, ...] = ("reach", "approach", "extract", "return", "place", "home")
 
 
-class Strategy(enum.StrEnum):
-    """Which arms work, and whether at once."""
+STRATEGY_WORDS = ("auto", "alternated", "coordinated", "both", "single")
+"""What a request can ask for besides an arm by its name, so that no arm is called so."""
 
-    ALTERNATED = "alternated"
-    COORDINATED = "coordinated"
-    RIGHT_ONLY = "right"
-    LEFT_ONLY = "left"
+
+class Strategy(str):
+    """Which arms work, and whether at once: `alternated`, `coordinated`, or one arm alone.
+
+    Its text, in files, messages and digests, is one of the two words or the name of the arm.
+    """
+
+    __slots__ = ()
+
+    ALTERNATED: ClassVar["Strategy"]
+    COORDINATED: ClassVar["Strategy"]
+
+    def __new__(cls, text: str) -> "Strategy":
+        """The strategy with this text.
+
+        Raises:
+            InputError: it is neither one of the two words nor what an arm can be called.
+        """
+        if not re.fullmatch(ARM_NAME, text):
+            raise InputError(
+                f"strategy {text!r:.60}: alternated, coordinated or the name of an arm is expected"
+            )
+        return super().__new__(cls, text)
+
+    @classmethod
+    def single(cls, arm: str) -> "Strategy":
+        """That arm alone."""
+        return cls(arm)
+
+    @property
+    def arm(self) -> str:
+        """The name of the arm that works alone; empty where two arms work."""
+        return "" if self in (Strategy.ALTERNATED, Strategy.COORDINATED) else str(self)
+
+    @property
+    def words(self) -> str:
+        """For people: `right arm only`."""
+        return f"{self} arm only" if self.arm else str(self)
+
+
+Strategy.ALTERNATED = Strategy("alternated")
+Strategy.COORDINATED = Strategy("coordinated")
 
 
 class Guarantee(enum.StrEnum):

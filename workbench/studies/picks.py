@@ -35,7 +35,7 @@ def measure(
         scenes: how many piles.
         parts: how many parts in each.
         seed: of the first pile; the others follow.
-        strategy: `auto`, or a `Strategy` value.
+        strategy: see `pipeline.check_strategy`.
         planner: of the free legs; the cell's when None.
         report: progress.
     """

@@ -87,7 +87,7 @@ def _two_can(result: PlanResult) -> bool:
 
 def _way(result: PlanResult, strategy: Strategy) -> Way:
     plan, proof = result.plan, result.proof
-    is_proven = plan is not None and plan.strategy is strategy and proof is not None and proof.holds
+    is_proven = plan is not None and plan.strategy == strategy and proof is not None and proof.holds
     cycle = plan.cycle_seconds if plan is not None and is_proven else None
     return Way(is_proven, sum(result.seconds.values()), cycle)
 

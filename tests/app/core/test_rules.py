@@ -30,8 +30,9 @@ from workbench.app.core.commands import (
 )
 from workbench.app.core.control import ControlCommand
 from workbench.app.core.rights import NEXT, RIGHTS, obstacle
-from workbench.app.core.rules import STRATEGIES, allowed, approve, staleness
+from workbench.app.core.rules import allowed, approve, staleness
 from workbench.app.core.state import Job, Phase, State
+from workbench.formats.cells.reading import read_cell
 from workbench.model.cell import Wishes
 from workbench.model.errors import CommandRefused
 from workbench.model.scan import Detection
@@ -145,16 +146,24 @@ def test_thresholds_outside_of_a_metre_are_refused(planned, threshold):
     assert "threshold must lie between" in refusal(planned, MakePlan(threshold=threshold))
 
 
-def test_an_unknown_strategy_is_refused_with_those_there_are(planned):
-    said = refusal(planned, MakePlan(strategy="neither"))
-    assert "auto, alternated, coordinated, right, left, both" in said
+@pytest.mark.parametrize("strategy", ["neither", "alternated", "both", "left", ["auto"]])
+def test_a_strategy_that_the_cell_cannot_have_is_refused_with_those_there_are(planned, strategy):
+    assert "there are auto, right" in refusal(planned, MakePlan(strategy=strategy))
+
+
+def test_a_cell_with_two_arms_has_strategies_for_both_and_for_each():
+    state = State(read_cell("yumi"), Phase.LOCALIZED, detections=())
+    there = ("auto", "alternated", "coordinated", "right", "left", "both")
+    for strategy in there:
+        allowed(state, MakePlan(strategy), "ada", NOW)
+    assert f"there are {', '.join(there)}" in refusal(state, MakePlan("manipulator"))
 
 
 @given(
     seed=st.integers(0, 2**31 - 1),
     parts=st.integers(1, 30),
     threshold=st.floats(0, 1),
-    strategy=st.sampled_from(list(STRATEGIES)),
+    strategy=st.sampled_from(("auto", "right")),
 )
 def test_everything_within_the_ranges_passes(cell, samples, seed, parts, threshold, strategy):
     allowed(State(cell), TakeScan(seed, parts), "ada", NOW)

@@ -2,11 +2,9 @@
 
 import typing
 
-from workbench.app.core.rules import STRATEGIES
 from workbench.cli.arguments import names
 from workbench.model.cell import ORDER_NAMES
 
 
 def test_the_choices_are_the_same():
     assert typing.get_args(names.OrderName) == ORDER_NAMES
-    assert typing.get_args(names.StrategyName) == STRATEGIES

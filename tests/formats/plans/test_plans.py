@@ -15,7 +15,7 @@ from mutations import mutated, only_file_errors
 from workbench.formats.plans.plan_files import read_plan, write_plan
 from workbench.model.digest import digest_of
 from workbench.model.errors import FileError
-from workbench.model.plan import UNSIGNED, Leg, Plan, Proof
+from workbench.model.plan import UNSIGNED, Leg, Plan, Proof, Step, Strategy
 from workbench.model.scan import Detection
 
 
@@ -33,6 +33,27 @@ def test_a_plan_comes_back_with_its_digest(plan: Plan, proof: Proof, tmp_path: P
     found, stated = read_plan(tmp_path / "plan.json")
     assert found.digest == stated == plan.digest
     assert found.seconds == plan.seconds
+
+
+def test_a_plan_of_an_arm_of_any_name_comes_back(plan: Plan, tmp_path: Path) -> None:
+    arm = replace(plan.arms[0], arm="manipulator")
+    steps = tuple(Step((("manipulator", leg.name),)) for leg in arm.legs)
+    alone = replace(plan, strategy=Strategy.single("manipulator"), arms=(arm,), sequence=steps)
+    write_plan(tmp_path / "plan.json", alone)
+    assert json.loads((tmp_path / "plan.json").read_text())["strategy"] == "manipulator"
+    found, stated = read_plan(tmp_path / "plan.json")
+    assert (found.strategy, found.strategy.arm) == (alone.strategy, "manipulator")
+    assert found.digest == stated
+
+
+@pytest.mark.parametrize("arm", ["right", "left"])
+def test_what_files_have_always_called_an_arm_alone_is_that_arm(
+    plan: Plan, tmp_path: Path, arm: str
+) -> None:
+    path = edited(tmp_path / "plan.json", plan, lambda c: c.update(strategy=arm))
+    strategy = read_plan(path)[0].strategy
+    assert strategy == Strategy.single(arm)
+    assert (strategy.arm, strategy.words) == (arm, f"{arm} arm only")
 
 
 def test_anybody_can_recompute_the_digest(plan: Plan, proof: Proof, tmp_path: Path) -> None:

@@ -40,8 +40,7 @@ def between(world, state) -> float:
 
 
 def courses_of(world, paths):
-    columns = world.kinematics.columns
-    return [Course(columns[arm], curves_of(path, 0.0).points) for arm, path in paths.items()]
+    return [Course(arm, curves_of(path, 0.0).points) for arm, path in paths.items()]
 
 
 @pytest.mark.parametrize("seed", range(30))
@@ -80,9 +79,9 @@ def test_one_that_stands_is_met_by_one_that_comes(both, cell, result):
     starts = rng.uniform(chain.lower, chain.upper, (40, 7))
     answers, residuals = chain.solve(T_world_tcp, starts)
     goal = answers[is_solution(residuals)][0]
-    columns, base = both.kinematics.columns, both.configuration({})
-    way = Course(columns["left"], segment(np.asarray(cell.arm("left").home), goal).points)
-    met = first_meeting(both, base, standing(columns["right"], there), way)
+    base = both.configuration({})
+    way = Course("left", segment(np.asarray(cell.arm("left").home), goal).points)
+    met = first_meeting(both, base, standing("right", there), way)
     assert met is not None
     assert {label.split("_")[0].split()[0] for label in met.contact.pair} == {"right", "left"}
     assert np.array_equal(met.q[0], there)

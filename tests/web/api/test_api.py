@@ -162,7 +162,7 @@ def test_another_plan_than_the_current_one_is_not_approved(site):
         ("/scan", b'{"seed":' + b"[" * 30000, "nested too deeply"),
         ("/localize", b'{"detail": NaN}', "valid JSON"),
         ("/localize", b'{"detail": 1e999}', "a number from 0.3 to 2.0"),
-        ("/plan", b'{"strategy": "both arms"}', "must be one of auto"),
+        ("/plan", b'{"strategy": "' + b"a" * 81 + b'"}', "may have 80 characters"),
         ("/plan", b'{"strategy": ["auto"]}', "must be a text"),
         ("/threshold", b"", "the key threshold is missing"),
         ("/approve", b'{"plan": "abc"}', "must look like"),
@@ -176,6 +176,17 @@ def test_a_body_that_cannot_be_used_is_refused_with_its_key(site, path, body, sa
     answer = site.session.post(site.url + path, data=body, headers=headers, timeout=120)
     assert says in detail(answer, 400)
     assert site.bench.state.number == 1, "nothing was done"
+
+
+def test_the_strategies_of_the_cell_are_told_and_each_arm_can_be_asked_for(site):
+    there = ["auto", "alternated", "coordinated", "right", "left", "both"]
+    assert site.get("/state").json()["strategies"] == there
+    for path, phase in (("/scan", "scanned"), ("/localize", "localized")):
+        assert site.post(path).status_code == 202
+        site.reach(phase)
+    said = detail(site.post("/plan", strategy="both arms"), 409)
+    assert said == f"strategy 'both arms' is not known; there are {', '.join(there)}"
+    assert site.post("/plan", strategy="left").status_code == 202
 
 
 def test_a_whole_number_may_be_written_with_a_point(site):

@@ -103,6 +103,8 @@ def test_every_variable_is_there_and_only_read(serve):
     async def conversation(cell):
         for name in VARIABLES:
             await cell.read(name)
+        there = "auto, alternated, coordinated, right, left, both"
+        assert await cell.read("Strategies") == there
         node = await cell._cell.get_child(f"{cell._space}:Phase")
         with pytest.raises(ua.UaError):
             await node.write_value("done")

@@ -95,7 +95,7 @@ class UseSightings:
 class MakePlan:
     """Judge all candidates, plan and prove.
 
-    `strategy`: auto, or a `Strategy` value; `threshold` [m].
+    `strategy`: one of `rules.strategies_of` the cell; `threshold` [m].
     """
 
     strategy: str = "auto"

@@ -67,13 +67,21 @@ from workbench.app.core.value_checks import (
 from workbench.model.cell import Cell
 from workbench.model.digest import digest_of
 from workbench.model.errors import CommandRefused, NotAllowed
-from workbench.model.plan import UNSIGNED, Plan, Proof, Strategy
+from workbench.model.plan import UNSIGNED, Plan, Proof
 from workbench.model.release import Approval, Word
 from workbench.model.scan import ALL_KINDS
 
-STRATEGIES = ("auto", *(str(strategy) for strategy in Strategy), "both")
-"""`auto` takes what the controller can run; `both` plans with the arms one after the other and
-at once, and compares."""
+
+def strategies_of(cell: Cell) -> tuple[str, ...]:
+    """What can be asked for in a cell: words, and its arms by name, each of which works alone.
+
+    `auto` takes what the controller can run; `both` plans with two arms one after the other and at
+    once, and compares.
+    """
+    arms = tuple(arm.name for arm in cell.arms)
+    if len(arms) < 2:
+        return ("auto", *arms)
+    return ("auto", "alternated", "coordinated", *arms, "both")
 
 
 NOT_REPORTED: Mapping[str, float] = MappingProxyType({})
@@ -139,7 +147,7 @@ def allowed(
             check_integer("seed", seed, 0, SEED_LIMIT - 1)
             check_wishes(state.cell, wishes)
             check_number("threshold", threshold, 0.0, 1.0, "m")
-            check_among("strategy", strategy, STRATEGIES)
+            check_among("strategy", strategy, strategies_of(state.cell))
         case Approve(plan_digest=digest):
             plan = _named_plan(state, digest)
             _check_scene(state, plan)
@@ -203,7 +211,7 @@ def allowed(
 
 
 def moves_both_arms(cell: Cell) -> bool:
-    """Whether the cell has two arms, and a controller that can move them at once."""
+    """Whether the cell has two arms or more, and a controller that can move two at once."""
     return len(cell.arms) > 1 and cell.controller.motion.arms_at_once > 1
 
 

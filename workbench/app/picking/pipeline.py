@@ -8,7 +8,7 @@ from types import MappingProxyType
 
 import numpy as np
 
-from workbench.app.core.rules import STRATEGIES, can_be_sent, moves_both_arms
+from workbench.app.core.rules import can_be_sent, moves_both_arms, strategies_of
 from workbench.model.candidate import Candidate, Pick, Reason, Stage, Verdict
 from workbench.model.cell import Cell, Wishes
 from workbench.model.errors import InputError, JobCancelled
@@ -59,7 +59,7 @@ def plan_pick(
         cell: with its parts and policy.
         detections: the parts found, at least one.
         scan_digest: what they were found in.
-        strategy: one of `STRATEGIES`.
+        strategy: see `check_strategy`.
         threshold: [m] distance between the parts; None takes the cell's policy.
         wishes: what this request changes of the cell's policy.
         obstacles: what the scan shows beside the parts.
@@ -74,8 +74,7 @@ def plan_pick(
     """
     if not detections:
         raise InputError("no parts were given, so there is nothing to plan")
-    if strategy not in STRATEGIES:
-        raise InputError(f"strategy {strategy!r} is not one of {', '.join(STRATEGIES)}")
+    check_strategy(cell, strategy)
     began = working_time()
     seconds: dict[str, float] = {}
 
@@ -108,6 +107,21 @@ def plan_pick(
             plan = replace(plan, seconds=took)
         results.append(PlanResult(judged, plan, proof, verdict, took, obstacles, policy.planner))
     return _best(cell, results)
+
+
+def check_strategy(cell: Cell, strategy: str) -> None:
+    """Look whether a strategy says anything about a cell.
+
+    One for two arms does so in a cell with one: that none comes of it is the verdict of planning.
+
+    Raises:
+        InputError: it is neither a word for strategies nor the name of an arm of the cell.
+    """
+    if strategy not in (*BOTH, *strategies_of(cell), "both"):
+        raise InputError(
+            f"strategy {strategy!r:.60} is not one of {', '.join(strategies_of(cell))} "
+            f"in cell {cell.name}"
+        )
 
 
 def _without(
@@ -198,9 +212,9 @@ def _assignments(
 ) -> Iterator[tuple[Strategy, tuple[Pick, ...]]]:
     """Ways to give parts to arms, best first: two arms where possible, then one.
 
-    For each arm and part the pick with the least joint travel stands, or all of them where the
-    grasps of a part go by pairs; pairs are ordered by the sum of their costs, and the arm with the
-    less goes first.
+    Of more arms any two may work, while the others stand at home.  For each arm and part the pick
+    with the least joint travel stands, or all of them where the grasps of a part go by pairs;
+    pairs are ordered by the sum of their costs, and the arm with the less goes first.
     """
     best: dict[tuple[str, int], Pick] = {}
     for pick in picks:
@@ -212,12 +226,12 @@ def _assignments(
         ):
             best[key] = pick
     ordered = sorted(best.values(), key=lambda pick: (cost(pick), pick.travel))
-    if strategy in ("auto", Strategy.ALTERNATED, Strategy.COORDINATED):
+    if strategy in ("auto", *BOTH):
         has_pairs = any(part.library.pairs for part in world.cell.parts)
         for pair in pairs_of(world, picks if has_pairs else ordered, cost):
             yield Strategy.ALTERNATED, pair
     for pick in ordered:
-        alone = Strategy(pick.candidate.arm)
+        alone = Strategy.single(pick.candidate.arm)
         if strategy in ("auto", alone):
             yield alone, (pick,)
 
@@ -272,8 +286,8 @@ def _nobody_for(picks: Sequence[Pick], strategy: str) -> str:
         arms.setdefault(pick.candidate.detection, set()).add(pick.candidate.arm)
     can = "; ".join(f"part-{k + 1} by the {' or '.join(sorted(arms[k]))} arm" for k in sorted(arms))
     needs = "a part for that arm"
-    if strategy in (Strategy.ALTERNATED, Strategy.COORDINATED):
-        needs = "a part for each arm; one arm alone would do"
+    if strategy in BOTH:
+        needs = "a part for each of two arms; one arm alone would do"
     return f"strategy {strategy} needs {needs}: what can be taken is {can}"
 
 
@@ -300,7 +314,8 @@ def _note(world: World, picks: Sequence[Pick], threshold: float) -> str:
     if len(world.cell.arms) < 2:
         return ""
     if len(picks) < 2:
-        return "one arm: no second part can be taken by the other arm"
+        other = "the other" if len(world.cell.arms) == 2 else "another"
+        return f"one arm: no second part can be taken by {other} arm"
     distance = _apart(world, picks)
     relation = "nearer than" if distance < threshold else "at least"
     return (

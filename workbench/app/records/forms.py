@@ -18,6 +18,7 @@ import numpy as np
 import pinocchio as pin
 
 from workbench.model.digest import LARGE
+from workbench.model.plan import Strategy
 
 ReadFile = Callable[[str], bytes]
 """SHA-256 -> content."""
@@ -57,7 +58,7 @@ def restored(kind: Any, form: Any, read: ReadFile) -> Any:
         hints = _hints(kind)
         known = names & set(form)
         return kind(**{name: restored(hints[name], form[name], read) for name in known})
-    if isinstance(kind, type) and issubclass(kind, enum.Enum):
+    if isinstance(kind, type) and issubclass(kind, (enum.Enum, Strategy)):
         return kind(form)
     if origin is types.UnionType or origin is typing.Union:
         present = [one for one in arguments if one is not type(None)]

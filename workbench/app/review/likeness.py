@@ -200,7 +200,7 @@ def _other_verdicts(kept: PlanResult, again: PlanResult) -> str:
 
 def _other_plan(kept: Plan, again: Plan) -> str:
     """What makes it another plan, in words; empty when only digits differ."""
-    if kept.strategy is not again.strategy or kept.guarantee is not again.guarantee:
+    if kept.strategy != again.strategy or kept.guarantee is not again.guarantee:
         return f"{again.strategy}, {again.guarantee} instead of {kept.strategy}, {kept.guarantee}"
     ours, theirs = (
         [(one.arm, one.detection, one.grasp) for one in plan.arms] for plan in (kept, again)

@@ -2,5 +2,4 @@
 
 from typing import Literal
 
-StrategyName = Literal["auto", "alternated", "coordinated", "right", "left", "both"]
 OrderName = Literal["travel", "highest", "score", "nearest", "walls", "thesis"]

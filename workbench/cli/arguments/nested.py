@@ -7,7 +7,6 @@ from typing import Annotated, Literal
 from tyro.conf import Positional, subcommand
 
 from workbench.cli.arguments.access import USERS
-from workbench.cli.arguments.names import StrategyName
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,8 +49,8 @@ class BenchPick:
     """How many piles."""
     parts: int = 2
     """How many parts in each."""
-    strategy: StrategyName = "auto"
-    """Which arms work."""
+    strategy: str = "auto"
+    """Which arms work: auto, alternated, coordinated, both, or one arm by its name."""
     planner: str | None = None
     """Planner of the free legs; the cell's when not given."""
     seed: int = 0
@@ -130,7 +129,7 @@ class StudyThreshold:
     """
 
     cell: str = "yumi"
-    """Name under robots/, or path of a cell.toml with two arms."""
+    """Name under robots/, or path of a cell.toml with two arms or more."""
     cycles: int = 100
     """How many piles."""
     thresholds: tuple[float, ...] = (0.05, 0.1, 0.15, 0.2, 0.25, 0.3)

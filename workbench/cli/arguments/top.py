@@ -10,7 +10,7 @@ from typing import Annotated, Literal
 from tyro.conf import Positional, subcommand
 
 from workbench.cli.arguments.access import USERS, UserCommands
-from workbench.cli.arguments.names import OrderName, StrategyName
+from workbench.cli.arguments.names import OrderName
 from workbench.cli.arguments.nested import Bench, CellCommands, SessionCommands, Study
 from workbench.cli.arguments.part import Grasps, PartCommands
 
@@ -154,8 +154,8 @@ class Plan:
     """JSON file of the plan to write."""
     scan: Path | None = None
     """PLY file that the poses were found in: what it shows beside the parts is kept clear of."""
-    strategy: StrategyName = "auto"
-    """Which arms work."""
+    strategy: str = "auto"
+    """Which arms work: auto, alternated, coordinated, both, or one arm by its name."""
     threshold: float | None = None
     """Distance of two parts [m] from which both arms may work; the cell's when not given."""
     planner: str | None = None

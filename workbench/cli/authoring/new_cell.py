@@ -128,7 +128,10 @@ def _standing(typed: CellNew, cell: Cell, world: KlamptWorld) -> Cell:
 def _bare(typed: CellNew, robot: Robot, flanges: tuple[str, ...]) -> Cell:
     """A cell with arms and tools; where everything else is comes later."""
     if not 1 <= len(flanges) <= 2:
-        raise InputError(f"{len(flanges)} flanges are given; one or two arms are possible")
+        raise InputError(
+            f"{len(flanges)} flanges are given; one or two are expected: more arms than these are "
+            "written into cell.toml by hand"
+        )
     for flange in flanges:
         robot.link(flange)
     part = read_part(find("parts", typed.part))

@@ -6,7 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from workbench.app.core.value_checks import LARGEST_MARGIN, MOST_ITERATIONS, SEED_LIMIT
-from workbench.app.picking.pipeline import plan_pick
+from workbench.app.picking.pipeline import check_strategy, plan_pick
 from workbench.app.runtime.readiness import make_ready
 from workbench.cli.arguments import top as arguments
 from workbench.cli.exits import NO_PLAN, SUCCESS
@@ -51,6 +51,7 @@ def plan(typed: arguments.Plan) -> int:
     if typed.iterations is not None:
         check_whole("--iterations", typed.iterations, 1, MOST_ITERATIONS)
     cell = read_cell(typed.cell)
+    check_strategy(cell, typed.strategy)
     if typed.margin is not None:
         check_number("--margin", typed.margin, cell.policy.margin, LARGEST_MARGIN)
     if typed.metric is not None:

@@ -1,15 +1,13 @@
 """`cell.toml` to a cell: millimetres and degrees in the file, metres and radians inside."""
 
-import re
 from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-import pinocchio as pin
 
+from workbench.formats.cells.arms import read_arms
 from workbench.formats.cells.devices import read_controller, read_localizer, read_scanner
-from workbench.formats.cells.tools import read_tool
 from workbench.formats.files.shipped import exists, find
 from workbench.formats.files.toml_keys import Table, read_toml
 from workbench.formats.meshes.solids import read_pose, read_solid
@@ -25,24 +23,17 @@ from workbench.model.cell import (
     LocalizerChoice,
     Policy,
     PosesFolder,
-    Tool,
 )
-from workbench.model.errors import FileError, InputError
-from workbench.model.geometry import Floats
+from workbench.model.errors import FileError
 from workbench.model.part import Part
 from workbench.model.robot import Link, Robot
 from workbench.plugins.planner import planner_names
 from workbench.plugins.robot_link import controller_by, usual_link
 
-ARM_NAMES = ("right", "left")
-
-MOST_PLACES = 400
-"""On one pallet."""
-
-ROUNDED = 1e-6
-"""[rad] What four digits of a degree may put a home beyond the limit at which it stands."""
-
 MOST_APPROVERS = 4
+
+SIDES = {"right_tool", "left_tool"}
+"""The tools of a robot with two arms by their usual names, as an SRDF calls them."""
 
 
 def cell_path(name: str | Path) -> Path:
@@ -65,16 +56,9 @@ def read_cell(name: str | Path) -> Cell:
     robot_table = table.table("robot")
     robot = _robot(robot_table)
     T_world_robot = read_pose(robot_table)
+    arms = read_arms(table, robot)
+    robot = _without_pairs(robot_table, robot, arms)
     robot_table.finish()
-    mounted = [read_tool(tool) for tool in table.tables("tool")]
-    table.once("tool.name", (tool.name for tool in mounted))
-    tools = {tool.name: tool for tool in mounted}
-    arms = tuple(_arm(arm, robot, tools) for arm in table.tables("arm"))
-    names = [arm.name for arm in arms]
-    if not arms or len(set(names)) != len(names):
-        raise table.error("arm", "one or two [[arm]] tables with different names are needed")
-    # Messages to the controller call an arm by its letter alone.
-    table.once("arm.letter", (arm.letter for arm in arms))
     policy, approvers = _policy(table.table("policy")) if table.has("policy") else (Policy(), 1)
     cell = Cell(
         name=table.text("name"),
@@ -155,99 +139,29 @@ def _robot(table: Table) -> Robot:
             robot,
             links=tuple(Link(name) if link.name == name else link for link in robot.links),
         )
+    return robot
+
+
+def _without_pairs(table: Table, robot: Robot, arms: tuple[Arm, ...]) -> Robot:
+    """The robot with the pairs of its SRDF, if it has one, in which tools are called by arms."""
     if not table.has("srdf"):
         return robot
-    srdf = folder / table.text("srdf")
+    srdf = table.path.parent / table.text("srdf")
     pairs = read_srdf(srdf)
-    known = {link.name for link in robot.links} | {f"{arm}_tool" for arm in ARM_NAMES}
+    tools = {f"{arm.name}_tool" for arm in arms}
+    if tools <= SIDES:
+        # The SRDF of a robot with two arms also serves a cell with one of them.
+        tools = SIDES
+    links = {link.name for link in robot.links}
     for pair in sorted(pairs):
-        for link in pair:
-            if link not in known:
-                raise FileError(srdf, f"names link {link!r}, which the URDF does not have")
+        for name in pair:
+            if name not in links | tools:
+                raise FileError(
+                    srdf,
+                    f"names link {name!r}, which the URDF does not have; the tool of an arm is "
+                    f"called {' or '.join(sorted(tools))}",
+                )
     return replace(robot, disabled_pairs=robot.disabled_pairs | pairs)
-
-
-def _arm(table: Table, robot: Robot, tools: dict[str, Tool]) -> Arm:
-    name = table.text("name", among=ARM_NAMES)
-    flange, tool = table.text("flange"), table.text("tool")
-    mounted = _known_tool(table, "tool", tool, tools)
-    names = table.texts("tools", (tool,))
-    if tool not in names or len(set(names)) != len(names):
-        raise table.error("tools", f"must hold {tool!r}, which the arm carries, and each once")
-    try:
-        joints = tuple(j.name for j in robot.chain(flange) if j.kind != "fixed")
-    except InputError as error:
-        raise table.error("flange", str(error)) from None
-    count = len(joints)
-    if count == 0:
-        raise table.error("flange", f"no movable joint leads to {flange!r}")
-    axes = table.numbers("axes", count, list(range(1, count + 1))).astype(int)
-    if sorted(axes.tolist()) != list(range(1, count + 1)):
-        raise table.error("axes", f"must hold each of 1 to {count} once: the axis of each joint")
-    wire_order = np.argsort(axes)
-    signs = table.numbers("signs", count, [1] * count)
-    if not np.all(np.abs(signs) == 1):
-        raise table.error("signs", "may hold 1 and -1 only")
-    home = np.empty(count)
-    home[wire_order] = np.deg2rad(table.numbers("home_deg", count, low=-720, high=720)) * signs
-    _check_home(table, robot, joints, home)
-    arm = Arm(
-        name=name,
-        letter=table.text("letter", name[0].upper()),
-        flange=flange,
-        joints=joints,
-        wire_order=tuple(int(k) for k in wire_order),
-        wire_signs=tuple(int(sign) for sign in signs),
-        home=home,
-        acceleration=_acceleration(table, count),
-        tool=mounted,
-        Ts_world_place=tuple(T for place in table.tables("place") for T in _places(place)),
-        keeps_parts=table.flag("keeps_parts", False),
-        tools=tuple(_known_tool(table, "tools", one, tools) for one in names),
-    )
-    table.finish()
-    if not re.fullmatch(r"[A-Z]", arm.letter):
-        raise table.error("letter", f"{arm.letter!r} is not one capital letter")
-    return arm
-
-
-def _known_tool(table: Table, key: str, name: str, tools: dict[str, Tool]) -> Tool:
-    if name not in tools:
-        raise table.error(key, f"{name!r} is not one of {', '.join(tools) or 'no tools'}")
-    return tools[name]
-
-
-def _places(table: Table) -> tuple[pin.SE3, ...]:
-    """One pose, or those of a `grid` of columns along its x and rows along its y."""
-    T = read_pose(table)
-    columns, rows = table.numbers("grid", 2, [1, 1], low=1, high=100).astype(int).tolist()
-    pitch = table.numbers("pitch_mm", 2, [0, 0], low=-5000, high=5000) / 1000
-    table.finish()
-    if columns * rows > MOST_PLACES:
-        raise table.error("grid", f"{columns * rows} places, {MOST_PLACES} are allowed")
-    if (columns > 1 and pitch[0] == 0) or (rows > 1 and pitch[1] == 0):
-        raise table.error("pitch_mm", "must not be 0 where there are several places")
-    return tuple(
-        T * pin.SE3(np.eye(3), np.array([column * pitch[0], row * pitch[1], 0.0]))
-        for row in range(rows)
-        for column in range(columns)
-    )
-
-
-def _acceleration(table: Table, count: int) -> Floats:
-    each = table.number("acceleration_deg", 600, low=1, high=100_000)
-    return np.full(count, np.deg2rad(each))
-
-
-def _check_home(table: Table, robot: Robot, joints: tuple[str, ...], home: Floats) -> None:
-    lower, upper, _ = robot.limits(joints)
-    for joint, value, low, high in zip(joints, home, lower, upper, strict=True):
-        if not low - ROUNDED <= value <= high + ROUNDED:
-            raise table.error(
-                "home_deg",
-                f"{np.rad2deg(value):.1f} for {joint} is outside {np.rad2deg(low):.1f} to "
-                f"{np.rad2deg(high):.1f}",
-            )
 
 
 def _bin(table: Table) -> Bin:

@@ -76,10 +76,15 @@ class Table:
         default: Any = MISSING,
         *,
         among: tuple[str, ...] = (),
+        like: str = "",
         empty: bool = False,
     ) -> str:
-        """A text, when `among` is given one of those, otherwise a printable one."""
-        self._note(key, default, {"type": "string"} | ({"enum": list(among)} if among else {}))
+        """A text, when `among` is given one of those, otherwise a printable one.
+
+        That it is `like` a pattern is left to the caller, who can say it in words.
+        """
+        form = {"enum": list(among)} if among else {"pattern": f"^{like}$"} if like else {}
+        self._note(key, default, {"type": "string"} | form)
         value = self._value(key, str, "a text", default)
         if among and value not in among:
             raise self.error(key, f"{shown(value)} is not one of {', '.join(among)}")

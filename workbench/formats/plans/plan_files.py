@@ -106,7 +106,7 @@ def read_plan(path: str | Path) -> tuple[Plan, str]:
         cell_digest=table.text("cell_digest"),
         scan_digest=table.text("scan_digest"),
         seed=table.whole("seed", low=0, high=2**63 - 1),
-        strategy=Strategy(table.text("strategy", among=tuple(Strategy))),
+        strategy=_strategy(table, arms),
         guarantee=Guarantee(table.text("guarantee", among=tuple(Guarantee))),
         detections=detections,
         arms=arms,
@@ -120,6 +120,12 @@ def read_plan(path: str | Path) -> tuple[Plan, str]:
     stated = table.text("digest")
     table.finish()
     return plan, stated
+
+
+def _strategy(table: Table, arms: tuple[ArmPlan, ...]) -> Strategy:
+    """One for two arms, or the name of an arm of the plan."""
+    known = (Strategy.ALTERNATED, Strategy.COORDINATED, *(arm.arm for arm in arms))
+    return Strategy(table.text("strategy", among=known))
 
 
 def _few(table: Table, key: str, most: int = MOST_PARTS) -> list[Table]:

@@ -51,7 +51,7 @@ def facts_html(
     """
     cell = state.cell
     rows = [
-        ("Strategy", f"{plan.strategy}" + (f" ({plan.note})" if plan.note else "")),
+        ("Strategy", plan.strategy.words + (f" ({plan.note})" if plan.note else "")),
         ("Guarantee", str(plan.guarantee)),
     ]
     for arm in plan.arms:

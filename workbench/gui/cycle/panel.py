@@ -16,13 +16,13 @@ from workbench.app.core.commands import (
     WantThreshold,
 )
 from workbench.app.core.release import moved_away, standing_words
-from workbench.app.core.rules import STRATEGIES
 from workbench.app.core.state import Phase, State
 from workbench.app.core.value_checks import MOST_PARTS, SEED_LIMIT
 from workbench.app.picking.facts import bin_check_of
 from workbench.gui.cycle.approval import ApprovalDialog
 from workbench.gui.cycle.approval_views import approval_line
 from workbench.gui.cycle.outcomes import OutcomeInputs
+from workbench.gui.cycle.strategies import strategy_hint, strategy_words
 from workbench.gui.cycle.wishes import WishesInputs
 from workbench.gui.shared.calibration_views import bin_html
 from workbench.gui.shared.link_views import NO_SAFETY
@@ -86,12 +86,9 @@ class CyclePanel:
             self._find = gui.add_button("Find parts", icon=viser.Icon.SEARCH)
         with gui.add_folder("3 · Plan"):
             gui.add_html(ROW)
+            self._strategies = strategy_words(visitor.cell)
             self._strategy = gui.add_dropdown(
-                "Strategy",
-                STRATEGIES,
-                hint="Which arms work: auto chooses what can be sent, alternated takes one part "
-                "with each arm in turn, coordinated with both at once, right and left use one arm; "
-                "both plans alternated and coordinated and lists them side by side.",
+                "Strategy", tuple(self._strategies), hint=strategy_hint(visitor.cell)
             )
             self._threshold = gui.add_number(
                 "Threshold [mm]",
@@ -225,7 +222,7 @@ class CyclePanel:
 
     def _wanted_plan(self) -> Command:
         return MakePlan(
-            self._strategy.value,
+            self._strategies[self._strategy.value],
             self._threshold.value / 1000,
             whole(self._seed.value),
             self._wishes.wishes,

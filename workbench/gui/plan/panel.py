@@ -27,7 +27,7 @@ NOTHING = np.array([0.0, 1.0])
 
 
 class PlanPanel:
-    """Moves both arms in the scene along the plan.
+    """Moves the arms in the scene along the plan.
 
     Concurrency: clicks and drags only change the shared look; the renderer's thread draws.
     """
@@ -46,7 +46,7 @@ class PlanPanel:
             max=1.0,
             step=0.01,
             initial_value=0.0,
-            hint="Drag to move both arms along the plan; it only shows, nothing is sent.",
+            hint="Drag to move the arms along the plan; it only shows, nothing is sent.",
         )
         gui.add_html('<div class="wb-buttons wb-two"></div>')
         self._play = gui.add_button("Play", icon=viser.Icon.PLAYER_PLAY)

@@ -182,7 +182,7 @@ def forecast_line(cell: Cell, predictions: Predictions | None, threshold: float)
 
 def plan_line(state: State) -> str:
     """What planning has brought."""
-    purpose = "Judges every grasp with both arms, plans the motion and proves it again."
+    purpose = "Judges every grasp with every arm, plans the motion and proves it again."
     if state.plan is None:
         if state.verdict is not None:
             return line(f"No plan: {state.verdict}", kind="bad", tip=purpose)
@@ -193,7 +193,8 @@ def plan_line(state: State) -> str:
     if proof is None or not proof.holds:
         why = str(proof.findings[0]) if proof is not None else "there is none"
         return line(f"The proof does not hold: {why}", kind="bad", tip=purpose)
-    text = f"{plan.strategy}, {plan.cycle_seconds:.1f} s, smallest clearance {mm(proof.clearance)}"
+    takes = f"{plan.strategy.words}, {plan.cycle_seconds:.1f} s"
+    text = f"{takes}, smallest clearance {mm(proof.clearance)}"
     if plan.obstacles:
         text += f", clear of {len(plan.obstacles)} unknown obstacles"
     text = sentence(f"{text}; {plan.note}" if plan.note else text)
@@ -251,7 +252,7 @@ def plan_html(cell: Cell, plan: Plan, seconds: tuple[tuple[str, float], ...]) ->
     note = f'<div class="wb-small">{escape(sentence(plan.note))}</div>' if plan.note else ""
     return (
         f'<div class="wb-pad">{"".join(chips)}'
-        f'<div class="wb-small" title="{escape(plan.digest)}">{escape(plan.strategy)}, '
+        f'<div class="wb-small" title="{escape(plan.digest)}">{escape(plan.strategy.words)}, '
         f"{escape(plan.guarantee)}, plan {short(plan.digest)}</div>"
         f"{note}"
         f'<div class="wb-small">computed in {escape(times)}</div></div>'

@@ -177,7 +177,7 @@ def pairs_of(cell: Cell, kinematics: Kinematics, bodies: list[Body]) -> Bools:
     owner = np.array([number[name] for name in owners])
     disabled = np.zeros((len(number), len(number)), bool)
     for pair in cell.robot.disabled_pairs:
-        a, b = (number.get(("robot", name)) for name in pair)
+        a, b = (number.get(("link", name), number.get(("tool", name))) for name in pair)
         if a is not None and b is not None:
             disabled[a, b] = disabled[b, a] = True
     joint = np.array([body.joint for body in bodies])
@@ -193,14 +193,12 @@ def pairs_of(cell: Cell, kinematics: Kinematics, bodies: list[Body]) -> Bools:
 def _owner_of(body: Body) -> tuple[str, str]:
     """What a body belongs to; links and tools by the names that an SRDF has for them.
 
-    A fixture may have the name of a link, and is something else all the same.
+    A fixture or a tool may have the name of a link, and is something else all the same.
     """
     match body.kind:
-        case "link":
-            return "robot", body.owner
         case "tool":
-            return "robot", f"{body.owner}_tool"
-        case "fixture" | "bin" | "part":
+            return body.kind, f"{body.owner}_tool"
+        case "link" | "fixture" | "bin" | "part":
             return body.kind, body.owner
 
 

@@ -22,9 +22,9 @@ MOST_LOOKS = 20_000
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Course:
-    """The way of one arm: its `columns` (n,) and the control points (k, 3, n) of its curves."""
+    """The way of one arm: its name and the control points (k, 3, n) of its curves."""
 
-    columns: Ints
+    arm: str
     points: Floats
 
 
@@ -37,9 +37,9 @@ class Meeting:
     curves: tuple[int, int]
 
 
-def standing(columns: Ints, q: Floats) -> Course:
+def standing(arm: str, q: Floats) -> Course:
     """An arm that stays at `q` (n,)."""
-    return Course(columns, np.array([[q, q, q]]))
+    return Course(arm, np.array([[q, q, q]]))
 
 
 def first_meeting(
@@ -48,16 +48,17 @@ def first_meeting(
     """The first place found where two arms come too close; None when there surely is none.
 
     Args:
-        world: in a phase in which both arms may move; only pairs between arms are looked at.
+        world: in a phase in which both arms may move; only pairs between the two are looked at.
         base: whole configuration (nq,) of all other joints.
         first: the way of one arm.
         second: the way of the other.
         resolution: [m] see `motion`.
     """
     q, d = base.copy(), np.zeros(len(base))
-    columns = (first.columns, second.columns)
+    columns = [world.kinematics.columns[course.arm] for course in (first, second)]
     pending: deque[tuple[tuple[Floats, Floats], tuple[int, int], Ints]] = deque()
-    pending.append(((first.points, second.points), (0, 0), world.between()))
+    among = world.between(first.arm, second.arm)
+    pending.append(((first.points, second.points), (0, 0), among))
     looks = 0
     while pending:
         ways, starts, among = pending.popleft()

@@ -1,7 +1,7 @@
 """Which pairs of bodies count in a phase, and what distance each must keep."""
 
 import threading
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -108,10 +108,10 @@ class Checks:
         among = self.involving(arm)
         return among[self.leaves[among]]
 
-    def between(self) -> Ints:
-        """The pairs of bodies that different arms carry."""
+    def between(self, arms: Sequence[int]) -> Ints:
+        """The pairs of bodies that different ones of these arms carry."""
         first, second = self.carriers[self.among].T
-        return self.among[(first >= 0) & (second >= 0) & (first != second)]
+        return self.among[np.isin(first, arms) & np.isin(second, arms) & (first != second)]
 
 
 class Pairing:

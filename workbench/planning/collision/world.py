@@ -286,13 +286,17 @@ class World:
         """Pairs of this phase that one arm has with itself and with what no arm carries."""
         return self._checks.alone(self._arm_index[arm])
 
+    def all_but(self, arm: str, other: str) -> Ints:
+        """Pairs of this phase of one arm, but for those with the other."""
+        return np.setdiff1d(self.involving(arm), self.between(arm, other))
+
     def involving(self, arm: str) -> Ints:
         """Pairs of this phase of which one body at least is carried by an arm."""
         return self._checks.involving(self._arm_index[arm])
 
-    def between(self) -> Ints:
-        """Pairs of this phase whose bodies different arms carry."""
-        return self._checks.between()
+    def between(self, *arms: str) -> Ints:
+        """Pairs of this phase whose bodies different arms carry, of these arms if any are named."""
+        return self._checks.between([self._arm_index[arm] for arm in arms or self._arm_index])
 
     def to_placed(self, arm: str) -> Ints:
         """Pairs of this phase of an arm with parts that other arms have placed."""
@@ -379,10 +383,8 @@ class World:
         return float(pin.computeDistance(self._geometry, self._data, k).min_distance)
 
     def _labels(self, k: int) -> tuple[str, str]:
-        return (
-            self._bodies[self._pairing.first[k]].label,
-            self._bodies[self._pairing.second[k]].label,
-        )
+        first, second = self._pairing.first[k], self._pairing.second[k]
+        return self._bodies[first].label, self._bodies[second].label
 
     def _contact_of(self, k: int, distance: float) -> Contact:
         return Contact(self._labels(k), distance, float(self._margins[k]))

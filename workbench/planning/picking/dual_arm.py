@@ -134,7 +134,7 @@ def coordinate(
     seed: int,
     offsets: Sequence[int] = OFFSETS,
 ) -> Plan | Verdict:
-    """A plan in which two arms work at once.
+    """A plan in which two arms work at once, others standing at home as obstacles.
 
     Args:
         world: of the cell and the detections that the picks were made from.
@@ -249,7 +249,7 @@ def _enter(world: World, pair: Pair) -> None:
 
 def _course(world: World, task: Task) -> Course:
     curves = walked(np.asarray(task.leg.q), world.policy.zone)
-    return Course(world.kinematics.columns[task.plan.arm], curves.points)
+    return Course(task.plan.arm, curves.points)
 
 
 def _met(world: World, pair: Pair) -> Meeting | None:
@@ -272,27 +272,28 @@ def _around(world: World, pair: Pair, rng: np.random.Generator) -> Iterator[Pair
         columns, base = world.kinematics.columns[task.plan.arm], world.configuration({})
         way, goal = _course(world, pair[master]), np.asarray(task.leg.q[-1])
         lead = lead_of(task.leg, world.policy.straight_points)
-        begin = standing(columns, lead[0])
+        begin = standing(task.plan.arm, lead[0])
         if len(lead) > 1:
-            begin = Course(columns, walked(lead, world.policy.zone).points)
-        ends = (begin, standing(columns, goal))
+            begin = Course(task.plan.arm, walked(lead, world.policy.zone).points)
+        ends = (begin, standing(task.plan.arm, goal))
         if any(first_meeting(world, base, end, way) is not None for end in ends):
             continue
         if along_placed(world, task.plan.arm, lead) is not None:
             continue
-        alone = world.alone(task.plan.arm)
+        among = world.all_but(task.plan.arm, way.arm)
 
         def check(
             curves: Curves,
             base: Floats = base,
             columns: np.ndarray = columns,
-            alone: np.ndarray = alone,
+            among: np.ndarray = among,
+            arm: str = task.plan.arm,
             way: Course = way,
         ) -> tuple[Contact, Floats] | None:
-            found = chain_contact(world, columns, base, curves, among=alone)
+            found = chain_contact(world, columns, base, curves, among=among)
             if found is not None:
                 return found[:2]
-            met = first_meeting(world, base, Course(columns, curves.points), way)
+            met = first_meeting(world, base, Course(arm, curves.points), way)
             return None if met is None else (met.contact, met.q[0])
 
         chain, weights = world.chains[task.plan.arm], joint_weights(len(columns), world.policy)
@@ -337,7 +338,7 @@ def _passes(world: World, moving: Task, waiting: Task, *, is_done: bool) -> bool
         world.allow_start_contacts(world.configuration(starts))
     if along_placed(world, moving.plan.arm, np.asarray(moving.leg.q)) is not None:
         return False
-    post = standing(world.kinematics.columns[waiting.plan.arm], q)
+    post = standing(waiting.plan.arm, q)
     return first_meeting(world, world.configuration({}), _course(world, moving), post) is None
 
 

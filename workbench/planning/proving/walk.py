@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from workbench.model.geometry import Floats
+from workbench.model.geometry import Floats, Ints
 from workbench.model.plan import Finding, Guarantee, Leg, are_in_step
 from workbench.planning.collision.contact import Contact
 from workbench.planning.collision.leaving import comes_back
@@ -66,7 +66,7 @@ def walk(
 def _alone(world: World, stretch: Stretch, resolution: float) -> Finding | None:
     """One leg among arms that stand."""
     ((arm_plan, leg),) = stretch.runs
-    return _along(world, arm_plan.arm, leg, stretch.standing, resolution, with_others=True)
+    return _along(world, arm_plan.arm, leg, stretch.standing, resolution)
 
 
 def _along(
@@ -75,30 +75,31 @@ def _along(
     leg: Leg,
     standing: Mapping[str, Floats],
     resolution: float,
-    *,
-    with_others: bool,
+    among: Ints | None = None,
 ) -> Finding | None:
     path, columns = np.asarray(leg.q), world.kinematics.columns[arm]
-    base, among = world.configuration(standing), None if with_others else world.alone(arm)
+    base = world.configuration(standing)
     found = path_contact(world, columns, base, path, world.policy.zone, resolution, among)
     found = found or comes_back(world, (arm,), columns, base, path, resolution)
     return None if found is None else _finding(found[0], arm, leg, found[2], found[1])
 
 
 def _at_any_speed(world: World, stretch: Stretch, resolution: float) -> Finding | None:
-    """Each leg by itself, then every pair of them against each other."""
+    """Each leg by itself, among arms that stand, then both against each other."""
     for arm_plan, leg in stretch.runs:
-        finding = _along(world, arm_plan.arm, leg, stretch.standing, resolution, with_others=False)
+        (other,) = (one.arm for one, _ in stretch.runs if one is not arm_plan)
+        among = world.all_but(arm_plan.arm, other)
+        finding = _along(world, arm_plan.arm, leg, stretch.standing, resolution, among)
         if finding is not None:
             return finding
     (first, first_leg), (second, second_leg) = stretch.runs
-    zone, columns = world.policy.zone, world.kinematics.columns
+    zone = world.policy.zone
     curves = [walked(np.asarray(leg.q), zone) for _, leg in stretch.runs]
     met = first_meeting(
         world,
         world.configuration(stretch.standing),
-        Course(columns[first.arm], curves[0].points),
-        Course(columns[second.arm], curves[1].points),
+        Course(first.arm, curves[0].points),
+        Course(second.arm, curves[1].points),
         resolution,
     )
     if met is None:

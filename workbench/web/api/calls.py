@@ -28,7 +28,6 @@ from workbench.app.core.commands import (
     WantThreshold,
     WatchPlan,
 )
-from workbench.app.core.rules import STRATEGIES
 from workbench.app.core.value_checks import (
     DETAIL,
     LARGEST_MARGIN,
@@ -126,7 +125,12 @@ CALLS: tuple[Call, ...] = (
         _plan,
         (
             SEED,
-            Field("strategy", "which arms work", {"type": "string", "enum": STRATEGIES}, "auto"),
+            Field(
+                "strategy",
+                "which arms work: one of the `strategies` of the state",
+                _text(LONGEST_NAME),
+                "auto",
+            ),
             Field(
                 "threshold",
                 "[m] parts nearer to each other are taken one after the other",

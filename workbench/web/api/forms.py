@@ -4,6 +4,7 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
+from workbench.app.core.rules import strategies_of
 from workbench.app.core.state import State
 from workbench.app.records.statistics import GROUPS, Statistics
 from workbench.app.runtime.live import Live
@@ -35,6 +36,7 @@ def state_form(state: State, live: Live) -> Form:
         "verdict": None if state.verdict is None else verdict_form(state.verdict),
         "plan": None if state.plan is None else state.plan.digest,
         "strategy": None if state.plan is None else str(state.plan.strategy),
+        "strategies": list(strategies_of(state.cell)),
         "holds": None if state.proof is None else state.proof.holds,
         "watched": list(state.watched),
         "approved_by": [] if state.approval is None else list(state.approval.people),

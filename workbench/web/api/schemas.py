@@ -80,6 +80,7 @@ STATE = record(
     verdict=or_none(VERDICT),
     plan=or_none(DIGEST),
     strategy=or_none(TEXT),
+    strategies=many(TEXT),
     holds=or_none(FLAG),
     watched=many(TEXT),
     approved_by=many(TEXT),

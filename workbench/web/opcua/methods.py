@@ -63,7 +63,9 @@ METHODS: tuple[Method, ...] = (
         lambda given: MakePlan(given[1], given[2], given[0]),
         (
             SEED,
-            Argument("Strategy", ua.VariantType.String, "which arms work, such as auto"),
+            Argument(
+                "Strategy", ua.VariantType.String, "which arms work: one of the variable Strategies"
+            ),
             Argument("Threshold", ua.VariantType.Double, "[m]"),
         ),
     ),

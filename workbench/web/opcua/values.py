@@ -5,6 +5,7 @@ from typing import Any
 
 from asyncua import ua
 
+from workbench.app.core.rules import strategies_of
 from workbench.app.core.state import State
 from workbench.app.runtime.live import Live
 
@@ -17,6 +18,7 @@ VARIABLES: Mapping[str, ua.VariantType] = {
     "PartsFound": ua.VariantType.UInt32,
     "PlanDigest": ua.VariantType.String,
     "Strategy": ua.VariantType.String,
+    "Strategies": ua.VariantType.String,
     "Holds": ua.VariantType.Boolean,
     "ApprovedBy": ua.VariantType.String,
     "PartsPlaced": ua.VariantType.UInt32,
@@ -37,6 +39,7 @@ def values_of(state: State, live: Live) -> Mapping[str, Any]:
         "Control": state.control,
         "PartsFound": len(state.detections or ()),
         "PlanDigest": "" if state.plan is None else state.plan.digest,
+        "Strategies": ", ".join(strategies_of(state.cell)),
         "Strategy": "" if state.plan is None else str(state.plan.strategy),
         "Holds": state.proof is not None and state.proof.holds,
         "ApprovedBy": "" if state.approval is None else ", ".join(state.approval.people),

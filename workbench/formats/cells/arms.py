@@ -1,0 +1,149 @@
+"""The arms of a cell file with the tools that they carry."""
+
+import re
+
+import numpy as np
+import pinocchio as pin
+
+from workbench.formats.cells.tools import read_tool
+from workbench.formats.files.toml_keys import Table, shown
+from workbench.formats.meshes.solids import read_pose
+from workbench.model.cell import ARM_NAME, Arm, Tool
+from workbench.model.errors import InputError
+from workbench.model.geometry import Floats
+from workbench.model.plan import STRATEGY_WORDS
+from workbench.model.robot import Robot
+
+MOST_PLACES = 400
+"""On one pallet."""
+
+ROUNDED = 1e-6
+"""[rad] What four digits of a degree may put a home beyond the limit at which it stands."""
+
+
+def read_arms(table: Table, robot: Robot) -> tuple[Arm, ...]:
+    """The arms of a cell, one or more, with their tools.
+
+    Args:
+        table: of the whole file.
+        robot: whose chains they are.
+
+    Raises:
+        FileError: names the file, the key, its value and what was expected.
+    """
+    mounted = [read_tool(tool) for tool in table.tables("tool")]
+    table.once("tool.name", (tool.name for tool in mounted))
+    tools = {tool.name: tool for tool in mounted}
+    arms = tuple(_arm(arm, robot, tools) for arm in table.tables("arm"))
+    if not arms:
+        raise table.error("arm", "is missing; at least one [[arm]] table is expected")
+    known: dict[str, str] = {}
+    for arm in arms:
+        # People do not tell names apart by capitals, nor do all file systems.
+        if (other := known.get(arm.name.lower())) is not None:
+            raise table.error(
+                "arm.name",
+                f"{arm.name!r} is there beside {other!r}; names that differ in more than capitals "
+                "are expected",
+            )
+        known[arm.name.lower()] = arm.name
+    # Messages to the controller call an arm by its letter alone.
+    table.once("arm.letter", (arm.letter for arm in arms))
+    return arms
+
+
+def _arm(table: Table, robot: Robot, tools: dict[str, Tool]) -> Arm:
+    name = _name(table)
+    flange, tool = table.text("flange"), table.text("tool")
+    mounted = _known_tool(table, "tool", tool, tools)
+    names = table.texts("tools", (tool,))
+    if tool not in names or len(set(names)) != len(names):
+        raise table.error("tools", f"must hold {tool!r}, which the arm carries, and each once")
+    try:
+        joints = tuple(j.name for j in robot.chain(flange) if j.kind != "fixed")
+    except InputError as error:
+        raise table.error("flange", str(error)) from None
+    count = len(joints)
+    if count == 0:
+        raise table.error("flange", f"no movable joint leads to {flange!r}")
+    axes = table.numbers("axes", count, list(range(1, count + 1))).astype(int)
+    if sorted(axes.tolist()) != list(range(1, count + 1)):
+        raise table.error("axes", f"must hold each of 1 to {count} once: the axis of each joint")
+    wire_order = np.argsort(axes)
+    signs = table.numbers("signs", count, [1] * count)
+    if not np.all(np.abs(signs) == 1):
+        raise table.error("signs", "may hold 1 and -1 only")
+    home = np.empty(count)
+    home[wire_order] = np.deg2rad(table.numbers("home_deg", count, low=-720, high=720)) * signs
+    _check_home(table, robot, joints, home)
+    arm = Arm(
+        name=name,
+        letter=table.text("letter", name[0].upper()),
+        flange=flange,
+        joints=joints,
+        wire_order=tuple(int(k) for k in wire_order),
+        wire_signs=tuple(int(sign) for sign in signs),
+        home=home,
+        acceleration=_acceleration(table, count),
+        tool=mounted,
+        Ts_world_place=tuple(T for place in table.tables("place") for T in _places(place)),
+        keeps_parts=table.flag("keeps_parts", False),
+        tools=tuple(_known_tool(table, "tools", one, tools) for one in names),
+    )
+    table.finish()
+    if not re.fullmatch(r"[A-Z]", arm.letter):
+        raise table.error("letter", f"{arm.letter!r} is not one capital letter")
+    return arm
+
+
+def _name(table: Table) -> str:
+    name = table.text("name", like=ARM_NAME)
+    if not re.fullmatch(ARM_NAME, name):
+        raise table.error(
+            "name",
+            f"{shown(name)} is no name of an arm: 1 to 40 letters, digits, - and _ are expected, "
+            "the first of them no -",
+        )
+    if name.lower() in STRATEGY_WORDS:
+        words = ", ".join(STRATEGY_WORDS)
+        raise table.error("name", f"{name!r} names a strategy; any name but {words} is expected")
+    return name
+
+
+def _known_tool(table: Table, key: str, name: str, tools: dict[str, Tool]) -> Tool:
+    if name not in tools:
+        raise table.error(key, f"{name!r} is not one of {', '.join(tools) or 'no tools'}")
+    return tools[name]
+
+
+def _places(table: Table) -> tuple[pin.SE3, ...]:
+    """One pose, or those of a `grid` of columns along its x and rows along its y."""
+    T = read_pose(table)
+    columns, rows = table.numbers("grid", 2, [1, 1], low=1, high=100).astype(int).tolist()
+    pitch = table.numbers("pitch_mm", 2, [0, 0], low=-5000, high=5000) / 1000
+    table.finish()
+    if columns * rows > MOST_PLACES:
+        raise table.error("grid", f"{columns * rows} places, {MOST_PLACES} are allowed")
+    if (columns > 1 and pitch[0] == 0) or (rows > 1 and pitch[1] == 0):
+        raise table.error("pitch_mm", "must not be 0 where there are several places")
+    return tuple(
+        T * pin.SE3(np.eye(3), np.array([column * pitch[0], row * pitch[1], 0.0]))
+        for row in range(rows)
+        for column in range(columns)
+    )
+
+
+def _acceleration(table: Table, count: int) -> Floats:
+    each = table.number("acceleration_deg", 600, low=1, high=100_000)
+    return np.full(count, np.deg2rad(each))
+
+
+def _check_home(table: Table, robot: Robot, joints: tuple[str, ...], home: Floats) -> None:
+    lower, upper, _ = robot.limits(joints)
+    for joint, value, low, high in zip(joints, home, lower, upper, strict=True):
+        if not low - ROUNDED <= value <= high + ROUNDED:
+            raise table.error(
+                "home_deg",
+                f"{np.rad2deg(value):.1f} for {joint} is outside {np.rad2deg(low):.1f} to "
+                f"{np.rad2deg(high):.1f}",
+            )
