@@ -12,7 +12,7 @@ WHOLE = 1e-6
 
 
 def on_wire(q: Floats) -> Floats:
-    """The nearest configuration that can be sent: whole hundredths of a degree [rad]."""
+    """The nearest configurations (..., n) [rad] that can be sent: whole hundredths of a degree."""
     return np.deg2rad(np.round(np.rad2deg(q), 2))
 
 
