@@ -20,7 +20,7 @@ ARGS :=
 
 export PYTHON
 
-.PHONY: help run test test-fast test-portable lint bench pictures constraints clean
+.PHONY: help run test test-fast test-portable lint docs bench pictures constraints clean
 
 help:
 	@echo "make run       start the workbench on the simulated YuMi cell and print its link"
@@ -28,6 +28,7 @@ help:
 	@echo "make test-fast run those that take little, while you work"
 	@echo "make test-portable  run them as if on another make of processor"
 	@echo "make lint      check style, types and imports"
+	@echo "make docs      make the documents a site in build/site, without a network"
 	@echo "make bench     measure what the README promises"
 	@echo "make pictures  make the pictures of the documents anew"
 	@echo "make clean     remove everything that make made"
@@ -60,6 +61,10 @@ lint: $(VENV)/.lint $(VENV)/.test
 	$(BIN)/pyright
 	$(BIN)/lint-imports
 
+# Examples are run for it, so what is compiled has to be there.
+docs: $(VENV)/.docs $(VENV)/.compiled
+	$(BIN)/python docs/make_site.py
+
 bench: $(VENV)/.test $(VENV)/.compiled
 	$(BIN)/workbench bench short $(ARGS)
 
@@ -69,7 +74,7 @@ pictures: $(VENV)/.test $(VENV)/.compiled
 	PYTHONPATH=$(CURDIR)/tests:$(CURDIR)/tests/browser $(BIN)/python docs/make_pictures.py $(ARGS)
 
 # After a dependency was changed and the tests pass with the newest versions.
-constraints: $(VENV)/.lint $(VENV)/.test
+constraints: $(VENV)/.lint $(VENV)/.test $(VENV)/.docs
 	{ grep '^#' constraints.txt; $(BIN)/python -m pip freeze --exclude-editable; } > constraints.new
 	mv constraints.new constraints.txt
 
@@ -102,4 +107,9 @@ $(VENV)/.test: $(VENV)/.run
 $(VENV)/.lint: $(VENV)/.run
 	@echo "Installing what the checks need"
 	@$(INSTALL) ".[lint]"
+	@touch $@
+
+$(VENV)/.docs: $(VENV)/.run
+	@echo "Installing what the site of the documents needs"
+	@$(INSTALL) ".[docs]"
 	@touch $@

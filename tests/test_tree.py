@@ -58,3 +58,20 @@ def test_the_tree_in_the_documents_is_that_of_the_code(monkeypatch):
 
     page = PAGE.read_text(encoding="utf-8")
     assert whole(page) == page, "python docs/make_tree.py makes it anew"
+
+
+def test_the_picture_of_the_layers_is_that_of_the_code(monkeypatch):
+    monkeypatch.setattr(sys, "path", [*sys.path, str(ROOT / "docs")])
+    from make_layers import PICTURE, drawing
+
+    told = PICTURE.read_text(encoding="utf-8")
+    assert told == drawing(), "python docs/make_layers.py draws it anew"
+
+
+def test_arrows_that_follow_from_others_are_left_out(monkeypatch):
+    monkeypatch.setattr(sys, "path", [*sys.path, str(ROOT / "docs")])
+    from make_layers import without_detours
+
+    graph = {"top": {"middle", "other", "bottom"}, "middle": {"bottom"}, "other": set()}
+    arrows = without_detours({**graph, "bottom": set[str]()})
+    assert arrows == [("top", "middle"), ("top", "other"), ("middle", "bottom")]

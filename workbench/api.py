@@ -6,24 +6,45 @@ take about a minute; `workbench compile` does that ahead.
 """
 
 import time
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+import pinocchio as pin
 
 from workbench.app.core import rules
+from workbench.app.core.commands import Entry
+from workbench.app.core.state import State
+from workbench.app.picking import calibration as calibrations
+from workbench.app.picking.calibration import with_calibration
 from workbench.app.picking.pipeline import judge, plan_pick
+from workbench.app.records import replay as replays
+from workbench.app.records import session_archive
+from workbench.app.review.recompute import cell_of
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.clouds.scans import read_scan, write_cloud
 from workbench.formats.parts.reading import read_part
 from workbench.formats.plans import plan_files
 from workbench.formats.plans.plan_files import write_plan
 from workbench.formats.plans.pose_files import read_poses, write_poses
+from workbench.journal.journal import Journal
+from workbench.model.calibration import BallPlate, Calibration, PlateSighting
 from workbench.model.candidate import Candidate, Verdict
 from workbench.model.cell import Cell, Wishes
 from workbench.model.digest import digest_of
-from workbench.model.errors import CommandRefused, FileError, InputError, LinkError, WorkbenchError
+from workbench.model.errors import (
+    CommandRefused,
+    FileError,
+    InputError,
+    JournalError,
+    LinkError,
+    WorkbenchError,
+)
+from workbench.model.geometry import Floats
 from workbench.model.part import Grasp, GraspLibrary, Part
 from workbench.model.plan import Plan, PlanResult, Proof
 from workbench.model.release import Approval, Receipt
 from workbench.model.scan import Detection, Findings, Obstacle, Scan
+from workbench.perception.calibration.balls import sight_plate
 from workbench.perception.scene.unexplained import unexplained
 from workbench.perception.simulation.piles import drop_parts
 from workbench.perception.simulation.synthesize import synthesize
@@ -35,43 +56,57 @@ from workbench.plugins.robot_link import send
 
 __all__ = [
     "Approval",
+    "BallPlate",
+    "Calibration",
     "Candidate",
     "Cell",
     "CommandRefused",
     "Detection",
+    "Entry",
     "FileError",
     "Findings",
     "Fix",
     "Grasp",
     "GraspLibrary",
     "InputError",
+    "Journal",
+    "JournalError",
     "LinkError",
     "Obstacle",
     "Part",
     "Plan",
     "PlanResult",
+    "PlateSighting",
     "Proof",
     "Receipt",
     "Scan",
+    "State",
     "Verdict",
     "Wishes",
     "WorkbenchError",
     "approve",
+    "calibrate",
     "drop_parts",
     "judge",
     "localize",
     "nearest_fix",
+    "open_session",
     "plan",
+    "plate_poses",
     "prove",
     "read_cell",
     "read_part",
     "read_plan",
     "read_poses",
     "read_scan",
+    "replay",
     "send",
+    "sight_plate",
+    "simulate_plate",
     "simulate_scan",
     "suggest",
     "unexplained",
+    "with_calibration",
     "write_cloud",
     "write_plan",
     "write_poses",
@@ -167,3 +202,81 @@ def approve(cell: Cell, plan: Plan, proof: Proof, actor: str) -> Approval:
         CommandRefused: the proof does not hold, or plan, proof and cell do not belong together.
     """
     return rules.approve(cell, plan, proof, actor, time.time())
+
+
+def open_session(folder: str | Path) -> Journal:
+    """The journal of a recorded session; to be closed when nothing more is read.
+
+    Args:
+        folder: of the session.
+
+    Raises:
+        InputError: the folder holds none.
+        JournalError: it cannot be opened.
+    """
+    return session_archive.opened(Path(folder))
+
+
+def replay(session: Journal) -> Iterator[tuple[Entry, State]]:
+    """Every entry of a session with the state that follows from it, computed again.
+
+    Args:
+        session: its journal; the first entry keeps the cell.
+
+    Raises:
+        JournalError: an entry cannot be read, the rules would not have let it pass, or another
+            state follows from it than was recorded.
+    """
+    return replays.replay(session, cell_of(session))
+
+
+def plate_poses(
+    cell: Cell, plate: BallPlate, *, arm: str = "right", count: int = 8, seed: int = 0
+) -> tuple[Floats, ...]:
+    """Configurations (n,) [rad] of an arm in which the scanner sees the plate that it holds.
+
+    Args:
+        cell: whose arm and scanner.
+        plate: held beside the tool.
+        arm: its name.
+        count: how many are wanted; fewer come back where there are no more.
+        seed: the same seed finds the same.
+    """
+    return calibrations.suggested_poses(cell, cell.arm(arm), plate, count, seed=seed)
+
+
+def simulate_plate(
+    cell: Cell,
+    q: Floats,
+    plate: BallPlate,
+    *,
+    arm: str = "right",
+    T_world_scanner: pin.SE3 | None = None,
+    seed: int = 0,
+) -> Scan:
+    """What the scanner would see of an arm that holds a plate into its view.
+
+    Args:
+        cell: whose robot and scanner.
+        q: (n,) [rad] of the arm, in chain order.
+        plate: held beside the tool.
+        arm: its name.
+        T_world_scanner: where the scanner truly hangs; where the cell says when not given.
+        seed: of the scanner's noise.
+    """
+    return calibrations.simulated_sight(
+        cell, cell.arm(arm), q, plate, seed=seed, T_world_scanner=T_world_scanner
+    )
+
+
+def calibrate(cell: Cell, sightings: Sequence[PlateSighting]) -> Calibration:
+    """Where the scanner hangs, by a plate that the robot has held into its view.
+
+    Args:
+        cell: for the robot's kinematics; where it has the scanner does not matter.
+        sightings: of one plate in one arm, by `sight_plate`; 4 at least, 8 are better.
+
+    Raises:
+        InputError: the sightings do not belong together, are too few, too similar or at odds.
+    """
+    return calibrations.calibrated(cell, sightings)

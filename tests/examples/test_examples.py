@@ -10,8 +10,21 @@ FOLDER = Path(__file__).resolve().parents[2] / "examples"
 
 SAYS = {
     "bent_plan": ["objections, the first: arm", "refused: "],
+    "calibration": ["the cell file: 20.81 mm", "measured:      0.", "the cell remembers 8 poses"],
     "own_grasps": ["grasps suggested: suggested", "taken by: ", " arm, suggested"],
+    "own_robot": ["an arm of 6 joints", "3 parts in the bin, 3 found", "proven: True", "reach, "],
+    "reading_a_journal": [
+        "the chain holds",
+        "robot link Sent x ",
+        "approved: plan ",
+        "sent:     plan ",
+    ],
     "scan_to_plan": ["2 parts in the bin, 2 found", "proven: True"],
+    "threshold_study": [
+        "piles are proven both ways",
+        "      0 mm",
+        "the cell's own distance: 200 mm",
+    ],
     "why_not": [" tool collision", "nearest fix: "],
 }
 

@@ -43,8 +43,9 @@ class Verdict:
     """A reason with its evidence.
 
     `pair` names the two bodies that come too close, `distance` [m] how close (negative:
-    penetration depth) or, when out of reach, how far the TCP stays away; `q` is the
-    configuration (of the candidate's arm) where it happened, so that the page can draw it.
+    penetration depth) or, when out of reach, how far the TCP stays away; `q` (n,)
+    [rad] is the configuration (of the candidate's arm) where it happened, so that the page can draw
+    it.
     """
 
     reason: Reason

@@ -25,9 +25,9 @@ Option = bool | int | float | str
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Finger:
-    """A finger: its solid when closed, in the flange frame, moving along `direction` (3,).
+    """A finger: its solid when closed, in the flange frame, and where it moves as it opens.
 
-    Two fingers share the opening: each moves half of it.
+    `direction` (3,) is a unit vector.  Two fingers share the opening: each moves half of it.
     """
 
     solid: Solid

@@ -20,7 +20,7 @@ Bools = NDArray[np.bool_]
 
 
 def frozen(values: ArrayLike, dtype: Any = np.float64) -> NDArray[Any]:
-    """A contiguous copy of `values` that refuses to be written to."""
+    """A contiguous copy of `values` (...,), whatever their unit, that refuses to be written to."""
     array = np.array(values, dtype=dtype, order="C")
     array.setflags(write=False)
     return array
@@ -41,7 +41,7 @@ def copied(T: pin.SE3) -> pin.SE3:
 
 
 def pose_from_matrix(matrix: ArrayLike) -> pin.SE3:
-    """A pose from a 3 x 4 or 4 x 4 matrix [R | t], lengths in m.
+    """A pose from a matrix (3, 4) or (4, 4), which is [R | t]: R has no unit, t is in m.
 
     Raises:
         InputError: wrong shape, not finite, or R is not a rotation (tolerance 1e-3; what
@@ -69,7 +69,7 @@ def pose_from_matrix(matrix: ArrayLike) -> pin.SE3:
 
 
 def pose_from_rpy(xyz: ArrayLike, rpy: ArrayLike = (0.0, 0.0, 0.0)) -> pin.SE3:
-    """A pose from a position [m] and fixed-axis roll, pitch, yaw [rad] (the URDF convention)."""
+    """A pose from a position (3,) [m] and fixed-axis roll, pitch, yaw (3,) [rad], as in URDF."""
     roll, pitch, yaw = np.asarray(rpy, dtype=np.float64)
     return pin.SE3(pin.rpy.rpyToMatrix(roll, pitch, yaw), np.asarray(xyz, dtype=np.float64))
 

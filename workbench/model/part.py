@@ -20,7 +20,7 @@ SAME_PLACE, SAME_TURN = 5e-4, np.deg2rad(0.5)
 class Symmetry:
     """Rotations about `axis` (through the part's origin) that leave the part as it is.
 
-    `fold` 1: none; n: turns of 360/n degrees; 0: any angle.
+    `axis` (3,) is a unit vector.  `fold` 1: none; n: turns of 360/n degrees; 0: any angle.
     """
 
     axis: Floats = field(default_factory=lambda: np.array([0.0, 0.0, 1.0]))

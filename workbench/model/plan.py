@@ -183,7 +183,10 @@ class Plan:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Finding:
-    """Something that a proof objects to: where, which pair, and how close [m]."""
+    """Something that a proof objects to: where, which pair, and how close [m].
+
+    `q` (n,) [rad] is the configuration of the arm there.
+    """
 
     problem: str
     arm: str = ""
@@ -222,9 +225,9 @@ class Proof:
     than its distance to the nearest obstacle allows, down to `resolution` [m].  Corners were walked
     sharp, and rounded by `zone`: 0 says that it holds only where the robot stops at every waypoint.
     `clearance`
-    [m] is the smallest found over free legs, `nearest` where; `clearances` (steps) holds per
-    arm and leg the smallest distance after each waypoint, for the plot, and `apart` (steps) the
-    distance between the arms at each waypoint, measured as far as
+    [m] is the smallest found over free legs, `nearest` where; `clearances` (steps,) [m] holds per
+    arm and leg the smallest distance after each waypoint, for the plot, and `apart` (steps,) [m]
+    the distance between the arms at each waypoint, measured as far as
     `planning.proving.prove.FAR_SIGHT`.
     """
 

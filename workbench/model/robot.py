@@ -93,7 +93,7 @@ class Robot:
         return tuple(reversed(joints))
 
     def limits(self, joints: tuple[str, ...]) -> tuple[Floats, Floats, Floats]:
-        """Lower and upper limits and velocities of the named joints, each shape (n,)."""
+        """Lower and upper limits [rad, m] and velocities [per s] of the named joints, (n,) each."""
         found = [self.joint(name) for name in joints]
         return (
             np.array([joint.lower for joint in found]),

@@ -67,11 +67,11 @@ class Course:
 
     @property
     def goals(self) -> list[tuple[int, Floats]]:
-        """Number and configuration of the targets that can be taken up."""
+        """Number and configuration (n,) [rad] of the targets that can be taken up."""
         return [(k, target.q) for k, target in enumerate(self.targets) if target.q is not None]
 
     def attempt(self, planner: str, number: int, goal: Floats, allowed: int) -> Attempt:
-        """Plan once from home to a goal (n,), seeded by the target's number."""
+        """Plan once from home to a goal (n,) [rad], seeded by the target's number."""
         world, policy = self.world, self.world.policy
         columns, base = world.kinematics.columns[self.arm.name], world.configuration({})
 

@@ -23,9 +23,9 @@ Outcome = Literal["clear", "out of reach", "in collision"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Target:
-    """A tool pose and, when it can be taken up without touching anything, the configuration (n,).
+    """A tool pose and, when it can be taken up without touching anything, the configuration for it.
 
-    Of several configurations it is the one with the least joint travel from home.
+    `q` is (n,) [rad]: of several configurations the one with the least joint travel from home.
     """
 
     T_world_tcp: pin.SE3
@@ -56,7 +56,7 @@ def judged(
         arm: one of its arms.
         poses: of its TCP in the world.
         seed: of the starting points of the inverse kinematics.
-        among: pairs of the world that count; all when None.
+        among: (k,) indices of the pairs of the world that count; all when None.
     """
     chain = world.chains[arm.name]
     rng = np.random.default_rng([seed, 1])

@@ -126,7 +126,7 @@ def check_detections(cell: Cell, detections: tuple[Detection, ...]) -> None:
 
 
 def check_configuration(cell: Cell, arm: str, q: Floats) -> None:
-    """An arm can stand there; what a controller reports may be off by its resolution.
+    """An arm can stand at `q` (n,) [rad]; what a controller reports may be off by its resolution.
 
     Raises:
         CommandRefused: it cannot.

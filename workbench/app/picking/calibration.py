@@ -82,7 +82,7 @@ def simulated_sight(
     seed: int,
     T_world_scanner: pin.SE3 | None = None,
 ) -> Scan:
-    """What the simulated scanner sees of an arm at `q` (n,) that holds the plate."""
+    """What the simulated scanner sees of an arm at `q` (n,) [rad] that holds the plate."""
     links = Kinematics(cell).link_poses(dict(zip(arm.joints, map(float, q), strict=True)))
     return scan_held_plate(cell, links, arm.name, plate, seed=seed, T_world_scanner=T_world_scanner)
 

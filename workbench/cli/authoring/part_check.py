@@ -201,7 +201,7 @@ def counted(count: int, what: str) -> str:
 
 
 def millimetres(lengths: Floats) -> str:
-    """Lengths [m] for people, four digits each."""
+    """Lengths (n,) [m] for people, four digits each."""
     return ", ".join(f"{value + 0.0:.4g}" for value in np.round(np.asarray(lengths) * 1000, 2))
 
 

@@ -65,7 +65,7 @@ class Body:
             self._received += 1
 
     def record(self, arm: str, kind: str, path: Floats | None) -> None:
-        """Write configurations (m, n) that came to the record."""
+        """Write configurations (m, n) [rad] that came to the record."""
         if self._record is not None and path is not None:
             rows = np.atleast_2d(path).tolist()
             _append(self._record, ({"arm": arm, "kind": kind, "q": q} for q in rows))
@@ -76,7 +76,7 @@ class Body:
             _append(self._trace, states)
 
     def put(self, q: Mapping[str, Floats], moving: str) -> None:
-        """Arms stand there now, and those named move."""
+        """Arms stand at `q`, (n,) [rad] each, now, and those named move."""
         with self._lock:
             self._q.update(q)
             self._moving = moving

@@ -19,7 +19,7 @@ HAND_SECONDS = 0.2
 
 
 def configuration_at(leg: ProgramLeg, t: float) -> tuple[Floats, int]:
-    """Where an arm is `t` [s] after a leg began, and the waypoint it is going to.
+    """Where an arm is, (n,) [rad], `t` [s] after a leg began, and the waypoint it is going to.
 
     All joints go linearly from waypoint to waypoint; around each within the zone they follow a
     parabola that touches both lines.

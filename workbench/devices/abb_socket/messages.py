@@ -53,7 +53,7 @@ class Message:
 
 
 def encode(arm: Arm, kind: Kind, q: Floats | None = None) -> Message:
-    """A message to one arm.
+    """A message to one arm, for most kinds with a configuration `q` (n,) [rad], chain order.
 
     Raises:
         InputError: a configuration is missing, too many, not finite or of the wrong size.
@@ -97,7 +97,7 @@ def angles_of(arm: Arm, words: Sequence[str]) -> Floats:
 
 
 def angles_within_limits(cell: Cell, arm: Arm, words: Sequence[str]) -> Floats:
-    """As `angles_of`, for a configuration that the arm is to go to.
+    """As `angles_of`, for a configuration (n,) [rad] that the arm is to go to.
 
     Raises:
         ProtocolError: it is none, or outside the limits of a joint.
@@ -141,7 +141,7 @@ def _leg_messages(cell: Cell, arm_plan: ArmPlan, name: LegName) -> list[Message]
 
 
 def check_limits(cell: Cell, arm: Arm, path: Floats) -> None:
-    """Refuse configurations (m, n) outside the joint limits.
+    """Refuse configurations (m, n) [rad] outside the joint limits.
 
     Raises:
         InputError: names the joint, its value and its limits.

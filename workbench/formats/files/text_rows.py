@@ -14,7 +14,7 @@ from workbench.model.geometry import Floats
 def read_rows(
     path: Path, content: bytes, start: int, *, columns: Sequence[int], count: int, skip: int = 0
 ) -> Floats:
-    """Some columns of rows of numbers, shape (count, len(columns)); blank lines do not count.
+    """Some columns of rows of numbers, shape (count, columns), no unit; blank lines do not count.
 
     Args:
         path: of the file, for messages.

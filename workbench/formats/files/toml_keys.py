@@ -120,7 +120,7 @@ class Table:
         low: float = -math.inf,
         high: float = math.inf,
     ) -> Floats:
-        """A list of finite numbers, shape (count,); count None: any number of them."""
+        """A list of finite numbers (count,) in the key's unit; None: any number of them."""
         items = {"type": "array", "items": _number_form(low, high)}
         counted = {} if count is None else {"minItems": count, "maxItems": count}
         self._note(key, default, items | counted)
@@ -130,7 +130,7 @@ class Table:
         return np.array([self._checked(key, item, low, high) for item in value])
 
     def rows(self, key: str, columns: int) -> Floats:
-        """A list of lists of `columns` finite numbers each, shape (n, columns)."""
+        """A list of lists of `columns` finite numbers each, (n, columns), in the key's unit."""
         rows = self._rows(key, columns, "numbers")
         block = np.empty((len(rows), columns))
         for number, (at, row) in enumerate(rows):

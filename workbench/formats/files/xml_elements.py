@@ -73,7 +73,7 @@ class Element:
         return value
 
     def numbers(self, key: str, count: int, default: tuple[float, ...] | None = None) -> Floats:
-        """An attribute of `count` finite numbers; without a default it must be given."""
+        """Finite numbers (count,) in the attribute's unit; without a default it must be given."""
         if default is not None and self._element.get(key) is None:
             return np.array(default, dtype=np.float64)
         value = self.text(key)

@@ -29,7 +29,7 @@ BLUE, BROWN = (0.4, 0.4, 1.0), (0.8, 0.6, 0.3)
 
 @dataclass(frozen=True, slots=True, eq=False)
 class KlamptWorld:
-    """One robot where it stands, its configuration as the file orders it, and still things."""
+    """One robot where it stands, and still things; `config` (n,) [rad, m] as the file orders it."""
 
     robot: Robot
     T_world_robot: pin.SE3

@@ -25,7 +25,9 @@ FLATNESS = 1e-4
 
 
 def read_mesh(path: Path, scale: Floats | float = 1.0) -> Mesh:
-    """The triangles of an STL, OBJ, PLY, GLB or DAE file, multiplied by `scale`.
+    """The triangles of an STL, OBJ, PLY, GLB or DAE file, multiplied by `scale`, no unit.
+
+    One number, or (3,) for the axes, makes metres of the file's lengths.
 
     A PCD file is a part taught by scanning it: its convex hull, in a frame in the middle of its
     points.

@@ -110,7 +110,7 @@ def read_pose_rows(table: Table, key: str) -> pin.SE3:
 
 
 def checked_pose(path: Path, where: str, matrix: Floats) -> pin.SE3:
-    """A pose from a 3 x 4 or 4 x 4 matrix [m], of a plausible distance.
+    """A pose from a matrix (3, 4) or (4, 4) [m], of a plausible distance.
 
     Raises:
         FileError: starts with `where`.

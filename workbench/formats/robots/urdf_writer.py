@@ -68,7 +68,7 @@ def write_xml(path: Path, root: ElementTree.Element) -> None:
 
 
 def numbers(values: Floats) -> str:
-    """Numbers as they are written into attributes: nothing is lost."""
+    """Numbers (n,) in the attribute's unit as they are written into it: nothing is lost."""
     return " ".join(repr(float(value)) for value in values)
 
 

@@ -49,7 +49,7 @@ class JogFinder:
 
 
 def led(chain: Chain, q: Floats, T_world_tcp: pin.SE3) -> Floats | None:
-    """The configuration (n,) nearest to `q` with the tool at a pose; None out of reach."""
+    """The configuration (n,) [rad] nearest to `q` with the tool at a pose; None out of reach."""
     rng = np.random.default_rng(0)
     near = q + rng.uniform(-AROUND, AROUND, (TRIES, len(q)))
     answers, residuals = chain.solve(T_world_tcp, np.vstack([q, near]))

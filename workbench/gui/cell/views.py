@@ -81,7 +81,7 @@ def _branch(title: str, leaves: list[str]) -> str:
 
 
 def measured_line(points: tuple[Floats, ...]) -> str:
-    """The distance of two clicked points, or nothing."""
+    """The distance of two clicked points (3,) [m], or nothing."""
     if len(points) < 2:
         return ""
     return line(measured_text(*points).replace("\n", ": "))

@@ -41,7 +41,7 @@ class Reaches:
         self._threads.shutdown(cancel_futures=True)
 
     def of(self, cell: Cell, arm: str) -> Reached:
-        """What is known of an arm's reach; nothing while it is worked out, or without a name."""
+        """An arm's places (n, 3) [m] and shares (n,); none while they are worked out."""
         if not arm:
             return NOTHING
         if self._cell is not cell:

@@ -36,7 +36,7 @@ def painted_cloud(cell: Cell, points: Floats, detections: tuple[Detection, ...])
 
 
 def avoided_red(cloud: PaintedCloud, obstacles: tuple[Obstacle, ...]) -> np.ndarray:
-    """The colours (n, 3) of a cloud, red where its points lie in a box that is kept clear of.
+    """Colours (n, 3) 0..255 of a cloud, red where points lie in a box that is kept clear of.
 
     The boxes are those that the plan and its proof hold: nothing else is red, so what is not
     avoided does not look as if it were.  Points of parts found keep the part's colour.
@@ -47,7 +47,7 @@ def avoided_red(cloud: PaintedCloud, obstacles: tuple[Obstacle, ...]) -> np.ndar
 
 
 def in_boxes(points: Floats, obstacles: tuple[Obstacle, ...]) -> Bools:
-    """Which world points (n, 3) lie in one of the boxes, (n,)."""
+    """Which points (n, 3) [m] of the world lie in one of the boxes, (n,)."""
     inside = np.zeros(len(points), np.bool_)
     for one in obstacles:
         T = one.T_world_box.inverse()

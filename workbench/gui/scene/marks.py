@@ -13,7 +13,10 @@ from workbench.model.scan import Discarded
 
 
 def draw_reach(scene: viser.SceneApi, reached: tuple[Floats, Floats] | None) -> None:
-    """Places an arm reaches: green with the tool at any turn, orange at some."""
+    """Places (n, 3) [m] an arm reaches: green with the tool at any turn, orange at some.
+
+    With them comes the share (n,) of the turns.
+    """
     scene.remove_by_name("/reach")
     if reached is None or not len(reached[0]):
         return
@@ -41,7 +44,7 @@ def draw_discarded(scene: viser.SceneApi, cell: Cell, discarded: tuple[Discarded
 
 
 def draw_measured(scene: viser.SceneApi, points: tuple[Floats, ...]) -> None:
-    """One clicked point, or two with a line and their distance."""
+    """One clicked point (3,) [m], or two with a line and their distance."""
     scene.remove_by_name("/measured")
     for number, p in enumerate(points):
         scene.add_icosphere(f"/measured/{number}", 0.004, rgb_of(BRAND), position=tuple(p.tolist()))
@@ -64,6 +67,6 @@ def draw_measured(scene: viser.SceneApi, points: tuple[Floats, ...]) -> None:
 
 
 def measured_text(first: Floats, second: Floats) -> str:
-    """A distance, and how it lies along the axes of the world."""
+    """The distance of two points (3,) [m], and how it lies along the axes of the world."""
     d = (second - first) * 1000
     return f"{np.linalg.norm(d):.1f} mm\nx {d[0]:+.1f}  y {d[1]:+.1f}  z {d[2]:+.1f} mm"

@@ -135,7 +135,7 @@ class Stage:
         self._hand, self._tool = None, ""
 
     def show_sphere(self, directions: Floats, colours: Any) -> None:
-        """Show something about every direction (n, 3) as seen from around the part."""
+        """Show something about every unit direction (n, 3) as seen from around the part."""
         self._scene.add_point_cloud(
             "/stage/sphere",
             (directions * self._size * 1.1).astype(np.float32),
@@ -228,7 +228,11 @@ def fork_of(grasp: Grasp, stem: float) -> Floats:
 
 
 def nearest_entry(part: Part, origin: Floats, direction: Floats, size: float) -> str:
-    """The entry whose mark a ray passes closest to, if that is close enough to be meant."""
+    """The entry whose mark a ray passes closest to, if that is close enough to be meant.
+
+    The ray begins at `origin` (3,) [m], its `direction` (3,) is of any length; `size` [m] is that
+    of the part.
+    """
     ray = direction / np.linalg.norm(direction)
     best, name = 0.035 * size, ""
     for entry in part.library.entries:

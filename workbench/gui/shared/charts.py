@@ -77,14 +77,14 @@ def doing(cell: Cell, runs: tuple[Run, ...], time: float) -> str:
 
 
 def joint_curves(arm: Arm, runs: tuple[Run, ...], seconds: float) -> tuple[Floats, ...]:
-    """Times [s] and the angle of each joint of an arm [deg], in the controller's order."""
+    """Times (k,) [s] and the angle (k,) [deg] of each joint, in the controller's order."""
     times = np.linspace(0.0, max(seconds, 1e-3), SAMPLES)
     wire = arm_path(arm, runs, times)[:, list(arm.wire_order)] * np.array(arm.wire_signs)
     return (times, *np.rad2deg(wire).T)
 
 
 def clearance_curves(runs: tuple[Run, ...], proof: Proof) -> tuple[Floats, Floats, Floats]:
-    """Times [s], the clearance of what moves then, and the distance between the arms [mm].
+    """Times (k,) [s], the clearance (k,) of what moves then, the distance (k,) of the arms [mm].
 
     With both arms moving it is the smaller value.  Each value of the proof is the smallest
     distance from one waypoint to the next, so the curves go in steps.
@@ -125,7 +125,7 @@ def _smallest(spans: Floats, times: Floats) -> Floats:
 
 
 def speed_curve(arm: Arm, cell: Cell, runs: tuple[Run, ...], seconds: float) -> Floats:
-    """How fast the fastest joint of an arm turns, in percent of its limit, shape (SAMPLES,)."""
+    """How fast an arm's fastest joint turns, (SAMPLES,), in percent of its limit: no unit."""
     times = np.linspace(0.0, max(seconds, 1e-3), SAMPLES)
     _, _, velocity = cell.robot.limits(arm.joints)
     speeds = np.abs(np.gradient(arm_path(arm, runs, times), times, axis=0)) / velocity

@@ -30,7 +30,10 @@ def with_hard_edges(surface: trimesh.Trimesh) -> tuple[Floats, Ints]:
 def by_colour(
     solids: Iterable[Solid], T: pin.SE3 | None = None
 ) -> list[tuple[Colour, Floats, Ints]]:
-    """The solids of one body merged into one mesh a colour, in the body's frame moved by `T`."""
+    """The solids of one body merged into one mesh a colour, in the body's frame moved by `T`.
+
+    With each colour come points (n, 3) [m] and triangles (k, 3), indices into them.
+    """
     groups: defaultdict[Colour, list[trimesh.Trimesh]] = defaultdict(list)
     for solid in solids:
         surface = triangles_of(solid.shape)

@@ -68,6 +68,6 @@ def direction_in(vector: tuple[float, float, float], name: str) -> Floats:
 
 
 def shown_vector(vector: Floats) -> tuple[float, float, float]:
-    """A vector (3,) as a field shows it."""
+    """A vector (3,), in the field's unit, as the field shows it."""
     x, y, z = (round(float(value), 6) + 0.0 for value in vector)
     return x, y, z

@@ -6,7 +6,7 @@ from workbench.model.geometry import Floats
 
 
 def fitted_motion(points: Floats, onto: Floats) -> tuple[Floats, Floats]:
-    """Rotation (3, 3) and translation (3,) that bring points (n, 3) nearest to others (n, 3).
+    """Rotation (3, 3) and translation (3,) [m] that bring points (n, 3) [m] nearest to others.
 
     By the singular value decomposition of their covariance (Arun, Huang and Blostein 1987;
     Umeyama 1991 for the sign); n >= 3, not on one line.

@@ -36,7 +36,7 @@ ROLL_ERROR = float(np.deg2rad(1.0))
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Assessment:
-    """A pose (4, 4) in the scanner's frame with what is to be said about it.
+    """A pose (4, 4) [m] in the scanner's frame with what is to be said about it.
 
     `gap` is by how much of the shown surface more it is explained than the best different pose
     of the same object, None when the part has no near-symmetry.  `roll_known` is False when

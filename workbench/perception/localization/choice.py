@@ -34,7 +34,7 @@ SAME_PLACE = 0.15
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Hypothesis:
-    """A pose (4, 4) of the part in the scanner's frame, and what it predicts and explains."""
+    """A pose (4, 4) [m] of the part in the scanner's frame, and what it predicts and explains."""
 
     pose: Floats
     sighting: Sighting
@@ -45,7 +45,10 @@ class Hypothesis:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Rejection:
-    """A hypothesis that was not taken, why, and the place of the chosen one that it lost to."""
+    """A hypothesis that was not taken, why, and the place of the chosen one that it lost to.
+
+    `pose` (4, 4) [m] is in the scanner's frame.
+    """
 
     pose: Floats
     sighting: Sighting
@@ -60,7 +63,7 @@ class Rejection:
 class Choice:
     """What has been taken so far, in that order, and what has not; grows while it is made.
 
-    `claimed` (pixels,): the chosen one that explains a pixel, or -1.
+    `claimed` (pixels,): index of the chosen one that explains a pixel, or -1.
     """
 
     claimed: np.ndarray
@@ -69,7 +72,7 @@ class Choice:
 
 
 def are_in_bin(surface: PartSurface, poses: Floats, T_scanner_bin: pin.SE3, bin: Bin) -> np.ndarray:
-    """Which of poses (k, 4, 4) do not reach through floor or walls; they may stick out above."""
+    """Which poses (k, 4, 4) [m] do not reach through floor or walls; they may stick out above."""
     return _are_in_bin(
         np.ascontiguousarray(T_scanner_bin.inverse().homogeneous),
         np.ascontiguousarray(poses),
@@ -110,7 +113,7 @@ def choose(
         choice: what was taken before, and is added to.
         surface: the part.
         hypotheses: possible poses, fitted roughly.
-        assess: looks closely at a pose (4, 4) and returns a better one.
+        assess: looks closely at a pose (4, 4) [m] and returns a better one.
     """
     left = list(hypotheses)
     while left:
@@ -164,7 +167,7 @@ def _overlap(choice: Choice, surface: PartSurface, one: Assessment) -> Rejection
 
 
 def reaches_into(surface: PartSurface, host: PartSurface, T_host_part: Floats) -> bool:
-    """Whether a part at a pose (4, 4) is inside another one, the host, as no two parts can be.
+    """Whether a part at a pose (4, 4) [m] is inside another one, the host, as no two parts can be.
 
     It is not known of a host whose mesh is open, which has no inside.
     """

@@ -84,7 +84,7 @@ def find_near_symmetry(
 
 
 def stated_symmetry(symmetry: Symmetry) -> Floats:
-    """The turns (k, 4, 4) that a part's author states; any angle as equal steps."""
+    """The turns (k, 4, 4) [m] that a part's author states; any angle as equal steps."""
     count = symmetry.fold or STEPS
     angles = np.arange(count) * 2 * np.pi / count
     return np.array([_turn(np.zeros(3), symmetry.axis, angle) for angle in angles])

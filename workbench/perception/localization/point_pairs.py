@@ -28,8 +28,8 @@ FEWEST_VOTES = 3.0
 class PairTable:
     """All pairs of points of a model, sorted by feature.
 
-    Entries `starts[f]` to `starts[f + 1]` have feature f: `firsts` is the pair's first point,
-    `turns` [rad] where the second lies around the first one's normal.
+    Entries `starts[f]` to `starts[f + 1]` have feature f: `firsts` (k,) is the index of the
+    pair's first point, `turns` (k,) [rad] where the second lies around the first one's normal.
     """
 
     model: OrientedPoints

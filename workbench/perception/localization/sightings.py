@@ -87,9 +87,9 @@ def look(maps: DepthMap, surface: PartSurface, pose: Floats, tolerance: float) -
 
 
 def tally(maps: DepthMap, surface: PartSurface, poses: Floats, tolerance: float) -> Floats:
-    """The same for many poses (k, 4, 4), counted only: (k, 4).
+    """The same for many poses (k, 4, 4) [m], counted only: (k, 4).
 
-    Columns are `EXPLAINED`, `VIOLATED`, `HIDDEN` [pixels], and `SQUARES`, the sum of the squares
+    Columns are `EXPLAINED`, `VIOLATED`, `HIDDEN` [px], and `SQUARES`, the sum of the squares
     of the distances of the explained points over the tolerance.
     """
     return _tally(*drawing(maps, surface, tolerance), np.ascontiguousarray(poses))
@@ -112,12 +112,12 @@ def pull(
 
 
 def gains(tallies: Floats) -> Floats:
-    """`Sighting.gain` of each tally (k, 4)."""
+    """`Sighting.gain` (k,) [px] of each tally (k, 4)."""
     return tallies[:, EXPLAINED] - AGAINST * tallies[:, VIOLATED]
 
 
 def closeness(tallies: Floats) -> Floats:
-    """The gains, with explained pixels counting less the further they are off, (k,)."""
+    """The gains (k,) [px], with explained pixels counting less the further they are off."""
     return gains(tallies) - tallies[:, SQUARES]
 
 

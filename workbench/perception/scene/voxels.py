@@ -53,7 +53,7 @@ class Blocks:
         ]
 
     def sums(self, weights: Ints | Bools) -> Floats:
-        """For each voxel, what the voxels of its block and of the 26 around it weigh, (n,)."""
+        """What the voxels of each one's block and of the 26 around it weigh: (n,), no unit."""
         own = np.bincount(self._of_voxel, weights, minlength=len(self._keys))
         total = np.zeros(len(self._keys))
         for found, is_there in zip(self._around, self._is_there, strict=True):

@@ -12,7 +12,7 @@ from workbench.model.geometry import Floats, frozen, put
 class Pinhole:
     """A camera without distortion; pixel (row, column) has its centre at whole numbers.
 
-    `focal` is the focal length in pixels, `centre` (2,) the column and row, not necessarily
+    `focal` is the focal length [px], `centre` (2,) [px] the column and row, not necessarily
     inside the image, where the optical axis passes; `shape` is (rows, columns).
     """
 
@@ -31,7 +31,7 @@ class Pinhole:
         return cls(focal, np.array([columns - 1, rows - 1]) / 2, (rows, columns))
 
     def rays(self) -> Floats:
-        """Directions (rows, columns, 3) through the pixel centres, scaled to z = 1."""
+        """Directions (rows, columns, 3) through the pixel centres, scaled to z = 1: no unit."""
         rows, columns = self.shape
         x = (np.arange(columns) - self.centre[0]) / self.focal
         y = (np.arange(rows) - self.centre[1]) / self.focal

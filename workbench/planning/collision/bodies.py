@@ -167,7 +167,7 @@ def arm_of_joint(cell: Cell, kinematics: Kinematics) -> list[int]:
 
 
 def pairs_of(cell: Cell, kinematics: Kinematics, bodies: list[Body]) -> Bools:
-    """Which bodies can meet in some phase, upper triangle (b, b); the rest is never looked at.
+    """True (b, b) where two bodies can meet in some phase, upper triangle; no others are looked at.
 
     Left out: bodies of one link or tool, or on the same joint, pairs that the SRDF disables, and
     still things among themselves, except parts, which may be carried.
@@ -278,7 +278,7 @@ def geometry_of(bodies: Sequence[Body]) -> pin.GeometryModel:
 
 @lru_cache(maxsize=4096)
 def extent(shape: Shape) -> tuple[Floats, Floats, float]:
-    """Centre (3,) and half sizes (3,) of the shape's box in its frame, and the ball around it."""
+    """Centre (3,) and half sizes (3,) [m] of the shape's box in its frame; radius [m] around it."""
     zero = frozen(np.zeros(3))
     match shape:
         case Box():

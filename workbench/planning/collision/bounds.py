@@ -212,7 +212,11 @@ def place_bodies(
     c: Floats,
     travel: Floats,
 ) -> None:
-    """Write where joints and bodies are at `q`, and how far bodies can move, into the last six."""
+    """Write where joints and bodies are at `q`, and how far bodies can move, into the last six.
+
+    `q` and `d` (nq,) [rad, m] as in `close_pairs`.  Of joints `R_j` (j, 3, 3), `p_j` (j, 3) [m] and
+    axes `z_j` (j, 3); of bodies `R` (b, 3, 3), centres `c` (b, 3) [m] and `travel` (b,) [m].
+    """
     joint, R_g, c_g = boxes.joint, boxes.R, boxes.c
     _joint_poses(tree.parents, tree.R, tree.p, tree.axes, tree.slides, q, R_j, p_j, z_j)
     for g in range(len(joint)):
@@ -252,7 +256,9 @@ def gather_close(
 ) -> int:
     """Write what `close_pairs` returns, unsorted, into the last three arguments.
 
-    The first `asked` numbers of `among` are looked at.  Returns how many pairs were written.
+    Bodies are where `place_bodies` has them; `pairs` (k,) are indices, `moves` and `lower` (k,)
+    are in [m].  The first `asked` numbers of `among` are looked at.  Returns how many pairs were
+    written.
     """
     parents, slides = tree.parents, tree.slides
     joint, half, radius = boxes.joint, boxes.half, boxes.radius
@@ -280,6 +286,6 @@ def gather_close(
 
 
 def box_of(points: Floats) -> tuple[Floats, Floats]:
-    """Centre (3,) and half sizes (3,) of the axis-aligned box around points (n, 3)."""
+    """Centre (3,) and half sizes (3,) of the axis-aligned box around points (n, 3), all [m]."""
     low, high = points.min(axis=0), points.max(axis=0)
     return (low + high) / 2, (high - low) / 2

@@ -55,7 +55,7 @@ class Cores(NamedTuple):
 
 
 def cores_of(shapes: list[Shape], centres: Floats) -> Cores:
-    """The cores of shapes, each seen from its centre (3,) in its own frame."""
+    """The cores of shapes, each seen from its centre (3,) [m] in its own frame."""
     cores = [_core_of(shape) for shape in shapes]
     corners = [points - centre for (points, *_), centre in zip(cores, centres, strict=True)]
     count = np.array([len(points) for points in corners], dtype=np.int64)

@@ -22,7 +22,7 @@ MOST_LOOKS = 20_000
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Course:
-    """The way of one arm: its name and the control points (k, 3, n) of its curves."""
+    """The way of one arm: its name and the control points (k, 3, n) [rad] of its curves."""
 
     arm: str
     points: Floats
@@ -30,7 +30,7 @@ class Course:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Meeting:
-    """Where two arms come too close: configurations of both, and their curves, counted from 0."""
+    """Where two arms come too close: `q`, (n,) [rad] of each, and their curves, counted from 0."""
 
     contact: Contact
     q: tuple[Floats, Floats]
@@ -38,7 +38,7 @@ class Meeting:
 
 
 def standing(arm: str, q: Floats) -> Course:
-    """An arm that stays at `q` (n,)."""
+    """An arm that stays at `q` (n,) [rad]."""
     return Course(arm, np.array([[q, q, q]]))
 
 

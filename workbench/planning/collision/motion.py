@@ -29,7 +29,8 @@ RESOLUTION = 0.0005
 class Curves:
     """A chain of quadratic Bezier curves in joint space.
 
-    `points` (k, 3, n): control points of each; `waypoints` (k,): after which waypoint each lies.
+    `points` (k, 3, n) [rad]: control points of each; `waypoints` (k,): index of the waypoint before
+    each.
     """
 
     points: Floats
@@ -37,12 +38,12 @@ class Curves:
 
 
 def segment(start: Floats, end: Floats) -> Curves:
-    """The one straight curve between two configurations (n,)."""
+    """The one straight curve between two configurations (n,) [rad]."""
     return Curves(np.array([[start, (start + end) / 2, end]]), np.zeros(1, np.int64))
 
 
 def curves_of(path: Floats, zone: float) -> Curves:
-    """The curves that the controller makes of waypoints (m, n) with zones 0 <= zone < 0.5."""
+    """The curves that the controller makes of waypoints (m, n) [rad]; 0 <= zone < 0.5."""
     steps = np.diff(path, axis=0)
     starts, ends = path[:-1] + zone * steps, path[1:] - zone * steps
     starts[0], ends[-1] = path[0], path[-1]
@@ -56,7 +57,7 @@ def curves_of(path: Floats, zone: float) -> Curves:
 
 
 def walked(path: Floats, zone: float) -> Curves:
-    """All that the controller may make of waypoints (m, n), with a zone as in `curves_of`.
+    """All that the controller may make of waypoints (m, n) [rad], with a zone as in `curves_of`.
 
     That is every straight way from waypoint to waypoint, where it stops or a zone cannot be done,
     and every corner rounded.
@@ -72,7 +73,7 @@ def walked(path: Floats, zone: float) -> Curves:
 
 @njit(cache=True)
 def halved(points: Floats) -> tuple[Floats, Floats, Floats, Floats]:
-    """Middle of a quadratic Bezier curve (3, n), the most any joint leaves it, and both halves."""
+    """Middle of a quadratic Bezier curve (3, n) [rad], how far each joint leaves it, its halves."""
     n = points.shape[1]
     middle, span = np.empty(n), np.empty(n)
     left, right = np.empty((3, n)), np.empty((3, n))
@@ -94,7 +95,7 @@ def path_contact(
     resolution: float = RESOLUTION,
     among: Ints | None = None,
 ) -> tuple[Contact, Floats, int] | None:
-    """The first contact along waypoints (m, n) as executed; see `chain_contact`."""
+    """The first contact along waypoints (m, n) [rad] as executed; see `chain_contact`."""
     return chain_contact(world, columns, base, walked(path, zone), resolution, among)
 
 
@@ -111,8 +112,8 @@ def chain_contact(
     Only the pairs `among` are looked at, all that count in the phase when it is None.
 
     Returns:
-        The contact, the arm's configuration (n,) there, and the waypoint before it; None when
-        all of the chain is clear.
+        The contact, the arm's configuration (n,) [rad] there, and the waypoint before it; None
+        when all of the chain is clear.
     """
     first = 0
     while first < len(curves.points):

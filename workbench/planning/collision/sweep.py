@@ -27,7 +27,10 @@ IS_CLEAR, TOO_LONG = -1, -2
 
 
 class Model(NamedTuple):
-    """Kinematics, boxes and cores of all bodies; pair k is of bodies `first[k]`, `second[k]`."""
+    """Kinematics, boxes and cores of all bodies, and the pairs of them.
+
+    `first` and `second` (k,) are indices of bodies: the two of each pair.
+    """
 
     tree: Tree
     boxes: Boxes

@@ -30,7 +30,9 @@ AT_REST = "at rest"
 class World:
     """The cell with the parts found, ready to answer "how close?" for any configuration.
 
-    `deadline` [s], on the clock of `working_time`, is when searches in it give up.
+    A whole configuration `q` (nq,) [rad, m] is in the order of `Kinematics`; pairs (k,) are indices
+    into all pairs of bodies.  `deadline` [s], on the clock of `working_time`, is when searches in
+    it give up.
 
     Lifetime: as long as cell and detections; `enter` changes what is attached, nothing is rebuilt.
     Concurrency: one thread at a time.

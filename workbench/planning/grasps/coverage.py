@@ -61,10 +61,10 @@ class MissingGrasp:
 class Coverage:
     """What the grasps of a part can do in a cell.
 
-    `directions` (n, 3): of the part, pointing up; `shares` (n,) of the poses with that direction
-    up in which any grasp works with any arm, `arm_shares` (n, a) with each arm.  `grasp_shares`
-    (g, a): of all poses, for each grasp of the library and arm.  `poses` is how many were looked
-    at; fewer when the search was ended.
+    `directions` (n, 3): unit vectors of the part, pointing up; `shares` (n,) of the poses with that
+    direction up in which any grasp works with any arm, `arm_shares` (n, a) with each arm.
+    `grasp_shares` (g, a): of all poses, for each grasp of the library and arm.  `poses` is how many
+    were looked at; fewer when the search was ended.
     """
 
     part: str

@@ -46,7 +46,7 @@ class Trial:
     def poses(
         self, up: Floats, number: int, turns: int, places: tuple[tuple[float, float], ...]
     ) -> list[pin.SE3]:
-        """`T_world_part` with a direction of the part up, standing on the floor of the bin."""
+        """`T_world_part` with a unit direction (3,) of the part up, standing on the bin's floor."""
         z = np.array([0.0, 0.0, 1.0])
         axis = np.cross(up, z)
         sine, cosine = float(np.linalg.norm(axis)), float(up @ z)
@@ -69,7 +69,7 @@ class Trial:
         return found
 
     def usable(self, grasps: tuple[Grasp, ...]) -> Bools:
-        """Which grasps (g, a) an arm may use at all: switched on, allowed, right for its tool."""
+        """True (g, a) where an arm may use a grasp: switched on, allowed, right for its tool."""
         return np.array(
             [
                 [
@@ -90,7 +90,7 @@ class Trial:
     def works(
         self, Ts_world_part: Sequence[pin.SE3], grasps: Sequence[Grasp], usable: Bools
     ) -> Bools:
-        """Which grasps work with which arms for a part at each pose (p, g, a).
+        """True (p, g, a) where a grasp works with an arm for a part at a pose.
 
         Args:
             Ts_world_part: where the part lies, alone.

@@ -76,7 +76,7 @@ def first_hits(mesh: Mesh, origins: Floats, directions: Floats) -> tuple[Floats,
 
 
 def nearest_points(mesh: Mesh, points: Floats) -> tuple[Floats, Floats, Ints]:
-    """The points (n, 3) of a surface nearest to others (n, 3), distances and triangles (n,).
+    """The points (n, 3) of a surface nearest to others (n, 3), distances (n,), all [m], triangles.
 
     Triangles without an area have no normal and are passed over: in a closed surface their
     neighbours have the same points.

@@ -56,7 +56,7 @@ class FoundSymmetry:
 
 
 def turns_of(symmetry: Symmetry) -> Floats:
-    """The rotations (k, 3, 3) that leave a part as it is; any angle as `STEPS` equal steps."""
+    """The rotations (k, 3, 3), no unit, that leave a part as it is; any angle as `STEPS` steps."""
     count = symmetry.fold or STEPS
     axis = np.array(symmetry.axis)
     return np.array([pin.exp3(axis * (2 * np.pi * k / count)) for k in range(count)])

@@ -55,7 +55,7 @@ class Kinematics:
         return int(self.model.joints[self.model.getJointId(joint)].idx_q)
 
     def configuration(self, q: Mapping[str, Floats]) -> Floats:
-        """The whole configuration (nq,) with the named arms at `q` (n,), the others at home."""
+        """The whole configuration (nq,) [rad, m]: named arms at `q` (n,), the others at home."""
         whole = self.q_home.copy()
         for arm, values in q.items():
             whole[self.columns[arm]] = values

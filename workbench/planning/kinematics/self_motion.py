@@ -17,7 +17,7 @@ NUDGE = 1e-6
 
 
 def self_motion(chain: Chain, q: Floats) -> Floats:
-    """Configurations with the tool where it is at `q` (n,), from one end to the other.
+    """Configurations with the tool where it is at `q` (n,) [rad], from one end to the other.
 
     Returns:
         Shape (m, n), `q` among them; `q` alone for an arm of six axes or fewer.

@@ -22,7 +22,7 @@ def follow(
     """Configurations along the straight line from where `q_start` (n,) is to `T_world_end`.
 
     Returns:
-        Configurations (m, n), first `q_start`, and the share of the line that was followed:
+        Configurations (m, n) [rad], first `q_start`, and the share of the line that was followed:
         1.0 and m = `points` when all of it was.
     """
     T_start = chain.pose(q_start)

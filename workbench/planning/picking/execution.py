@@ -25,9 +25,10 @@ STANDSTILL = 0.001
 
 
 class RoundedPolyline(toppra.interpolator.AbstractGeometricPath):
-    """Waypoints (m, n) joined straight, corners rounded by parabolas within `zone`.
+    """Waypoints (m, n) [rad] joined straight, corners rounded by parabolas within `zone`.
 
-    The parameter runs from 0 to m - 1 and is k at waypoint k; the derivative is continuous.
+    The parameter, which has no unit, runs from 0 to m - 1 and is k at waypoint k; the derivative is
+    continuous.
     """
 
     def __init__(self, path: Floats, zone: float):
@@ -69,7 +70,7 @@ class RoundedPolyline(toppra.interpolator.AbstractGeometricPath):
 
     @property
     def path_interval(self) -> Floats:
-        """The range of the parameter."""
+        """The range (2,) of the parameter."""
         return np.array([0.0, len(self._steps)])
 
 

@@ -26,7 +26,7 @@ UP = np.array([0.0, 0.0, 1.0])
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PutDown:
-    """Straight ways (m, n): `down` to a place, and `out` of there with the empty hand.
+    """Straight ways (m, n) [rad]: `down` to a place, and `out` of there with the empty hand.
 
     There is one row in `out` where the place is at home.
     """
@@ -42,7 +42,7 @@ def ways_down(world: World, arm: Arm, phase: Phase, q_from: Floats) -> Iterator[
         world: is put into the phase whenever something is looked at in it.
         arm: that brings a part.
         phase: of doing so.
-        q_from: where the arm comes from (n,).
+        q_from: (n,) [rad] where the arm comes from.
     """
     policy, base = world.policy, world.configuration({})
     chain, columns = world.chains[arm.name], world.kinematics.columns[arm.name]

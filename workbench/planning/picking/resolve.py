@@ -182,7 +182,7 @@ def _approach(
 
 
 def lift_direction(world: World, T_world_tcp: pin.SE3) -> Floats:
-    """Straight up, leaning by the policy's angle towards the middle of the bin, shape (3,)."""
+    """Straight up, leaning by the policy's angle to the middle of the bin: a unit vector (3,)."""
     up = world.cell.bin.T_world_bin.rotation[:, 2]
     inwards = world.cell.bin.T_world_bin.translation - T_world_tcp.translation
     inwards = inwards - up * (up @ inwards)

@@ -161,7 +161,7 @@ def _straight_legs(world: World, pick: Pick, put: PutDown) -> ArmPlan:
 
 
 def along_placed(world: World, arm: str, path: Floats) -> Contact | None:
-    """What an arm meets, in the world's present phase, of parts that other arms have placed."""
+    """What an arm meets on a path (m, n) [rad], in this phase, of parts that other arms placed."""
     among = world.to_placed(arm)
     if len(among) == 0:
         return None
@@ -178,7 +178,7 @@ def _without_return(verdict: Verdict, name: LegName) -> Verdict:
 
 
 def leg_of(world: World, arm: Arm, name: LegName, path: Floats, opening: float) -> Leg:
-    """A leg of one arm with its timing."""
+    """A leg of one arm along a path (m, n) [rad], with its timing; the `opening` is in m."""
     policy = world.policy
     _, _, velocity = world.cell.robot.limits(arm.joints)
     times = timed(path, velocity * policy.speed, np.asarray(arm.acceleration), policy.zone)

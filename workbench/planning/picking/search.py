@@ -21,7 +21,7 @@ TRIES = 3
 
 
 def joint_weights(count: int, policy: Policy) -> Floats:
-    """How much each joint of an arm counts in the metric, shape (count,)."""
+    """How much each joint of an arm counts in the metric: (count,), no unit."""
     weights: Floats = np.power(policy.metric, np.arange(count, dtype=np.float64))
     return weights * math.sqrt(count / float(weights @ weights))
 
@@ -86,7 +86,7 @@ def onward(
     rng: np.random.Generator,
     deadline: float = math.inf,
 ) -> Floats | Verdict:
-    """A path that begins with `lead` (k, n), searched from its last waypoint on; see `searched`.
+    """A path beginning with `lead` (k, n) [rad], searched from its last waypoint; see `searched`.
 
     All of it has as many waypoints as other paths, or as many as it needs.
     """
@@ -121,7 +121,7 @@ def edge_check(check: Check, deadline: float = math.inf) -> EdgeCheck:
 
 
 def as_sent(path: Floats, is_clear: EdgeCheck, count: int, motion: MotionModel) -> Floats:
-    """A path shortened, divided into `count` waypoints or as many as it needs, and rounded.
+    """A path (m, n) [rad] shortened, divided into `count` waypoints or what it needs, rounded.
 
     Waypoints that rounding makes equal become one.  A path that ends where it starts keeps two.
     """

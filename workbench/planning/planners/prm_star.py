@@ -28,7 +28,7 @@ def prm_star(
 ) -> Search:
     """The shortest way through a roadmap of as many samples as there are iterations.
 
-    See `planners.rrt_connect` for the arguments.
+    The arguments, configurations (n,) [rad], are those of `planners.rrt_connect`.
     """
     if is_clear(start, goal):
         return Search(np.array([start, goal]), 0)

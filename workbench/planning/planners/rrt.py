@@ -31,7 +31,7 @@ with each iteration: most ways need no joint to go far, and most of its range le
 
 
 class Tree:
-    """Configurations with their parents; grows by doubling its array.
+    """Configurations (n,) [rad] with their parents; grows by doubling its array.
 
     Concurrency: one thread.
     """
@@ -75,7 +75,7 @@ def rrt_connect(
     iterations: int,
     rng: np.random.Generator,
 ) -> Search:
-    """A path from start to goal (n,), or none when the iterations are used up.
+    """A path from start to goal (n,) [rad], or none when the iterations are used up.
 
     The direct way is tried first.  `weights` (n,) make joints count more in the metric: the
     first ones move more of the arm.
@@ -110,7 +110,7 @@ def rrt(
 ) -> Search:
     """As `rrt_connect`, with a single tree that grows from the start (LaValle 1998).
 
-    Every `GOAL_BIAS`-th sample is the goal.
+    Every `GOAL_BIAS`-th sample is the goal.  Configurations are (n,) [rad].
     """
     tree = Tree(start)
     for iteration in range(iterations):
@@ -132,7 +132,7 @@ def sample_around(
     iteration: int,
     rng: np.random.Generator,
 ) -> Floats:
-    """A configuration (n,) in the limits and in the box around start and goal; see `NEARBY`."""
+    """A configuration (n,) [rad] within limits, in the box around start and goal; see `NEARBY`."""
     around = NEARBY + WIDENING * iteration
     low = np.maximum(lower, np.minimum(start, goal) - around)
     return rng.uniform(low, np.minimum(upper, np.maximum(start, goal) + around))
@@ -160,7 +160,7 @@ def _connect(tree: Tree, target: Floats, weights: Floats, is_clear: EdgeCheck) -
 
 
 def shortened(path: Floats, is_clear: EdgeCheck, *, most: int) -> Floats:
-    """The same path with detours cut: waypoints skipped, then corners cut off.
+    """The same path (m, n) [rad] with detours cut: waypoints skipped, then corners cut off.
 
     From each kept waypoint it goes straight on to the furthest one that can be reached; then at
     each corner the widest of some straight cuts that is clear is taken, `ROUNDS` times or until
@@ -202,7 +202,7 @@ def _skipped(path: Floats, is_clear: EdgeCheck) -> Floats:
 
 
 def merged(path: Floats, is_clear: EdgeCheck) -> Floats:
-    """The same path with neighbouring corners less than `TINY` apart made one, where that is clear.
+    """The same path (m, n) [rad], corners less than `TINY` apart made one where that is clear.
 
     A tiny segment between long ones is a sharp corner twice: it slows the arm down to a crawl.
     """
@@ -224,7 +224,7 @@ def merged(path: Floats, is_clear: EdgeCheck) -> Floats:
 
 
 def resampled(path: Floats, count: int) -> Floats:
-    """The same polyline with `count` waypoints, all its corners among them.
+    """The same polyline (m, n) [rad] with `count` waypoints, all its corners among them.
 
     Extra waypoints go where the steps are longest.  A path with more corners than `count`
     keeps them all: a corner left out would be another path.

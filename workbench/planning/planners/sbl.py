@@ -40,7 +40,7 @@ START, GOAL = 0, 1
 
 
 class Roadmap:
-    """Both trees: milestones with their parents, and which root they hang on.
+    """Both trees: milestones (n,) [rad] with their parents, and which root they hang on.
 
     Concurrency: one thread.
     """
@@ -105,7 +105,7 @@ def sbl(
     iterations: int,
     rng: np.random.Generator,
 ) -> Search:
-    """A path from start to goal (n,), or none when the iterations are used up.
+    """A path from start to goal (n,) [rad], or none when the iterations are used up.
 
     The arguments are those of `planners.rrt_connect`.
     """
