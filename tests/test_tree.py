@@ -1,6 +1,7 @@
 """Where code lies: folders that name ideas, few files in each, and tests beside them."""
 
 import ast
+import re
 import sys
 from pathlib import Path
 
@@ -75,3 +76,13 @@ def test_arrows_that_follow_from_others_are_left_out(monkeypatch):
     graph = {"top": {"middle", "other", "bottom"}, "middle": {"bottom"}, "other": set()}
     arrows = without_detours({**graph, "bottom": set[str]()})
     assert arrows == [("top", "middle"), ("top", "other"), ("middle", "bottom")]
+
+
+def test_no_maker_of_robots_is_known_outside_of_its_own_folders():
+    known = [
+        str(path.relative_to(PACKAGE))
+        for path in PACKAGE.rglob("*.py")
+        if not path.relative_to(PACKAGE).as_posix().startswith("devices/abb_")
+        and re.search(r"\babb\b|abb[_-]", path.read_text(encoding="utf-8"), re.I)
+    ]
+    assert known == []

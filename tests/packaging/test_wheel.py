@@ -4,6 +4,7 @@ import contextlib
 import json
 import os
 import pty
+import shutil
 import subprocess
 import sys
 import threading
@@ -122,6 +123,57 @@ def test_installed_elsewhere_it_runs_the_demo_at_once_on_its_own_cell(venv, firs
 def test_the_first_demo_says_that_it_gets_ready(first_demo):
     _, shown = first_demo
     assert "getting ready, once, about a minute" in shown
+
+
+@pytest.fixture(scope="module")
+def acme_device(venv, first_demo, tmp_path_factory):
+    """Acme's package installed beside it, and the port of what stands for its scanner."""
+    folder = tmp_path_factory.mktemp("acme")
+    source = ROOT / "tests" / "plugins" / "acme"
+    build = [sys.executable, "-m", "hatchling", "build", "-t", "wheel", "-d", str(folder)]
+    subprocess.run(build, cwd=source, check=True, capture_output=True, timeout=600)
+    (built,) = folder.glob("*.whl")
+    install = ["install", "--quiet", "--no-deps", "--no-index", str(built)]
+    command = [sys.executable, "-m", "pip", "--python", str(venv / "bin" / "python"), *install]
+    subprocess.run(command, check=True, capture_output=True, timeout=600)
+    device = subprocess.Popen(
+        [venv / "bin" / "python", "-m", "acme_cell.device", "yumi"],
+        cwd=folder,
+        env=surroundings(),
+        stdout=subprocess.PIPE,
+        text=True,
+    )
+    yield int(device.stdout.readline())
+    device.terminate()
+    device.wait(600)
+    device.stdout.close()
+
+
+@pytest.mark.timeout(PATIENCE)
+def test_a_package_of_somebody_else_runs_the_demo_with_its_own_devices(venv, acme_device, tmp_path):
+    where = "from workbench.formats.files.shipped import find; print(find('robots', 'yumi'))"
+    cell = tmp_path / "cell"
+    shutil.copytree(said_in(venv, where).strip(), cell)
+    text = (cell / "cell.toml").read_text()
+    for old, new in (
+        ('protocol = "abb-socket/2"', 'protocol = "acme-json"'),
+        ('planner = "rrtconnect"', 'planner = "acme-vias"'),
+        ("[scanner]", f'[scanner]\nsource = "acme"\naddress = "127.0.0.1:{acme_device}"'),
+        ("[controller]", '[localizer]\nname = "acme-twice"\n\n[controller]'),
+    ):
+        assert old in text
+        text = text.replace(old, new, 1)
+    (cell / "cell.toml").write_text(text)
+    workbench = [venv / "bin" / "workbench"]
+    run = {"cwd": tmp_path, "env": surroundings(), "text": True, "timeout": PATIENCE}
+    listed = json.loads(subprocess.check_output([*workbench, "plugins", "--json"], **run))
+    theirs = [one for one in listed["plugins"] if one["package"] == "acme-cell"]
+    assert len(theirs) == 6 and not any(one["problem"] for one in theirs)
+    demo = [*workbench, "demo", "--cell", str(cell), "--speed", "50", "--json"]
+    ended = subprocess.run(demo, capture_output=True, **run)
+    assert ended.returncode == 0, ended.stdout[-3000:] + ended.stderr[-3000:]
+    told = json.loads(ended.stdout)
+    assert told["ok"] and told["cycles"][0]["parts_placed"] >= 1
 
 
 COMPILED = """

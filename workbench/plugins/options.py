@@ -10,10 +10,10 @@ import math
 from collections.abc import Mapping
 from typing import Any, get_type_hints
 
+from workbench.model.cell import Option
 from workbench.model.errors import InputError
 
-Value = bool | int | float | str
-Options = Mapping[str, Value]
+Options = Mapping[str, Option]
 """Checked keys and values; empty where nothing was given."""
 
 KINDS: dict[type, tuple[str, str]] = {

@@ -8,6 +8,7 @@ import numpy as np
 
 from workbench.formats.cells.arms import read_arms
 from workbench.formats.cells.devices import read_controller, read_localizer, read_scanner
+from workbench.formats.cells.options import refused_at
 from workbench.formats.files.shipped import exists, find
 from workbench.formats.files.toml_keys import Table, read_toml
 from workbench.formats.meshes.solids import read_pose, read_solid
@@ -28,7 +29,7 @@ from workbench.model.errors import FileError
 from workbench.model.part import Part
 from workbench.model.robot import Link, Robot
 from workbench.plugins.planner import planner_names
-from workbench.plugins.robot_link import controller_by, usual_link
+from workbench.plugins.robot_link import controller_by, link_named, usual_link
 
 MOST_APPROVERS = 4
 
@@ -81,6 +82,8 @@ def read_cell(name: str | Path) -> Cell:
         policy=policy,
         approvers=approvers,
     )
+    with refused_at(table, "controller.protocol"):
+        link_named(cell.controller.link).check(cell)
     if not cell.parts:
         raise table.error("parts", "names no part; at least one is needed")
     table.once("fixture.name", (fixture.name for fixture in cell.fixtures))

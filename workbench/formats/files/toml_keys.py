@@ -13,6 +13,7 @@ from typing import Any, cast
 import numpy as np
 
 from workbench.formats.files.whole_files import MB, read_whole
+from workbench.model.cell import Option
 from workbench.model.errors import FileError
 from workbench.model.geometry import Floats
 
@@ -156,7 +157,7 @@ class Table:
         value = self._value(key, dict, "a table", MISSING)
         return Table(self.path, value, f"{self.place}{key}.")
 
-    def plain(self) -> dict[str, bool | int | float | str]:
+    def plain(self) -> dict[str, Option]:
         """All keys of this table with plain values, for those who know what they mean."""
         return {key: self._plain(key, self._values[key]) for key in self.names()}
 
@@ -227,7 +228,7 @@ class Table:
             rows.append((at, row))
         return rows
 
-    def _plain(self, key: str, value: Any) -> bool | int | float | str:
+    def _plain(self, key: str, value: Any) -> Option:
         self._asked.add(key)
         if isinstance(value, str):
             return self._printable(key, value, True)
