@@ -56,11 +56,12 @@ def test_all_of_it_is_found(acme):
 
 def test_a_cell_file_names_them_with_their_own_keys(acme, tmp_path):
     cell = read_cell(cell_file(tmp_path / "cell", LINK, SCANNER, LOCALIZER))
+    assert cell.scanner.address == "127.0.0.1:4000"
     assert cell.scanner.source == "acme" and cell.scanner.options == {"nearest_mm": 200}
     assert cell.controller.link == "acme-json" and cell.controller.options == {"tries": 3}
     assert cell.localizer.name == "acme-twice"
     assert cell.zone == 0.0, "it stops at each waypoint"
-    again = read_cell(write_cell(tmp_path / "written", cell, ()))
+    again = read_cell(write_cell(tmp_path / "written", cell, {}))
     assert again.controller.motion == cell.controller.motion
     assert again.controller.options == cell.controller.options
     assert again.scanner.options == cell.scanner.options

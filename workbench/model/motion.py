@@ -49,7 +49,7 @@ class MotionModel:
         return float(np.deg2rad(step)) if self.unit == "deg" else step
 
     def rounded(self, q: Floats) -> Floats:
-        """The nearest configurations [rad] that can be sent, of the shape of `q`."""
+        """The nearest configurations (..., n) [rad] that can be sent."""
         if self.decimals is None:
             return np.array(q, dtype=np.float64)
         if self.unit == "rad":
@@ -57,7 +57,7 @@ class MotionModel:
         return np.deg2rad(np.round(np.rad2deg(q), self.decimals))
 
     def is_sendable(self, q: Floats) -> bool:
-        """Whether configurations [rad] of any shape are whole steps."""
+        """Whether configurations (..., n) [rad] are whole steps."""
         if self.decimals is None:
             return True
         steps = self._steps(q)

@@ -16,6 +16,7 @@ GOLDEN = Path(__file__).resolve().parents[2] / "golden" / "help"
 COMMANDS = (
     "serve",
     "demo",
+    "plugins",
     "scan",
     "localize",
     "calibrate",

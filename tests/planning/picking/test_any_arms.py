@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from three_arms import NAMES, write_cell
-from workbench.planning.kinematics.wire import on_wire
 
 from workbench.app.core.rules import strategies_of
 from workbench.app.picking.pipeline import plan_pick
@@ -49,7 +48,7 @@ def blocked(around):
     T = pose_from_rpy((0.0, -0.08, 0.08), (np.pi, 0.0, 0.0))
     answers, residuals = chain.solve(T, np.array([arm.home]))
     assert is_solution(residuals).all()
-    home = on_wire(answers[0])
+    home = around.controller.motion.rounded(answers[0])
     return replace(around, arms=(replace(arm, home=home), *around.arms[1:]))
 
 

@@ -15,6 +15,7 @@ from workbench.model.candidate import Pick, Reason, Verdict
 from workbench.model.cell import Wishes
 from workbench.model.errors import InputError
 from workbench.model.geometry import pose_from_rpy
+from workbench.model.motion import MotionModel
 from workbench.model.scan import Detection
 from workbench.perception.simulation.piles import drop_parts
 from workbench.planning.collision.contact import Contact
@@ -28,6 +29,8 @@ from workbench.planning.picking.route import arm_plan
 from workbench.planning.picking.search import searched
 from workbench.planning.planners.clock import working_time
 from workbench.planning.proving.prove import prove
+
+MOTION = MotionModel("anything")
 
 CELL = read_cell("yumi")
 PART = CELL.parts[0]
@@ -149,7 +152,15 @@ def test_a_search_that_takes_too_long_is_ended_with_a_verdict():
     policy = replace(CELL.policy, iterations=10**6)
     rng = np.random.default_rng(0)
     found = searched(
-        -box / 2, box / 2, (-box, box), np.ones(2), check, policy, rng, working_time() + 0.05
+        -box / 2,
+        box / 2,
+        (-box, box),
+        np.ones(2),
+        check,
+        policy,
+        MOTION,
+        rng,
+        working_time() + 0.05,
     )
     assert found.reason is Reason.OUT_OF_TIME
 

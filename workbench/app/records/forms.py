@@ -17,11 +17,17 @@ from typing import Any, cast
 import numpy as np
 import pinocchio as pin
 
-from workbench.model.digest import LARGE
+from workbench.model.cell import Controller
+from workbench.model.digest import LARGE, canonical
 from workbench.model.plan import Strategy
+from workbench.plugins.robot_link import link_named
 
 ReadFile = Callable[[str], bytes]
 """SHA-256 -> content."""
+
+
+PLAIN = frozenset({str, int, float, bool})
+"""Types that JSON has."""
 
 
 def large_arrays(value: Any) -> dict[str, bytes]:
@@ -49,6 +55,7 @@ def restored(kind: Any, form: Any, read: ReadFile) -> Any:
     if np.ndarray in (kind, origin):
         return _restored_array(form, read)
     if isinstance(kind, type) and dataclasses.is_dataclass(kind):
+        form = _newer(form) if kind is Controller else form
         names = {field.name for field in dataclasses.fields(kind) if field.init}
         made = {field.name for field in dataclasses.fields(kind) if not field.init}
         # A field that has come since has its default.
@@ -62,6 +69,8 @@ def restored(kind: Any, form: Any, read: ReadFile) -> Any:
         return kind(form)
     if origin is types.UnionType or origin is typing.Union:
         present = [one for one in arguments if one is not type(None)]
+        if set(present) <= PLAIN:
+            return form
         if form is None and len(present) < len(arguments):
             return None
         return restored(present[0] if len(present) == 1 else _kind_of(present, form), form, read)
@@ -72,10 +81,18 @@ def restored(kind: Any, form: Any, read: ReadFile) -> Any:
         return tuple(restored(one, item, read) for one, item in zip(kinds, form, strict=True))
     if isinstance(origin, type) and issubclass(origin, Mapping):
         return {key: restored(arguments[1], item, read) for key, item in form.items()}
-    if kind in (str, int, float, bool) or origin is typing.Literal:
+    if kind in PLAIN or origin is typing.Literal:
         # A whole number in a float's place stays one: otherwise the digest would differ.
         return form
     raise TypeError(f"no way back from canonical form to {kind}")
+
+
+def _newer(form: Any) -> Any:
+    """A controller as it is written now: once only the name of its link was."""
+    if "protocol" not in form:
+        return form
+    kept = {name: value for name, value in form.items() if name != "protocol"}
+    return {**kept, "motion": canonical(link_named(form["protocol"]).motion)}
 
 
 def _kind_of(kinds: Sequence[Any], form: Any) -> Any:

@@ -49,9 +49,10 @@ def read_scanner(table: Table) -> ScannerMount:
 
 
 def _address(table: Table) -> str:
-    """A page as it is; a folder beside the cell file as an absolute path."""
+    """As it is; only a folder is one beside the cell file, so that has an absolute path."""
     address = table.text("address", "", empty=True)
-    if not address or "://" in address:
+    is_folder = table.text("source", "simulated") == "folder"
+    if not address or not is_folder or "://" in address:
         return address
     return str((table.path.parent / address).resolve())
 

@@ -55,8 +55,7 @@ class World:
             obstacles: what the scan shows beside them.
             policy: by which to plan, where a request differs from the cell; how far corners are
                 rounded is a matter of the cell alone.
-            by_coal: measure every distance with Coal, as a proof does; otherwise curves are
-                checked by our own compiled search, which is some times as fast.
+            by_coal: measure with Coal, as a proof does, not by our own search, which is faster.
         """
         self.cell = cell
         self.policy = replace(cell.policy if policy is None else policy, zone=cell.zone)
@@ -79,8 +78,6 @@ class World:
         self._placed: dict[int, float | str | None] = {}
         self._make_pairs()
         self.enter(Phase(frozenset(arm.name for arm in cell.arms)))
-
-    # -- what is where ---------------------------------------------------------------------
 
     def arm(self, name: str) -> Arm:
         """The arm of that name."""
