@@ -1,5 +1,6 @@
 """The one state of the workbench: an immutable value, made by `decide` and nothing else."""
 
+import dataclasses
 import enum
 from dataclasses import dataclass, field
 from typing import Any
@@ -86,6 +87,13 @@ class Avoided:
     why: str = ""
 
 
+LASTS = {"outlives_scan": True}
+"""Metadata of a field of the state that outlives the scan."""
+
+VOID = {"outlives_scan": False}
+"""Of one that a new scan, or another cell, makes void: back to its default."""
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class State:
     """All that an auditor would ask for.
@@ -111,64 +119,61 @@ class State:
     asked for it, the first one first.
     """
 
-    cell: Cell
-    phase: Phase = Phase.IDLE
-    number: int = 0
-    scan: Scan | None = None
-    detections: tuple[Detection, ...] | None = None
-    scene_digest: str = ""
-    candidates: tuple[Candidate, ...] | None = None
-    plan: Plan | None = None
-    proof: Proof | None = None
-    verdict: Verdict | None = None
-    seconds: tuple[tuple[str, float], ...] = ()
-    obstacles: tuple[Obstacle, ...] = ()
-    outlines: tuple[Outline, ...] = ()
-    approval: Approval | None = None
-    receipts: tuple[Receipt, ...] = ()
-    parts_placed: int = 0
-    part_reports: tuple[PartReport, ...] = ()
-    job: Job | None = None
-    fault: str = ""
-    message: str = ""
-    before: tuple[Cell, ...] = ()
-    undone: tuple[Cell, ...] = ()
-    saved: str = ""
-    placed: tuple[Detection, ...] = ()
-    cell_problem: str = ""
-    stale: str = ""
-    planned_threshold: float | None = None
-    wanted_threshold: float | None = None
-    watched: tuple[str, ...] = ()
-    words: tuple[Word, ...] = ()
-    outcomes: tuple[Outcome, ...] = ()
-    failures: int = 0
-    avoided: tuple[Avoided, ...] = ()
-    searches: tuple[Search, ...] = ()
-    remarks: tuple[Remark, ...] = ()
-    sightings: tuple[PlateSighting, ...] = ()
-    control: str = ""
-    asking: tuple[str, ...] = ()
+    cell: Cell = field(metadata=LASTS)
+    phase: Phase = field(default=Phase.IDLE, metadata=VOID)
+    # Of the cell and of the whole session:
+    number: int = field(default=0, metadata=LASTS)
+    before: tuple[Cell, ...] = field(default=(), metadata=LASTS)
+    undone: tuple[Cell, ...] = field(default=(), metadata=LASTS)
+    saved: str = field(default="", metadata=LASTS)
+    cell_problem: str = field(default="", metadata=LASTS)
+    placed: tuple[Detection, ...] = field(default=(), metadata=LASTS)
+    failures: int = field(default=0, metadata=LASTS)
+    avoided: tuple[Avoided, ...] = field(default=(), metadata=LASTS)
+    sightings: tuple[PlateSighting, ...] = field(default=(), metadata=LASTS)
+    # Who is in control:
+    control: str = field(default="", metadata=LASTS)
+    asking: tuple[str, ...] = field(default=(), metadata=LASTS)
+    # Of the scan, and of the parts that were found in it:
+    scan: Scan | None = field(default=None, metadata=VOID)
+    detections: tuple[Detection, ...] | None = field(default=None, metadata=VOID)
+    scene_digest: str = field(default="", metadata=VOID)
+    searches: tuple[Search, ...] = field(default=(), metadata=VOID)
+    remarks: tuple[Remark, ...] = field(default=(), metadata=VOID)
+    # Of the planning:
+    candidates: tuple[Candidate, ...] | None = field(default=None, metadata=VOID)
+    plan: Plan | None = field(default=None, metadata=VOID)
+    proof: Proof | None = field(default=None, metadata=VOID)
+    verdict: Verdict | None = field(default=None, metadata=VOID)
+    seconds: tuple[tuple[str, float], ...] = field(default=(), metadata=VOID)
+    obstacles: tuple[Obstacle, ...] = field(default=(), metadata=VOID)
+    outlines: tuple[Outline, ...] = field(default=(), metadata=VOID)
+    planned_threshold: float | None = field(default=None, metadata=VOID)
+    wanted_threshold: float | None = field(default=None, metadata=VOID)
+    stale: str = field(default="", metadata=VOID)
+    # Of letting the plan out, and of what the robot did with it:
+    watched: tuple[str, ...] = field(default=(), metadata=VOID)
+    words: tuple[Word, ...] = field(default=(), metadata=VOID)
+    approval: Approval | None = field(default=None, metadata=VOID)
+    receipts: tuple[Receipt, ...] = field(default=(), metadata=VOID)
+    parts_placed: int = field(default=0, metadata=VOID)
+    part_reports: tuple[PartReport, ...] = field(default=(), metadata=VOID)
+    outcomes: tuple[Outcome, ...] = field(default=(), metadata=VOID)
+    # Of this moment:
+    job: Job | None = field(default=None, metadata=VOID)
+    fault: str = field(default="", metadata=VOID)
+    message: str = field(default="", metadata=VOID)
+
+
+LASTING = tuple(one.name for one in dataclasses.fields(State) if one.metadata["outlives_scan"])
+"""The fields that a new scan leaves as they are: each field says so of itself."""
 
 
 def anew(state: State, phase: Phase = Phase.IDLE, **fields: Any) -> State:
-    """A new state with `fields`, which keeps the cell, what is counted, and who is in control."""
-    return State(
-        state.cell,
-        phase,
-        state.number,
-        before=state.before,
-        undone=state.undone,
-        saved=state.saved,
-        placed=state.placed,
-        cell_problem=state.cell_problem,
-        failures=state.failures,
-        avoided=state.avoided,
-        sightings=state.sightings,
-        control=state.control,
-        asking=state.asking,
-        **fields,
-    )
+    """The state once nothing of the scan counts any more, with `fields`."""
+    values: dict[str, Any] = {name: getattr(state, name) for name in LASTING}
+    values |= {"phase": phase} | fields
+    return State(**values)
 
 
 def overtaken_by(state: State, by: str) -> str:
