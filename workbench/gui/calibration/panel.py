@@ -53,7 +53,7 @@ class CalibrationPanel:
             )
             self._sides = gui.add_vector3(
                 "Distances [mm]",
-                tuple(float(side) for side in np.round(np.array(plate.sides) * 1000, 3)),
+                np.round(np.array(plate.sides) * 1000, 3),
                 step=0.01,
                 hint="Centre to centre: ball 1 to 2, 2 to 3, 3 to 1; all different.",
             )

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Mapping
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -67,9 +68,9 @@ class JogControls:
         self._react()
         visitor.on_end(self._hide_gizmo, in_scene=True)
 
-    def _sliders(self, gui: viser.GuiApi, arm: Arm) -> list[viser.GuiSliderHandle]:
+    def _sliders(self, gui: viser.GuiApi, arm: Arm) -> list[viser.GuiSliderHandle[float]]:
         lower, upper, _ = self._visitor.cell.robot.limits(arm.joints)
-        sliders: list[viser.GuiSliderHandle] = []
+        sliders: list[viser.GuiSliderHandle[float]] = []
         for axis, (k, sign) in enumerate(zip(arm.wire_order, arm.wire_signs, strict=True)):
             low, high = sorted((sign * math.degrees(lower[k]), sign * math.degrees(upper[k])))
             sliders.append(
@@ -163,7 +164,7 @@ class JogControls:
         self._arm.on_update(lambda _: visitor.own.change())
         for name, sliders in self._axes.items():
             for slider in sliders:
-                slider.on_update(lambda event, name=name: self._slid(event, name))
+                slider.on_update(partial(self._slid, name))
 
         @self._elbow.on_update
         async def _(event: Any) -> None:
@@ -194,7 +195,7 @@ class JogControls:
         self._mine, self._by_axes, self._elbows = jog, by_axes, elbows
         own.change(jog=jog)
 
-    def _slid(self, event: Any, name: str) -> None:
+    def _slid(self, name: str, event: Any) -> None:
         # The renderer sets sliders too; only a person's hand comes with a browser.
         jog = self._visitor.own.now.jog
         if event.client is None or jog is None or name != self._arm.value:

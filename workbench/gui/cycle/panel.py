@@ -90,7 +90,8 @@ class CyclePanel:
             self._strategy = gui.add_dropdown(
                 "Strategy", tuple(self._strategies), hint=strategy_hint(visitor.cell)
             )
-            self._threshold = gui.add_number(
+            # A browser may send an emptied field, or a number with a point.
+            self._threshold: viser.GuiNumberHandle[Any] = gui.add_number(
                 "Threshold [mm]",
                 round(policy.threshold * 1000),
                 min=0,

@@ -56,8 +56,9 @@ class Player:
                 self._go_on(look.time, view.plan_seconds, audience, elapsed)
         elif audience is not None and (look.time != self._at or self._at < view.plan_seconds):
             audience.stop()
-        is_seen = audience is not None and audience.is_on and audience.covered >= view.plan_seconds
-        if is_seen and visitor is not None and view.state.plan is not None:
+        if audience is None or visitor is None or view.state.plan is None:
+            return
+        if audience.is_on and audience.covered >= view.plan_seconds:
             audience.stop()
             self._tell_watched(view.state.plan.digest, visitor.person)
 

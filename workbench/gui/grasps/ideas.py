@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
+from typing import Any
 
 import viser
 
@@ -43,7 +44,10 @@ class SymmetryControls:
         self._none = gui.add_button("None", icon=viser.Icon.X, color="gray")
         self._look.on_click(lambda _: self._look_at_mesh())
         self._take.on_click(lambda _: self._confirm())
-        self._none.on_click(lambda _: editing.set_symmetry(Symmetry()))
+
+        @self._none.on_click
+        def _(_: Any) -> None:
+            editing.set_symmetry(Symmetry())
 
     def show(self, part: Part, *, is_enabled: bool) -> None:
         """The part is this one now."""

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import viser
 
@@ -18,8 +19,8 @@ from workbench.model.digest import digest_of
 from workbench.model.errors import InputError
 from workbench.model.part import GraspLibrary, GraspPair, Part
 
-NONE = "-"
-NOW = "as it is in the file"
+NONE: str = "-"
+NOW: str = "as it is in the file"
 
 
 class PairControls:
@@ -40,7 +41,10 @@ class PairControls:
         self._add = gui.add_button("Add pair", icon=viser.Icon.LINK)
         self._clear = gui.add_button("Remove pairs", icon=viser.Icon.TRASH, color="gray")
         self._add.on_click(lambda _: self._added())
-        self._clear.on_click(lambda _: editing.set_pairs((), "the pairs of grasps are removed"))
+
+        @self._clear.on_click
+        def _(_: Any) -> None:
+            editing.set_pairs((), "the pairs of grasps are removed")
 
     def show(self, part: Part, *, is_enabled: bool) -> None:
         """The part is this one now."""

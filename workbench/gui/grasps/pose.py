@@ -1,10 +1,11 @@
 """Where the hand of the chosen grasp is: numbers, gizmo, keys, and the surface to snap to."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
 import numpy as np
 import pinocchio as pin
 import viser
+from viser._messages import HotkeyKey
 
 from workbench.gui.grasps.editing import Editing
 from workbench.gui.scene.gizmo_drag import follow
@@ -26,7 +27,7 @@ STEP, TURN = 0.001, np.deg2rad(5.0)
 GIZMO = 0.45
 """Size of the gizmo by that of the part."""
 
-NUDGES = {
+NUDGES: Mapping[HotkeyKey, tuple[str, tuple[float, float, float]]] = {
     "4": ("-x", (-STEP, 0.0, 0.0)),
     "6": ("+x", (STEP, 0.0, 0.0)),
     "2": ("-y", (0.0, -STEP, 0.0)),

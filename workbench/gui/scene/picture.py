@@ -113,13 +113,14 @@ class Scene:
         )
         if is_other_scan:
             self._cloud = self._painted(state.scan, state.detections)
-        if is_other_scan or before.obstacles is not state.obstacles:
+        are_other_obstacles = before is None or before.obstacles is not state.obstacles
+        if is_other_scan or are_other_obstacles:
             self._draw_scan(state.obstacles)
         is_other_plan = before is None or before.plan is not state.plan
         are_other_parts = before is None or before.detections is not state.detections
         if are_other_parts:
             self._add_parts(state.detections or ())
-        if before is None or before.obstacles is not state.obstacles:
+        if are_other_obstacles:
             self._draw_obstacles(state.obstacles)
         if before is None or before.placed is not state.placed:
             self._draw_placed(state.placed)
@@ -134,12 +135,13 @@ class Scene:
         are_other_shapes = old is None or old.look.shapes != new.look.shapes
         if are_other_shapes:
             self._show_shapes(new.look.shapes)
-        if old is None or old.look.frames != new.look.frames or before.cell is not state.cell:
+        is_other_cell = before is None or before.cell is not state.cell
+        if old is None or old.look.frames != new.look.frames or is_other_cell:
             show_frames(self._scene, self._cell, self._kinematics, is_shown=new.look.frames)
         if old is None or old.reached is not new.reached:
             draw_reach(self._scene, new.reached)
         is_other_search = old is None or old.look.search != new.look.search
-        if is_other_search or before.searches is not state.searches:
+        if is_other_search or before is None or before.searches is not state.searches:
             draw_search(self._scene, state, new.look.search)
         if old is None or old.look.held is not new.look.held:
             self._held.draw(new.look.held)

@@ -95,10 +95,12 @@ def typed_pose(position_mm: tuple[float, ...], rpy_deg: tuple[float, ...]) -> pi
     return pose_from_rpy(np.array(position_mm) / 1000, np.deg2rad(rpy_deg))
 
 
-def shown_pose(T: pin.SE3) -> tuple[tuple[float, ...], tuple[float, ...]]:
+Three = tuple[float, float, float]
+
+
+def shown_pose(T: pin.SE3) -> tuple[Three, Three]:
     """Position [mm] and roll, pitch, yaw [deg] of a pose, rounded to what a person would type."""
     rpy = np.rad2deg(pin.rpy.matrixToRpy(T.rotation))
-    return (
-        tuple(float(v) for v in np.round(T.translation * 1000, 2) + 0.0),
-        tuple(float(v) for v in np.round(rpy, 3) + 0.0),
-    )
+    x, y, z = (float(v) for v in np.round(T.translation * 1000, 2) + 0.0)
+    roll, pitch, yaw = (float(v) for v in np.round(rpy, 3) + 0.0)
+    return (x, y, z), (roll, pitch, yaw)

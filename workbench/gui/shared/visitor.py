@@ -88,7 +88,11 @@ class Visitor:
     def unseen(self, pressed: Callable[[], object]) -> str:
         """The id of a button for HTML to press; see `tables`.  `hide` takes it out of sight."""
         button = self.gui.add_button("·")
-        button.on_click(lambda _: pressed())
+
+        @button.on_click
+        def _(_: Any) -> None:
+            pressed()
+
         return element_id(button)
 
     def hide(self, buttons: Iterable[str]) -> None:
