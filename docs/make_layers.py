@@ -63,8 +63,8 @@ def layers() -> list[list[str]]:
     """The rows of layers from top to bottom, as import-linter checks them."""
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
     contracts = project["tool"]["importlinter"]["contracts"]
-    (rooms,) = (one for one in contracts if one["id"] == "rooms")
-    return [row.split(" | ") for row in rooms["layers"]]
+    (rows,) = (one for one in contracts if one["id"] == "layers")
+    return [row.split(" | ") for row in rows["layers"]]
 
 
 def imports() -> dict[str, set[str]]:

@@ -135,11 +135,11 @@ def test_the_version_has_its_place_among_the_changes():
     assert f"## [{workbench.__version__}]" in changes or "## [Unreleased]" in changes
 
 
-def test_every_room_is_described():
-    rooms = {path.parent.name for path in (ROOT / "workbench").glob("*/__init__.py")}
-    assert len(rooms) == 13
-    for room in rooms:
-        assert f"| `{room}` |" in ARCHITECTURE
+def test_every_layer_is_described():
+    layers = {path.parent.name for path in (ROOT / "workbench").glob("*/__init__.py")}
+    assert len(layers) == 13
+    for layer in layers:
+        assert f"| `{layer}` |" in ARCHITECTURE
 
 
 def test_every_file_that_is_named_exists():

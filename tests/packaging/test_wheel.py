@@ -184,8 +184,8 @@ from workbench import formats, perception, planning
 from workbench.app.runtime.readiness import USES, is_ready
 
 assert all(map(is_ready, USES))
-for room in (formats, perception, planning):
-    for found in pkgutil.walk_packages(room.__path__, room.__name__ + "."):
+for layer in (formats, perception, planning):
+    for found in pkgutil.walk_packages(layer.__path__, layer.__name__ + "."):
         module = importlib.import_module(found.name)
         for one in vars(module).values():
             if isinstance(one, Dispatcher) and one.py_func.__module__ == found.name:

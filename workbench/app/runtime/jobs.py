@@ -1,6 +1,6 @@
 """Long work in one warm process of its own, so that no page ever waits for it.
 
-The worker imports the heavy rooms while it is idle, runs one job at a time, and may be killed
+The worker imports the heavy layers while it is idle, runs one job at a time, and may be killed
 at any moment: by a cancel that it does not follow, by the system, or with this process.  A
 new one takes its place.
 """

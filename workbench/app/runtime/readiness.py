@@ -34,7 +34,7 @@ USES: tuple[Use, ...] = ("seeing", "planning")
 NOTE = "getting ready, once, about a minute"
 """What is told meanwhile."""
 
-ROOMS = ("formats", "perception", "planning")
+LAYERS = ("formats", "perception", "planning")
 """Whose functions are compiled."""
 
 WARM_UP = "workbench.app.runtime.warm_up"
@@ -171,7 +171,7 @@ def _stamp(use: Use) -> Path:
 def _fingerprint() -> str:
     """Of all that compiled code depends on."""
     package = _package()
-    files = sorted(file for room in ROOMS for file in (package / room).rglob("*.py"))
+    files = sorted(file for layer in LAYERS for file in (package / layer).rglob("*.py"))
     stats = [(file.name, status.st_size, status.st_mtime_ns) for file in files
              for status in [file.stat()]]  # fmt: skip
     processor = (llvm.get_host_cpu_name(), llvm.get_host_cpu_features().flatten())

@@ -1,4 +1,4 @@
-"""The jobs: what the worker process does.  Importing this imports all the heavy rooms."""
+"""The jobs: what the worker process does.  Importing this imports all the heavy layers."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
