@@ -1,6 +1,9 @@
 """Clouds in, poses out: pure functions."""
 
+from typing import Any
+
 import numba
 
 # TBB comes last: where an old one is installed, numba warns of it at every start.
-numba.config.THREADING_LAYER_PRIORITY = ["omp", "tbb", "workqueue"]
+_config: Any = numba.config  # pyright: ignore[reportPrivateImportUsage]
+_config.THREADING_LAYER_PRIORITY = ["omp", "tbb", "workqueue"]

@@ -6,10 +6,11 @@ edges do not (Hough's transform for spheres of one size).
 """
 
 from itertools import permutations
+from typing import Any
 
 import numpy as np
 import open3d as o3d
-from scipy.spatial import cKDTree
+from scipy.spatial import cKDTree  # pyright: ignore[reportAttributeAccessIssue]
 
 from workbench.model.calibration import BallPlate, PlateSighting
 from workbench.model.errors import InputError
@@ -86,7 +87,7 @@ def find_balls(points: Floats, radius: float) -> tuple[Floats, Floats]:
 
 
 def _fitted(
-    tree: cKDTree, normals: Floats, centre: Floats, radius: float
+    tree: Any, normals: Floats, centre: Floats, radius: float
 ) -> tuple[Floats, float, int] | None:
     """The centre by least squares, the spread [m] and the number of its points, if it is a ball."""
     for gate in (4 * TOLERANCE, 2 * TOLERANCE, TOLERANCE, TOLERANCE):

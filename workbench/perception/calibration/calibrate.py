@@ -237,9 +237,11 @@ def _moved(answer: Answer, step: Floats) -> Answer:
 
 def _fit(poses: Sequence[PlatePose], start: Answer, centres: Floats) -> Answer:
     """Least squares over all balls."""
-    found = least_squares(
-        lambda step: _offsets(poses, _moved(start, step), centres).ravel(), np.zeros(12)
-    )
+
+    def off(step: Floats) -> Floats:
+        return _offsets(poses, _moved(start, step), centres).ravel()
+
+    found = least_squares(off, np.zeros(12))
     return _moved(start, found.x)
 
 
@@ -295,7 +297,11 @@ def _residual(
 
 
 def _light(distance: float, angle: float) -> Light:
-    for light, (far, turned) in (("good", GOOD), ("warning", ACCEPTABLE)):
+    lights: tuple[tuple[Light, tuple[float, float]], ...] = (
+        ("good", GOOD),
+        ("warning", ACCEPTABLE),
+    )
+    for light, (far, turned) in lights:
         if distance <= far and angle <= turned:
             return light
     return "bad"

@@ -9,7 +9,7 @@ import pinocchio as pin
 from numba import njit
 
 from workbench.model.cell import Bin
-from workbench.model.geometry import Floats, frozen, put
+from workbench.model.geometry import Bools, Floats, frozen, put
 from workbench.model.scan import Objection
 from workbench.perception.localization.assessment import Assessment
 from workbench.perception.localization.part_surface import PartSurface
@@ -83,7 +83,9 @@ def are_in_bin(surface: PartSurface, poses: Floats, T_scanner_bin: pin.SE3, bin:
 
 
 @njit(cache=True)
-def _are_in_bin(T_bin_scanner, poses, points, size, allowed):  # pragma: no cover (compiled)
+def _are_in_bin(
+    T_bin_scanner: Floats, poses: Floats, points: Floats, size: Floats, allowed: float
+) -> Bools:  # pragma: no cover (compiled)
     inside = np.empty(len(poses), np.bool_)
     for k in range(len(poses)):
         T = T_bin_scanner @ poses[k]

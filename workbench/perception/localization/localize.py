@@ -3,6 +3,7 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from itertools import count
+from typing import Any
 
 import numpy as np
 import pinocchio as pin
@@ -185,7 +186,8 @@ def _without_claimed(maps: DepthMap, choice: Choice) -> DepthMap:
     claimed = (choice.claimed >= 0).reshape(maps.depth.shape)
     if not claimed.any():
         return maps
-    return replace(maps, foreground=maps.foreground & ~binary_dilation(claimed, iterations=RIM))
+    rims: Any = binary_dilation(claimed, iterations=RIM)
+    return replace(maps, foreground=maps.foreground & ~rims)
 
 
 def _tolerance(surface: PartSurface, cell: Cell, scan: Scan) -> float:

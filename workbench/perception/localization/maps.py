@@ -7,7 +7,7 @@ import pinocchio as pin
 from numba import njit
 
 from workbench.model.cell import Bin
-from workbench.model.geometry import Floats, frozen, put
+from workbench.model.geometry import Bools, Floats, frozen, put
 from workbench.model.scan import Scan
 from workbench.perception.views.camera import Pinhole
 
@@ -99,7 +99,8 @@ def make_map(scan: Scan, bin: Bin, *, size: float, pitch: float) -> DepthMap | N
     step = max(pitch / distance, np.sqrt(POINTS_A_PIXEL / density), widest)
     columns, rows = np.ceil((high - low) / step).astype(int) + 1
     camera = Pinhole(1.0 / step, -low / step, (int(rows), int(columns)))
-    rays, depth = _average(points, camera.rays(), 1.0 / step, *camera.centre, 0.03 * size)
+    column, row = camera.centre
+    rays, depth = _average(points, camera.rays(), 1.0 / step, column, row, 0.03 * size)
     normals = _normals(rays, depth, max(2, round(0.03 * size / (step * distance))), 0.03 * size)
     foreground = _inside(rays * depth[..., None], T_bin_scanner, bin, size) & (depth > 0)
     if not foreground.any():
@@ -121,7 +122,7 @@ def _inside(points: Floats, T_bin_scanner: pin.SE3, bin: Bin, size: float) -> np
 
 
 @njit(cache=True)
-def _near_bin(points, T, reach):  # pragma: no cover (compiled)
+def _near_bin(points: Floats, T: Floats, reach: Floats) -> Bools:  # pragma: no cover (compiled)
     """Points of the bin and of what is in it, before the scanner: stray ones hide nothing."""
     near = np.zeros(len(points), np.bool_)
     for k in range(len(points)):
@@ -135,7 +136,9 @@ def _near_bin(points, T, reach):  # pragma: no cover (compiled)
 
 
 @njit(cache=True)
-def _average(points, centres, focal, column, row, gate):  # pragma: no cover (compiled)
+def _average(
+    points: Floats, centres: Floats, focal: float, column: float, row: float, gate: float
+) -> tuple[Floats, Floats]:  # pragma: no cover (compiled)
     """Rays and depths from the points of each pixel that are within `gate` of the nearest."""
     rows, columns = centres.shape[:2]
     nearest = np.full((rows, columns), np.inf)
@@ -166,7 +169,9 @@ def _average(points, centres, focal, column, row, gate):  # pragma: no cover (co
 
 
 @njit(cache=True)
-def _normals(rays, depth, half, gate):  # pragma: no cover (compiled)
+def _normals(
+    rays: Floats, depth: Floats, half: int, gate: float
+) -> Floats:  # pragma: no cover (compiled)
     """Normals of planes fitted in windows of `half` pixels to each side.
 
     Over the image of a plane, 1/z is a linear function a x + b y + c of the ray (x, y, 1),

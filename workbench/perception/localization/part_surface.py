@@ -1,6 +1,7 @@
 """What the localizer knows of a part: prepared once from its mesh and kept by its digest."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import open3d as o3d
@@ -93,7 +94,8 @@ def _prepare(part: Part) -> PartSurface:
     add_surface(scene, mesh)
     middle = mesh.bounds.mean(axis=0)
     diameter = 2 * float(np.linalg.norm(mesh.vertices - middle, axis=1).max())
-    points, triangles = trimesh.sample.sample_surface(mesh, DENSE, seed=0)
+    sampled: Any = trimesh.sample.sample_surface(mesh, DENSE, seed=0)
+    points, triangles = sampled
     dense = OrientedPoints(np.asarray(points), np.asarray(mesh.face_normals[triangles]))
     outer = dense[_can_be_seen(scene, dense, diameter)]
     if len(outer) == 0:

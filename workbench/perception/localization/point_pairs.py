@@ -12,9 +12,12 @@ from dataclasses import dataclass
 
 import numpy as np
 from numba import njit, prange
+from numpy.typing import NDArray
 
-from workbench.model.geometry import Floats, frozen, put
+from workbench.model.geometry import Floats, Ints, frozen, put
 from workbench.perception.localization.oriented import OrientedPoints
+
+Singles = NDArray[np.float32]
 
 DISTANCES = 20
 ANGLES = 15
@@ -36,7 +39,7 @@ class PairTable:
     diameter: float
     starts: np.ndarray
     firsts: np.ndarray
-    turns: Floats
+    turns: Singles
 
     def __post_init__(self) -> None:
         put(
@@ -85,14 +88,16 @@ def vote(
 
 
 @njit(cache=True)
-def _angle(cosine):  # pragma: no cover (compiled)
+def _angle(cosine: float) -> int:  # pragma: no cover (compiled)
     """The bin of an angle between 0 and 180 degrees."""
     angle = np.arccos(min(1.0, max(-1.0, cosine)))
     return min(int(angle / np.pi * ANGLES), ANGLES - 1)
 
 
 @njit(cache=True)
-def _feature(p1, n1, p2, n2, diameter):  # pragma: no cover (compiled)
+def _feature(
+    p1: Floats, n1: Floats, p2: Floats, n2: Floats, diameter: float
+) -> int:  # pragma: no cover (compiled)
     """The number of a pair's bin, or -1 when it is too long or has no length."""
     x, y, z = p2[0] - p1[0], p2[1] - p1[1], p2[2] - p1[2]
     length = np.sqrt(x * x + y * y + z * z)
@@ -105,7 +110,7 @@ def _feature(p1, n1, p2, n2, diameter):  # pragma: no cover (compiled)
 
 
 @njit(cache=True)
-def _frame(n):  # pragma: no cover (compiled)
+def _frame(n: Floats) -> Floats:  # pragma: no cover (compiled)
     """A rotation with `n` as its first column (Duff et al., JCGT 6(1), 2017)."""
     sign = 1.0 if n[2] >= 0.0 else -1.0
     a = -1.0 / (sign + n[2])
@@ -120,7 +125,7 @@ def _frame(n):  # pragma: no cover (compiled)
 
 
 @njit(cache=True)
-def _turn(frame, p1, p2):  # pragma: no cover (compiled)
+def _turn(frame: Floats, p1: Floats, p2: Floats) -> float:  # pragma: no cover (compiled)
     """Where `p2` lies around the first axis of the frame at `p1` [rad]."""
     x, y, z = p2[0] - p1[0], p2[1] - p1[1], p2[2] - p1[2]
     return np.arctan2(
@@ -130,7 +135,9 @@ def _turn(frame, p1, p2):  # pragma: no cover (compiled)
 
 
 @njit(cache=True)
-def _pairs(points, normals, diameter):  # pragma: no cover (compiled)
+def _pairs(
+    points: Floats, normals: Floats, diameter: float
+) -> tuple[Ints, Ints, Singles]:  # pragma: no cover (compiled)
     count = len(points)
     features = np.empty(count * count, np.int64)
     firsts = np.empty(count * count, np.int32)
@@ -149,17 +156,17 @@ def _pairs(points, normals, diameter):  # pragma: no cover (compiled)
 
 @njit(cache=True, parallel=True)
 def _vote(
-    model_points,
-    model_normals,
-    diameter,
-    starts,
-    firsts,
-    turns,
-    points,
-    normals,
-    references,
-    peaks,
-):  # pragma: no cover (compiled)
+    model_points: Floats,
+    model_normals: Floats,
+    diameter: float,
+    starts: Ints,
+    firsts: Ints,
+    turns: Singles,
+    points: Floats,
+    normals: Floats,
+    references: Ints,
+    peaks: int,
+) -> tuple[Floats, Floats]:  # pragma: no cover (compiled)
     poses = np.empty((len(references), peaks, 4, 4))
     votes = np.zeros((len(references), peaks))
     for number in prange(len(references)):
@@ -197,8 +204,17 @@ def _vote(
 
 @njit(cache=True)
 def _counts(
-    size, point, normal, frame, diameter, starts, firsts, turns, points, normals
-):  # pragma: no cover (compiled)
+    size: int,
+    point: Floats,
+    normal: Floats,
+    frame: Floats,
+    diameter: float,
+    starts: Ints,
+    firsts: Ints,
+    turns: Singles,
+    points: Floats,
+    normals: Floats,
+) -> Singles:  # pragma: no cover (compiled)
     """Votes (size, TURNS) of one reference point: which point of the model, and which turn."""
     counts = np.zeros((size, TURNS), np.float32)
     per_turn = TURNS / (2.0 * np.pi)

@@ -3,7 +3,7 @@
 import numpy as np
 from numba import njit
 
-from workbench.model.geometry import Floats
+from workbench.model.geometry import Floats, Ints
 
 
 def distinct(
@@ -48,8 +48,16 @@ def distinct(
 
 @njit(cache=True)
 def _distinct(
-    poses, order, motions, middle, distance, cosine, most, nearby, most_nearby
-):  # pragma: no cover (compiled)
+    poses: Floats,
+    order: Ints,
+    motions: Floats,
+    middle: Floats,
+    distance: float,
+    cosine: float,
+    most: int,
+    nearby: float,
+    most_nearby: int,
+) -> Ints:  # pragma: no cover (compiled)
     kept = np.empty(most, np.int64)
     places = np.empty((most, 3))
     count = 0
@@ -74,7 +82,9 @@ def _distinct(
 
 
 @njit(cache=True)
-def _is_turned_by_any(first, second, motions, cosine):  # pragma: no cover (compiled)
+def _is_turned_by_any(
+    first: Floats, second: Floats, motions: Floats, cosine: float
+) -> bool:  # pragma: no cover (compiled)
     """Whether `second` is `first` after one of the motions, up to an angle."""
     for s in range(len(motions)):
         trace = 0.0  # of the rotation that is left

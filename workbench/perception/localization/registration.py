@@ -7,9 +7,11 @@ them.
 import numpy as np
 from numba import njit
 
-from workbench.model.geometry import Floats
+from workbench.model.geometry import Bools, Floats
 from workbench.perception.localization.maps import DepthMap
 from workbench.perception.localization.oriented import OrientedPoints
+
+Triple = tuple[float, float, float]
 
 FACING = 0.15
 """Cosine to the line of sight above which a model point is expected to be measured."""
@@ -70,7 +72,7 @@ def refine(
 
 
 @njit(cache=True)
-def transformed(T, p):  # pragma: no cover (compiled)
+def transformed(T: Floats, p: Floats) -> Triple:  # pragma: no cover (compiled)
     """The point `p` (3,) moved by the pose `T` (4, 4), as a tuple."""
     return (
         T[0, 0] * p[0] + T[0, 1] * p[1] + T[0, 2] * p[2] + T[0, 3],
@@ -80,7 +82,7 @@ def transformed(T, p):  # pragma: no cover (compiled)
 
 
 @njit(cache=True)
-def _turned(T, n):  # pragma: no cover (compiled)
+def _turned(T: Floats, n: Floats) -> Triple:  # pragma: no cover (compiled)
     return (
         T[0, 0] * n[0] + T[0, 1] * n[1] + T[0, 2] * n[2],
         T[1, 0] * n[0] + T[1, 1] * n[1] + T[1, 2] * n[2],
@@ -89,12 +91,14 @@ def _turned(T, n):  # pragma: no cover (compiled)
 
 
 @njit(cache=True)
-def _dot(a, b):  # pragma: no cover (compiled)
+def _dot(a: Floats | Triple, b: Floats | Triple) -> float:  # pragma: no cover (compiled)
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
 @njit(cache=True)
-def _pixel(p, focal, column, row, shape):  # pragma: no cover (compiled)
+def _pixel(
+    p: Triple, focal: float, column: float, row: float, shape: tuple[int, ...]
+) -> tuple[int, int]:  # pragma: no cover (compiled)
     """Row and column where the camera sees `p`, or (-1, -1)."""
     u = int(np.rint(p[0] / p[2] * focal + column))
     v = int(np.rint(p[1] / p[2] * focal + row))
@@ -103,8 +107,18 @@ def _pixel(p, focal, column, row, shape):  # pragma: no cover (compiled)
 
 @njit(cache=True)
 def _quick_scores(
-    rays, depth, scan_normals, foreground, focal, column, row, poses, points, normals, tolerance
-):  # pragma: no cover (compiled)
+    rays: Floats,
+    depth: Floats,
+    scan_normals: Floats,
+    foreground: Bools,
+    focal: float,
+    column: float,
+    row: float,
+    poses: Floats,
+    points: Floats,
+    normals: Floats,
+    tolerance: float,
+) -> Floats:  # pragma: no cover (compiled)
     scores = np.zeros((len(poses), 3))
     for k in range(len(poses)):
         total = 0.0
@@ -132,8 +146,18 @@ def _quick_scores(
 
 @njit(cache=True)
 def _refine(
-    rays, depth, scan_normals, foreground, focal, column, row, poses, points, normals, gates
-):  # pragma: no cover (compiled)
+    rays: Floats,
+    depth: Floats,
+    scan_normals: Floats,
+    foreground: Bools,
+    focal: float,
+    column: float,
+    row: float,
+    poses: Floats,
+    points: Floats,
+    normals: Floats,
+    gates: Floats,
+) -> tuple[Floats, Floats]:  # pragma: no cover (compiled)
     refined = poses.copy()
     errors = np.full(len(poses), np.inf)
     middle = np.zeros(3)
@@ -183,7 +207,7 @@ def _refine(
 
 
 @njit(cache=True)
-def solved(A, b, x):  # pragma: no cover (compiled)
+def solved(A: Floats, b: Floats, x: Floats) -> None:  # pragma: no cover (compiled)
     """Solve A x = b by Cholesky's method in place; only the lower half of A is given.
 
     The diagonal is raised a little (`DAMPING`), so that the pose does not drift in directions that
@@ -213,7 +237,7 @@ def solved(A, b, x):  # pragma: no cover (compiled)
 
 
 @njit(cache=True)
-def move(T, centre, x, size):  # pragma: no cover (compiled)
+def move(T: Floats, centre: Triple, x: Floats, size: float) -> None:  # pragma: no cover (compiled)
     """Turn the pose `T` by x[:3] / size about `centre` and shift it by x[3:]."""
     w0, w1, w2 = x[0] / size, x[1] / size, x[2] / size
     angle = np.sqrt(w0 * w0 + w1 * w1 + w2 * w2)

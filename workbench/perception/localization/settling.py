@@ -3,7 +3,7 @@
 import numpy as np
 from numba import njit, prange
 
-from workbench.model.geometry import Floats
+from workbench.model.geometry import Bools, Floats, Ints
 from workbench.perception.localization.maps import DepthMap
 from workbench.perception.localization.part_surface import PartSurface
 from workbench.perception.localization.registration import move, solved, transformed
@@ -78,9 +78,22 @@ def settled(
 
 @njit(cache=True, parallel=True)
 def _settled(
-    rays, depth, scan_normals, foreground, focal, column, row, vertices, triangles, is_closed,
-    tolerance, poses, middle, radius, steps,
-):  # fmt: skip  # pragma: no cover (compiled)
+    rays: Floats,
+    depth: Floats,
+    scan_normals: Floats,
+    foreground: Bools,
+    focal: float,
+    column: float,
+    row: float,
+    vertices: Floats,
+    triangles: Ints,
+    is_closed: bool,
+    tolerance: float,
+    poses: Floats,
+    middle: Floats,
+    radius: float,
+    steps: Floats,
+) -> Floats:  # pragma: no cover (compiled)
     rested = poses.copy()
     for k in prange(len(poses)):
         T, x = rested[k], np.empty(6)
@@ -133,7 +146,7 @@ def _settled(
 
 
 @njit(cache=True)
-def _copy(source, target):  # pragma: no cover (compiled)
+def _copy(source: Floats, target: Floats) -> None:  # pragma: no cover (compiled)
     """Write one pose (4, 4) over another; numba takes seconds to compile `target[:] = source`."""
     for i in range(4):
         for k in range(4):
@@ -142,9 +155,21 @@ def _copy(source, target):  # pragma: no cover (compiled)
 
 @njit(cache=True)
 def _fit(
-    rays, depth, scan_normals, foreground, focal, column, row, vertices, triangles, is_closed,
-    tolerance, T, middle, radius,
-):  # fmt: skip  # pragma: no cover (compiled)
+    rays: Floats,
+    depth: Floats,
+    scan_normals: Floats,
+    foreground: Bools,
+    focal: float,
+    column: float,
+    row: float,
+    vertices: Floats,
+    triangles: Ints,
+    is_closed: bool,
+    tolerance: float,
+    T: Floats,
+    middle: Floats,
+    radius: float,
+) -> None:  # pragma: no cover (compiled)
     """A few Gauss-Newton steps of the pose `T`, in place."""
     x = np.empty(6)
     for _ in range(FITS):

@@ -1,16 +1,20 @@
 """What a pose predicts the scanner to see, pixel by pixel, held against what it saw."""
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numba import njit
 
-from workbench.model.geometry import Floats, frozen, put
+from workbench.model.geometry import Bools, Floats, Ints, frozen, put
 from workbench.perception.localization.maps import DepthMap
 from workbench.perception.localization.part_surface import PartSurface
-from workbench.perception.localization.registration import transformed
+from workbench.perception.localization.registration import Triple, transformed
 from workbench.perception.views.rendering import rendered
+
+Drawing = tuple[
+    Floats, Floats, Floats, Bools, float, float, float, Floats, Ints, bool, float
+]  # fmt: skip
+"""See `drawing`."""
 
 AGREEING = 0.5
 """Cosine between predicted and measured normal above which a pixel is explained."""
@@ -121,7 +125,7 @@ def closeness(tallies: Floats) -> Floats:
     return gains(tallies) - tallies[:, SQUARES]
 
 
-def drawing(maps: DepthMap, surface: PartSurface, tolerance: float) -> tuple[Any, ...]:
+def drawing(maps: DepthMap, surface: PartSurface, tolerance: float) -> Drawing:
     """What compiled code takes first to hold a pose against the scan."""
     return (
         maps.rays, maps.depth, maps.normals, maps.foreground, *maps.view,
@@ -131,9 +135,19 @@ def drawing(maps: DepthMap, surface: PartSurface, tolerance: float) -> tuple[Any
 
 @njit(cache=True)
 def _look(
-    rays, depth, scan_normals, foreground, focal, column, row, vertices, triangles, is_closed,
-    tolerance, T,
-):  # fmt: skip  # pragma: no cover (compiled)
+    rays: Floats,
+    depth: Floats,
+    scan_normals: Floats,
+    foreground: Bools,
+    focal: float,
+    column: float,
+    row: float,
+    vertices: Floats,
+    triangles: Ints,
+    is_closed: bool,
+    tolerance: float,
+    T: Floats,
+) -> tuple[Ints, Ints, Floats]:  # pragma: no cover (compiled)
     """Pixels (n,) that show the part, what each says, and how far off it is [m]."""
     first_v, first_u, predicted, hit, normals = rendered(
         T, vertices, triangles, is_closed, rays, focal, column, row
@@ -158,9 +172,19 @@ def _look(
 
 @njit(cache=True)
 def _tally(
-    rays, depth, scan_normals, foreground, focal, column, row, vertices, triangles, is_closed,
-    tolerance, poses,
-):  # fmt: skip  # pragma: no cover (compiled)
+    rays: Floats,
+    depth: Floats,
+    scan_normals: Floats,
+    foreground: Bools,
+    focal: float,
+    column: float,
+    row: float,
+    vertices: Floats,
+    triangles: Ints,
+    is_closed: bool,
+    tolerance: float,
+    poses: Floats,
+) -> Floats:  # pragma: no cover (compiled)
     tallies = np.empty((len(poses), 4))
     for k in range(len(poses)):
         tally = counted(
@@ -174,9 +198,19 @@ def _tally(
 
 @njit(cache=True)
 def counted(
-    rays, depth, scan_normals, foreground, focal, column, row, vertices, triangles, is_closed,
-    tolerance, T,
-):  # fmt: skip  # pragma: no cover (compiled)
+    rays: Floats,
+    depth: Floats,
+    scan_normals: Floats,
+    foreground: Bools,
+    focal: float,
+    column: float,
+    row: float,
+    vertices: Floats,
+    triangles: Ints,
+    is_closed: bool,
+    tolerance: float,
+    T: Floats,
+) -> Floats:  # pragma: no cover (compiled)
     """The tally (4,) of one pose (4, 4)."""
     tally = np.zeros(4)
     first_v, first_u, predicted, hit, normals = rendered(
@@ -198,9 +232,21 @@ def counted(
 
 @njit(cache=True)
 def pulled(
-    rays, depth, scan_normals, foreground, focal, column, row, vertices, triangles, is_closed,
-    tolerance, T, centre, radius,
-):  # fmt: skip  # pragma: no cover (compiled)
+    rays: Floats,
+    depth: Floats,
+    scan_normals: Floats,
+    foreground: Bools,
+    focal: float,
+    column: float,
+    row: float,
+    vertices: Floats,
+    triangles: Ints,
+    is_closed: bool,
+    tolerance: float,
+    T: Floats,
+    centre: Triple,
+    radius: float,
+) -> tuple[Floats, Floats]:  # pragma: no cover (compiled)
     """See `pull`; `centre` (3,) [m] is the part's middle, `radius` [m] its radius."""
     A, b, x = np.zeros((6, 6)), np.zeros(6), np.empty(6)
     first_v, first_u, predicted, hit, normals = rendered(
@@ -233,8 +279,17 @@ def pulled(
 
 @njit(cache=True)
 def _says(
-    rays, depth, scan_normals, foreground, v, u, predicted, normals, hit, tolerance
-):  # pragma: no cover (compiled)
+    rays: Floats,
+    depth: Floats,
+    scan_normals: Floats,
+    foreground: Bools,
+    v: int,
+    u: int,
+    predicted: float,
+    normals: Floats,
+    hit: int,
+    tolerance: float,
+) -> tuple[int, float]:  # pragma: no cover (compiled)
     """What pixel (v, u) says, and how far off the surface its measurement is [m]."""
     if depth[v, u] == 0.0:
         return HIDDEN, 0.0

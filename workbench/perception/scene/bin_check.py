@@ -5,6 +5,8 @@ Gauss-Newton steps with ever narrower weights (iteratively reweighted least squa
 place in the cell and, when too little of the rim is found there, from others around it.
 """
 
+from typing import Any
+
 import numpy as np
 import pinocchio as pin
 
@@ -229,7 +231,7 @@ def _plane(rim: Floats, half: Floats, place: Floats) -> Floats:
     for gate in (0.006, ON_RIM):
         kept = on[np.abs(on[:, 2] - level) < gate]
         rows = np.column_stack([kept[:, :2], np.ones(len(kept))])
-        plane = np.linalg.lstsq(rows, kept[:, 2], rcond=None)[0]
+        plane: Any = np.linalg.lstsq(rows, kept[:, 2], rcond=None)[0]
         level = plane[0] * on[:, 0] + plane[1] * on[:, 1] + plane[2]
     return plane
 

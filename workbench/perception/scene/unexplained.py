@@ -61,7 +61,11 @@ def unexplained(cell: Cell, scan: Scan, detections: tuple[Detection, ...]) -> tu
     T_bin_scanner = T_bin_world * scan.T_world_scanner
     centre = T_bin_world.act(cell.T_world_robot.translation)
     radius = min(reach(cell), FARTHEST)
-    boxes = [(T_bin_world * T, solid.shape.size) for T, solid in _solids(cell) if _is_box(solid)]
+    boxes = [
+        (T_bin_world * T, solid.shape.size)
+        for T, solid in _solids(cell)
+        if isinstance(solid.shape, Box)
+    ]
     Ts = np.array([T.inverse().homogeneous for T, _ in boxes])
     halves = np.array([size / 2 for _, size in boxes])
     states = _states(scan.points, T_bin_scanner.homogeneous, centre, radius, Ts, halves, TOLERANCE)
@@ -98,10 +102,6 @@ def _solids(cell: Cell) -> list[tuple[pin.SE3, Solid]]:
     return [(T * solid.T_owner_shape, solid) for T, solids in owners for solid in solids]
 
 
-def _is_box(solid: Solid) -> bool:
-    return isinstance(solid.shape, Box)
-
-
 def _known(
     cell: Cell, detections: tuple[Detection, ...], T_frame_world: pin.SE3
 ) -> tuple[o3d.t.geometry.RaycastingScene, Ints]:
@@ -129,7 +129,15 @@ _OUT_OF_REACH, _EXPLAINED, _LEFT = 0, 1, 2
 
 
 @njit(cache=True)
-def _states(points, T, centre, radius, Ts, halves, tolerance):  # pragma: no cover (compiled)
+def _states(
+    points: Floats,
+    T: Floats,
+    centre: Floats,
+    radius: float,
+    Ts: Floats,
+    halves: Floats,
+    tolerance: float,
+) -> Ints:  # pragma: no cover (compiled)
     """Which points (n, 3) are out of a ball, near the surface of a box, or neither, (n,).
 
     A scan shows bin and table above all, and these are boxes: their distance is quickly told.

@@ -1,10 +1,12 @@
 """Upright boxes around points: what is seen from above, down to the floor."""
 
+from typing import Any
+
 import numpy as np
 import pinocchio as pin
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
-from scipy.spatial import ConvexHull, cKDTree
+from scipy.spatial import ConvexHull, cKDTree  # pyright: ignore[reportAttributeAccessIssue]
 
 from workbench.model.geometry import Floats, Ints
 from workbench.model.scan import Obstacle
@@ -43,7 +45,7 @@ def upright_boxes(cells: Ints, tops: Floats, edge: float) -> tuple[Obstacle, ...
     boxes: list[Obstacle] = []
     for number in range(count):
         is_here = heaps == number
-        centres = (cells[is_here] + 0.5) * edge
+        centres: Any = (cells[is_here] + 0.5) * edge
         left = MOST - len(boxes) - (count - 1 - number)
         boxes += _boxes(centres, tops[is_here], edge, left)
     return tuple(boxes)

@@ -1,6 +1,7 @@
 """Points counted in small cubes: a cloud is thinned by its density, whatever its number."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -25,7 +26,8 @@ class Voxels:
     @property
     def centres(self) -> Floats:
         """The middle (n, 3) [m] of each cube."""
-        return (self.index + 0.5) * self.edge
+        middles: Any = self.index + 0.5
+        return middles * self.edge
 
     def only(self, chosen: Bools) -> "Voxels":
         """Those of the cubes that are `chosen` (n,)."""

@@ -7,11 +7,20 @@ casting a ray through each pixel.
 import numpy as np
 from numba import njit
 
+from workbench.model.geometry import Floats, Ints
+
 
 @njit(cache=True)
 def rendered(
-    T, vertices, triangles, is_closed, rays, focal, column, row
-):  # pragma: no cover (compiled)
+    T: Floats,
+    vertices: Floats,
+    triangles: Ints,
+    is_closed: bool,
+    rays: Floats,
+    focal: float,
+    column: float,
+    row: float,
+) -> tuple[int, int, Floats, Ints, Floats]:  # pragma: no cover (compiled)
     """The window that holds the part, and what is in it.
 
     Args:
@@ -61,9 +70,30 @@ def rendered(
 
 @njit(cache=True)
 def _draw(
-    k, normal, depth, hit, is_closed, rays, first_u, first_v,
-    ax, ay, az, au, av, bx, by, bz, bu, bv, cx, cy, cz, cu, cv,
-):  # fmt: skip  # pragma: no cover (compiled)
+    k: int,
+    normal: Floats,
+    depth: Floats,
+    hit: Ints,
+    is_closed: bool,
+    rays: Floats,
+    first_u: int,
+    first_v: int,
+    ax: float,
+    ay: float,
+    az: float,
+    au: float,
+    av: float,
+    bx: float,
+    by: float,
+    bz: float,
+    bu: float,
+    bv: float,
+    cx: float,
+    cy: float,
+    cz: float,
+    cu: float,
+    cv: float,
+) -> None:  # pragma: no cover (compiled)
     """Draw triangle `k`, whose corners are at x, y, z and in the picture at u, v."""
     n0 = (by - ay) * (cz - az) - (bz - az) * (cy - ay)
     n1 = (bz - az) * (cx - ax) - (bx - ax) * (cz - az)
@@ -106,13 +136,15 @@ def _draw(
 
 
 @njit(cache=True)
-def _slope(u0, v0, u1, v1):  # pragma: no cover (compiled)
+def _slope(u0: float, v0: float, u1: float, v1: float) -> float:  # pragma: no cover (compiled)
     """Columns a row along an edge; zero for one that lies in a row."""
     return (u1 - u0) / (v1 - v0) if v1 != v0 else 0.0
 
 
 @njit(cache=True)
-def _span(u0, v0, u1, v1, slope, row, left, right):  # pragma: no cover (compiled)
+def _span(
+    u0: float, v0: float, u1: float, v1: float, slope: float, row: float, left: float, right: float
+) -> tuple[float, float]:  # pragma: no cover (compiled)
     """Widen `left` and `right` by the part of an edge within half a pixel of a row."""
     low, high = max(row - 0.5, min(v0, v1)), min(row + 0.5, max(v0, v1))
     if low > high:

@@ -1,0 +1,23 @@
+import numpy as np
+from numpy.typing import NDArray
+
+from open3d.utility import Vector3dVector, Vector3iVector
+
+class KDTreeSearchParamHybrid:
+    def __init__(self, radius: float, max_nn: int) -> None: ...
+
+class PointCloud:
+    points: Vector3dVector
+    normals: Vector3dVector
+    def __init__(self, points: Vector3dVector) -> None: ...
+    def voxel_down_sample(self, voxel_size: float) -> PointCloud: ...
+    def estimate_normals(self, search_param: KDTreeSearchParamHybrid) -> None: ...
+    def orient_normals_towards_camera_location(
+        self, camera_location: NDArray[np.float64]
+    ) -> None: ...
+
+class TriangleMesh:
+    vertices: Vector3dVector
+    triangles: Vector3iVector
+    def __init__(self, vertices: Vector3dVector, triangles: Vector3iVector) -> None: ...
+    def simplify_quadric_decimation(self, target_number_of_triangles: int) -> TriangleMesh: ...

@@ -1,0 +1,1 @@
+from open3d.t import geometry as geometry
