@@ -18,7 +18,7 @@ from workbench.cli.serving.demo import Cycle
 from workbench.devices.abb_simulated.controller import SimulatedController
 from workbench.formats.cells.reading import read_cell
 from workbench.journal.journal import Journal
-from workbench.model.cell import Controller
+from workbench.plugins.robot_link import controller_by
 
 SEED = 0
 RESOLUTION = (160, 120)
@@ -29,11 +29,11 @@ def main(folder: Path) -> None:
     cell = read_cell("yumi")
     cell = replace(cell, scanner=replace(cell.scanner, resolution=RESOLUTION))
     simulated = SimulatedController(cell, speed=500)
+    ports = {"port": simulated.port, "state_port": simulated.state_port}
+    shutil.rmtree(folder, ignore_errors=True)
+    bench = Bench(replace(cell, controller=controller_by("abb-socket", **ports)), Journal(folder))
     thread = threading.Thread(target=simulated.run)
     thread.start()
-    shutil.rmtree(folder, ignore_errors=True)
-    controller = Controller(port=simulated.port, state_port=simulated.state_port)
-    bench = Bench(replace(cell, controller=controller), Journal(folder))
     try:
         time.sleep(1.0)  # until the controller's first report is there
         Cycle(bench, 1, [], lambda done, note: None).run(SEED)
