@@ -12,6 +12,7 @@ from workbench.devices.abb_socket import sending as abb_sending
 from workbench.devices.abb_socket.states import NEXT
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.files.shipped import find
+from workbench.plugins.robot_link import USUAL
 
 FOLDER = find("robots", "yumi") / "rapid"
 README = (FOLDER / "README.md").read_text(encoding="utf-8")
@@ -140,7 +141,7 @@ def test_numbers_that_both_sides_have_are_the_same():
     assert numbers("WbShared", "wb_most_legs") == [abb_program.MOST_LEGS]
     assert numbers("WbLink", "wb_frame") == [abb_frames.SIZE]
     assert numbers("WbLink", "wb_text") == [abb_frames.TEXT]
-    assert numbers("WbLink", "wb_silence") == [abb_sending.SILENCE]
+    assert numbers("WbLink", "wb_silence") == [USUAL.silence]
     assert numbers("WbLink", "wb_port") == [cell.controller.port]
     assert numbers("WbLink", "wb_start_tolerance") == pytest.approx(
         [abb_serving.START_TOLERANCE * 180 / 3.141592653589793]

@@ -252,7 +252,7 @@ def test_a_good_cycle_tells_of_every_part(rig, strategy):
 
 
 def test_both_arms_at_once_are_refused_by_a_protocol_that_cannot_say_it(rig):
-    with pytest.raises(CommandRefused, match="or use a controller that speaks abb-socket/2"):
+    with pytest.raises(CommandRefused, match="or use a robot link that moves two"):
         rig(OLD, strategy="coordinated")
 
 

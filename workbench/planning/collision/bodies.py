@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from itertools import product
 from typing import Literal
 
 import coal
@@ -177,9 +178,11 @@ def pairs_of(cell: Cell, kinematics: Kinematics, bodies: list[Body]) -> Bools:
     owner = np.array([number[name] for name in owners])
     disabled = np.zeros((len(number), len(number)), bool)
     for pair in cell.robot.disabled_pairs:
-        a, b = (number.get(("link", name), number.get(("tool", name))) for name in pair)
-        if a is not None and b is not None:
-            disabled[a, b] = disabled[b, a] = True
+        # Where a link has the name of a tool it is the tool, as another program writes it.
+        one, other = ([number.get((kind, name)) for kind in ("link", "tool")] for name in pair)
+        for a, b in product(one, other):
+            if a is not None and b is not None:
+                disabled[a, b] = disabled[b, a] = True
     joint = np.array([body.joint for body in bodies])
     part = np.array([int(body.owner) if body.kind == "part" else -1 for body in bodies])
     meets = (joint[:, None] != joint) & (owner[:, None] != owner)
