@@ -177,6 +177,10 @@ def pairs_of(cell: Cell, kinematics: Kinematics, bodies: list[Body]) -> Bools:
     number = {name: k for k, name in enumerate(dict.fromkeys(owners))}
     owner = np.array([number[name] for name in owners])
     disabled = np.zeros((len(number), len(number)), bool)
+    for (kind, name), a in number.items():
+        # A link that has the name of a tool is the tool once more.
+        if kind == "tool" and (b := number.get(("link", name))) is not None:
+            disabled[a, b] = disabled[b, a] = True
     for pair in cell.robot.disabled_pairs:
         # Where a link has the name of a tool it is the tool, as another program writes it.
         one, other = ([number.get((kind, name)) for kind in ("link", "tool")] for name in pair)
