@@ -73,7 +73,7 @@ def refine(
 
 @njit(cache=True)
 def transformed(T: Floats, p: Floats) -> Triple:  # pragma: no cover (compiled)
-    """The point `p` (3,) moved by the pose `T` (4, 4), as a tuple."""
+    """The point `p` (3,) [m] moved by the pose `T` (4, 4), as a tuple."""
     return (
         T[0, 0] * p[0] + T[0, 1] * p[1] + T[0, 2] * p[2] + T[0, 3],
         T[1, 0] * p[0] + T[1, 1] * p[1] + T[1, 2] * p[2] + T[1, 3],
@@ -208,7 +208,9 @@ def _refine(
 
 @njit(cache=True)
 def solved(A: Floats, b: Floats, x: Floats) -> None:  # pragma: no cover (compiled)
-    """Solve A x = b by Cholesky's method in place; only the lower half of A is given.
+    """Solve A (6, 6) x = b (6,), no unit of its own, by Cholesky's method in place.
+
+    Only the lower half of A is given.
 
     The diagonal is raised a little (`DAMPING`), so that the pose does not drift in directions that
     the scan leaves open.
@@ -238,7 +240,7 @@ def solved(A: Floats, b: Floats, x: Floats) -> None:  # pragma: no cover (compil
 
 @njit(cache=True)
 def move(T: Floats, centre: Triple, x: Floats, size: float) -> None:  # pragma: no cover (compiled)
-    """Turn the pose `T` by x[:3] / size about `centre` and shift it by x[3:]."""
+    """Turn the pose `T` (4, 4) by x[:3] / size [rad] about `centre` [m], shift it by x[3:] [m]."""
     w0, w1, w2 = x[0] / size, x[1] / size, x[2] / size
     angle = np.sqrt(w0 * w0 + w1 * w1 + w2 * w2)
     K = np.array([[0.0, -w2, w1], [w2, 0.0, -w0], [-w1, w0, 0.0]])

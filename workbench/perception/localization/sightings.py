@@ -211,7 +211,7 @@ def counted(
     tolerance: float,
     T: Floats,
 ) -> Floats:  # pragma: no cover (compiled)
-    """The tally (4,) of one pose (4, 4)."""
+    """The tally (4,) of one pose (4, 4): how many pixels say what, no unit."""
     tally = np.zeros(4)
     first_v, first_u, predicted, hit, normals = rendered(
         T, vertices, triangles, is_closed, rays, focal, column, row
