@@ -299,6 +299,11 @@ class Cell:
         """How far corners are rounded: the policy's `zone`, 0 where the robot stops at them."""
         return 0.0 if self.controller.motion.corners == "stop" else self.policy.zone
 
+    @property
+    def moves_both_arms(self) -> bool:
+        """Whether there are two arms or more, and a controller that can move two at once."""
+        return len(self.arms) > 1 and self.controller.motion.arms_at_once > 1
+
     def arm(self, name: str) -> Arm:
         """The arm of that name.
 

@@ -231,6 +231,25 @@ def check_approval(plan: Plan, approval: Approval, cell: Cell, now: float) -> No
         raise CommandRefused(f"the approval ran out {now - approval.until:.0f} s ago")
 
 
+def misfit(plan: Plan, cell: Cell) -> str:
+    """Why the controller of a cell cannot run a plan as it was proven; empty when it can.
+
+    The controller is not in the cell's digest: a plan may have been made for another one.
+    """
+    motion = cell.controller.motion
+    if any(len(step.runs) > motion.arms_at_once for step in plan.sequence):
+        return (
+            f"the robot link {motion.link} moves one arm at a time, this plan moves both; "
+            "make an alternated plan to send it, or use a robot link that moves two"
+        )
+    if not all(motion.is_sendable(leg.q) for arm in plan.arms for leg in arm.legs):
+        return (
+            f"the plan was made for finer steps than the robot link {motion.link} can send, so "
+            "what is sent would not be what was proven; make a new plan"
+        )
+    return ""
+
+
 def _never() -> bool:
     return False
 
@@ -249,8 +268,14 @@ def send(
     show: Callable[[LinkStatus], None] = _unseen,
     patience: LinkPatience = USUAL,
 ) -> Iterator[Receipt]:
-    """Send a plan to the controller of the cell, by the link of the cell; see `RobotLink.send`."""
+    """Send a plan to the controller of the cell, by the link of the cell; see `RobotLink.send`.
+
+    Raises:
+        CommandRefused: also where the controller cannot run the plan as it was proven.
+    """
     check_approval(plan, approval, cell, now())
+    if problem := misfit(plan, cell):
+        raise CommandRefused(problem)
     link = link_named(cell.controller.motion.link)
     yield from link.send(
         plan, approval, cell, now=now, cancelled=cancelled, show=show, patience=patience

@@ -19,7 +19,7 @@ from workbench.planning.kinematics.chain import is_solution
 from workbench.planning.picking.in_step import in_step
 from workbench.planning.proving.prove import prove
 from workbench.planning.proving.walk import at
-from workbench.plugins.robot_link import spoken_to_by
+from workbench.plugins.robot_link import send, spoken_to_by
 
 
 def lying(cell, x: float, y: float, turn: float) -> Detection:
@@ -132,6 +132,19 @@ def test_what_the_controller_cannot_do_is_not_approved(cell, coordinated):
     cell = spoken_to_by(cell, "abb-socket")
     with pytest.raises(CommandRefused, match="moves one arm at a time"):
         approve(cell, coordinated.plan, coordinated.proof, "Ada", 0.0)
+
+
+def test_no_controller_is_sent_finer_steps_than_it_can_take(cell, coordinated):
+    """What it would make of them is not what was proven; its cell has the same digest."""
+    motion = replace(cell.controller.motion, link="coarse", decimals=1)
+    coarse = replace(cell, controller=replace(cell.controller, motion=motion))
+    assert coarse.digest == cell.digest
+    plan, proof = coordinated.plan, coordinated.proof
+    with pytest.raises(CommandRefused, match="finer steps than the robot link coarse"):
+        approve(coarse, plan, proof, "Ada", 0.0)
+    approval = approve(cell, plan, proof, "Ada", 0.0)
+    with pytest.raises(CommandRefused, match="finer steps than the robot link coarse"):
+        next(send(plan, approval, coarse, now=lambda: 1.0))
 
 
 def test_one_part_is_still_taken(cell, apart):

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 from bending import with_grasps
 
-from workbench.app.core.rules import can_be_sent
 from workbench.app.picking.pipeline import plan_pick
 from workbench.model.candidate import Pick, Reason, Stage
 from workbench.model.cell import Wishes
@@ -18,7 +17,7 @@ from workbench.model.scan import Detection
 from workbench.planning.collision.world import World
 from workbench.planning.picking.propose import propose
 from workbench.planning.picking.resolve import resolve
-from workbench.plugins.robot_link import spoken_to_by
+from workbench.plugins.robot_link import misfit, spoken_to_by
 
 
 def test_every_detection_grasp_and_arm_has_a_verdict(cell, detections, result):
@@ -225,6 +224,6 @@ def test_auto_takes_both_arms_where_they_lie_apart_and_the_controller_can(
     assert result.plan.cell_digest == cell.digest
     assert "mm apart" in result.plan.note
     if strategy == "coordinated":
-        assert can_be_sent(other, result.plan)
+        assert misfit(result.plan, other) == ""
         behind = spoken_to_by(cell, "abb-socket")
-        assert not can_be_sent(behind, result.plan)
+        assert "moves one arm at a time" in misfit(result.plan, behind)

@@ -70,6 +70,7 @@ from workbench.model.errors import CommandRefused, NotAllowed
 from workbench.model.plan import UNSIGNED, Plan, Proof
 from workbench.model.release import Approval, Word
 from workbench.model.scan import ALL_KINDS
+from workbench.plugins.robot_link import misfit
 
 
 def strategies_of(cell: Cell) -> tuple[str, ...]:
@@ -159,7 +160,7 @@ def allowed(
         case SendPlan(plan_digest=digest):
             plan = _named_plan(state, digest)
             _refuse(staleness(state.approval, plan, state.cell, state.scene_digest, now))
-            _refuse(unwalked(state.cell, state.proof))
+            _refuse(unwalked(state.cell, state.proof) or misfit(plan, state.cell))
             _refuse(overtaken(state, plan, joints))
         case WatchPlan(plan_digest=digest):
             _named_plan(state, digest)
@@ -208,16 +209,6 @@ def allowed(
             pass
         case _:
             assert_never(command)
-
-
-def moves_both_arms(cell: Cell) -> bool:
-    """Whether the cell has two arms or more, and a controller that can move two at once."""
-    return len(cell.arms) > 1 and cell.controller.motion.arms_at_once > 1
-
-
-def can_be_sent(cell: Cell, plan: Plan) -> bool:
-    """Whether the controller can do what the plan says."""
-    return moves_both_arms(cell) or all(len(step.runs) == 1 for step in plan.sequence)
 
 
 def approve(
@@ -274,12 +265,7 @@ def check_approvable(cell: Cell, plan: Plan, proof: Proof, actor: str) -> None:
         raise CommandRefused("the proof was made for another cell or scan; make a new plan")
     if not proof.holds:
         raise CommandRefused(f"the proof does not hold: {proof.findings[0]}")
-    _refuse(unwalked(cell, proof))
-    if not can_be_sent(cell, plan):
-        raise CommandRefused(
-            f"the robot link {cell.controller.link} moves one arm at a time, this plan moves both; "
-            "make an alternated plan to send it, or use a robot link that moves two"
-        )
+    _refuse(unwalked(cell, proof) or misfit(plan, cell))
 
 
 def unwalked(cell: Cell, proof: Proof | None) -> str:

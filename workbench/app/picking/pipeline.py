@@ -8,7 +8,7 @@ from types import MappingProxyType
 
 import numpy as np
 
-from workbench.app.core.rules import can_be_sent, moves_both_arms, strategies_of
+from workbench.app.core.rules import strategies_of
 from workbench.model.candidate import Candidate, Pick, Reason, Stage, Verdict
 from workbench.model.cell import Cell, Wishes
 from workbench.model.errors import InputError, JobCancelled
@@ -22,6 +22,7 @@ from workbench.planning.picking.resolve import resolve
 from workbench.planning.picking.route import route
 from workbench.planning.planners.clock import working_time
 from workbench.planning.proving.prove import prove
+from workbench.plugins.robot_link import misfit
 
 Report = Callable[[float, str], None]
 """Called with the share done, 0..1, and what is being done."""
@@ -143,7 +144,7 @@ def _best(cell: Cell, results: list[PlanResult]) -> PlanResult:
         plan, proof = result.plan, result.proof
         if plan is None or proof is None:
             return (True, True, math.inf)
-        return (not proof.holds, not can_be_sent(cell, plan), plan.cycle_seconds)
+        return (not proof.holds, misfit(plan, cell) != "", plan.cycle_seconds)
 
     best, *others = sorted(results, key=rank)
     return replace(best, beside=tuple(others))
@@ -253,7 +254,7 @@ def _planned(
     verdict = Verdict(Reason.NO_PATH, Stage.ROUTE, note=_nobody_for(picks, strategy))
     refused, cost = "", cost_of(world, world.policy.order)
     is_auto = strategy == "auto"
-    if strategy == Strategy.COORDINATED or (is_auto and moves_both_arms(world.cell)):
+    if strategy == Strategy.COORDINATED or (is_auto and world.cell.moves_both_arms):
         for offsets, pair in _side_by_side_or_behind(world, picks, cost):
             if cancelled():
                 raise JobCancelled("planning was cancelled")
