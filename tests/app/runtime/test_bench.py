@@ -25,10 +25,12 @@ from workbench.app.core.commands import (
 )
 from workbench.app.core.effects import Send, StartJob, StopSending
 from workbench.app.core.state import Phase
+from workbench.app.picking import facts
 from workbench.app.records.replay import replay
 from workbench.app.runtime.bench import Bench
 from workbench.app.runtime.live import Live
 from workbench.journal.journal import Journal
+from workbench.model.cell import Wishes
 from workbench.model.errors import CommandRefused, JournalError
 from workbench.model.release import Receipt
 
@@ -114,6 +116,23 @@ def test_a_refused_command_leaves_no_trace(bench, journal, noted):
     assert bench.state is before
     assert journal.count == before.number
     assert noted[0].ran == []
+
+
+def test_a_planner_that_is_not_installed_is_refused_and_yet_computed_again(
+    bench, journal, samples, monkeypatch
+):
+    scan = samples.scan()
+    bench.do(UseScan(scan), "ada")
+    bench.do(UseDetections(samples.detections()), "ada")
+    foreign = MakePlan(wishes=Wishes(planner="foreign"))
+    with pytest.raises(CommandRefused, match=r"no planner 'foreign'; known: .*rrtconnect"):
+        bench.do(foreign, "ada")
+    with monkeypatch.context() as installed:
+        installed.setattr(facts, "planner_named", lambda name: None)
+        state = bench.do(foreign, "ada")
+        bench.do(JobEnded(state.number, samples.planned(state.scene_digest)), "worker")
+    *_, (_, last) = replay(journal, bench.cell)
+    assert last.phase is Phase.PLANNED
 
 
 def test_what_cannot_be_recorded_is_not_done(bench, journal, noted, samples):

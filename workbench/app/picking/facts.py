@@ -5,14 +5,16 @@ from dataclasses import replace
 
 import numpy as np
 
-from workbench.app.core.commands import Command, LinkEnded
+from workbench.app.core.commands import Command, LinkEnded, MakePlan
 from workbench.app.core.state import State
 from workbench.model.bin_check import BinCheck
 from workbench.model.cell import Bin, Cell
+from workbench.model.errors import CommandRefused, InputError
 from workbench.model.plan import Plan
 from workbench.model.scan import Detection, Scan
 from workbench.perception.scene.bin_check import check_bin
 from workbench.planning.kinematics.robot import Kinematics
+from workbench.plugins.planner import planner_named
 
 
 def bin_check_of(state: State) -> BinCheck | None:
@@ -36,6 +38,21 @@ def with_facts(state: State, command: Command) -> Command:
     if isinstance(command, LinkEnded) and command.placed is None and state.plan is not None:
         return replace(command, placed=put_down(state.cell, state.plan))
     return command
+
+
+def check_installed(state: State, command: Command) -> None:
+    """Look whether what a command needs is installed, and can be loaded.
+
+    Not a rule: what was done may be computed again where less is installed.
+
+    Raises:
+        CommandRefused: it is not; the message says what there is.
+    """
+    if isinstance(command, MakePlan):
+        try:
+            planner_named(command.wishes.on(state.cell.policy).planner)
+        except InputError as error:
+            raise CommandRefused(str(error)) from error
 
 
 def put_down(cell: Cell, plan: Plan) -> tuple[Detection, ...]:

@@ -22,7 +22,7 @@ from workbench.app.core.people import Role
 from workbench.app.core.rights import MACHINES, ROBOT_LINK, SESSION_START, WORKER
 from workbench.app.core.rules import NOT_REPORTED, allowed
 from workbench.app.core.state import Phase, State
-from workbench.app.picking.facts import with_facts
+from workbench.app.picking.facts import check_installed, with_facts
 from workbench.app.records.record import command_form, entry_record
 from workbench.app.records.replay import replay
 from workbench.app.records.sessions import begin
@@ -137,6 +137,7 @@ class Bench:
         joints = self.live.joints if isinstance(command, Approve | SendPlan) else NOT_REPORTED
         # Looked at before anything is made of its content, which may be anything.
         allowed(self._state, command, actor, self._now(), joints, role)
+        check_installed(self._state, command)
         command = with_facts(self._state, command)
         # A scan takes a while to become bytes: nobody else should wait for that.
         form = command_form(command)

@@ -15,7 +15,8 @@ class WishesInputs:
         """Add the controls."""
         self._planner = gui.add_dropdown(
             "Planner",
-            planner_names(),
+            # One that is not installed here stays visible: a plan is then refused with its name.
+            tuple(dict.fromkeys((*planner_names(), policy.planner))),
             initial_value=policy.planner,
             hint="Searches the free legs; birrt is another name for rrtconnect. Those that improve "
             "what they found (prmstar, bitstar, informed-rrtstar, aorrtc) use all iterations.",
