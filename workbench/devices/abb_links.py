@@ -2,8 +2,6 @@
 
 from collections.abc import Callable, Iterator
 
-from workbench.devices.abb_simulated import controller
-from workbench.devices.abb_simulated.faults import parse_fault
 from workbench.devices.abb_socket.link import send_messages, send_program
 from workbench.devices.abb_socket.reports import watch_state
 from workbench.model.cell import Cell
@@ -29,6 +27,10 @@ class AbbSocket:
 
     def serve(self, cell: Cell, simulation: Simulation, ready: Callable[[Running], None]) -> None:
         """The simulated controller, which speaks both."""
+        # Every cell that is read loads this module; only the simulation needs so much.
+        from workbench.devices.abb_simulated import controller
+        from workbench.devices.abb_simulated.faults import parse_fault
+
         controller.serve(
             cell,
             host=simulation.host,

@@ -15,8 +15,8 @@ from workbench.model.cell import Cell
 from workbench.model.part import Part
 from workbench.model.scan import ALL_KINDS, Detection
 from workbench.perception.localization.pose_error import pose_error
+from workbench.perception.simulation.piles import pile_of
 from workbench.perception.simulation.scan_noise import FINE, ROUGH, NoiseModel
-from workbench.perception.simulation.simulated_scanner import pile_of
 from workbench.perception.simulation.synthesize import synthesize, visible_shares
 from workbench.planning.planners.clock import working_time
 

@@ -6,7 +6,7 @@ import pinocchio as pin
 from workbench.model.cell import Cell
 from workbench.model.errors import JobCancelled
 from workbench.model.scan import Findings
-from workbench.perception.simulation.simulated_scanner import pile_of
+from workbench.perception.simulation.piles import pile_of
 from workbench.perception.simulation.synthesize import synthesize
 from workbench.plugins.localizer import Localizer
 from workbench.testing.options import check_options

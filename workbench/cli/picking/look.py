@@ -10,7 +10,7 @@ from workbench.formats.clouds.scans import read_scan, write_cloud
 from workbench.formats.plans.pose_files import write_poses
 from workbench.model.scan import Discarded, SearchWishes
 from workbench.perception.scene.bin_check import check_bin
-from workbench.perception.simulation.simulated_scanner import pile_of
+from workbench.perception.simulation.piles import pile_of
 from workbench.perception.simulation.synthesize import synthesize
 
 

@@ -10,47 +10,37 @@ from workbench.model.scan import Detection, Discarded, Findings, Objection, Scan
 from workbench.perception.localization.choice import reaches_into
 from workbench.perception.localization.localize import MOST_DISCARDED, Searched, searched
 from workbench.perception.localization.part_surface import PartSurface
-from workbench.plugins.options import NoOptions
 
 
-class PointPairs:
-    """The built-in localizer; see `plugins.localizer.Localizer` and `localize.searched`."""
+def all_kinds(
+    scan: Scan,
+    cell: Cell,
+    *,
+    seed: int,
+    detail: float,
+    report: Callable[[float, str], None],
+    cancelled: Callable[[], bool],
+) -> Findings:
+    """All parts of all kinds that a cell picks; see `plugins.localizer.Localizer.find`."""
+    brought: list[Searched] = []
+    for number, part in enumerate(cell.parts):
+        before = number / len(cell.parts)
 
-    Options = NoOptions
+        def report_share(done: float, note: str, before: float = before) -> None:
+            report(before + done / len(cell.parts), note)
 
-    def __init__(self, options: NoOptions):
-        pass
-
-    def find(
-        self,
-        scan: Scan,
-        cell: Cell,
-        *,
-        seed: int,
-        detail: float,
-        report: Callable[[float, str], None],
-        cancelled: Callable[[], bool],
-    ) -> Findings:
-        """All parts of all kinds that the cell picks."""
-        brought: list[Searched] = []
-        for number, part in enumerate(cell.parts):
-            before = number / len(cell.parts)
-
-            def report_share(done: float, note: str, before: float = before) -> None:
-                report(before + done / len(cell.parts), note)
-
-            brought.append(
-                searched(
-                    scan,
-                    part,
-                    cell,
-                    seed=seed,
-                    detail=detail,
-                    report=report_share,
-                    cancelled=cancelled,
-                )
+        brought.append(
+            searched(
+                scan,
+                part,
+                cell,
+                seed=seed,
+                detail=detail,
+                report=report_share,
+                cancelled=cancelled,
             )
-        return merged(brought)
+        )
+    return merged(brought)
 
 
 def merged(brought: Sequence[Searched]) -> Findings:

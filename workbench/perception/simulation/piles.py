@@ -1,16 +1,17 @@
 """Parts dropped into a bin and left to settle: how they come to lie in production."""
 
 from collections.abc import Sequence
+from itertools import cycle, islice
 
 import mujoco
 import numpy as np
 import pinocchio as pin
 
-from workbench.model.cell import Bin
+from workbench.model.cell import Bin, Cell
 from workbench.model.errors import InputError
 from workbench.model.geometry import Box, Capsule, Cylinder, Floats, Mesh, Solid, Sphere
 from workbench.model.part import Part
-from workbench.model.scan import Detection
+from workbench.model.scan import ALL_KINDS, Detection
 from workbench.perception.views.surfaces import surface_of
 
 TIMESTEP = 0.002
@@ -30,6 +31,20 @@ FULL = 0.6
 
 OUTSIDE = 0.001
 """[m] How far a part may reach into a wall or the floor (contacts yield a little)."""
+
+
+def pile_of(cell: Cell, kind: str, count: int, *, seed: int) -> tuple[Detection, ...]:
+    """Parts that fell into the cell's bin: `count` of a kind, of the first one when it is empty.
+
+    Of the kind `ALL_KINDS` is one of each in turn.
+
+    Raises:
+        InputError: the cell has no part, or none of that kind; or they do not fit.
+    """
+    if not cell.parts:
+        raise InputError(f"cell {cell.name} has no part, so there is nothing to drop into its bin")
+    kinds = cell.parts if kind == ALL_KINDS else (cell.part(kind or cell.parts[0].name),)
+    return drop_parts(tuple(islice(cycle(kinds), count)), cell.bin, seed=seed)
 
 
 def drop_parts(parts: Sequence[Part], bin: Bin, *, seed: int) -> tuple[Detection, ...]:

@@ -7,7 +7,7 @@ import numpy as np
 
 from workbench.model.cell import Cell
 from workbench.model.scan import Detection, Findings, Scan
-from workbench.perception.localization.kinds import PointPairs
+from workbench.perception.built_in import PointPairs
 from workbench.plugins.options import NoOptions, option
 
 

@@ -1,0 +1,57 @@
+"""What seeing offers at the seams: the simulated scanner, and the localizer.
+
+Every cell that is read loads this, so what they need (1.5 s of imports) is imported at work.
+"""
+
+from collections.abc import Callable
+
+from workbench.model.cell import Cell
+from workbench.model.errors import JobCancelled
+from workbench.model.scan import Findings, Scan
+from workbench.plugins.options import NoOptions
+from workbench.plugins.scanner import Cancelled, Report, ScanRequest
+
+
+class SimulatedScanner:
+    """Drops parts by physics and computes what would have been measured; see `Scanner`."""
+
+    Options = NoOptions
+
+    def __init__(self, cell: Cell, options: NoOptions):
+        self._cell = cell
+
+    def scan(self, request: ScanRequest, report: Report, cancelled: Cancelled) -> Scan:
+        """A scan of a new pile."""
+        from workbench.perception.simulation.piles import pile_of
+        from workbench.perception.simulation.synthesize import synthesize
+
+        report(0.1, "parts fall into the bin")
+        truth = pile_of(self._cell, request.part, request.parts, seed=request.seed)
+        if cancelled():
+            raise JobCancelled("the scan was cancelled")
+        report(0.6, "the scanner looks")
+        return synthesize(self._cell, truth, seed=request.seed)
+
+
+class PointPairs:
+    """The built-in localizer; see `plugins.localizer.Localizer` and `localize.searched`."""
+
+    Options = NoOptions
+
+    def __init__(self, options: NoOptions):
+        pass
+
+    def find(
+        self,
+        scan: Scan,
+        cell: Cell,
+        *,
+        seed: int,
+        detail: float,
+        report: Callable[[float, str], None],
+        cancelled: Callable[[], bool],
+    ) -> Findings:
+        """All parts of all kinds that the cell picks."""
+        from workbench.perception.localization.kinds import all_kinds
+
+        return all_kinds(scan, cell, seed=seed, detail=detail, report=report, cancelled=cancelled)
