@@ -17,6 +17,7 @@ from workbench.app.core.state import State
 from workbench.app.picking import calibration as calibrations
 from workbench.app.picking.calibration import with_calibration
 from workbench.app.picking.pipeline import judge, plan_pick
+from workbench.app.picking.second_opinion import verify
 from workbench.app.records import replay as replays
 from workbench.app.records import session_archive
 from workbench.app.review.recompute import cell_of
@@ -106,6 +107,7 @@ __all__ = [
     "simulate_scan",
     "suggest",
     "unexplained",
+    "verify",
     "with_calibration",
     "write_cloud",
     "write_plan",

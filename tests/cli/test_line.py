@@ -76,6 +76,24 @@ def test_one_arm_when_asked_for(line, say, tmp_path):
             assert not out.exists()
 
 
+def test_a_second_opinion_is_asked_where_the_bin_is_known(line, say, tmp_path):
+    """By the poses and the scan; a plan that knows less of the bin than they do is refused."""
+    for known in (("--poses", line.poses), ("--scan", line.scan)):
+        said = say("verify", line.plan, *known)
+        assert said.code == 0, said.out
+        assert "the proof holds" in said.out
+    poses, plan = tmp_path / "one.json", tmp_path / "plan.json"
+    content = json.loads(line.poses.read_text())
+    content["detections"] = content["detections"][:1]
+    poses.write_text(json.dumps(content))
+    assert say("plan", "yumi", "--poses", poses, "--out", plan).code == 0
+    assert say("verify", plan).code == 0, "the plan's own word"
+    for known in (("--poses", line.poses), ("--scan", line.scan)):
+        said = say("verify", plan, *known)
+        assert said.code == 3
+        assert "the plan leaves out" in said.out
+
+
 def test_verify_holds_what_was_planned(line, say):
     said = say("verify", line.plan)
     assert said.code == 0

@@ -14,7 +14,7 @@ from workbench.model.cell import ARM_NAME
 from workbench.model.digest import digest_of
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats, copied, frozen, put
-from workbench.model.scan import Detection, Obstacle
+from workbench.model.scan import Detection, Obstacle, Scene
 
 PLAN_FORMAT = "workbench-plan/1"
 
@@ -172,6 +172,11 @@ class Plan:
             if arm.arm == name:
                 return arm
         raise KeyError(name)
+
+    @property
+    def scene(self) -> Scene:
+        """What is in the bin by the plan's own word."""
+        return Scene(self.scan_digest, self.detections, self.obstacles)
 
     @property
     def cycle_seconds(self) -> float:

@@ -176,3 +176,15 @@ class Remark:
     at: float
     by: str
     says: str
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Scene:
+    """What is known to be in the bin: the parts found, and what else the scan shows.
+
+    `scan_digest` is that of the scan, or of the detections when they came from a file.
+    """
+
+    scan_digest: str
+    detections: tuple[Detection, ...]
+    obstacles: tuple[Obstacle, ...] = ()

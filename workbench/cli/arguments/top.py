@@ -197,10 +197,18 @@ class Explain:
 
 @dataclass(frozen=True, slots=True)
 class Verify:
-    """Prove a plan again, from its file and the cell alone."""
+    """Prove a plan again, from its file and the cell, and against a scan or poses if given.
+
+    With a scan or poses the second opinion is asked (docs/proof.md), which shares nothing with
+    planning, and what the plan says of the bin is compared with them.
+    """
 
     plan: Positional[Path]
     """JSON file of a plan."""
+    scan: Path | None = None
+    """PLY or PCD file of the scan that it was made for."""
+    poses: Path | None = None
+    """CSV or JSON file of all parts known to be in the bin."""
     cell: str | None = None
     """Name under robots/, or path of a cell.toml; the name in the plan when not given."""
     json: bool = False

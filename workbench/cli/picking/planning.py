@@ -6,6 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from workbench.app.core.value_checks import LARGEST_MARGIN, MOST_ITERATIONS, SEED_LIMIT
+from workbench.app.picking import second_opinion
 from workbench.app.picking.pipeline import check_strategy, plan_pick
 from workbench.app.runtime.readiness import make_ready
 from workbench.cli.arguments import top as arguments
@@ -106,7 +107,12 @@ def verify(typed: arguments.Verify) -> int:
     with progress("verify") as report:
         make_ready(report, ("planning",))
         report(0.0, "proving the plan")
-        proof = prove(cell, plan)
+        if typed.scan is None and typed.poses is None:
+            proof = prove(cell, plan)
+        else:
+            scan = None if typed.scan is None else read_scan(typed.scan, cell.scanner)
+            poses = None if typed.poses is None else detections_from(cell, typed.poses, None)
+            proof = second_opinion.verify(cell, plan, detections=poses, scan=scan)
     if stated != plan.digest:
         edited = Finding(
             f"the file was changed after the plan was made: it states digest {stated[:12]}, "

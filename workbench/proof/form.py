@@ -1,0 +1,136 @@
+"""Whether a plan is about this cell and this scene, and whole: before it is walked through."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from workbench.model.cell import Arm, Cell
+from workbench.model.plan import (
+    LEG_NAMES,
+    ArmPlan,
+    Finding,
+    Guarantee,
+    Leg,
+    LegName,
+    Plan,
+    Strategy,
+)
+from workbench.model.scan import Detection, Obstacle, Scene
+
+SAME = 1e-9
+"""[rad] Where configurations travel as they are, so far one leg may begin from the end of another.
+"""
+
+HOLDING: frozenset[LegName] = frozenset({"extract", "return", "place"})
+LINEAR: frozenset[LegName] = frozenset({"approach", "extract", "place"})
+
+
+def form_findings(cell: Cell, scene: Scene, plan: Plan) -> Iterator[Finding]:
+    """What must be right before a plan can be walked through at all."""
+    if plan.cell_digest != cell.digest:
+        yield Finding("the plan was made for another cell, or the cell has changed since")
+        return
+    parts = {part.name for part in cell.parts}
+    for detection in (*plan.detections, *scene.detections):
+        if detection.part not in parts:
+            yield Finding(f"the cell knows no part {detection.part!r}")
+            return
+    yield from _scene(scene, plan)
+    if not plan.arms:
+        yield Finding("the plan moves no arm")
+    names, taken = [arm.arm for arm in plan.arms], [arm.detection for arm in plan.arms]
+    if len(set(taken)) != len(taken) or len(set(names)) != len(names):
+        yield Finding("an arm or a part is used twice")
+    known = {arm.name for arm in cell.arms}
+    for one in plan.arms:
+        if one.arm not in known:
+            yield Finding(f"the cell has no arm {one.arm!r}")
+        elif not 0 <= one.detection < len(plan.detections):
+            yield Finding(f"there is no detection {one.detection}", one.arm)
+        else:
+            yield from _legs(cell, cell.arm(one.arm), one)
+    yield from _sequence(plan)
+
+
+def _scene(scene: Scene, plan: Plan) -> Iterator[Finding]:
+    """What the plan says of the bin is what is known of it: nothing else, and nothing left out."""
+    if plan.scan_digest != scene.scan_digest:
+        yield Finding("the plan was made for another scan")
+    for number, known in enumerate(scene.detections):
+        if not any(_same_part(known, said) for said in plan.detections):
+            yield Finding(f"the plan leaves out part-{number + 1} of the scan, or moves it")
+    for number, said in enumerate(plan.detections):
+        if not any(_same_part(said, known) for known in scene.detections):
+            yield Finding(f"part-{number + 1} of the plan is not in the scan")
+    for number, seen in enumerate(scene.obstacles):
+        if not any(_same_box(seen, said) for said in plan.obstacles):
+            yield Finding(f"the plan leaves out obstacle seen-{number + 1} of the scan")
+
+
+def _same_part(one: Detection, other: Detection) -> bool:
+    is_alike = one.part == other.part
+    return is_alike and one.T_world_part.isApprox(other.T_world_part, 1e-9)
+
+
+def _same_box(one: Obstacle, other: Obstacle) -> bool:
+    is_alike = np.allclose(one.size, other.size, rtol=0, atol=1e-9)
+    return bool(is_alike) and one.T_world_box.isApprox(other.T_world_box, 1e-9)
+
+
+def _sequence(plan: Plan) -> Iterator[Finding]:
+    runs = [run for step in plan.sequence for run in step.runs]
+    names = [arm.arm for arm in plan.arms]
+    for arm in plan.arms:
+        if [leg for name, leg in runs if name == arm.arm] != [leg.name for leg in arm.legs]:
+            yield Finding("the sequence is not every leg once, in order", arm.arm)
+    if any(name not in names for name, _ in runs):
+        yield Finding("the sequence moves an arm that the plan does not")
+    for step in plan.sequence:
+        arms = [name for name, _ in step.runs]
+        if not arms:
+            yield Finding("a step of the sequence moves no arm")
+        if len(set(arms)) != len(arms) or len(arms) > 2:
+            yield Finding("a step of the sequence moves an arm twice, or more than two arms")
+    if plan.guarantee is Guarantee.ONE_AT_A_TIME and (
+        any(len(step.runs) != 1 for step in plan.sequence)
+        or [name for name, _ in runs] != [arm.arm for arm in plan.arms for _ in arm.legs]
+    ):
+        yield Finding("the sequence does not move one arm after the other")
+    alone = plan.strategy.arm
+    if (alone and names != [alone]) or (not alone and len(names) != 2):
+        yield Finding(f"strategy {plan.strategy} is not what the plan does: it moves {names}")
+    is_at_once = plan.guarantee is not Guarantee.ONE_AT_A_TIME
+    if is_at_once and plan.strategy != Strategy.COORDINATED:
+        yield Finding(f"the arms of a plan that is {plan.strategy} move one after the other")
+
+
+def _legs(cell: Cell, arm: Arm, one: ArmPlan) -> Iterator[Finding]:
+    if one.joints != arm.joints:
+        yield Finding(f"joints are {one.joints}, those of the arm {arm.joints}", arm.name)
+        return
+    if tuple(leg.name for leg in one.legs) != LEG_NAMES:
+        yield Finding(f"the legs are not {', '.join(LEG_NAMES)}", arm.name)
+        return
+    problems = [problem for leg in one.legs for problem in _shape(arm, leg)]
+    yield from problems
+    if problems:
+        return
+    same = max(cell.controller.motion.quantum, SAME)
+    ends = [np.asarray(arm.home), *(leg.q[-1] for leg in one.legs)]
+    starts = [*(leg.q[0] for leg in one.legs), np.asarray(arm.home)]
+    for name, end, start in zip((*LEG_NAMES, "home"), ends, starts, strict=True):
+        if np.abs(end - start).max() > same:
+            yield Finding("does not start where the arm stands", arm.name, name)
+
+
+def _shape(arm: Arm, leg: Leg) -> Iterator[Finding]:
+    q, t = np.asarray(leg.q), np.asarray(leg.t)
+    if q.ndim != 2 or q.shape[1] != len(arm.joints) or t.shape != (len(q),) or len(q) < 2:
+        problem = f"has waypoints of shape {q.shape} and times of shape {t.shape}"
+        yield Finding(problem, arm.name, leg.name)
+    elif not (np.all(np.isfinite(q)) and np.all(np.isfinite(t)) and np.isfinite(leg.opening)):
+        yield Finding("holds a value that is not a finite number", arm.name, leg.name)
+    if leg.holding != (leg.name in HOLDING):
+        yield Finding("says wrongly whether the part is in the hand", arm.name, leg.name)
+    if (leg.motion == "linear") != (leg.name in LINEAR):
+        yield Finding(f"is called {leg.motion}, which it is not", arm.name, leg.name)

@@ -1,0 +1,52 @@
+"""The proof: everything about a plan is looked at anew, in the scene as it is known, or refused."""
+
+from workbench.model.cell import Cell
+from workbench.model.plan import Plan, Proof
+from workbench.model.scan import Scene
+from workbench.proof.form import form_findings
+from workbench.proof.robot import tree_of
+from workbench.proof.rules import grasp_findings, limit_findings, pair_findings
+from workbench.proof.search import SIGHT
+from workbench.proof.walk import Walk
+
+RESOLUTION = 0.0005
+"""[m] Where nothing moves further than this, a state that was looked at stands for its
+neighbours."""
+
+
+def prove(cell: Cell, scene: Scene, plan: Plan, *, resolution: float = RESOLUTION) -> Proof:
+    """Check everything that can be checked about a plan, whoever has made it.
+
+    Args:
+        cell: as it is now.
+        scene: what is known to be in the bin; what the plan says of it is compared.
+        plan: as planned, or as read from a file.
+        resolution: [m] see `search`; smaller is slower and never admits more.
+
+    Returns:
+        A proof; `holds` is True when there is no finding.
+    """
+    findings = list(form_findings(cell, scene, plan))
+    walked = None
+    if not findings:
+        tree = tree_of(cell)
+        arms = [(cell.arm(one.arm), one) for one in plan.arms]
+        legs = [(arm, leg) for arm, one in arms for leg in one.legs]
+        findings += [f for arm, leg in legs for f in limit_findings(cell, arm, leg)]
+        findings += [f for _, one in arms for f in grasp_findings(cell, tree, plan, one)]
+        findings += pair_findings(cell, plan)
+        walked = Walk(cell, tree, scene, plan, resolution).result()
+        findings += walked.findings
+    return Proof(
+        plan_digest=plan.digest,
+        cell_digest=cell.digest,
+        scan_digest=plan.scan_digest,
+        checks=0 if walked is None else walked.looks,
+        resolution=resolution,
+        zone=cell.zone,
+        clearance=SIGHT if walked is None else walked.clearance,
+        nearest=None if walked is None else walked.nearest,
+        findings=tuple(findings),
+        clearances=() if walked is None else walked.clearances,
+        apart=() if walked is None else walked.apart,
+    )

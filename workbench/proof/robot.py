@@ -1,0 +1,149 @@
+"""The cell's robot with its fingers as Pinocchio sees it, and how far its joints can move a point.
+
+Fingers are prismatic joints here: they close and open as the arms move, and are proven alike.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import pinocchio as pin
+
+from workbench.model.cell import Arm, Cell
+from workbench.model.geometry import Bools, Floats, Ints
+from workbench.model.robot import Joint
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Tree:
+    """A robot's joints, joint 0 being the world; a whole configuration `q` (nq,) has a value each.
+
+    `joints` are those of `model` by their numbers, the world left out.  `frames` gives for every
+    link the joint that carries it and `T_joint_link`.  `columns` (n,) are
+    the places in `q` of an arm's joints, followed by those of its fingers.  `ancestors` (j, nq) is
+    True where a value of `q` moves a joint, `chains` (j, j) where a joint does.  `rest` (nq,) has
+    the arms at home, fingers closed.
+    """
+
+    model: pin.Model
+    joints: dict[int, Joint]
+    frames: dict[str, tuple[int, pin.SE3]]
+    fingers: dict[str, tuple[int, ...]]
+    columns: dict[str, Ints]
+    ancestors: Bools
+    chains: Bools
+    rest: Floats
+
+    def flange(self, arm: Arm) -> tuple[int, pin.SE3]:
+        """The joint that carries an arm's flange, and `T_joint_flange`."""
+        return self.frames[arm.flange]
+
+    def travel(self, joint: int, centre: Floats, radius: float) -> Floats:
+        """How far each value of `q` moves a ball at most [m/rad, m/m], as (nq,).
+
+        Args:
+            joint: that carries the ball.
+            centre: (3,) [m] of the ball, in the joint's frame.
+            radius: [m] of the ball.
+
+        Whatever the configuration: a point is never farther from the axis of a joint than all
+        offsets between that joint and the point are long, the first one measured off the axis.
+        """
+        most = np.zeros(self.model.nq)
+        beyond = radius
+        offset = centre
+        j = joint
+        while j != 0:
+            column = int(self.model.joints[j].idx_q)
+            joint_of = self.joints[j]
+            if joint_of.kind == "prismatic":
+                most[column] = 1.0
+                beyond += max(abs(joint_of.lower), abs(joint_of.upper))
+            else:
+                most[column] = _off_axis(joint_of.axis, offset) + beyond
+            beyond += float(np.linalg.norm(offset))
+            offset = np.asarray(self.model.jointPlacements[j].translation)
+            j = int(self.model.parents[j])
+        return most
+
+
+def tree_of(cell: Cell) -> Tree:
+    """The robot of a cell, in the world."""
+    model = pin.Model()
+    joints: dict[int, Joint] = {}
+    frames: dict[str, tuple[int, pin.SE3]] = {cell.robot.root: (0, cell.T_world_robot)}
+    for joint in cell.robot.joints:
+        parent, T_parent_link = frames[joint.parent]
+        T = T_parent_link * joint.T_parent_joint
+        if joint.kind == "fixed":
+            frames[joint.child] = (parent, T)
+        else:
+            frames[joint.child] = (_added(model, joints, parent, T, joint), pin.SE3.Identity())
+    fingers: dict[str, tuple[int, ...]] = {}
+    for arm in cell.arms:
+        parent, T_joint_flange = frames[arm.flange]
+        fingers[arm.name] = tuple(
+            _added(model, joints, parent, T_joint_flange, _finger(arm, number, finger.direction))
+            for number, finger in enumerate(arm.tool.fingers)
+        )
+    columns = {
+        arm.name: np.array(
+            [
+                int(model.joints[j].idx_q)
+                for j in (*map(model.getJointId, arm.joints), *fingers[arm.name])
+            ]
+        )
+        for arm in cell.arms
+    }
+    rest = pin.neutral(model)
+    for arm in cell.arms:
+        rest[columns[arm.name][: len(arm.joints)]] = arm.home
+    return Tree(model, joints, frames, fingers, columns, *_ancestors(model), rest)
+
+
+def _off_axis(axis: Floats, point: Floats) -> float:
+    """How far [m] a point (3,) is from an axis (3,) through the origin."""
+    along = float(axis @ point)
+    return math.sqrt(max(float(point @ point) - along * along, 0.0))
+
+
+def _finger(arm: Arm, number: int, direction: Floats) -> Joint:
+    return Joint(
+        f"{arm.name} finger {number}",
+        "prismatic",
+        arm.flange,
+        "",
+        pin.SE3.Identity(),
+        direction,
+        0.0,
+        arm.tool.stroke[1] / 2,
+    )
+
+
+def _added(
+    model: pin.Model, joints: dict[int, Joint], parent: int, T: pin.SE3, joint: Joint
+) -> int:
+    is_turning = joint.kind == "revolute"
+    kind = pin.JointModelRevoluteUnaligned if is_turning else pin.JointModelPrismaticUnaligned
+    one = np.ones(1)
+    number = model.addJoint(
+        parent,
+        kind(np.array(joint.axis)),
+        T,
+        joint.name,
+        one * 1e3,
+        one * joint.velocity,
+        one * joint.lower,
+        one * joint.upper,
+    )
+    joints[number] = joint
+    return number
+
+
+def _ancestors(model: pin.Model) -> tuple[Bools, Bools]:
+    values = np.zeros((model.njoints, model.nq), bool)
+    chains = np.zeros((model.njoints, model.njoints), bool)
+    for j in range(1, model.njoints):
+        values[j], chains[j] = values[model.parents[j]], chains[model.parents[j]]
+        values[j, model.joints[j].idx_q] = chains[j, j] = True
+    return values, chains

@@ -1,0 +1,184 @@
+"""What a cell asks of a plan whatever stands around the robot: limits, and grasps as authored."""
+
+from collections.abc import Iterator
+
+import numpy as np
+import pinocchio as pin
+
+from workbench.model.cell import Arm, Cell
+from workbench.model.geometry import Floats, pose_from_rpy
+from workbench.model.part import Grasp
+from workbench.model.plan import ArmPlan, Finding, Leg, Plan
+from workbench.proof.form import HOLDING
+from workbench.proof.robot import Tree
+from workbench.proof.stages import tcp
+
+IN_HAND, IN_HAND_TURN = 0.001, np.deg2rad(1.0)
+"""[m, rad] How far the part in the hand may be from where scan and grasp put it, and the hand from
+its place."""
+
+STRAIGHT, STRAIGHT_TURN = 0.002, np.deg2rad(1.5)
+"""[m, rad] How far a hand may be off a straight way."""
+
+ROUNDING = 1.001
+"""What sums of rounded values may exceed a limit by."""
+
+
+def limit_findings(cell: Cell, arm: Arm, leg: Leg) -> Iterator[Finding]:
+    """Limits of joints, speeds, accelerations and fingers on one leg.
+
+    A joint between two waypoints is between its values there, so limits need no more.  Where it has
+    to be when tells its mean speed between two waypoints; the real one is that somewhere.  So what
+    is refused here breaks a limit for certain; in between, the controller keeps its own.
+    """
+
+    def finding(problem: str, row: int | None = None) -> Finding:
+        return Finding(problem, arm.name, leg.name, row)
+
+    lower, upper, velocity = cell.robot.limits(arm.joints)
+    q, t = np.asarray(leg.q), np.asarray(leg.t)
+    outside = np.argwhere((q < lower - 1e-9) | (q > upper + 1e-9))
+    if len(outside):
+        row, joint = outside[0].tolist()
+        yield finding(
+            f"joint {arm.joints[joint]} at {np.rad2deg(q[row, joint]):.2f} deg is outside "
+            f"{np.rad2deg(lower[joint]):.2f} to {np.rad2deg(upper[joint]):.2f} deg",
+            row,
+        )
+    if not cell.controller.motion.is_sendable(q):
+        yield finding("holds a configuration finer than what can be sent")
+    low, high = arm.tool.stroke
+    if arm.tool.fingers and not low <= leg.opening <= high:
+        yield finding(f"finger opening {leg.opening * 1e3:.1f} mm is outside the stroke")
+    steps = np.diff(t)
+    if t[0] != 0.0:
+        yield finding("does not begin at 0 s")
+    if np.any(steps <= 0):
+        yield finding("has times that do not increase")
+        return
+    # A rounded corner is shorter than its waypoints make it look, never by more than its zone.
+    means = np.diff(q, axis=0) / steps[:, None]
+    most = velocity * cell.policy.speed * ROUNDING / (1.0 - cell.policy.zone)
+    too_fast = np.flatnonzero((np.abs(means) > most).any(axis=1))
+    if len(too_fast):
+        yield finding("is faster than the joints may turn", int(too_fast[0]))
+    # From rest to rest: the speed at the first mean has been reached since the start, and so on.
+    speeds = np.vstack([np.zeros(q.shape[1]), means, np.zeros(q.shape[1])])
+    spans = np.concatenate([steps[:1], steps[:-1] + steps[1:], steps[-1:]])
+    push = np.abs(np.diff(speeds, axis=0)) / spans[:, None]
+    too_hard = np.flatnonzero(
+        (push > arm.acceleration * ROUNDING / (1.0 - cell.policy.zone)).any(axis=1)
+    )
+    if len(too_hard):
+        yield finding("asks for more acceleration than the arm has", max(int(too_hard[0]) - 1, 0))
+
+
+def grasp_findings(cell: Cell, tree: Tree, plan: Plan, one: ArmPlan) -> Iterator[Finding]:
+    """Whether an arm takes its part by a grasp that it may use, as authored, and to a place."""
+    arm, part = cell.arm(one.arm), cell.part(plan.detections[one.detection].part)
+    grasp = next((g for g in part.grasps if g.name == one.grasp), None)
+    if grasp is None:
+        yield Finding(f"the part has no grasp {one.grasp!r}", arm.name)
+        return
+    if not grasp.is_enabled:
+        yield Finding(f"grasp {grasp.name} is switched off", arm.name)
+    if grasp.arms and arm.name not in grasp.arms:
+        yield Finding(f"grasp {grasp.name} is for arm {' or '.join(grasp.arms)}", arm.name)
+    if grasp.tool and grasp.tool != arm.tool.name:
+        yield Finding(f"grasp {grasp.name} is for tool {grasp.tool}", arm.name)
+    for leg in one.legs:
+        if leg.name in HOLDING and abs(leg.opening - grasp.grip) > 1e-6:
+            yield Finding(_opening(leg, grasp.grip), arm.name, leg.name)
+        elif leg.name not in HOLDING and not _fits(leg.opening, grasp):
+            yield Finding(_opening(leg, grasp.opening), arm.name, leg.name)
+    T_world_part = plan.detections[one.detection].T_world_part
+    poses = {leg.name: _hands(tree, arm, leg) for leg in one.legs}
+    T_grasp = poses["approach"][-1]
+    if not _same(T_grasp * one.T_tcp_part, T_world_part, IN_HAND, IN_HAND_TURN):
+        yield Finding("the part is not where the hand closes", arm.name, "approach")
+    if not _takes(arm, grasp, one.T_tcp_part.inverse()):
+        yield Finding(f"the part is not in the hand as grasp {grasp.name} takes it", arm.name)
+    turn = T_world_part.rotation @ grasp.T_part_tcp.rotation
+    ways = {
+        "approach": turn @ grasp.approach * grasp.approach_length,
+        "extract": None,
+        "place": None,
+    }
+    if grasp.retreat is not None:
+        ways["extract"] = turn @ grasp.retreat * grasp.retreat_length
+    for name, way in ways.items():
+        yield from _line(arm, poses[name], way, name)
+    places = (T * half for T in arm.Ts_world_place for half in _halves(arm))
+    if not any(_same(poses["place"][-1], T, IN_HAND, IN_HAND_TURN) for T in places):
+        yield Finding("the hand opens where the arm has no place", arm.name, "place")
+
+
+def pair_findings(cell: Cell, plan: Plan) -> Iterator[Finding]:
+    """Whether two arms may take parts of one kind by these two grasps, in this order."""
+    for number, first in enumerate(plan.arms):
+        for second in plan.arms[number + 1 :]:
+            kinds = [plan.detections[one.detection].part for one in (first, second)]
+            library = cell.part(kinds[0]).library
+            if kinds[0] == kinds[1] and not library.allows(first.grasp, second.grasp):
+                yield Finding(f"grasps {first.grasp} and {second.grasp} are no pair of the part")
+
+
+def _opening(leg: Leg, wanted: float) -> str:
+    return f"fingers at {leg.opening * 1e3:.1f} mm, the grasp says {wanted * 1e3:.1f} mm"
+
+
+def _fits(opening: float, grasp: Grasp) -> bool:
+    return abs(opening - grasp.opening) <= 1e-6
+
+
+def _hands(tree: Tree, arm: Arm, leg: Leg) -> list[pin.SE3]:
+    """`T_world_tcp` at the waypoints of a leg."""
+    return [tcp(tree, tree.rest, arm, np.asarray(q)) for q in leg.q]
+
+
+def _same(T: pin.SE3, other: pin.SE3, far: float, turn: float) -> bool:
+    off = T.actInv(other)
+    is_near = float(np.linalg.norm(off.translation)) <= far
+    return is_near and float(np.linalg.norm(pin.log3(off.rotation))) <= turn
+
+
+def _halves(arm: Arm) -> tuple[pin.SE3, ...]:
+    """Turns of a hand that change nothing: two fingers can change places."""
+    half = pose_from_rpy((0, 0, 0), (0, 0, np.pi))
+    return (pin.SE3.Identity(), half) if len(arm.tool.fingers) == 2 else (pin.SE3.Identity(),)
+
+
+def _takes(arm: Arm, grasp: Grasp, T_part_tcp: pin.SE3) -> bool:
+    """Whether a hand takes a part as a grasp says: turned about z, tilted about y, slid along x.
+
+    The grasp leaves so much free: T_part_tcp = T_grasp * slide(x) * tilt(y) * turn(z).
+    """
+    for half in _halves(arm):
+        off = grasp.T_part_tcp.actInv(T_part_tcp * half)
+        slide, R = off.translation, off.rotation
+        tilt, turn = np.arctan2(R[0, 2], R[2, 2]), np.arctan2(R[1, 0], R[1, 1])
+        free = np.array([abs(slide[0]) - grasp.slide, 0.0, 0.0]).clip(min=0.0)
+        is_there = np.linalg.norm([free[0], slide[1], slide[2]]) <= IN_HAND
+        is_tilted = abs(tilt) <= grasp.tilt + IN_HAND_TURN and abs(R[1, 2]) <= np.sin(IN_HAND_TURN)
+        if is_there and is_tilted and abs(turn) <= grasp.free_rotation + IN_HAND_TURN:
+            return True
+    return False
+
+
+def _line(arm: Arm, poses: list[pin.SE3], way: Floats | None, leg: str) -> Iterator[Finding]:
+    """Whether a hand goes straight, and, where `way` (3,) [m] in the world is given, that way."""
+    start, end = poses[0], poses[-1]
+    gone = end.translation - start.translation
+    if way is not None and np.linalg.norm(gone - way) > STRAIGHT:
+        yield Finding("does not go the way that the grasp says", arm.name, leg)
+    length, before = float(np.linalg.norm(gone)), 0.0
+    along = gone / length if length > 0 else gone
+    for number, T in enumerate(poses):
+        off = T.translation - start.translation
+        far = float(along @ off)
+        aside = np.linalg.norm(off - along * far)
+        turned = np.linalg.norm(pin.log3(start.rotation.T @ T.rotation))
+        if aside > STRAIGHT or turned > STRAIGHT_TURN or far < before - STRAIGHT:
+            yield Finding("is not straight", arm.name, leg, number)
+            return
+        before = far

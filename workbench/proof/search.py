@@ -1,0 +1,263 @@
+"""Every configuration of some sets is looked at, by halving: none is too near, and how near it is.
+
+At the middle of a set two bodies are `d` apart.  Nothing in the set brings them nearer by more than
+`m`, the sum of what each joint may move them.  So `d - m` is a lower bound for the
+whole set.  Where it is not enough, the set is halved; where `m` is below the resolution, the middle
+stands for the set, and `d - m` still is what is said of it.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import product
+
+import numpy as np
+
+from workbench.model.geometry import Floats, Ints
+from workbench.proof.motion import Sets
+from workbench.proof.space import Space
+from workbench.proof.table import Pairs
+
+SIGHT = 0.1
+"""[m] Distances are told up to here."""
+
+SHARE, LEAST = 0.3, 0.002
+"""A lower bound is good enough that is short by this share of the distance, or by so much [m]."""
+
+MOST_LOOKS = 50_000
+"""After so many looks at one motion it counts as too near: it stays that near for a long way."""
+
+BATCH = 64
+"""Sets that are looked at together."""
+
+TIGHT = 0.0002
+"""[m] How well the smallest distance of all is wanted."""
+
+LOOSE = 0.03
+"""[m] By about this much bounds fall short of distances; only a matter of speed."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Nearest:
+    """The two bodies that came nearest, measured: how near [m], at `q` (nq,), after a waypoint."""
+
+    row: int
+    distance: float
+    margin: float
+    q: Floats
+    at: tuple[int, ...]
+
+
+@dataclass(slots=True, eq=False)
+class Found:
+    """What a search brings.
+
+    `violation` is a state at which two bodies are nearer than they may be; None when there is none.
+    `bounds` (w,) [m]: nothing that is shown is nearer than this after each waypoint; `nearest` is
+    the nearest of them that was measured.
+    """
+
+    bounds: Floats
+    violation: Nearest | None = None
+    nearest: Nearest | None = None
+
+
+def search(
+    space: Space,
+    base: Floats,
+    sets: Sequence[tuple[Sets, ...]],
+    pairs: Pairs,
+    resolution: float,
+    waypoints: int,
+    within: float | None = None,
+) -> Found:
+    """Look at all configurations of some sets.
+
+    Args:
+        space: with all bodies where they belong.
+        base: whole configuration (nq,) of what does not move.
+        sets: each entry is a product: sets of different columns, every combination counts.
+        pairs: what is compared, with what it has to keep.
+        resolution: [m] see above.
+        waypoints: how many there are; `bounds` has a value after each.
+        within: [m] the nearest is wanted to this, whatever waypoint it follows; None: as `SHARE`.
+    """
+    wanted = _Wanted(np.full(waypoints, SIGHT), None if within is None else within)
+    found = Found(np.full(waypoints, SIGHT))
+    weights = space.levers
+    pending = [
+        (some, *(each.ravel() for each in np.mgrid[: len(some), : len(pairs.rows)]))
+        for blocks in sets
+        for some in _combined(blocks)
+    ]
+    before = space.looks
+    while pending:
+        some, items, which = pending.pop(0)
+        close = _close(space, base, some, pairs, wanted, found, items, which)
+        left = _measured(space, some, pairs, resolution, wanted, found, close)
+        if found.violation is not None:
+            return found
+        if space.looks - before > MOST_LOOKS:
+            found.violation = found.nearest
+            return found
+        if len(left):
+            pending.append(some.halved(close.items[left], close.which[left], weights))
+    return found
+
+
+@dataclass(slots=True, eq=False)
+class _Wanted:
+    """How well distances after each waypoint are wanted: `nearest` (w,) [m] measured so far."""
+
+    nearest: Floats
+    within: float | None
+
+    def goal(self, at: Ints) -> Floats:
+        """A bound (n,) [m] above this is good enough, after these waypoints (n,)."""
+        if self.within is not None:
+            return np.full(len(at), min(self.within, float(self.nearest.min())) - TIGHT)
+        nearest = self.nearest[at]
+        return nearest - np.maximum(SHARE * nearest, LEAST)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Combined:
+    """One set of each of some blocks, combined: (k,) sets of whole configurations."""
+
+    blocks: tuple[Sets, ...]
+
+    def __len__(self) -> int:
+        return len(self.blocks[0].at)
+
+    @property
+    def at(self) -> Ints:
+        """The waypoint (k,) after which the first of them is."""
+        return self.blocks[0].at
+
+    def middles(self, base: Floats) -> Floats:
+        """Whole configurations (k, nq) within the sets."""
+        q = np.tile(base, (len(self), 1))
+        for block in self.blocks:
+            q[:, block.columns] = block.middles
+        return q
+
+    def spans(self, size: int) -> Floats:
+        """How far each value (k, nq) is from that of the middle at most."""
+        d = np.zeros((len(self), size))
+        for block in self.blocks:
+            d[:, block.columns] = block.spans
+        return d
+
+    def halved(self, items: Ints, which: Ints, weights: Floats) -> "tuple[_Combined, Ints, Ints]":
+        """The halves of some sets, and which pairs are still open in each.
+
+        Of blocks, the one is halved in which joints have farther to go.
+        """
+        open_sets, places = np.unique(items, return_inverse=True)
+        blocks = tuple(block.only(open_sets) for block in self.blocks)
+        moves = np.stack([(b.spans * weights[b.columns]).sum(axis=1) for b in blocks])
+        longer = moves.argmax(axis=0)
+        halves: list[Sets] = []
+        for number, block in enumerate(blocks):
+            both = block.halves(weights[block.columns])
+            twice = np.repeat(block.corners, 2, axis=0)
+            is_cut = np.repeat(longer == number, 2)[:, None, None]
+            halves.append(Sets(block.columns, np.where(is_cut, both.corners, twice), both.at))
+        return (
+            _Combined(tuple(halves)),
+            np.concatenate([2 * places, 2 * places + 1]),
+            np.tile(which, 2),
+        )
+
+
+def _combined(blocks: tuple[Sets, ...]) -> Iterator[_Combined]:
+    sizes = [range(len(block.at)) for block in blocks]
+    grid = np.array(list(product(*sizes)), dtype=np.int64)
+    for start in range(0, len(grid), BATCH):
+        some = grid[start : start + BATCH]
+        yield _Combined(tuple(block.only(some[:, k]) for k, block in enumerate(blocks)))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Close:
+    """Pairs that bounds alone could not tell apart, each (n,) in one of the sets.
+
+    `lower` [m] is a bound at the middle `q` (k, nq) of the set, `moves` [m] what to take off it.
+    """
+
+    q: Floats
+    items: Ints
+    which: Ints
+    lower: Floats
+    moves: Floats
+
+
+def _close(
+    space: Space,
+    base: Floats,
+    some: _Combined,
+    pairs: Pairs,
+    wanted: _Wanted,
+    found: Found,
+    items: Ints,
+    which: Ints,
+) -> _Close:
+    """Pairs in sets that the boxes around bodies do not tell apart."""
+    q = some.middles(base)
+    is_shown, at = pairs.shown[which], some.at[items]
+    goals = np.where(is_shown, wanted.goal(some.at)[items], -np.inf)
+    needs = np.maximum(pairs.margins[which], goals)
+    rows, commons = pairs.rows[which], pairs.commons[which]
+    lower, moves = space.bounds(q, some.spans(len(base)), items, rows, commons, needs)
+    is_close = lower - moves < needs
+    told = is_shown & ~is_close
+    np.minimum.at(found.bounds, at[told], (lower - moves)[told])
+    order = np.flatnonzero(is_close)
+    order = order[np.lexsort((lower[order], items[order]))]
+    return _Close(q, items[order], which[order], lower[order], moves[order])
+
+
+def _measured(
+    space: Space,
+    some: _Combined,
+    pairs: Pairs,
+    resolution: float,
+    wanted: _Wanted,
+    found: Found,
+    close: _Close,
+) -> list[int]:
+    """Measure what is close, nearest first; which of it has to be looked at in halves."""
+    left: list[int] = []
+    looked = -1
+    at, goals = some.at, wanted.goal(some.at)
+    rows = zip(
+        close.items.tolist(), close.which.tolist(), close.lower.tolist(), close.moves.tolist(),
+        strict=True,
+    )  # fmt: skip
+    for number, (item, which, lower, move) in enumerate(rows):
+        margin, is_shown = float(pairs.margins[which]), bool(pairs.shown[which])
+        need = max(margin, float(goals[item])) if is_shown else margin
+        told = lower - move
+        if told < need and not (lower >= margin and lower + LOOSE < need + move):
+            if looked != item:
+                space.look(close.q[item])
+                looked = item
+            distance = space.distance(int(pairs.rows[which]))
+            told = distance - move
+            if distance < margin or (is_shown and distance < wanted.nearest[at[item]]):
+                state = Nearest(
+                    int(pairs.rows[which]), distance, margin, close.q[item],
+                    tuple(int(block.at[item]) for block in some.blocks),
+                )  # fmt: skip
+                if distance < margin:
+                    found.violation = state
+                    return []
+                wanted.nearest[at[item]] = distance
+                goals = wanted.goal(at)
+                if found.nearest is None or distance < found.nearest.distance:
+                    found.nearest = state
+            need = max(margin, float(goals[item])) if is_shown else margin
+        if told < need and move > resolution:
+            left.append(number)
+        elif is_shown:
+            found.bounds[at[item]] = min(found.bounds[at[item]], told)
+    return left

@@ -1,0 +1,97 @@
+"""Where all bodies are, for many configurations at once, and how near they are to each other."""
+
+import numpy as np
+import pinocchio as pin
+
+from workbench.model.geometry import Floats, Ints
+from workbench.proof.bodies import Body, ball, box, coal_shape, is_round
+from workbench.proof.robot import Tree
+from workbench.proof.sieve import Boxes, Chain, poses, sieve
+from workbench.proof.table import Table
+
+
+class Space:
+    """The bodies of a scene, which `put` moves from joint to joint.
+
+    `levers` (nq,) [m/rad, m/m]: no point of an empty robot is moved further by a value than that.
+    Coal measures at the configuration that was given to `look` last, which is `at` (nq,).
+    Concurrency: one thread at a time.
+    """
+
+    def __init__(self, tree: Tree, bodies: tuple[Body, ...], table: Table) -> None:
+        self.tree, self.bodies, self.table = tree, bodies, table
+        self.looks, self.at = 0, tree.rest
+        self.joints = np.array([body.joint for body in bodies])
+        self.placements = [body.T_joint_body for body in bodies]
+        boxes = [box(body.shape) for body in bodies]
+        self._chain = _chain_of(tree)
+        self._boxes = Boxes(
+            self.joints,
+            np.array([T.rotation for T in self.placements]),
+            np.array([T.act(c) for T, (c, _) in zip(self.placements, boxes, strict=True)]),
+            np.array([half for _, half in boxes]),
+            np.array([ball(body.shape)[1] for body in bodies]),
+            np.array([is_round(body, tree) for body in bodies]),
+        )
+        balls = [(b.joint, b.T_joint_body.act(ball(b.shape)[0]), ball(b.shape)[1]) for b in bodies]
+        self.levers = np.max([tree.travel(*one) for one in balls], axis=0)
+        self._geometry = pin.GeometryModel()
+        for number, body in enumerate(bodies):
+            shape = coal_shape(body.shape)
+            self._geometry.addGeometryObject(
+                pin.GeometryObject(str(number), body.joint, body.T_joint_body, shape)
+            )
+        self._geometry.setCollisionPairs(table.counts, True)
+        self._measured = pin.GeometryData(self._geometry)
+        self._data = tree.model.createData()
+
+    def put(self, number: int, joint: int, T_joint_body: pin.SE3) -> None:
+        """Hang a body on a joint."""
+        self.joints[number], self.placements[number] = joint, T_joint_body
+        self._boxes.turns[number] = T_joint_body.rotation
+        self._boxes.centres[number] = T_joint_body.act(box(self.bodies[number].shape)[0])
+        shape = self._geometry.geometryObjects[number]
+        shape.parentJoint, shape.placement = joint, T_joint_body
+
+    def look(self, q: Floats) -> None:
+        """Measure at this whole configuration (nq,) [rad, m] from now on."""
+        self.looks += 1
+        self.at = q
+        pin.updateGeometryPlacements(self.tree.model, self._data, self._geometry, self._measured, q)
+
+    def distance(self, row: int) -> float:
+        """Between the two of a pair [m]; negative: how deep they are in each other."""
+        return float(pin.computeDistance(self._geometry, self._measured, row).min_distance)
+
+    def bounds(
+        self, q: Floats, spans: Floats, items: Ints, rows: Ints, commons: Ints, needs: Floats
+    ) -> tuple[Floats, Floats]:
+        """How far pairs are apart at least, quickly, and how much nearer they may come.
+
+        Args:
+            q: whole configurations (k, nq) [rad, m].
+            spans: (k, nq) [rad, m] how far each value may be from them.
+            items: (n,) at which of them, an index.
+            rows: (n,) which pairs, as rows of the table.
+            commons: (n,) the joint next to both that moves both, an index.
+            needs: (n,) [m] what is enough when the second is taken off the first.
+
+        Returns:
+            Both as (n,) [m].
+        """
+        world = poses(self._chain, self._boxes, q)
+        first, second = self.table.first[rows], self.table.second[rows]
+        return sieve(items, first, second, commons, needs, spans, self._chain, self._boxes, world)
+
+
+def _chain_of(tree: Tree) -> Chain:
+    model = tree.model
+    joints = [tree.joints.get(j) for j in range(model.njoints)]
+    return Chain(
+        np.array(list(model.parents)),
+        np.array([T.rotation for T in model.jointPlacements]),
+        np.array([T.translation for T in model.jointPlacements]),
+        np.array([np.zeros(3) if one is None else one.axis for one in joints]),
+        np.array([one is not None and one.kind == "prismatic" for one in joints]),
+        np.array([max(int(model.joints[j].idx_q), 0) for j in range(model.njoints)]),
+    )

@@ -1,0 +1,183 @@
+"""A plan as a row of stages: what moves, what is true meanwhile, and every way it may be done.
+
+A leg has one stage or two.  Approach: the way there, then the fingers close.  Extract: the first
+millimetres, in which the part comes off what it lies on, then the rest.  Place: the way there, then
+the fingers open.  Home: as long as the hand is about the part it has let go of, then the rest.
+"""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pinocchio as pin
+
+from workbench.model.cell import Arm, Cell
+from workbench.model.geometry import Floats
+from workbench.model.plan import ArmPlan, Leg, LegName, Plan
+from workbench.proof.motion import Sets, changed, moved
+from workbench.proof.robot import Tree
+from workbench.proof.table import Situation
+
+RELEASE = 0.01
+"""[m] After so much of its lift a part has come off what it lay on."""
+
+STRAIGHT: frozenset[LegName] = frozenset({"approach", "extract"})
+"""Legs on which tool and held part may come near what stands still."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Stage:
+    """Part of a leg: `sets` are all configurations it may pass.
+
+    `comes_off`: a lifted part may begin in touch with its bed here; `leaves`: the hand may begin
+    in touch with the part that it has let go of.
+    """
+
+    sets: tuple[Sets, ...]
+    now: Situation
+    comes_off: bool = False
+    leaves: bool = False
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Moving:
+    """An arm on a leg: `path` (m, n) [rad, m] are its waypoints with the fingers' places."""
+
+    plan: ArmPlan
+    arm: Arm
+    leg: Leg
+    path: Floats
+    fingers_after: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Step:
+    """Legs that run at once; `base` (nq,) [rad, m] has all else where it stands.
+
+    `held` and `placed`: the parts, as these legs begin, see `Parts`.
+    """
+
+    moving: tuple[Moving, ...]
+    base: Floats
+    held: Mapping[int, ArmPlan]
+    placed: Mapping[int, ArmPlan]
+
+
+def steps_of(cell: Cell, tree: Tree, plan: Plan) -> Iterator[Step]:
+    """The steps of a plan in their order."""
+    q = tree.rest.copy()
+    held: dict[int, ArmPlan] = {}
+    placed: dict[int, ArmPlan] = {}
+    for step in plan.sequence:
+        moving = tuple(_moving(cell, plan.arm(arm), name) for arm, name in step.runs)
+        yield Step(moving, q.copy(), dict(held), dict(placed))
+        for one in moving:
+            q[tree.columns[one.arm.name]] = _whole(one.arm, one.leg.q[-1], one.fingers_after)
+            number, name = one.plan.detection, one.leg.name
+            if name == "approach":
+                held[number] = one.plan
+            elif name == "place":
+                placed[number] = held.pop(number)
+
+
+def stages_of(cell: Cell, tree: Tree, step: Step, one: Moving, left_at: int) -> Iterator[Stage]:
+    """The stages of one leg.
+
+    Args:
+        cell: as it is.
+        tree: of its robot.
+        step: that the leg belongs to.
+        one: the leg.
+        left_at: on the way home, the waypoint from which on the hand has left the part.
+    """
+    columns, name = tree.columns[one.arm.name], one.leg.name
+    motion, zone = cell.controller.motion, cell.policy.zone
+    sets = moved(columns, one.path, motion, zone)
+    moves = np.zeros(tree.model.nq, bool)
+    moves[columns[: len(one.arm.joints)]] = True
+    now = Situation(
+        moves,
+        {number: plan.arm for number, plan in step.held.items()},
+        {number: plan.arm for number, plan in step.placed.items()},
+        straight=one.arm.name if name in STRAIGHT else "",
+        target=one.plan.detection if name == "approach" else -1,
+    )
+    if name == "extract":
+        first, rest = _cut(sets, *_released(tree, step, one))
+        yield Stage(first, now, comes_off=True)
+        yield Stage(rest, now)
+    elif name == "home":
+        yield Stage(tuple(s.only(s.at < left_at) for s in sets), now, leaves=True)
+        yield Stage(tuple(s.only(s.at >= left_at) for s in sets), now)
+    else:
+        yield Stage(sets, now)
+    if name in ("approach", "place") and one.arm.tool.fingers:
+        end = one.path[-1]
+        grips = _whole(one.arm, one.leg.q[-1], one.fingers_after)
+        fingers = np.zeros(tree.model.nq, bool)
+        fingers[columns[len(one.arm.joints) :]] = True
+        closing = changed(columns, end, grips, len(one.path) - 2)
+        yield Stage((closing,), replace(now, moves=fingers, lets_go=one.plan.detection))
+
+
+def course_of(cell: Cell, tree: Tree, one: Moving) -> tuple[Sets, ...]:
+    """All configurations of a leg, fingers included, for what does not depend on its stages."""
+    columns = tree.columns[one.arm.name]
+    sets = moved(columns, one.path, cell.controller.motion, cell.policy.zone)
+    if one.fingers_after == one.leg.opening:
+        return sets
+    after = _whole(one.arm, one.leg.q[-1], one.fingers_after)
+    return (*sets, changed(columns, one.path[-1], after, len(one.path) - 2))
+
+
+def _released(tree: Tree, step: Step, one: Moving) -> tuple[int, Floats]:
+    """The segment in which a lifted part has come `RELEASE` far, and where in it (n,)."""
+    places = np.array([tcp(tree, step.base, one.arm, q).translation for q in one.path])
+    far = np.linalg.norm(places - places[0], axis=1)
+    beyond = np.flatnonzero(far >= RELEASE)
+    if len(beyond) == 0:
+        return len(one.path) - 1, one.path[-1]
+    k = int(beyond[0]) - 1
+    share = (RELEASE - far[k]) / (far[k + 1] - far[k])
+    return k, one.path[k] + share * (one.path[k + 1] - one.path[k])
+
+
+def _cut(
+    sets: tuple[Sets, ...], segment: int, q: Floats
+) -> tuple[tuple[Sets, ...], tuple[Sets, ...]]:
+    """Sets of a leg up to a configuration (n,) in one of its segments, and from there on."""
+    before = [s.only(s.at < segment) for s in sets]
+    after = [s.only(s.at >= segment) for s in sets]
+    if len(after[0].at):
+        corners = after[0].corners.copy()
+        start = corners[0, 0].copy()
+        corners[0, 0] = q
+        after[0] = replace(after[0], corners=corners)
+        before.append(changed(sets[0].columns, start, q, segment))
+    return tuple(before), tuple(after)
+
+
+def tcp(tree: Tree, base: Floats, arm: Arm, values: Floats) -> pin.SE3:
+    """`T_world_tcp` of an arm at its joints, followed or not by its fingers (n,) [rad, m]."""
+    q = base.copy()
+    q[tree.columns[arm.name][: len(values)]] = values
+    data = tree.model.createData()
+    pin.forwardKinematics(tree.model, data, q)
+    joint, T_joint_flange = tree.flange(arm)
+    return data.oMi[joint] * T_joint_flange * arm.tool.T_flange_tcp
+
+
+def _moving(cell: Cell, plan: ArmPlan, name: LegName) -> Moving:
+    arm, leg = cell.arm(plan.arm), plan.leg(name)
+    after = leg.opening
+    if name == "approach":
+        after = plan.leg("extract").opening
+    elif name == "place":
+        after = plan.leg("home").opening
+    path = np.stack([_whole(arm, q, leg.opening) for q in leg.q])
+    return Moving(plan, arm, leg, path, after)
+
+
+def _whole(arm: Arm, q: Floats, opening: float) -> Floats:
+    """The joints (n,) of an arm followed by its fingers: each has half of the opening [m]."""
+    return np.concatenate([q, np.full(len(arm.tool.fingers), opening / 2)])

@@ -1,0 +1,193 @@
+"""Which two bodies are compared while something moves, and what distance they have to keep.
+
+| pair | has to keep |
+|---|---|
+| two bodies that nothing that moves moves against each other | is not compared |
+| links that the robot's description says need no check | is not compared |
+| link or tool and another link or tool of the same arm | `self_margin` |
+| held part and a link of the arm that holds it | `margin`, on straight legs `near_margin` |
+| tool or held part, on a straight leg, and what no arm carries | `near_margin` |
+| tool and the part it takes, as it arrives | 0; a cup may press into it by `press` |
+| closing or opening fingers and the part they take or let go | is not compared |
+| lifted part and what it lies on, over the first `RELEASE` | not nearer than at the start |
+| hand and the part it has let go of, until it has left it once | not nearer than at the start |
+| everything else | `margin` |
+
+"Not nearer than at the start" allows `SLACK`, and is `near_margin` where there is more room.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from itertools import product
+
+import numpy as np
+
+from workbench.model.cell import Arm, Cell
+from workbench.model.geometry import Bools, Floats, Ints
+from workbench.proof.bodies import Body, is_round
+from workbench.proof.robot import Tree
+
+SLACK = 0.0005
+"""[m] A lift that leans, and rounding, bring a part this much nearer to what it lies on."""
+
+
+@dataclass(frozen=True, slots=True)
+class Situation:
+    """What is true during a stage of a leg.
+
+    `moves` (nq,): which values of the configuration change.  `held`: detection -> name of the arm
+    that holds it; `placed`: detection -> arm that has put it where it lies.  `straight`: the arm
+    on a straight leg, empty for none.  `target`: the detection that its tool is about to take.
+    `lets_go`: the detection around which fingers close or open now.
+    """
+
+    moves: Bools
+    held: Mapping[int, str] = field(default_factory=dict[int, str])
+    placed: Mapping[int, str] = field(default_factory=dict[int, str])
+    straight: str = ""
+    target: int = -1
+    lets_go: int = -1
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Pairs:
+    """The pairs (p,) that count in a situation, as rows of a `Table`.
+
+    `margins` (p,) [m] are to be kept; `commons` (p,) is the joint next to both that moves both,
+    0 for none.  `beds` are pairs of a lifted part and
+    what it may lie on, `left` those of an arm and the part it has placed.  `arms` (p, 2) are those
+    that carry the two, -1 for none.  `shown`: their distance is worth showing; that of an arm's own
+    links is not.
+    """
+
+    rows: Ints
+    margins: Floats
+    commons: Ints
+    beds: Bools
+    left: Bools
+    arms: Ints
+    shown: Bools
+
+    def among(self, chosen: Bools) -> "Pairs":
+        """Those of them that are chosen (p,)."""
+        return Pairs(
+            self.rows[chosen],
+            self.margins[chosen],
+            self.commons[chosen],
+            self.beds[chosen],
+            self.left[chosen],
+            self.arms[chosen],
+            self.shown[chosen],
+        )
+
+    def between(self, first: int, second: int) -> Bools:
+        """Whether pairs (p,) are of these two arms, by their numbers in the cell."""
+        return (np.sort(self.arms, axis=1) == sorted((first, second))).all(axis=1)
+
+    def hiding(self, hidden: Bools) -> "Pairs":
+        """The same pairs, of which some (p,) are not worth showing."""
+        return replace(self, shown=self.shown & ~hidden)
+
+    def keeping(self, margins: Floats) -> "Pairs":
+        """The same pairs with other margins (p,) [m]."""
+        return replace(self, margins=margins)
+
+
+class Table:
+    """All pairs of bodies that can ever be compared, as `first` and `second` (r,)."""
+
+    def __init__(self, cell: Cell, tree: Tree, bodies: tuple[Body, ...]) -> None:
+        self._cell, self._tree, self._bodies = cell, tree, bodies
+        names = {name: k for k, name in enumerate(dict.fromkeys(b.name for b in bodies))}
+        name = np.array([names[b.name] for b in bodies])
+        self.counts = name[:, None] != name
+        for one, other in cell.robot.disabled_pairs:
+            kinds = ("link", "tool")
+            for (ka, a), (kb, b) in product(product(kinds, [one]), product(kinds, [other])):
+                i, j = names.get(f"{ka} {a}", -1), names.get(f"{kb} {b}", -1)
+                both = (name[:, None] == i) & (name == j)
+                self.counts &= ~(both | both.T)
+        self.counts = np.triu(self.counts, 1)
+        self.first, self.second = np.nonzero(self.counts)
+        self._part = np.array([b.part for b in bodies])
+        self._tool = np.array([b.kind == "tool" for b in bodies])
+        self._finger = np.array([b.is_finger for b in bodies])
+        self._arm_numbers = {arm.name: k for k, arm in enumerate(cell.arms)}
+        self._turns_alike = np.zeros((len(bodies), tree.model.nq), bool)
+        for number, body in enumerate(bodies):
+            if is_round(body, tree):
+                self._turns_alike[number, tree.model.joints[body.joint].idx_q] = True
+        self._carrier = np.array([self._arm_numbers.get(b.arm, -1) for b in bodies])
+
+    def pairs(self, now: Situation, joints: Ints) -> Pairs:
+        """The pairs of a situation, in which these joints (b,), by index, carry the bodies."""
+        policy = self._cell.policy
+        carrier, holder = self._carrier.copy(), np.full(len(self._carrier), -1)
+        for number, arm in now.held.items():
+            holder[self._part == number] = self._arm_numbers[arm]
+        carrier = np.where(holder >= 0, holder, carrier)
+        placer = np.full(len(carrier), -1)
+        for number, arm in now.placed.items():
+            placer[self._part == number] = self._arm_numbers[arm]
+
+        above, alike = self._tree.ancestors[joints], self._turns_alike
+        a, b = self.first, self.second
+        apart = (above[a] & ~above[b] & ~alike[a]) | (above[b] & ~above[a] & ~alike[b])
+        counts = (apart & now.moves).any(axis=1)
+        if now.lets_go >= 0:
+            around = (self._part == now.lets_go) | self._finger
+            counts &= ~(
+                around[a]
+                & around[b]
+                & ((self._part == now.lets_go)[a] | (self._part == now.lets_go)[b])
+            )
+        rows = np.flatnonzero(counts)
+        a, b = a[rows], b[rows]
+        shared = self._tree.chains[joints[a]] & self._tree.chains[joints[b]]
+        commons = np.where(shared, np.arange(shared.shape[1]), 0).max(axis=1, initial=0)
+
+        is_held, still = holder >= 0, carrier < 0
+        own = (carrier[a] == carrier[b]) & (carrier[a] >= 0)
+        margins = np.full(len(rows), policy.margin)
+        margins[own & ~is_held[a] & ~is_held[b]] = policy.self_margin
+        beds = np.zeros(len(rows), bool)
+        if now.straight:
+            number = self._arm_numbers[now.straight]
+            works = (self._tool | is_held) & (carrier == number)
+            near = (works[a] & still[b]) | (works[b] & still[a]) | (own & (is_held[a] | is_held[b]))
+            margins[near] = policy.near_margin
+            tool, target = self._tool & (carrier == number), self._part == now.target
+            if now.target >= 0:
+                arrives = (tool[a] & target[b]) | (tool[b] & target[a])
+                margins[arrives] = -_press(self._cell.arm(now.straight))
+            lifted = is_held & (holder == number)
+            beds = (lifted[a] & still[b]) | (lifted[b] & still[a])
+        left = (placer[a] >= 0) & (placer[a] == carrier[b])
+        left |= (placer[b] >= 0) & (placer[b] == carrier[a])
+        arms = np.stack([carrier[a], carrier[b]], axis=1)
+        shown = ~own & ~beds
+        if now.target >= 0:
+            shown &= (self._part[a] != now.target) & (self._part[b] != now.target)
+        return Pairs(rows, margins, commons, beds, left, arms, shown)
+
+    def between_hands(self, pairs: Pairs, joints: Ints) -> Bools:
+        """Which pairs (p,) are of two arms, True, but for two shoulders: these stay near.
+
+        A shoulder is what the first two joints of an arm carry; `joints` (b,) carry the bodies now.
+        """
+        model = self._tree.model
+        low = [model.getJointId(j) for arm in self._cell.arms for j in arm.joints[:2]]
+        is_low = np.isin(joints, low)
+        both_low = is_low[self.first[pairs.rows]] & is_low[self.second[pairs.rows]]
+        one, other = pairs.arms.T
+        return (one >= 0) & (other >= 0) & (one != other) & ~both_low
+
+    def labels(self, row: int) -> tuple[str, str]:
+        """What people call the two bodies of a pair."""
+        first, second = int(self.first[row]), int(self.second[row])
+        return self._bodies[first].label, self._bodies[second].label
+
+
+def _press(arm: Arm) -> float:
+    """[m] How deep a tool may be in the part it takes: a cup's lip gives way, fingers do not."""
+    return 0.0 if arm.tool.fingers else arm.tool.press
