@@ -15,6 +15,9 @@ SLOW := browser cli web packaging perception studies test_new_part.py test_new_r
 	app/picking/test_part_import.py formats/parts/test_part_import.py planning/planners/test_planners.py \
 	planning/picking/test_properties.py robots/test_third_party.py
 
+# Whole files to two workers, in the order of tests/conftest.py: what takes longest first.
+WORKERS := -n 2 --dist loadfile --no-loadscope-reorder
+
 # More for the command behind a target: make run ARGS="--port 9000", make test ARGS="-k plan"
 ARGS :=
 
@@ -39,10 +42,10 @@ run: $(VENV)/.compiled
 
 test: $(VENV)/.test $(VENV)/.compiled
 	@bash setup/debian.sh $(BROWSER)
-	$(BIN)/python -m pytest -n 2 --dist loadfile $(ARGS)
+	$(BIN)/python -m pytest $(WORKERS) $(ARGS)
 
 test-fast: $(VENV)/.test $(VENV)/.compiled
-	$(BIN)/python -m pytest -n 2 --dist loadfile $(SLOW:%=--ignore=tests/%) $(ARGS)
+	$(BIN)/python -m pytest $(WORKERS) $(SLOW:%=--ignore=tests/%) $(ARGS)
 
 # As if on another processor: what libraries can be told to leave out is left out.  Everything is
 # compiled once more for it; browsers and processes that install something tell nothing new.
@@ -52,7 +55,7 @@ OTHER_PROCESSOR := OPENBLAS_CORETYPE=Haswell NPY_DISABLE_CPU_FEATURES=X86_V3 \
 
 test-portable: $(VENV)/.test
 	env $(OTHER_PROCESSOR) $(BIN)/workbench compile
-	env $(OTHER_PROCESSOR) $(BIN)/python -m pytest -n 2 --dist loadfile \
+	env $(OTHER_PROCESSOR) $(BIN)/python -m pytest $(WORKERS) \
 		--ignore tests/browser --ignore tests/packaging $(ARGS)
 
 lint: $(VENV)/.lint $(VENV)/.test
