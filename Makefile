@@ -10,10 +10,17 @@ LIBRARIES := libusb-1.0-0 libgl1 libegl1 libx11-6 libgomp1
 BROWSER := chromium fonts-dejavu-core
 
 # What `make test-fast` leaves out: browsers, whole commands, and what takes longest in its folder.
-SLOW := browser cli web packaging perception studies test_new_part.py test_new_robot.py \
-	app/core/test_any_sequence.py app/picking/test_calibration.py app/runtime/test_killed.py app/runtime/test_link_faults.py \
-	app/picking/test_part_import.py formats/parts/test_part_import.py planning/planners/test_planners.py \
-	planning/picking/test_properties.py robots/test_third_party.py
+SLOW := browser cli examples packaging perception plugins portable studies testing web \
+	test_new_part.py test_new_robot.py test_site.py test_skips.py \
+	app/core/test_any_sequence.py app/picking/test_calibration.py app/picking/test_part_import.py \
+	app/runtime/test_killed.py app/runtime/test_link_faults.py app/runtime/test_readiness.py \
+	devices/abb_socket/test_abb_program_link.py formats/cells/test_cell_edits.py \
+	formats/klampt/test_klampt_robot.py formats/parts/test_part_import.py \
+	gui/drawing/test_watching.py gui/page/test_renderer.py gui/scene/test_gizmo_drag.py \
+	planning/collision/test_motion.py planning/grasps/test_part_rays.py \
+	planning/picking/test_dual_arm.py planning/picking/test_golden_plans.py \
+	planning/picking/test_properties.py planning/planners/test_planners.py \
+	planning/proving/test_placed.py robots/test_third_party.py
 
 # Whole files to two workers, in the order of tests/conftest.py: what takes longest first.
 WORKERS := -n 2 --dist loadfile --no-loadscope-reorder
