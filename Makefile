@@ -10,10 +10,20 @@ LIBRARIES := libusb-1.0-0 libgl1 libegl1 libx11-6 libgomp1
 BROWSER := chromium fonts-dejavu-core
 
 # What `make test-fast` leaves out: browsers, whole commands, and what takes longest in its folder.
-SLOW := browser cli web packaging perception studies test_new_part.py test_new_robot.py \
-	app/core/test_any_sequence.py app/picking/test_calibration.py app/runtime/test_killed.py app/runtime/test_link_faults.py \
-	app/picking/test_part_import.py formats/parts/test_part_import.py planning/planners/test_planners.py \
-	planning/picking/test_properties.py robots/test_third_party.py
+SLOW := browser cli examples packaging perception plugins portable studies testing web \
+	test_new_part.py test_new_robot.py test_site.py test_skips.py \
+	app/core/test_any_sequence.py app/picking/test_calibration.py app/picking/test_part_import.py \
+	app/runtime/test_killed.py app/runtime/test_link_faults.py app/runtime/test_readiness.py \
+	devices/abb_socket/test_abb_program_link.py formats/cells/test_cell_edits.py \
+	formats/klampt/test_klampt_robot.py formats/parts/test_part_import.py \
+	gui/drawing/test_watching.py gui/page/test_renderer.py gui/scene/test_gizmo_drag.py \
+	planning/collision/test_motion.py planning/grasps/test_part_rays.py \
+	planning/picking/test_dual_arm.py planning/picking/test_golden_plans.py \
+	planning/picking/test_properties.py planning/planners/test_planners.py \
+	planning/proving/test_placed.py robots/test_third_party.py
+
+# Whole files to two workers, in the order of tests/conftest.py: what takes longest first.
+WORKERS := -n 2 --dist loadfile --no-loadscope-reorder
 
 # More for the command behind a target: make run ARGS="--port 9000", make test ARGS="-k plan"
 ARGS :=
@@ -39,10 +49,10 @@ run: $(VENV)/.compiled
 
 test: $(VENV)/.test $(VENV)/.compiled
 	@bash setup/debian.sh $(BROWSER)
-	$(BIN)/python -m pytest -n 2 --dist loadfile $(ARGS)
+	$(BIN)/python -m pytest $(WORKERS) $(ARGS)
 
 test-fast: $(VENV)/.test $(VENV)/.compiled
-	$(BIN)/python -m pytest -n 2 --dist loadfile $(SLOW:%=--ignore=tests/%) $(ARGS)
+	$(BIN)/python -m pytest $(WORKERS) $(SLOW:%=--ignore=tests/%) $(ARGS)
 
 # As if on another processor: what libraries can be told to leave out is left out.  Everything is
 # compiled once more for it; browsers and processes that install something tell nothing new.
@@ -52,7 +62,7 @@ OTHER_PROCESSOR := OPENBLAS_CORETYPE=Haswell NPY_DISABLE_CPU_FEATURES=X86_V3 \
 
 test-portable: $(VENV)/.test
 	env $(OTHER_PROCESSOR) $(BIN)/workbench compile
-	env $(OTHER_PROCESSOR) $(BIN)/python -m pytest -n 2 --dist loadfile \
+	env $(OTHER_PROCESSOR) $(BIN)/python -m pytest $(WORKERS) \
 		--ignore tests/browser --ignore tests/packaging $(ARGS)
 
 lint: $(VENV)/.lint $(VENV)/.test

@@ -87,7 +87,7 @@ def cell(chrome: Browser, folder: Path) -> None:
         at.screen.tab("Cell")
         at.screen.press("Jog")
         at.screen.wait_for("Clear; nearest are")
-        for axis, (k, sign) in enumerate(zip(arm.wire_order, arm.wire_signs, strict=True)):
+        for axis, (k, sign) in enumerate(zip(arm.axis_order, arm.axis_signs, strict=True)):
             box = field(at.screen, f"Axis {axis + 1} [deg]")
             box.fill(f"{sign * math.degrees(q[k]):.1f}")
             box.press("Enter")

@@ -1,5 +1,6 @@
 """A run ends with what it has skipped and why, in one process and in several."""
 
+import os
 import shutil
 import subprocess
 import sys
@@ -27,9 +28,26 @@ def test_every_skip_is_listed_under_its_reason(tmp_path, workers):
     (tmp_path / "test_some.py").write_text(TESTS)
     (tmp_path / "test_whole.py").write_text('import pytest\npytest.importorskip("no_such_thing")')
     (tmp_path / "pytest.ini").write_text("[pytest]\n")
-    words = ("-m", "pytest", "-n", workers, "-p", "no:cacheprovider", "-p", "no:dash", ".")
+    words = (
+        "-m",
+        "pytest",
+        "-p",
+        "xdist",
+        "-n",
+        workers,
+        "-p",
+        "no:cacheprovider",
+        "-p",
+        "no:dash",
+        ".",
+    )
     ran = subprocess.run(
-        [sys.executable, *words], cwd=tmp_path, capture_output=True, text=True, check=False
+        [sys.executable, *words],
+        cwd=tmp_path,
+        env=os.environ | {"PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1"},
+        capture_output=True,
+        text=True,
+        check=False,
     )
     told = ran.stdout.partition("skipped, and why")[2].splitlines()
     lines = [line for line in told if line.startswith(("    ", "1", "2"))]
@@ -50,6 +68,11 @@ def test_a_run_without_skips_has_no_such_section(tmp_path):
     (tmp_path / "pytest.ini").write_text("[pytest]\n")
     words = ("-m", "pytest", "-p", "no:cacheprovider", "-p", "no:dash", ".")
     ran = subprocess.run(
-        [sys.executable, *words], cwd=tmp_path, capture_output=True, text=True, check=False
+        [sys.executable, *words],
+        cwd=tmp_path,
+        env=os.environ | {"PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1"},
+        capture_output=True,
+        text=True,
+        check=False,
     )
     assert "1 passed" in ran.stdout and "skipped" not in ran.stdout

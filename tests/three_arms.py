@@ -80,7 +80,7 @@ def _arm(k: int, name: str) -> str:
     return f"""
 [[arm]]
 name = "{name}"
-letter = "{"ABC"[k]}"
+controller_id = "{"ABC"[k]}"
 flange = "link_{k}_6"
 tool = "cup"
 home_deg = {HOME}

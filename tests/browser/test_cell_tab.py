@@ -64,7 +64,7 @@ def test_an_arm_jogged_into_the_bin_wall_names_the_pair(screen, bench, wait):
     screen.tab("Cell")
     screen.press("Jog")
     screen.wait_for("Clear; nearest are")
-    for axis, (k, sign) in enumerate(zip(arm.wire_order, arm.wire_signs, strict=True)):
+    for axis, (k, sign) in enumerate(zip(arm.axis_order, arm.axis_signs, strict=True)):
         type_number(screen, f"Axis {axis + 1} [deg]", sign * math.degrees(q[k]))
     row = screen.page.locator(".wb-contacts tr", has_text="bin_wall_back").first
     row.wait_for()

@@ -155,7 +155,7 @@ def test_home_is_that_of_the_cell():
         where = MODULES[f"Wb{arm.name.title()}"].data["my_home"][2]
         text = "".join(token.text for token in where)
         axes = [float(word) for word in re.findall(r"-?\d+(?:\.\d+)?(?:E\d)?", text)][:7]
-        home = [round(float(arm.home[k]) * 180 / 3.141592653589793, 6) for k in arm.wire_order]
+        home = [round(float(arm.home[k]) * 180 / 3.141592653589793, 6) for k in arm.axis_order]
         assert axes == pytest.approx(home)
 
 

@@ -8,7 +8,7 @@ import numpy as np
 import pinocchio as pin
 
 from workbench.model.calibration import CalibrationRecord
-from workbench.model.digest import LATER, digest_of
+from workbench.model.digest import LATER, called, digest_of
 from workbench.model.errors import InputError
 from workbench.model.geometry import Box, Floats, Solid, copied, frozen, pose_from_rpy, put
 from workbench.model.motion import MotionModel
@@ -65,19 +65,20 @@ class Arm:
     """One kinematic chain with a tool.
 
     `name` is like `ARM_NAME`, and no word of a strategy: it stands where one is asked for.
-    `joints` are the movable joints from base to flange, chain order; `wire_order[k]` is the
-    place in the chain of the k-th axis on the wire and `wire_signs` its sense.  `home` (n,)
+    `joints` are the movable joints from base to flange, chain order; `axis_order[k]` is the
+    place in the chain of the controller's k-th axis and `axis_signs` its sense.  `home` (n,)
     [rad], chain order.  `places` are TCP poses where a part may be released, tried in order;
     where the arm `keeps_parts` they stay there, as on a pallet, and the next one goes elsewhere.
-    `letter` names the arm on the wire.  `tool` is what it carries, `tools` all that it can carry.
+    `controller_id` is what the controller calls the arm.  `tool` is what it carries, `tools` all
+    that it can carry.
     """
 
     name: str
-    letter: str
+    controller_id: str = field(metadata=called("letter"))
     flange: str
     joints: tuple[str, ...]
-    wire_order: tuple[int, ...]
-    wire_signs: tuple[int, ...]
+    axis_order: tuple[int, ...] = field(metadata=called("wire_order"))
+    axis_signs: tuple[int, ...] = field(metadata=called("wire_signs"))
     home: Floats
     acceleration: Floats
     tool: Tool

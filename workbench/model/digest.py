@@ -19,6 +19,12 @@ LATER = {"later": True}
 """Metadata of a field that came when digests were in use: at its default it does not enter them,
 so that they stay as they were."""
 
+
+def called(name: str) -> dict[str, str]:
+    """Metadata of a field that was renamed: it enters digests by its first name, as ever."""
+    return {"called": name}
+
+
 LARGE = 4096
 """Arrays with more elements than this enter by the digest of their bytes."""
 
@@ -56,7 +62,7 @@ def canonical(value: Any, *, without: frozenset[str] = frozenset()) -> Any:
         case _ if dataclasses.is_dataclass(value):
             left_out = without | {"digest"}
             return {
-                field.name: canonical(getattr(value, field.name))
+                field.metadata.get("called", field.name): canonical(getattr(value, field.name))
                 for field in dataclasses.fields(value)
                 if field.name not in left_out and not _is_silent(field, value)
             }

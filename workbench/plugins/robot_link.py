@@ -88,7 +88,7 @@ class RobotLink(Protocol):
 
     It is stateless: an object is made for each name, and `send` may be called by one thread while
     `states` runs in another.  Configurations are in chain order and radians here; what a controller
-    calls its axes is in `Arm.wire_order` and `Arm.wire_signs`, and its arms in `Arm.letter`.
+    calls its axes is in `Arm.axis_order` and `Arm.axis_signs`, and its arms in `Arm.controller_id`.
 
     `motion` says how the controller moves: planning, timing and proof follow from it, so it must
     never promise less than the controller may do.  `Options` is the dataclass of the keys that

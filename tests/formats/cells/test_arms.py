@@ -36,15 +36,15 @@ def test_a_cell_can_have_one_arm_called_manipulator(tmp_path: Path) -> None:
 def test_a_cell_can_have_three_arms(tmp_path: Path) -> None:
     cell = read_cell(write_cell(tmp_path / "cell"))
     assert tuple(arm.name for arm in cell.arms) == NAMES
-    assert [arm.letter for arm in cell.arms] == ["A", "B", "C"]
+    assert [arm.controller_id for arm in cell.arms] == ["A", "B", "C"]
 
 
 def test_the_arms_of_old_cells_are_those_of_before() -> None:
-    assert [(arm.name, arm.letter) for arm in read_cell("yumi").arms] == [
+    assert [(arm.name, arm.controller_id) for arm in read_cell("yumi").arms] == [
         ("right", "R"),
         ("left", "L"),
     ]
-    assert [(arm.name, arm.letter) for arm in read_cell("tx2_90").arms] == [("right", "R")]
+    assert [(arm.name, arm.controller_id) for arm in read_cell("tx2_90").arms] == [("right", "R")]
 
 
 @pytest.mark.parametrize("name", ["a", "7", "_", "Arm-1", "arm_2", "x" * 40])

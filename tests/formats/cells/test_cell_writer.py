@@ -26,10 +26,10 @@ def test_a_cell_comes_back(name, tmp_path):
     again = read_cell(write_cell(tmp_path / "cell", cell, unchecked))
     assert again.robot.disabled_pairs == cell.robot.disabled_pairs
     for one, other in zip(cell.arms, again.arms, strict=True):
-        assert (one.name, one.joints, one.wire_order) == (
+        assert (one.name, one.joints, one.axis_order) == (
             other.name,
             other.joints,
-            other.wire_order,
+            other.axis_order,
         )
         np.testing.assert_allclose(other.home, one.home, atol=1e-4)
         np.testing.assert_allclose(other.acceleration, one.acceleration, rtol=1e-6)

@@ -55,8 +55,8 @@ def test_millimetres_and_degrees_become_metres_and_radians() -> None:
 def test_joints_run_1_2_7_3_4_5_6_along_the_chain_and_1_to_7_on_the_wire() -> None:
     arm = read_cell("yumi").arm("right")
     assert [name[-1] for name in arm.joints] == list("1273456")
-    assert [arm.joints[k][-1] for k in arm.wire_order] == list("1234567")
-    on_wire = np.rad2deg(arm.home[list(arm.wire_order)])
+    assert [arm.joints[k][-1] for k in arm.axis_order] == list("1234567")
+    on_wire = np.rad2deg(arm.home[list(arm.axis_order)])
     assert on_wire.tolist() == pytest.approx([0, -130, 30, 0, 40, 0, -135])
 
 
@@ -67,7 +67,15 @@ def test_signs_turn_axes_on_the_wire_and_at_home(folder: Path) -> None:
     assert (
         read_cell(folder).arm("right").home.tolist() == read_cell("yumi").arm("right").home.tolist()
     )
-    assert read_cell(folder).arm("right").wire_signs == (1, -1, 1, 1, 1, 1, 1)
+    assert read_cell(folder).arm("right").axis_signs == (1, -1, 1, 1, 1, 1, 1)
+
+
+def test_the_former_name_of_a_key_is_read_as_well_and_changes_no_digest(folder: Path) -> None:
+    digest = read_cell(folder).digest
+    for name in "RL":
+        with_change(folder, f'controller_id = "{name}"', f'letter = "{name}"')
+    assert [arm.controller_id for arm in read_cell(folder).arms] == ["R", "L"]
+    assert read_cell(folder).digest == digest
 
 
 def test_the_digest_covers_all_but_the_address(folder: Path) -> None:
@@ -113,9 +121,18 @@ def test_links_can_go_without_their_geometry(folder: Path) -> None:
         ("opens_along = [1, 0, 0]", "opens_along = [1, 1, 0]", ["opens_along", "unit"]),
         ('shape = "box"', 'shape = "cone"', ["cone"]),
         ('planner = "rrtconnect"', 'planner = "magic"', ["planner", "magic", "sbl"]),
-        ('letter = "R"', 'letter = "#"', ["letter", "#"]),
-        ('letter = "R"', 'letter = "r"', ["letter", "capital"]),
-        ('letter = "R"', 'letter = "L"', ["arm.letter", "'L' is there 2 times"]),
+        ('controller_id = "R"', 'controller_id = "#"', ["controller_id", "#"]),
+        ('controller_id = "R"', 'letter = "r"', ["letter", "capital"]),
+        (
+            'controller_id = "R"',
+            'controller_id = "L"',
+            ["arm.controller_id", "'L' is there 2 times"],
+        ),
+        (
+            'controller_id = "R"',
+            'controller_id = "R"\nletter = "R"',
+            ["letter", "is called controller_id now"],
+        ),
         (
             'parts = ["keyed_cylinder"]',
             'parts = ["keyed_cylinder", "keyed_cylinder"]',

@@ -130,7 +130,7 @@ def moved_away(cell: Cell, plan: Plan, joints: Mapping[str, float]) -> str:
     worst, where = 0.0, ""
     for arm in cell.arms:
         q = start_of(cell, plan, arm.name)
-        for axis, place in enumerate(arm.wire_order):
+        for axis, place in enumerate(arm.axis_order):
             reported = joints.get(arm.joints[place])
             if reported is None:
                 continue

@@ -56,6 +56,9 @@ def restored(kind: Any, form: Any, read: ReadFile) -> Any:
         return _restored_array(form, read)
     if isinstance(kind, type) and dataclasses.is_dataclass(kind):
         form = _newer(form) if kind is Controller else form
+        # A field that was renamed since is on record by its first name: `digest.called`.
+        now = {field.metadata.get("called"): field.name for field in dataclasses.fields(kind)}
+        form = {now.get(name, name): value for name, value in form.items()}
         names = {field.name for field in dataclasses.fields(kind) if field.init}
         made = {field.name for field in dataclasses.fields(kind) if not field.init}
         # A field that has come since has its default.

@@ -172,7 +172,7 @@ def _axes(cell: Cell, arm: Arm) -> list[tuple[str, ...]]:
     lower, upper, velocity = (np.rad2deg(one) for one in cell.robot.limits(arm.joints))
     home = np.rad2deg(np.asarray(arm.home))
     rows: list[tuple[str, ...]] = []
-    for axis, (k, sign) in enumerate(zip(arm.wire_order, arm.wire_signs, strict=True), start=1):
+    for axis, (k, sign) in enumerate(zip(arm.axis_order, arm.axis_signs, strict=True), start=1):
         low, high = sorted((sign * lower[k], sign * upper[k]))
         values = (low, high, velocity[k], sign * home[k])
         rows.append((str(axis), arm.joints[k], *(f"{value:.1f}" for value in values)))

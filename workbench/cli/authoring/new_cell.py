@@ -152,11 +152,11 @@ def _bare(typed: CellNew, robot: Robot, flanges: tuple[str, ...]) -> Cell:
     arms = tuple(
         Arm(
             name=name,
-            letter=name[0].upper(),
+            controller_id=name[0].upper(),
             flange=flange,
             joints=joints,
-            wire_order=tuple(range(len(joints))),
-            wire_signs=(1,) * len(joints),
+            axis_order=tuple(range(len(joints))),
+            axis_signs=(1,) * len(joints),
             home=_middle(robot, joints),
             acceleration=np.full(len(joints), np.deg2rad(600)),
             tool=tool,

@@ -38,7 +38,7 @@ class Loading:
     """
 
     def __init__(self, cell: Cell):
-        self._arms = {arm.letter: arm for arm in cell.arms}
+        self._arms = {arm.controller_id: arm for arm in cell.arms}
         self._cell = cell
         self._crc = FIRST_CRC
         self._digest = self._ticket = ""

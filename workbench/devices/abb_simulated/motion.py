@@ -55,7 +55,7 @@ class Motion:
             paces: of arms that run slower than told, or faster; 1 for those not named.
         """
         self._program, self._body, self._paces = program, body, paces
-        self._letters = {arm.name: arm.letter for arm in body.cell.arms}
+        self._letters = {arm.name: arm.controller_id for arm in body.cell.arms}
         self._time = self._due = self._began = 0.0
         self._step = 0
         self._wrong = ""

@@ -177,12 +177,12 @@ class ProgramClient:
         if self._serving.phase == "greeted" or now - self._reported_at < REPORT:
             return
         self._reported_at = now
-        idle = "00 " + " ".join(f"{arm.letter}00" for arm in self._body.cell.arms)
+        idle = "00 " + " ".join(f"{arm.controller_id}00" for arm in self._body.cell.arms)
         report = idle if self._motion is None else self._motion.report
         self._say(f"state {self._serving.phase} {report}")
         standing = self._body.standing()
         for arm in self._body.cell.arms:
-            self._say(f"at {arm.letter} {' '.join(in_degrees(arm, standing[arm.name]))}")
+            self._say(f"at {arm.controller_id} {' '.join(in_degrees(arm, standing[arm.name]))}")
 
     def _say(self, text: str) -> None:
         try:

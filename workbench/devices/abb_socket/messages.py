@@ -58,7 +58,7 @@ def encode(arm: Arm, kind: Kind, q: Floats | None = None) -> Message:
     Raises:
         InputError: a configuration is missing, too many, not finite or of the wrong size.
     """
-    head = f"{kind}{arm.letter}#"
+    head = f"{kind}{arm.controller_id}#"
     if kind in ("start", "stop"):
         if q is not None:
             raise InputError(f"a {kind} message carries no configuration")
@@ -75,7 +75,7 @@ def encode(arm: Arm, kind: Kind, q: Floats | None = None) -> Message:
 
 def in_degrees(arm: Arm, q: Floats) -> list[str]:
     """A configuration (n,) [rad], chain order, as it travels: axes 1 to n in degrees."""
-    degrees = np.rad2deg(np.asarray(q)[list(arm.wire_order)]) * np.array(arm.wire_signs)
+    degrees = np.rad2deg(np.asarray(q)[list(arm.axis_order)]) * np.array(arm.axis_signs)
     return [f"{value + 0.0:.2f}" for value in np.round(degrees, 2)]
 
 
@@ -90,9 +90,9 @@ def angles_of(arm: Arm, words: Sequence[str]) -> Floats:
     for word in words:
         if not NUMBER.fullmatch(word):
             raise ProtocolError(f"{word!r} is not a number with two decimals")
-    degrees = np.array([float(word) for word in words]) * np.array(arm.wire_signs)
+    degrees = np.array([float(word) for word in words]) * np.array(arm.axis_signs)
     q = np.empty(len(degrees))
-    q[list(arm.wire_order)] = np.deg2rad(degrees)
+    q[list(arm.axis_order)] = np.deg2rad(degrees)
     return q
 
 
@@ -192,7 +192,7 @@ class Commands:
 
     def __init__(self, cell: Cell) -> None:
         self._cell = cell
-        self._arms = {arm.letter: arm for arm in cell.arms}
+        self._arms = {arm.controller_id: arm for arm in cell.arms}
         self._heard = b""
         self._active: Arm | None = None
         self._last: Kind = "stop"

@@ -158,13 +158,13 @@ def lines_of(cell: Cell, program: Program) -> tuple[Line, ...]:
 
 
 def _lines(cell: Cell, program: Program) -> Iterator[Line]:
-    letters = {arm.name: arm.letter for arm in cell.arms}
+    letters = {arm.name: arm.controller_id for arm in cell.arms}
     points = sum(len(leg.seconds) for leg in program.legs)
     yield Line("", "plan", program.digest)
     yield Line("", "ticket", f"{program.ticket} {len(program.legs):03d} {points:03d}")
     for arm in cell.arms:
         where = " ".join(in_degrees(arm, program.starts[arm.name]))
-        yield Line(arm.name, "start", f"{arm.letter} {where}")
+        yield Line(arm.name, "start", f"{arm.controller_id} {where}")
     for number, step in enumerate(program.steps, start=1):
         for leg in step.legs:
             if abs(leg.zone - round(leg.zone, 3)) > 1e-9:

@@ -41,7 +41,7 @@ PING = 0.5
 
 def arms_of(cell: Cell) -> str:
     """The arms of a cell as a controller tells them: letter and number of axes."""
-    return " ".join(f"{arm.letter}{len(arm.joints)}" for arm in cell.arms)
+    return " ".join(f"{arm.controller_id}{len(arm.joints)}" for arm in cell.arms)
 
 
 class Sending:
@@ -262,7 +262,7 @@ class Sending:
         return [self._heard(frame)]
 
     def _state_words(self, frame: Frame) -> tuple[str, int, dict[str, int]]:
-        letters = {arm.letter: arm.name for arm in self._cell.arms}
+        letters = {arm.controller_id: arm.name for arm in self._cell.arms}
         try:
             phase, step, *arms = frame.words
             points = {letters[word[0]]: int(word[1:]) for word in arms}
@@ -290,7 +290,7 @@ class Sending:
     def _take_joints(self, frame: Frame) -> None:
         letter, *words = frame.words or [""]
         for arm in self._cell.arms:
-            if arm.letter == letter:
+            if arm.controller_id == letter:
                 joints = {**(self.status.joints or {}), arm.name: angles_of(arm, words)}
                 self.status = replace(self.status, joints=joints, reported_at=self._now())
                 return
@@ -300,7 +300,7 @@ class Sending:
         letter, _, said = frame.rest.partition(" ")
         result, _, why = said.partition(" ")
         for one in self._plan.arms:
-            is_it = self._cell.arm(one.arm).letter == letter
+            is_it = self._cell.arm(one.arm).controller_id == letter
             is_new = one.arm not in self._parts and self._acknowledged == len(self._lines)
             if is_it and is_new and result in ("picked", "failed"):
                 part = PartReport(one.arm, one.detection, result == "picked", why)

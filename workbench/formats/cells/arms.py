@@ -47,8 +47,8 @@ def read_arms(table: Table, robot: Robot) -> tuple[Arm, ...]:
                 "are expected",
             )
         known[arm.name.lower()] = arm.name
-    # Messages to the controller call an arm by its letter alone.
-    table.once("arm.letter", (arm.letter for arm in arms))
+    # Messages to the controller call an arm by this alone.
+    table.once("arm.controller_id", (arm.controller_id for arm in arms))
     return arms
 
 
@@ -69,20 +69,21 @@ def _arm(table: Table, robot: Robot, tools: dict[str, Tool]) -> Arm:
     axes = table.numbers("axes", count, list(range(1, count + 1))).astype(int)
     if sorted(axes.tolist()) != list(range(1, count + 1)):
         raise table.error("axes", f"must hold each of 1 to {count} once: the axis of each joint")
-    wire_order = np.argsort(axes)
+    axis_order = np.argsort(axes)
     signs = table.numbers("signs", count, [1] * count)
     if not np.all(np.abs(signs) == 1):
         raise table.error("signs", "may hold 1 and -1 only")
     home = np.empty(count)
-    home[wire_order] = np.deg2rad(table.numbers("home_deg", count, low=-720, high=720)) * signs
+    home[axis_order] = np.deg2rad(table.numbers("home_deg", count, low=-720, high=720)) * signs
     _check_home(table, robot, joints, home)
+    id_key = table.renamed("controller_id", "letter")
     arm = Arm(
         name=name,
-        letter=table.text("letter", name[0].upper()),
+        controller_id=table.text(id_key, name[0].upper()),
         flange=flange,
         joints=joints,
-        wire_order=tuple(int(k) for k in wire_order),
-        wire_signs=tuple(int(sign) for sign in signs),
+        axis_order=tuple(int(k) for k in axis_order),
+        axis_signs=tuple(int(sign) for sign in signs),
         home=home,
         acceleration=_acceleration(table, count),
         tool=mounted,
@@ -91,8 +92,8 @@ def _arm(table: Table, robot: Robot, tools: dict[str, Tool]) -> Arm:
         tools=tuple(_known_tool(table, "tools", one, tools) for one in names),
     )
     table.finish()
-    if not re.fullmatch(r"[A-Z]", arm.letter):
-        raise table.error("letter", f"{arm.letter!r} is not one capital letter")
+    if not re.fullmatch(r"[A-Z]", arm.controller_id):
+        raise table.error(id_key, f"{arm.controller_id!r} is not one capital letter")
     return arm
 
 

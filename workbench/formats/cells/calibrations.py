@@ -112,7 +112,7 @@ def _pose(table: Table, cell: Cell, arm: Arm) -> ScannedPose:
     shown = np.deg2rad(table.numbers("joints_deg", count, low=-720, high=720))
     table.finish()
     q = np.empty(count)
-    q[list(arm.wire_order)] = shown * arm.wire_signs
+    q[list(arm.axis_order)] = shown * arm.axis_signs
     lower, upper, _ = cell.robot.limits(arm.joints)
     if not np.all((q >= lower - 1e-3) & (q <= upper + 1e-3)):
         raise table.error("joints_deg", f"lies outside the limits of the {arm.name} arm")
@@ -138,7 +138,7 @@ def write_scanned_poses(
         f"sides_mm = {_list(np.array(plate.sides) * 1000)}   # 1 to 2, 2 to 3, 3 to 1: centres",
     ]
     for pose in poses:
-        shown = np.rad2deg(pose.q[list(arm.wire_order)]) * arm.wire_signs
+        shown = np.rad2deg(pose.q[list(arm.axis_order)]) * arm.axis_signs
         lines += ["", "[[pose]]", f"scan = {_text(pose.scan.name)}", f"joints_deg = {_list(shown)}"]
     write_whole(folder / FILE, ("\n".join(lines) + "\n").encode())
 

@@ -142,7 +142,7 @@ def _edit(document: Any, old: Cell, new: Cell) -> None:
         if one.tool.name != other.tool.name:
             table["tool"] = other.tool.name
         if not np.array_equal(one.home, other.home):
-            home = np.rad2deg(other.home[list(other.wire_order)]) * other.wire_signs
+            home = np.rad2deg(other.home[list(other.axis_order)]) * other.axis_signs
             table["home_deg"] = shorts(home)
         same = [T.homogeneous.tolist() for T in one.Ts_world_place] == [
             T.homogeneous.tolist() for T in other.Ts_world_place

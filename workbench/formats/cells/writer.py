@@ -149,16 +149,21 @@ def _tool(folder: Path, tool: Tool) -> Iterator[str]:
 
 
 def _arm(arm: Arm) -> Iterator[str]:
-    axes = np.argsort(arm.wire_order) + 1
-    home = np.rad2deg(arm.home[list(arm.wire_order)]) * arm.wire_signs
-    yield from ("", "[[arm]]", f"name = {_text(arm.name)}", f"letter = {_text(arm.letter)}")
+    axes = np.argsort(arm.axis_order) + 1
+    home = np.rad2deg(arm.home[list(arm.axis_order)]) * arm.axis_signs
+    yield from (
+        "",
+        "[[arm]]",
+        f"name = {_text(arm.name)}",
+        f"controller_id = {_text(arm.controller_id)}",
+    )
     yield f"flange = {_text(arm.flange)}"
     yield f"tool = {_text(arm.tool.name)}"
     if len(arm.tools) > 1:
         yield f"tools = [{', '.join(_text(tool.name) for tool in arm.tools)}]"
     yield "# Which axis of the controller each joint of the chain is, and its sense there."
     yield f"axes = {_list(axes)}"
-    yield f"signs = {_list(np.array(arm.wire_signs))}"
+    yield f"signs = {_list(np.array(arm.axis_signs))}"
     yield f"home_deg = {_list(np.round(home, 4))}   # in the controller's order"
     yield f"acceleration_deg = {_number(np.rad2deg(arm.acceleration[0]))}"
     if arm.keeps_parts:

@@ -67,6 +67,20 @@ class Table:
         self._asked.add(key)
         return key in self._values
 
+    def renamed(self, key: str, old: str) -> str:
+        """The name to read a text by: `old`, its former one, where a file still has that.
+
+        Raises:
+            FileError: both are given.
+        """
+        says = {"description": f"is called {key} now", "deprecated": True}
+        self._note(old, None, {"type": "string"} | says)
+        if not self.has(old):
+            return key
+        if self.has(key):
+            raise self.error(old, f"is called {key} now, and {key} is given too")
+        return old
+
     def is_null(self, key: str) -> bool:
         """Whether the key is given as null, which only JSON has."""
         return self.has(key) and self._values[key] is None

@@ -71,7 +71,7 @@ class JogControls:
     def _sliders(self, gui: viser.GuiApi, arm: Arm) -> list[viser.GuiSliderHandle[float]]:
         lower, upper, _ = self._visitor.cell.robot.limits(arm.joints)
         sliders: list[viser.GuiSliderHandle[float]] = []
-        for axis, (k, sign) in enumerate(zip(arm.wire_order, arm.wire_signs, strict=True)):
+        for axis, (k, sign) in enumerate(zip(arm.axis_order, arm.axis_signs, strict=True)):
             low, high = sorted((sign * math.degrees(lower[k]), sign * math.degrees(upper[k])))
             sliders.append(
                 gui.add_slider(
@@ -124,7 +124,7 @@ class JogControls:
 
     def _show_sliders(self, arm: Arm, q: Floats) -> None:
         for slider, k, sign in zip(
-            self._axes[arm.name], arm.wire_order, arm.wire_signs, strict=True
+            self._axes[arm.name], arm.axis_order, arm.axis_signs, strict=True
         ):
             shown = round(sign * math.degrees(q[k]), 1)
             slider.value = min(max(shown, slider.min), slider.max)
@@ -201,7 +201,7 @@ class JogControls:
         if event.client is None or jog is None or name != self._arm.value:
             return
         arm, q = self._chosen, np.array(jog[name])
-        for slider, k, sign in zip(self._axes[name], arm.wire_order, arm.wire_signs, strict=True):
+        for slider, k, sign in zip(self._axes[name], arm.axis_order, arm.axis_signs, strict=True):
             if slider is event.target:
                 q[k] = sign * math.radians(float(slider.value))
         self._move(q, by_axes=True)

@@ -32,7 +32,7 @@ def tree_html(cell: Cell) -> str:
                 + (f", can carry {', '.join(t.name for t in arm.tools)}" if arm.tools[1:] else ""),
                 f"{len(arm.Ts_world_place)} places"
                 + (", parts stay there" if arm.keeps_parts else ""),
-                *(f"axis {k + 1} is {arm.joints[j]}" for k, j in enumerate(arm.wire_order)),
+                *(f"axis {k + 1} is {arm.joints[j]}" for k, j in enumerate(arm.axis_order)),
             ],
         )
         for arm in cell.arms

@@ -40,12 +40,14 @@ class ApprovalDialog:
             if self._close is not None or plan is None or proof is None:
                 return
             self._digest = plan.digest
-            modal = visitor.gui.add_modal("Approve this plan")
-            self._close = modal.close
-            with modal:
-                joints, now = visitor.bench.live.joints, time.time()
-                visitor.gui.add_html(facts_html(state, plan, proof, joints, now))
-                self._add_word(plan.digest)
+            facts = facts_html(state, plan, proof, visitor.bench.live.joints, time.time())
+            # Sent as one: letters typed before somebody listens to the field would be lost.
+            with visitor.client.atomic():
+                modal = visitor.gui.add_modal("Approve this plan")
+                self._close = modal.close
+                with modal:
+                    visitor.gui.add_html(facts)
+                    self._add_word(plan.digest)
 
     def _add_word(self, digest: str) -> None:
         """The name, the way back and the word; who is logged in has a name already."""

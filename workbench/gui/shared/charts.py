@@ -79,7 +79,7 @@ def doing(cell: Cell, runs: tuple[Run, ...], time: float) -> str:
 def joint_curves(arm: Arm, runs: tuple[Run, ...], seconds: float) -> tuple[Floats, ...]:
     """Times (k,) [s] and the angle (k,) [deg] of each joint, in the controller's order."""
     times = np.linspace(0.0, max(seconds, 1e-3), SAMPLES)
-    wire = arm_path(arm, runs, times)[:, list(arm.wire_order)] * np.array(arm.wire_signs)
+    wire = arm_path(arm, runs, times)[:, list(arm.axis_order)] * np.array(arm.axis_signs)
     return (times, *np.rad2deg(wire).T)
 
 

@@ -312,9 +312,9 @@ def joints_html(cell: Cell, joints: Mapping[str, float]) -> str:
         cells = ""
         for arm in cell.arms:
             known = axis < len(arm.joints)
-            joint = arm.joints[arm.wire_order[axis]] if known else ""
+            joint = arm.joints[arm.axis_order[axis]] if known else ""
             value = joints.get(joint)
-            text = "-" if value is None else f"{math.degrees(value) * arm.wire_signs[axis]:.2f}"
+            text = "-" if value is None else f"{math.degrees(value) * arm.axis_signs[axis]:.2f}"
             cells += f'<td class="wb-number">{text}</td>'
         rows += f"<tr><th>Axis {axis + 1}</th>{cells}</tr>"
     return f'<table class="wb-facts wb-joints"><tr><th></th>{head}</tr>{rows}</table>'

@@ -61,7 +61,7 @@ def _progress(verdict: Verdict) -> int:
 @lru_cache(maxsize=8)
 def _starts(chain: Chain, arm: Arm, seed: int) -> Floats:
     """Home, the middle of the range, and seeded random configurations, shape (s, n)."""
-    rng = np.random.default_rng(np.random.SeedSequence([seed, ord(arm.letter)]))
+    rng = np.random.default_rng(np.random.SeedSequence([seed, ord(arm.controller_id)]))
     random = rng.uniform(chain.lower, chain.upper, (STARTS - 2, len(chain.lower)))
     return frozen(np.vstack([arm.home, (chain.lower + chain.upper) / 2, random]))
 

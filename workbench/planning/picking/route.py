@@ -126,7 +126,7 @@ def arm_plan(
             reason = STRAIGHT_REASONS[name]
             return Verdict(reason, Stage.ROUTE, contact.pair, contact.distance)
     home = home_of(world, arm)
-    seeds = np.random.SeedSequence([seed, plan.detection, ord(arm.letter)])
+    seeds = np.random.SeedSequence([seed, plan.detection, ord(arm.controller_id)])
     rng = np.random.default_rng(seeds)
     free: list[Leg] = []
     ways: tuple[tuple[LegName, Floats, Floats], ...] = (
