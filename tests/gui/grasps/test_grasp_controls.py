@@ -133,6 +133,16 @@ def test_nobody_goes_on_looking_for_who_has_gone(visitor):
     assert controls._cancelled.is_set()
 
 
+def test_a_look_that_ends_after_the_controls_draws_nothing(visitor, monkeypatch):
+    panel = GraspsPanel(visitor)
+    drawn = []
+    monkeypatch.setattr(panel, "_draw_all", lambda: drawn.append(1))
+    panel._draw()
+    visitor.end(is_gone=False)
+    panel._draw()
+    assert len(drawn) == 1
+
+
 def test_a_grasp_that_cannot_be_looked_at_is_logged(visitor, monkeypatch, caplog):
     panel = GraspsPanel(visitor)
 

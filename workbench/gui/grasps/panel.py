@@ -54,6 +54,7 @@ class GraspsPanel:
         self._checked = ""
         self._uses: Uses = NO_USES
         self._drawing = threading.RLock()
+        self._has_ended = False
         self._looker = ThreadPoolExecutor(1, thread_name_prefix="grasp checks")
         gui, editing = visitor.gui, self._editing
         parts = tuple(part.name for part in visitor.cell.parts)
@@ -127,6 +128,7 @@ class GraspsPanel:
         visitor.on_press(self._redo, RedoCell)
         visitor.on_key("G", "Open the part to put grasps on it, or go back", self._turn)
         editing.on_change(self._draw)
+        visitor.on_end(self._end_drawing)
         visitor.on_end(self._leave_stage, in_scene=True)
 
     def _chose(self, number: int) -> None:
@@ -145,7 +147,13 @@ class GraspsPanel:
     def _draw(self) -> None:
         """Show the part's grasps as they are now."""
         with self._drawing:
-            self._draw_all()
+            if not self._has_ended:
+                self._draw_all()
+
+    def _end_drawing(self) -> None:
+        """Nothing is drawn from now on: a look at the grasps may end after these controls have."""
+        with self._drawing:
+            self._has_ended = True
 
     def _draw_all(self) -> None:
         self._list_parts()  # which may be a choice
@@ -234,9 +242,10 @@ class GraspsPanel:
         self._draw()
 
     def _leave_stage(self) -> None:
-        if self._stage.is_open:
-            self._pose.hide()
-            self._stage.close()
+        with self._drawing:
+            if self._stage.is_open:
+                self._pose.hide()
+                self._stage.close()
 
     def _begin_to_add(self) -> None:
         if not self._stage.is_open:
