@@ -1,39 +1,19 @@
-"""A cell with two parts in the bin, and a plan for them, made once."""
+"""Proofs are tried on a plan for two parts, both of them by the same tests."""
 
-import numpy as np
 import pytest
+from proving import by_first, by_second
+from two_parts import cell, lying, result, world
 
-from workbench.app.picking.pipeline import plan_pick
-from workbench.formats.cells.reading import read_cell
-from workbench.model.cell import Cell
-from workbench.model.geometry import pose_from_rpy
-from workbench.model.plan import PlanResult
-from workbench.model.scan import Detection
-from workbench.planning.collision.world import World
+__all__ = ["cell", "result", "world"]
 
 
 @pytest.fixture(scope="session")
-def cell() -> Cell:
-    return read_cell("yumi")
+def detections(cell):
+    """Nothing of them is in the floor."""
+    return lying(cell, 0.0191)
 
 
-@pytest.fixture(scope="session")
-def detections(cell: Cell) -> tuple[Detection, ...]:
-    """Two cylinders lying on the bin's floor, apart from each other and from the walls."""
-    lying = (np.pi / 2, 0.0)
-    floor = cell.bin.T_world_bin.translation
-    height = 0.0191
-    return (
-        Detection("keyed_cylinder", pose_from_rpy(floor + [-0.01, -0.07, height], (*lying, 0.4))),
-        Detection("keyed_cylinder", pose_from_rpy(floor + [0.01, 0.07, height], (*lying, -0.6))),
-    )
-
-
-@pytest.fixture
-def world(cell: Cell, detections: tuple[Detection, ...]) -> World:
-    return World(cell, detections)
-
-
-@pytest.fixture(scope="session")
-def result(cell: Cell, detections: tuple[Detection, ...]) -> PlanResult:
-    return plan_pick(cell, detections, "scan", seed=0)
+@pytest.fixture(params=["first", "second"])
+def proof_of(request):
+    """The proof of a plan that is taken at its word for what is in the bin, by both proofs."""
+    return by_first if request.param == "first" else by_second

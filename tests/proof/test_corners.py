@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from bending import with_leg
-from proving import proof_of
 
 from workbench.app.core.rules import approve
 from workbench.app.picking.pipeline import plan_pick
@@ -82,7 +81,7 @@ def with_spike(plan, arm: str, name: str, number: int, deep):
     ("pair", "name"), [(("left_link", "left_link"), "home"), (("left", "bin_wall"), "reach")]
 )
 def test_a_waypoint_inside_something_is_found_though_the_rounded_corner_is_clear(
-    cell, result, protocol, pair, name
+    proof_of, cell, result, protocol, pair, name
 ):
     arm, number = "left", 3
     q = np.asarray(result.plan.arm(arm).leg(name).q[number])
@@ -109,7 +108,9 @@ def coordinated(cell):
 
 @pytest.mark.parametrize("protocol", PROTOCOLS)
 @pytest.mark.parametrize("guarantee", [Guarantee.TIME_INDEPENDENT, Guarantee.SYNCHRONISED])
-def test_arms_that_meet_at_a_sharp_corner_only_are_found(cell, coordinated, protocol, guarantee):
+def test_arms_that_meet_at_a_sharp_corner_only_are_found(
+    proof_of, cell, coordinated, protocol, guarantee
+):
     first, second = coordinated.sequence[-1].runs
     assert {first[1], second[1]} == {"home"}
     legs = [coordinated.arm(arm).leg("home") for arm, _ in (first, second)]
@@ -142,7 +143,9 @@ def test_a_plan_for_a_controller_that_stops_takes_the_time_of_the_stops(cell, de
             np.testing.assert_allclose(leg.t, stops)
 
 
-def test_what_was_proven_with_stops_is_not_approved_for_a_controller_that_rounds(cell, result):
+def test_what_was_proven_with_stops_is_not_approved_for_a_controller_that_rounds(
+    proof_of, cell, result
+):
     stopping, rounding = (spoken_to_by(cell, protocol) for protocol in PROTOCOLS)
     with_stops, rounded = proof_of(stopping, result.plan), proof_of(rounding, result.plan)
     assert with_stops.holds and rounded.holds

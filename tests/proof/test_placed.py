@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from bending import with_leg
-from proving import proof_of
 from through import deepest
 
 from workbench.app.picking.pipeline import plan_pick
@@ -58,7 +57,7 @@ def test_a_cup_comes_off_the_part_it_has_put_down_no_deeper_than_it_was(tx2, puc
     assert pucks.proof.holds
 
 
-def test_a_way_home_through_the_part_just_put_down_is_refused(cell, result):
+def test_a_way_home_through_the_part_just_put_down_is_refused(proof_of, cell, result):
     for one in result.plan.arms:
         bent = straight_home(result.plan, one.arm)
         assert deepest(cell, bent, bent.arm(one.arm), "home", bent.arm(one.arm)) < 0.0
@@ -67,14 +66,14 @@ def test_a_way_home_through_the_part_just_put_down_is_refused(cell, result):
         assert f"part-{one.detection + 1}" in finding.pair
 
 
-def test_so_it_is_while_both_arms_move(cell, apart):
+def test_so_it_is_while_both_arms_move(proof_of, cell, apart):
     for one in apart.plan.arms:
         bent = straight_home(apart.plan, one.arm)
         problems = [one for one in proof_of(cell, bent).findings if one.leg == "home"]
         assert any(f"part-{one.detection + 1}" in problem.pair for problem in problems)
 
 
-def test_a_hand_that_was_clear_of_the_part_does_not_come_back_to_it(cell, result):
+def test_a_hand_that_was_clear_of_the_part_does_not_come_back_to_it(proof_of, cell, result):
     """Out, nearer again than the margin without touching, and out."""
     (one, *_) = result.plan.arms
     leg = one.leg("home")
@@ -109,7 +108,7 @@ def test_the_second_arm_puts_its_part_beside_that_of_the_first(shared, detection
     assert deepest(shared, result.plan, second, "home", first) > 0.0
 
 
-def test_a_part_that_is_put_where_one_lies_already_is_refused(shared, detections):
+def test_a_part_that_is_put_where_one_lies_already_is_refused(proof_of, shared, detections):
     plan = plan_pick(shared, detections, "scan", strategy="alternated", seed=0).plan
     first, second = plan.arms
     # Alone the second arm takes the first spot of both.

@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from bending import with_leg
-from proving import proof_of
 
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.plan import Guarantee, Step
@@ -17,25 +16,25 @@ def text(proof) -> str:
     return "; ".join(str(finding) for finding in proof.findings)
 
 
-def test_a_planned_plan_holds(cell, result):
+def test_a_planned_plan_holds(proof_of, cell, result):
     proof = proof_of(cell, result.plan)
     assert proof.holds, text(proof)
     assert proof.plan_digest == result.plan.digest
     assert cell.policy.margin - proof.resolution <= proof.clearance
 
 
-def test_it_holds_at_four_times_finer_resolution(cell, result):
+def test_it_holds_at_four_times_finer_resolution(proof_of, cell, result):
     usual = proof_of(cell, result.plan)
     fine = proof_of(cell, result.plan, resolution=usual.resolution / 4)
     assert fine.holds, text(fine)
     assert fine.checks >= usual.checks
 
 
-def test_the_same_plan_has_the_same_proof(cell, result):
+def test_the_same_plan_has_the_same_proof(proof_of, cell, result):
     assert proof_of(cell, result.plan).digest == proof_of(cell, result.plan).digest
 
 
-def test_a_part_put_down_elsewhere_fails(cell, result):
+def test_a_part_put_down_elsewhere_fails(proof_of, cell, result):
     """The last straight way ends 5 mm above the place."""
     arm = cell.arm(result.plan.arms[0].arm)
     chain = World(cell, result.plan.detections).chains[arm.name]
@@ -49,7 +48,7 @@ def test_a_part_put_down_elsewhere_fails(cell, result):
     assert str(finding) == f"arm {arm.name} leg place: the hand opens where the arm has no place"
 
 
-def test_a_waypoint_in_the_wall_names_leg_pair_and_clearance(cell, result):
+def test_a_waypoint_in_the_wall_names_leg_pair_and_clearance(proof_of, cell, result):
     """A waypoint of the way back is replaced by one with the hand inside the bin's wall."""
     arm = cell.arm(result.plan.arms[0].arm)
     chain = World(cell, result.plan.detections).chains[arm.name]
@@ -103,7 +102,7 @@ def turned_in_hand(arm):
         ),
     ],
 )
-def test_a_plan_of_wrong_form_fails(cell, result, bend, says):
+def test_a_plan_of_wrong_form_fails(proof_of, cell, result, bend, says):
     proof = proof_of(cell, bend(result.plan))
     assert not proof.holds
     assert says in text(proof)
@@ -153,7 +152,7 @@ def nan(leg):
         (lambda leg: {"q": leg.q[:, :5]}, "shape"),
     ],
 )
-def test_a_bent_leg_fails_with_its_reason(cell, result, change, says):
+def test_a_bent_leg_fails_with_its_reason(proof_of, cell, result, change, says):
     proof = proof_of(cell, bent_leg(result, change))
     assert not proof.holds
     assert says in text(proof)
@@ -164,7 +163,7 @@ def test_a_bent_leg_fails_with_its_reason(cell, result, change, says):
     [pose_from_rpy((0.005, 0, 0)), pose_from_rpy((0, 0, 0), (0, 0, 0.05))],
     ids=["by 5 mm", "turned by 3 degrees"],
 )
-def test_a_part_that_is_elsewhere_fails(cell, result, moved):
+def test_a_part_that_is_elsewhere_fails(proof_of, cell, result, moved):
     """The hand would close beside it."""
     detections = list(result.plan.detections)
     number = result.plan.arms[0].detection

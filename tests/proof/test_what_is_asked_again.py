@@ -5,11 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from bending import with_grasps, with_leg
-from proving import proof_of
+from proving import by_second as proof_of
 
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.plan import Strategy
 from workbench.model.scan import Obstacle, Scene
+from workbench.proof import search
 from workbench.proof.prove import prove
 
 
@@ -103,3 +104,16 @@ def test_fingers_that_would_open_into_something_are_refused(cell, result):
         with_post = replace(plan, obstacles=(post,))
         hits += not proof_of(cell, with_post).holds
     assert hits >= 1
+
+
+def test_parts_are_the_same_in_whatever_order_they_are_known(cell, result):
+    """A hand holds the part that the plan means, not the one at its number in the scan."""
+    plan = result.plan
+    proof = prove(cell, Scene(plan.scan_digest, plan.detections[::-1]), plan)
+    assert proof.holds
+    assert proof.clearance == proof_of(cell, plan).clearance
+
+
+def test_a_search_that_gives_up_is_no_proof(cell, result, monkeypatch):
+    monkeypatch.setattr(search, "MOST_LOOKS", 5)
+    assert "for too long to be proven" in problems(proof_of(cell, result.plan))
