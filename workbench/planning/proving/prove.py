@@ -13,7 +13,14 @@ import pinocchio as pin
 from workbench.model.cell import Arm, Cell
 from workbench.model.geometry import Floats
 from workbench.model.plan import LEG_NAMES, ArmPlan, Finding, Guarantee, Leg, LegName, Plan, Proof
-from workbench.planning.collision.legs import HOLDING, STRAIGHT, grips, hand_turns, stretches
+from workbench.planning.collision.legs import (
+    HOLDING,
+    STRAIGHT,
+    grips,
+    hand_turns,
+    may_open,
+    stretches,
+)
 from workbench.planning.collision.motion import RESOLUTION
 from workbench.planning.collision.world import World
 from workbench.planning.kinematics.chain import chain_of
@@ -162,7 +169,10 @@ def _arm_form(cell: Cell, plan: Plan, arm_plan: ArmPlan) -> Iterator[Finding]:
     if not any(_same(T_tcp_grasp, T_tcp_hand.inverse()) for T_tcp_hand in grips(arm, grasp)):
         yield Finding(f"the part is not in the hand as grasp {grasp.name} takes it", name)
     for leg in arm_plan.legs:
-        wanted = grasp.grip if leg.name in HOLDING else grasp.opening
+        is_holding = leg.name in HOLDING
+        if not is_holding and may_open(arm, grasp, leg.opening, cell.policy.least_air):
+            continue
+        wanted = grasp.grip if is_holding else grasp.opening
         if abs(leg.opening - wanted) > 1e-6:
             problem = f"fingers at {leg.opening * 1e3:.1f} mm, the grasp says {wanted * 1e3:.1f} mm"
             yield Finding(problem, name, leg.name)
