@@ -305,17 +305,6 @@ class World:
         """Pairs of this phase of an arm with the part that it has just let go of."""
         return self._checks.left_behind(self._arm_index[arm])
 
-    def between_hands(self) -> Ints:
-        """As `between`, without the pairs of two shoulders, which never come far apart.
-
-        A shoulder is what the first two joints of an arm carry.
-        """
-        joints = [self.kinematics.model.getJointId(j) for a in self.cell.arms for j in a.joints[:2]]
-        is_shoulder = np.isin(self._boxes.joint, joints)
-        among = self.between()
-        both = is_shoulder[self._pairing.first[among]] & is_shoulder[self._pairing.second[among]]
-        return among[~both]
-
     def allow_start_contacts(self, q: Floats, slack: float = 0.0005) -> Contact | None:
         """Let parts that touch something where a leg begins, at `q` (nq,), come away from it.
 
