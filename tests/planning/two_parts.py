@@ -12,9 +12,10 @@ from workbench.model.scan import Detection
 from workbench.planning.collision.world import World
 
 
-def lying(cell: Cell, height: float) -> tuple[Detection, ...]:
+@pytest.fixture(scope="session")
+def detections(cell: Cell) -> tuple[Detection, ...]:
     """Two cylinders lying along the bin's floor, apart from each other and from the walls."""
-    along, floor = (np.pi / 2, 0.0), cell.bin.T_world_bin.translation
+    along, height, floor = (np.pi / 2, 0.0), 0.0191, cell.bin.T_world_bin.translation
     return (
         Detection("keyed_cylinder", pose_from_rpy(floor + [-0.01, -0.07, height], (*along, 0.4))),
         Detection("keyed_cylinder", pose_from_rpy(floor + [0.01, 0.07, height], (*along, -0.6))),

@@ -8,6 +8,7 @@ from bending import with_leg
 
 from workbench.app.core.rules import approve
 from workbench.app.picking.pipeline import plan_pick
+from workbench.app.picking.proving import prove
 from workbench.model.errors import CommandRefused
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.plan import Guarantee, are_in_step
@@ -81,7 +82,7 @@ def with_spike(plan, arm: str, name: str, number: int, deep):
     ("pair", "name"), [(("left_link", "left_link"), "home"), (("left", "bin_wall"), "reach")]
 )
 def test_a_waypoint_inside_something_is_found_though_the_rounded_corner_is_clear(
-    proof_of, cell, result, protocol, pair, name
+    cell, result, protocol, pair, name
 ):
     arm, number = "left", 3
     q = np.asarray(result.plan.arm(arm).leg(name).q[number])
@@ -90,7 +91,7 @@ def test_a_waypoint_inside_something_is_found_though_the_rounded_corner_is_clear
     inside = base.copy()
     inside[world.kinematics.columns[arm]] = deep
     assert world.contact(inside) is not None
-    proof = proof_of(spoken_to_by(cell, protocol), with_spike(result.plan, arm, name, number, deep))
+    proof = prove(spoken_to_by(cell, protocol), with_spike(result.plan, arm, name, number, deep))
     (finding,) = [one for one in proof.findings if one.pair is not None]
     assert (finding.arm, finding.leg) == (arm, name)
     assert finding.distance < cell.policy.margin
@@ -108,9 +109,7 @@ def coordinated(cell):
 
 @pytest.mark.parametrize("protocol", PROTOCOLS)
 @pytest.mark.parametrize("guarantee", [Guarantee.TIME_INDEPENDENT, Guarantee.SYNCHRONISED])
-def test_arms_that_meet_at_a_sharp_corner_only_are_found(
-    proof_of, cell, coordinated, protocol, guarantee
-):
+def test_arms_that_meet_at_a_sharp_corner_only_are_found(cell, coordinated, protocol, guarantee):
     first, second = coordinated.sequence[-1].runs
     assert {first[1], second[1]} == {"home"}
     legs = [coordinated.arm(arm).leg("home") for arm, _ in (first, second)]
@@ -126,7 +125,7 @@ def test_arms_that_meet_at_a_sharp_corner_only_are_found(
         bent = with_spike(bent, second[0], "home", number, post)
         bent = with_leg(bent, second[0], "home", t=bent.arm(first[0]).leg("home").t)
         assert are_in_step([bent.arm(arm).leg("home") for arm, _ in (first, second)])
-    proof = proof_of(spoken_to_by(cell, protocol), replace(bent, guarantee=guarantee))
+    proof = prove(spoken_to_by(cell, protocol), replace(bent, guarantee=guarantee))
     finding = next(one for one in proof.findings if one.pair is not None)
     assert {label.split("_")[0].split()[0] for label in finding.pair} == {"right", "left"}
 
@@ -143,11 +142,9 @@ def test_a_plan_for_a_controller_that_stops_takes_the_time_of_the_stops(cell, de
             np.testing.assert_allclose(leg.t, stops)
 
 
-def test_what_was_proven_with_stops_is_not_approved_for_a_controller_that_rounds(
-    proof_of, cell, result
-):
+def test_what_was_proven_with_stops_is_not_approved_for_a_controller_that_rounds(cell, result):
     stopping, rounding = (spoken_to_by(cell, protocol) for protocol in PROTOCOLS)
-    with_stops, rounded = proof_of(stopping, result.plan), proof_of(rounding, result.plan)
+    with_stops, rounded = prove(stopping, result.plan), prove(rounding, result.plan)
     assert with_stops.holds and rounded.holds
     with pytest.raises(CommandRefused, match=r"rounds corners by 0\.2"):
         approve(rounding, result.plan, with_stops, "ada", 0.0)

@@ -4,9 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from proving import by_first, by_second
 
 from workbench.app.picking.pipeline import plan_pick
+from workbench.app.picking.proving import prove
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.plans.plan_files import read_plan, write_plan
 from workbench.model.candidate import Reason
@@ -34,7 +34,7 @@ def tower(free):
     """Something high beside the part, in the way of the plan made without it."""
     tower = upright(-0.06, -0.13, 0.25, 0.06)
     in_the_way = replace(free.plan, obstacles=(tower,))
-    assert not by_first(CELL, in_the_way).holds and not by_second(CELL, in_the_way).holds
+    assert not prove(CELL, in_the_way).holds
     return tower
 
 
@@ -45,12 +45,12 @@ def test_what_is_seen_is_kept_clear_of(free, tower):
     assert with_tower.plan.digest != free.plan.digest
 
 
-def test_a_plan_through_an_obstacle_fails_its_proof(proof_of, free):
+def test_a_plan_through_an_obstacle_fails_its_proof(free):
     leg = free.plan.arms[0].leg("return")
     world = World(CELL, (PART,))
     middle = world.chains["right"].pose(np.asarray(leg.q[len(leg.q) // 2])).translation
     ball = Obstacle(pose_from_rpy(middle), np.full(3, 0.05))
-    proof = proof_of(CELL, replace(free.plan, obstacles=(ball,)))
+    proof = prove(CELL, replace(free.plan, obstacles=(ball,)))
     assert not proof.holds
     assert any("seen-1" in (finding.pair or ()) for finding in proof.findings)
 
@@ -63,9 +63,9 @@ def test_a_part_under_an_obstacle_cannot_be_taken():
     assert hit and all(verdict.reason is not Reason.OK for verdict in hit)
 
 
-def test_obstacles_survive_the_file_of_a_plan(proof_of, tmp_path, tower):
+def test_obstacles_survive_the_file_of_a_plan(tmp_path, tower):
     result = plan_pick(CELL, (PART,), "test", strategy="right", seed=0, obstacles=(tower,))
     write_plan(tmp_path / "plan.json", result.plan, result.proof)
     again, stated = read_plan(tmp_path / "plan.json")
     assert again.digest == stated == result.plan.digest
-    assert proof_of(CELL, again).holds
+    assert prove(CELL, again).holds

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from bending import with_leg
 
+from workbench.app.picking.proving import prove
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.plan import Guarantee, Step
 from workbench.planning.collision.world import World
@@ -16,25 +17,25 @@ def text(proof) -> str:
     return "; ".join(str(finding) for finding in proof.findings)
 
 
-def test_a_planned_plan_holds(proof_of, cell, result):
-    proof = proof_of(cell, result.plan)
+def test_a_planned_plan_holds(cell, result):
+    proof = prove(cell, result.plan)
     assert proof.holds, text(proof)
     assert proof.plan_digest == result.plan.digest
     assert cell.policy.margin - proof.resolution <= proof.clearance
 
 
-def test_it_holds_at_four_times_finer_resolution(proof_of, cell, result):
-    usual = proof_of(cell, result.plan)
-    fine = proof_of(cell, result.plan, resolution=usual.resolution / 4)
+def test_it_holds_at_four_times_finer_resolution(cell, result):
+    usual = prove(cell, result.plan)
+    fine = prove(cell, result.plan, resolution=usual.resolution / 4)
     assert fine.holds, text(fine)
     assert fine.checks >= usual.checks
 
 
-def test_the_same_plan_has_the_same_proof(proof_of, cell, result):
-    assert proof_of(cell, result.plan).digest == proof_of(cell, result.plan).digest
+def test_the_same_plan_has_the_same_proof(cell, result):
+    assert prove(cell, result.plan).digest == prove(cell, result.plan).digest
 
 
-def test_a_part_put_down_elsewhere_fails(proof_of, cell, result):
+def test_a_part_put_down_elsewhere_fails(cell, result):
     """The last straight way ends 5 mm above the place."""
     arm = cell.arm(result.plan.arms[0].arm)
     chain = World(cell, result.plan.detections).chains[arm.name]
@@ -44,11 +45,11 @@ def test_a_part_put_down_elsewhere_fails(proof_of, cell, result):
     assert is_solution(residuals)[0]
     place[-1] = home[0] = cell.controller.motion.rounded(answers[0])
     bent = with_leg(with_leg(result.plan, arm.name, "place", q=place), arm.name, "home", q=home)
-    (finding,) = proof_of(cell, bent).findings
+    (finding,) = prove(cell, bent).findings
     assert str(finding) == f"arm {arm.name} leg place: the hand opens where the arm has no place"
 
 
-def test_a_waypoint_in_the_wall_names_leg_pair_and_clearance(proof_of, cell, result):
+def test_a_waypoint_in_the_wall_names_leg_pair_and_clearance(cell, result):
     """A waypoint of the way back is replaced by one with the hand inside the bin's wall."""
     arm = cell.arm(result.plan.arms[0].arm)
     chain = World(cell, result.plan.detections).chains[arm.name]
@@ -60,7 +61,7 @@ def test_a_waypoint_in_the_wall_names_leg_pair_and_clearance(proof_of, cell, res
     starts = np.vstack([q, np.random.default_rng(0).uniform(chain.lower, chain.upper, (30, 7))])
     answers, residuals = chain.solve(wall, starts)
     q[3] = cell.controller.motion.rounded(answers[is_solution(residuals)][0])
-    proof = proof_of(cell, with_leg(result.plan, arm.name, "return", q=q))
+    proof = prove(cell, with_leg(result.plan, arm.name, "return", q=q))
     finding = next(finding for finding in proof.findings if finding.pair is not None)
     assert (finding.arm, finding.leg) == (arm.name, "return")
     assert finding.waypoint in (2, 3)
@@ -102,8 +103,8 @@ def turned_in_hand(arm):
         ),
     ],
 )
-def test_a_plan_of_wrong_form_fails(proof_of, cell, result, bend, says):
-    proof = proof_of(cell, bend(result.plan))
+def test_a_plan_of_wrong_form_fails(cell, result, bend, says):
+    proof = prove(cell, bend(result.plan))
     assert not proof.holds
     assert says in text(proof)
 
@@ -152,8 +153,8 @@ def nan(leg):
         (lambda leg: {"q": leg.q[:, :5]}, "shape"),
     ],
 )
-def test_a_bent_leg_fails_with_its_reason(proof_of, cell, result, change, says):
-    proof = proof_of(cell, bent_leg(result, change))
+def test_a_bent_leg_fails_with_its_reason(cell, result, change, says):
+    proof = prove(cell, bent_leg(result, change))
     assert not proof.holds
     assert says in text(proof)
 
@@ -163,12 +164,12 @@ def test_a_bent_leg_fails_with_its_reason(proof_of, cell, result, change, says):
     [pose_from_rpy((0.005, 0, 0)), pose_from_rpy((0, 0, 0), (0, 0, 0.05))],
     ids=["by 5 mm", "turned by 3 degrees"],
 )
-def test_a_part_that_is_elsewhere_fails(proof_of, cell, result, moved):
+def test_a_part_that_is_elsewhere_fails(cell, result, moved):
     """The hand would close beside it."""
     detections = list(result.plan.detections)
     number = result.plan.arms[0].detection
     T_world_part = detections[number].T_world_part * moved
     detections[number] = replace(detections[number], T_world_part=T_world_part)
-    proof = proof_of(cell, replace(result.plan, detections=tuple(detections)))
+    proof = prove(cell, replace(result.plan, detections=tuple(detections)))
     assert not proof.holds
     assert "not where the hand closes" in text(proof)

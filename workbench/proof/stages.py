@@ -18,9 +18,6 @@ from workbench.proof.motion import Sets, changed, moved
 from workbench.proof.robot import Tree
 from workbench.proof.table import Situation
 
-RELEASE = 0.01
-"""[m] After so much of its lift a part has come off what it lay on."""
-
 STRAIGHT: frozenset[LegName] = frozenset({"approach", "extract"})
 """Legs on which tool and held part may come near what stands still."""
 
@@ -94,7 +91,7 @@ def stages_of(cell: Cell, tree: Tree, step: Step, one: Moving, left_at: int) -> 
     name, now = one.leg.name, situation_of(tree, step, one)
     sets = moved(tree.columns[one.arm.name], one.path, cell.controller.motion, cell.policy.zone)
     if name == "extract":
-        first, rest = _cut(sets, *_released(tree, step, one))
+        first, rest = _cut(sets, *_released(tree, step, one, cell.policy.release))
         yield Stage(first, now, comes_off=True)
         yield Stage(rest, now)
     elif name == "home":
@@ -141,15 +138,15 @@ def fingers_of(tree: Tree, one: Moving) -> Sets:
     return changed(tree.columns[one.arm.name], one.path[-1], after, len(one.path) - 2)
 
 
-def _released(tree: Tree, step: Step, one: Moving) -> tuple[int, Floats]:
-    """The segment in which a lifted part has come `RELEASE` far, and where in it (n,)."""
+def _released(tree: Tree, step: Step, one: Moving, least: float) -> tuple[int, Floats]:
+    """The segment in which a lifted part has come `least` [m] far, and where in it (n,)."""
     places = np.array([tcp(tree, step.base, one.arm, q).translation for q in one.path])
     far = np.linalg.norm(places - places[0], axis=1)
-    beyond = np.flatnonzero(far >= RELEASE)
+    beyond = np.flatnonzero(far >= least)
     if len(beyond) == 0:
         return len(one.path) - 1, one.path[-1]
     k = int(beyond[0]) - 1
-    share = (RELEASE - far[k]) / (far[k + 1] - far[k])
+    share = (least - far[k]) / (far[k + 1] - far[k])
     return k, one.path[k] + share * (one.path[k + 1] - one.path[k])
 
 

@@ -9,7 +9,7 @@
 | tool or held part, on a straight leg, and what no arm carries | `near_margin` |
 | tool and the part it takes, as it arrives | 0; a cup may press into it by `press` |
 | closing or opening fingers and the part they take or let go | is not compared |
-| lifted part and what it lies on, over the first `RELEASE` | not nearer than at the start |
+| lifted part and what it lies on, over the first `release` | not nearer than at the start |
 | hand and the part it has let go of, until it has left it once | not nearer than at the start |
 | everything else | `margin` |
 

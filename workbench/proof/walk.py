@@ -29,9 +29,6 @@ from workbench.proof.stages import (
 )
 from workbench.proof.table import SLACK, Pairs, Situation, Table
 
-SINK = 0.001
-"""[m] A part that a scan shows deeper than this in what it lies on has a wrong pose."""
-
 ROOM = 0.0005
 """[m] So much more than its margin away, a hand has left a part."""
 
@@ -136,14 +133,14 @@ class Walk:
 
     def _as_it_begins(self, step: Step, one: Moving, stage: Stage, pairs: Pairs) -> Pairs:
         """Pairs with what they have to keep where they may begin closer than otherwise."""
-        near = self._cell.policy.near_margin
+        near, sink = self._cell.policy.near_margin, self._cell.policy.sink
         margins, may_touch = pairs.margins.copy(), pairs.beds if stage.comes_off else pairs.left
         self._space.look(self._with(step, one, one.path[0]))
         for k in np.flatnonzero(may_touch).tolist():
             distance = self._space.distance(int(pairs.rows[k]))
             margins[k] = min(margins[k], near, distance - SLACK)
-            if stage.comes_off and distance < -SINK:
-                state = Nearest(int(pairs.rows[k]), distance, -SINK, self._space.at, (0,))
+            if stage.comes_off and distance < -sink:
+                state = Nearest(int(pairs.rows[k]), distance, -sink, self._space.at, (0,))
                 problem = "a part lies too deep in what it lies on: its pose is wrong"
                 self._findings.append(self._finding(one, state, problem))
         kept = pairs.keeping(margins)

@@ -73,20 +73,10 @@ def openings(arm: Arm, grasp: Grasp, least_air: float | None) -> tuple[float, ..
     return tuple(np.linspace(grasp.opening, least, MOST_OPENINGS).tolist())
 
 
-def may_open(arm: Arm, grasp: Grasp, opening: float, least_air: float | None) -> bool:
-    """Whether fingers may arrive so far open [m] for a grasp."""
-    least = _least_opening(arm, grasp, least_air)
-    return least - SAME_OPENING <= opening <= grasp.opening + SAME_OPENING
-
-
 def _least_opening(arm: Arm, grasp: Grasp, least_air: float | None) -> float:
     if least_air is None or not arm.tool.fingers:
         return grasp.opening
     return min(max(grasp.grip + 2 * least_air, arm.tool.stroke[0]), grasp.opening)
-
-
-SAME_OPENING = 1e-6
-"""[m] Openings that differ by less are one."""
 
 
 def _steps(most: float, step: float) -> list[tuple[int, float]]:
