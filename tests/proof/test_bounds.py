@@ -111,11 +111,11 @@ def test_a_controller_that_stops_is_walked_along_the_polyline_alone(corners, cou
 def test_clearances_are_bounds_of_what_dense_samples_show(cell, tree, result):
     """On every leg, after every waypoint: nothing sampled is nearer than the proof says."""
     plan = result.plan
-    walk = Walk(cell, tree, plan.scene, plan, RESOLUTION)
+    walk = Walk(cell, tree, plan, RESOLUTION)
     walked = walk.result()
     assert walked.findings == ()
     said = {(arm, leg): bounds for arm, leg, bounds in walked.clearances}
-    sampler = Walk(cell, tree, plan.scene, plan, RESOLUTION)
+    sampler = Walk(cell, tree, plan, RESOLUTION)
     smallest = np.inf
     for step in steps_of(cell, tree, plan):
         (one,) = step.moving

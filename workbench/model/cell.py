@@ -220,6 +220,8 @@ class Policy:
     `margin` is kept to everything on free legs, `near_margin` by the tool on straight legs,
     `self_margin` between links of the same arm, whose wrist is built closer than any margin.
     `lift_length` and `lift_lean` shape the extraction: straight up, leaning to the bin centre.
+    A part may have been found up to `sink` deep in what it lies on: deeper is a wrong pose.  It
+    may slide along that for `release` of its lift, and keeps `near_margin` from then on.
     `speed` scales joint velocities.  `zone` is the largest corner rounding, as a fraction of
     the shorter neighbouring segment, where the controller rounds at all (`Cell.zone`).  `planner`
     searches the free legs, within `iterations` a call (`plugins.planner`); `birrt` is the thesis'
@@ -247,6 +249,8 @@ class Policy:
     order: OrderName = "travel"
     metric: float = 0.6
     approval_minutes: float = 5.0
+    sink: float = field(default_factory=lambda: 0.001, metadata=LATER)
+    release: float = field(default_factory=lambda: 0.01, metadata=LATER)
 
 
 @dataclass(frozen=True, slots=True)

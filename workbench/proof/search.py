@@ -1,9 +1,9 @@
 """Every configuration of some sets is looked at, by halving: none is too near, and how near it is.
 
 At the middle of a set two bodies are `d` apart.  Nothing in the set brings them nearer by more than
-`m`, the sum of what each joint may move them.  So `d - m` is a lower bound for the
-whole set.  Where it is not enough, the set is halved; where `m` is below the resolution, the middle
-stands for the set, and `d - m` still is what is said of it.
+`m`, the sum of what each joint may move them.  So `d - m` is a lower bound for the whole set.
+Where it is not enough, the set is halved; where `m` is below the resolution, the middle stands for
+the set, and `d - m` still is what is said of it.
 """
 
 from collections.abc import Iterator, Sequence
@@ -24,7 +24,7 @@ SHARE, LEAST = 0.3, 0.002
 """A lower bound is good enough that is short by this share of the distance, or by so much [m]."""
 
 MOST_LOOKS = 50_000
-"""After so many looks at one motion it counts as too near: it stays that near for a long way."""
+"""After so many looks at one motion nothing is said of it: it is near something for too long."""
 
 BATCH = 64
 """Sets that are looked at together."""
@@ -53,12 +53,13 @@ class Found:
 
     `violation` is a state at which two bodies are nearer than they may be; None when there is none.
     `bounds` (w,) [m]: nothing that is shown is nearer than this after each waypoint; `nearest` is
-    the nearest of them that was measured.
+    the nearest of them that was measured.  Where a search `gave_up`, none of it counts.
     """
 
     bounds: Floats
     violation: Nearest | None = None
     nearest: Nearest | None = None
+    gave_up: bool = False
 
 
 def search(
@@ -81,9 +82,8 @@ def search(
         waypoints: how many there are; `bounds` has a value after each.
         within: [m] the nearest is wanted to this, whatever waypoint it follows; None: as `SHARE`.
     """
-    wanted = _Wanted(np.full(waypoints, SIGHT), None if within is None else within)
+    wanted = _Wanted(np.full(waypoints, SIGHT), within)
     found = Found(np.full(waypoints, SIGHT))
-    weights = space.levers
     pending = [
         (some, *(each.ravel() for each in np.mgrid[: len(some), : len(pairs.rows)]))
         for blocks in sets
@@ -97,10 +97,10 @@ def search(
         if found.violation is not None:
             return found
         if space.looks - before > MOST_LOOKS:
-            found.violation = found.nearest
+            found.gave_up = True
             return found
         if len(left):
-            pending.append(some.halved(close.items[left], close.which[left], weights))
+            pending.append(some.halved(close.items[left], close.which[left], space.levers))
     return found
 
 
@@ -237,7 +237,9 @@ def _measured(
         margin, is_shown = float(pairs.margins[which]), bool(pairs.shown[which])
         need = max(margin, float(goals[item])) if is_shown else margin
         told = lower - move
-        if told < need and not (lower >= margin and lower + LOOSE < need + move):
+        # Where it will be halved anyway, measuring would hardly save that.
+        is_hopeless = move > resolution and lower >= margin and lower + LOOSE < need + move
+        if told < need and not is_hopeless:
             if looked != item:
                 space.look(close.q[item])
                 looked = item

@@ -22,13 +22,12 @@ class Space:
         self.tree, self.bodies, self.table = tree, bodies, table
         self.looks, self.at = 0, tree.rest
         self.joints = np.array([body.joint for body in bodies])
-        self.placements = [body.T_joint_body for body in bodies]
-        boxes = [box(body.shape) for body in bodies]
+        boxes, at = [box(body.shape) for body in bodies], [body.T_joint_body for body in bodies]
         self._chain = _chain_of(tree)
         self._boxes = Boxes(
             self.joints,
-            np.array([T.rotation for T in self.placements]),
-            np.array([T.act(c) for T, (c, _) in zip(self.placements, boxes, strict=True)]),
+            np.array([T.rotation for T in at]),
+            np.array([T.act(c) for T, (c, _) in zip(at, boxes, strict=True)]),
             np.array([half for _, half in boxes]),
             np.array([ball(body.shape)[1] for body in bodies]),
             np.array([is_round(body, tree) for body in bodies]),
@@ -47,7 +46,7 @@ class Space:
 
     def put(self, number: int, joint: int, T_joint_body: pin.SE3) -> None:
         """Hang a body on a joint."""
-        self.joints[number], self.placements[number] = joint, T_joint_body
+        self.joints[number] = joint
         self._boxes.turns[number] = T_joint_body.rotation
         self._boxes.centres[number] = T_joint_body.act(box(self.bodies[number].shape)[0])
         shape = self._geometry.geometryObjects[number]

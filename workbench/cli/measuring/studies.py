@@ -15,7 +15,10 @@ from workbench.cli.arguments.nested import (
     BenchPlanners,
     BenchShort,
     BenchSoak,
+)
+from workbench.cli.arguments.studies import (
     Study,
+    StudyEmptying,
     StudyLocalization,
     StudyThreshold,
 )
@@ -61,6 +64,10 @@ def study(typed: Study) -> int:
             return _localization(typed.what)
         case StudyThreshold():
             return _threshold(typed.what)
+        case StudyEmptying():
+            from workbench.cli.measuring.emptying import emptying
+
+            return emptying(typed.what)
         case _:
             assert_never(typed.what)
 

@@ -213,6 +213,8 @@ def _policy(table: Table) -> tuple[Policy, int]:
         lift_lean=float(
             np.deg2rad(table.number("lift_lean_deg", np.rad2deg(usual.lift_lean), low=0, high=80))
         ),
+        sink=length("sink_mm", usual.sink, 100),
+        release=length("release_mm", usual.release, 1000),
         free_points=table.whole("free_points", usual.free_points, low=2, high=200),
         straight_points=table.whole("straight_points", usual.straight_points, low=2, high=200),
         speed=table.number("speed", usual.speed, low=0.01, high=1),

@@ -100,6 +100,9 @@ def _policy(cell: Cell) -> Iterator[str]:
     yield f"iterations = {policy.iterations}"
     yield f"order = {_text(policy.order)}"
     usual = Policy()
+    for key in ("sink", "release"):
+        if getattr(policy, key) != getattr(usual, key):
+            yield f"{key}_mm = {_number(getattr(policy, key) * 1000)}"
     for key in ("free_points", "straight_points", "seconds", "metric", "approval_minutes"):
         if getattr(policy, key) != getattr(usual, key):
             yield f"{key} = {_number(getattr(policy, key))}"

@@ -211,8 +211,16 @@ def _extract(
         return _broken_off(Reason.EXTRACT_BLOCKED, Stage.EXTRACT, path[-1], share)
     path = world.motion.rounded(path)
     world.enter(holding_phase(candidate, arm, T_tcp_part, straight=True))
-    world.allow_start_contacts(world.configuration({arm.name: q_grasp}))
-    found = path_contact(world, columns, world.configuration({}), path, policy.zone)
+    base = world.configuration({})
+    sunk = world.allow_start_contacts(world.configuration({arm.name: q_grasp}))
+    if sunk is not None:
+        note = "the part lies too deep in what it lies on: its pose is wrong"
+        return replace(_refused(Reason.IN_COLLISION, Stage.EXTRACT, sunk, q_grasp), note=note)
+    found = path_contact(world, columns, base, path, policy.zone)
+    if found is None:
+        with world.at_full_margins():
+            free = _beyond(chain, path, policy.release)
+            found = path_contact(world, columns, base, free, policy.zone)
     if found is None:
         world.enter(holding_phase(candidate, arm, T_tcp_part, straight=False))
         q = path[-1]
@@ -222,6 +230,18 @@ def _extract(
     if contact is not None:
         return _refused(Reason.EXTRACT_BLOCKED, Stage.EXTRACT, contact, q)
     return path
+
+
+def _beyond(chain: Chain, path: Floats, far: float) -> Floats:
+    """The waypoints (k, n) of a straight way (m, n) from `far` [m] of the hand's way on."""
+    places = np.array([chain.pose(q).translation for q in path])
+    gone = np.linalg.norm(places - places[0], axis=1)
+    if gone[-1] <= far:
+        return path[-1:].repeat(2, axis=0)
+    after = int(np.flatnonzero(gone > far)[0])
+    share = (far - gone[after - 1]) / (gone[after] - gone[after - 1])
+    start = path[after - 1] + share * (path[after] - path[after - 1])
+    return np.vstack([start, path[after:]])
 
 
 def _place(
