@@ -21,6 +21,12 @@ class StudyLocalization:
     """Parts in a pile."""
     noise: tuple[Literal["fine", "rough"], ...] = ("fine", "rough")
     """Builds of scanner: that of the cell, and one with twice its noise and many flaws."""
+    raised: float = 0.0
+    """All that is seen lies this much higher than it does [mm]: a scanner calibrated badly."""
+    tilted: float = 0.0
+    """And is turned by this about the bin's x axis [degrees]."""
+    search: str = ""
+    """Kinds to look for in place of those that lie there, as in --parts: what is found is wrong."""
     seed: int = 0
     """Seed of the first pile; the others follow."""
     plot: Path | None = None
