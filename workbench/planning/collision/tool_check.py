@@ -251,7 +251,7 @@ def _at_target(
 
 
 class Around(NamedTuple):
-    """The solids of a tool (t, ...) seen from its flange, and what stands around it (s, ...).
+    """The solids of a tool (t, ...) seen from its flange, and what stands around it (s, ...) [m].
 
     `cores` are those of the tool's solids and then those of the rest; `owner` (s,) is the number of
     the part that a piece belongs to, -1 for others.

@@ -54,7 +54,7 @@ def lifts(world: World, candidate: Candidate, T_world_tcp: pin.SE3) -> Iterator[
 def free_lifts(
     world: World, candidate: Candidate, T_world_tcp: pin.SE3
 ) -> tuple[list[tuple[str, Floats]], Verdict | None]:
-    """The lifts on which the part itself meets nothing; else what the first of them meets.
+    """The lifts (3,) [m] on which the part itself meets nothing; else what the first of them meets.
 
     Where there is but one lift it is left to the closer look that follows.  See `lifts`.
     """
