@@ -239,8 +239,8 @@ class Policy:
     `lifts` are ways to take a part out whose grasp says none, tried in this order until one is
     clear (`planning.picking.lifts`).  `least_air` [m]: fingers may arrive less open than a grasp
     says where there is no room, as long as so much is left on each side of its grip; None: as the
-    grasp says.  `pair_gap` [m]: two parts nearer to each other are not taken in one plan, since
-    the second may move as the first is lifted.
+    grasp says.  `pair_gap` [m]: parts nearer to each other are of one heap, of which a plan takes
+    but one, since the others may move as it is lifted; 0: any two are taken.
     """
 
     margin: float = 0.005

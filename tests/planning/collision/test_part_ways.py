@@ -7,7 +7,7 @@ from workbench.formats.cells.reading import read_cell
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.scan import Detection
 from workbench.perception.simulation.piles import drop_parts
-from workbench.planning.collision.part_ways import PartWays, part_gap
+from workbench.planning.collision.part_ways import PartWays, heaps, part_gap
 from workbench.planning.collision.world import World
 
 UP = np.array([0.0, 0.0, 0.1])
@@ -65,3 +65,12 @@ def test_parts_apart_have_the_gap_between_them(cell):
     # Two collars of 19 mm.
     assert part_gap(world, 0, 1) == pytest.approx(0.06 - 0.038, abs=1e-6)
     assert part_gap(world, 1, 0) == pytest.approx(part_gap(world, 0, 1))
+
+
+def test_parts_that_touch_are_of_one_heap_also_through_others(cell):
+    row = tuple(lying(cell, y) for y in (-0.1, -0.0605, 0.1, -0.021))
+    world = World(cell, row)
+    assert part_gap(world, 0, 3) > 0.03
+    first, second, alone, third = heaps(world, 0.002)
+    assert first == second == third != alone
+    assert len(set(heaps(world, 0.0))) == 4

@@ -14,7 +14,7 @@ from workbench.model.cell import Cell, Wishes
 from workbench.model.errors import InputError, JobCancelled
 from workbench.model.plan import Plan, PlanResult, Strategy
 from workbench.model.scan import Detection, Obstacle, Scene
-from workbench.planning.collision.part_ways import part_gap
+from workbench.planning.collision.part_ways import heaps
 from workbench.planning.collision.world import World
 from workbench.planning.picking.dual_arm import OFFSETS, coordinate, pairs_of, side_by_side
 from workbench.planning.picking.order import Cost, cost_of
@@ -263,9 +263,9 @@ def _assignments(
     ordered = sorted(best.values(), key=lambda pick: (cost(pick), pick.travel))
     if strategy in ("auto", *BOTH):
         has_pairs = any(part.library.pairs for part in world.cell.parts)
-        for pair in pairs_of(world, picks if has_pairs else ordered, cost):
-            if not _are_neighbours(world, pair):
-                yield Strategy.ALTERNATED, pair
+        pairs = pairs_of(world, picks if has_pairs else ordered, cost)
+        for pair in filter(_of_several_heaps(world), pairs):
+            yield Strategy.ALTERNATED, pair
     for pick in ordered:
         alone = Strategy.single(pick.candidate.arm)
         if strategy in ("auto", alone):
@@ -331,20 +331,22 @@ def _side_by_side_or_behind(
     world: World, picks: list[Pick], cost: Cost
 ) -> Iterator[tuple[Sequence[int], tuple[Pick, ...]]]:
     """Pairs for coordinated plans, with the offsets to try: side by side first."""
-    apart = (p for p in side_by_side(world, picks, cost) if not _are_neighbours(world, p))
+    apart = filter(_of_several_heaps(world), side_by_side(world, picks, cost))
     for pair in islice(apart, SIDE_BY_SIDE):
         yield (0,), pair
     for _, pair in islice(_assignments(world, picks, Strategy.COORDINATED, cost), ATTEMPTS):
         yield OFFSETS[1:], pair
 
 
-def _are_neighbours(world: World, picks: Sequence[Pick]) -> bool:
-    """Whether the second of two parts may move as the first one is lifted.
+def _of_several_heaps(world: World) -> Callable[[Sequence[Pick]], bool]:
+    """Whether parts lie apart, so that none moves as another is lifted: else the scan is not true.
 
-    Then the scan is not true any more: the policy's `pair_gap` says how near that is.
+    Parts nearer to each other than the policy's `pair_gap` are of one heap.
     """
-    gap = world.policy.pair_gap
-    return gap > 0 and part_gap(world, *(pick.candidate.detection for pick in picks)) < gap
+    if world.policy.pair_gap <= 0:
+        return lambda picks: True
+    heap = heaps(world, world.policy.pair_gap)
+    return lambda picks: len({heap[p.candidate.detection] for p in picks}) == len(picks)
 
 
 def _apart(world: World, picks: Sequence[Pick]) -> float:

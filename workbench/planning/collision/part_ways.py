@@ -5,6 +5,7 @@ grasp has to be tried.
 """
 
 from collections.abc import Sequence
+from itertools import combinations
 
 import coal
 import numpy as np
@@ -98,6 +99,28 @@ class PartWays:
             np.array([int(b.owner) if b.kind == "part" else -1 for b in still]),
             cores_of(shapes, centres),
         )
+
+
+def heaps(world: World, gap: float) -> list[int]:
+    """For each part found the number of its heap: parts nearer than `gap` [m] are of one.
+
+    When a part is taken, others of its heap may move, also those that it does not touch itself.
+    """
+    count = len(world.detections)
+    radius = {part.name: float(np.linalg.norm(part.mesh.points, axis=1).max())
+              for part in world.cell.parts}  # fmt: skip
+    heap = list(range(count))
+    for first, second in combinations(range(count), 2):
+        one, other = world.detections[first], world.detections[second]
+        if heap[first] == heap[second]:
+            continue
+        far = float(np.linalg.norm(one.T_world_part.translation - other.T_world_part.translation))
+        if far - radius[one.part] - radius[other.part] >= gap:
+            continue
+        if part_gap(world, first, second) < gap:
+            old, new = heap[second], heap[first]
+            heap = [new if number == old else number for number in heap]
+    return heap
 
 
 def part_gap(world: World, first: int, second: int) -> float:
