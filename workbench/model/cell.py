@@ -18,6 +18,11 @@ from workbench.model.robot import Robot
 OrderName = Literal["travel", "highest", "score", "nearest", "walls", "thesis"]
 ORDER_NAMES: tuple[OrderName, ...] = get_args(OrderName)
 
+LiftName = Literal["leaning", "up", "back", "off-wall", "around"]
+LIFT_NAMES: tuple[LiftName, ...] = get_args(LiftName)
+
+
+_LEANING: tuple[LiftName, ...] = ("leaning",)
 
 Option = bool | int | float | str
 """A value of a key that a plug-in has of its own."""
@@ -231,6 +236,10 @@ class Policy:
     or by the thesis' rules (see `planning.picking.order`).
     `metric` weighs the joints in the planners' distance: each counts this fraction of the one
     before it, since the first joints move more of the arm.
+    `lifts` are ways to take a part out whose grasp says none, tried in this order until one is
+    clear (`planning.picking.lifts`).  `least_air` [m]: fingers may arrive less open than a grasp
+    says where there is no room, as long as so much is left on each side of its grip; None: as the
+    grasp says.
     """
 
     margin: float = 0.005
@@ -249,6 +258,8 @@ class Policy:
     order: OrderName = "travel"
     metric: float = 0.6
     approval_minutes: float = 5.0
+    lifts: tuple[LiftName, ...] = field(default_factory=lambda: _LEANING, metadata=LATER)
+    least_air: float | None = field(default_factory=lambda: None, metadata=LATER)
     sink: float = field(default_factory=lambda: 0.001, metadata=LATER)
     release: float = field(default_factory=lambda: 0.01, metadata=LATER)
 

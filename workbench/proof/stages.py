@@ -169,10 +169,9 @@ def tcp(tree: Tree, base: Floats, arm: Arm, values: Floats) -> pin.SE3:
     """`T_world_tcp` of an arm at its joints, followed or not by its fingers (n,) [rad, m]."""
     q = base.copy()
     q[tree.columns[arm.name][: len(values)]] = values
-    data = tree.model.createData()
-    pin.forwardKinematics(tree.model, data, q)
+    pin.forwardKinematics(tree.model, tree.data, q)
     joint, T_joint_flange = tree.flange(arm)
-    return data.oMi[joint] * T_joint_flange * arm.tool.T_flange_tcp
+    return tree.data.oMi[joint] * T_joint_flange * arm.tool.T_flange_tcp
 
 
 def _moving(cell: Cell, plan: ArmPlan, name: LegName) -> Moving:

@@ -202,7 +202,7 @@ class Walk:
         items, which = (each.ravel() for each in np.mgrid[: len(q), : len(pairs.rows)])
         rows, commons = pairs.rows[which], pairs.commons[which]
         most = np.full(len(items), FAR_SIGHT)
-        lower, _ = self._space.bounds(q, np.zeros_like(q), items, rows, commons, most)
+        lower, _, _ = self._space.bounds(q, np.zeros_like(q), items, rows, commons, most)
         lower = lower.reshape(len(q), -1)
         smallest = np.full(len(q), FAR_SIGHT)
         for number, whole in enumerate(q):

@@ -190,12 +190,22 @@ def _judged(
         result = resolve(world, candidate, seed=seed)
         if isinstance(result, Pick):
             picks.append(result)
-            note = f"joint travel {np.rad2deg(result.travel):.0f} degrees"
-            verdict = Verdict(Reason.OK, Stage.PLACE, note=note)
+            verdict = Verdict(Reason.OK, Stage.PLACE, note=_told(world, result))
             judged.append(replace(candidate, verdict=verdict))
         else:
             judged.append(replace(candidate, verdict=result))
     return tuple(judged), picks
+
+
+def _told(world: World, pick: Pick) -> str:
+    """What to know of a candidate that works: how far it goes, its lift and its opening."""
+    candidate = pick.candidate
+    note = f"joint travel {np.rad2deg(pick.travel):.0f} degrees"
+    if len(world.policy.lifts) > 1:
+        note += f", lift {pick.lift}"
+    if world.policy.least_air is not None and world.arm(candidate.arm).tool.fingers:
+        note += f", fingers {candidate.grasp.opening * 1e3:.0f} mm apart"
+    return note
 
 
 def _summary(candidates: tuple[Candidate, ...]) -> Verdict:
