@@ -69,13 +69,6 @@ FEWER_PICTURES = """
 vain the other tests lack: Chromium draws with a higher priority than they have."""
 
 
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Count no lines while browsers are tried: others cover them, and counting takes its time."""
-    for item in items:
-        if Path(__file__).parent in item.path.parents:
-            item.add_marker("no_cover")
-
-
 @dataclass
 class Robot:
     """A simulated controller in its own process."""
