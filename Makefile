@@ -20,7 +20,7 @@ SLOW := browser cli examples packaging perception plugins portable studies testi
 	planning/collision/test_motion.py planning/grasps/test_part_rays.py \
 	planning/picking/test_dual_arm.py planning/picking/test_golden_plans.py \
 	planning/picking/test_properties.py planning/planners/test_planners.py \
-	planning/proving/test_placed.py robots/test_third_party.py
+	proof robots/test_third_party.py
 
 # Whole files to three workers, in the order of tests/conftest.py: what takes longest first.  Three
 # for two cores, since many tests wait: for a plan that is played, a time that is over, a browser.

@@ -33,7 +33,9 @@ class MjsGeom:
     meshname: str
 
 class MjsBody:
-    def add_body(self, *, name: str = ..., gravcomp: float = ...) -> MjsBody: ...
+    def add_body(
+        self, *, name: str = ..., gravcomp: float = ..., mocap: bool = ...
+    ) -> MjsBody: ...
     def add_freejoint(self) -> object: ...
     def add_geom(
         self,
@@ -63,6 +65,8 @@ class MjModel:
 class MjData:
     qpos: NDArray[np.float64]
     qvel: NDArray[np.float64]
+    mocap_pos: NDArray[np.float64]
+    mocap_quat: NDArray[np.float64]
     def __init__(self, model: MjModel, /) -> None: ...
 
 def mj_setConst(m: MjModel, d: MjData) -> None: ...

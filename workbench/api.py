@@ -17,7 +17,7 @@ from workbench.app.core.state import State
 from workbench.app.picking import calibration as calibrations
 from workbench.app.picking.calibration import with_calibration
 from workbench.app.picking.pipeline import judge, plan_pick
-from workbench.app.picking.second_opinion import verify
+from workbench.app.picking.proving import prove
 from workbench.app.records import replay as replays
 from workbench.app.records import session_archive
 from workbench.app.review.recompute import cell_of
@@ -51,7 +51,6 @@ from workbench.perception.simulation.piles import drop_parts
 from workbench.perception.simulation.synthesize import synthesize
 from workbench.planning.grasps.grasp_suggestions import suggest
 from workbench.planning.picking.nearest_fix import Fix, nearest_fix
-from workbench.planning.proving.prove import prove
 from workbench.plugins.localizer import find_parts
 from workbench.plugins.robot_link import send
 
@@ -107,7 +106,6 @@ __all__ = [
     "simulate_scan",
     "suggest",
     "unexplained",
-    "verify",
     "with_calibration",
     "write_cloud",
     "write_plan",

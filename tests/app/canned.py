@@ -41,7 +41,7 @@ def make_results() -> Results:
     detections = tuple(
         Detection(
             "keyed_cylinder",
-            pose_from_rpy(floor + np.array([x, y, 0.0165]), (np.pi / 2, 0.0, yaw)),
+            pose_from_rpy(floor + np.array([x, y, 0.0191]), (np.pi / 2, 0.0, yaw)),
             0.9,
         )
         for x, y, yaw in ((-0.01, -0.07, 0.4), (0.01, 0.07, -0.6))

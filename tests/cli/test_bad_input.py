@@ -13,12 +13,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from workbench.app.picking.proving import prove
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.files.shipped import find
 from workbench.formats.plans.plan_files import read_plan, write_plan
 from workbench.model.geometry import pose_from_rpy
 from workbench.planning.kinematics.chain import chain_of, is_solution
-from workbench.planning.proving.prove import prove
 
 POSES = Path(__file__).resolve().parents[1] / "cells" / "public_yumi" / "Poses.txt"
 

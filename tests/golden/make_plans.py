@@ -93,16 +93,19 @@ def _row(detection: Detection) -> list[Any]:
 
 
 def main() -> None:
-    """Write the file."""
+    """Write the file; the piles stay as they are."""
+    before = {(name, seed): (pile, plan) for name, seed, pile, plan in kept()}
     lines = []
     for name, (_, kinds, count) in SCENES.items():
         cell = cell_of(name)
         known = {part.name: part for part in cell.parts}
         for seed in range(100, 100 + count):
-            pile = drop_parts([known[kind] for kind in kinds], cell.bin, seed=seed)
+            pile, plan = before.get((name, seed), ((), None))
+            pile = pile or drop_parts([known[kind] for kind in kinds], cell.bin, seed=seed)
+            now = planned(cell, pile, seed)
             scene = {"scene": name, "seed": seed, "parts": list(map(_row, pile))}
-            lines.append(json.dumps(scene | {"planned": planned(cell, pile, seed)}))
-            print(name, seed, flush=True)
+            lines.append(json.dumps(scene | {"planned": now}))
+            print(name, seed, "as before" if now == plan else "ANOTHER PLAN", flush=True)
     FILE.write_text("\n".join(lines) + "\n")
 
 

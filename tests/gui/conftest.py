@@ -70,7 +70,7 @@ def scan(cell: Cell) -> Scan:
 @pytest.fixture(scope="session")
 def detections(cell: Cell) -> tuple[Detection, ...]:
     """Two cylinders lying on the bin's floor, apart from each other and from the walls."""
-    floor, height = cell.bin.T_world_bin.translation, 0.0165
+    floor, height = cell.bin.T_world_bin.translation, 0.0191
     places = ((-0.01, -0.07, 0.4), (0.01, 0.07, -0.6))
     return tuple(
         Detection(

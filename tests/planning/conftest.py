@@ -1,39 +1,5 @@
-"""A cell with two parts in the bin, and a plan for them, made once."""
+"""Planning is tried on a cell with two parts in its bin."""
 
-import numpy as np
-import pytest
+from two_parts import cell, detections, result, world
 
-from workbench.app.picking.pipeline import plan_pick
-from workbench.formats.cells.reading import read_cell
-from workbench.model.cell import Cell
-from workbench.model.geometry import pose_from_rpy
-from workbench.model.plan import PlanResult
-from workbench.model.scan import Detection
-from workbench.planning.collision.world import World
-
-
-@pytest.fixture(scope="session")
-def cell() -> Cell:
-    return read_cell("yumi")
-
-
-@pytest.fixture(scope="session")
-def detections(cell: Cell) -> tuple[Detection, ...]:
-    """Two cylinders lying on the bin's floor, apart from each other and from the walls."""
-    lying = (np.pi / 2, 0.0)
-    floor = cell.bin.T_world_bin.translation
-    height = 0.0165
-    return (
-        Detection("keyed_cylinder", pose_from_rpy(floor + [-0.01, -0.07, height], (*lying, 0.4))),
-        Detection("keyed_cylinder", pose_from_rpy(floor + [0.01, 0.07, height], (*lying, -0.6))),
-    )
-
-
-@pytest.fixture
-def world(cell: Cell, detections: tuple[Detection, ...]) -> World:
-    return World(cell, detections)
-
-
-@pytest.fixture(scope="session")
-def result(cell: Cell, detections: tuple[Detection, ...]) -> PlanResult:
-    return plan_pick(cell, detections, "scan", seed=0)
+__all__ = ["cell", "detections", "result", "world"]

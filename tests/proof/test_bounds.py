@@ -56,7 +56,7 @@ def test_quick_bounds_never_exceed_what_coal_measures(tree, space):
     rows = np.arange(0, len(space.table.first), 7)
     for q in anywhere(tree, rng, 20):
         items, needs = np.zeros(len(rows), int), np.full(len(rows), 10.0)
-        lower, _ = space.bounds(q[None], np.zeros((1, len(q))), items, rows, items, needs)
+        lower, _, _ = space.bounds(q[None], np.zeros((1, len(q))), items, rows, items, needs)
         space.look(q)
         measured = np.array([space.distance(int(row)) for row in rows])
         apart = measured > 0
@@ -75,7 +75,7 @@ def test_nothing_comes_nearer_than_the_bound_on_motions_allows(cell, tree, space
     for q in anywhere(tree, rng, 6):
         spans = rng.uniform(0.0, 0.2, len(q))
         spans[np.concatenate([tree.columns[arm.name][-2:] for arm in cell.arms])] *= 0.05
-        _, nearer = space.bounds(q[None], spans[None], items, rows, commons, np.full(150, 10.0))
+        _, nearer, _ = space.bounds(q[None], spans[None], items, rows, commons, np.full(150, 10.0))
         space.look(q)
         before = np.array([space.distance(int(row)) for row in rows])
         for _ in range(10):
@@ -111,11 +111,11 @@ def test_a_controller_that_stops_is_walked_along_the_polyline_alone(corners, cou
 def test_clearances_are_bounds_of_what_dense_samples_show(cell, tree, result):
     """On every leg, after every waypoint: nothing sampled is nearer than the proof says."""
     plan = result.plan
-    walk = Walk(cell, tree, plan.scene, plan, RESOLUTION)
+    walk = Walk(cell, tree, plan, RESOLUTION)
     walked = walk.result()
     assert walked.findings == ()
     said = {(arm, leg): bounds for arm, leg, bounds in walked.clearances}
-    sampler = Walk(cell, tree, plan.scene, plan, RESOLUTION)
+    sampler = Walk(cell, tree, plan, RESOLUTION)
     smallest = np.inf
     for step in steps_of(cell, tree, plan):
         (one,) = step.moving

@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from bending import with_leg
-from proving import proof_of
 
 from workbench.app.core.rules import approve
 from workbench.app.picking.pipeline import plan_pick
+from workbench.app.picking.proving import prove
 from workbench.model.errors import CommandRefused
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.plan import Guarantee, are_in_step
@@ -91,7 +91,7 @@ def test_a_waypoint_inside_something_is_found_though_the_rounded_corner_is_clear
     inside = base.copy()
     inside[world.kinematics.columns[arm]] = deep
     assert world.contact(inside) is not None
-    proof = proof_of(spoken_to_by(cell, protocol), with_spike(result.plan, arm, name, number, deep))
+    proof = prove(spoken_to_by(cell, protocol), with_spike(result.plan, arm, name, number, deep))
     (finding,) = [one for one in proof.findings if one.pair is not None]
     assert (finding.arm, finding.leg) == (arm, name)
     assert finding.distance < cell.policy.margin
@@ -125,7 +125,7 @@ def test_arms_that_meet_at_a_sharp_corner_only_are_found(cell, coordinated, prot
         bent = with_spike(bent, second[0], "home", number, post)
         bent = with_leg(bent, second[0], "home", t=bent.arm(first[0]).leg("home").t)
         assert are_in_step([bent.arm(arm).leg("home") for arm, _ in (first, second)])
-    proof = proof_of(spoken_to_by(cell, protocol), replace(bent, guarantee=guarantee))
+    proof = prove(spoken_to_by(cell, protocol), replace(bent, guarantee=guarantee))
     finding = next(one for one in proof.findings if one.pair is not None)
     assert {label.split("_")[0].split()[0] for label in finding.pair} == {"right", "left"}
 
@@ -144,7 +144,7 @@ def test_a_plan_for_a_controller_that_stops_takes_the_time_of_the_stops(cell, de
 
 def test_what_was_proven_with_stops_is_not_approved_for_a_controller_that_rounds(cell, result):
     stopping, rounding = (spoken_to_by(cell, protocol) for protocol in PROTOCOLS)
-    with_stops, rounded = proof_of(stopping, result.plan), proof_of(rounding, result.plan)
+    with_stops, rounded = prove(stopping, result.plan), prove(rounding, result.plan)
     assert with_stops.holds and rounded.holds
     with pytest.raises(CommandRefused, match=r"rounds corners by 0\.2"):
         approve(rounding, result.plan, with_stops, "ada", 0.0)

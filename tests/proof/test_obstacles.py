@@ -4,9 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from proving import proof_of
 
 from workbench.app.picking.pipeline import plan_pick
+from workbench.app.picking.proving import prove
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.plans.plan_files import read_plan, write_plan
 from workbench.model.candidate import Reason
@@ -33,7 +33,8 @@ def free():
 def tower(free):
     """Something high beside the part, in the way of the plan made without it."""
     tower = upright(-0.06, -0.13, 0.25, 0.06)
-    assert not proof_of(CELL, replace(free.plan, obstacles=(tower,))).holds
+    in_the_way = replace(free.plan, obstacles=(tower,))
+    assert not prove(CELL, in_the_way).holds
     return tower
 
 
@@ -49,7 +50,7 @@ def test_a_plan_through_an_obstacle_fails_its_proof(free):
     world = World(CELL, (PART,))
     middle = world.chains["right"].pose(np.asarray(leg.q[len(leg.q) // 2])).translation
     ball = Obstacle(pose_from_rpy(middle), np.full(3, 0.05))
-    proof = proof_of(CELL, replace(free.plan, obstacles=(ball,)))
+    proof = prove(CELL, replace(free.plan, obstacles=(ball,)))
     assert not proof.holds
     assert any("seen-1" in (finding.pair or ()) for finding in proof.findings)
 
@@ -67,4 +68,4 @@ def test_obstacles_survive_the_file_of_a_plan(tmp_path, tower):
     write_plan(tmp_path / "plan.json", result.plan, result.proof)
     again, stated = read_plan(tmp_path / "plan.json")
     assert again.digest == stated == result.plan.digest
-    assert proof_of(CELL, again).holds
+    assert prove(CELL, again).holds

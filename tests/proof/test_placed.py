@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from bending import with_leg
-from proving import proof_of
 from through import deepest
 
 from workbench.app.picking.pipeline import plan_pick
+from workbench.app.picking.proving import prove
 from workbench.formats.cells.reading import read_cell
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.scan import Detection
@@ -62,7 +62,7 @@ def test_a_way_home_through_the_part_just_put_down_is_refused(cell, result):
     for one in result.plan.arms:
         bent = straight_home(result.plan, one.arm)
         assert deepest(cell, bent, bent.arm(one.arm), "home", bent.arm(one.arm)) < 0.0
-        finding, *_ = proof_of(cell, bent).findings
+        finding, *_ = prove(cell, bent).findings
         assert (finding.arm, finding.leg) == (one.arm, "home")
         assert f"part-{one.detection + 1}" in finding.pair
 
@@ -70,7 +70,7 @@ def test_a_way_home_through_the_part_just_put_down_is_refused(cell, result):
 def test_so_it_is_while_both_arms_move(cell, apart):
     for one in apart.plan.arms:
         bent = straight_home(apart.plan, one.arm)
-        problems = [one for one in proof_of(cell, bent).findings if one.leg == "home"]
+        problems = [one for one in prove(cell, bent).findings if one.leg == "home"]
         assert any(f"part-{one.detection + 1}" in problem.pair for problem in problems)
 
 
@@ -81,7 +81,7 @@ def test_a_hand_that_was_clear_of_the_part_does_not_come_back_to_it(cell, result
     out = cell.policy.straight_points
     back = np.array([leg.q[0], *leg.q[1:out], leg.q[0], *leg.q[1:]])
     times = np.linspace(0.0, 20.0, len(back))
-    findings = proof_of(cell, with_leg(result.plan, one.arm, "home", q=back, t=times)).findings
+    findings = prove(cell, with_leg(result.plan, one.arm, "home", q=back, t=times)).findings
     assert [finding.leg for finding in findings] == ["home"]
     assert f"part-{one.detection + 1}" in findings[0].pair
     assert 0.0 < findings[0].distance < cell.policy.margin
@@ -116,5 +116,5 @@ def test_a_part_that_is_put_where_one_lies_already_is_refused(shared, detections
     left_out = {first.detection: "for the other arm"}
     alone = plan_pick(shared, detections, "scan", strategy=second.arm, avoided=left_out, seed=0)
     assert alone.proof.holds, alone.proof.findings
-    findings = proof_of(shared, replace(plan, arms=(first, *alone.plan.arms))).findings
+    findings = prove(shared, replace(plan, arms=(first, *alone.plan.arms))).findings
     assert any(f"part-{first.detection + 1}" in finding.pair for finding in findings)

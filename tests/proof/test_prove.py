@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from bending import with_leg
-from proving import proof_of
 
+from workbench.app.picking.proving import prove
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.plan import Guarantee, Step
 from workbench.planning.collision.world import World
@@ -18,21 +18,21 @@ def text(proof) -> str:
 
 
 def test_a_planned_plan_holds(cell, result):
-    proof = proof_of(cell, result.plan)
+    proof = prove(cell, result.plan)
     assert proof.holds, text(proof)
     assert proof.plan_digest == result.plan.digest
     assert cell.policy.margin - proof.resolution <= proof.clearance
 
 
 def test_it_holds_at_four_times_finer_resolution(cell, result):
-    usual = proof_of(cell, result.plan)
-    fine = proof_of(cell, result.plan, resolution=usual.resolution / 4)
+    usual = prove(cell, result.plan)
+    fine = prove(cell, result.plan, resolution=usual.resolution / 4)
     assert fine.holds, text(fine)
     assert fine.checks >= usual.checks
 
 
 def test_the_same_plan_has_the_same_proof(cell, result):
-    assert proof_of(cell, result.plan).digest == proof_of(cell, result.plan).digest
+    assert prove(cell, result.plan).digest == prove(cell, result.plan).digest
 
 
 def test_a_part_put_down_elsewhere_fails(cell, result):
@@ -45,7 +45,7 @@ def test_a_part_put_down_elsewhere_fails(cell, result):
     assert is_solution(residuals)[0]
     place[-1] = home[0] = cell.controller.motion.rounded(answers[0])
     bent = with_leg(with_leg(result.plan, arm.name, "place", q=place), arm.name, "home", q=home)
-    (finding,) = proof_of(cell, bent).findings
+    (finding,) = prove(cell, bent).findings
     assert str(finding) == f"arm {arm.name} leg place: the hand opens where the arm has no place"
 
 
@@ -61,7 +61,7 @@ def test_a_waypoint_in_the_wall_names_leg_pair_and_clearance(cell, result):
     starts = np.vstack([q, np.random.default_rng(0).uniform(chain.lower, chain.upper, (30, 7))])
     answers, residuals = chain.solve(wall, starts)
     q[3] = cell.controller.motion.rounded(answers[is_solution(residuals)][0])
-    proof = proof_of(cell, with_leg(result.plan, arm.name, "return", q=q))
+    proof = prove(cell, with_leg(result.plan, arm.name, "return", q=q))
     finding = next(finding for finding in proof.findings if finding.pair is not None)
     assert (finding.arm, finding.leg) == (arm.name, "return")
     assert finding.waypoint in (2, 3)
@@ -104,7 +104,7 @@ def turned_in_hand(arm):
     ],
 )
 def test_a_plan_of_wrong_form_fails(cell, result, bend, says):
-    proof = proof_of(cell, bend(result.plan))
+    proof = prove(cell, bend(result.plan))
     assert not proof.holds
     assert says in text(proof)
 
@@ -154,7 +154,7 @@ def nan(leg):
     ],
 )
 def test_a_bent_leg_fails_with_its_reason(cell, result, change, says):
-    proof = proof_of(cell, bent_leg(result, change))
+    proof = prove(cell, bent_leg(result, change))
     assert not proof.holds
     assert says in text(proof)
 
@@ -170,6 +170,6 @@ def test_a_part_that_is_elsewhere_fails(cell, result, moved):
     number = result.plan.arms[0].detection
     T_world_part = detections[number].T_world_part * moved
     detections[number] = replace(detections[number], T_world_part=T_world_part)
-    proof = proof_of(cell, replace(result.plan, detections=tuple(detections)))
+    proof = prove(cell, replace(result.plan, detections=tuple(detections)))
     assert not proof.holds
     assert "not where the hand closes" in text(proof)

@@ -5,12 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from bending import with_grasps, with_leg
-from proving import proof_of
 
+from workbench.app.picking.proving import prove
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.plan import Strategy
 from workbench.model.scan import Obstacle, Scene
-from workbench.proof.prove import prove
+from workbench.proof import search
+from workbench.proof.prove import prove as prove_in
 
 
 def problems(proof) -> str:
@@ -36,29 +37,29 @@ def of_cell(cell, plan):
 )
 def test_grasps_are_asked_again(cell, result, change, says):
     other = with_grasps(cell, lambda grasp: replace(grasp, **change))
-    assert says in problems(proof_of(other, of_cell(other, result.plan)))
+    assert says in problems(prove(other, of_cell(other, result.plan)))
 
 
 def test_the_strategy_is_what_the_plan_does(cell, result):
     alone = replace(result.plan, strategy=Strategy.single("left"))
-    assert "strategy left is not what the plan does" in problems(proof_of(cell, alone))
+    assert "strategy left is not what the plan does" in problems(prove(cell, alone))
     at_once = replace(result.plan, guarantee="time-independent")
-    assert "move one after the other" in problems(proof_of(cell, at_once))
+    assert "move one after the other" in problems(prove(cell, at_once))
 
 
 def test_a_part_that_the_plan_leaves_out_is_named(cell, result, detections):
     """The scan is an argument: the plan's word does not count against it."""
     plan, more = result.plan, pose_from_rpy(detections[0].T_world_part.translation + [0, 0.3, 0])
     known = (*plan.detections, replace(detections[0], T_world_part=more))
-    proof = prove(cell, Scene(plan.scan_digest, known), plan)
+    proof = prove_in(cell, Scene(plan.scan_digest, known), plan)
     assert "leaves out part-3 of the scan" in problems(proof)
     moved = replace(known[0], T_world_part=more)
-    proof = prove(cell, Scene(plan.scan_digest, (moved, *plan.detections[1:])), plan)
+    proof = prove_in(cell, Scene(plan.scan_digest, (moved, *plan.detections[1:])), plan)
     assert "is not in the scan" in problems(proof)
     tower = Obstacle(more, np.full(3, 0.01))
-    proof = prove(cell, Scene(plan.scan_digest, plan.detections, (tower,)), plan)
+    proof = prove_in(cell, Scene(plan.scan_digest, plan.detections, (tower,)), plan)
     assert "leaves out obstacle seen-1" in problems(proof)
-    assert "another scan" in problems(prove(cell, Scene("other", plan.detections), plan))
+    assert "another scan" in problems(prove_in(cell, Scene("other", plan.detections), plan))
 
 
 @pytest.mark.parametrize(("depth", "is_wrong"), [(0.0005, False), (0.0025, True)])
@@ -66,7 +67,7 @@ def test_a_part_that_is_sunk_into_the_floor_has_a_wrong_pose(cell, result, depth
     """The bin is raised instead of the parts lowered: hands still close where they did."""
     raised = pose_from_rpy([0, 0, depth]) * cell.bin.T_world_bin
     sunk = replace(cell, bin=replace(cell.bin, T_world_bin=raised))
-    says = "; ".join(map(str, proof_of(sunk, of_cell(sunk, result.plan)).findings))
+    says = "; ".join(map(str, prove(sunk, of_cell(sunk, result.plan)).findings))
     assert ("too deep in what it lies on" in says) is is_wrong, says
 
 
@@ -75,9 +76,9 @@ def test_more_speed_and_acceleration_than_the_cell_allows(cell, result):
     leg = result.plan.arm(arm).leg("reach")
     for share, says in ((0.2, "faster than the joints may turn"), (0.5, "more acceleration")):
         bent = with_leg(result.plan, arm, "reach", t=leg.t * share)
-        assert says in problems(proof_of(cell, bent))
+        assert says in problems(prove(cell, bent))
     slower = with_leg(result.plan, arm, "reach", t=leg.t * 2)
-    assert proof_of(cell, slower).holds
+    assert prove(cell, slower).holds
 
 
 def test_a_crooked_approach_is_refused(cell, result):
@@ -86,7 +87,7 @@ def test_a_crooked_approach_is_refused(cell, result):
     q = np.array(leg.q)
     q[2] += np.deg2rad(0.5) * np.array([1, -1, 1, 1, 0, 0, 0])
     bent = with_leg(result.plan, arm, "approach", q=np.deg2rad(np.round(np.rad2deg(q), 2)))
-    assert "is not straight" in problems(proof_of(cell, bent))
+    assert "is not straight" in problems(prove(cell, bent))
 
 
 def test_fingers_that_would_open_into_something_are_refused(cell, result):
@@ -101,5 +102,18 @@ def test_fingers_that_would_open_into_something_are_refused(cell, result):
         at = T_tcp.act(axis * ((grip + wide) / 2 + 0.012))
         post = Obstacle(pose_from_rpy(at), np.full(3, 0.002))
         with_post = replace(plan, obstacles=(post,))
-        hits += not proof_of(cell, with_post).holds
+        hits += not prove(cell, with_post).holds
     assert hits >= 1
+
+
+def test_parts_are_the_same_in_whatever_order_they_are_known(cell, result):
+    """A hand holds the part that the plan means, not the one at its number in the scan."""
+    plan = result.plan
+    proof = prove_in(cell, Scene(plan.scan_digest, plan.detections[::-1]), plan)
+    assert proof.holds
+    assert proof.clearance == prove(cell, plan).clearance
+
+
+def test_a_search_that_gives_up_is_no_proof(cell, result, monkeypatch):
+    monkeypatch.setattr(search, "MOST_LOOKS", 5)
+    assert "for too long to be proven" in problems(prove(cell, result.plan))

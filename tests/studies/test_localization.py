@@ -94,3 +94,21 @@ def test_a_scene_is_the_same_again_and_its_parts_are_found(part):
     assert (first.found, first.visible) == (again.found, again.visible)
     assert all(one.is_right for one in first.found)
     assert first.is_found == (True, True)
+
+
+def test_a_scanner_that_is_off_moves_the_truth_with_what_it_sees():
+    task = Task("yumi", "bracket", "fine", 2, 5, raised=0.005, tilted=float(np.deg2rad(1.0)))
+    scene = localized_scene(task)
+    assert scene.is_found == (True, True)
+    assert all(one.is_right for one in scene.found)
+
+
+def test_what_is_found_of_another_kind_is_wrong():
+    scene = localized_scene(Task("yumi", "bracket", "fine", 1, 5, searched="bolt"))
+    assert (scene.visible, scene.is_found) == ((), ())
+    assert not any(one.is_right for one in scene.found)
+
+
+def test_an_empty_bin_is_a_task_too():
+    scene = localized_scene(Task("yumi", "bolt", "fine", 0, 5, raised=-0.004))
+    assert (scene.found, scene.visible) == ((), ())

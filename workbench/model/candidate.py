@@ -97,7 +97,8 @@ class Pick:
 
     `approach` (m, n) [rad] runs from pre-grasp to grasp, `extract` (m, n) from grasp to the
     end of the extraction; `place` (n,) releases the part.  `T_tcp_part` is the part in the
-    hand.  `clearance` [m] is the smallest found over them, `travel` [rad] the joint travel.
+    hand, `lift` the name of the way in which it is taken out.  `clearance` [m] is the smallest
+    found over them, `travel` [rad] the joint travel.
     """
 
     candidate: Candidate
@@ -108,6 +109,7 @@ class Pick:
     clearance: float
     travel: float
     solutions: tuple[Floats, ...] = field(default_factory=tuple)
+    lift: str = ""
 
     def __post_init__(self) -> None:
         put(

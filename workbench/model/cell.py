@@ -18,6 +18,11 @@ from workbench.model.robot import Robot
 OrderName = Literal["travel", "highest", "score", "nearest", "walls", "thesis"]
 ORDER_NAMES: tuple[OrderName, ...] = get_args(OrderName)
 
+LiftName = Literal["leaning", "up", "back", "off-wall", "around"]
+LIFT_NAMES: tuple[LiftName, ...] = get_args(LiftName)
+
+
+_LEANING: tuple[LiftName, ...] = ("leaning",)
 
 Option = bool | int | float | str
 """A value of a key that a plug-in has of its own."""
@@ -220,6 +225,8 @@ class Policy:
     `margin` is kept to everything on free legs, `near_margin` by the tool on straight legs,
     `self_margin` between links of the same arm, whose wrist is built closer than any margin.
     `lift_length` and `lift_lean` shape the extraction: straight up, leaning to the bin centre.
+    A part may have been found up to `sink` deep in what it lies on: deeper is a wrong pose.  It
+    may slide along that for `release` of its lift, and keeps `near_margin` from then on.
     `speed` scales joint velocities.  `zone` is the largest corner rounding, as a fraction of
     the shorter neighbouring segment, where the controller rounds at all (`Cell.zone`).  `planner`
     searches the free legs, within `iterations` a call (`plugins.planner`); `birrt` is the thesis'
@@ -229,6 +236,10 @@ class Policy:
     or by the thesis' rules (see `planning.picking.order`).
     `metric` weighs the joints in the planners' distance: each counts this fraction of the one
     before it, since the first joints move more of the arm.
+    `lifts` are ways to take a part out whose grasp says none, tried in this order until one is
+    clear (`planning.picking.lifts`).  `least_air` [m]: fingers may arrive less open than a grasp
+    says where there is no room, as long as so much is left on each side of its grip; None: as the
+    grasp says.
     """
 
     margin: float = 0.005
@@ -247,6 +258,10 @@ class Policy:
     order: OrderName = "travel"
     metric: float = 0.6
     approval_minutes: float = 5.0
+    lifts: tuple[LiftName, ...] = field(default_factory=lambda: _LEANING, metadata=LATER)
+    least_air: float | None = field(default_factory=lambda: None, metadata=LATER)
+    sink: float = field(default_factory=lambda: 0.001, metadata=LATER)
+    release: float = field(default_factory=lambda: 0.01, metadata=LATER)
 
 
 @dataclass(frozen=True, slots=True)

@@ -104,6 +104,10 @@ class Leg:
         """How long the leg takes."""
         return float(self.t[-1])
 
+    def at(self, t: float) -> Floats:
+        """The configuration (n,) [rad] at a time [s], straight between waypoints."""
+        return np.array([np.interp(t, self.t, column) for column in self.q.T])
+
 
 def are_in_step(legs: Sequence[Leg]) -> bool:
     """Whether all legs pass their waypoints at the same times."""
@@ -233,7 +237,7 @@ class Proof:
     [m] is the smallest found over free legs, `nearest` where; `clearances` (steps,) [m] holds per
     arm and leg the smallest distance after each waypoint, for the plot, and `apart` (steps,) [m]
     the distance between the arms at each waypoint, measured as far as
-    `planning.proving.prove.FAR_SIGHT`.
+    `proof.walk.FAR_SIGHT`.
     """
 
     plan_digest: str

@@ -1,1 +1,1 @@
-"""Values in, values out: reach, collision, paths, and the proof of them."""
+"""Values in, values out: reach, collision, and paths."""

@@ -1,6 +1,6 @@
 """Everything in a cell that has a shape, and where it is while a plan runs."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Literal
@@ -183,27 +183,3 @@ def _measure_aslant_first() -> None:
 
 
 _measure_aslant_first()
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Parts:
-    """Where parts are that do not lie as the scan shows them.
-
-    `held`: number of the detection -> the arm and `T_tcp_part`; `placed`: -> `T_world_part`.
-    """
-
-    held: Mapping[int, tuple[Arm, pin.SE3]]
-    placed: Mapping[int, pin.SE3]
-
-    def where(self, body: Body, tree: Tree, cell: Cell, scene: Scene) -> tuple[int, pin.SE3]:
-        """The joint that carries a body now, and its pose in it."""
-        if body.part in self.held:
-            arm, T_tcp_part = self.held[body.part]
-            joint, T_joint_flange = tree.flange(arm)
-            T_joint_part = T_joint_flange * arm.tool.T_flange_tcp * T_tcp_part
-        elif body.part in self.placed:
-            joint, T_joint_part = 0, self.placed[body.part]
-        else:
-            return body.joint, body.T_joint_body
-        T_part_body = scene.detections[body.part].T_world_part.actInv(body.T_joint_body)
-        return joint, T_joint_part * T_part_body

@@ -35,7 +35,7 @@ def prove(cell: Cell, scene: Scene, plan: Plan, *, resolution: float = RESOLUTIO
         findings += [f for arm, leg in legs for f in limit_findings(cell, arm, leg)]
         findings += [f for _, one in arms for f in grasp_findings(cell, tree, plan, one)]
         findings += pair_findings(cell, plan)
-        walked = Walk(cell, tree, scene, plan, resolution).result()
+        walked = Walk(cell, tree, plan, resolution).result()
         findings += walked.findings
     return Proof(
         plan_digest=plan.digest,

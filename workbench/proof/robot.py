@@ -22,7 +22,7 @@ class Tree:
     link the joint that carries it and `T_joint_link`.  `columns` (n,) are
     the places in `q` of an arm's joints, followed by those of its fingers.  `ancestors` (j, nq) is
     True where a value of `q` moves a joint, `chains` (j, j) where a joint does.  `rest` (nq,) has
-    the arms at home, fingers closed.
+    the arms at home, fingers closed.  `data` is Pinocchio's scratch paper: one thread at a time.
     """
 
     model: pin.Model
@@ -33,6 +33,7 @@ class Tree:
     ancestors: Bools
     chains: Bools
     rest: Floats
+    data: pin.Data
 
     def flange(self, arm: Arm) -> tuple[int, pin.SE3]:
         """The joint that carries an arm's flange, and `T_joint_flange`."""
@@ -98,7 +99,9 @@ def tree_of(cell: Cell) -> Tree:
     rest = pin.neutral(model)
     for arm in cell.arms:
         rest[columns[arm.name][: len(arm.joints)]] = arm.home
-    return Tree(model, joints, frames, fingers, columns, *_ancestors(model), rest)
+    return Tree(
+        model, joints, frames, fingers, columns, *_ancestors(model), rest, model.createData()
+    )
 
 
 def _off_axis(axis: Floats, point: Floats) -> float:

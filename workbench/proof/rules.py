@@ -89,7 +89,7 @@ def grasp_findings(cell: Cell, tree: Tree, plan: Plan, one: ArmPlan) -> Iterator
     for leg in one.legs:
         if leg.name in HOLDING and abs(leg.opening - grasp.grip) > 1e-6:
             yield Finding(_opening(leg, grasp.grip), arm.name, leg.name)
-        elif leg.name not in HOLDING and not _fits(leg.opening, grasp):
+        elif leg.name not in HOLDING and not _fits(leg.opening, grasp, arm, cell):
             yield Finding(_opening(leg, grasp.opening), arm.name, leg.name)
     T_world_part = plan.detections[one.detection].T_world_part
     poses = {leg.name: _hands(tree, arm, leg) for leg in one.legs}
@@ -127,8 +127,12 @@ def _opening(leg: Leg, wanted: float) -> str:
     return f"fingers at {leg.opening * 1e3:.1f} mm, the grasp says {wanted * 1e3:.1f} mm"
 
 
-def _fits(opening: float, grasp: Grasp) -> bool:
-    return abs(opening - grasp.opening) <= 1e-6
+def _fits(opening: float, grasp: Grasp, arm: Arm, cell: Cell) -> bool:
+    """Whether fingers may be so far open [m]: as the grasp says, or less by the policy."""
+    air, least = cell.policy.least_air, grasp.opening
+    if air is not None and arm.tool.fingers:
+        least = min(grasp.opening, grasp.grip + 2 * air)
+    return least - 1e-6 <= opening <= grasp.opening + 1e-6
 
 
 def _hands(tree: Tree, arm: Arm, leg: Leg) -> list[pin.SE3]:

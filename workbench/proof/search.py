@@ -1,9 +1,9 @@
 """Every configuration of some sets is looked at, by halving: none is too near, and how near it is.
 
 At the middle of a set two bodies are `d` apart.  Nothing in the set brings them nearer by more than
-`m`, the sum of what each joint may move them.  So `d - m` is a lower bound for the
-whole set.  Where it is not enough, the set is halved; where `m` is below the resolution, the middle
-stands for the set, and `d - m` still is what is said of it.
+`m`, the sum of what each joint may move them.  So `d - m` is a lower bound for the whole set.
+Where it is not enough, the set is halved; where `m` is below the resolution, the middle stands for
+the set, and `d - m` still is what is said of it.
 """
 
 from collections.abc import Iterator, Sequence
@@ -14,6 +14,7 @@ import numpy as np
 
 from workbench.model.geometry import Floats, Ints
 from workbench.proof.motion import Sets
+from workbench.proof.sieve import World, lower_to
 from workbench.proof.space import Space
 from workbench.proof.table import Pairs
 
@@ -24,7 +25,7 @@ SHARE, LEAST = 0.3, 0.002
 """A lower bound is good enough that is short by this share of the distance, or by so much [m]."""
 
 MOST_LOOKS = 50_000
-"""After so many looks at one motion it counts as too near: it stays that near for a long way."""
+"""After so many looks at one motion nothing is said of it: it is near something for too long."""
 
 BATCH = 64
 """Sets that are looked at together."""
@@ -32,7 +33,7 @@ BATCH = 64
 TIGHT = 0.0002
 """[m] How well the smallest distance of all is wanted."""
 
-LOOSE = 0.03
+LOOSE = 0.12
 """[m] By about this much bounds fall short of distances; only a matter of speed."""
 
 
@@ -53,12 +54,13 @@ class Found:
 
     `violation` is a state at which two bodies are nearer than they may be; None when there is none.
     `bounds` (w,) [m]: nothing that is shown is nearer than this after each waypoint; `nearest` is
-    the nearest of them that was measured.
+    the nearest of them that was measured.  Where a search `gave_up`, none of it counts.
     """
 
     bounds: Floats
     violation: Nearest | None = None
     nearest: Nearest | None = None
+    gave_up: bool = False
 
 
 def search(
@@ -81,13 +83,12 @@ def search(
         waypoints: how many there are; `bounds` has a value after each.
         within: [m] the nearest is wanted to this, whatever waypoint it follows; None: as `SHARE`.
     """
-    wanted = _Wanted(np.full(waypoints, SIGHT), None if within is None else within)
+    wanted = _Wanted(np.full(waypoints, SIGHT), within)
     found = Found(np.full(waypoints, SIGHT))
-    weights = space.levers
     pending = [
         (some, *(each.ravel() for each in np.mgrid[: len(some), : len(pairs.rows)]))
         for blocks in sets
-        for some in _combined(blocks)
+        for some in combined(blocks)
     ]
     before = space.looks
     while pending:
@@ -97,10 +98,10 @@ def search(
         if found.violation is not None:
             return found
         if space.looks - before > MOST_LOOKS:
-            found.violation = found.nearest
+            found.gave_up = True
             return found
         if len(left):
-            pending.append(some.halved(close.items[left], close.which[left], weights))
+            pending.append(some.halved(close.items[left], close.which[left], space.levers))
     return found
 
 
@@ -147,6 +148,15 @@ class _Combined:
             d[:, block.columns] = block.spans
         return d
 
+    def corners(self, base: Floats, middles: Floats) -> Floats:
+        """What each corner of each block adds to the middle, as (k, blocks, m, nq)."""
+        most = max(block.corners.shape[1] for block in self.blocks)
+        change = np.zeros((len(self), len(self.blocks), most, len(base)))
+        for p, block in enumerate(self.blocks):
+            off = block.corners - middles[:, None, block.columns]
+            change[:, p, : off.shape[1], block.columns] = np.moveaxis(off, 2, 0)
+        return change
+
     def halved(self, items: Ints, which: Ints, weights: Floats) -> "tuple[_Combined, Ints, Ints]":
         """The halves of some sets, and which pairs are still open in each.
 
@@ -169,7 +179,8 @@ class _Combined:
         )
 
 
-def _combined(blocks: tuple[Sets, ...]) -> Iterator[_Combined]:
+def combined(blocks: tuple[Sets, ...]) -> Iterator[_Combined]:
+    """One set of each block with one of every other, in batches."""
     sizes = [range(len(block.at)) for block in blocks]
     grid = np.array(list(product(*sizes)), dtype=np.int64)
     for start in range(0, len(grid), BATCH):
@@ -182,9 +193,13 @@ class _Close:
     """Pairs that bounds alone could not tell apart, each (n,) in one of the sets.
 
     `lower` [m] is a bound at the middle `q` (k, nq) of the set, `moves` [m] what to take off it.
+    `world` is where everything is at the middles, `spans` and `corners` are how far sets go.
     """
 
     q: Floats
+    spans: Floats
+    corners: Floats
+    world: World
     items: Ints
     which: Ints
     lower: Floats
@@ -207,13 +222,14 @@ def _close(
     goals = np.where(is_shown, wanted.goal(some.at)[items], -np.inf)
     needs = np.maximum(pairs.margins[which], goals)
     rows, commons = pairs.rows[which], pairs.commons[which]
-    lower, moves = space.bounds(q, some.spans(len(base)), items, rows, commons, needs)
+    spans = some.spans(len(base))
+    lower, moves, world = space.bounds(q, spans, items, rows, commons, needs)
     is_close = lower - moves < needs
-    told = is_shown & ~is_close
-    np.minimum.at(found.bounds, at[told], (lower - moves)[told])
+    lower_to(found.bounds, at, lower - moves, is_shown & ~is_close)
     order = np.flatnonzero(is_close)
     order = order[np.lexsort((lower[order], items[order]))]
-    return _Close(q, items[order], which[order], lower[order], moves[order])
+    corners = some.corners(base, q)
+    return _Close(q, spans, corners, world, items[order], which[order], lower[order], moves[order])
 
 
 def _measured(
@@ -237,12 +253,20 @@ def _measured(
         margin, is_shown = float(pairs.margins[which]), bool(pairs.shown[which])
         need = max(margin, float(goals[item])) if is_shown else margin
         told = lower - move
-        if told < need and not (lower >= margin and lower + LOOSE < need + move):
+        # Where it will be halved anyway, measuring would hardly save that.
+        is_hopeless = (
+            move > resolution and lower >= max(margin, 0.0) and lower + LOOSE < need + move
+        )
+        if told < need and not is_hopeless:
             if looked != item:
                 space.look(close.q[item])
                 looked = item
             distance = space.distance(int(pairs.rows[which]))
             told = distance - move
+            if told < need and move > resolution:
+                row, common = int(pairs.rows[which]), int(pairs.commons[which])
+                within = space.within(row, common, item, close.world, close.spans, close.corners)
+                told = max(told, within)
             if distance < margin or (is_shown and distance < wanted.nearest[at[item]]):
                 state = Nearest(
                     int(pairs.rows[which]), distance, margin, close.q[item],

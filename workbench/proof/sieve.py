@@ -192,6 +192,16 @@ def _moved(
 
 
 @njit(cache=True)
+def lower_to(
+    bounds: Floats, at: Ints, values: Floats, counts: Bools
+) -> None:  # pragma: no cover (compiled)
+    """Lower bounds (w,) [m] to those of the values (n,) [m] at places (n,) that count (n,)."""
+    for n in range(len(at)):
+        if counts[n] and values[n] < bounds[at[n]]:
+            bounds[at[n]] = values[n]
+
+
+@njit(cache=True)
 def sieve(
     items: Ints,
     first: Ints,

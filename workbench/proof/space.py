@@ -1,13 +1,19 @@
 """Where all bodies are, for many configurations at once, and how near they are to each other."""
 
+import math
+
 import numpy as np
 import pinocchio as pin
 
 from workbench.model.geometry import Floats, Ints
 from workbench.proof.bodies import Body, ball, box, coal_shape, is_round
+from workbench.proof.plane import nearer
 from workbench.proof.robot import Tree
-from workbench.proof.sieve import Boxes, Chain, poses, sieve
+from workbench.proof.sieve import Boxes, Chain, World, poses, sieve
 from workbench.proof.table import Table
+
+TOUCHING = 1e-4
+"""[m] Nearer than this, the line between the nearest points is badly known."""
 
 
 class Space:
@@ -22,13 +28,12 @@ class Space:
         self.tree, self.bodies, self.table = tree, bodies, table
         self.looks, self.at = 0, tree.rest
         self.joints = np.array([body.joint for body in bodies])
-        self.placements = [body.T_joint_body for body in bodies]
-        boxes = [box(body.shape) for body in bodies]
+        boxes, at = [box(body.shape) for body in bodies], [body.T_joint_body for body in bodies]
         self._chain = _chain_of(tree)
         self._boxes = Boxes(
             self.joints,
-            np.array([T.rotation for T in self.placements]),
-            np.array([T.act(c) for T, (c, _) in zip(self.placements, boxes, strict=True)]),
+            np.array([T.rotation for T in at]),
+            np.array([T.act(c) for T, (c, _) in zip(at, boxes, strict=True)]),
             np.array([half for _, half in boxes]),
             np.array([ball(body.shape)[1] for body in bodies]),
             np.array([is_round(body, tree) for body in bodies]),
@@ -41,13 +46,14 @@ class Space:
             self._geometry.addGeometryObject(
                 pin.GeometryObject(str(number), body.joint, body.T_joint_body, shape)
             )
+        is_convex = np.array([getattr(body.shape, "is_convex", True) for body in bodies])
+        self._are_convex = is_convex[table.first] & is_convex[table.second]
         self._geometry.setCollisionPairs(table.counts, True)
         self._measured = pin.GeometryData(self._geometry)
-        self._data = tree.model.createData()
 
     def put(self, number: int, joint: int, T_joint_body: pin.SE3) -> None:
         """Hang a body on a joint."""
-        self.joints[number], self.placements[number] = joint, T_joint_body
+        self.joints[number] = joint
         self._boxes.turns[number] = T_joint_body.rotation
         self._boxes.centres[number] = T_joint_body.act(box(self.bodies[number].shape)[0])
         shape = self._geometry.geometryObjects[number]
@@ -57,15 +63,44 @@ class Space:
         """Measure at this whole configuration (nq,) [rad, m] from now on."""
         self.looks += 1
         self.at = q
-        pin.updateGeometryPlacements(self.tree.model, self._data, self._geometry, self._measured, q)
+        pin.updateGeometryPlacements(
+            self.tree.model, self.tree.data, self._geometry, self._measured, q
+        )
 
     def distance(self, row: int) -> float:
         """Between the two of a pair [m]; negative: how deep they are in each other."""
         return float(pin.computeDistance(self._geometry, self._measured, row).min_distance)
 
+    def within(
+        self, row: int, common: int, k: int, world: World, spans: Floats, corners: Floats
+    ) -> float:
+        """How near [m] the two of a pair come at least, in the set around what was looked at.
+
+        Args:
+            row: which pair, one that was measured since.
+            common: the joint next to both that moves both, an index.
+            k: which of the sets that follow, an index.
+            world: where everything is in the middles of sets.
+            spans: see `nearer`.
+            corners: see `nearer`.
+
+        Returns:
+            A lower bound, minus infinity where nothing can be said.
+        """
+        result = self._measured.distanceResults[row]
+        distance = float(result.min_distance)
+        if distance < TOUCHING or not self._are_convex[row]:
+            return -np.inf
+        way = result.getNearestPoint2() - result.getNearestPoint1()
+        normal, chain, boxes = way / math.sqrt(way @ way), self._chain, self._boxes
+        first, second = self.table.first[row], self.table.second[row]
+        return distance - nearer(
+            normal, k, first, second, common, chain, boxes, world, spans, corners
+        )
+
     def bounds(
         self, q: Floats, spans: Floats, items: Ints, rows: Ints, commons: Ints, needs: Floats
-    ) -> tuple[Floats, Floats]:
+    ) -> tuple[Floats, Floats, World]:
         """How far pairs are apart at least, quickly, and how much nearer they may come.
 
         Args:
@@ -77,11 +112,12 @@ class Space:
             needs: (n,) [m] what is enough when the second is taken off the first.
 
         Returns:
-            Both as (n,) [m].
+            Both as (n,) [m], and where everything is at the configurations.
         """
         world = poses(self._chain, self._boxes, q)
         first, second = self.table.first[rows], self.table.second[rows]
-        return sieve(items, first, second, commons, needs, spans, self._chain, self._boxes, world)
+        chain, boxes = self._chain, self._boxes
+        return *sieve(items, first, second, commons, needs, spans, chain, boxes, world), world
 
 
 def _chain_of(tree: Tree) -> Chain:

@@ -18,9 +18,6 @@ from workbench.proof.motion import Sets, changed, moved
 from workbench.proof.robot import Tree
 from workbench.proof.table import Situation
 
-RELEASE = 0.01
-"""[m] After so much of its lift a part has come off what it lay on."""
-
 STRAIGHT: frozenset[LegName] = frozenset({"approach", "extract"})
 """Legs on which tool and held part may come near what stands still."""
 
@@ -54,7 +51,8 @@ class Moving:
 class Step:
     """Legs that run at once; `base` (nq,) [rad, m] has all else where it stands.
 
-    `held` and `placed`: the parts, as these legs begin, see `Parts`.
+    `held` and `placed`: numbers of parts that are in a hand, or where it has put them, as these
+    legs begin.
     """
 
     moving: tuple[Moving, ...]
@@ -90,20 +88,10 @@ def stages_of(cell: Cell, tree: Tree, step: Step, one: Moving, left_at: int) -> 
         one: the leg.
         left_at: on the way home, the waypoint from which on the hand has left the part.
     """
-    columns, name = tree.columns[one.arm.name], one.leg.name
-    motion, zone = cell.controller.motion, cell.policy.zone
-    sets = moved(columns, one.path, motion, zone)
-    moves = np.zeros(tree.model.nq, bool)
-    moves[columns[: len(one.arm.joints)]] = True
-    now = Situation(
-        moves,
-        {number: plan.arm for number, plan in step.held.items()},
-        {number: plan.arm for number, plan in step.placed.items()},
-        straight=one.arm.name if name in STRAIGHT else "",
-        target=one.plan.detection if name == "approach" else -1,
-    )
+    name, now = one.leg.name, situation_of(tree, step, one)
+    sets = moved(tree.columns[one.arm.name], one.path, cell.controller.motion, cell.policy.zone)
     if name == "extract":
-        first, rest = _cut(sets, *_released(tree, step, one))
+        first, rest = _cut(sets, *_released(tree, step, one, cell.policy.release))
         yield Stage(first, now, comes_off=True)
         yield Stage(rest, now)
     elif name == "home":
@@ -112,33 +100,53 @@ def stages_of(cell: Cell, tree: Tree, step: Step, one: Moving, left_at: int) -> 
     else:
         yield Stage(sets, now)
     if name in ("approach", "place") and one.arm.tool.fingers:
-        end = one.path[-1]
-        grips = _whole(one.arm, one.leg.q[-1], one.fingers_after)
         fingers = np.zeros(tree.model.nq, bool)
-        fingers[columns[len(one.arm.joints) :]] = True
-        closing = changed(columns, end, grips, len(one.path) - 2)
-        yield Stage((closing,), replace(now, moves=fingers, lets_go=one.plan.detection))
+        fingers[tree.columns[one.arm.name][len(one.arm.joints) :]] = True
+        lets_go = replace(now, moves=fingers, lets_go=one.plan.detection)
+        yield Stage((fingers_of(tree, one),), lets_go)
+
+
+def situation_of(tree: Tree, step: Step, *ones: Moving) -> Situation:
+    """What is true while arms are on their legs; what only one leg allows, for one arm alone."""
+    moves = np.zeros(tree.model.nq, bool)
+    for one in ones:
+        moves[tree.columns[one.arm.name][: len(one.arm.joints)]] = True
+    now = Situation(
+        moves,
+        {number: plan.arm for number, plan in step.held.items()},
+        {number: plan.arm for number, plan in step.placed.items()},
+    )
+    if len(ones) != 1:
+        return now
+    (one,) = ones
+    return replace(
+        now,
+        straight=one.arm.name if one.leg.name in STRAIGHT else "",
+        target=one.plan.detection if one.leg.name == "approach" else -1,
+    )
 
 
 def course_of(cell: Cell, tree: Tree, one: Moving) -> tuple[Sets, ...]:
     """All configurations of a leg, fingers included, for what does not depend on its stages."""
-    columns = tree.columns[one.arm.name]
-    sets = moved(columns, one.path, cell.controller.motion, cell.policy.zone)
-    if one.fingers_after == one.leg.opening:
-        return sets
+    sets = moved(tree.columns[one.arm.name], one.path, cell.controller.motion, cell.policy.zone)
+    return sets if one.fingers_after == one.leg.opening else (*sets, fingers_of(tree, one))
+
+
+def fingers_of(tree: Tree, one: Moving) -> Sets:
+    """The way of the fingers when a leg has ended."""
     after = _whole(one.arm, one.leg.q[-1], one.fingers_after)
-    return (*sets, changed(columns, one.path[-1], after, len(one.path) - 2))
+    return changed(tree.columns[one.arm.name], one.path[-1], after, len(one.path) - 2)
 
 
-def _released(tree: Tree, step: Step, one: Moving) -> tuple[int, Floats]:
-    """The segment in which a lifted part has come `RELEASE` far, and where in it (n,)."""
+def _released(tree: Tree, step: Step, one: Moving, least: float) -> tuple[int, Floats]:
+    """The segment in which a lifted part has come `least` [m] far, and where in it (n,)."""
     places = np.array([tcp(tree, step.base, one.arm, q).translation for q in one.path])
     far = np.linalg.norm(places - places[0], axis=1)
-    beyond = np.flatnonzero(far >= RELEASE)
+    beyond = np.flatnonzero(far >= least)
     if len(beyond) == 0:
         return len(one.path) - 1, one.path[-1]
     k = int(beyond[0]) - 1
-    share = (RELEASE - far[k]) / (far[k + 1] - far[k])
+    share = (least - far[k]) / (far[k + 1] - far[k])
     return k, one.path[k] + share * (one.path[k + 1] - one.path[k])
 
 
@@ -161,10 +169,9 @@ def tcp(tree: Tree, base: Floats, arm: Arm, values: Floats) -> pin.SE3:
     """`T_world_tcp` of an arm at its joints, followed or not by its fingers (n,) [rad, m]."""
     q = base.copy()
     q[tree.columns[arm.name][: len(values)]] = values
-    data = tree.model.createData()
-    pin.forwardKinematics(tree.model, data, q)
+    pin.forwardKinematics(tree.model, tree.data, q)
     joint, T_joint_flange = tree.flange(arm)
-    return data.oMi[joint] * T_joint_flange * arm.tool.T_flange_tcp
+    return tree.data.oMi[joint] * T_joint_flange * arm.tool.T_flange_tcp
 
 
 def _moving(cell: Cell, plan: ArmPlan, name: LegName) -> Moving:

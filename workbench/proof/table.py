@@ -9,7 +9,7 @@
 | tool or held part, on a straight leg, and what no arm carries | `near_margin` |
 | tool and the part it takes, as it arrives | 0; a cup may press into it by `press` |
 | closing or opening fingers and the part they take or let go | is not compared |
-| lifted part and what it lies on, over the first `RELEASE` | not nearer than at the start |
+| lifted part and what it lies on, over the first `release` | not nearer than at the start |
 | hand and the part it has let go of, until it has left it once | not nearer than at the start |
 | everything else | `margin` |
 
@@ -54,10 +54,9 @@ class Pairs:
     """The pairs (p,) that count in a situation, as rows of a `Table`.
 
     `margins` (p,) [m] are to be kept; `commons` (p,) is the joint next to both that moves both,
-    0 for none.  `beds` are pairs of a lifted part and
-    what it may lie on, `left` those of an arm and the part it has placed.  `arms` (p, 2) are those
-    that carry the two, -1 for none.  `shown`: their distance is worth showing; that of an arm's own
-    links is not.
+    0 for none.  `beds` are pairs of a lifted part and what it may lie on, `left` those of an arm
+    and the part it has placed.  `arms` (p, 2) are those that carry the two, -1 for none.  `shown`:
+    their distance is worth showing; that of an arm's own links is not.
     """
 
     rows: Ints
@@ -129,18 +128,13 @@ class Table:
         placer = np.full(len(carrier), -1)
         for number, arm in now.placed.items():
             placer[self._part == number] = self._arm_numbers[arm]
-
         above, alike = self._tree.ancestors[joints], self._turns_alike
         a, b = self.first, self.second
         apart = (above[a] & ~above[b] & ~alike[a]) | (above[b] & ~above[a] & ~alike[b])
         counts = (apart & now.moves).any(axis=1)
         if now.lets_go >= 0:
-            around = (self._part == now.lets_go) | self._finger
-            counts &= ~(
-                around[a]
-                & around[b]
-                & ((self._part == now.lets_go)[a] | (self._part == now.lets_go)[b])
-            )
+            part = self._part == now.lets_go
+            counts &= ~((part[a] & self._finger[b]) | (part[b] & self._finger[a]))
         rows = np.flatnonzero(counts)
         a, b = a[rows], b[rows]
         shared = self._tree.chains[joints[a]] & self._tree.chains[joints[b]]

@@ -10,9 +10,8 @@ import pinocchio as pin
 from workbench.model.cell import Cell
 from workbench.model.geometry import Floats
 from workbench.model.plan import Finding, Guarantee, Plan, are_in_step
-from workbench.model.scan import Scene
 from workbench.proof.bodies import bodies_of
-from workbench.proof.motion import Sets, changed, moved
+from workbench.proof.motion import Sets, moved
 from workbench.proof.robot import Tree
 from workbench.proof.search import SIGHT, TIGHT, Found, Nearest, search
 from workbench.proof.space import Space
@@ -22,14 +21,13 @@ from workbench.proof.stages import (
     Stage,
     Step,
     course_of,
+    fingers_of,
+    situation_of,
     stages_of,
     steps_of,
     tcp,
 )
 from workbench.proof.table import SLACK, Pairs, Situation, Table
-
-SINK = 0.001
-"""[m] A part that a scan shows deeper than this in what it lies on has a wrong pose."""
 
 ROOM = 0.0005
 """[m] So much more than its margin away, a hand has left a part."""
@@ -64,10 +62,11 @@ class _Question:
 class Walk:
     """One walk through one plan."""
 
-    def __init__(self, cell: Cell, tree: Tree, scene: Scene, plan: Plan, resolution: float) -> None:
-        self._cell, self._tree, self._scene, self._plan = cell, tree, scene, plan
+    def __init__(self, cell: Cell, tree: Tree, plan: Plan, resolution: float) -> None:
+        """Among the parts and obstacles that the plan states: `form` has compared them."""
+        self._cell, self._tree, self._plan = cell, tree, plan
         self._resolution = resolution
-        bodies = bodies_of(cell, tree, scene)
+        bodies = bodies_of(cell, tree, plan.scene)
         self._table = Table(cell, tree, bodies)
         self._space = Space(tree, bodies, self._table)
         self._numbers = {arm.name: k for k, arm in enumerate(cell.arms)}
@@ -104,7 +103,7 @@ class Walk:
             where[number] = 0, tcp(self._tree, step.base, arm, q_place) * plan.T_tcp_part
         for number, body in enumerate(self._space.bodies):
             if body.part >= 0:
-                T_world_part = self._scene.detections[body.part].T_world_part
+                T_world_part = self._plan.detections[body.part].T_world_part
                 joint, T = where.get(body.part, (0, T_world_part))
                 self._space.put(number, joint, T * T_world_part.actInv(body.T_joint_body))
 
@@ -115,10 +114,14 @@ class Walk:
         bounds = np.full(len(one.path), SIGHT)
         others = [self._numbers[other.arm.name] for other in step.moving if other is not one]
         left_at = self._left_at(step, one) if one.leg.name == "home" else 0
+        now, all_pairs = None, None
         for stage in stages_of(self._cell, self._tree, step, one, left_at):
-            pairs = self._pairs(stage.now)
-            for other in others:
-                pairs = pairs.among(~pairs.between(self._numbers[one.arm.name], other))
+            if all_pairs is None or stage.now is not now:
+                now, all_pairs = stage.now, self._pairs(stage.now)
+                for other in others:
+                    is_other = all_pairs.between(self._numbers[one.arm.name], other)
+                    all_pairs = all_pairs.among(~is_other)
+            pairs = all_pairs
             if stage.comes_off or stage.leaves:
                 pairs = self._as_it_begins(step, one, stage, pairs)
             found = self._ask(step, one, tuple((sets,) for sets in stage.sets), pairs)
@@ -130,14 +133,14 @@ class Walk:
 
     def _as_it_begins(self, step: Step, one: Moving, stage: Stage, pairs: Pairs) -> Pairs:
         """Pairs with what they have to keep where they may begin closer than otherwise."""
-        near = self._cell.policy.near_margin
+        near, sink = self._cell.policy.near_margin, self._cell.policy.sink
         margins, may_touch = pairs.margins.copy(), pairs.beds if stage.comes_off else pairs.left
         self._space.look(self._with(step, one, one.path[0]))
         for k in np.flatnonzero(may_touch).tolist():
             distance = self._space.distance(int(pairs.rows[k]))
             margins[k] = min(margins[k], near, distance - SLACK)
-            if stage.comes_off and distance < -SINK:
-                state = Nearest(int(pairs.rows[k]), distance, -SINK, self._space.at, (0,))
+            if stage.comes_off and distance < -sink:
+                state = Nearest(int(pairs.rows[k]), distance, -sink, self._space.at, (0,))
                 problem = "a part lies too deep in what it lies on: its pose is wrong"
                 self._findings.append(self._finding(one, state, problem))
         kept = pairs.keeping(margins)
@@ -145,9 +148,7 @@ class Walk:
 
     def _left_at(self, step: Step, one: Moving) -> int:
         """The first waypoint of the way home at which the hand has left the part."""
-        (pairs,) = (
-            self._pairs(s.now) for s in stages_of(self._cell, self._tree, step, one, 0) if s.leaves
-        )
+        pairs = self._pairs(situation_of(self._tree, step, one))
         rows = pairs.rows[pairs.left]
         away = self._cell.policy.margin + ROOM
         for number, values in enumerate(one.path):
@@ -164,27 +165,19 @@ class Walk:
     def _together(self, step: Step) -> None:
         """Arms against each other: at any speeds, or in step where the plan says so."""
         first, second = step.moving
-        both = self._tree.columns[first.arm.name], self._tree.columns[second.arm.name]
-        moves = np.zeros(self._tree.model.nq, bool)
-        moves[np.concatenate(both)] = True
-        now = Situation(
-            moves,
-            {number: plan.arm for number, plan in step.held.items()},
-            {number: plan.arm for number, plan in step.placed.items()},
-        )
-        pairs = self._pairs(now)
+        pairs = self._pairs(situation_of(self._tree, step, first, second))
         numbers = self._numbers[first.arm.name], self._numbers[second.arm.name]
         pairs = pairs.among(pairs.between(*numbers))
         in_step = self._plan.guarantee is Guarantee.SYNCHRONISED
         if in_step and are_in_step([first.leg, second.leg]):
+            both = [self._tree.columns[one.arm.name] for one in step.moving]
             path = np.hstack([first.path, second.path])
             motion, zone = self._cell.controller.motion, self._cell.policy.zone
             sets: list[tuple[Sets, ...]] = [
                 (s,) for s in moved(np.concatenate(both), path, motion, zone)
             ]
             # At its end the fingers of both move, in any order.
-            ends = (_closing(one, columns) for one, columns in zip(step.moving, both, strict=True))
-            sets.append(tuple(ends))
+            sets.append(tuple(fingers_of(self._tree, one) for one in step.moving))
         else:
             ways = (course_of(self._cell, self._tree, one) for one in step.moving)
             sets = list(product(*ways))
@@ -207,12 +200,9 @@ class Walk:
     def _smallest(self, q: Floats, pairs: Pairs) -> Floats:
         """The smallest distances (k,) [m] of some pairs at configurations (k, nq)."""
         items, which = (each.ravel() for each in np.mgrid[: len(q), : len(pairs.rows)])
-        rows, commons, most = (
-            pairs.rows[which],
-            pairs.commons[which],
-            np.full(len(items), FAR_SIGHT),
-        )
-        lower, _ = self._space.bounds(q, np.zeros_like(q), items, rows, commons, most)
+        rows, commons = pairs.rows[which], pairs.commons[which]
+        most = np.full(len(items), FAR_SIGHT)
+        lower, _, _ = self._space.bounds(q, np.zeros_like(q), items, rows, commons, most)
         lower = lower.reshape(len(q), -1)
         smallest = np.full(len(q), FAR_SIGHT)
         for number, whole in enumerate(q):
@@ -237,6 +227,9 @@ class Walk:
         found = search(self._space, step.base, sets, pairs, self._resolution, len(one.path))
         if one.leg.name not in STRAIGHT or (other is not None and other.leg.name not in STRAIGHT):
             self._asked.append(_Question(step, one, sets, pairs, found))
+        if found.gave_up:
+            problem = "is near something for too long to be proven"
+            self._findings.append(Finding(problem, one.arm.name, one.leg.name))
         if found.violation is not None:
             problem = f"closer than {found.violation.margin * 1e3:.1f} mm"
             if other is not None:
@@ -256,18 +249,20 @@ class Walk:
         within, bound = state.distance, SIGHT
         for asked in self._asked:
             close = np.flatnonzero(asked.found.bounds < within - TIGHT)
-            if len(close) == 0 or asked.found.violation is not None:
+            if len(close) == 0 or asked.found.violation is not None or asked.found.gave_up:
                 bound = min(bound, float(asked.found.bounds.min()))
                 continue
             self._put(asked.step)
             sets = tuple(
                 (blocks[0].only(np.isin(blocks[0].at, close)), *blocks[1:]) for blocks in asked.sets
             )
-            again = search(
-                self._space, asked.step.base, sets, asked.pairs.among(asked.pairs.shown),
-                TIGHT, len(asked.one.path), within,
-            )  # fmt: skip
-            bound = min(bound, float(again.bounds.min()))
+            # How near, not whether too near: that has been answered.
+            shown = asked.pairs.among(asked.pairs.shown)
+            pairs = shown.keeping(np.full(len(shown.rows), -np.inf))
+            base, count = asked.step.base, len(asked.one.path)
+            again = search(self._space, base, sets, pairs, TIGHT, count, within)
+            known = asked.found.bounds if again.gave_up else again.bounds
+            bound = min(bound, float(known.min()))
             if again.nearest is not None and again.nearest.distance < within:
                 within, state, where = again.nearest.distance, again.nearest, asked
         return min(bound, within), self._finding(where.one, state, "smallest clearance")
@@ -281,9 +276,3 @@ class Walk:
         columns = self._tree.columns[one.arm.name][: len(one.arm.joints)]
         labels, q = self._table.labels(state.row), state.q[columns]
         return Finding(problem, one.arm.name, one.leg.name, state.at[0], labels, state.distance, q)
-
-
-def _closing(one: Moving, columns: np.ndarray) -> Sets:
-    after = one.path[-1].copy()
-    after[len(one.arm.joints) :] = one.fingers_after / 2
-    return changed(columns, one.path[-1], after, len(one.path) - 2)

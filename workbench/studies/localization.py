@@ -12,6 +12,7 @@ from workbench.app.runtime.work import find_parts
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.parts.reading import read_part
 from workbench.model.cell import Cell
+from workbench.model.geometry import pose_from_rpy
 from workbench.model.part import Part
 from workbench.model.scan import ALL_KINDS, Detection
 from workbench.perception.localization.pose_error import pose_error
@@ -49,13 +50,21 @@ TOGETHER = "+"
 
 @dataclass(frozen=True, slots=True)
 class Task:
-    """One scene: which parts lie in it, how many, and which build of scanner sees them."""
+    """One scene: which parts lie in it, how many, and which build of scanner sees them.
+
+    The scanner is not where the cell has it: all that it sees is `raised` [m] and `tilted` [rad]
+    about the bin's x axis.  `searched` are the kinds that are looked for, as in `part`; empty:
+    those that lie there.
+    """
 
     cell: str
     part: str
     build: str
     count: int
     seed: int
+    raised: float = 0.0
+    tilted: float = 0.0
+    searched: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,20 +95,36 @@ class Scene:
 
 def localized_scene(task: Task) -> Scene:
     """Drop parts, scan them, find them, and compare."""
-    cell = _warm(task.cell, task.part, task.build)
-    truth = pile_of(cell, ALL_KINDS, task.count, seed=task.seed)
-    scan = synthesize(cell, truth, seed=task.seed, noise=BUILDS[task.build].noise)
+    cell = _warm(task.cell, task.searched or task.part, task.build)
+    lying = replace(cell, parts=_kinds(task.part))
+    fallen = pile_of(lying, ALL_KINDS, task.count, seed=task.seed)
+    scan = synthesize(lying, fallen, seed=task.seed, noise=BUILDS[task.build].noise)
+    T_world_bin = cell.bin.T_world_bin
+    off = T_world_bin * pose_from_rpy((0, 0, task.raised), (task.tilted, 0, 0))
+    off = off * T_world_bin.inverse()
+    truth = tuple(replace(one, T_world_part=off * one.T_world_part) for one in fallen)
+    scan = replace(scan, T_world_scanner=off * scan.T_world_scanner)
     began = working_time()
     detections = find_parts(cell, {"scan": scan, "seed": task.seed}, _silent, _never).detections
     seconds = working_time() - began
-    found, is_found = compare(cell.parts, truth, detections)
-    return Scene(task, found, visible_shares(cell, truth), is_found, seconds)
+    names = {part.name for part in cell.parts}
+    is_searched = [one.part in names for one in truth]
+    there = [one for one, wanted in zip(truth, is_searched, strict=True) if wanted]
+    found, is_found = compare(cell.parts, there, detections)
+    shares = visible_shares(lying, fallen)
+    visible = tuple(share for share, wanted in zip(shares, is_searched, strict=True) if wanted)
+    return Scene(task, found, visible, is_found, seconds)
+
+
+@lru_cache(maxsize=12)
+def _kinds(names: str) -> tuple[Part, ...]:
+    return tuple(map(read_part, names.split(TOGETHER)))
 
 
 @lru_cache(maxsize=12)
 def _warm(name: str, parts: str, build: str) -> Cell:
     """The cell with those parts and scanner, after a search: code and parts are prepared."""
-    kinds, deviation = tuple(map(read_part, parts.split(TOGETHER))), BUILDS[build].deviation
+    kinds, deviation = _kinds(parts), BUILDS[build].deviation
     cell = read_cell(name)
     scanner = cell.scanner if deviation is None else replace(cell.scanner, depth_noise=deviation)
     cell = replace(cell, parts=kinds, scanner=scanner)

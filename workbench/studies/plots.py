@@ -51,7 +51,7 @@ def draw_planners(path: Path, ours: Rows, theirs: Rows) -> None:
                     col=place % 2 + 1,  # type: ignore[arg-type]
                 )
     figure.update_xaxes(type="log", title_text="iterations allowed")
-    _write(path, figure, "Planners from one configuration to random tool poses in the bin")
+    write_plot(path, figure, "Planners from one configuration to random tool poses in the bin")
 
 
 def draw_threshold(path: Path, cases: Sequence[Case], rows: Rows) -> None:
@@ -87,7 +87,7 @@ def draw_threshold(path: Path, cases: Sequence[Case], rows: Rows) -> None:
         )
     figure.update_xaxes(title_text="threshold [mm]")
     figure.update_xaxes(title_text="distance of the parts [mm]", row=1, col=3)
-    _write(path, figure, "Two parts at random: the distance from which both arms work at once")
+    write_plot(path, figure, "Two parts at random: the distance from which both arms work at once")
 
 
 def draw_localization(path: Path, rows: Rows) -> None:
@@ -118,10 +118,15 @@ def draw_localization(path: Path, rows: Rows) -> None:
         colour = COLOURS[3 + number]
         figure.add_trace(go.Bar(x=x, y=times, name=name, marker={"color": colour}), 2, 1)
     figure.update_yaxes(rangemode="tozero", row=2, col=1)
-    _write(path, figure, "Parts in seeded piles: how many are found, and found rightly")
+    write_plot(path, figure, "Parts in seeded piles: how many are found, and found rightly")
 
 
-def _write(path: Path, figure: go.Figure, title: str) -> None:
+def write_plot(path: Path, figure: go.Figure, title: str) -> None:
+    """Write a figure with its title as one HTML file.
+
+    Raises:
+        FileError: the file cannot be written.
+    """
     figure.update_layout(title=title, template="plotly_white", height=760)
     try:
         figure.write_html(path, include_plotlyjs=True)

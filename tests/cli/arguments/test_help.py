@@ -48,6 +48,7 @@ NESTED = (
     ("bench", "short"),
     ("study", "threshold"),
     ("study", "localization"),
+    ("study", "emptying"),
     ("cell", "new"),
     ("cell", "check"),
     ("cell", "show"),

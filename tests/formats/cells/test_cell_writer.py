@@ -71,6 +71,8 @@ def test_what_is_seldom_changed_comes_back_too(tmp_path):
         seconds=3.0,
         metric=0.5,
         approval_minutes=2.5,
+        lifts=("up", "off-wall"),
+        least_air=0.002,
     )
     folder = PosesFolder(str(tmp_path / "poses"), "keyed_cylinder")
     again = written(tmp_path, replace(cell, scanner=scanner, policy=policy, poses_folder=folder))

@@ -178,3 +178,39 @@ def test_a_pair_of_links_that_are_not_there_is_refused(folder: Path) -> None:
 )
 def test_no_file_is_worse_than_an_error(tmp_path: Path, content: bytes) -> None:
     only_file_errors(tmp_path / "cell.toml", content, read_cell)
+
+
+def with_policy(folder: Path, lines: str) -> Path:
+    """The shipped cell with lines of its own for lifts and air."""
+    path = folder / "cell.toml"
+    rows = path.read_text(encoding="utf-8").splitlines()
+    kept = [row for row in rows if not row.startswith(("lifts =", "least_air_mm ="))]
+    text = "\n".join(kept).replace("[policy]", f"[policy]\n{lines}", 1)
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+@pytest.mark.parametrize(
+    ("line", "problem"),
+    [
+        ('lifts = ["sideways"]', "is none of leaning, up, back, off-wall, around"),
+        ("lifts = []", "each once"),
+        ('lifts = ["up", "up"]', "each once"),
+        ("least_air_mm = -1", "least_air_mm"),
+    ],
+)
+def test_lifts_and_the_least_air_are_checked(folder: Path, line: str, problem: str) -> None:
+    with pytest.raises(FileError, match=problem):
+        read_cell(with_policy(folder, line))
+
+
+def test_lifts_and_the_least_air_are_read(folder: Path) -> None:
+    cell = read_cell(with_policy(folder, 'lifts = ["up", "around"]\nleast_air_mm = 1.5'))
+    assert cell.policy.lifts == ("up", "around")
+    assert cell.policy.least_air == pytest.approx(0.0015)
+
+
+def test_a_cell_that_names_no_other_lift_has_the_digest_of_before(folder: Path) -> None:
+    silent = read_cell(with_policy(folder, ""))
+    assert read_cell(with_policy(folder, 'lifts = ["leaning"]')).digest == silent.digest
+    assert read_cell(with_policy(folder, 'lifts = ["up"]')).digest != silent.digest

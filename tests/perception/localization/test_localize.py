@@ -115,6 +115,32 @@ def test_nothing_is_found_in_an_empty_bin(part, cell):
     assert localize(synthesize(cell, (), seed=0), part, cell, seed=0) == ()
 
 
+def off(scan, cell, raised, tilted):
+    """The scan by a scanner that is not where the cell has it, and by how much in the world."""
+    there = pose_from_rpy((0, 0, raised), (math.radians(tilted), 0, 0))
+    T = cell.bin.T_world_bin * there * cell.bin.T_world_bin.inverse()
+    return Scan(scan.points, T * scan.T_world_scanner, "off", scan.pixels, scan.resolution), T
+
+
+@pytest.mark.parametrize("raised", [-0.005, 0.003, 0.005])
+@pytest.mark.parametrize("name", ["bracket", "keyed_cylinder"])
+def test_an_empty_bin_is_empty_whatever_its_height(cell, name, raised):
+    part = read_part(name)
+    scan, _ = off(synthesize(cell, (), seed=3), cell, raised, 0.0)
+    assert localize(scan, part, cell, seed=0) == ()
+
+
+@pytest.mark.parametrize(("raised", "tilted"), [(0.005, 0.0), (-0.005, 0.0), (0.0, 1.0)])
+def test_parts_in_a_bin_that_is_off_are_found_there(cell, raised, tilted):
+    part = read_part("bracket")
+    cell = replace(cell, parts=(part,))
+    truth = drop_parts((part,) * 4, cell.bin, seed=1)
+    scan, T = off(synthesize(cell, truth, seed=1), cell, raised, tilted)
+    there = tuple(replace(one, T_world_part=T * one.T_world_part) for one in truth)
+    wrong, missed, *_ = compared(part, there, localize(scan, part, cell, seed=0))
+    assert (wrong, missed) == ([], 0)
+
+
 def test_nothing_is_found_where_the_bin_is_not(scan, part, cell):
     elsewhere = replace(cell.bin, T_world_bin=pose_from_rpy((2, 0, 0)))
     assert localize(scan, part, replace(cell, bin=elsewhere), seed=0) == ()

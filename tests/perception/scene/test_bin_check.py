@@ -73,6 +73,17 @@ def test_an_empty_bin_is_told(cell):
     assert check.findings == ("the bin is empty",) and check.light == "warning"
 
 
+def test_a_floor_that_is_not_where_the_rim_is_is_told_and_the_bin_empty_all_the_same(cell):
+    scan = scanned(cell)[0]
+    higher = np.array(scan.points_world - cell.bin.T_world_bin.translation)
+    on_floor = (np.abs(higher[:, :2]) < cell.bin.size[:2] / 2).all(axis=1) & (higher[:, 2] < 0.01)
+    raised = np.array(scan.points)
+    raised[on_floor] *= 1 - 0.005 / raised[on_floor, 2:]
+    check = check_bin(Scan(raised, scan.T_world_scanner, "raised"), cell.bin)
+    assert check.is_empty and not check.is_elsewhere
+    assert any("the floor of the bin lies 5.0 mm higher" in one for one in check.findings)
+
+
 def test_one_part_is_not_empty(cell):
     assert not check_bin(scanned(cell, 1)[0], cell.bin).is_empty
 

@@ -7,7 +7,8 @@ import pytest
 from workbench.formats.parts.reading import read_part
 from workbench.model.digest import digest_of
 from workbench.model.errors import InputError
-from workbench.perception.simulation.piles import OUTSIDE, _model, drop_parts
+from workbench.perception.simulation.physics import model_of
+from workbench.perception.simulation.piles import OUTSIDE, drop_parts
 from workbench.perception.views.surfaces import add_surface, surface_of
 
 
@@ -66,5 +67,5 @@ def test_parts_of_several_kinds_fall_together_each_with_its_own_mass(cell):
         p_bin = np.asarray(kind.mesh.points) @ T.rotation.T + T.translation
         assert np.all(np.abs(p_bin[:, :2]) <= cell.bin.size[:2] / 2 + OUTSIDE)
         assert p_bin[:, 2].min() >= -OUTSIDE
-    masses = _model(kinds, cell.bin).body_mass[1:]
+    masses = model_of(kinds, cell.bin).body_mass[1:]
     assert masses == pytest.approx([kind.mass for kind in kinds])

@@ -9,6 +9,7 @@ import pytest
 from bending import with_grasps
 
 from workbench.app.picking.pipeline import plan_pick
+from workbench.app.picking.proving import prove
 from workbench.model.candidate import Pick
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.part import Grasp
@@ -16,7 +17,6 @@ from workbench.planning.collision.legs import FREE_STEP, SLIDE_STEP, TILT_STEP, 
 from workbench.planning.collision.world import World
 from workbench.planning.picking.propose import propose
 from workbench.planning.picking.resolve import resolve
-from workbench.planning.proving.prove import prove
 
 
 def turns_of(arm, **free):

@@ -8,6 +8,7 @@ from three_arms import NAMES, write_cell
 
 from workbench.app.core.rules import strategies_of
 from workbench.app.picking.pipeline import plan_pick
+from workbench.app.picking.proving import prove
 from workbench.formats.cells.reading import read_cell
 from workbench.model.errors import InputError
 from workbench.model.geometry import pose_from_rpy
@@ -18,7 +19,6 @@ from workbench.planning.kinematics.chain import is_solution
 from workbench.planning.picking.dual_arm import pairs_of
 from workbench.planning.picking.order import cost_of
 from workbench.planning.picking.resolve import resolve
-from workbench.planning.proving.prove import prove
 
 
 def pucks(*places):

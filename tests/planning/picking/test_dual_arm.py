@@ -8,6 +8,7 @@ from bending import with_leg
 
 from workbench.app.core.rules import approve
 from workbench.app.picking.pipeline import plan_pick
+from workbench.app.picking.proving import prove
 from workbench.model.errors import CommandRefused
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.plan import LEG_NAMES, Guarantee, Step, Strategy
@@ -17,15 +18,13 @@ from workbench.planning.collision.legs import phase_of, stretches
 from workbench.planning.collision.world import World
 from workbench.planning.kinematics.chain import is_solution
 from workbench.planning.picking.in_step import in_step
-from workbench.planning.proving.prove import prove
-from workbench.planning.proving.walk import at
 from workbench.plugins.robot_link import send, spoken_to_by
 
 
 def lying(cell, x: float, y: float, turn: float) -> Detection:
     floor = cell.bin.T_world_bin.translation
     return Detection(
-        cell.parts[0].name, pose_from_rpy(floor + [x, y, 0.0165], (np.pi / 2, 0.0, turn))
+        cell.parts[0].name, pose_from_rpy(floor + [x, y, 0.0191], (np.pi / 2, 0.0, turn))
     )
 
 
@@ -86,7 +85,7 @@ def test_whatever_comes_out_of_a_pile_is_proven_and_apart_at_any_speeds(cell, se
             for arm_plan, leg in stretch.runs:
                 # Corners are rounded between the waypoints; at their middles nothing is.
                 k = rng.integers(len(leg.t) - 1)
-                state[arm_plan.arm] = at(leg, float(leg.t[k] + leg.t[k + 1]) / 2)
+                state[arm_plan.arm] = leg.at(float(leg.t[k] + leg.t[k + 1]) / 2)
             assert not world.meets(world.configuration(state))
 
 
@@ -108,7 +107,8 @@ def test_arms_planned_for_turns_meet_when_they_go_at_once(cell, guarantee):
     plan = plan_pick(cell, close, "scan", strategy="alternated", seed=0).plan
     first, second = plan.arms
     pairs = tuple(Step(((first.arm, name), (second.arm, name))) for name in LEG_NAMES)
-    proof = prove(cell, replace(plan, guarantee=guarantee, sequence=pairs))
+    at_once = replace(plan, strategy=Strategy.COORDINATED, guarantee=guarantee, sequence=pairs)
+    proof = prove(cell, at_once)
     met = [finding for finding in proof.findings if "while arm" in finding.problem]
     assert met
     for finding in met:

@@ -14,9 +14,9 @@ from workbench.planning.picking.nearest_fix import nearest_fix
 
 @pytest.fixture(scope="module")
 def deep(cell, detections):
-    """Every grasp taken 6 mm deeper: the fingers reach the floor."""
+    """Every grasp taken 9 mm deeper: the fingers reach the floor."""
     deep = with_grasps(
-        cell, lambda g: replace(g, T_part_tcp=g.T_part_tcp * pose_from_rpy((0, 0, 0.006)))
+        cell, lambda g: replace(g, T_part_tcp=g.T_part_tcp * pose_from_rpy((0, 0, 0.009)))
     )
     return deep, judge(deep, detections)
 
@@ -69,14 +69,14 @@ def test_what_is_out_of_reach_has_no_small_fix(cell, detections):
 
 
 def test_where_no_other_grasp_helps_the_margin_is_named(cell, detections, monkeypatch):
-    """With a margin of 6 mm to the floor, which its fingers do not have."""
+    """With a margin of 9 mm to the floor, which its fingers do not have."""
     for name in ("TURNS", "BACK_OFFS", "SLIDES"):
         monkeypatch.setattr(f"workbench.planning.picking.nearest_fix.{name}", ())
-    wide = replace(cell, policy=replace(cell.policy, near_margin=0.006))
+    wide = replace(cell, policy=replace(cell.policy, near_margin=0.009))
     candidates = judge(wide, detections)
     fix = nearest_fix(wide, detections, candidates, seed=0)
     assert fix is not None
-    assert "near_margin, 6 mm" in fix.change
+    assert "near_margin, 9 mm" in fix.change
     assert not fix.candidate.verdict.is_ok
     assert any(
         one.verdict.is_ok

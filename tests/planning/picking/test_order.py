@@ -26,7 +26,7 @@ LYING = (
 
 
 def lying(x: float, y: float, z: float, score: float, yaw: float) -> Detection:
-    T = pose_from_rpy(FLOOR + (x, y, 0.0165 + z), (np.pi / 2, 0, yaw))
+    T = pose_from_rpy(FLOOR + (x, y, 0.0191 + z), (np.pi / 2, 0, yaw))
     return Detection("keyed_cylinder", T, score)
 
 

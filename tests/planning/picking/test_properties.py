@@ -10,6 +10,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from workbench.app.picking.pipeline import judge, plan_pick
+from workbench.app.picking.proving import prove
 from workbench.formats.cells.reading import read_cell
 from workbench.model.candidate import Pick, Reason, Verdict
 from workbench.model.cell import Wishes
@@ -28,7 +29,6 @@ from workbench.planning.picking.resolve import resolve
 from workbench.planning.picking.route import arm_plan
 from workbench.planning.picking.search import searched
 from workbench.planning.planners.clock import working_time
-from workbench.planning.proving.prove import prove
 
 MOTION = MotionModel("anything")
 
@@ -167,7 +167,7 @@ def test_a_search_that_takes_too_long_is_ended_with_a_verdict():
 
 def test_a_leg_for_which_no_time_was_left_is_not_called_impossible():
     detections = tuple(
-        Detection(PART.name, pose_from_rpy(FLOOR + (0.0, y, 0.0165), (np.pi / 2, 0, np.pi / 2)))
+        Detection(PART.name, pose_from_rpy(FLOOR + (0.0, y, 0.0191), (np.pi / 2, 0, np.pi / 2)))
         for y in (-0.03, 0.03)
     )
     world = World(CELL, detections)

@@ -13,7 +13,7 @@ from workbench.model.candidate import Candidate, Pick, Reason, Stage, Verdict
 from workbench.model.cell import Cell, Wishes
 from workbench.model.errors import InputError, JobCancelled
 from workbench.model.plan import Plan, PlanResult, Strategy
-from workbench.model.scan import Detection, Obstacle
+from workbench.model.scan import Detection, Obstacle, Scene
 from workbench.planning.collision.world import World
 from workbench.planning.picking.dual_arm import OFFSETS, coordinate, pairs_of, side_by_side
 from workbench.planning.picking.order import Cost, cost_of
@@ -21,8 +21,8 @@ from workbench.planning.picking.propose import propose
 from workbench.planning.picking.resolve import resolve
 from workbench.planning.picking.route import route
 from workbench.planning.planners.clock import working_time
-from workbench.planning.proving.prove import prove
 from workbench.plugins.robot_link import misfit
+from workbench.proof.prove import prove
 
 Report = Callable[[float, str], None]
 """Called with the share done, 0..1, and what is being done."""
@@ -103,7 +103,7 @@ def plan_pick(
             took["route"], began = working_time() - began, working_time()
         if plan is not None:
             report(0.9, "proving the plan")
-            proof = prove(cell, plan)
+            proof = prove(cell, Scene(scan_digest, detections, obstacles), plan)
             took["prove"] = working_time() - began
             plan = replace(plan, seconds=took)
         results.append(PlanResult(judged, plan, proof, verdict, took, obstacles, policy.planner))
@@ -190,12 +190,22 @@ def _judged(
         result = resolve(world, candidate, seed=seed)
         if isinstance(result, Pick):
             picks.append(result)
-            note = f"joint travel {np.rad2deg(result.travel):.0f} degrees"
-            verdict = Verdict(Reason.OK, Stage.PLACE, note=note)
+            verdict = Verdict(Reason.OK, Stage.PLACE, note=_told(world, result))
             judged.append(replace(candidate, verdict=verdict))
         else:
             judged.append(replace(candidate, verdict=result))
     return tuple(judged), picks
+
+
+def _told(world: World, pick: Pick) -> str:
+    """What to know of a candidate that works: how far it goes, its lift and its opening."""
+    candidate = pick.candidate
+    note = f"joint travel {np.rad2deg(pick.travel):.0f} degrees"
+    if len(world.policy.lifts) > 1:
+        note += f", lift {pick.lift}"
+    if world.policy.least_air is not None and world.arm(candidate.arm).tool.fingers:
+        note += f", fingers {candidate.grasp.opening * 1e3:.0f} mm apart"
+    return note
 
 
 def _summary(candidates: tuple[Candidate, ...]) -> Verdict:

@@ -16,7 +16,7 @@ from workbench.model.digest import digest_of
 from workbench.model.plan import Plan, PlanResult, Proof
 from workbench.model.scan import Detection, Scan
 from workbench.perception.localization.pose_error import pose_error
-from workbench.planning.proving.prove import prove
+from workbench.proof.prove import prove
 
 OTHER_STEP = float(np.deg2rad(0.015))
 """[rad] A value between two hundredths of a degree, as controllers take them, may be rounded to
@@ -180,7 +180,7 @@ def _plannings(cell: Cell, kept: PlanResult, again: PlanResult) -> Resemblance:
         if verdicts or kept.verdict.reason is not again.verdict.reason:
             return _other(verdicts or f"{again.verdict} instead of {kept.verdict}")
         return _within("rounding: every candidate has the same verdict, and there is no plan")
-    proof = prove(cell, kept.plan)
+    proof = prove(cell, kept.plan.scene, kept.plan)
     says = f"the recorded plan is {'' if proof.holds else 'NOT '}proven here too"
     problem = verdicts or _other_plan(kept.plan, again.plan) or _other_proof(kept.proof, proof)
     if problem or not proof.holds:

@@ -1,4 +1,4 @@
-"""What can be typed after `workbench bench`, `study`, `cell` and `session`: their help."""
+"""What can be typed after `workbench bench`, `cell` and `session`: their help."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -100,55 +100,6 @@ class BenchPage:
 
 
 @dataclass(frozen=True, slots=True)
-class StudyLocalization:
-    """Find the parts of seeded piles in simulated scans and compare with where they lie."""
-
-    cell: str = "yumi"
-    """Name under robots/, or path of a cell.toml."""
-    scenes: int = 10
-    """How many piles for each part, count and noise."""
-    parts: tuple[str, ...] = ("keyed_cylinder", "bracket", "bolt")
-    """Names under parts/, or paths, one after the other; a+b for both in one pile."""
-    counts: tuple[int, ...] = (2, 8)
-    """Parts in a pile."""
-    noise: tuple[Literal["fine", "rough"], ...] = ("fine", "rough")
-    """Builds of scanner: that of the cell, and one with twice its noise and many flaws."""
-    seed: int = 0
-    """Seed of the first pile; the others follow."""
-    plot: Path | None = None
-    """HTML file to draw it in."""
-    json: bool = False
-    """Print one JSON object and nothing else."""
-
-
-@dataclass(frozen=True, slots=True)
-class StudyThreshold:
-    """What each distance threshold between alternated and coordinated arms would give.
-
-    Two parts fall into the bin at random, again and again; every pile is planned both ways.
-    """
-
-    cell: str = "yumi"
-    """Name under robots/, or path of a cell.toml with two arms or more."""
-    cycles: int = 100
-    """How many piles."""
-    thresholds: tuple[float, ...] = (0.05, 0.1, 0.15, 0.2, 0.25, 0.3)
-    """Distances [m] to compare."""
-    workers: int = 1
-    """Processes on this machine; more than one needs the extra `cluster`."""
-    scheduler: str | None = None
-    """Address of a Dask cluster that does the work instead, tcp://host:port."""
-    seed: int = 0
-    """Seed of the first pile; the others follow."""
-    plot: Path | None = None
-    """HTML file to draw the comparison in."""
-    keep: bool = False
-    """Keep the result beside the cell, where the page shows it with the threshold."""
-    json: bool = False
-    """Print one JSON object and nothing else."""
-
-
-@dataclass(frozen=True, slots=True)
 class BenchShort:
     """Run the short form of every benchmark and set it beside the figures of last time.
 
@@ -173,16 +124,6 @@ class Bench:
         | Annotated[BenchSoak, subcommand("soak")]
         | Annotated[BenchPage, subcommand("page")]
         | Annotated[BenchShort, subcommand("short")]
-    )
-
-
-@dataclass(frozen=True, slots=True)
-class Study:
-    """Measure how well the cell does on many seeded piles."""
-
-    what: (
-        Annotated[StudyThreshold, subcommand("threshold")]
-        | Annotated[StudyLocalization, subcommand("localization")]
     )
 
 

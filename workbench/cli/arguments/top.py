@@ -11,8 +11,9 @@ from tyro.conf import Positional, subcommand
 
 from workbench.cli.arguments.access import USERS, UserCommands
 from workbench.cli.arguments.names import OrderName
-from workbench.cli.arguments.nested import Bench, CellCommands, SessionCommands, Study
+from workbench.cli.arguments.nested import Bench, CellCommands, SessionCommands
 from workbench.cli.arguments.part import Grasps, PartCommands
+from workbench.cli.arguments.studies import Study
 
 
 @dataclass(frozen=True, slots=True)

@@ -15,7 +15,10 @@ from workbench.cli.arguments.nested import (
     BenchPlanners,
     BenchShort,
     BenchSoak,
+)
+from workbench.cli.arguments.studies import (
     Study,
+    StudyEmptying,
     StudyLocalization,
     StudyThreshold,
 )
@@ -61,6 +64,10 @@ def study(typed: Study) -> int:
             return _localization(typed.what)
         case StudyThreshold():
             return _threshold(typed.what)
+        case StudyEmptying():
+            from workbench.cli.measuring.emptying import emptying
+
+            return emptying(typed.what)
         case _:
             assert_never(typed.what)
 
@@ -174,9 +181,12 @@ def _localization(typed: StudyLocalization) -> int:
     if not typed.parts or not typed.counts or not typed.noise:
         raise InputError("--parts, --counts and --noise need at least one value each")
     for count in typed.counts:
-        check_whole("--counts", count, 1, MOST_PARTS)
+        check_whole("--counts", count, 0, MOST_PARTS)
+    check_number("--raised", typed.raised, -100.0, 100.0)
+    check_number("--tilted", typed.tilted, -45.0, 45.0)
+    off = (typed.raised / 1000, float(np.deg2rad(typed.tilted)), typed.search)
     tasks = [
-        localization.Task(typed.cell, part, build, count, seed)
+        localization.Task(typed.cell, part, build, count, seed, *off)
         for part in typed.parts
         for build in typed.noise
         for count in typed.counts

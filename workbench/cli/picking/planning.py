@@ -6,8 +6,8 @@ from dataclasses import replace
 from pathlib import Path
 
 from workbench.app.core.value_checks import LARGEST_MARGIN, MOST_ITERATIONS, SEED_LIMIT
-from workbench.app.picking import second_opinion
 from workbench.app.picking.pipeline import check_strategy, plan_pick
+from workbench.app.picking.proving import prove
 from workbench.app.runtime.readiness import make_ready
 from workbench.cli.arguments import top as arguments
 from workbench.cli.exits import NO_PLAN, SUCCESS
@@ -40,7 +40,6 @@ from workbench.model.geometry import pose_from_rpy
 from workbench.model.plan import Finding, Plan, PlanResult
 from workbench.model.scan import Detection, Obstacle
 from workbench.perception.scene.unexplained import unexplained
-from workbench.planning.proving.prove import prove
 from workbench.plugins.planner import planner_named
 
 
@@ -107,12 +106,9 @@ def verify(typed: arguments.Verify) -> int:
     with progress("verify") as report:
         make_ready(report, ("planning",))
         report(0.0, "proving the plan")
-        if typed.scan is None and typed.poses is None:
-            proof = prove(cell, plan)
-        else:
-            scan = None if typed.scan is None else read_scan(typed.scan, cell.scanner)
-            poses = None if typed.poses is None else detections_from(cell, typed.poses, None)
-            proof = second_opinion.verify(cell, plan, detections=poses, scan=scan)
+        scan = None if typed.scan is None else read_scan(typed.scan, cell.scanner)
+        poses = None if typed.poses is None else detections_from(cell, typed.poses, None)
+        proof = prove(cell, plan, detections=poses, scan=scan)
     if stated != plan.digest:
         edited = Finding(
             f"the file was changed after the plan was made: it states digest {stated[:12]}, "

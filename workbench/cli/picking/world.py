@@ -17,8 +17,7 @@ from workbench.model.plan import Plan
 from workbench.planning.collision.bodies import part_label
 from workbench.planning.collision.legs import stretches
 from workbench.planning.kinematics.chain import chain_of
-from workbench.planning.proving.prove import form_findings
-from workbench.planning.proving.walk import at
+from workbench.proof.form import form_findings
 
 
 def export_world(typed: arguments.ExportWorld) -> int:
@@ -27,7 +26,7 @@ def export_world(typed: arguments.ExportWorld) -> int:
     snapshots = [("cell", Snapshot())]
     if typed.plan is not None:
         plan, _ = read_plan(typed.plan)
-        problem = next(form_findings(cell, plan), None)
+        problem = next(form_findings(cell, plan.scene, plan), None)
         if problem is not None:
             raise InputError(f"{typed.plan}: {problem}")
         snapshots += _snapshots(cell, plan)
@@ -63,7 +62,7 @@ def _snapshots(cell: Cell, plan: Plan) -> Iterator[tuple[str, Snapshot]]:
         )
         names = [f"{arm_plan.arm}-{leg.name}" for arm_plan, leg in stretch.runs]
         t = np.unique(np.concatenate([leg.t for _, leg in stretch.runs]))
-        rows = [np.array([at(leg, time) for time in t]) for _, leg in stretch.runs]
+        rows = [np.array([leg.at(time) for time in t]) for _, leg in stretch.runs]
         rows += [np.tile(q, (len(t), 1)) for q in stretch.standing.values()]
         arms = [plan.arm for plan, _ in stretch.runs] + list(stretch.standing)
         joints = tuple(joint for arm in arms for joint in cell.arm(arm).joints)

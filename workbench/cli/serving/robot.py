@@ -11,6 +11,7 @@ from dataclasses import replace
 from types import FrameType
 
 from workbench.app.core.rules import approve
+from workbench.app.picking.proving import prove
 from workbench.app.runtime.readiness import make_ready
 from workbench.cli.arguments import top as arguments
 from workbench.cli.picking.planning import cell_of
@@ -20,7 +21,6 @@ from workbench.formats.plans.plan_files import read_plan
 from workbench.model.digest import canonical
 from workbench.model.errors import FileError
 from workbench.model.release import PartReport
-from workbench.planning.proving.prove import prove
 from workbench.plugins.robot_link import Running, Simulation, controller_by, link_named
 from workbench.plugins.robot_link import send as send_plan
 

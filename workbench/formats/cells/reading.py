@@ -16,11 +16,13 @@ from workbench.formats.parts.reading import read_part
 from workbench.formats.robots.dh import read_dh
 from workbench.formats.robots.urdf import read_srdf, read_urdf
 from workbench.model.cell import (
+    LIFT_NAMES,
     ORDER_NAMES,
     Arm,
     Bin,
     Cell,
     Fixture,
+    LiftName,
     LocalizerChoice,
     Policy,
     PosesFolder,
@@ -197,6 +199,18 @@ def _fixture(table: Table) -> Fixture:
     return fixture
 
 
+def _lifts(table: Table, usual: tuple[LiftName, ...]) -> tuple[LiftName, ...]:
+    """Names of lifts, at least one, none twice."""
+    names = table.texts("lifts", usual)
+    known = ", ".join(LIFT_NAMES)
+    for name in names:
+        if name not in LIFT_NAMES:
+            raise table.error("lifts", f"{name!r:.40} is none of {known}")
+    if not names or len(set(names)) < len(names):
+        raise table.error("lifts", f"one or more of {known} are expected, each once")
+    return names  # type: ignore[return-value]
+
+
 def _policy(table: Table) -> tuple[Policy, int]:
     """The policy, and how many people have to approve."""
     usual = Policy()
@@ -213,6 +227,8 @@ def _policy(table: Table) -> tuple[Policy, int]:
         lift_lean=float(
             np.deg2rad(table.number("lift_lean_deg", np.rad2deg(usual.lift_lean), low=0, high=80))
         ),
+        sink=length("sink_mm", usual.sink, 100),
+        release=length("release_mm", usual.release, 1000),
         free_points=table.whole("free_points", usual.free_points, low=2, high=200),
         straight_points=table.whole("straight_points", usual.straight_points, low=2, high=200),
         speed=table.number("speed", usual.speed, low=0.01, high=1),
@@ -226,6 +242,8 @@ def _policy(table: Table) -> tuple[Policy, int]:
         approval_minutes=table.number(
             "approval_minutes", usual.approval_minutes, low=0.1, high=24 * 60
         ),
+        lifts=_lifts(table, usual.lifts),
+        least_air=length("least_air_mm", 0.0, 1000) if table.has("least_air_mm") else None,
     )
     approvers = table.whole("approvers", 1, low=1, high=MOST_APPROVERS)
     table.finish()

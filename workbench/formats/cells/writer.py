@@ -100,9 +100,16 @@ def _policy(cell: Cell) -> Iterator[str]:
     yield f"iterations = {policy.iterations}"
     yield f"order = {_text(policy.order)}"
     usual = Policy()
+    for key in ("sink", "release"):
+        if getattr(policy, key) != getattr(usual, key):
+            yield f"{key}_mm = {_number(getattr(policy, key) * 1000)}"
     for key in ("free_points", "straight_points", "seconds", "metric", "approval_minutes"):
         if getattr(policy, key) != getattr(usual, key):
             yield f"{key} = {_number(getattr(policy, key))}"
+    if policy.lifts != usual.lifts:
+        yield f"lifts = [{', '.join(map(_text, policy.lifts))}]"
+    if policy.least_air is not None:
+        yield f"least_air_mm = {_number(policy.least_air * 1000)}"
     yield f"approvers = {cell.approvers}             # different people who approve each plan"
 
 

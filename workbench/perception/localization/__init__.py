@@ -1,4 +1,4 @@
 """Parts found in a scan: hypotheses by votes, fits, a last look, and a choice.
 
-Imports `views`.
+Imports `scene` and `views`.
 """

@@ -14,6 +14,7 @@ from workbench.model.scan import Objection
 from workbench.perception.localization.assessment import Assessment
 from workbench.perception.localization.part_surface import PartSurface
 from workbench.perception.localization.sightings import Sighting
+from workbench.perception.scene.bin_fit import SeenBin, inside_by
 
 LEAST_VISIBLE = 0.3
 """Less of the facing surface than this cannot tell a part from a chance likeness."""
@@ -71,20 +72,30 @@ class Choice:
     rejected: list[Rejection]
 
 
-def are_in_bin(surface: PartSurface, poses: Floats, T_scanner_bin: pin.SE3, bin: Bin) -> np.ndarray:
+def are_in_bin(
+    surface: PartSurface, poses: Floats, T_scanner_bin: pin.SE3, bin: Bin, seen: SeenBin
+) -> np.ndarray:
     """Which poses (k, 4, 4) [m] do not reach through floor or walls; they may stick out above."""
     return _are_in_bin(
         np.ascontiguousarray(T_scanner_bin.inverse().homogeneous),
         np.ascontiguousarray(poses),
         surface.table.model.points,
         bin.size,
+        seen.floor,
+        seen.walls,
         DEEP * surface.diameter,
     )
 
 
 @njit(cache=True)
 def _are_in_bin(
-    T_bin_scanner: Floats, poses: Floats, points: Floats, size: Floats, allowed: float
+    T_bin_scanner: Floats,
+    poses: Floats,
+    points: Floats,
+    size: Floats,
+    floor: Floats,
+    walls: Floats,
+    allowed: float,
 ) -> Bools:  # pragma: no cover (compiled)
     inside = np.empty(len(poses), np.bool_)
     for k in range(len(poses)):
@@ -94,8 +105,8 @@ def _are_in_bin(
             x = T[0, 0] * p[0] + T[0, 1] * p[1] + T[0, 2] * p[2] + T[0, 3]
             y = T[1, 0] * p[0] + T[1, 1] * p[1] + T[1, 2] * p[2] + T[1, 3]
             z = T[2, 0] * p[0] + T[2, 1] * p[1] + T[2, 2] * p[2] + T[2, 3]
-            across = abs(x) > size[0] / 2 + allowed or abs(y) > size[1] / 2 + allowed
-            outside += z < -allowed or (across and z < size[2])
+            height, left = inside_by(floor, walls, size, x, y, z)
+            outside += height < -allowed or (left < -allowed and height < size[2])
         inside[k] = outside <= MOST_DEEP * len(points)
     return inside
 

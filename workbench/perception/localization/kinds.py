@@ -10,6 +10,7 @@ from workbench.model.scan import Detection, Discarded, Findings, Objection, Scan
 from workbench.perception.localization.choice import reaches_into
 from workbench.perception.localization.localize import MOST_DISCARDED, Searched, searched
 from workbench.perception.localization.part_surface import PartSurface
+from workbench.perception.scene.scene_model import scene_model
 
 
 def all_kinds(
@@ -23,6 +24,7 @@ def all_kinds(
 ) -> Findings:
     """All parts of all kinds that a cell picks; see `plugins.localizer.Localizer.find`."""
     brought: list[Searched] = []
+    scene = scene_model(scan, cell)
     for number, part in enumerate(cell.parts):
         before = number / len(cell.parts)
 
@@ -36,6 +38,7 @@ def all_kinds(
                 cell,
                 seed=seed,
                 detail=detail,
+                scene=scene,
                 report=report_share,
                 cancelled=cancelled,
             )

@@ -33,6 +33,7 @@ from workbench.perception.localization.maps import DepthMap, make_map
 from workbench.perception.localization.part_surface import PartSurface, prepare
 from workbench.perception.localization.poses import distinct
 from workbench.perception.localization.sightings import look
+from workbench.perception.scene.scene_model import SceneModel, scene_model
 
 PIXELS_ACROSS = 70
 """Pixels of the working map over the part's diameter, if the scan is dense enough."""
@@ -93,6 +94,7 @@ def searched(
     *,
     seed: int,
     detail: float = 1.0,
+    scene: SceneModel | None = None,
     report: Callable[[float, str], None] = _silent,
     cancelled: Callable[[], bool] = lambda: False,
 ) -> Searched:
@@ -110,6 +112,7 @@ def searched(
         cell: its bin says where; its scanner how noisy the points are.
         seed: of the choice of points that vote.
         detail: how fine the scan is looked at; 1 is usual.
+        scene: what surrounds the parts, if that is known already.
         report: is told the share done, 0..1, and what is being done.
         cancelled: is asked now and then whether to give up.
 
@@ -130,9 +133,9 @@ def searched(
     step(0.0, f"prepare {part.name}")
     surface = prepare(part)
     step(0.2, "map the scan")
-    maps = make_map(
-        scan, cell.bin, size=surface.diameter, pitch=surface.diameter / (PIXELS_ACROSS * detail)
-    )
+    scene = scene or scene_model(scan, cell)
+    pitch = surface.diameter / (PIXELS_ACROSS * detail)
+    maps = make_map(scan, cell.bin, scene.bin, size=surface.diameter, pitch=pitch)
     if maps is None:
         return Searched(Findings(()), surface, ())
     glance, tolerance = _coarser(maps, surface), _tolerance(surface, cell, scan)
@@ -150,7 +153,7 @@ def searched(
         return Hypothesis(pose, look(maps, surface, pose, tolerance))
 
     def are_possible(poses: Floats) -> np.ndarray:
-        return are_in_bin(surface, poses, T_scanner_bin, cell.bin)
+        return are_in_bin(surface, poses, T_scanner_bin, cell.bin, scene.bin)
 
     choice = Choice(np.full(maps.depth.size, -1), [], [])
     for number, effort in enumerate(EFFORTS):

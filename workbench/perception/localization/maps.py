@@ -9,10 +9,14 @@ from numba import njit
 from workbench.model.cell import Bin
 from workbench.model.geometry import Bools, Floats, frozen, put
 from workbench.model.scan import Scan
+from workbench.perception.scene.bin_fit import SeenBin, inside_by
 from workbench.perception.views.camera import Pinhole
 
 FLOOR_GATE = 0.0015
 """[m] Points lower than this above the bin's floor, or nearer to a wall, are the bin."""
+
+FLOOR_GATE_OVER_NOISE = 4.0
+"""Or so many deviations of the points of the floor."""
 
 BELOW = 0.02
 """[m] Points deeper than this under the bin's floor are no part of the scene."""
@@ -69,7 +73,7 @@ class DepthMap:
         )
 
 
-def make_map(scan: Scan, bin: Bin, *, size: float, pitch: float) -> DepthMap | None:
+def make_map(scan: Scan, bin: Bin, seen: SeenBin, *, size: float, pitch: float) -> DepthMap | None:
     """Project a scan, organised or not, into a camera that sees just the bin.
 
     An organised cloud is treated like any other: the place of its points in the scanner's
@@ -78,7 +82,9 @@ def make_map(scan: Scan, bin: Bin, *, size: float, pitch: float) -> DepthMap | N
 
     Args:
         scan: the cloud.
-        bin: its inside is the foreground, up to `size` above its rim.
+        bin: as the cell has it.
+        seen: the same as the scan shows it; its inside is the foreground, up to `size` above the
+            rim.
         size: diameter of what is looked for [m].
         pitch: width of a pixel wanted at the bin's floor [m]; a sparse cloud gets wider ones.
 
@@ -102,7 +108,10 @@ def make_map(scan: Scan, bin: Bin, *, size: float, pitch: float) -> DepthMap | N
     column, row = camera.centre
     rays, depth = _average(points, camera.rays(), 1.0 / step, column, row, 0.03 * size)
     normals = _normals(rays, depth, max(2, round(0.03 * size / (step * distance))), 0.03 * size)
-    foreground = _inside(rays * depth[..., None], T_bin_scanner, bin, size) & (depth > 0)
+    foreground = _inside(
+        rays, depth, T_bin_scanner.homogeneous, bin.size, seen.floor, seen.walls,
+        max(FLOOR_GATE, FLOOR_GATE_OVER_NOISE * seen.noise), size,
+    )  # fmt: skip
     if not foreground.any():
         return None
     return DepthMap(camera, rays, depth, normals, foreground, step * distance)
@@ -114,11 +123,31 @@ def _corners(bin: Bin, T_scanner_bin: pin.SE3) -> Floats:
     return (signs * bin.size) @ T_scanner_bin.rotation.T + T_scanner_bin.translation
 
 
-def _inside(points: Floats, T_bin_scanner: pin.SE3, bin: Bin, size: float) -> np.ndarray:
-    p_bin = points @ T_bin_scanner.rotation.T + T_bin_scanner.translation
-    across = np.abs(p_bin[..., :2]) <= bin.size[:2] / 2 - FLOOR_GATE
-    height = p_bin[..., 2]
-    return across.all(axis=-1) & (height >= FLOOR_GATE) & (height <= bin.size[2] + size)
+@njit(cache=True)
+def _inside(
+    rays: Floats,
+    depth: Floats,
+    T: Floats,
+    size: Floats,
+    floor: Floats,
+    walls: Floats,
+    gate: float,
+    above: float,
+) -> Bools:  # pragma: no cover (compiled)
+    """Which pixels see something that is further than `gate` from floor and walls."""
+    inside = np.zeros(depth.shape, np.bool_)
+    for v in range(depth.shape[0]):
+        for u in range(depth.shape[1]):
+            if depth[v, u] == 0.0:
+                continue
+            c = depth[v, u]
+            a, b = rays[v, u, 0] * c, rays[v, u, 1] * c
+            x = T[0, 0] * a + T[0, 1] * b + T[0, 2] * c + T[0, 3]
+            y = T[1, 0] * a + T[1, 1] * b + T[1, 2] * c + T[1, 3]
+            z = T[2, 0] * a + T[2, 1] * b + T[2, 2] * c + T[2, 3]
+            height, left = inside_by(floor, walls, size, x, y, z)
+            inside[v, u] = left >= gate and gate <= height <= size[2] + above
+    return inside
 
 
 @njit(cache=True)

@@ -15,6 +15,7 @@ from workbench.model.calibration import Light
 from workbench.model.cell import Bin
 from workbench.model.geometry import Bools, Floats, pose_from_rpy
 from workbench.model.scan import Scan
+from workbench.perception.scene.bin_fit import SeenBin, above_floor, as_in_cell, fit_bin
 
 REACH = 0.08
 """[m] Around the bin that the rim is looked for."""
@@ -73,9 +74,9 @@ def check_bin(scan: Scan, bin: Bin) -> BinCheck:
     T_bin_scanner = bin.T_world_bin.actInv(scan.T_world_scanner)
     points = scan.points[:: -(-len(scan.points) // ENOUGH)]
     p_bin = points @ T_bin_scanner.rotation.T + T_bin_scanner.translation
-    T = _found(p_bin, bin)
+    T = rim_place(p_bin, bin)
     if T is None:
-        _, above, _ = _filled(p_bin, bin)
+        _, above, _ = _filled(p_bin, bin, as_in_cell())
         hidden = f"something is {above * 1000:.0f} mm above it" if above > OVER else ""
         finding = (
             f"the rim of the bin is not seen where the cell has it, nor within "
@@ -84,7 +85,9 @@ def check_bin(scan: Scan, bin: Bin) -> BinCheck:
         return BinCheck(None, 0.0, 0.0, None, above, "bad", (finding,), is_overfull=above > OVER)
     shift, turn = float(np.linalg.norm(T.translation)), float(np.linalg.norm(pin.log3(T.rotation)))
     is_elsewhere = shift > SHIFTED or turn > TURNED
-    fill, above, covered = _filled((p_bin - T.translation) @ T.rotation, bin)
+    p_bin = (p_bin - T.translation) @ T.rotation
+    seen = fit_bin(p_bin, pin.SE3.Identity(), bin, noise=0.0)
+    fill, above, covered = _filled(p_bin, bin, seen)
     is_empty, is_overfull = fill is not None and covered < EMPTY, above > OVER
     findings: list[str] = []
     if is_overfull:
@@ -95,6 +98,12 @@ def check_bin(scan: Scan, bin: Bin) -> BinCheck:
             f"the bin is {shift * 1000:.1f} mm and {np.rad2deg(turn):.1f} degrees from where the "
             f"cell has it (x {x:+.1f}, y {y:+.1f}, z {z:+.1f} mm): it was moved, or the scanner "
             "is not calibrated"
+        )
+    if abs(seen.floor[0]) > SHIFTED:
+        way = "higher" if seen.floor[0] > 0 else "lower"
+        findings.append(
+            f"the floor of the bin lies {abs(seen.floor[0]) * 1000:.1f} mm {way} under its rim "
+            "than the cell has it"
         )
     if is_empty:
         findings.append("the bin is empty")
@@ -115,8 +124,13 @@ def check_bin(scan: Scan, bin: Bin) -> BinCheck:
     )
 
 
-def _found(p_bin: Floats, bin: Bin) -> pin.SE3 | None:
-    """Where the bin is in its own frame as the cell has it; None where no rim is seen."""
+def rim_place(p_bin: Floats, bin: Bin) -> pin.SE3 | None:
+    """Where the bin is in its own frame as the cell has it; None where no rim is seen.
+
+    Args:
+        p_bin: (n, 3) [m] in that frame.
+        bin: its size.
+    """
     height, half = float(bin.size[2]), _half(bin)
     near = (np.abs(p_bin[:, :2]) < half + REACH).all(axis=1) & (abs(p_bin[:, 2] - height) < BAND)
     rim = p_bin[near]
@@ -236,7 +250,7 @@ def _plane(rim: Floats, half: Floats, place: Floats) -> Floats:
     return plane
 
 
-def _filled(p_bin: Floats, bin: Bin) -> tuple[float | None, float, float]:
+def _filled(p_bin: Floats, bin: Bin, seen: SeenBin) -> tuple[float | None, float, float]:
     """Share of the room taken or None, what sticks out [m], and share of the floor covered."""
     inner, height = np.asarray(bin.size[:2]) / 2 - GRID, float(bin.size[2])
     inside = p_bin[(np.abs(p_bin[:, :2]) < inner).all(axis=1) & (p_bin[:, 2] < 4 * height + 0.2)]
@@ -246,9 +260,11 @@ def _filled(p_bin: Floats, bin: Bin) -> tuple[float | None, float, float]:
     total, count = int(np.prod(shape)), np.bincount(flat, minlength=int(np.prod(shape)))
     # The mean of a piece does not jump with one stray point, as its highest would.
     heights = np.bincount(flat, inside[:, 2], total)[count > 0] / count[count > 0]
+    deep = np.bincount(flat, above_floor(seen, bin.size, inside), total)[count > 0]
+    deep = deep / count[count > 0]
     if len(heights) < LEAST_INSIDE * total:
         return None, 0.0, 0.0
     over = np.sort(heights[heights > height])
     above = float(over[-OVER_CELLS] - height) if len(over) >= OVER_CELLS else 0.0
-    taken = np.where(heights > LOW, np.clip(heights, 0.0, height), 0.0)
-    return float(taken.mean() / height), above, float(np.mean(heights > LOW))
+    taken = np.where(deep > LOW, np.clip(deep, 0.0, height), 0.0)
+    return float(taken.mean() / height), above, float(np.mean(deep > LOW))

@@ -9,20 +9,18 @@ import pinocchio as pin
 
 from workbench.model.cell import Bin, Cell
 from workbench.model.errors import InputError
-from workbench.model.geometry import Box, Capsule, Cylinder, Floats, Mesh, Solid, Sphere
+from workbench.model.geometry import Floats
 from workbench.model.part import Part
 from workbench.model.scan import ALL_KINDS, Detection
-from workbench.perception.views.surfaces import surface_of
+from workbench.perception.simulation.physics import (
+    TIMESTEP,
+    come_to_rest,
+    model_of,
+    poses_of,
+)
 
-TIMESTEP = 0.002
 BETWEEN_DROPS = 0.35
 """[s] of simulated time."""
-
-LONGEST = 4.0
-"""[s] of simulated time after the last drop, if the parts do not come to rest before."""
-
-AT_REST = 0.01
-"""[m/s] and, over the part's radius, [rad/s]: slower than this is lying still."""
 
 ATTEMPTS = 10
 
@@ -68,27 +66,39 @@ def drop_parts(parts: Sequence[Part], bin: Bin, *, seed: int) -> tuple[Detection
     """
     if not parts:
         return ()
-    count, radius = len(parts), max(_radius(part) for part in parts)
-    what = f"{count} parts {', '.join(dict.fromkeys(part.name for part in parts))}"
-    for part in parts:
-        if 2 * _radius(part) > float(np.linalg.norm(bin.size[:2])):
-            raise InputError(f"part {part.name} is too large for the bin")
-    room = float(np.prod(bin.size)) * FULL
-    volume = sum(_volume(part) for part in parts)
-    if volume > room:
-        most = int(count * room / volume)
-        raise InputError(f"{what} do not fit into the bin; take {most} or fewer")
-    model = _model(parts, bin)
+    check_room(parts, bin)
+    count, radius = len(parts), max(map(radius_of, parts))
+    model = model_of(parts, bin)
     for attempt in range(ATTEMPTS):
         generator = np.random.default_rng([seed, attempt])
         Ts_bin_part = _settle(model, _starts(bin, count, radius, generator), radius)
         fallen = list(zip(parts, Ts_bin_part, strict=True))
-        if all(_is_inside(part.mesh.points, T, bin) for part, T in fallen):
+        if all(is_inside(part.mesh.points, T, bin) for part, T in fallen):
             return tuple(Detection(part.name, bin.T_world_bin * T) for part, T in fallen)
-    raise InputError(f"{what} did not stay in the bin in {ATTEMPTS} attempts; take fewer")
+    raise InputError(f"{_words(parts)} did not stay in the bin in {ATTEMPTS} attempts; take fewer")
 
 
-def _radius(part: Part) -> float:
+def check_room(parts: Sequence[Part], bin: Bin) -> None:
+    """Look whether parts fit into a bin at all, one by one and together.
+
+    Raises:
+        InputError: one is longer than the bin, or together they fill too much of it.
+    """
+    for part in parts:
+        if 2 * radius_of(part) > float(np.linalg.norm(bin.size[:2])):
+            raise InputError(f"part {part.name} is too large for the bin")
+    room = float(np.prod(bin.size)) * FULL
+    volume = sum(_volume(part) for part in parts)
+    if volume > room:
+        most = int(len(parts) * room / volume)
+        raise InputError(f"{_words(parts)} do not fit into the bin; take {most} or fewer")
+
+
+def _words(parts: Sequence[Part]) -> str:
+    return f"{len(parts)} parts {', '.join(dict.fromkeys(part.name for part in parts))}"
+
+
+def radius_of(part: Part) -> float:
     """Of the ball about the part's frame that holds it [m]."""
     return float(np.linalg.norm(part.mesh.points, axis=1).max())
 
@@ -97,58 +107,6 @@ def _volume(part: Part) -> float:
     """Of the part [m3], by the divergence theorem."""
     a, b, c = part.mesh.points[part.mesh.triangles.T]
     return abs(float(np.einsum("ni,ni->", a, np.cross(b, c)))) / 6
-
-
-def _model(parts: Sequence[Part], bin: Bin) -> mujoco.MjModel:
-    """Bin and parts as MuJoCo sees them; the world frame is that of the bin."""
-    spec = mujoco.MjSpec()
-    spec.option.timestep = TIMESTEP
-    spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
-    spec.option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
-    for solid in bin.solids:
-        _add_geom(spec, spec.worldbody, solid)
-    for number, part in enumerate(parts):
-        body = spec.worldbody.add_body(name=str(number), gravcomp=1.0)  # until it is dropped
-        body.add_freejoint()
-        for solid in part.pieces:
-            _add_geom(spec, body, solid)
-    model = spec.compile()
-    # Pieces may overlap, so their volumes tell how the mass is spread but not how much it is.
-    masses = np.array([part.mass for part in parts])
-    model.body_inertia[1:] *= (masses / model.body_mass[1:])[:, None]
-    model.body_mass[1:] = masses
-    mujoco.mj_setConst(model, mujoco.MjData(model))
-    return model
-
-
-def _add_geom(spec: mujoco.MjSpec, body: mujoco.MjsBody, solid: Solid) -> None:
-    quaternion = pin.Quaternion(solid.T_owner_shape.rotation)
-    geom = body.add_geom(
-        pos=solid.T_owner_shape.translation,
-        quat=[quaternion.w, quaternion.x, quaternion.y, quaternion.z],
-        friction=[0.4, 0.002, 0.0005],
-        condim=6,  # with rolling friction, or cylinders would never stop
-        solref=[2.5 * TIMESTEP, 1.0],  # as stiff as the time step allows
-        solimp=[0.95, 0.99, 0.0005, 0.5, 2.0],
-    )
-    match solid.shape:
-        case Box(size=size):
-            geom.type, geom.size = mujoco.mjtGeom.mjGEOM_BOX, size / 2
-        case Cylinder(radius=radius, length=length):
-            geom.type, geom.size = mujoco.mjtGeom.mjGEOM_CYLINDER, [radius, length / 2, 0]
-        case Capsule(radius=radius, length=length):
-            geom.type, geom.size = mujoco.mjtGeom.mjGEOM_CAPSULE, [radius, length / 2, 0]
-        case Sphere(radius=radius):
-            geom.type, geom.size = mujoco.mjtGeom.mjGEOM_SPHERE, [radius, 0, 0]
-        case Mesh():
-            name = f"mesh{len(spec.meshes)}"
-            surface = surface_of(solid.shape)
-            spec.add_mesh(
-                name=name,
-                uservert=np.asarray(surface.vertices, dtype=np.float32).ravel(),
-                userface=np.asarray(surface.faces, dtype=np.int32).ravel(),
-            )
-            geom.type, geom.meshname = mujoco.mjtGeom.mjGEOM_MESH, name
 
 
 def _starts(
@@ -186,21 +144,12 @@ def _settle(
         data.qvel[6 * number : 6 * number + 6] = 0.0
         model.body_gravcomp[number + 1] = 0.0
         mujoco.mj_step(model, data, nstep=round(BETWEEN_DROPS / TIMESTEP))
-    speed = data.qvel.reshape(len(starts), 6)
-    for _ in range(round(LONGEST / TIMESTEP / 25)):
-        mujoco.mj_step(model, data, nstep=25)
-        turning = np.abs(speed[:, 3:]).max() * radius
-        if max(np.abs(speed[:, :3]).max(), turning) < AT_REST:
-            break
-    return [
-        pin.SE3(pin.Quaternion(w, x, y, z).normalized().matrix(), position.copy())
-        for *position, w, x, y, z in state
-        for position in [np.array(position)]
-    ]
+    come_to_rest(model, data, radius)
+    return poses_of(data)
 
 
-def _is_inside(points: Floats, T_bin_part: pin.SE3, bin: Bin) -> bool:
-    """Whether all of the part's points are between the walls and above the floor."""
+def is_inside(points: Floats, T_bin_part: pin.SE3, bin: Bin) -> bool:
+    """Whether all of the part's points (n, 3) [m] are between the walls and above the floor."""
     p_bin = points @ T_bin_part.rotation.T + T_bin_part.translation
     across = np.abs(p_bin[:, :2]).max(axis=0)
     return bool(np.all(across <= bin.size[:2] / 2 + OUTSIDE) and p_bin[:, 2].min() >= -OUTSIDE)

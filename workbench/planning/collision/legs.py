@@ -58,6 +58,27 @@ def grips(arm: Arm, grasp: Grasp) -> tuple[pin.SE3, ...]:
     )
 
 
+MOST_OPENINGS = 3
+"""Openings that are tried, from that of the grasp to the least."""
+
+
+def openings(arm: Arm, grasp: Grasp, least_air: float | None) -> tuple[float, ...]:
+    """How far open [m] fingers may arrive, the widest first: that of the grasp.
+
+    `least_air` [m] is that of the policy.
+    """
+    least = _least_opening(arm, grasp, least_air)
+    if least >= grasp.opening:
+        return (grasp.opening,)
+    return tuple(np.linspace(grasp.opening, least, MOST_OPENINGS).tolist())
+
+
+def _least_opening(arm: Arm, grasp: Grasp, least_air: float | None) -> float:
+    if least_air is None or not arm.tool.fingers:
+        return grasp.opening
+    return min(max(grasp.grip + 2 * least_air, arm.tool.stroke[0]), grasp.opening)
+
+
 def _steps(most: float, step: float) -> list[tuple[int, float]]:
     """0, and values up to `most` either way no more than `step` apart, each with its rank."""
     count = math.ceil(most / step - 1e-9)

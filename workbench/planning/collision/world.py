@@ -305,26 +305,25 @@ class World:
         """Pairs of this phase of an arm with the part that it has just let go of."""
         return self._checks.left_behind(self._arm_index[arm])
 
-    def between_hands(self) -> Ints:
-        """As `between`, without the pairs of two shoulders, which never come far apart.
-
-        A shoulder is what the first two joints of an arm carry.
-        """
-        joints = [self.kinematics.model.getJointId(j) for a in self.cell.arms for j in a.joints[:2]]
-        is_shoulder = np.isin(self._boxes.joint, joints)
-        among = self.between()
-        both = is_shoulder[self._pairing.first[among]] & is_shoulder[self._pairing.second[among]]
-        return among[~both]
-
-    def allow_start_contacts(self, q: Floats, slack: float = 0.0005) -> None:
+    def allow_start_contacts(self, q: Floats, slack: float = 0.0005) -> Contact | None:
         """Let parts that touch something where a leg begins, at `q` (nq,), come away from it.
 
         See `Checks.at_start`; `slack` [m] is for the lean of the lift.
+
+        Returns:
+            Where a part in the hand is deepest in what it lies on, if that is deeper than the
+            policy's `sink`: its pose is wrong.
         """
         pairs, _, _ = self._close(q, self._still, 0.0, None)
         pairs = pairs[self._checks.may_begin_close[pairs]]
         distances = np.array([self._distance(k) for k in pairs.tolist()])
         self._use(self._checks.at_start(pairs, distances, self.policy.near_margin, slack))
+        lies = (self._checks.carriers[pairs] < 0).any(axis=1)
+        depths = np.where(self._checks.lifts[pairs] & lies, -distances, -np.inf)
+        if not len(pairs) or depths.max() <= self.policy.sink:
+            return None
+        deepest = int(depths.argmax())
+        return self._contact_of(int(pairs[deepest]), float(distances[deepest]))
 
     @contextmanager
     def at_full_margins(self, more: float = 0.0) -> Generator[None]:

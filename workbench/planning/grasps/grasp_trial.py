@@ -11,10 +11,10 @@ from workbench.model.geometry import Bools, Box, Floats
 from workbench.model.part import Grasp, Part
 from workbench.planning.collision.bodies import still_bodies
 from workbench.planning.collision.legs import grips
+from workbench.planning.collision.tool_check import ToolCheck
 from workbench.planning.grasps.grasp_check import GraspChecker
 from workbench.planning.grasps.pads import outline
 from workbench.planning.kinematics.chain import Chain, chain_of, is_solution
-from workbench.planning.picking.propose import ToolCheck
 
 STARTS = 6
 """Starting points of the inverse kinematics, beside the answer before."""

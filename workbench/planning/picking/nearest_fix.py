@@ -10,8 +10,9 @@ from workbench.model.cell import Cell
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.part import Grasp
 from workbench.model.scan import Detection, Obstacle
+from workbench.planning.collision.tool_check import ToolCheck
 from workbench.planning.collision.world import World
-from workbench.planning.picking.propose import ToolCheck, candidate_of
+from workbench.planning.picking.propose import candidate_of
 from workbench.planning.picking.resolve import resolve
 
 TURNS = tuple(range(5, 50, 5))
@@ -86,7 +87,7 @@ def _trial(
     def admits(refused: Candidate, grasp: Grasp) -> bool:
         arm, number = cell.arm(refused.arm), refused.detection
         T_world_home = world.chains[arm.name].pose(np.asarray(arm.home))
-        tried = candidate_of(check, number, detections[number], grasp, arm, T_world_home)
+        tried = candidate_of(cell, check, number, detections[number], grasp, arm, T_world_home)
         return tried.verdict.is_ok and isinstance(resolve(world, tried, seed=seed), Pick)
 
     return admits

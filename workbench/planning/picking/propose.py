@@ -1,91 +1,31 @@
 """Every detection with every grasp and every arm, and the cheap tests that refuse most of them."""
 
-import coal
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
 import numpy as np
 import pinocchio as pin
 
 from workbench.model.candidate import Candidate, Reason, Stage, Verdict
 from workbench.model.cell import Arm, Cell
-from workbench.model.geometry import Floats
 from workbench.model.part import Grasp
 from workbench.model.scan import Detection, Obstacle
-from workbench.planning.collision.bodies import coal_shape, extent, still_bodies
-from workbench.planning.collision.legs import grips
+from workbench.planning.collision.legs import grips, openings
+from workbench.planning.collision.tool_check import Hand, ToolCheck
 from workbench.planning.kinematics.chain import chain_of
 
 TURN_WEIGHT = 0.1
 """[m/rad] What a turn of the hand counts against its way in the SE(3) index."""
 
 
-class ToolCheck:
-    """The tool alone, floating in the bin: no arm, so no inverse kinematics is needed.
+@dataclass(frozen=True, slots=True, eq=False)
+class _Trial:
+    """A candidate whose hand is still to be looked at."""
 
-    Lifetime: as long as cell and detections.
-    """
-
-    def __init__(
-        self,
-        cell: Cell,
-        detections: tuple[Detection, ...],
-        obstacles: tuple[Obstacle, ...] = (),
-    ):
-        self._margin = cell.policy.near_margin
-        # The bin first: where the tool meets several things, that one is named.
-        still = sorted(
-            still_bodies(cell, detections, obstacles), key=lambda body: body.kind != "bin"
-        )
-        self._labels = [body.label for body in still]
-        self._numbers = np.array([int(b.owner) if b.kind == "part" else -1 for b in still])
-        self._shapes = [coal_shape(body.shape) for body in still]
-        poses = [body.T_joint_body for body in still]
-        extents = [extent(body.shape) for body in still]
-        self._transforms = [coal.Transform3s(T.rotation, T.translation) for T in poses]
-        self._R = np.array([T.rotation for T in poses])
-        self._centres = np.array([T.act(e[0]) for T, e in zip(poses, extents, strict=True)])
-        self._halves = np.array([half for _, half, _ in extents])
-        self._request = coal.DistanceRequest()
-        self._tools = {arm.name: _tool_shapes(arm) for arm in cell.arms}
-
-    def contact(
-        self, arm: Arm, T_world_tcp: pin.SE3, opening: float, target: int, press: float
-    ) -> tuple[tuple[str, str], float] | None:
-        """The first obstacle closer to the tool than its margin, and its distance [m].
-
-        The part to be taken has no margin; the tool may cut into it by `press` [m].
-        """
-        T_world_flange = T_world_tcp * arm.tool.T_flange_tcp.inverse()
-        result = coal.DistanceResult()
-        for name, shape, T_flange_body, direction, centre, radius in self._tools[arm.name]:
-            T = T_world_flange * pin.SE3(
-                T_flange_body.rotation, T_flange_body.translation + direction * opening / 2
-            )
-            transform = coal.Transform3s(T.rotation, T.translation)
-            offset = np.einsum("gji,gj->gi", self._R, T.act(centre) - self._centres)
-            gap = np.linalg.norm(np.maximum(np.abs(offset) - self._halves, 0.0), axis=1) - radius
-            for g in np.flatnonzero(gap < self._margin):
-                margin = -press if self._numbers[g] == target else self._margin
-                result.clear()
-                distance = coal.distance(
-                    shape, transform, self._shapes[g], self._transforms[g], self._request, result
-                )
-                if distance < margin:
-                    return (f"{arm.name} {name}", self._labels[g]), float(distance)
-        return None
-
-
-def _tool_shapes(
-    arm: Arm,
-) -> list[tuple[str, coal.CollisionGeometry, pin.SE3, Floats, Floats, float]]:
-    """Name, shape, `T_flange_body`, finger direction, centre and radius of each tool solid."""
-    moving = [(finger.solid, np.asarray(finger.direction)) for finger in arm.tool.fingers]
-    fixed = [(solid, np.zeros(3)) for solid in arm.tool.body]
-    shapes = []
-    for solid, direction in fixed + moving:
-        centre, _, radius = extent(solid.shape)
-        shapes.append(
-            (solid.name, coal_shape(solid.shape), solid.T_owner_shape, direction, centre, radius)
-        )
-    return shapes
+    detection: int
+    grasp: Grasp
+    arm: Arm
+    T_world_tcp: pin.SE3
 
 
 def propose(
@@ -98,21 +38,22 @@ def propose(
     """
     check = ToolCheck(cell, detections, obstacles)
     homes = {arm.name: chain_of(cell, arm).pose(np.asarray(arm.home)) for arm in cell.arms}
-    candidates = [
-        candidate_of(check, number, detection, grasp, arm, homes[arm.name])
+    trials = [
+        _Trial(number, grasp, arm, detection.T_world_part * grasp.T_part_tcp)
         for number, detection in enumerate(detections)
         for grasp in cell.part(detection.part).grasps
         for arm in cell.arms
     ]
     return tuple(
         sorted(
-            candidates,
+            _candidates(cell, check, trials, homes),
             key=lambda c: (not c.verdict.is_ok, -c.grasp.priority, c.rank),
         )
     )
 
 
 def candidate_of(
+    cell: Cell,
     check: ToolCheck,
     number: int,
     detection: Detection,
@@ -121,17 +62,43 @@ def candidate_of(
     T_world_home: pin.SE3,
 ) -> Candidate:
     """One candidate with its first verdict; `T_world_home` is where the TCP is at home."""
-    T_world_tcp = detection.T_world_part * grasp.T_part_tcp
-    T_home_tcp = T_world_home.actInv(T_world_tcp)
-    way = float(np.linalg.norm(T_home_tcp.translation))
-    turn = float(np.linalg.norm(pin.log3(T_home_tcp.rotation)))
-    verdict = _first_verdict(check, number, grasp, arm, T_world_tcp)
-    return Candidate(number, grasp, arm.name, T_world_tcp, way + TURN_WEIGHT * turn, verdict)
+    trial = _Trial(number, grasp, arm, detection.T_world_part * grasp.T_part_tcp)
+    (candidate,) = _candidates(cell, check, [trial], {arm.name: T_world_home})
+    return candidate
 
 
-def _first_verdict(
-    check: ToolCheck, number: int, grasp: Grasp, arm: Arm, T_world_tcp: pin.SE3
-) -> Verdict:
+def _candidates(
+    cell: Cell, check: ToolCheck, trials: Sequence[_Trial], homes: dict[str, pin.SE3]
+) -> list[Candidate]:
+    """The candidates of trials, in their order, with their first verdicts.
+
+    A grasp whose fingers have to be less open than it says becomes one that says so.
+    """
+    verdicts = [_unfit(trial.grasp, trial.arm) for trial in trials]
+    grasps = [trial.grasp for trial in trials]
+    for arm in cell.arms:
+        rows = [k for k, t in enumerate(trials) if t.arm is arm and verdicts[k] is None]
+        _look(cell, check, arm, trials, rows, verdicts, grasps)
+    found: list[Candidate] = []
+    for trial, grasp, verdict in zip(trials, grasps, verdicts, strict=True):
+        T_home_tcp = homes[trial.arm.name].actInv(trial.T_world_tcp)
+        way = float(np.linalg.norm(T_home_tcp.translation))
+        turn = float(np.linalg.norm(pin.log3(T_home_tcp.rotation)))
+        found.append(
+            Candidate(
+                trial.detection,
+                grasp,
+                trial.arm.name,
+                trial.T_world_tcp,
+                way + TURN_WEIGHT * turn,
+                verdict or Verdict(Reason.OK, Stage.PROPOSE),
+            )
+        )
+    return found
+
+
+def _unfit(grasp: Grasp, arm: Arm) -> Verdict | None:
+    """Why an arm cannot use a grasp, whatever is around; None when it can."""
     if not grasp.is_enabled:
         return Verdict(Reason.DISABLED, Stage.PROPOSE)
     if grasp.arms and arm.name not in grasp.arms:
@@ -148,26 +115,90 @@ def _first_verdict(
             note=f"opening {grasp.opening * 1e3:.0f} mm is outside the stroke "
             f"{low * 1e3:.0f}-{high * 1e3:.0f} mm",
         )
-    refusal: Verdict | None = None
-    for T_tcp_hand in grips(arm, grasp):
-        verdict = _tool_verdict(check, number, grasp, arm, T_world_tcp * T_tcp_hand)
-        if verdict.is_ok:
-            return verdict
-        refusal = refusal or verdict
-    return refusal or Verdict(Reason.OK, Stage.PROPOSE)
+    return None
 
 
-def _tool_verdict(
-    check: ToolCheck, number: int, grasp: Grasp, arm: Arm, T_world_tcp: pin.SE3
+def _look(
+    cell: Cell,
+    check: ToolCheck,
+    arm: Arm,
+    trials: Sequence[_Trial],
+    rows: list[int],
+    verdicts: list[Verdict | None],
+    grasps: list[Grasp],
+) -> None:
+    """Put the tool's verdicts into `verdicts`, and grasps with less open fingers into `grasps`.
+
+    Each round looks at the next way of all hands for which none has worked yet: as the grasp says,
+    turned as it leaves free, and the same with the fingers less open.  The verdict on a hand that
+    fits in no way is that on the first one.
+    """
+    ways = {
+        k: [
+            (opening, number)
+            for opening in openings(arm, trials[k].grasp, cell.policy.least_air)
+            for number in range(len(grips(arm, trials[k].grasp)))
+        ]
+        for k in rows
+    }
+    refusals: dict[int, Verdict] = {}
+    place = 0
+    while rows:
+        for k, verdict in zip(rows, _judged(check, arm, trials, rows, ways, place), strict=True):
+            opening = ways[k][place][0]
+            if verdict is not None:
+                refusals.setdefault(k, verdict)
+            else:
+                refusals[k] = Verdict(Reason.OK, Stage.PROPOSE)
+                if opening != grasps[k].opening and arm.tool.fingers:
+                    grasps[k] = replace(grasps[k], opening=opening)
+                ways[k] = []
+        place += 1
+        for k in rows:
+            if len(ways[k]) <= place:
+                verdicts[k] = refusals[k] if ways[k] else Verdict(Reason.OK, Stage.PROPOSE)
+        rows = [k for k in rows if len(ways[k]) > place]
+
+
+def _judged(
+    check: ToolCheck,
+    arm: Arm,
+    trials: Sequence[_Trial],
+    rows: Sequence[int],
+    ways: dict[int, list[tuple[float, int]]],
+    place: int,
+) -> list[Verdict | None]:
+    """What refuses each hand in its way of that place: fingers as on arrival, then as closed."""
+    found: dict[int, Verdict] = {}
+    for is_closed in (False, True) if arm.tool.fingers else (True,):
+        left = [k for k in rows if k not in found]
+        hands: list[Hand] = []
+        for k in left:
+            opening, number = ways[k][place]
+            if not arm.tool.fingers:
+                opening = 0.0
+            elif is_closed:
+                opening = trials[k].grasp.grip
+            press = arm.tool.press if is_closed else 0.0
+            hands.append(Hand(trials[k].detection, trials[k].grasp, number, opening, press))
+        Ts = [
+            trials[k].T_world_tcp * grips(arm, trials[k].grasp)[hand.grip]
+            for k, hand in zip(left, hands, strict=True)
+        ]
+        for k, T, hand, pair in zip(left, Ts, hands, check.contacts(arm, Ts, hands), strict=True):
+            if pair is None:
+                continue
+            found[k] = _REFUSED if place else _told(check, arm, T, hand.opening, pair)
+    return [found.get(k) for k in rows]
+
+
+_REFUSED = Verdict(Reason.TOOL_COLLISION, Stage.PROPOSE)
+"""Of a way that is not the first: nobody is told."""
+
+
+def _told(
+    check: ToolCheck, arm: Arm, T_world_tcp: pin.SE3, opening: float, pair: tuple[int, int]
 ) -> Verdict:
-    """Whether the tool fits there, with the fingers as on arrival and as closed."""
-    press = arm.tool.press
-    ways = ((grasp.opening, 0.0), (grasp.grip, press)) if arm.tool.fingers else ((0.0, press),)
-    for opening, press in ways:
-        found = check.contact(arm, T_world_tcp, opening, number, press)
-        if found is not None:
-            note = f"fingers {opening * 1e3:.0f} mm apart" if arm.tool.fingers else ""
-            return Verdict(
-                Reason.TOOL_COLLISION, Stage.PROPOSE, pair=found[0], distance=found[1], note=note
-            )
-    return Verdict(Reason.OK, Stage.PROPOSE)
+    labels, distance = check.told(arm, T_world_tcp, opening, pair)
+    note = f"fingers {opening * 1e3:.0f} mm apart" if arm.tool.fingers else ""
+    return Verdict(Reason.TOOL_COLLISION, Stage.PROPOSE, labels, distance, note=note)

@@ -16,6 +16,7 @@ from workbench.planning.collision.pairing import Phase
 from workbench.planning.collision.world import World
 from workbench.planning.kinematics.chain import Chain, is_solution
 from workbench.planning.kinematics.straight import follow
+from workbench.planning.picking.lifts import lifts
 from workbench.planning.picking.put_down import ways_down
 
 STARTS = 12
@@ -143,15 +144,20 @@ def _completed(
         return approach
     T_world_part = world.detections[candidate.detection].T_world_part
     T_tcp_part = world.chains[arm.name].pose(q_grasp).actInv(T_world_part)
-    extract = _extract(world, candidate, arm, q_grasp, T_tcp_part)
-    if isinstance(extract, Verdict):
-        return extract
-    place = _place(world, candidate, arm, extract[-1], T_tcp_part)
-    if isinstance(place, Verdict):
-        return place
-    legs = np.vstack([arm.home, approach, extract, place, arm.home])
-    travel = float(np.abs(np.diff(legs, axis=0)).sum())
-    return Pick(candidate, T_tcp_part, approach, extract, place, room, travel)
+    refusal: Verdict | None = None
+    for name, way in lifts(world, candidate, world.chains[arm.name].pose(q_grasp)):
+        extract = _extract(world, candidate, arm, q_grasp, T_tcp_part, way)
+        if isinstance(extract, Verdict):
+            refusal = refusal or extract
+            continue
+        place = _place(world, candidate, arm, extract[-1], T_tcp_part)
+        if isinstance(place, Verdict):
+            # No other lift makes the places come nearer.
+            return place
+        legs = np.vstack([arm.home, approach, extract, place, arm.home])
+        travel = float(np.abs(np.diff(legs, axis=0)).sum())
+        return Pick(candidate, T_tcp_part, approach, extract, place, room, travel, lift=name)
+    return refusal or Verdict(Reason.EXTRACT_BLOCKED, Stage.EXTRACT)
 
 
 def _approach(
@@ -181,38 +187,34 @@ def _approach(
     return path
 
 
-def lift_direction(world: World, T_world_tcp: pin.SE3) -> Floats:
-    """Straight up, leaning by the policy's angle to the middle of the bin: a unit vector (3,)."""
-    up = world.cell.bin.T_world_bin.rotation[:, 2]
-    inwards = world.cell.bin.T_world_bin.translation - T_world_tcp.translation
-    inwards = inwards - up * (up @ inwards)
-    far = float(np.linalg.norm(inwards))
-    if far < 1e-3:
-        return up
-    lean = world.policy.lift_lean
-    # Near the middle a full lean would carry the part past it.
-    lean = min(lean, float(np.arctan2(far, world.policy.lift_length)))
-    return np.cos(lean) * up + np.sin(lean) * inwards / far
-
-
 def _extract(
-    world: World, candidate: Candidate, arm: Arm, q_grasp: Floats, T_tcp_part: pin.SE3
+    world: World,
+    candidate: Candidate,
+    arm: Arm,
+    q_grasp: Floats,
+    T_tcp_part: pin.SE3,
+    way: Floats,
 ) -> Floats | Verdict:
-    grasp, policy = candidate.grasp, world.policy
+    """The straight `way` (3,) [m] of the part out of the bin, shape (m, n)."""
+    policy = world.policy
     chain, columns = world.chains[arm.name], world.kinematics.columns[arm.name]
     T_grasp = chain.pose(q_grasp)
-    if grasp.retreat is None:
-        way = policy.lift_length * lift_direction(world, T_grasp)
-    else:
-        way = grasp.retreat_length * (candidate.T_world_tcp.rotation @ grasp.retreat)
     T_end = pin.SE3(T_grasp.rotation, T_grasp.translation + way)
     path, share = follow(chain, q_grasp, T_end, policy.straight_points)
     if share < 1.0:
         return _broken_off(Reason.EXTRACT_BLOCKED, Stage.EXTRACT, path[-1], share)
     path = world.motion.rounded(path)
     world.enter(holding_phase(candidate, arm, T_tcp_part, straight=True))
-    world.allow_start_contacts(world.configuration({arm.name: q_grasp}))
-    found = path_contact(world, columns, world.configuration({}), path, policy.zone)
+    base = world.configuration({})
+    sunk = world.allow_start_contacts(world.configuration({arm.name: q_grasp}))
+    if sunk is not None:
+        note = "the part lies too deep in what it lies on: its pose is wrong"
+        return replace(_refused(Reason.IN_COLLISION, Stage.EXTRACT, sunk, q_grasp), note=note)
+    found = path_contact(world, columns, base, path, policy.zone)
+    if found is None:
+        with world.at_full_margins():
+            free = _beyond(chain, path, policy.release)
+            found = path_contact(world, columns, base, free, policy.zone)
     if found is None:
         world.enter(holding_phase(candidate, arm, T_tcp_part, straight=False))
         q = path[-1]
@@ -222,6 +224,18 @@ def _extract(
     if contact is not None:
         return _refused(Reason.EXTRACT_BLOCKED, Stage.EXTRACT, contact, q)
     return path
+
+
+def _beyond(chain: Chain, path: Floats, far: float) -> Floats:
+    """The waypoints (k, n) of a straight way (m, n) from `far` [m] of the hand's way on."""
+    places = np.array([chain.pose(q).translation for q in path])
+    gone = np.linalg.norm(places - places[0], axis=1)
+    if gone[-1] <= far:
+        return path[-1:].repeat(2, axis=0)
+    after = int(np.flatnonzero(gone > far)[0])
+    share = (far - gone[after - 1]) / (gone[after] - gone[after - 1])
+    start = path[after - 1] + share * (path[after] - path[after - 1])
+    return np.vstack([start, path[after:]])
 
 
 def _place(

@@ -7,13 +7,13 @@ import pytest
 from stand_ins import public_yumi, sources
 
 from workbench.app.picking.pipeline import plan_pick
+from workbench.app.picking.proving import prove
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.plans.pose_files import read_poses
 from workbench.model.candidate import Reason
 from workbench.model.cell import Cell
 from workbench.model.plan import PlanResult
 from workbench.planning.kinematics.robot import Kinematics
-from workbench.planning.proving.prove import prove
 
 
 @pytest.fixture(scope="module", params=sources("yumi"))

@@ -1,0 +1,52 @@
+"""A part lifted out of a pile, and what becomes of the others."""
+
+import numpy as np
+import pinocchio as pin
+import pytest
+
+from workbench.model.geometry import pose_from_rpy
+from workbench.model.scan import Detection
+from workbench.perception.simulation.piles import drop_parts
+from workbench.perception.simulation.unloading import is_in_bin, unloaded
+
+
+def up(T: pin.SE3, far: float = 0.15) -> list[pin.SE3]:
+    return [T, pin.SE3(T.rotation, T.translation + np.array([0.0, 0.0, far]))]
+
+
+def moved(before: Detection, after: Detection) -> float:
+    return float(np.linalg.norm(before.T_world_part.translation - after.T_world_part.translation))
+
+
+@pytest.fixture(scope="module")
+def heap(cell, part):
+    return drop_parts((part,) * 12, cell.bin, seed=5)
+
+
+def height(one: Detection) -> float:
+    return float(one.T_world_part.translation[2])
+
+
+def test_what_lay_on_the_part_is_pushed_away_or_falls(cell, heap):
+    lowest = min(range(len(heap)), key=lambda k: height(heap[k]))
+    rest = unloaded(cell, heap, lowest, up(heap[lowest].T_world_part))
+    others = [one for k, one in enumerate(heap) if k != lowest]
+    assert len(rest) == len(others)
+    assert max(map(moved, others, rest)) > 0.005
+
+
+def test_a_pile_at_rest_stays_at_rest_when_nothing_touches_it(cell, part):
+    pile = drop_parts((part,) * 4, cell.bin, seed=5)
+    far = Detection(part.name, cell.bin.T_world_bin * pose_from_rpy((0, 0, 2.0)))
+    rest = unloaded(cell, (*pile, far), 4, up(far.T_world_part))
+    assert max(map(moved, pile, rest)) < 0.002
+
+
+def test_the_last_part_leaves_nothing(cell, pile):
+    assert unloaded(cell, pile[:1], 0, up(pile[0].T_world_part)) == ()
+
+
+def test_a_part_beside_the_bin_is_not_in_it(cell):
+    beside = pose_from_rpy((0, cell.bin.size[1], 0.02))
+    assert is_in_bin(cell.bin, cell.bin.T_world_bin * pose_from_rpy((0, 0, 0.02)))
+    assert not is_in_bin(cell.bin, cell.bin.T_world_bin * beside)

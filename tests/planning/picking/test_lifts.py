@@ -1,0 +1,138 @@
+"""Ways out of the bin, and fingers that arrive less open where there is no room."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from workbench.app.picking.pipeline import judge, plan_pick
+from workbench.formats.cells.reading import read_cell
+from workbench.model.cell import LIFT_NAMES, Cell
+from workbench.model.geometry import pose_from_rpy
+from workbench.model.scan import Detection, Obstacle
+from workbench.perception.simulation.piles import drop_parts
+from workbench.planning.collision.world import World
+from workbench.planning.picking.lifts import AUTHORED, lifts
+from workbench.proof.prove import prove
+
+
+@pytest.fixture(scope="module")
+def cell():
+    return read_cell("yumi")
+
+
+def by(cell: Cell, **policy) -> Cell:
+    return replace(cell, policy=replace(cell.policy, **policy))
+
+
+def lying(cell: Cell, x: float, y: float) -> Detection:
+    """A cylinder flat on the floor, along x."""
+    T = cell.bin.T_world_bin * pose_from_rpy((x, y, 0.019), (0, np.pi / 2, 0))
+    return Detection("keyed_cylinder", T)
+
+
+def ways(cell: Cell, one: Detection):
+    candidate = judge(cell, (one,))[0]
+    return list(lifts(World(cell, (one,)), candidate, candidate.T_world_tcp))
+
+
+def test_by_default_there_is_the_leaning_lift_alone(cell):
+    only = by(cell, lifts=("leaning",))
+    ((name, way),) = ways(only, lying(only, 0.0, 0.1))
+    assert name == "leaning"
+    up = way / np.linalg.norm(way)
+    assert np.rad2deg(np.arccos(up[2])) == pytest.approx(25.0)
+    assert up[1] < 0, "it leans to the middle"
+
+
+def test_lifts_come_in_the_order_of_the_policy_and_none_twice(cell):
+    every = by(cell, lifts=LIFT_NAMES)
+    found = ways(every, lying(every, 0.0, 0.1))
+    names = list(dict.fromkeys(name for name, _ in found))
+    assert names == [name for name in LIFT_NAMES if name in names]
+    assert {"leaning", "up", "around"} <= set(names)
+    units = np.array([way / np.linalg.norm(way) for _, way in found])
+    alike = units @ units.T - np.eye(len(units))
+    assert alike.max() < np.cos(np.deg2rad(3.9))
+    assert units[:, 2].min() > 0.4, "every lift goes up"
+
+
+def test_the_way_off_the_wall_leads_away_from_the_nearest_one(cell):
+    off = by(cell, lifts=("off-wall",))
+    ((_, way),) = ways(off, lying(off, 0.0, 0.13))
+    assert way[1] < 0 and abs(way[0]) < 1e-9
+
+
+def test_a_grasp_that_says_how_to_go_out_has_no_other_way(cell):
+    every = by(cell, lifts=LIFT_NAMES)
+    one = lying(every, 0.0, 0.0)
+    candidate = judge(every, (one,))[0]
+    authored = replace(candidate.grasp, retreat=np.array([0.0, 0.0, -1.0]), retreat_length=0.08)
+    candidate = replace(candidate, grasp=authored)
+    ((name, way),) = lifts(World(every, (one,)), candidate, candidate.T_world_tcp)
+    assert name == AUTHORED and np.linalg.norm(way) == pytest.approx(0.08)
+
+
+@pytest.fixture(scope="module")
+def heap(cell):
+    return drop_parts(cell.parts[:1] * 10, cell.bin, seed=31)
+
+
+def test_more_lifts_take_what_one_takes_and_more(cell, heap):
+    def good(changed: Cell):
+        return {
+            (one.detection, one.grasp.name, one.arm)
+            for one in judge(changed, heap)
+            if one.verdict.is_ok
+        }
+
+    one, every = good(by(cell, lifts=("leaning",))), good(by(cell, lifts=LIFT_NAMES))
+    assert one < every
+
+
+def test_the_verdict_tells_lift_and_opening_and_the_proof_agrees(cell, heap):
+    eager = by(cell, lifts=LIFT_NAMES, least_air=0.0015)
+    result = plan_pick(eager, heap, "test")
+    good = [one for one in result.candidates if one.verdict.is_ok]
+    assert good and all(", lift " in one.verdict.note for one in good)
+    assert all("mm apart" in one.verdict.note for one in good)
+    assert result.plan is not None
+    assert prove(eager, result.plan.scene, result.plan).holds
+
+
+def test_fingers_arrive_less_open_only_where_there_is_no_room(cell):
+    slim, rolled = by(cell, least_air=0.0015), pose_from_rpy((0, 0, 0), (0, 0, np.pi))
+    # Rolled so that a grasp points straight down.
+    one = Detection("keyed_cylinder", lying(cell, 0.0, 0.0).T_world_part * rolled)
+    # Faces 24.5 mm from the axis: fingers of 6 mm fit in between when open 33 mm, not 40 mm.
+    sides = tuple(
+        Obstacle(
+            cell.bin.T_world_bin * pose_from_rpy((0, side * 0.0295, 0.015)),
+            np.array([0.1, 0.01, 0.03]),
+        )
+        for side in (1, -1)
+    )
+
+    def openings(changed: Cell, obstacles: tuple[Obstacle, ...]) -> set[float]:
+        judged = judge(changed, (one,), obstacles=obstacles)
+        return {round(c.grasp.opening, 4) for c in judged if c.verdict.is_ok}
+
+    assert openings(cell, ()) == openings(slim, ()) == {0.04}
+    assert openings(by(cell, least_air=None), sides) == set()
+    assert openings(slim, sides) == {0.033}
+
+
+def test_a_proof_refuses_fingers_less_open_than_the_policy_allows(cell):
+    slim = by(cell, least_air=0.0015)
+    plan = plan_pick(slim, (lying(slim, 0.0, 0.0),), "test").plan
+    assert plan is not None
+    (arm,) = plan.arms
+
+    def opened(opening: float):
+        legs = tuple(leg if leg.holding else replace(leg, opening=opening) for leg in arm.legs)
+        changed = replace(plan, arms=(replace(arm, legs=legs),))
+        return prove(slim, changed.scene, changed)
+
+    assert opened(0.034).holds
+    assert not opened(0.031).holds
+    assert not opened(0.045).holds

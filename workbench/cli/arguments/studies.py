@@ -1,0 +1,112 @@
+"""What can be typed after `workbench study`."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Literal
+
+from tyro.conf import Positional, subcommand
+
+
+@dataclass(frozen=True, slots=True)
+class StudyLocalization:
+    """Find the parts of seeded piles in simulated scans and compare with where they lie."""
+
+    cell: str = "yumi"
+    """Name under robots/, or path of a cell.toml."""
+    scenes: int = 10
+    """How many piles for each part, count and noise."""
+    parts: tuple[str, ...] = ("keyed_cylinder", "bracket", "bolt")
+    """Names under parts/, or paths, one after the other; a+b for both in one pile."""
+    counts: tuple[int, ...] = (2, 8)
+    """Parts in a pile."""
+    noise: tuple[Literal["fine", "rough"], ...] = ("fine", "rough")
+    """Builds of scanner: that of the cell, and one with twice its noise and many flaws."""
+    raised: float = 0.0
+    """All that is seen lies this much higher than it does [mm]: a scanner calibrated badly."""
+    tilted: float = 0.0
+    """And is turned by this about the bin's x axis [degrees]."""
+    search: str = ""
+    """Kinds to look for in place of those that lie there, as in --parts: what is found is wrong."""
+    seed: int = 0
+    """Seed of the first pile; the others follow."""
+    plot: Path | None = None
+    """HTML file to draw it in."""
+    json: bool = False
+    """Print one JSON object and nothing else."""
+
+
+@dataclass(frozen=True, slots=True)
+class StudyThreshold:
+    """What each distance threshold between alternated and coordinated arms would give.
+
+    Two parts fall into the bin at random, again and again; every pile is planned both ways.
+    """
+
+    cell: str = "yumi"
+    """Name under robots/, or path of a cell.toml with two arms or more."""
+    cycles: int = 100
+    """How many piles."""
+    thresholds: tuple[float, ...] = (0.05, 0.1, 0.15, 0.2, 0.25, 0.3)
+    """Distances [m] to compare."""
+    workers: int = 1
+    """Processes on this machine; more than one needs the extra `cluster`."""
+    scheduler: str | None = None
+    """Address of a Dask cluster that does the work instead, tcp://host:port."""
+    seed: int = 0
+    """Seed of the first pile; the others follow."""
+    plot: Path | None = None
+    """HTML file to draw the comparison in."""
+    keep: bool = False
+    """Keep the result beside the cell, where the page shows it with the threshold."""
+    json: bool = False
+    """Print one JSON object and nothing else."""
+
+
+@dataclass(frozen=True, slots=True)
+class StudyEmptying:
+    """Empty full bins: what is taken, how fast, and what stays in the corners and why.
+
+    Parts fall into the bin by physics; plan after plan is made, carried out and the bin looked at
+    again, until three looks in a row bring no plan.
+    """
+
+    cell: Positional[str] = "yumi"
+    """Name under robots/, or path of a cell.toml."""
+    parts: int = 15
+    """Parts in a pile."""
+    part: str = ""
+    """One of the cell's parts, `all` for all of them in turn, or names under parts/ or paths, a+b
+    for both in one pile; the cell's first when not given."""
+    scenes: int = 10
+    """How many piles."""
+    seed: int = 0
+    """Seed of the first pile; the others follow."""
+    seen: Literal["truth", "scan"] = "truth"
+    """Plan with the true poses, or with those found in a simulated scan."""
+    settle: bool = True
+    """Whether the rest moves and settles by physics as a part is lifted out."""
+    strategy: str = "auto"
+    """Which arms work and how, as in plan --strategy."""
+    scan_seconds: float = 1.0
+    """What a scan takes, for the parts an hour."""
+    approval_seconds: float = 0.0
+    """What a person needs to approve a plan, for the parts an hour."""
+    workers: int = 1
+    """Processes on this machine; more than one needs the extra `cluster`."""
+    scheduler: str | None = None
+    """Address of a Dask cluster that does the work instead, tcp://host:port."""
+    plot: Path | None = None
+    """HTML file to draw it in."""
+    json: bool = False
+    """Print one JSON object and nothing else."""
+
+
+@dataclass(frozen=True, slots=True)
+class Study:
+    """Measure how well the cell does on many seeded piles."""
+
+    what: (
+        Annotated[StudyThreshold, subcommand("threshold")]
+        | Annotated[StudyLocalization, subcommand("localization")]
+        | Annotated[StudyEmptying, subcommand("emptying")]
+    )

@@ -1,0 +1,96 @@
+"""`workbench study emptying`: full bins, emptied as far as it goes."""
+
+from typing import Any
+
+from workbench.app.core.value_checks import MOST_PARTS, SEED_LIMIT
+from workbench.app.picking.pipeline import check_strategy
+from workbench.app.runtime.readiness import make_ready
+from workbench.cli.arguments.studies import StudyEmptying
+from workbench.cli.exits import SUCCESS
+from workbench.cli.terminal import check_number, check_whole, print_json, print_table, progress
+from workbench.formats.cells.reading import read_cell
+from workbench.studies.cases import run_cases
+from workbench.studies.emptying.empty import check_task, emptied
+from workbench.studies.emptying.plot import draw_emptying
+from workbench.studies.emptying.scene import Task
+from workbench.studies.emptying.summary import summary
+
+MOST_PILES = 1_000_000
+LONGEST = 3600.0
+"""[s] A scan or an approval takes no longer."""
+
+MOST_TOLD = 30
+"""Parts that stayed are told up to here; --json tells all."""
+
+
+def emptying(typed: StudyEmptying) -> int:
+    """Carry it out and print what was found."""
+    check_whole("--scenes", typed.scenes, 1, MOST_PILES)
+    check_whole("--parts", typed.parts, 1, MOST_PARTS)
+    check_whole("--seed", typed.seed, 0, SEED_LIMIT - typed.scenes)
+    check_whole("--workers", typed.workers, 1, 1024)
+    check_number("--scan-seconds", typed.scan_seconds, 0.0, LONGEST)
+    check_number("--approval-seconds", typed.approval_seconds, 0.0, LONGEST)
+    tasks = [
+        Task(typed.cell, typed.part, typed.parts, seed, typed.seen, typed.settle, typed.strategy)
+        for seed in range(typed.seed, typed.seed + typed.scenes)
+    ]
+    cell = read_cell(typed.cell)
+    check_strategy(cell, typed.strategy)
+    check_task(tasks[0])
+    with progress("emptying") as report:
+        make_ready(report, ("planning", "seeing") if typed.seen == "scan" else ("planning",))
+        scenes = run_cases(
+            emptied, tasks, workers=typed.workers, scheduler=typed.scheduler, report=report
+        )
+    found = summary(
+        scenes, scan_seconds=typed.scan_seconds, approval_seconds=typed.approval_seconds
+    )
+    title = f"{cell.name}: {typed.scenes} piles of {typed.parts}, {found['taken_share']:.0%} taken"
+    if typed.plot is not None:
+        draw_emptying(typed.plot, found, title)
+    if typed.json:
+        print_json(found)
+        return SUCCESS
+    _print(found, title)
+    return SUCCESS
+
+
+def _print(found: dict[str, Any], title: str) -> None:
+    print_table(
+        title,
+        ("seed", "parts", "taken", "cycles", "failed", "touches", "knocked out", "motion s"),
+        [
+            (
+                *(str(one[key]) for key in ("seed", "parts", "taken", "cycles")),
+                *(str(one[key]) for key in ("failed_picks", "touches", "knocked_out")),
+                f"{one['motion_seconds']:.1f}",
+            )
+            for one in found["scenes"]
+        ],
+    )
+    kinds = ", ".join(f"{count} {kind}" for kind, count in found["failed_by_kind"].items())
+    print(
+        f"{found['taken']} of {found['parts']} parts taken, {found['taken_share']:.1%}; "
+        f"{found['picks']} picks, {found['failed_picks']} failed ({kinds}), "
+        f"{found['touches']} touches, {found['knocked_out']} knocked out of the bin"
+    )
+    if found["planning_ms"] is not None:
+        stages = ", ".join(f"{k} {ms:.0f}" for k, ms in found["planning_ms_by_stage"].items())
+        print(
+            f"planning: {found['planning_ms']['median']:.0f} ms median, "
+            f"{found['planning_ms']['p95']:.0f} ms at 95 %; in the mean {stages}"
+        )
+    if found["parts_per_hour"] is not None:
+        print(f"{found['parts_per_hour']:.0f} parts an hour")
+    left = [(one["seed"], part) for one in found["scenes"] for part in one["left"]]
+    if not left:
+        print("nothing stayed in the bins")
+        return
+    reasons = ", ".join(f"{count} {kind}" for kind, count in found["left_by_reason"].items())
+    print(f"{len(left)} parts stayed: {reasons}")
+    for seed, part in left[:MOST_TOLD]:
+        fix = part["nearest_fix"] or "no small change of a grasp takes it"
+        print(f"  seed {seed}, {part['part']}: {part['reason']}; {fix}")
+    if len(left) > MOST_TOLD:
+        print(f"  and {len(left) - MOST_TOLD} more: see --json")

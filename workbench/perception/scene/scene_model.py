@@ -1,0 +1,68 @@
+"""What a scan shows beside the parts, found once for all kinds that are searched in it."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pinocchio as pin
+
+from workbench.model.cell import Bin, Cell
+from workbench.model.geometry import Floats
+from workbench.model.scan import Scan
+from workbench.perception.scene.bin_check import ENOUGH, rim_place
+from workbench.perception.scene.bin_fit import (
+    FARTHEST,
+    SEEN_WALL,
+    STEEPEST,
+    SeenBin,
+    fit_bin,
+)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SceneModel:
+    """What surrounds the parts: the bin as the scan shows it."""
+
+    bin: SeenBin
+
+
+def scene_model(scan: Scan, cell: Cell) -> SceneModel:
+    """Look at a scan before the parts are searched for.
+
+    Walls that are not seen, since the scanner looks along them, are where the rim says.
+    """
+    bin = cell.bin
+    T_bin_scanner = bin.T_world_bin.actInv(scan.T_world_scanner)
+    distance = float(np.linalg.norm(T_bin_scanner.translation))
+    seen = fit_bin(scan.points, T_bin_scanner, bin, noise=cell.scanner.depth_noise * distance**2)
+    if (seen.wall_shares < SEEN_WALL).any():
+        points = scan.points[:: -(-len(scan.points) // ENOUGH)]
+        p_bin = points @ T_bin_scanner.rotation.T + T_bin_scanner.translation
+        seen = _by_rim(seen, rim_place(p_bin, bin), bin)
+    return SceneModel(seen)
+
+
+def _by_rim(seen: SeenBin, T_bin_rim: pin.SE3 | None, bin: Bin) -> SeenBin:
+    """The bin with the surfaces that are not seen where a rim lies, if it is near enough."""
+    if T_bin_rim is None:
+        return seen
+    shift, turn = T_bin_rim.translation, pin.log3(T_bin_rim.rotation)
+    if np.linalg.norm(shift) > FARTHEST or np.linalg.norm(turn) > STEEPEST:
+        return seen
+    walls = np.where((seen.wall_shares < SEEN_WALL)[:, None], _walls(shift, turn, bin), seen.walls)
+    # Half the floor's sides take the tilt to metres, as its coefficients are.
+    tilts = turn[[1, 0]] * (-1.0, 1.0) * bin.size[:2] / 2
+    floor = seen.floor if seen.is_floor_seen else np.array([shift[2], *tilts, 0.0, 0.0, 0.0])
+    return replace(seen, floor=_rounded(floor), walls=_rounded(walls))
+
+
+def _walls(shift: Floats, turn: Floats, bin: Bin) -> Floats:
+    """How far further out (4, 3) the walls are of a bin that is moved a little; see `SeenBin`."""
+    length, width, height = bin.size
+    x = np.array([shift[0], -turn[2] * width / 2, turn[1] * height])
+    y = np.array([shift[1], turn[2] * length / 2, -turn[0] * height])
+    return np.array([x, -x, y, -y])
+
+
+def _rounded(values: Floats) -> Floats:
+    """To micrometres, so that they are the same on any machine."""
+    return np.round(values, 6) + 0.0

@@ -1,0 +1,101 @@
+"""A bin and its parts as MuJoCo knows them."""
+
+from collections.abc import Sequence
+
+import mujoco
+import numpy as np
+import pinocchio as pin
+
+from workbench.model.cell import Bin
+from workbench.model.geometry import Box, Capsule, Cylinder, Mesh, Solid, Sphere
+from workbench.model.part import Part
+from workbench.perception.views.surfaces import surface_of
+
+TIMESTEP = 0.002
+
+LONGEST = 4.0
+"""[s] of simulated time after the last drop, if the parts do not come to rest before."""
+
+AT_REST = 0.01
+"""[m/s] and, over the part's radius, [rad/s]: slower than this is lying still."""
+
+
+def model_of(parts: Sequence[Part], bin: Bin, carried: int | None = None) -> mujoco.MjModel:
+    """Bin and parts as MuJoCo sees them; the world frame is that of the bin.
+
+    Args:
+        parts: each is a body by its number.
+        bin: stands still.
+        carried: number of a part that goes where it is put and pushes what is in its way; the
+            others move freely, and are weightless until their `body_gravcomp` is 0.
+    """
+    spec = mujoco.MjSpec()
+    spec.option.timestep = TIMESTEP
+    spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
+    spec.option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
+    for solid in bin.solids:
+        _add_geom(spec, spec.worldbody, solid)
+    for number, part in enumerate(parts):
+        if number == carried:
+            body = spec.worldbody.add_body(name=str(number), mocap=True)
+        else:
+            body = spec.worldbody.add_body(name=str(number), gravcomp=1.0)  # until it falls
+            body.add_freejoint()
+        for solid in part.pieces:
+            _add_geom(spec, body, solid)
+    model = spec.compile()
+    # Pieces may overlap, so their volumes tell how the mass is spread but not how much it is.
+    masses = np.array([part.mass for part in parts])
+    model.body_inertia[1:] *= (masses / model.body_mass[1:])[:, None]
+    model.body_mass[1:] = masses
+    mujoco.mj_setConst(model, mujoco.MjData(model))
+    return model
+
+
+def _add_geom(spec: mujoco.MjSpec, body: mujoco.MjsBody, solid: Solid) -> None:
+    quaternion = pin.Quaternion(solid.T_owner_shape.rotation)
+    geom = body.add_geom(
+        pos=solid.T_owner_shape.translation,
+        quat=[quaternion.w, quaternion.x, quaternion.y, quaternion.z],
+        friction=[0.4, 0.002, 0.0005],
+        condim=6,  # with rolling friction, or cylinders would never stop
+        solref=[2.5 * TIMESTEP, 1.0],  # as stiff as the time step allows
+        solimp=[0.95, 0.99, 0.0005, 0.5, 2.0],
+    )
+    match solid.shape:
+        case Box(size=size):
+            geom.type, geom.size = mujoco.mjtGeom.mjGEOM_BOX, size / 2
+        case Cylinder(radius=radius, length=length):
+            geom.type, geom.size = mujoco.mjtGeom.mjGEOM_CYLINDER, [radius, length / 2, 0]
+        case Capsule(radius=radius, length=length):
+            geom.type, geom.size = mujoco.mjtGeom.mjGEOM_CAPSULE, [radius, length / 2, 0]
+        case Sphere(radius=radius):
+            geom.type, geom.size = mujoco.mjtGeom.mjGEOM_SPHERE, [radius, 0, 0]
+        case Mesh():
+            name = f"mesh{len(spec.meshes)}"
+            surface = surface_of(solid.shape)
+            spec.add_mesh(
+                name=name,
+                uservert=np.asarray(surface.vertices, dtype=np.float32).ravel(),
+                userface=np.asarray(surface.faces, dtype=np.int32).ravel(),
+            )
+            geom.type, geom.meshname = mujoco.mjtGeom.mjGEOM_MESH, name
+
+
+def come_to_rest(model: mujoco.MjModel, data: mujoco.MjData, radius: float) -> None:
+    """Let time pass until all parts lie still; `radius` [m] is that of the largest."""
+    speed = data.qvel.reshape(-1, 6)
+    for _ in range(round(LONGEST / TIMESTEP / 25)):
+        mujoco.mj_step(model, data, nstep=25)
+        turning = np.abs(speed[:, 3:]).max() * radius
+        if max(np.abs(speed[:, :3]).max(), turning) < AT_REST:
+            break
+
+
+def poses_of(data: mujoco.MjData) -> list[pin.SE3]:
+    """T_bin_part of all parts that move freely, in their order."""
+    return [
+        pin.SE3(pin.Quaternion(w, x, y, z).normalized().matrix(), position.copy())
+        for *position, w, x, y, z in data.qpos.reshape(-1, 7)
+        for position in [np.array(position)]
+    ]

@@ -1,0 +1,85 @@
+"""What becomes of a pile as one part is lifted out of it: what lay on it and beside it moves."""
+
+from collections.abc import Sequence
+from itertools import pairwise
+
+import mujoco
+import numpy as np
+import pinocchio as pin
+
+from workbench.model.cell import Bin, Cell
+from workbench.model.scan import Detection
+from workbench.perception.simulation.physics import TIMESTEP, come_to_rest, model_of, poses_of
+from workbench.perception.simulation.piles import radius_of
+
+LIFT_SPEED = 0.25
+"""[m/s] At which a part is lifted; pushed parts move more at higher speeds."""
+
+LEAST_SECONDS = 0.2
+"""[s] A lift takes at least so long, however short its way is."""
+
+
+def unloaded(
+    cell: Cell, pile: Sequence[Detection], taken: int, way: Sequence[pin.SE3]
+) -> tuple[Detection, ...]:
+    """The other parts of a pile, at rest again after one was lifted out.
+
+    The part follows its way whatever is in it; the others are pushed, tip over and fall as MuJoCo
+    has it.  The hand is not there: plans keep it away from them.
+
+    Args:
+        cell: whose bin and parts.
+        pile: how the parts lie, at rest.
+        taken: the number in it of the part that is lifted.
+        way: poses of that part in the world, from where it lies on.
+
+    Returns:
+        All but the taken one, in their order.
+    """
+    parts = [cell.part(one.part) for one in pile]
+    T_bin_world = cell.bin.T_world_bin.inverse()
+    others = [number for number in range(len(pile)) if number != taken]
+    if not others:
+        return ()
+    model = model_of(parts, cell.bin, carried=taken)
+    model.body_gravcomp[1:] = 0.0
+    data = mujoco.MjData(model)
+    state = data.qpos.reshape(-1, 7)
+    for row, number in enumerate(others):
+        state[row] = _numbers(T_bin_world * pile[number].T_world_part)
+    for T in _evenly(way):
+        data.mocap_pos[0], data.mocap_quat[0] = np.split(_numbers(T_bin_world * T), [3])
+        mujoco.mj_step(model, data)
+    # What is out of the bin for good must not hold up those that fall.
+    data.mocap_pos[0] = (0.0, 0.0, 10.0)
+    come_to_rest(model, data, max(map(radius_of, parts)))
+    return tuple(
+        Detection(pile[number].part, cell.bin.T_world_bin * T)
+        for number, T in zip(others, poses_of(data), strict=True)
+    )
+
+
+def is_in_bin(bin: Bin, T_world_part: pin.SE3) -> bool:
+    """Whether a part is still in the bin: its frame is between the walls and above the floor."""
+    x, y, z = bin.T_world_bin.actInv(T_world_part).translation
+    length, width, _ = bin.size
+    return bool(abs(x) <= length / 2 and abs(y) <= width / 2 and z >= 0.0)
+
+
+def _numbers(T: pin.SE3) -> np.ndarray:
+    """Place (3) [m] and quaternion w, x, y, z as MuJoCo has them, (7,)."""
+    quaternion = pin.Quaternion(T.rotation)
+    place = T.translation
+    return np.array([*place, quaternion.w, quaternion.x, quaternion.y, quaternion.z])
+
+
+def _evenly(way: Sequence[pin.SE3]) -> list[pin.SE3]:
+    """Poses along a way, one a time step, at `LIFT_SPEED`."""
+    found: list[pin.SE3] = []
+    lengths = [float(np.linalg.norm(b.translation - a.translation)) for a, b in pairwise(way)]
+    seconds = max(sum(lengths) / LIFT_SPEED, LEAST_SECONDS)
+    for a, b, length in zip(way, way[1:], lengths, strict=False):
+        share = length / sum(lengths) if sum(lengths) else 1.0 / len(lengths)
+        count = max(1, round(seconds * share / TIMESTEP))
+        found += [pin.SE3.Interpolate(a, b, k / count) for k in range(1, count + 1)]
+    return found

@@ -1,0 +1,67 @@
+"""Why a part stayed in the bin, and the smallest change of a grasp that would take it."""
+
+import re
+from collections import Counter
+from collections.abc import Sequence
+
+from workbench.app.picking.pipeline import judge
+from workbench.model.candidate import Candidate, Reason, Stage, Verdict
+from workbench.model.cell import Cell
+from workbench.model.scan import Detection
+from workbench.planning.picking.nearest_fix import nearest_fix
+from workbench.studies.emptying.scene import Left
+
+Numbered = Sequence[tuple[int, Detection]]
+"""Parts with the number under which they fell."""
+
+
+def left_in(cell: Cell, lying: Numbered, *, refusal: Verdict | None, seed: int) -> tuple[Left, ...]:
+    """Each part that lies in the bin, with why it was not taken.
+
+    Args:
+        cell: that it was tried in.
+        lying: what is left, as it truly lies.
+        refusal: what the last plan was refused for, if there was a pick for it.
+        seed: of the judging.
+    """
+    detections = tuple(one for _, one in lying)
+    if not detections:
+        return ()
+    judged = judge(cell, detections, seed=seed)
+    names = [f"part-{number + 1}" for number, _ in lying]
+    found: list[Left] = []
+    for index, name in enumerate(names):
+        mine = tuple(one for one in judged if one.detection == index)
+        if any(one.verdict.is_ok for one in mine):
+            why = "it was not found" if refusal is None else f"no plan came out: {refusal}"
+            kind = "not found" if refusal is None else str(refusal.reason)
+            found.append(Left(name, kind, f"a grasp of it works, but {why}", ""))
+            continue
+        best = max((one.verdict for one in mine), key=_progress)
+        fix = nearest_fix(cell, detections, mine, seed=seed)
+        sentence = _renamed(_sentence(mine, best), names)
+        found.append(Left(name, str(best.reason), sentence, "" if fix is None else fix.change))
+    return tuple(found)
+
+
+def _progress(verdict: Verdict) -> tuple[int, float]:
+    return list(Stage).index(verdict.stage), verdict.distance or 0.0
+
+
+def _sentence(mine: Sequence[Candidate], best: Verdict) -> str:
+    counted = Counter(one.verdict.reason for one in mine)
+    told = ", ".join(f"{count} {reason}" for reason, count in counted.most_common())
+    how = str(best)
+    if best.reason is not Reason.OUT_OF_REACH and best.distance is not None and best.distance < 0:
+        how += " into each other"
+    return f"none of {len(mine)} candidates works ({told}); the one that got furthest: {how}"
+
+
+def _renamed(text: str, names: Sequence[str]) -> str:
+    """The text with the labels of parts as they fell, not as they were judged."""
+
+    def name(match: re.Match[str]) -> str:
+        index = int(match[1]) - 1
+        return names[index] if 0 <= index < len(names) else match[0]
+
+    return re.sub(r"\bpart-(\d+)\b", name, text)

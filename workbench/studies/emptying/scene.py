@@ -1,0 +1,70 @@
+"""What the study of emptying is asked, and what it finds out about one pile."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+Seen = Literal["truth", "scan"]
+"""Whether plans are made with the true poses or with those found in a simulated scan."""
+
+TOGETHER = "+"
+"""Joins the names of parts that fall into one pile."""
+
+FAILURES = ("missed", "crooked")
+"""Kinds of failed picks: the fingers close on nothing, or on a part that lies elsewhere."""
+
+
+@dataclass(frozen=True, slots=True)
+class Task:
+    """One pile: of which cell and parts, how many, by which seed, and how it is emptied.
+
+    `part` is one of the cell's, `all` for all of them in turn, or others by name or path, joined by
+    `TOGETHER`; empty: the cell's first.  `settles`: the rest moves by physics as a part is lifted.
+    """
+
+    cell: str
+    part: str
+    count: int
+    seed: int
+    seen: Seen = "truth"
+    settles: bool = True
+    strategy: str = "auto"
+
+
+@dataclass(frozen=True, slots=True)
+class Left:
+    """A part that stayed in the bin: `part-3` is the third that fell.
+
+    `kind` is the word of the verdict that got furthest, `reason` a sentence about it; `nearest_fix`
+    is the smallest change of a grasp that takes it, empty when none was found.
+    """
+
+    part: str
+    kind: str
+    reason: str
+    nearest_fix: str
+
+
+@dataclass(frozen=True, slots=True)
+class Scene:
+    """What became of a pile.
+
+    Of `parts`, `taken` came out as planned; `failed` counts the failed picks by kind, in the order
+    of `FAILURES`, `touches` the legs on which something met that the plan held apart, and
+    `knocked_out` the parts that fell out of the bin.  `cycles` are plans carried out, `scans` looks
+    into the bin.  `motion_seconds` [s] is predicted by the plans, `planning` [s] was measured for
+    every plan, `stages` [s] by stage in all, and `finding` [s] for the parts in the scans.
+    """
+
+    task: Task
+    parts: int
+    taken: int
+    failed: tuple[int, ...]
+    touches: int
+    knocked_out: int
+    cycles: int
+    scans: int
+    motion_seconds: float
+    left: tuple[Left, ...]
+    planning: tuple[float, ...]
+    stages: tuple[tuple[str, float], ...]
+    finding: float
