@@ -42,6 +42,7 @@ help:
 	@echo "make docs      make the documents a site in build/site, without a network"
 	@echo "make bench     measure what the README promises"
 	@echo "make pictures  make the pictures of the documents anew"
+	@echo "make everything  install what lint, docs and test need, in one go"
 	@echo "make clean     remove everything that make made"
 	@echo "ARGS=... is handed on: make run ARGS='--port 9000', make test ARGS='-k proof'"
 
