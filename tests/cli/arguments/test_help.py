@@ -42,6 +42,7 @@ COMMANDS = (
 
 NESTED = (
     ("bench", "planners"),
+    ("bench", "motion"),
     ("bench", "pick"),
     ("bench", "soak"),
     ("bench", "page"),
