@@ -43,6 +43,7 @@ COMMANDS = (
 
 NESTED = (
     ("bench", "planners"),
+    ("bench", "motion"),
     ("bench", "pick"),
     ("bench", "soak"),
     ("bench", "page"),
