@@ -22,6 +22,7 @@ COMMANDS = (
     "calibrate",
     "plan",
     "explain",
+    "prove",
     "verify",
     "send",
     "controller",
@@ -42,6 +43,7 @@ COMMANDS = (
 
 NESTED = (
     ("bench", "planners"),
+    ("bench", "motion"),
     ("bench", "pick"),
     ("bench", "soak"),
     ("bench", "page"),

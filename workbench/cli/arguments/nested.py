@@ -40,6 +40,35 @@ class BenchPlanners:
 
 
 @dataclass(frozen=True, slots=True)
+class BenchMotion:
+    """Plan motion problems from files as a free leg of a plan is: shortened, rounded and checked.
+
+    Problems that start or end in something are counted apart.  Times are processor time, from
+    two configurations to checked waypoints; robot and obstacles are made ready before.
+    """
+
+    folder: Positional[Path]
+    """Folder with sets of problems in JSON and the robot's URDF and SRDF beside them, or with a
+    folder of these for each robot."""
+    robot: str | None = None
+    """Whose problems; all when not given."""
+    planner: str = "rrtconnect"
+    """Which planner."""
+    against: Literal["ompl"] | None = None
+    """Give the same problems to OMPL's RRT-Connect as well, over the same check of edges."""
+    iterations: int = 10000
+    """Iterations that a search may take."""
+    margin: float = 0.0
+    """Distance to keep from everything [m]."""
+    seconds: float = 30.0
+    """How long a plan may take [s]."""
+    seed: int = 0
+    """Seed of everything random."""
+    json: bool = False
+    """Print one JSON object and nothing else."""
+
+
+@dataclass(frozen=True, slots=True)
 class BenchPick:
     """Plan seeded piles of known poses and tell how long each stage took."""
 
@@ -120,6 +149,7 @@ class Bench:
 
     what: (
         Annotated[BenchPlanners, subcommand("planners")]
+        | Annotated[BenchMotion, subcommand("motion")]
         | Annotated[BenchPick, subcommand("pick")]
         | Annotated[BenchSoak, subcommand("soak")]
         | Annotated[BenchPage, subcommand("page")]

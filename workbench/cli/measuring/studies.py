@@ -10,6 +10,7 @@ from workbench.app.core.value_checks import MOST_PARTS, SEED_LIMIT
 from workbench.app.runtime.readiness import make_ready
 from workbench.cli.arguments.nested import (
     Bench,
+    BenchMotion,
     BenchPage,
     BenchPick,
     BenchPlanners,
@@ -39,6 +40,10 @@ def bench(typed: Bench) -> int:
     match typed.what:
         case BenchPlanners():
             return _planners(typed.what)
+        case BenchMotion():
+            from workbench.cli.measuring.motion import motion
+
+            return motion(typed.what)
         case BenchPick():
             return _pick(typed.what)
         case BenchSoak():

@@ -14,7 +14,7 @@ from workbench.planning.collision.contact import Contact
 from workbench.planning.collision.motion import Curves, segment, walked
 from workbench.planning.planners.clock import working_time
 from workbench.planning.planners.rrt import merged, resampled, shortened
-from workbench.plugins.planner import EdgeCheck, planner_named
+from workbench.plugins.planner import EdgeCheck, Planner, planner_named
 
 TRIES = 3
 """Free paths searched before giving up: rounding to the wire and the corners may spoil one."""
@@ -41,12 +41,13 @@ def searched(
     rng: np.random.Generator,
     deadline: float = math.inf,
     before: Floats | None = None,
+    planner: Planner | None = None,
 ) -> Floats | Verdict:
     """A path between two clear configurations (n,), rounded and checked as it will be run.
 
     `before` (n,) is the waypoint from which the arm comes to the start: the corner there belongs to
     what is checked.  Without it the arm begins at the start.  `deadline` [s] on the clock of
-    `working_time` ends the search wherever it stands.
+    `working_time` ends the search wherever it stands.  `planner` takes the place of the policy's.
 
     Returns:
         Waypoints (m, n) [rad]; or why there are none, with what was met last.
@@ -57,7 +58,7 @@ def searched(
         for number in range(TRIES + 1):
             path = np.array([start, goal])  # straight ahead first
             if number:
-                search = planner_named(policy.planner)
+                search = planner or planner_named(policy.planner)
                 path = search(
                     start, goal, *limits, weights, is_clear, iterations=policy.iterations, rng=rng
                 ).path

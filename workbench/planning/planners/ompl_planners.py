@@ -20,7 +20,7 @@ from ompl import base, geometric, util
 from workbench.model.geometry import Floats
 from workbench.plugins.planner import EdgeCheck, Planner, Search
 
-Name = Literal["BITstar", "LBKPIECE1", "InformedRRTstar", "AORRTC"]
+Name = Literal["BITstar", "LBKPIECE1", "InformedRRTstar", "AORRTC", "RRTConnect"]
 
 SLACK = 1e-9
 """[rad] By how much a start on a joint limit may miss it after scaling by the metric's weights."""
@@ -129,3 +129,5 @@ BIT_STAR = ompl_planner("BITstar")
 LBKPIECE = ompl_planner("LBKPIECE1")
 INFORMED_RRT_STAR = ompl_planner("InformedRRTstar")
 AORRTC = ompl_planner("AORRTC")
+RRT_CONNECT = ompl_planner("RRTConnect")
+"""For comparison only: `rrtconnect` is our own."""

@@ -1,0 +1,88 @@
+"""`workbench bench motion`: motion problems from files, as tables and JSON."""
+
+from typing import Any
+
+from workbench.app.core.value_checks import SEED_LIMIT
+from workbench.app.runtime.readiness import make_ready
+from workbench.cli.arguments.nested import BenchMotion
+from workbench.cli.exits import SUCCESS
+from workbench.cli.terminal import check_number, check_whole, print_json, print_table, progress
+from workbench.formats.robots.motion_problems import read_motion_problems
+from workbench.model.cell import Policy
+from workbench.plugins.planner import planner_named
+from workbench.studies.motion import OMPL, cases_of, compare, figures, summary
+
+MOST = 1_000_000
+WIDEST = 0.5
+"""[m] A larger margin leaves no way anywhere."""
+
+
+def motion(typed: BenchMotion) -> int:
+    """Plan them, and tell what came out, set by set."""
+    check_whole("--iterations", typed.iterations, 1, MOST)
+    check_number("--margin", typed.margin, 0.0, WIDEST)
+    check_number("--seconds", typed.seconds, 0.01, 3600)
+    check_whole("--seed", typed.seed, 0, SEED_LIMIT - 1)
+    planner_named(typed.planner)
+    sets = read_motion_problems(typed.folder, typed.robot)
+    policy = Policy(
+        margin=typed.margin,
+        near_margin=0.0,
+        self_margin=0.0,
+        planner=typed.planner,
+        iterations=typed.iterations,
+    )
+    with progress("motion") as report:
+        make_ready(report, ("planning",))
+        report(0.0, "making the problems ready")
+        cases = cases_of(sets, policy)
+        attempts = compare(
+            cases,
+            with_ompl=typed.against == "ompl",
+            seed=typed.seed,
+            seconds=typed.seconds,
+            report=report,
+        )
+    planners = [typed.planner, *([OMPL] if typed.against == "ompl" else [])]
+    rows = {name: summary(cases, attempts, name) for name in planners}
+    whole = {name: figures(cases, [a for a in attempts if a.planner == name]) for name in planners}
+    if typed.json:
+        form: dict[str, Any] = {
+            "planner": typed.planner,
+            "sets": rows[typed.planner],
+            "all": whole[typed.planner],
+        }
+        if typed.against is not None:
+            form["against"] = {
+                "planner": OMPL,
+                "sets": rows[OMPL],
+                "all": whole[OMPL],
+            }
+        print_json(form)
+        return SUCCESS
+    for case in cases:
+        if case.invalid:
+            print(f"{case.name} {case.problem}: invalid, {case.invalid}")
+    for name in planners:
+        print_table(
+            f"{name}: processor time, and by the clock",
+            ("set", "solved", "invalid", "median ms", "mean ms", "95 % ms", "clock, median ms",
+             "path, rad"),
+            [_words(row) for row in [*rows[name], {"set": "all"} | whole[name]]],
+        )  # fmt: skip
+    return SUCCESS
+
+
+def _words(row: dict[str, Any]) -> tuple[str, ...]:
+    times = ("median_ms", "mean_ms", "p95_ms", "wall_median_ms")
+    return (
+        row["set"],
+        f"{row['solved']} of {row['problems'] - row['invalid']}",
+        str(row["invalid"]),
+        *(_number(row[key], 1) for key in times),
+        _number(row["way"], 2),
+    )
+
+
+def _number(value: float | None, decimals: int) -> str:
+    return "" if value is None else f"{value:.{decimals}f}"
