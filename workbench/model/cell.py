@@ -60,6 +60,12 @@ class Tool:
     def __post_init__(self) -> None:
         put(self, T_flange_tcp=copied(self.T_flange_tcp))
 
+    @property
+    def reach(self) -> float:
+        """How far [m] its farthest point gets from the flange, at most."""
+        fingers = [finger.solid.reach + self.stroke[1] / 2 for finger in self.fingers]
+        return max([*(solid.reach for solid in self.body), *fingers], default=0.0)
+
 
 ARM_NAME = r"[A-Za-z0-9_][A-Za-z0-9_-]{0,39}"
 """What an arm can be called."""

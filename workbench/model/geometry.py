@@ -149,3 +149,20 @@ class Solid:
 
     def __post_init__(self) -> None:
         put(self, T_owner_shape=copied(self.T_owner_shape))
+
+    @property
+    def reach(self) -> float:
+        """How far [m] its farthest point is, at most, from the origin of what owns it."""
+        away = float(np.linalg.norm(self.T_owner_shape.translation))
+        match self.shape:
+            case Box(size=size):
+                return away + float(np.linalg.norm(size)) / 2
+            case Sphere(radius=radius):
+                return away + radius
+            case Cylinder(radius=radius, length=length):
+                return away + float(np.hypot(radius, length / 2))
+            case Capsule(radius=radius, length=length):
+                return away + radius + length / 2
+            case Mesh(points=points):
+                T = self.T_owner_shape
+                return float(np.linalg.norm(points @ T.rotation.T + T.translation, axis=1).max())

@@ -1,5 +1,6 @@
 """A robot as a tree of links and joints, whatever file it came from."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
 
@@ -91,6 +92,23 @@ class Robot:
             joints.append(by_child[link])
             link = by_child[link].parent
         return tuple(reversed(joints))
+
+    def reach(self, link: str, tools: Mapping[str, float]) -> float:
+        """How far [m] the farthest point that a link carries gets from its origin, at most.
+
+        Args:
+            link: its name; links that hang on it count, wherever their joints are.
+            tools: how far tools reach beyond the links that carry them.
+        """
+        own = [solid.reach for solid in self.link(link).collision]
+        beyond = [
+            float(np.linalg.norm(joint.T_parent_joint.translation))
+            + (max(abs(joint.lower), abs(joint.upper)) if joint.kind == "prismatic" else 0.0)
+            + self.reach(joint.child, tools)
+            for joint in self.joints
+            if joint.parent == link
+        ]
+        return max([*own, *beyond, tools.get(link, 0.0)], default=0.0)
 
     def limits(self, joints: tuple[str, ...]) -> tuple[Floats, Floats, Floats]:
         """Lower and upper limits [rad, m] and velocities [per s] of the named joints, (n,) each."""

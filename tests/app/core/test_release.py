@@ -1,6 +1,7 @@
 """Nothing goes out before it was watched, by enough people, from where the robot stands."""
 
 from dataclasses import replace
+from itertools import product
 
 import numpy as np
 import pytest
@@ -24,8 +25,10 @@ from workbench.app.core.effects import Send
 from workbench.app.core.release import is_same_person, moved_away, start_of
 from workbench.app.core.rules import approve, staleness
 from workbench.app.core.state import Phase
+from workbench.formats.cells.reading import read_cell
 from workbench.model.errors import CommandRefused
-from workbench.model.geometry import pose_from_rpy
+from workbench.model.geometry import Box, Capsule, Cylinder, Mesh, Sphere, pose_from_rpy
+from workbench.planning.kinematics.robot import Kinematics
 
 
 def planned_line(samples, cell) -> Line:
@@ -183,19 +186,65 @@ def test_a_plan_starts_where_its_first_leg_does(line):
     assert start_of(line.state.cell, line.state.plan, "right") == pytest.approx([0.0])
 
 
-@pytest.mark.parametrize(("degrees", "is_away"), [(0.0, False), (0.9, False), (1.1, True)])
-def test_a_robot_elsewhere_makes_the_plan_stale_and_says_by_how_much(watched, degrees, is_away):
+@pytest.mark.parametrize(("share", "is_away"), [(0.0, False), (0.95, False), (1.1, True)])
+def test_a_robot_elsewhere_makes_the_plan_stale_and_says_by_how_much(watched, share, is_away):
+    """The arm is one joint in the middle of a cube of 100 mm: its corners are 86.6 mm away."""
     digest = watched.state.plan.digest
     watched.do(Approve(digest))
-    watched.joints = {"joint_1": -np.deg2rad(degrees)}
+    off = share * watched.state.cell.policy.margin / (0.05 * np.sqrt(3))
+    watched.joints = {"joint_1": -off}
     if not is_away:
         assert watched.do(SendPlan(digest)).phase is Phase.SENDING
         return
     said = refused(watched, SendPlan(digest))
-    assert "axis 1 of the right arm stands 1.1 degrees from where the plan starts" in said
+    assert f"axis 1 of the right arm stands {np.rad2deg(off):.2f} degrees" in said
+    assert "may be 5.5 mm away; 5 are allowed (margin_mm)" in said
     assert said in refused(watched, Approve(digest))
     watched.joints = {"joint_1": 0.0}
     assert watched.do(SendPlan(digest)).phase is Phase.SENDING
+
+
+def corners(shape):
+    """Points (n, 3) [m] of a shape that are far from its middle."""
+    match shape:
+        case Box(size=size):
+            return np.array(list(product((-0.5, 0.5), repeat=3))) * size
+        case Mesh(points=points):
+            return points
+        case Sphere(radius=radius):
+            return radius * np.vstack([np.eye(3), -np.eye(3)])
+        case Cylinder(radius=radius, length=length) | Capsule(radius=radius, length=length):
+            ends = list(product((-radius, radius), (0.0,), (-length / 2, length / 2)))
+            return np.array(ends + [(y, x, z) for x, y, z in ends])
+
+
+@pytest.mark.parametrize("name", ["yumi", "tx2_90"])
+def test_where_a_robot_may_begin_no_point_of_it_is_beyond_the_margin(name, line):
+    """Corners of all links and tools, where Pinocchio has them, for the largest way allowed."""
+    cell = read_cell(name)
+    kinematics, draw = Kinematics(cell), np.random.default_rng(3)
+    arm = cell.arms[0]
+    start = replace(line.state.plan, sequence=())  # so that all arms begin at home
+
+    def points(q):
+        poses = kinematics.link_poses(dict(zip(arm.joints, q, strict=True)))
+        solids = [(poses[link.name], one) for link in cell.robot.links for one in link.collision]
+        solids += [(poses[arm.flange], one) for one in arm.tool.body]
+        far = [T.act(s.T_owner_shape.act(p)) for T, s in solids for p in corners(s.shape)]
+        return np.array(far)
+
+    home, most = points(arm.home), 0.0
+    for _ in range(40):
+        way = draw.normal(size=len(arm.joints)) * draw.choice([0.0, 1.0], len(arm.joints))
+        low, high = 0.0, 1.0
+        for _ in range(30):
+            middle = (low + high) / 2
+            joints = dict(zip(arm.joints, arm.home + middle * way, strict=True))
+            low, high = (low, middle) if moved_away(cell, start, joints) else (middle, high)
+        shift = np.linalg.norm(points(arm.home + low * way) - home, axis=1).max()
+        assert shift <= cell.policy.margin
+        most = max(most, shift)
+    assert most > cell.policy.margin / 3
 
 
 def test_a_joint_whose_report_is_no_number_does_not_let_a_plan_out(watched):

@@ -8,18 +8,19 @@ import math
 import unicodedata
 from collections.abc import Mapping
 from dataclasses import replace
+from functools import lru_cache
 
 import numpy as np
 
 from workbench.app.core.rights import NOBODY
 from workbench.app.core.state import Phase, State
-from workbench.model.cell import Cell
+from workbench.model.cell import Arm, Cell
 from workbench.model.geometry import Floats
 from workbench.model.plan import Plan
 from workbench.model.release import Approval, Word
 
-MOVED = float(np.deg2rad(1.0))
-"""[rad] So far a joint may be from where the plan starts."""
+LEAST_MOVED = 0.001
+"""[m] So far the robot may be from where a plan starts also where no margin is kept: it rounds."""
 
 SAME_THRESHOLD = 0.0005
 """[m] Thresholds are typed in whole millimetres."""
@@ -120,16 +121,19 @@ def other_threshold(state: State) -> str:
 def moved_away(cell: Cell, plan: Plan, joints: Mapping[str, float]) -> str:
     """By how much the robot does not stand where the plan starts; empty when it does.
 
-    Joints that are not reported are not compared.
+    No point of an arm may be further from there than the policy's margin, which the plan's start
+    keeps to everything: on its way there the robot touches nothing.  Joints that are not reported
+    are not compared.
 
     Args:
         cell: whose arms; those without a part in the plan have to be at home.
         plan: that would be sent.
         joints: name -> [rad], as the controller reports.
     """
-    worst, where = 0.0, ""
+    allowed = max(cell.policy.margin, LEAST_MOVED)
     for arm in cell.arms:
-        q = start_of(cell, plan, arm.name)
+        q, levers = start_of(cell, plan, arm.name), _levers(cell, arm)
+        shift, worst, where = 0.0, 0.0, ""
         for axis, place in enumerate(arm.axis_order):
             reported = joints.get(arm.joints[place])
             if reported is None:
@@ -137,13 +141,27 @@ def moved_away(cell: Cell, plan: Plan, joints: Mapping[str, float]) -> str:
             name = f"axis {axis + 1} of the {arm.name} arm"
             if not math.isfinite(reported):
                 return f"nobody knows where the robot stands: {name} is reported at {reported}"
-            if abs(reported - q[place]) > worst:
-                worst, where = float(abs(reported - q[place])), name
-    if worst <= MOVED:
-        return ""
-    return (
-        f"the robot has moved: {where} stands {np.rad2deg(worst):.1f} degrees from where the plan "
-        f"starts, {np.rad2deg(MOVED):g} are allowed; bring it back"
+            off = float(abs(reported - q[place]))
+            shift += off * levers[place]
+            if off > worst:
+                worst, where = off, name
+        if shift > allowed:
+            return (
+                f"the robot has moved: {where} stands {np.rad2deg(worst):.2f} degrees from where "
+                f"the plan starts, so that a point of the arm may be {shift * 1000:.1f} mm away; "
+                f"{allowed * 1000:g} are allowed (margin_mm); bring it back"
+            )
+    return ""
+
+
+@lru_cache(maxsize=16)
+def _levers(cell: Cell, arm: Arm) -> tuple[float, ...]:
+    """How far each joint of an arm, in chain order, moves any point at most [m/rad, m/m]."""
+    tools = {other.flange: other.tool.reach for other in cell.arms}
+    joints = [cell.robot.joint(name) for name in arm.joints]
+    return tuple(
+        1.0 if joint.kind == "prismatic" else cell.robot.reach(joint.child, tools)
+        for joint in joints
     )
 
 
