@@ -22,15 +22,16 @@ SLOW := browser cli examples packaging perception plugins portable studies testi
 	planning/picking/test_properties.py planning/planners/test_planners.py \
 	proof robots/test_third_party.py
 
-# Whole files to two workers, in the order of tests/conftest.py: what takes longest first.
-WORKERS := -n 2 --dist loadfile --no-loadscope-reorder
+# Whole files to three workers, in the order of tests/conftest.py: what takes longest first.  Three
+# for two cores, since many tests wait: for a plan that is played, a time that is over, a browser.
+WORKERS := -n 3 --dist loadfile --no-loadscope-reorder
 
 # More for the command behind a target: make run ARGS="--port 9000", make test ARGS="-k plan"
 ARGS :=
 
 export PYTHON
 
-.PHONY: help run test test-fast test-portable lint docs bench pictures constraints clean
+.PHONY: help run test test-fast test-portable lint docs everything bench pictures constraints clean
 
 help:
 	@echo "make run       start the workbench on the simulated YuMi cell and print its link"
@@ -41,6 +42,7 @@ help:
 	@echo "make docs      make the documents a site in build/site, without a network"
 	@echo "make bench     measure what the README promises"
 	@echo "make pictures  make the pictures of the documents anew"
+	@echo "make everything  install what lint, docs and test need, in one go"
 	@echo "make clean     remove everything that make made"
 	@echo "ARGS=... is handed on: make run ARGS='--port 9000', make test ARGS='-k proof'"
 
@@ -74,6 +76,14 @@ lint: $(VENV)/.lint $(VENV)/.test
 # Examples are run for it, so what is compiled has to be there.
 docs: $(VENV)/.docs $(VENV)/.compiled
 	$(BIN)/python docs/make_site.py
+
+# What lint, docs and test need, found and installed in one go; each of them alone installs its own.
+everything: $(VENV)/.venv pyproject.toml constraints.txt
+	@echo "Installing what is needed for the checks, the documents and the tests"
+	@$(PIP) hatchling
+	@$(INSTALL) ".[test,lint,docs]"
+	@touch $(VENV)/.run $(VENV)/.test $(VENV)/.lint $(VENV)/.docs
+	@$(MAKE) $(VENV)/.compiled
 
 bench: $(VENV)/.test $(VENV)/.compiled
 	$(BIN)/workbench bench short $(ARGS)

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import Browser, Locator, Page, expect, sync_playwright
+from playwright.sync_api import Browser, BrowserContext, Locator, Page, expect, sync_playwright
 from waiting import PATIENCE, wait_until
 
 from workbench.app.core.state import State
@@ -37,12 +37,36 @@ FLAGS = [
 ]
 """WebGL drawn by the processor."""
 
+LOOKED_AT = os.environ.get("WORKBENCH_SCREENSHOTS")
+"""Where pictures are kept for people, if they are."""
 
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Count no lines while browsers are tried: others cover them, and counting takes its time."""
-    for item in items:
-        if Path(__file__).parent in item.path.parents:
-            item.add_marker("no_cover")
+WINDOW = {
+    "viewport": {"width": 1280, "height": 720},
+    "device_scale_factor": 1.0 if LOOKED_AT else 0.5,
+    "reduced_motion": "reduce",
+}
+"""A window that takes less of a processor that has to draw it: coarse unless somebody looks."""
+
+FEWER_PICTURES = """
+(() => {
+  const next = window.requestAnimationFrame.bind(window);
+  let last = 0, waiting = new Map(), timer = null;
+  const draw = (now) => {
+    const due = waiting;
+    waiting = new Map();
+    timer = null;
+    for (const one of due.values()) one(now);
+  };
+  window.requestAnimationFrame = (one) => {
+    waiting.set(++last, one);
+    timer ??= setTimeout(() => next(draw), 100);
+    return last;
+  };
+  window.cancelAnimationFrame = (number) => waiting.delete(number);
+})();
+"""
+"""Ten pictures a second at most.  Each takes a processor 50 to 100 ms, and what a browser draws in
+vain the other tests lack: Chromium draws with a higher priority than they have."""
 
 
 @dataclass
@@ -102,8 +126,7 @@ class Screen:
 @pytest.fixture(scope="session")
 def shots(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Where pictures go: a temporary folder, or the one named in the environment."""
-    given = os.environ.get("WORKBENCH_SCREENSHOTS")
-    folder = Path(given) if given else tmp_path_factory.mktemp("screenshots")
+    folder = Path(LOOKED_AT) if LOOKED_AT else tmp_path_factory.mktemp("screenshots")
     folder.mkdir(parents=True, exist_ok=True)
     return folder
 
@@ -164,15 +187,30 @@ def url(bench: Bench) -> Iterator[str]:
 
 
 @pytest.fixture
-def open_screen(browser: Browser, url: str, shots: Path) -> Iterator[Callable[[], Screen]]:
-    """Opens the page in a new window, ready to be used."""
-    contexts = []
+def new_context(browser: Browser) -> Iterator[Callable[[], BrowserContext]]:
+    """Makes windows of their own, patient and without haste."""
+    contexts: list[BrowserContext] = []
 
-    def open_one() -> Screen:
-        context = browser.new_context(viewport={"width": 1280, "height": 720})
+    def make() -> BrowserContext:
+        context = browser.new_context(**WINDOW)
+        context.add_init_script(FEWER_PICTURES)
         context.set_default_timeout(PATIENCE * 1000)
         contexts.append(context)
-        screen = Screen(context.new_page(), shots)
+        return context
+
+    yield make
+    for context in contexts:
+        context.close()
+
+
+@pytest.fixture
+def open_screen(
+    new_context: Callable[[], BrowserContext], url: str, shots: Path
+) -> Callable[[], Screen]:
+    """Opens the page in a new window, ready to be used."""
+
+    def open_one() -> Screen:
+        screen = Screen(new_context().new_page(), shots)
         screen.page.on(
             "console",
             lambda message: message.type == "error" and screen.errors.append(message.text),
@@ -186,9 +224,7 @@ def open_screen(browser: Browser, url: str, shots: Path) -> Iterator[Callable[[]
         screen.page.evaluate(close)
         return screen
 
-    yield open_one
-    for context in contexts:
-        context.close()
+    return open_one
 
 
 @pytest.fixture

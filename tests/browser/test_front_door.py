@@ -4,7 +4,6 @@ from urllib.parse import urlsplit
 
 import pytest
 from playwright.sync_api import expect
-from waiting import PATIENCE
 
 from workbench.app.core.people import Role
 from workbench.gui.page.server import serve
@@ -83,11 +82,8 @@ class Window:
 
 
 @pytest.fixture
-def window(browser):
-    context = browser.new_context(viewport={"width": 1280, "height": 720})
-    context.set_default_timeout(PATIENCE * 1000)
-    yield Window(context)
-    context.close()
+def window(new_context):
+    return Window(new_context())
 
 
 def test_the_first_link_leads_to_the_page_and_nowhere_else(start, window, reaches, shots):

@@ -54,16 +54,18 @@ def scene() -> Iterator[Scene]:
     @server.on_client_connect
     def _(client) -> None:
         person = person_of(client)
-        press = client.gui.add_button(f"press {person.name}")
-        number = client.gui.add_number("number", 0.0)
-        upload = client.gui.add_upload_button("file")
-        gizmo = client.scene.add_transform_controls("/gizmo")
-        press.on_click(lambda _: scene.note(scene.presses, person.name))
-        number.on_update(lambda _: scene.note(scene.numbers, number.value))
-        upload.on_upload(
-            lambda _: scene.note(scene.files, (upload.value.name, len(upload.value.content)))
-        )
-        gizmo.on_update(lambda _: scene.note(scene.moved, tuple(gizmo.position)))
+        # All at once: what is done before somebody listens would be lost.
+        with client.atomic():
+            press = client.gui.add_button(f"press {person.name}")
+            number = client.gui.add_number("number", 0.0)
+            upload = client.gui.add_upload_button("file")
+            gizmo = client.scene.add_transform_controls("/gizmo")
+            press.on_click(lambda _: scene.note(scene.presses, person.name))
+            number.on_update(lambda _: scene.note(scene.numbers, number.value))
+            upload.on_upload(
+                lambda _: scene.note(scene.files, (upload.value.name, len(upload.value.content)))
+            )
+            gizmo.on_update(lambda _: scene.note(scene.moved, tuple(gizmo.position)))
         scene.buttons[person.name] = press
         scene.note(scene.people, person)
 

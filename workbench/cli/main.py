@@ -99,8 +99,12 @@ def run(typed: arguments.Arguments) -> int:
             from workbench.cli.picking.explain import explain
 
             return explain(typed)
+        case arguments.Prove():
+            from workbench.cli.picking.proving import prove
+
+            return prove(typed)
         case arguments.Verify():
-            from workbench.cli.picking.planning import verify
+            from workbench.cli.picking.proving import verify
 
             return verify(typed)
         case arguments.Send():

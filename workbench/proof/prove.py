@@ -14,7 +14,14 @@ RESOLUTION = 0.0005
 neighbours."""
 
 
-def prove(cell: Cell, scene: Scene, plan: Plan, *, resolution: float = RESOLUTION) -> Proof:
+def prove(
+    cell: Cell,
+    scene: Scene,
+    plan: Plan,
+    *,
+    resolution: float = RESOLUTION,
+    stated: Proof | None = None,
+) -> Proof:
     """Check everything that can be checked about a plan, whoever has made it.
 
     Args:
@@ -22,6 +29,8 @@ def prove(cell: Cell, scene: Scene, plan: Plan, *, resolution: float = RESOLUTIO
         scene: what is known to be in the bin; what the plan says of it is compared.
         plan: as planned, or as read from a file.
         resolution: [m] see `search`; smaller is slower and never admits more.
+        stated: a proof of the same plan: its clearances are not searched for, which takes less
+            time; that they are not what it says is a finding.
 
     Returns:
         A proof; `holds` is True when there is no finding.
@@ -35,7 +44,7 @@ def prove(cell: Cell, scene: Scene, plan: Plan, *, resolution: float = RESOLUTIO
         findings += [f for arm, leg in legs for f in limit_findings(cell, arm, leg)]
         findings += [f for _, one in arms for f in grasp_findings(cell, tree, plan, one)]
         findings += pair_findings(cell, plan)
-        walked = Walk(cell, tree, plan, resolution).result()
+        walked = Walk(cell, tree, plan, resolution, stated).result()
         findings += walked.findings
     return Proof(
         plan_digest=plan.digest,

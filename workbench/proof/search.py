@@ -33,6 +33,9 @@ BATCH = 64
 TIGHT = 0.0002
 """[m] How well the smallest distance of all is wanted."""
 
+SAME = 1e-6
+"""[m] Another machine rounds otherwise."""
+
 LOOSE = 0.12
 """[m] By about this much bounds fall short of distances; only a matter of speed."""
 
@@ -62,6 +65,10 @@ class Found:
     nearest: Nearest | None = None
     gave_up: bool = False
 
+    def is_less_than(self, stated: Floats | None) -> bool:
+        """Whether something comes nearer than was stated, (w,) [m]; another machine may round."""
+        return stated is not None and bool((self.bounds < stated - SAME).any())
+
 
 def search(
     space: Space,
@@ -71,6 +78,7 @@ def search(
     resolution: float,
     waypoints: int,
     within: float | None = None,
+    stated: Floats | None = None,
 ) -> Found:
     """Look at all configurations of some sets.
 
@@ -82,8 +90,9 @@ def search(
         resolution: [m] see above.
         waypoints: how many there are; `bounds` has a value after each.
         within: [m] the nearest is wanted to this, whatever waypoint it follows; None: as `SHARE`.
+        stated: (w,) [m] bounds that are only looked whether they hold; None: they are wanted.
     """
-    wanted = _Wanted(np.full(waypoints, SIGHT), within)
+    wanted = _Wanted(np.full(waypoints, SIGHT), within, stated)
     found = Found(np.full(waypoints, SIGHT))
     pending = [
         (some, *(each.ravel() for each in np.mgrid[: len(some), : len(pairs.rows)]))
@@ -95,7 +104,7 @@ def search(
         some, items, which = pending.pop(0)
         close = _close(space, base, some, pairs, wanted, found, items, which)
         left = _measured(space, some, pairs, resolution, wanted, found, close)
-        if found.violation is not None:
+        if found.violation is not None or found.is_less_than(stated):
             return found
         if space.looks - before > MOST_LOOKS:
             found.gave_up = True
@@ -111,9 +120,12 @@ class _Wanted:
 
     nearest: Floats
     within: float | None
+    stated: Floats | None
 
     def goal(self, at: Ints) -> Floats:
         """A bound (n,) [m] above this is good enough, after these waypoints (n,)."""
+        if self.stated is not None:
+            return self.stated[at]
         if self.within is not None:
             return np.full(len(at), min(self.within, float(self.nearest.min())) - TIGHT)
         nearest = self.nearest[at]
@@ -254,9 +266,8 @@ def _measured(
         need = max(margin, float(goals[item])) if is_shown else margin
         told = lower - move
         # Where it will be halved anyway, measuring would hardly save that.
-        is_hopeless = (
-            move > resolution and lower >= max(margin, 0.0) and lower + LOOSE < need + move
-        )
+        is_hopeless = lower + LOOSE < need + move and lower >= max(margin, 0.0)
+        is_hopeless &= move > max(resolution, LOOSE)
         if told < need and not is_hopeless:
             if looked != item:
                 space.look(close.q[item])
@@ -267,6 +278,9 @@ def _measured(
                 row, common = int(pairs.rows[which]), int(pairs.commons[which])
                 within = space.within(row, common, item, close.world, close.spans, close.corners)
                 told = max(told, within)
+            if is_shown and wanted.stated is not None and distance < goals[item] - SAME:
+                found.bounds[at[item]] = distance
+                return []
             if distance < margin or (is_shown and distance < wanted.nearest[at[item]]):
                 state = Nearest(
                     int(pairs.rows[which]), distance, margin, close.q[item],

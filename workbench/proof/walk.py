@@ -9,7 +9,7 @@ import pinocchio as pin
 
 from workbench.model.cell import Cell
 from workbench.model.geometry import Floats
-from workbench.model.plan import Finding, Guarantee, Plan, are_in_step
+from workbench.model.plan import Finding, Guarantee, Plan, Proof, are_in_step
 from workbench.proof.bodies import bodies_of
 from workbench.proof.motion import Sets, moved
 from workbench.proof.robot import Tree
@@ -62,9 +62,15 @@ class _Question:
 class Walk:
     """One walk through one plan."""
 
-    def __init__(self, cell: Cell, tree: Tree, plan: Plan, resolution: float) -> None:
-        """Among the parts and obstacles that the plan states: `form` has compared them."""
+    def __init__(
+        self, cell: Cell, tree: Tree, plan: Plan, resolution: float, stated: Proof | None = None
+    ) -> None:
+        """Among the parts and obstacles that the plan states: `form` has compared them.
+
+        Where a proof is `stated`, its clearances are not searched for: whether they hold is asked.
+        """
         self._cell, self._tree, self._plan = cell, tree, plan
+        self._stated = stated
         self._resolution = resolution
         bodies = bodies_of(cell, tree, plan.scene)
         self._table = Table(cell, tree, bodies)
@@ -84,8 +90,12 @@ class Walk:
                 clearances.append((one.arm.name, one.leg.name, bounds))
             if len(step.moving) > 1:
                 self._together(step)
-            apart.extend(self._apart(step))
-        clearance, nearest = self._closest()
+            if self._stated is None:
+                apart.extend(self._apart(step))
+        if self._stated is None:
+            clearance, nearest = self._closest()
+        else:
+            clearance, nearest = self._stated.clearance, self._stated.nearest
         looks = self._space.looks
         return Walked(
             tuple(self._findings), tuple(clearances), tuple(apart), clearance, nearest, looks
@@ -224,8 +234,17 @@ class Walk:
         pairs: Pairs,
         other: Moving | None = None,
     ) -> Found:
-        found = search(self._space, step.base, sets, pairs, self._resolution, len(one.path))
-        if one.leg.name not in STRAIGHT or (other is not None and other.leg.name not in STRAIGHT):
+        is_free = any(each.leg.name not in STRAIGHT for each in (one, other) if each is not None)
+        count, stated, resolution = len(one.path), None, self._resolution
+        if self._stated is not None:
+            stated = self._claim(one, is_alone=other is None)
+            if is_free:
+                stated, resolution = np.maximum(stated, self._stated.clearance), TIGHT
+        found = search(self._space, step.base, sets, pairs, resolution, count, stated=stated)
+        if found.is_less_than(stated):
+            problem = "comes nearer to something than was stated"
+            self._findings.append(Finding(problem, one.arm.name, one.leg.name))
+        if is_free:
             self._asked.append(_Question(step, one, sets, pairs, found))
         if found.gave_up:
             problem = "is near something for too long to be proven"
@@ -236,6 +255,20 @@ class Walk:
                 problem += f", while arm {other.arm.name} is on its leg {other.leg.name}"
             self._findings.append(self._finding(one, found.violation, problem))
         return found
+
+    def _claim(self, one: Moving, *, is_alone: bool) -> Floats:
+        """What was stated of a leg: bounds (w,) [m] after each waypoint.
+
+        Between two arms nothing but the smallest clearance is; of a leg left out, nothing holds.
+        """
+        if not is_alone:
+            return np.full(len(one.path), -np.inf)
+        stated = self._stated.clearances if self._stated is not None else ()
+        known = {(arm, leg): bounds for arm, leg, bounds in stated}
+        bounds = known.get((one.arm.name, one.leg.name))
+        if bounds is None or bounds.shape != (len(one.path),):
+            bounds = np.full(len(one.path), np.inf)
+        return bounds
 
     def _closest(self) -> tuple[float, Finding | None]:
         """The smallest clearance of free legs, from below, and where that was measured."""

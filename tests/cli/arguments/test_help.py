@@ -22,6 +22,7 @@ COMMANDS = (
     "calibrate",
     "plan",
     "explain",
+    "prove",
     "verify",
     "send",
     "controller",

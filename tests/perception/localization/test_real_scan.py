@@ -56,13 +56,12 @@ def test_a_taught_part_is_the_hull_of_its_points(part):
     assert np.abs(part.mesh.points).max() < 0.2
 
 
-@pytest.mark.parametrize("seed", [0, 1, 2])
-def test_the_carton_is_found_where_it_stands(data, part, scene, seed):
+@pytest.mark.parametrize(("seed", "floor"), [(0, 1.1), (1, 1.1), (0, 1.2)])
+def test_the_carton_is_found_where_it_stands(data, part, scene, seed, floor):
+    """With the noise that cells have when nobody says one: the scan tells its own."""
     cell = read_cell("yumi")
-    bin = Bin(pose_from_rpy((0, 0, 1.1), (np.pi, 0, 0)), np.array([2.4, 2.4, 0.7]))
-    mount = replace(
-        cell.scanner, T_world_scanner=pin.SE3.Identity(), depth_noise=0.0015, near=0.3, far=3.0
-    )
+    bin = Bin(pose_from_rpy((0, 0, floor), (np.pi, 0, 0)), np.array([2.4, 2.4, 0.7]))
+    mount = replace(cell.scanner, T_world_scanner=pin.SE3.Identity(), near=0.3, far=3.0)
     cell = replace(cell, parts=(part,), bin=bin, scanner=mount)
     best = localize(scene, part, cell, seed=seed)[0]
     taught = read_cloud(data / "milk.pcd", pin.SE3.Identity()).points

@@ -1,7 +1,9 @@
-"""A plan is proven with the scan or the poses that there are."""
+"""A plan is proven with the scan or the poses that there are; a certificate is checked."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
+from workbench.formats.plans.certificates import Certificate
 from workbench.model.cell import Cell
 from workbench.model.digest import digest_of
 from workbench.model.plan import Plan, Proof
@@ -22,15 +24,34 @@ def prove(
 
     What that promises, and what it does not, is said in `docs/proof.md`.
 
+    Args:
+        cell: as it is now.
+        plan: as planned, or as another program made it; see `adopted`.
+        detections: see `scene_of`.
+        scan: see `scene_of`.
+        resolution: [m] see `docs/proof.md`.
+    """
+    scene = scene_of(cell, plan, detections=detections, scan=scan)
+    return layer.prove(cell, scene, plan, resolution=resolution)
+
+
+def scene_of(
+    cell: Cell,
+    plan: Plan,
+    *,
+    detections: Sequence[Detection] | None = None,
+    scan: Scan | None = None,
+) -> Scene:
+    """What is known to be in the bin when a plan is looked at.
+
     A part of which the plan knows nothing is something in the scan that no part explains, and so an
     obstacle that the plan leaves out.
 
     Args:
         cell: as it is now.
-        plan: as planned, or as another program made it.
+        plan: the plan.
         detections: the parts known to be in the bin; None takes the plan's word for them.
         scan: in which they were found; without it the plan's word for other obstacles is taken.
-        resolution: [m] see `docs/proof.md`.
     """
     found = plan.detections if detections is None else tuple(detections)
     digest = digest_of(found)
@@ -40,4 +61,32 @@ def prove(
     elif detections is None:
         digest = plan.scan_digest
     obstacles = plan.obstacles if scan is None else unexplained(cell, scan, found)
-    return layer.prove(cell, Scene(digest, found, obstacles), plan, resolution=resolution)
+    return Scene(digest, found, obstacles)
+
+
+def adopted(cell: Cell, plan: Plan, scan: Scan | None = None) -> Plan:
+    """A plan of another program, which knows no digests, as one for this cell and scan.
+
+    What the plan states itself stays, so that a plan for another cell is found out.
+    """
+    seen = digest_of(plan.detections) if scan is None else scan.digest
+    return replace(
+        plan,
+        cell_digest=plan.cell_digest or cell.digest,
+        scan_digest=plan.scan_digest or seen,
+    )
+
+
+def check(cell: Cell, certificate: Certificate, scan: Scan | None = None) -> Proof:
+    """Look whether all is so that a certificate says, without searching for it.
+
+    Args:
+        cell: as it is now.
+        certificate: of which nothing is believed.
+        scan: for which it has to hold; None takes the scene that the certificate holds for.
+    """
+    plan, scene, proof = certificate.plan, certificate.scene, certificate.proof
+    if scan is not None:
+        scene = scene_of(cell, plan, detections=scene.detections, scan=scan)
+    resolution = min(proof.resolution, layer.RESOLUTION)
+    return layer.prove(cell, scene, plan, resolution=resolution, stated=proof)

@@ -13,6 +13,7 @@ from workbench.cli.arguments.access import USERS, UserCommands
 from workbench.cli.arguments.names import OrderName
 from workbench.cli.arguments.nested import Bench, CellCommands, SessionCommands
 from workbench.cli.arguments.part import Grasps, PartCommands
+from workbench.cli.arguments.proving import Prove, Verify
 from workbench.cli.arguments.studies import Study
 
 
@@ -197,26 +198,6 @@ class Explain:
 
 
 @dataclass(frozen=True, slots=True)
-class Verify:
-    """Prove a plan again, from its file and the cell, and against a scan or poses if given.
-
-    With a scan or poses the second opinion is asked (docs/proof.md), which shares nothing with
-    planning, and what the plan says of the bin is compared with them.
-    """
-
-    plan: Positional[Path]
-    """JSON file of a plan."""
-    scan: Path | None = None
-    """PLY or PCD file of the scan that it was made for."""
-    poses: Path | None = None
-    """CSV or JSON file of all parts known to be in the bin."""
-    cell: str | None = None
-    """Name under robots/, or path of a cell.toml; the name in the plan when not given."""
-    json: bool = False
-    """Print one JSON object and nothing else."""
-
-
-@dataclass(frozen=True, slots=True)
 class Send:
     """Prove a plan, approve it by name, and send it to a robot controller."""
 
@@ -357,6 +338,7 @@ Arguments = (
     | Annotated[Calibrate, subcommand("calibrate")]
     | Annotated[Plan, subcommand("plan")]
     | Annotated[Explain, subcommand("explain")]
+    | Annotated[Prove, subcommand("prove")]
     | Annotated[Verify, subcommand("verify")]
     | Annotated[Send, subcommand("send")]
     | Annotated[Controller, subcommand("controller")]

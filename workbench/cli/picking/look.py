@@ -10,6 +10,7 @@ from workbench.formats.clouds.scans import read_scan, write_cloud
 from workbench.formats.plans.pose_files import write_poses
 from workbench.model.scan import Discarded, SearchWishes
 from workbench.perception.scene.bin_check import check_bin
+from workbench.perception.scene.sensor import sensor_model
 from workbench.perception.simulation.piles import pile_of
 from workbench.perception.simulation.synthesize import synthesize
 
@@ -60,6 +61,9 @@ def localize(typed: arguments.Localize) -> int:
     if typed.discarded:
         columns = ("part", "x mm", "y mm", "z mm", "score", "why it is none")
         print_table("Discarded", columns, [_discarded_words(one) for one in findings.discarded])
+    noise = sensor_model(cloud.points).noise
+    if noise is not None:
+        print(f"scanner: noise of {noise * 1000:.2f} mm at 1 m in this scan")
     check = check_bin(cloud, cell.bin)
     print(f"bin, {check.light}: {check.says}")
     return 0

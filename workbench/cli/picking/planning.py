@@ -1,13 +1,11 @@
-"""`workbench plan` and `workbench verify`: a proven plan in a file, or why there is none."""
+"""`workbench plan`: a proven plan in a file, or why there is none."""
 
 import math
 import time
-from dataclasses import replace
 from pathlib import Path
 
 from workbench.app.core.value_checks import LARGEST_MARGIN, MOST_ITERATIONS, SEED_LIMIT
 from workbench.app.picking.pipeline import check_strategy, plan_pick
-from workbench.app.picking.proving import prove
 from workbench.app.runtime.readiness import make_ready
 from workbench.cli.arguments import top as arguments
 from workbench.cli.exits import NO_PLAN, SUCCESS
@@ -31,13 +29,13 @@ from workbench.cli.terminal import (
 )
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.clouds.scans import read_scan
-from workbench.formats.plans.plan_files import read_plan, write_plan
+from workbench.formats.plans.plan_files import write_plan
 from workbench.formats.plans.pose_files import read_poses
 from workbench.model.cell import Cell, Wishes
 from workbench.model.digest import digest_of
 from workbench.model.errors import InputError
 from workbench.model.geometry import pose_from_rpy
-from workbench.model.plan import Finding, Plan, PlanResult
+from workbench.model.plan import Plan, PlanResult
 from workbench.model.scan import Detection, Obstacle
 from workbench.perception.scene.unexplained import unexplained
 from workbench.plugins.planner import planner_named
@@ -97,30 +95,6 @@ def warm_up(cell: Cell) -> None:
     height = float(cell.bin.size[2]) / 2
     T_world_part = cell.bin.T_world_bin * pose_from_rpy((0, 0, height), (0, math.pi / 2, 0))
     plan_pick(cell, (Detection(cell.parts[0].name, T_world_part),), "warm-up")
-
-
-def verify(typed: arguments.Verify) -> int:
-    """Prove a plan from its file, and that nobody has changed the file."""
-    plan, stated = read_plan(typed.plan)
-    cell = cell_of(plan, typed.cell)
-    with progress("verify") as report:
-        make_ready(report, ("planning",))
-        report(0.0, "proving the plan")
-        scan = None if typed.scan is None else read_scan(typed.scan, cell.scanner)
-        poses = None if typed.poses is None else detections_from(cell, typed.poses, None)
-        proof = prove(cell, plan, detections=poses, scan=scan)
-    if stated != plan.digest:
-        edited = Finding(
-            f"the file was changed after the plan was made: it states digest {stated[:12]}, "
-            f"its content has {plan.digest[:12]}"
-        )
-        proof = replace(proof, findings=(edited, *proof.findings))
-    if typed.json:
-        form = {"ok": proof.holds, "file": str(typed.plan), "stated_digest": stated}
-        print_json({**form, "digest": plan.digest, "proof": proof_form(proof)})
-    else:
-        print(f"{typed.plan}: {proof_words(proof)}")
-    return SUCCESS if proof.holds else NO_PLAN
 
 
 def cell_of(plan: Plan, name: str | None) -> Cell:

@@ -11,7 +11,7 @@ from dataclasses import replace
 from types import FrameType
 
 from workbench.app.core.rules import approve
-from workbench.app.picking.proving import prove
+from workbench.app.picking.proving import adopted, prove
 from workbench.app.runtime.readiness import make_ready
 from workbench.cli.arguments import top as arguments
 from workbench.cli.picking.planning import cell_of
@@ -31,13 +31,15 @@ def send(typed: arguments.Send) -> int:
     """Prove, approve and send a plan; nothing is sent unless everything before it holds."""
     check_whole("--port", typed.port, 1, HIGHEST_PORT)
     plan, stated = read_plan(typed.plan)
-    if stated != plan.digest:
+    if stated and stated != plan.digest:
         raise FileError(
             typed.plan,
             f"was changed after the plan was made: it states digest {stated[:12]}, its content "
             f"has {plan.digest[:12]}; make a new plan",
         )
     cell = cell_of(plan, typed.cell)
+    if not stated:
+        plan = adopted(cell, plan)
     protocol, options = typed.protocol or cell.controller.link, cell.controller.options
     if protocol != cell.controller.link:
         options = {}

@@ -11,6 +11,9 @@ four.  With nothing but Python's standard library:
     text = json.dumps(content, sort_keys=True, separators=(",", ":"), ensure_ascii=False)
     assert hashlib.sha256(text.encode()).hexdigest() == stated
 
+A file without `digest` is one that another program made: it may leave out `proof`, `seconds`,
+`seed`, `note`, `obstacles`, `cell_digest` and `scan_digest` as well, and is proven like any other.
+
 Lengths are in m, angles in rad, times in s.
 """
 
@@ -87,37 +90,51 @@ def plan_content(plan: Plan, proof: Proof | None = None) -> dict[str, Any]:
 
 
 def read_plan(path: str | Path) -> tuple[Plan, str]:
-    """A plan as it stands in a file, and the digest that the file states.
-
-    The digest of the returned plan is computed from what was read.  When it is not the stated
-    one, the file was edited after the plan was made: that is for the caller to judge.  The
-    proof in the file is for people and not read back; `prove` makes a new one.
+    """A plan as it stands in a file, and the digest that the file states; see `plan_from`.
 
     Raises:
         FileError: names the key that is missing, not known, or of the wrong type, length or
             value.  Whether the plan fits a cell is not asked here.
     """
-    table = read_json(Path(path), PLAN_FORMAT)
+    return plan_from(read_json(Path(path), PLAN_FORMAT))
+
+
+def plan_from(table: Table) -> tuple[Plan, str]:
+    """A plan as an object of its fields, and the digest that it states.
+
+    The digest of the returned plan is computed from what was read.  When it is not the stated
+    one, the file was edited after the plan was made: that is for the caller to judge; when none is
+    stated, which is empty text, another program has made it.  The proof in the file is for people
+    and not read back; `prove` makes a new one.
+
+    Raises:
+        FileError: see `read_plan`.
+    """
+    is_foreign = not table.has("digest")
+
+    def optional(default: Any) -> Any:
+        return default if is_foreign else MISSING
+
     detections = tuple(read_detection(d, complete=True) for d in _few(table, "detections"))
     arms = tuple(_arm(arm, len(detections)) for arm in _few(table, "arms"))
     table.once("arms", (arm.arm for arm in arms))
     plan = Plan(
         cell=table.text("cell"),
-        cell_digest=table.text("cell_digest"),
-        scan_digest=table.text("scan_digest"),
-        seed=table.whole("seed", low=0, high=2**63 - 1),
+        cell_digest=table.text("cell_digest", optional(""), empty=is_foreign),
+        scan_digest=table.text("scan_digest", optional(""), empty=is_foreign),
+        seed=table.whole("seed", optional(0), low=0, high=2**63 - 1),
         strategy=_strategy(table, arms),
         guarantee=Guarantee(table.text("guarantee", among=tuple(Guarantee))),
         detections=detections,
         arms=arms,
         sequence=tuple(_step(step, arms) for step in _few(table, "sequence")),
-        note=table.text("note", empty=True),
-        obstacles=tuple(_obstacle(box) for box in _few(table, "obstacles", MOST_OBSTACLES)),
-        seconds=_seconds(table.table("seconds")),
+        note=table.text("note", optional(""), empty=True),
+        obstacles=obstacles_from(table) if table.has("obstacles") or not is_foreign else (),
+        seconds=_seconds(table.table("seconds")) if table.has("seconds") or not is_foreign else {},
     )
-    if not table.is_null("proof"):
+    if not table.is_null("proof") and (table.has("proof") or not is_foreign):
         table.table("proof")
-    stated = table.text("digest")
+    stated = table.text("digest", optional(""), empty=is_foreign)
     table.finish()
     return plan, stated
 
@@ -133,6 +150,11 @@ def _few(table: Table, key: str, most: int = MOST_PARTS) -> list[Table]:
     if len(entries) > most:
         raise table.error(key, f"{len(entries)} are given, at most {most} are read")
     return entries
+
+
+def obstacles_from(table: Table) -> tuple[Obstacle, ...]:
+    """What else is in the bin, under the key `obstacles`."""
+    return tuple(_obstacle(box) for box in _few(table, "obstacles", MOST_OBSTACLES))
 
 
 def _obstacle(table: Table) -> Obstacle:

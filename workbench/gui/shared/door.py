@@ -27,6 +27,7 @@ from websockets.http11 import Request, Response
 
 from workbench.app.core.people import Person, Role
 from workbench.app.core.rights import NOBODY
+from workbench.gui.shared.icons import keep_icons
 from workbench.model.errors import InputError
 
 POLICY_VIOLATION = 1008
@@ -51,6 +52,7 @@ def open_door(host: str, port: int, secret: str | None = None) -> viser.ViserSer
         InputError: the address cannot be had; nothing listens then.
     """
     _check_address(host, port)
+    keep_icons()
     with _quiet(), _guarded(secret):
         server = viser.ViserServer(host=host, port=port, verbose=False)
     if port not in (0, server.get_port()):

@@ -45,7 +45,7 @@ TOLERANCE = 0.015
 """Distance from the predicted surface within which a point is explained, over the diameter."""
 
 TOLERANCE_OVER_NOISE = 4.0
-"""But not less than this many standard deviations of the scanner's noise."""
+"""But not less than this many standard deviations of the noise that the scan shows."""
 
 RIM = 2
 """Pixels around a part found that do not vote for others: edges, where normals are mixed."""
@@ -109,7 +109,7 @@ def searched(
     Args:
         scan: organised or not.
         part: what to look for.
-        cell: its bin says where; its scanner how noisy the points are.
+        cell: its bin says where; its scanner how noisy the points are, if the scan does not.
         seed: of the choice of points that vote.
         detail: how fine the scan is looked at; 1 is usual.
         scene: what surrounds the parts, if that is known already.
@@ -138,7 +138,7 @@ def searched(
     maps = make_map(scan, cell.bin, scene.bin, size=surface.diameter, pitch=pitch)
     if maps is None:
         return Searched(Findings(()), surface, ())
-    glance, tolerance = _coarser(maps, surface), _tolerance(surface, cell, scan)
+    glance, tolerance = _coarser(maps, surface), _tolerance(surface, cell, scan, scene)
     T_scanner_bin = scan.T_world_scanner.inverse() * cell.bin.T_world_bin
     steps = count()
 
@@ -193,9 +193,9 @@ def _without_claimed(maps: DepthMap, choice: Choice) -> DepthMap:
     return replace(maps, foreground=maps.foreground & ~rims)
 
 
-def _tolerance(surface: PartSurface, cell: Cell, scan: Scan) -> float:
+def _tolerance(surface: PartSurface, cell: Cell, scan: Scan, scene: SceneModel) -> float:
     distance = np.linalg.norm(scan.T_world_scanner.translation - cell.bin.T_world_bin.translation)
-    noise = cell.scanner.depth_noise * float(distance) ** 2
+    noise = scene.sensor.deviation(float(distance), otherwise=cell.scanner.depth_noise)
     return max(TOLERANCE * surface.diameter, TOLERANCE_OVER_NOISE * noise)
 
 

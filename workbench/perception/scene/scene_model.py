@@ -16,13 +16,15 @@ from workbench.perception.scene.bin_fit import (
     SeenBin,
     fit_bin,
 )
+from workbench.perception.scene.sensor import SensorModel, sensor_model
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SceneModel:
-    """What surrounds the parts: the bin as the scan shows it."""
+    """The bin as the scan shows it, and how good the scan is."""
 
     bin: SeenBin
+    sensor: SensorModel
 
 
 def scene_model(scan: Scan, cell: Cell) -> SceneModel:
@@ -32,13 +34,16 @@ def scene_model(scan: Scan, cell: Cell) -> SceneModel:
     """
     bin = cell.bin
     T_bin_scanner = bin.T_world_bin.actInv(scan.T_world_scanner)
-    distance = float(np.linalg.norm(T_bin_scanner.translation))
-    seen = fit_bin(scan.points, T_bin_scanner, bin, noise=cell.scanner.depth_noise * distance**2)
+    sensor = sensor_model(scan.points)
+    deviation = sensor.deviation(
+        float(np.linalg.norm(T_bin_scanner.translation)), otherwise=cell.scanner.depth_noise
+    )
+    seen = fit_bin(scan.points, T_bin_scanner, bin, noise=deviation)
     if (seen.wall_shares < SEEN_WALL).any():
         points = scan.points[:: -(-len(scan.points) // ENOUGH)]
         p_bin = points @ T_bin_scanner.rotation.T + T_bin_scanner.translation
         seen = _by_rim(seen, rim_place(p_bin, bin), bin)
-    return SceneModel(seen)
+    return SceneModel(seen, sensor)
 
 
 def _by_rim(seen: SeenBin, T_bin_rim: pin.SE3 | None, bin: Bin) -> SeenBin:

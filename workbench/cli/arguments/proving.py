@@ -1,0 +1,52 @@
+"""What can be typed to prove plans and to check certificates."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from tyro.conf import Positional
+
+
+@dataclass(frozen=True, slots=True)
+class Prove:
+    """Prove a plan and write a certificate, or check one (docs/proof.md).
+
+    A certificate holds plan, scene and what was proven: any machine with the cell checks it, in
+    less time than it took to find.
+    """
+
+    plan: Positional[Path | None] = None
+    """JSON file of a plan, also of one that another program made."""
+    scan: Path | None = None
+    """PLY or PCD file of the scan that it was made for."""
+    poses: Path | None = None
+    """CSV or JSON file of all parts known to be in the bin."""
+    certificate: Path | None = None
+    """Write the certificate to this file, when the proof holds."""
+    check: Path | None = None
+    """Check this certificate, in place of proving a plan."""
+    out: Path | None = None
+    """Write the plan with its digest to this file, when the proof holds."""
+    cell: str | None = None
+    """Name under robots/, or path of a cell.toml; the name in the plan when not given."""
+    json: bool = False
+    """Print one JSON object and nothing else."""
+
+
+@dataclass(frozen=True, slots=True)
+class Verify:
+    """Prove a plan again, from its file and the cell, and against a scan or poses if given.
+
+    What the plan says of the bin is compared with scan or poses (docs/proof.md); `prove` writes a
+    certificate besides.
+    """
+
+    plan: Positional[Path]
+    """JSON file of a plan."""
+    scan: Path | None = None
+    """PLY or PCD file of the scan that it was made for."""
+    poses: Path | None = None
+    """CSV or JSON file of all parts known to be in the bin."""
+    cell: str | None = None
+    """Name under robots/, or path of a cell.toml; the name in the plan when not given."""
+    json: bool = False
+    """Print one JSON object and nothing else."""

@@ -1,0 +1,94 @@
+"""`workbench prove` and `workbench verify`: whether a plan may be run, and a certificate of it."""
+
+from dataclasses import replace
+from pathlib import Path
+
+from workbench.app.picking import proving
+from workbench.app.runtime.readiness import make_ready
+from workbench.cli.arguments import top as arguments
+from workbench.cli.exits import NO_PLAN, SUCCESS
+from workbench.cli.picking.findings import proof_form, proof_words
+from workbench.cli.picking.planning import cell_of, detections_from
+from workbench.cli.terminal import print_json, progress
+from workbench.formats.clouds.scans import read_scan
+from workbench.formats.plans.certificates import read_certificate, versions, write_certificate
+from workbench.formats.plans.plan_files import read_plan, write_plan
+from workbench.model.errors import InputError
+from workbench.model.plan import Finding
+
+
+def verify(typed: arguments.Verify) -> int:
+    """Prove a plan from its file, and that nobody has changed the file."""
+    return _proven(typed.plan, typed)
+
+
+def prove(typed: arguments.Prove) -> int:
+    """Prove a plan and certify it, or check a certificate."""
+    if typed.check is not None:
+        if typed.plan is not None or typed.poses is not None or typed.certificate is not None:
+            raise InputError("--check takes a certificate, and --scan beside it; nothing else")
+        return _checked(typed.check, typed)
+    if typed.plan is None:
+        raise InputError("name the file of a plan, or a certificate with --check")
+    return _proven(typed.plan, typed, typed.certificate, typed.out)
+
+
+def _proven(
+    path: Path,
+    typed: arguments.Prove | arguments.Verify,
+    certificate: Path | None = None,
+    out: Path | None = None,
+) -> int:
+    plan, stated = read_plan(path)
+    cell = cell_of(plan, typed.cell)
+    with progress("verify") as report:
+        make_ready(report, ("planning",))
+        report(0.0, "proving the plan")
+        scan = None if typed.scan is None else read_scan(typed.scan, cell.scanner)
+        poses = None if typed.poses is None else detections_from(cell, typed.poses, None)
+        if not stated:
+            plan = proving.adopted(cell, plan, scan)
+        proof = proving.prove(cell, plan, detections=poses, scan=scan)
+    if stated and stated != plan.digest:
+        edited = Finding(
+            f"the file was changed after the plan was made: it states digest {stated[:12]}, "
+            f"its content has {plan.digest[:12]}"
+        )
+        proof = replace(proof, findings=(edited, *proof.findings))
+    if proof.holds and certificate is not None:
+        scene = proving.scene_of(cell, plan, detections=poses, scan=scan)
+        write_certificate(certificate, plan, scene, proof)
+    if proof.holds and out is not None:
+        write_plan(out, plan, proof)
+    if typed.json:
+        form = {"ok": proof.holds, "file": str(path), "stated_digest": stated or None}
+        print_json({**form, "digest": plan.digest, "proof": proof_form(proof)})
+    else:
+        foreign = "" if stated else f" (by another program; its digest is {plan.digest})"
+        print(f"{path}{foreign}: {proof_words(proof)}")
+    return SUCCESS if proof.holds else NO_PLAN
+
+
+def _checked(path: Path, typed: arguments.Prove) -> int:
+    found = read_certificate(path)
+    cell = cell_of(found.plan, typed.cell)
+    with progress("check") as report:
+        make_ready(report, ("planning",))
+        report(0.0, "checking the certificate")
+        scan = None if typed.scan is None else read_scan(typed.scan, cell.scanner)
+        proof = proving.check(cell, found, scan)
+    here = versions()
+    other = {name: one for name, one in found.made_with.items() if here.get(name) != one}
+    if typed.json:
+        form = {"ok": proof.holds, "file": str(path), "digest": found.plan.digest}
+        form |= {"cell_digest": found.plan.cell_digest, "scan_digest": found.scene.scan_digest}
+        print_json({**form, "made_with": found.made_with, "proof": proof_form(proof)})
+    else:
+        print(f"{path}: {proof_words(proof)}")
+        print(f"  plan {found.plan.digest}")
+        print(f"  cell {found.plan.cell} {found.plan.cell_digest}")
+        print(f"  scan {found.scene.scan_digest}")
+        print(f"  made with {', '.join(f'{name} {one}' for name, one in found.made_with.items())}")
+        if other:
+            print(f"  checked with {', '.join(f'{name} {here.get(name)}' for name in other)}")
+    return SUCCESS if proof.holds else NO_PLAN

@@ -1,0 +1,41 @@
+"""The icons of buttons, read from viser's archive once and kept.
+
+viser 1.1.1 keeps 32 icons and reads the directory of its archive, some four thousand entries, for
+every other one.  The page shows more kinds than that, each in the same order for each browser: none
+was ever kept, and the drawing stood still for more than a second whenever a browser came.  Viser's
+internals are used here; its version is pinned, and `tests/gui/shared/test_icons.py` tells when they
+change.
+"""
+
+# pyright: reportPrivateUsage=false
+
+import functools
+import io
+import zipfile
+from typing import Any
+
+from viser import _gui_api, _gui_handles, _icons
+
+
+def keep_icons() -> None:
+    """Have viser take icons from here; twice does no harm."""
+    modules: tuple[Any, ...] = (_gui_api, _gui_handles)
+    for module in modules:
+        module.svg_from_icon = svg_of
+
+
+@functools.cache
+def svg_of(name: str) -> str:
+    """An icon of Tabler as an `<svg>` element, by its name.
+
+    Concurrency: any thread.
+
+    Raises:
+        KeyError: there is none of that name.
+    """
+    return _archive().read(f"{name}.svg").decode("utf-8")
+
+
+@functools.cache
+def _archive() -> zipfile.ZipFile:
+    return zipfile.ZipFile(io.BytesIO((_icons.ICONS_DIR / "tabler-icons.zip").read_bytes()))
