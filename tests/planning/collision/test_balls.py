@@ -14,7 +14,7 @@ from workbench.planning.collision.bodies import coal_shape, extent
 from workbench.planning.collision.gjk import cores_of
 from workbench.planning.collision.motion import chain_contact, segment
 from workbench.planning.collision.world import World
-from workbench.studies.motion import ARM, cases_of
+from workbench.studies.motion_cases import ARM, cases_of
 
 SHAPES = (Sphere(0.12), Box(np.array([0.1, 0.3, 0.2])), Cylinder(0.1, 0.4))
 
