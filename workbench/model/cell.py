@@ -239,7 +239,8 @@ class Policy:
     `lifts` are ways to take a part out whose grasp says none, tried in this order until one is
     clear (`planning.picking.lifts`).  `least_air` [m]: fingers may arrive less open than a grasp
     says where there is no room, as long as so much is left on each side of its grip; None: as the
-    grasp says.
+    grasp says.  `pair_gap` [m]: parts nearer to each other are of one heap, of which a plan takes
+    but one, since the others may move as it is lifted; 0: any two are taken.
     """
 
     margin: float = 0.005
@@ -260,6 +261,7 @@ class Policy:
     approval_minutes: float = 5.0
     lifts: tuple[LiftName, ...] = field(default_factory=lambda: _LEANING, metadata=LATER)
     least_air: float | None = field(default_factory=lambda: None, metadata=LATER)
+    pair_gap: float = field(default_factory=lambda: 0.0, metadata=LATER)
     sink: float = field(default_factory=lambda: 0.001, metadata=LATER)
     release: float = field(default_factory=lambda: 0.01, metadata=LATER)
 

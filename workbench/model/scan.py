@@ -90,6 +90,7 @@ class Objection(enum.StrEnum):
     OUTSIDE = "outside the bin"
     TOO_LITTLE = "explains too little of the visible surface"
     FREE_SPACE = "free space violated"
+    GOES_ON = "its surface goes on where the part would end"
     NOT_HELD = "a small shift would be explained as well"
     CLAIMED = "surface claimed by"
     TWIN = "a twin with a worse score of"

@@ -14,6 +14,10 @@ LEAST_SOLVED = 0.75
 """Share of problems with a way around the wall that a planner has to solve."""
 
 
+LIMIT = 3.0 + 1e-9
+"""Of both joints to either side [rad]."""
+
+
 class _Late(Exception):
     pass
 
@@ -30,11 +34,12 @@ class _Wall:
         if self._left < 0:
             raise _Late
         assert np.shape(a) == np.shape(b) == (2,), "configurations have the shape of the start"
-        # In plain numbers: some planners ask a million times.
+        # In plain numbers, and what is plain first: some planners ask a million times.
         ax, ay, bx, by = float(a[0]), float(a[1]), float(b[0]), float(b[1])
-        limit = 3.0 + 1e-9
-        if not all(abs(value) <= limit for value in (ax, ay, bx, by)):
+        if not (abs(ax) <= LIMIT and abs(ay) <= LIMIT and abs(bx) <= LIMIT and abs(by) <= LIMIT):
             return False
+        if (ax < -0.1 and bx < -0.1) or (ax > 0.1 and bx > 0.1):
+            return True
         # The share of the edge that lies between the wall's faces; the way is highest at its ends.
         if ax == bx:
             first, last = (0.0, 1.0) if abs(ax) < 0.1 else (1.0, 0.0)

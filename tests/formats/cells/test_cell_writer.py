@@ -73,6 +73,7 @@ def test_what_is_seldom_changed_comes_back_too(tmp_path):
         approval_minutes=2.5,
         lifts=("up", "off-wall"),
         least_air=0.002,
+        pair_gap=0.004,
     )
     folder = PosesFolder(str(tmp_path / "poses"), "keyed_cylinder")
     again = written(tmp_path, replace(cell, scanner=scanner, policy=policy, poses_folder=folder))

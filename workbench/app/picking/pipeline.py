@@ -14,6 +14,7 @@ from workbench.model.cell import Cell, Wishes
 from workbench.model.errors import InputError, JobCancelled
 from workbench.model.plan import Plan, PlanResult, Strategy
 from workbench.model.scan import Detection, Obstacle, Scene
+from workbench.planning.collision.part_ways import heaps
 from workbench.planning.collision.world import World
 from workbench.planning.picking.dual_arm import OFFSETS, coordinate, pairs_of, side_by_side
 from workbench.planning.picking.order import Cost, cost_of
@@ -35,6 +36,9 @@ NOTHING: Mapping[int, str] = MappingProxyType({})
 
 SIDE_BY_SIDE = 3
 """Pairs of picks that are planned side by side before one arm follows the other."""
+
+ENOUGH = 2
+"""Grasps of a priority below 0 that work for an arm and a part, before the others are left out."""
 
 ATTEMPTS = 6
 """Assignments of parts to arms that are planned before giving up."""
@@ -174,6 +178,7 @@ def _judged(
     """Every candidate with its final verdict, and the picks of those that work."""
     judged: list[Candidate] = []
     picks: list[Pick] = []
+    working: dict[tuple[str, int], list[Candidate]] = {}
     for number, candidate in enumerate(candidates):
         if cancelled():
             raise JobCancelled("planning was cancelled")
@@ -187,14 +192,33 @@ def _judged(
             else:
                 judged.append(candidate)
             continue
+        others = working.setdefault((candidate.arm, candidate.detection), [])
+        if candidate.verdict.is_ok and _is_spare(candidate, others):
+            note = f"a spare: {others[0].grasp.name} works and goes first"
+            spare = Verdict(Reason.DISABLED, candidate.verdict.stage, note=note)
+            judged.append(replace(candidate, verdict=spare))
+            continue
         result = resolve(world, candidate, seed=seed)
         if isinstance(result, Pick):
             picks.append(result)
+            others.append(candidate)
             verdict = Verdict(Reason.OK, Stage.PLACE, note=_told(world, result))
             judged.append(replace(candidate, verdict=verdict))
         else:
             judged.append(replace(candidate, verdict=result))
     return tuple(judged), picks
+
+
+def _is_spare(candidate: Candidate, working: Sequence[Candidate]) -> bool:
+    """Whether nobody needs a grasp any more, since others of the same arm and part work.
+
+    Grasps of a priority below 0 are for parts that nothing else takes: they are looked at only
+    then, and `ENOUGH` of them that work will do.
+    """
+    if candidate.grasp.priority >= 0 or not working:
+        return False
+    before = working[0].grasp.priority > candidate.grasp.priority
+    return before or len(working) >= ENOUGH
 
 
 def _told(world: World, pick: Pick) -> str:
@@ -239,7 +263,8 @@ def _assignments(
     ordered = sorted(best.values(), key=lambda pick: (cost(pick), pick.travel))
     if strategy in ("auto", *BOTH):
         has_pairs = any(part.library.pairs for part in world.cell.parts)
-        for pair in pairs_of(world, picks if has_pairs else ordered, cost):
+        pairs = pairs_of(world, picks if has_pairs else ordered, cost)
+        for pair in filter(_of_several_heaps(world), pairs):
             yield Strategy.ALTERNATED, pair
     for pick in ordered:
         alone = Strategy.single(pick.candidate.arm)
@@ -306,10 +331,22 @@ def _side_by_side_or_behind(
     world: World, picks: list[Pick], cost: Cost
 ) -> Iterator[tuple[Sequence[int], tuple[Pick, ...]]]:
     """Pairs for coordinated plans, with the offsets to try: side by side first."""
-    for pair in side_by_side(world, picks, cost)[:SIDE_BY_SIDE]:
+    apart = filter(_of_several_heaps(world), side_by_side(world, picks, cost))
+    for pair in islice(apart, SIDE_BY_SIDE):
         yield (0,), pair
     for _, pair in islice(_assignments(world, picks, Strategy.COORDINATED, cost), ATTEMPTS):
         yield OFFSETS[1:], pair
+
+
+def _of_several_heaps(world: World) -> Callable[[Sequence[Pick]], bool]:
+    """Whether parts lie apart, so that none moves as another is lifted: else the scan is not true.
+
+    Parts nearer to each other than the policy's `pair_gap` are of one heap.
+    """
+    if world.policy.pair_gap <= 0:
+        return lambda picks: True
+    heap = heaps(world, world.policy.pair_gap)
+    return lambda picks: len({heap[p.candidate.detection] for p in picks}) == len(picks)
 
 
 def _apart(world: World, picks: Sequence[Pick]) -> float:

@@ -243,6 +243,7 @@ def _policy(table: Table) -> tuple[Policy, int]:
             "approval_minutes", usual.approval_minutes, low=0.1, high=24 * 60
         ),
         lifts=_lifts(table, usual.lifts),
+        pair_gap=length("pair_gap_mm", usual.pair_gap, 1000),
         least_air=length("least_air_mm", 0.0, 1000) if table.has("least_air_mm") else None,
     )
     approvers = table.whole("approvers", 1, low=1, high=MOST_APPROVERS)

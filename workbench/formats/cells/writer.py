@@ -108,6 +108,8 @@ def _policy(cell: Cell) -> Iterator[str]:
             yield f"{key} = {_number(getattr(policy, key))}"
     if policy.lifts != usual.lifts:
         yield f"lifts = [{', '.join(map(_text, policy.lifts))}]"
+    if policy.pair_gap != usual.pair_gap:
+        yield f"pair_gap_mm = {_number(policy.pair_gap * 1000)}"
     if policy.least_air is not None:
         yield f"least_air_mm = {_number(policy.least_air * 1000)}"
     yield f"approvers = {cell.approvers}             # different people who approve each plan"

@@ -30,6 +30,7 @@ from workbench.perception.localization.hypotheses import (
     hypotheses,
 )
 from workbench.perception.localization.maps import DepthMap, make_map
+from workbench.perception.localization.outline import ends_there
 from workbench.perception.localization.part_surface import PartSurface, prepare
 from workbench.perception.localization.poses import distinct
 from workbench.perception.localization.sightings import look
@@ -174,6 +175,7 @@ def searched(
         choice.rejected += [
             Rejection(one.pose, one.sighting, Objection.OUTSIDE) for one in map(seen, outside)
         ]
+    choice = _ending(choice, maps, surface, tolerance)
     order = sorted(range(len(choice.chosen)), key=lambda k: -choice.chosen[k].sighting.score)
     gains = tuple(choice.chosen[k].sighting.gain * maps.pitch**2 for k in order)
     return Searched(_findings(part, surface, scan, choice, order), surface, gains)
@@ -191,6 +193,29 @@ def _without_claimed(maps: DepthMap, choice: Choice) -> DepthMap:
         return maps
     rims: Any = binary_dilation(claimed, iterations=RIM)
     return replace(maps, foreground=maps.foreground & ~rims)
+
+
+def _ending(choice: Choice, maps: DepthMap, surface: PartSurface, tolerance: float) -> Choice:
+    """The choice without those that do not end where they should: pieces of something else."""
+    others = choice.claimed
+    kept = [
+        ends_there(maps, surface, one.pose, tolerance, (others >= 0) & (others != k))
+        for k, one in enumerate(choice.chosen)
+    ]
+    place = np.where(kept, np.cumsum(kept) - 1, -1)
+    rejected = [
+        one if one.rival is None else replace(one, rival=int(place[one.rival]))
+        for one in choice.rejected
+        if one.rival is None or kept[one.rival]
+    ]
+    rejected += [
+        Rejection(one.pose, one.sighting, Objection.GOES_ON)
+        for one, is_kept in zip(choice.chosen, kept, strict=True)
+        if not is_kept
+    ]
+    chosen = [one for one, is_kept in zip(choice.chosen, kept, strict=True) if is_kept]
+    claimed = np.where(others >= 0, np.append(place, -1)[others], -1)
+    return Choice(claimed, chosen, rejected)
 
 
 def _tolerance(surface: PartSurface, cell: Cell, scan: Scan, scene: SceneModel) -> float:

@@ -72,7 +72,7 @@ class ToolCheck:
         self._R = np.array([T.rotation for T in poses])
         self._centres = np.array([T.act(e[0]) for T, e in zip(poses, extents, strict=True)])
         self._halves = np.array([half for _, half, _ in extents])
-        self._around: dict[str, _Around] = {}
+        self._around: dict[str, Around] = {}
         self._request = coal.DistanceRequest()
         self._tools = {arm.name: tool_shapes(arm.tool) for arm in cell.arms}
 
@@ -114,7 +114,7 @@ class ToolCheck:
             return [self._slowly(arm, T, h) for T, h in zip(Ts_world_tcp, hands, strict=True)]
         T_tcp_flange = arm.tool.T_flange_tcp.inverse()
         flanges = [T * T_tcp_flange for T in Ts_world_tcp]
-        found = _first_contacts(
+        found = first_contacts(
             np.array([T.rotation for T in flanges]),
             np.array([T.translation for T in flanges]),
             np.array([hand.opening for hand in hands]),
@@ -166,11 +166,11 @@ class ToolCheck:
         )
         return (f"{arm.name} {tool.name}", self._labels[g]), float(distance)
 
-    def _surroundings(self, arm: Arm) -> "_Around":
+    def _surroundings(self, arm: Arm) -> "Around":
         tools = self._tools[arm.name]
         shapes = [tool.solid.shape for tool in tools] + self._shapes
         centres = np.array([extent(shape)[0] for shape in shapes])
-        return _Around(
+        return Around(
             np.array([tool.T_flange_body.rotation for tool in tools]),
             np.array([tool.T_flange_body.act(tool.centre) for tool in tools]),
             np.array([tool.direction for tool in tools]),
@@ -250,8 +250,8 @@ def _at_target(
     return None
 
 
-class _Around(NamedTuple):
-    """The solids of a tool (t, ...) seen from its flange, and what stands around it (s, ...).
+class Around(NamedTuple):
+    """The solids of a tool (t, ...) seen from its flange, and what stands around it (s, ...) [m].
 
     `cores` are those of the tool's solids and then those of the rest; `owner` (s,) is the number of
     the part that a piece belongs to, -1 for others.
@@ -269,13 +269,13 @@ class _Around(NamedTuple):
 
 
 @njit(cache=True)
-def _first_contacts(
+def first_contacts(
     R_flange: Floats,
     p_flange: Floats,
     opening: Floats,
     target: Ints,
     margin: float,
-    around: _Around,
+    around: Around,
 ) -> Ints:
     """For each hand the number of its first pair nearer than the margin, or `NOTHING`.
 

@@ -6,13 +6,16 @@ out again as the hand came in.  `off-wall`: up, leaning away from the wall that 
 """
 
 from collections.abc import Iterator
+from weakref import WeakKeyDictionary
 
 import numpy as np
 import pinocchio as pin
 
-from workbench.model.candidate import Candidate
+from workbench.model.candidate import Candidate, Reason, Stage, Verdict
 from workbench.model.cell import Bin, LiftName
 from workbench.model.geometry import Floats
+from workbench.planning.collision.bodies import part_label
+from workbench.planning.collision.part_ways import PartWays
 from workbench.planning.collision.world import World
 
 AUTHORED = "as authored"
@@ -46,6 +49,31 @@ def lifts(world: World, candidate: Candidate, T_world_tcp: pin.SE3) -> Iterator[
             if not any(direction @ other > ALIKE for other in tried):
                 tried.append(direction)
                 yield name, policy.lift_length * direction
+
+
+def free_lifts(
+    world: World, candidate: Candidate, T_world_tcp: pin.SE3
+) -> tuple[list[tuple[str, Floats]], Verdict | None]:
+    """The lifts (3,) [m] on which the part itself meets nothing; else what the first of them meets.
+
+    Where there is but one lift it is left to the closer look that follows.  See `lifts`.
+    """
+    every = list(lifts(world, candidate, T_world_tcp))
+    if len(every) < 2:
+        return every, None
+    if world not in _WAYS:
+        _WAYS[world] = PartWays(world.cell, world.detections, world.obstacles)
+    met = _WAYS[world].blocked(candidate.detection, [way for _, way in every])
+    free = [lift for lift, what in zip(every, met, strict=True) if what is None]
+    if free or met[0] is None:
+        return free, None
+    label, far = met[0]
+    note = f"after {far * 1000:.0f} mm; {len(every)} lifts tried"
+    pair = (part_label(candidate.detection), label)
+    return [], Verdict(Reason.EXTRACT_BLOCKED, Stage.EXTRACT, pair, 0.0, note=note)
+
+
+_WAYS: WeakKeyDictionary[World, PartWays] = WeakKeyDictionary()
 
 
 def _directions(

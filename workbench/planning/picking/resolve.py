@@ -16,7 +16,7 @@ from workbench.planning.collision.pairing import Phase
 from workbench.planning.collision.world import World
 from workbench.planning.kinematics.chain import Chain, is_solution
 from workbench.planning.kinematics.straight import follow
-from workbench.planning.picking.lifts import lifts
+from workbench.planning.picking.lifts import free_lifts
 from workbench.planning.picking.put_down import ways_down
 
 STARTS = 12
@@ -44,6 +44,11 @@ def resolve(world: World, candidate: Candidate, *, seed: int) -> Pick | Verdict:
     if not candidate.verdict.is_ok:
         return candidate.verdict
     arm = world.arm(candidate.arm)
+    if candidate.grasp.retreat is None:
+        # The part's own way out does not depend on the arm: looked at first, it is cheap.
+        _, blocked = free_lifts(world, candidate, candidate.T_world_tcp)
+        if blocked is not None:
+            return blocked
     solutions, refusal = _grasp_solutions(world, candidate, arm, seed)
     best = refusal
     for q_grasp, T_world_tcp, clearance in solutions[:TRIES]:
@@ -144,8 +149,9 @@ def _completed(
         return approach
     T_world_part = world.detections[candidate.detection].T_world_part
     T_tcp_part = world.chains[arm.name].pose(q_grasp).actInv(T_world_part)
-    refusal: Verdict | None = None
-    for name, way in lifts(world, candidate, world.chains[arm.name].pose(q_grasp)):
+    T_grasp = world.chains[arm.name].pose(q_grasp)
+    ways, refusal = free_lifts(world, candidate, T_grasp)
+    for name, way in ways:
         extract = _extract(world, candidate, arm, q_grasp, T_tcp_part, way)
         if isinstance(extract, Verdict):
             refusal = refusal or extract

@@ -1,0 +1,48 @@
+"""The shipped cells as they are set up for a full bin."""
+
+from dataclasses import replace
+
+import pytest
+
+from workbench.formats.cells.reading import read_cell
+from workbench.formats.files.shipped import find
+from workbench.model.digest import digest_of
+from workbench.studies.emptying.empty import emptied
+from workbench.studies.emptying.scene import Task
+
+both = pytest.mark.parametrize("name", ["yumi", "tx2_90"])
+
+
+@both
+def test_a_cell_for_a_full_bin_is_the_cell_but_for_lifts_fingers_and_grasps(name):
+    cell, full = read_cell(name), read_cell(find("robots", name) / "full_bin.toml")
+    alike = replace(
+        full.policy,
+        lifts=cell.policy.lifts,
+        least_air=cell.policy.least_air,
+        pair_gap=cell.policy.pair_gap,
+    )
+    assert alike == cell.policy and full.policy != cell.policy
+    for field in ("robot", "arms", "bin", "fixtures", "scanner"):
+        assert digest_of(getattr(full, field)) == digest_of(getattr(cell, field)), field
+
+
+@both
+def test_the_parts_for_it_are_the_parts_with_spare_grasps(name):
+    cell, full = read_cell(name), read_cell(find("robots", name) / "full_bin.toml")
+    for part, other in zip(cell.parts, full.parts, strict=True):
+        assert part.name == other.name and part.mass == other.mass
+        assert digest_of(part.mesh) == digest_of(other.mesh)
+        assert digest_of(part.pieces) == digest_of(other.pieces)
+        first = [grasp for grasp in other.library.grasps if grasp.priority >= 0]
+        assert [digest_of(grasp) for grasp in first] == [
+            digest_of(grasp) for grasp in part.library.grasps
+        ]
+        assert len(other.library.grasps) > len(first)
+
+
+def test_more_of_a_pile_is_taken_with_it():
+    full = str(find("robots", "yumi") / "full_bin.toml")
+    usual, more = (emptied(Task(cell, "", 6, 4, settles=False)) for cell in ("yumi", full))
+    assert more.taken > usual.taken
+    assert more.touches == 0 and sum(more.failed) == 0
