@@ -17,6 +17,7 @@ from workbench.formats.klampt.worlds import Snapshot, robot_with_tools, write_wo
 from workbench.formats.robots.urdf_writer import depth_first
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats
+from workbench.planning.collision.world import World
 from workbench.studies.planners import Course
 
 KLAMPT_PLANNERS = ("rrt", "birrt", "sbl")
@@ -33,6 +34,21 @@ class KlamptAttempt:
     tool_way: float | None
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class KlamptPath:
+    """What one planner of Klamp't found to the `goal`-th goal: a path (m, n) [rad], or None.
+
+    `seconds` of the clock and `processor` [s] are those of its search.
+    """
+
+    planner: str
+    goal: int
+    is_possible: bool
+    seconds: float
+    processor: float
+    path: Floats | None
+
+
 def attempts_by_klampt(
     course: Course, planners: Sequence[str], *, seconds: float, report: Report
 ) -> list[KlamptAttempt]:
@@ -47,28 +63,83 @@ def attempts_by_klampt(
     Raises:
         InputError: Klamp't is not installed, or ends before it is done.
     """
-    names = [joint.name for joint in depth_first(robot_with_tools(course.world.cell, Snapshot()))]
-    moving = [names.index(joint) for joint in course.arm.joints]
+    goals = course.goals
+    found = paths_by_klampt(
+        course.world,
+        course.arm.joints,
+        course.start,
+        [q for _, q in goals],
+        planners,
+        seconds=seconds,
+        report=report,
+    )
+    return [
+        KlamptAttempt(
+            one.planner,
+            goals[one.goal][0],
+            one.is_possible,
+            one.seconds,
+            None if one.path is None else course.tool_way(one.path),
+        )
+        for one in found
+    ]
+
+
+def paths_by_klampt(
+    world: World,
+    joints: Sequence[str],
+    start: Floats,
+    goals: Sequence[Floats],
+    planners: Sequence[str],
+    *,
+    seconds: float,
+    report: Report,
+) -> list[KlamptPath]:
+    """Plan from one configuration to others with Klamp't.
+
+    Args:
+        world: robot, bin and fixtures; Klamp't sees the same collision geometry and margin.
+        joints: those that move.
+        start: their values (n,) [rad].
+        goals: (n,) [rad] each.
+        planners: among `KLAMPT_PLANNERS`.
+        seconds: that a plan may take.
+        report: progress.
+
+    Raises:
+        InputError: Klamp't is not installed, or ends before it is done.
+    """
+    names = [joint.name for joint in depth_first(robot_with_tools(world.cell, Snapshot()))]
+    moving = [names.index(joint) for joint in joints]
 
     def whole(q: Floats) -> list[float]:
         values = np.zeros(len(names))
         values[moving] = q
         return values.tolist()
 
-    goals = course.goals
     with tempfile.TemporaryDirectory() as folder:
-        world = write_world(Path(folder), "course", course.world.cell, Snapshot())
+        file = write_world(Path(folder), "course", world.cell, Snapshot())
         request = {
-            "world": str(world),
-            "margin": course.world.policy.margin,
+            "world": str(file),
+            "margin": world.policy.margin,
             "planners": list(planners),
-            "start": whole(course.start),
-            "goals": [whole(q) for _, q in goals],
+            "start": whole(start),
+            "goals": [whole(q) for q in goals],
             "moving": moving,
             "seconds": seconds,
         }
         answers = _asked(request, len(planners) * len(goals), report)
-    return [_attempt(course, moving, goals[answer["goal"]][0], answer) for answer in answers]
+    return [
+        KlamptPath(
+            answer["planner"],
+            answer["goal"],
+            answer["is_possible"],
+            answer["seconds"],
+            answer["processor"],
+            None if answer["path"] is None else np.array(answer["path"])[:, moving],
+        )
+        for answer in answers
+    ]
 
 
 def _asked(request: dict[str, Any], count: int, report: Report) -> list[dict[str, Any]]:
@@ -108,19 +179,6 @@ def _reason(told: str) -> str:
     if "No module named 'klampt'" in told:
         return "it is not installed; pip install 'workbench[bench]'"
     return told.strip().splitlines()[-1] if told.strip() else "it ended without a word"
-
-
-def _attempt(
-    course: Course, moving: list[int], target: int, answer: dict[str, Any]
-) -> KlamptAttempt:
-    path = None if answer["path"] is None else np.array(answer["path"])[:, moving]
-    return KlamptAttempt(
-        answer["planner"],
-        target,
-        answer["is_possible"],
-        answer["seconds"],
-        None if path is None else course.tool_way(path),
-    )
 
 
 def summary(attempts: Sequence[KlamptAttempt]) -> list[dict[str, Any]]:

@@ -40,7 +40,7 @@ def main() -> None:
     for planner in request["planners"]:
         for number, goal in enumerate(request["goals"]):
             robot.setConfig(request["start"])
-            began = time.perf_counter()
+            began, used = time.perf_counter(), time.process_time()
             plan = robotplanning.plan_to_config(
                 world, robot, goal, movingSubset=request["moving"], **OPTIONS[planner]
             )
@@ -51,7 +51,7 @@ def main() -> None:
                 path = plan.getPath()
                 if path:
                     break
-            taken = time.perf_counter() - began
+            taken, used = time.perf_counter() - began, time.process_time() - used
             if plan is not None:
                 plan.space.close()
                 plan.close()
@@ -60,6 +60,7 @@ def main() -> None:
                 "goal": number,
                 "is_possible": plan is not None,
                 "seconds": taken,
+                "processor": used,
                 "iterations": iterations,
                 "path": path or None,
             }

@@ -1,7 +1,6 @@
 """Motion problems planned as a free leg of a plan is, ours beside OMPL over the same checker.
 
-Each problem becomes a cell with one arm, nothing in its hand, and the obstacles as fixtures.  Times
-are from two configurations to waypoints rounded to the wire and checked; the cell is made before.
+Times are from two configurations to waypoints rounded to the wire and checked.
 """
 
 import time
@@ -10,55 +9,24 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-import pinocchio as pin
 
 from workbench.app.picking.pipeline import Report
-from workbench.formats.robots.motion_problems import MotionProblem, MotionSet
 from workbench.model.candidate import Verdict
-from workbench.model.cell import Arm, Bin, Cell, Fixture, Policy, ScannerMount, Tool
-from workbench.model.geometry import Floats, Solid
+from workbench.model.geometry import Floats
 from workbench.planning.collision.contact import Contact
 from workbench.planning.collision.motion import Curves, chain_contact
-from workbench.planning.collision.pairing import Phase
-from workbench.planning.collision.world import World
 from workbench.planning.picking.route import free_path
 from workbench.planning.picking.search import joint_weights, searched
 from workbench.planning.planners.clock import working_time
 from workbench.planning.planners.ompl_planners import RRT_CONNECT
-from workbench.plugins.robot_link import controller_by, usual_link
+from workbench.studies.klampt import paths_by_klampt
+from workbench.studies.motion_cases import ARM, Case
 
 OMPL_ITERATIONS = 1_000_000
 """For OMPL time alone is the limit: it draws from all of the joints' range."""
 
 OMPL = "OMPL RRT-Connect"
-
-ARM = "arm"
-
-
-class _NoBin(Bin):
-    """A cell without a bin."""
-
-    @property
-    def solids(self) -> tuple[Solid, ...]:
-        return ()
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Case:
-    """A problem made ready: its world, the ends (n,) [rad] as they can be sent, what is wrong.
-
-    `name` is that of its set, in which it is the `number`-th; `problem` is its own.  `invalid` says
-    why nobody can solve it; it is empty where somebody may.
-    """
-
-    name: str
-    robot: str
-    number: int
-    problem: str
-    world: World
-    start: Floats
-    goal: Floats
-    invalid: str
+KLAMPT = "Klamp't sbl"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -75,63 +43,6 @@ class Attempt:
     seconds: float
     processor: float
     path: Floats | None
-
-
-def case_of(name: str, robot: str, number: int, problem: MotionProblem, policy: Policy) -> Case:
-    """A problem of the set `name`, the `number`-th in it."""
-    world = World(_cell_of(problem, policy), ())
-    world.enter(Phase(frozenset({ARM})))
-    chain = world.chains[ARM]
-    limits = problem.robot.limits(problem.joints)[:2]
-    invalid, ends = "", []
-    for end, q in (("start", problem.start), ("goal", problem.goal)):
-        # Rounding a joint at its limit must not carry it beyond.
-        ends.append(np.clip(world.motion.rounded(q), chain.lower, chain.upper))
-        if np.any(q < limits[0]) or np.any(q > limits[1]):
-            invalid = invalid or f"its {end} is beyond the limits of a joint"
-        contact = world.contact(world.configuration({ARM: ends[-1]}))
-        if contact is not None:
-            invalid = invalid or f"at its {end} {' and '.join(contact.pair)} touch"
-    return Case(name, robot, number, problem.name, world, ends[0], ends[1], invalid)
-
-
-def _cell_of(problem: MotionProblem, policy: Policy) -> Cell:
-    robot, joints = problem.robot, problem.joints
-    moving = tuple(range(len(joints)))
-    identity = pin.SE3.Identity()
-    arm = Arm(
-        name=ARM,
-        controller_id="A",
-        flange=robot.joint(joints[-1]).child,
-        joints=joints,
-        axis_order=moving,
-        axis_signs=(1,) * len(joints),
-        home=problem.start,
-        acceleration=np.ones(len(joints)),
-        tool=Tool("none", identity, ()),
-    )
-    fixtures = (Fixture("obstacles", identity, problem.obstacles),)
-    return Cell(
-        name=problem.name,
-        robot=robot,
-        T_world_robot=identity,
-        arms=(arm,),
-        bin=_NoBin(identity, np.ones(3)),
-        scanner=ScannerMount(identity),
-        controller=controller_by(usual_link()),
-        parts=(),
-        fixtures=fixtures,
-        policy=policy,
-    )
-
-
-def cases_of(sets: Sequence[MotionSet], policy: Policy) -> list[Case]:
-    """All problems made ready, to be planned by that policy."""
-    return [
-        case_of(one.name, one.robot, number, problem, policy)
-        for one in sets
-        for number, problem in enumerate(one.problems)
-    ]
 
 
 def compare(
@@ -156,6 +67,40 @@ def compare(
         if with_ompl:
             attempts.append(attempt(case, OMPL, seed, seconds))
     return attempts[1 + with_ompl :]
+
+
+def compare_with_klampt(cases: Sequence[Case], *, seconds: float, report: Report) -> list[Attempt]:
+    """Every case that is not invalid by Klamp't's SBL, each in a process of its own.
+
+    What it finds is as its search leaves it: neither shortened nor rounded.  Where it sees an end
+    touch something it has no path.
+
+    Args:
+        cases: made by `cases_of`.
+        seconds: [s] that a plan may take.
+        report: progress.
+
+    Raises:
+        InputError: Klamp't is not installed, or ends before it is done.
+    """
+    valid = [case for case in cases if not case.invalid]
+    attempts: list[Attempt] = []
+    for number, case in enumerate(valid):
+        report(number / len(valid), f"Klamp't, {case.name}")
+        joints, goals = case.world.arm(ARM).joints, [case.goal]
+        (one,) = paths_by_klampt(
+            case.world, joints, case.start, goals, ["sbl"], seconds=seconds, report=_unheard
+        )
+        attempts.append(
+            Attempt(
+                KLAMPT, case.name, case.robot, case.number, one.seconds, one.processor, one.path
+            )
+        )
+    return attempts
+
+
+def _unheard(done: float, note: str) -> None:
+    """Progress within one plan."""
 
 
 def attempt(case: Case, planner: str, seed: int, seconds: float) -> Attempt:

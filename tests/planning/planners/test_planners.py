@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from workbench.planning.planners.rrt import TINY, merged, resampled, shortened
+from workbench.planning.planners.rrt import TINY, merged, resampled, sample_around, shortened
 from workbench.plugins.planner import planner_named, planner_names
 
 LOWER, UPPER, WEIGHTS = np.zeros(2), np.full(2, 4.0), np.ones(2)
@@ -126,3 +126,15 @@ def test_what_the_edge_check_raises_ends_the_search(planner):
     with pytest.raises(TimeoutError):
         found(0, late, planner=planner)
     assert found(0, planner=planner) is not None
+
+
+@settings(max_examples=200)
+@given(seed=st.integers(0, 2**31), iteration=st.integers(0, 300))
+def test_samples_are_uniform_draws_around_start_and_goal_within_the_limits(seed, iteration):
+    ours, numpys = np.random.default_rng(seed), np.random.default_rng(seed)
+    around = 0.3 + 0.03 * iteration
+    low = np.maximum(LOWER, np.minimum(START, GOAL) - around)
+    high = np.minimum(UPPER, np.maximum(START, GOAL) + around)
+    for _ in range(3):
+        sample = sample_around(START, GOAL, LOWER, UPPER, iteration, ours)
+        assert np.array_equal(sample, numpys.uniform(low, high))

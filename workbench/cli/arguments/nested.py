@@ -54,8 +54,9 @@ class BenchMotion:
     """Whose problems; all when not given."""
     planner: str = "rrtconnect"
     """Which planner."""
-    against: Literal["ompl"] | None = None
-    """Give the same problems to OMPL's RRT-Connect as well, over the same check of edges."""
+    against: Literal["ompl", "klampt"] | None = None
+    """Give the same problems to OMPL's RRT-Connect as well, over the same check of edges, or to
+    Klamp't's SBL (extra `bench`), which checks states by itself and shortens nothing."""
     iterations: int = 10000
     """Iterations that a search may take."""
     margin: float = 0.0

@@ -10,11 +10,21 @@ from workbench.cli.terminal import check_number, check_whole, print_json, print_
 from workbench.formats.robots.motion_problems import read_motion_problems
 from workbench.model.cell import Policy
 from workbench.plugins.planner import planner_named
-from workbench.studies.motion import OMPL, cases_of, compare, figures, summary
+from workbench.studies.motion import (
+    KLAMPT,
+    OMPL,
+    compare,
+    compare_with_klampt,
+    figures,
+    summary,
+)
+from workbench.studies.motion_cases import cases_of
 
 MOST = 1_000_000
 WIDEST = 0.5
 """[m] A larger margin leaves no way anywhere."""
+
+OTHERS = {"ompl": OMPL, "klampt": KLAMPT}
 
 
 def motion(typed: BenchMotion) -> int:
@@ -43,7 +53,10 @@ def motion(typed: BenchMotion) -> int:
             seconds=typed.seconds,
             report=report,
         )
-    planners = [typed.planner, *([OMPL] if typed.against == "ompl" else [])]
+        if typed.against == "klampt":
+            attempts += compare_with_klampt(cases, seconds=typed.seconds, report=report)
+    other = None if typed.against is None else OTHERS[typed.against]
+    planners = [typed.planner] if other is None else [typed.planner, other]
     rows = {name: summary(cases, attempts, name) for name in planners}
     whole = {name: figures(cases, [a for a in attempts if a.planner == name]) for name in planners}
     if typed.json:
@@ -52,12 +65,8 @@ def motion(typed: BenchMotion) -> int:
             "sets": rows[typed.planner],
             "all": whole[typed.planner],
         }
-        if typed.against is not None:
-            form["against"] = {
-                "planner": OMPL,
-                "sets": rows[OMPL],
-                "all": whole[OMPL],
-            }
+        if other is not None:
+            form["against"] = {"planner": other, "sets": rows[other], "all": whole[other]}
         print_json(form)
         return SUCCESS
     for case in cases:

@@ -156,6 +156,18 @@ class Boxes(NamedTuple):
 
 
 @njit(cache=True)
+def travel_from(
+    g: int, common: int, tree: Tree, boxes: Boxes, p: Floats, z: Floats, c: Floats, d: Floats
+) -> float:
+    """How far [m] body g can move relative to joint `common` when joints change by `d` (nq,).
+
+    `p` (j, 3) [m] and `z` (j, 3) are positions and axes of joints, `c` (b, 3) [m] centres of
+    bodies, as `place_bodies` has written them.
+    """
+    return _travel(g, common, boxes.joint, tree.parents, tree.slides, p, z, c, boxes.radius, d)
+
+
+@njit(cache=True)
 def close_pairs(
     tree: Tree,
     boxes: Boxes,

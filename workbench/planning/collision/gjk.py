@@ -9,6 +9,7 @@ A body is a core, the corners of a convex polyhedron or an upright cylinder, swo
 so boxes, cylinders, capsules, balls and convex meshes are all the same to it.
 """
 
+from collections.abc import Mapping
 from functools import lru_cache
 from itertools import product
 from typing import NamedTuple
@@ -33,6 +34,8 @@ TOUCHES, UNCLEAR, CLEAR = 0, 1, 2
 MOST_STEPS = 48
 """Steps of the search; round bodies need some ten, polyhedra fewer."""
 
+OTHER, BALL, BOX, CYLINDER = 0, 1, 2, 3
+
 CLOSE_ENOUGH = 1e-7
 """[m] Bounds that lie as close together count as the distance."""
 
@@ -42,7 +45,8 @@ class Cores(NamedTuple):
 
     `corners` (c, 3) [m] in the body's frame, from its centre; those of body g are `size[g]`
     from `start[g]` on.  A cylinder has none but `radius[g]` and `length[g]` (half of it).
-    `swell` (b,) [m] grows every core.  `known` (b,) is False for bodies that are not convex.
+    `swell` (b,) [m] grows every core.  `known` (b,) is False for bodies that are not convex;
+    `form` (b,) is `BALL`, `BOX` or `CYLINDER` for these, and `OTHER`.
     """
 
     corners: Floats
@@ -52,6 +56,7 @@ class Cores(NamedTuple):
     length: Floats
     swell: Floats
     known: Bools
+    form: Ints
 
 
 def cores_of(shapes: list[Shape], centres: Floats) -> Cores:
@@ -68,7 +73,11 @@ def cores_of(shapes: list[Shape], centres: Floats) -> Cores:
         numbers[:, 1].copy(),
         numbers[:, 2].copy(),
         numbers[:, 3] > 0,
+        np.array([_FORMS.get(type(shape), OTHER) for shape in shapes]),
     )
+
+
+_FORMS: Mapping[type, int] = {Sphere: BALL, Box: BOX, Cylinder: CYLINDER}
 
 
 @lru_cache(maxsize=4096)

@@ -10,6 +10,7 @@ import numpy as np
 from numba import njit
 
 from workbench.model.geometry import Floats, Ints
+from workbench.planning.collision.balls import from_balls
 from workbench.planning.collision.bounds import Boxes, gather_close, place_bodies
 from workbench.planning.collision.gjk import CLEAR, TOUCHES, UNCLEAR, Cores, side
 from workbench.planning.kinematics.robot import Tree
@@ -88,7 +89,7 @@ def swept(
     moves, lower = np.empty(len(among)), np.empty(len(among))
     pending = np.empty((MOST_PENDING, 3, n))
     begins, sizes = np.empty(MOST_PENDING, np.int64), np.empty(MOST_PENDING, np.int64)
-    open_pairs = np.empty(MOST_OPEN, np.int64)
+    open_pairs, others = np.empty(MOST_OPEN, np.int64), np.empty(len(among), np.int64)
     W, middle = np.empty((5, 3)), np.empty(n)
     looks = 0
     if len(among) > MOST_OPEN:
@@ -111,11 +112,19 @@ def swept(
                 d[columns[i]] = max(abs(p0_ - m), abs(p2_ - m))
             place_bodies(tree, boxes, q, d, R_j, p_j, z_j, R, c, travel)
             looks += 1
-            found = gather_close(
-                tree, boxes, d, first, second, open_pairs[begins[at] :], sizes[at], margins,
-                commons, 0.0, p_j, z_j, R, c, travel, pairs, moves, lower,
+            # Pairs of a ball have a formula: they are looked at first, and most often meet first.
+            touching, rest, kept, furthest = from_balls(
+                tree, boxes, d, first, second, open_pairs, int(begins[at]), int(sizes[at]), margins,
+                commons, cores, p_j, z_j, R, c, travel, others, used,
             )  # fmt: skip
-            furthest, kept = 0.0, used
+            if touching >= 0:
+                return curve, touching, middle, looks
+            if kept < 0:
+                return curve, TOO_LONG, middle, looks
+            found = gather_close(
+                tree, boxes, d, first, second, others, rest, margins, commons, 0.0, p_j, z_j, R, c,
+                travel, pairs, moves, lower,
+            )  # fmt: skip
             for k in range(found):
                 pair, move = pairs[k], moves[k]
                 needed = margins[pair]

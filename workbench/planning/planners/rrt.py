@@ -135,7 +135,9 @@ def sample_around(
     """A configuration (n,) [rad] within limits, in the box around start and goal; see `NEARBY`."""
     around = NEARBY + WIDENING * iteration
     low = np.maximum(lower, np.minimum(start, goal) - around)
-    return rng.uniform(low, np.minimum(upper, np.maximum(start, goal) + around))
+    high = np.minimum(upper, np.maximum(start, goal) + around)
+    # What `rng.uniform` does with arrays, number for number, in a fifth of the time.
+    return low + (high - low) * rng.random(len(low))
 
 
 def _extend(tree: Tree, target: Floats, weights: Floats, is_clear: EdgeCheck) -> int | None:
