@@ -113,6 +113,7 @@ def test_who_is_logged_in_approves_with_their_own_name(
     for step, phase in (("Scan", "scanned"), ("Find parts", "localized"), ("Plan", "planned")):
         bob.press(step)
         reaches(phase)
+    bob.wait_for("play it first")
     bob.page.mouse.move(200, 400)
     bob.page.keyboard.press("k")
     wait(lambda: bench.state.watched == ("Bob",), "the end of the plan")

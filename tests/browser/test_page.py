@@ -29,7 +29,8 @@ def run_to_plan(screen, reaches):
 
 
 def watch(screen, bench, wait) -> None:
-    """Play the plan to its end."""
+    """Play the plan to its end, as soon as the page shows that there is one."""
+    screen.wait_for("play it first")
     screen.page.mouse.move(200, 400)
     screen.page.keyboard.press("k")
     wait(lambda: bench.state.watched, "the end of the plan")

@@ -11,7 +11,10 @@ from workbench.model.geometry import pose_from_rpy
 from workbench.model.plan import Strategy
 from workbench.model.scan import Obstacle, Scene
 from workbench.proof import search
+from workbench.proof.bodies import bodies_of
 from workbench.proof.prove import prove as prove_in
+from workbench.proof.robot import tree_of
+from workbench.proof.table import Situation, Table
 
 
 def problems(proof) -> str:
@@ -117,3 +120,24 @@ def test_parts_are_the_same_in_whatever_order_they_are_known(cell, result):
 def test_a_search_that_gives_up_is_no_proof(cell, result, monkeypatch):
     monkeypatch.setattr(search, "MOST_LOOKS", 5)
     assert "for too long to be proven" in problems(prove(cell, result.plan))
+
+
+@pytest.mark.parametrize(("straight", "kept"), [("", "margin"), ("right", "near_margin")])
+def test_a_held_part_keeps_its_distance_to_the_arm_that_holds_it(cell, result, straight, kept):
+    """As to anything else; links of one arm among themselves stand closer by design."""
+    tree = tree_of(cell)
+    bodies = bodies_of(cell, tree, result.plan.scene)
+    table = Table(cell, tree, bodies)
+    one = result.plan.arm("right")
+    moves = np.zeros(tree.model.nq, bool)
+    moves[tree.columns["right"][:7]] = True
+    joints = np.array([body.joint for body in bodies])
+    held = np.array([body.part == one.detection for body in bodies])
+    joints[held] = tree.flange(cell.arm("right"))[0]
+    pairs = table.pairs(Situation(moves, {one.detection: "right"}, straight=straight), joints)
+    a, b = table.first[pairs.rows], table.second[pairs.rows]
+    own = np.array([body.kind == "link" and body.arm == "right" for body in bodies])
+    with_part, alone = (held[a] & own[b]) | (held[b] & own[a]), own[a] & own[b]
+    assert with_part.any() and alone.any()
+    assert set(pairs.margins[with_part]) == {getattr(cell.policy, kept)}
+    assert set(pairs.margins[alone]) == {cell.policy.self_margin}

@@ -131,7 +131,8 @@ class Walk:
                 for other in others:
                     is_other = all_pairs.between(self._numbers[one.arm.name], other)
                     all_pairs = all_pairs.among(~is_other)
-            pairs = all_pairs
+            # How near a hand stays to the part that it has put down is not worth showing.
+            pairs = all_pairs.hiding(all_pairs.left)
             if stage.comes_off or stage.leaves:
                 pairs = self._as_it_begins(step, one, stage, pairs)
             found = self._ask(step, one, tuple((sets,) for sets in stage.sets), pairs)
@@ -154,7 +155,7 @@ class Walk:
                 problem = "a part lies too deep in what it lies on: its pose is wrong"
                 self._findings.append(self._finding(one, state, problem))
         kept = pairs.keeping(margins)
-        return kept if stage.comes_off else kept.hiding(may_touch)
+        return kept
 
     def _left_at(self, step: Step, one: Moving) -> int:
         """The first waypoint of the way home at which the hand has left the part."""

@@ -77,7 +77,8 @@ def _client(workers: int, scheduler: str | None) -> Generator[Any]:
             n_workers=workers,
             threads_per_worker=1,
             host="127.0.0.1",
-            dashboard_address=None,  # pyright: ignore[reportArgumentType]
+            # Any free port: that of Dask is taken where two studies run.
+            dashboard_address="127.0.0.1:0",
             silence_logs=40,
         ) as cluster,
         Client(cluster) as client,
