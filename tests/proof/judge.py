@@ -300,17 +300,15 @@ class Scene:
             # Grips, and hands that leave what they have put down, are the proof's own matter.
             if groups == {part, f"tool {arm}"}:
                 return None
+        is_held = bool(groups & holders.keys())
         if len(arms) == 1:
-            return (
-                near
-                if groups & holders.keys() and arms & straight
-                else (margin if groups & holders.keys() else policy["self_margin_mm"] / 1000)
-            )
+            within = margin if is_held else policy["self_margin_mm"] / 1000
+            return near if is_held and arms & straight else within
         (arm,) = arms & legs.keys() if "" in arms else ("",)
-        if arm in straight and groups & (tools | holders.keys()):
-            if groups & holders.keys() and legs[arm] == "extract" and not gone[arm]:
-                return None
-            return near
+        if arm in straight and (is_held or groups & tools):
+            # What a part comes off is the proof's own matter, too.
+            is_on_bed = is_held and legs[arm] == "extract" and not gone[arm]
+            return None if is_on_bed else near
         return margin
 
     def _is_allowed(self, groups) -> bool:
