@@ -15,7 +15,7 @@ from workbench.app.records.session_archive import opened
 from workbench.app.records.sessions import new_session
 from workbench.app.review.recompute import cell_of
 from workbench.app.runtime.bench import Bench
-from workbench.app.runtime.machines import Machines
+from workbench.app.runtime.effect_runner import EffectRunner
 from workbench.app.runtime.watch import CellWatch
 from workbench.app.runtime.watch_poses import PosesWatch
 from workbench.cli.arguments import top as arguments
@@ -54,7 +54,7 @@ def serve(typed: arguments.Serve) -> int:
             robot = f"robot controller: simulated, {_address(cell.controller)}"
         journal = goes_on or new_session(SESSIONS, cell, time.time())
         path = cell_path(typed.cell)
-        bench = Bench(cell, journal, effects=partial(Machines, cell_file=path))
+        bench = Bench(cell, journal, effects=partial(EffectRunner, cell_file=path))
         stack.callback(bench.close)
         # The file may have been changed since the session ended.
         stack.callback(CellWatch(path, bench, is_read=goes_on is None).close)
