@@ -31,8 +31,8 @@ from workbench.app.core.effects import Send, StopSending
 from workbench.app.core.state import Phase
 from workbench.app.records.replay import replay
 from workbench.app.records.session_archive import export_session, import_session
+from workbench.app.records.sessions import cell_of
 from workbench.app.review.history import History
-from workbench.app.review.recompute import cell_of
 from workbench.app.runtime.bench import Bench
 from workbench.app.runtime.live import Live
 from workbench.app.runtime.robot_link import LinkRunner

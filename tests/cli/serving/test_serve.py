@@ -96,3 +96,14 @@ class TestASessionThatGoesOn:
         with urllib.request.urlopen(request, timeout=PATIENCE) as answer:
             state = json.load(answer)
         assert (state["phase"], state["detections"]) == ("localized", 1)
+
+
+def test_the_page_waits_for_no_library_of_its_worker():
+    code = (
+        "import sys, workbench.cli.serving.serve, workbench.gui.page.server\n"
+        "print(sorted({'open3d', 'toppra', 'matplotlib', 'mujoco', 'ompl'} & set(sys.modules)))"
+    )
+    ended = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, timeout=PATIENCE, check=True
+    )
+    assert ended.stdout == "[]\n"

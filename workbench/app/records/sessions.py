@@ -1,13 +1,16 @@
 """Where sessions lie: one folder each, `<time>-<cell>`, holding a journal and its files."""
 
+import json
 import re
 from datetime import UTC, datetime
 from pathlib import Path
+from typing import Any
 
-from workbench.app.records.record import session_record
+from workbench.app.records.forms import restored
+from workbench.app.records.record import SESSION, session_record
 from workbench.journal.journal import Journal
 from workbench.model.cell import Cell
-from workbench.model.errors import JournalError
+from workbench.model.errors import JournalError, WorkbenchError
 
 
 def new_session(root: Path, cell: Cell, at: float) -> Journal:
@@ -36,6 +39,22 @@ def begin(journal: Journal, cell: Cell, at: float) -> None:
     """
     record = session_record(cell, at)
     journal.append(record.kind, record.body, record.files)
+
+
+def cell_of(journal: Journal) -> Cell:
+    """The cell that a session began with, as its first entry has kept it.
+
+    Raises:
+        JournalError: the session is empty, or its beginning cannot be read.
+    """
+    first = next(journal.entries(), None)
+    if first is None:
+        raise JournalError(f"{journal.folder}: the session is empty")
+    try:
+        content: Any = json.loads(first.body) if first.kind == SESSION else None
+        return restored(Cell, content["value"], journal.read)
+    except (KeyError, TypeError, ValueError, WorkbenchError) as error:
+        raise JournalError(f"{journal.folder}: its beginning cannot be read: {error}") from error
 
 
 def _new_folder(root: Path, name: str) -> Path:

@@ -12,8 +12,7 @@ from pathlib import Path
 from types import FrameType
 
 from workbench.app.records.session_archive import opened
-from workbench.app.records.sessions import new_session
-from workbench.app.review.recompute import cell_of
+from workbench.app.records.sessions import cell_of, new_session
 from workbench.app.runtime.bench import Bench
 from workbench.app.runtime.effect_runner import EffectRunner
 from workbench.app.runtime.watch import CellWatch
