@@ -183,10 +183,10 @@ def test_who_is_missing_is_told(states):
     assert "Waiting for 2 people." in approval_line(two, 0.0, "")
     vote = Vote(two.plan.digest, "Anna", 1_760_000_000.0)
     one_more = replace(two, votes=(vote,))
-    text = approval_line(one_more, word.at + 60, "")
+    text = approval_line(one_more, vote.at + 60, "")
     assert "By Anna until 08:58:20, waiting for another person." in text
-    assert "so far Anna" in facts_html(one_more, two.plan, two.proof, {}, word.at)
-    assert "Waiting for 2 people." in approval_line(one_more, word.at + 300, "")
+    assert "so far Anna" in facts_html(one_more, two.plan, two.proof, {}, vote.at)
+    assert "Waiting for 2 people." in approval_line(one_more, vote.at + 300, "")
 
 
 def test_an_approved_plan_that_is_stale_says_so(states):
