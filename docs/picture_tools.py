@@ -18,7 +18,7 @@ from playwright.sync_api import Browser, Page, sync_playwright
 
 from workbench.app.core.state import State
 from workbench.app.runtime.bench import Bench
-from workbench.app.runtime.machines import Machines
+from workbench.app.runtime.effect_runner import EffectRunner
 from workbench.formats.cells.reading import cell_path, part_folders, read_cell
 from workbench.gui.page.server import serve
 from workbench.journal.journal import Journal
@@ -99,7 +99,7 @@ def desk(chrome: Browser, folder: Path, speed: float) -> Iterator[Desk]:
         bench = Bench(
             replace(cell, controller=controller),
             Journal(folder / f"session-{time.time_ns()}"),
-            effects=partial(Machines, cell_file=path),
+            effects=partial(EffectRunner, cell_file=path),
         )
         page = serve(bench, port=0, most_points=MOST_POINTS, folders=part_folders(path))
         try:

@@ -45,7 +45,7 @@ from workbench.model.geometry import Floats
 from workbench.model.part import Grasp, GraspLibrary, Part
 from workbench.model.plan import Plan, PlanResult, Proof
 from workbench.model.release import Approval, Receipt
-from workbench.model.scan import Detection, Findings, Obstacle, Scan
+from workbench.model.scan import Detection, LocalizationResult, Obstacle, Scan
 from workbench.perception.calibration.balls import sight_plate
 from workbench.perception.scene.unexplained import unexplained
 from workbench.perception.simulation.piles import drop_parts
@@ -65,7 +65,6 @@ __all__ = [
     "Detection",
     "Entry",
     "FileError",
-    "Findings",
     "Fix",
     "Grasp",
     "GraspLibrary",
@@ -73,6 +72,7 @@ __all__ = [
     "Journal",
     "JournalError",
     "LinkError",
+    "LocalizationResult",
     "Obstacle",
     "Part",
     "Plan",
@@ -125,7 +125,7 @@ def simulate_scan(cell: Cell, truth: Sequence[Detection], *, seed: int = 0) -> S
     return synthesize(cell, truth, seed=seed)
 
 
-def localize(cell: Cell, scan: Scan, *, seed: int = 0, detail: float = 1.0) -> Findings:
+def localize(cell: Cell, scan: Scan, *, seed: int = 0, detail: float = 1.0) -> LocalizationResult:
     """All parts of a cell that are seen in a scan, the surest first.
 
     Args:

@@ -7,7 +7,7 @@ import numpy as np
 import pinocchio as pin
 
 from workbench.model.errors import FileError, InputError, JobCancelled
-from workbench.model.scan import Detection, Discarded, Findings, Objection, Scan
+from workbench.model.scan import Detection, Discarded, LocalizationResult, Objection, Scan
 
 
 def echo(cell, arguments, report, cancelled):
@@ -79,7 +79,7 @@ def localize(cell, arguments, report, cancelled):
     if arguments["seed"] == 14:
         found = Detection(cell.parts[0].name, cell.bin.T_world_bin)
         lost = Discarded(found.part, found.T_world_part, 0.4, Objection.REACHES_INTO, 0)
-        return Findings((found,), (lost,))
+        return LocalizationResult((found,), (lost,))
     return wait_politely(cell, arguments, report, cancelled)
 
 

@@ -10,7 +10,7 @@ import pytest
 from hands import drag, field, first_look, settle
 
 from workbench.app.runtime.bench import Bench
-from workbench.app.runtime.machines import Machines
+from workbench.app.runtime.effect_runner import EffectRunner
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.files.shipped import find
 from workbench.gui.cell.jogging import GIZMO as TOOL_GIZMO
@@ -28,7 +28,7 @@ def cell_file(tmp_path):
 
 @pytest.fixture
 def bench(tmp_path, cell_file):
-    machines = partial(Machines, cell_file=cell_file)
+    machines = partial(EffectRunner, cell_file=cell_file)
     bench = Bench(read_cell(cell_file), Journal(tmp_path / "session"), effects=machines)
     yield bench
     bench.close()

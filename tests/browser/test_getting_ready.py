@@ -5,7 +5,7 @@ from functools import partial
 import pytest
 
 from workbench.app.runtime.bench import Bench
-from workbench.app.runtime.machines import Machines
+from workbench.app.runtime.effect_runner import EffectRunner
 from workbench.formats.cells.reading import read_cell
 from workbench.journal.journal import Journal
 
@@ -14,7 +14,7 @@ from workbench.journal.journal import Journal
 def bench(tmp_path, monkeypatch):
     """Its worker gets ready until somebody lets it go."""
     monkeypatch.setenv("TINY_GO", str(tmp_path / "go"))
-    machines = partial(Machines, module="slow_work")
+    machines = partial(EffectRunner, module="slow_work")
     bench = Bench(read_cell("yumi"), Journal(tmp_path / "session"), effects=machines)
     yield bench
     bench.close()

@@ -11,7 +11,7 @@ import trimesh
 from hands import Camera, drag, field, settle
 
 from workbench.app.runtime.bench import Bench
-from workbench.app.runtime.machines import Machines
+from workbench.app.runtime.effect_runner import EffectRunner
 from workbench.formats.cells.reading import cell_path, part_folders, read_cell
 from workbench.formats.files.shipped import find
 from workbench.formats.parts.reading import read_part
@@ -37,7 +37,7 @@ def own(tmp_path, monkeypatch) -> Path:
 @pytest.fixture
 def bench(own):
     cell = read_cell("yumi")
-    machines = partial(Machines, cell_file=cell_path("yumi"))
+    machines = partial(EffectRunner, cell_file=cell_path("yumi"))
     bench = Bench(cell, Journal(own / "session"), effects=machines)
     yield bench
     bench.close()

@@ -16,9 +16,9 @@ from workbench.app.picking.pipeline import plan_pick
 from workbench.app.runtime.bench import Bench
 from workbench.app.runtime.live import Live
 from workbench.formats.cells.reading import read_cell
-from workbench.gui.shared.door import close_door, open_door
 from workbench.gui.shared.look import Look, SharedLook, View
 from workbench.gui.shared.playback import timeline
+from workbench.gui.shared.viser_server import close_viser, open_viser
 from workbench.gui.shared.visitor import Visitor
 from workbench.journal.journal import Journal
 from workbench.model.cell import Cell
@@ -151,7 +151,7 @@ def bench(cell, tmp_path):
 @pytest.fixture
 def visitor(bench, monkeypatch):
     """Somebody at a page whose controls nobody sees, with what was told."""
-    server = open_door("127.0.0.1", 0)
+    server = open_viser("127.0.0.1", 0)
     monkeypatch.setattr(
         workbench.gui.shared.visitor, "person_of", lambda _: Person("Ada", Role.ENGINEER)
     )
@@ -166,4 +166,4 @@ def visitor(bench, monkeypatch):
     visitor = Visitor(client, bench, SharedLook(lambda: None))
     yield visitor
     visitor.end(is_gone=True)
-    close_door(server)
+    close_viser(server)

@@ -13,7 +13,7 @@ from attackers import PASSWORD, SECRET
 from waiting import PATIENCE
 
 from workbench.app.core.people import Person, Role
-from workbench.gui.shared.door import close_door, open_door, person_of
+from workbench.gui.shared.viser_server import close_viser, open_viser, person_of
 from workbench.web.access.passwords import hash_of
 from workbench.web.access.store import Store
 from workbench.web.access.users import Users
@@ -47,7 +47,7 @@ class Scene:
 
 @pytest.fixture
 def scene() -> Iterator[Scene]:
-    server = open_door("127.0.0.1", 0, SECRET)
+    server = open_viser("127.0.0.1", 0, SECRET)
     scene = Scene(f"http://127.0.0.1:{server.get_port()}")
     scene.server = server
 
@@ -70,7 +70,7 @@ def scene() -> Iterator[Scene]:
         scene.note(scene.people, person)
 
     yield scene
-    close_door(server)
+    close_viser(server)
 
 
 @pytest.fixture

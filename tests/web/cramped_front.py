@@ -12,7 +12,7 @@ from pathlib import Path
 
 from attackers import SECRET
 
-from workbench.gui.shared.door import open_door
+from workbench.gui.shared.viser_server import open_viser
 from workbench.web.http.listening import Certificate
 from workbench.web.page.relay import Upstream
 from workbench.web.server import Options, serve_front
@@ -22,7 +22,7 @@ def main() -> None:
     users, limit, *pem = sys.argv[1:]
     resource.setrlimit(resource.RLIMIT_NOFILE, (int(limit), int(limit)))
     logging.basicConfig(level=logging.WARNING)
-    server = open_door("127.0.0.1", 0, SECRET)
+    server = open_viser("127.0.0.1", 0, SECRET)
 
     @server.on_client_connect
     def _(client) -> None:

@@ -6,6 +6,7 @@ import urllib.request
 from pathlib import Path
 
 from workbench.formats.clouds.scans import LARGEST_FILE, parse_scan, read_scan
+from workbench.formats.files.whole_files import Stamp, stamps
 from workbench.model.cell import Cell
 from workbench.model.errors import JobCancelled, LinkError
 from workbench.model.scan import Scan
@@ -61,21 +62,11 @@ class FolderScanner:
             f"{self._mount.patience:g} s"
         )
 
-    def _files(self) -> dict[Path, tuple[int, int]]:
-        """Clouds in the folder with their times [ns] and sizes."""
+    def _files(self) -> dict[Path, Stamp]:
         try:
-            paths = list(self._folder.iterdir())
+            return stamps(self._folder, KINDS)
         except OSError as error:
             raise LinkError(f"scanner: {self._folder}: {error.strerror or error}") from None
-        found: dict[Path, tuple[int, int]] = {}
-        for path in paths:
-            if path.suffix.lower() in KINDS and not path.name.startswith("."):
-                try:
-                    status = path.stat()
-                except OSError:
-                    continue  # renamed in between
-                found[path] = (status.st_mtime_ns, status.st_size)
-        return found
 
 
 class HttpScanner:

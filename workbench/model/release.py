@@ -8,7 +8,7 @@ from workbench.model.geometry import Floats, put
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Word:
+class Vote:
     """One person's agreement to a plan, `at` [s since the epoch]; a cell may want several."""
 
     plan_digest: str
@@ -18,9 +18,9 @@ class Word:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Approval:
-    """A named person's word for exactly one plan, until `until` [s since the epoch].
+    """A named person's vote for exactly one plan, until `until` [s since the epoch].
 
-    Where a cell wants several people, `before` are the words of the others.
+    Where a cell wants several people, `before` are the votes of the others.
     """
 
     plan_digest: str
@@ -30,7 +30,7 @@ class Approval:
     actor: str
     at: float
     until: float
-    before: tuple[Word, ...] = ()
+    before: tuple[Vote, ...] = ()
     digest: str = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -38,8 +38,8 @@ class Approval:
 
     @property
     def people(self) -> tuple[str, ...]:
-        """Everybody whose word it is, in the order in which they gave it."""
-        return (*(word.actor for word in self.before), self.actor)
+        """Everybody whose vote it is, in the order in which they gave it."""
+        return (*(vote.actor for vote in self.before), self.actor)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -120,7 +120,7 @@ class Discarded:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Findings:
+class LocalizationResult:
     """What a search brought: the parts, best first, and the best of what was discarded."""
 
     detections: tuple[Detection, ...]

@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 from workbench.model.cell import Cell
 from workbench.model.errors import JobCancelled
-from workbench.model.scan import Findings, Scan
+from workbench.model.scan import LocalizationResult, Scan
 from workbench.plugins.options import NoOptions
 from workbench.plugins.scanner import Cancelled, Report, ScanRequest
 
@@ -50,7 +50,7 @@ class PointPairs:
         detail: float,
         report: Callable[[float, str], None],
         cancelled: Callable[[], bool],
-    ) -> Findings:
+    ) -> LocalizationResult:
         """All parts of all kinds that the cell picks."""
         from workbench.perception.localization.kinds import all_kinds
 

@@ -5,7 +5,7 @@ from typing import Any, Protocol
 
 from workbench.model.cell import Cell
 from workbench.model.errors import InputError
-from workbench.model.scan import Findings, Scan
+from workbench.model.scan import LocalizationResult, Scan
 from workbench.plugins.found import USUAL, Group, load, names
 from workbench.plugins.options import options_of
 
@@ -43,7 +43,7 @@ class Localizer(Protocol):
         detail: float,
         report: Callable[[float, str], None],
         cancelled: Callable[[], bool],
-    ) -> Findings:
+    ) -> LocalizationResult:
         """All instances of all parts of the cell that the scan shows in its bin.
 
         The same scan and seed bring the same findings.  What is not sure is left out: a part that
@@ -80,7 +80,7 @@ def find_parts(
     detail: float = 1.0,
     report: Callable[[float, str], None] = _silent,
     cancelled: Callable[[], bool] = _never,
-) -> Findings:
+) -> LocalizationResult:
     """The parts in a scan, by the cell's localizer; see `Localizer.find`.
 
     Raises:

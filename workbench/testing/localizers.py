@@ -5,7 +5,7 @@ import pinocchio as pin
 
 from workbench.model.cell import Cell
 from workbench.model.errors import JobCancelled
-from workbench.model.scan import Findings
+from workbench.model.scan import LocalizationResult
 from workbench.perception.simulation.piles import pile_of
 from workbench.perception.simulation.synthesize import synthesize
 from workbench.plugins.localizer import Localizer
@@ -17,7 +17,7 @@ NEAR = 0.01
 
 def check_localizer(
     kind: type[Localizer], cell: Cell, *, parts: int = 3, seed: int = 1
-) -> Findings:
+) -> LocalizationResult:
     """A localizer finds what is there, nothing that is not, the same again, and can be cancelled.
 
     Args:
@@ -33,7 +33,7 @@ def check_localizer(
     truth = pile_of(cell, "", parts, seed=seed)
     scan = synthesize(cell, truth, seed=seed)
 
-    def find() -> Findings:
+    def find() -> LocalizationResult:
         return localizer.find(
             scan,
             cell,

@@ -20,7 +20,7 @@ from workbench.web.access.lockout import Lockout
 from workbench.web.access.sessions import HOURS, Sessions
 from workbench.web.access.store import Store
 from workbench.web.access.users import Users
-from workbench.web.http.doorstep import Doorstep, room_for
+from workbench.web.http.connection_limits import ConnectionLimits, room_for
 from workbench.web.http.gate import Gate, descriptors
 from workbench.web.http.listening import Certificate, listen
 from workbench.web.http.origins import WILDCARDS, Origins, is_loopback
@@ -124,17 +124,17 @@ def serve_front(
         )
         first = FirstKey(access.users, from_anywhere=not is_loopback(options.host))
         connections = Connections(access.sessions)
-        doorstep = Doorstep(_is_login, time.monotonic, room_for(descriptors()))
+        limits = ConnectionLimits(_is_login, time.monotonic, room_for(descriptors()))
         relay = Relay(upstream, connections)
         logins = Logins(pages, Lockout(store), first, connections, title)
         app = web.Application(
-            middlewares=[doorstep.note, guard(Origins(scheme, options.host, options.names))],
+            middlewares=[limits.note, guard(Origins(scheme, options.host, options.names))],
             client_max_size=MOST_BODY,
         )
         app[ACCESS] = access
         app.on_response_prepare.append(strictly)
         app.add_routes([*_own_routes(pages, logins, relay, Shell(pages, title)), *routes])
-        running = _Running(app, bound, tls, relay, connections, doorstep)
+        running = _Running(app, bound, tls, relay, connections, limits)
         running.start()
         undo.pop_all()
     return Front(f"{scheme}://{_written(options.host)}:{port}", first, store, running)
@@ -176,7 +176,7 @@ class _Running:
     tls: ssl.SSLContext | None
     relay: Relay
     connections: Connections
-    doorstep: Doorstep
+    limits: ConnectionLimits
     started: "concurrent.futures.Future[None]" = field(default_factory=concurrent.futures.Future)
     loop: asyncio.AbstractEventLoop | None = None
     stop: asyncio.Event | None = None
@@ -212,7 +212,7 @@ class _Running:
             await self.relay.open()
             await runner.setup()
             assert runner.server is not None
-            gate = Gate(self.bound, self.tls, self.doorstep, runner.server)
+            gate = Gate(self.bound, self.tls, self.limits, runner.server)
             tasks.append(asyncio.create_task(gate.serve()))
             self.started.set_result(None)
             await self.stop.wait()

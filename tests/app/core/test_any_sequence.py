@@ -121,7 +121,7 @@ class AnySequence(RuleBasedStateMachine):
                 self.said.clear()
                 self.shown.clear()
                 self.is_opened_again = True
-                assert after.approval is None and not after.words and not after.watched
+                assert after.approval is None and not after.votes and not after.watched
             case _:
                 pass
         if after.plan is not None and after.plan is not before.plan:
@@ -191,7 +191,7 @@ class AnySequence(RuleBasedStateMachine):
             }
             command = sensible[state.phase]
             people = ("ada", "bob", "eve")
-            actor = people[len(state.words) % 3] if isinstance(command, Approve) else "operator"
+            actor = people[len(state.votes) % 3] if isinstance(command, Approve) else "operator"
             self.attempt(command, ROBOT_LINK if isinstance(command, LinkEnded) else actor)
 
     @rule(
@@ -206,7 +206,7 @@ class AnySequence(RuleBasedStateMachine):
         for _ in range(12):
             if self.line.state.phase is Phase.APPROVED:
                 break
-            if self.line.state.words:
+            if self.line.state.votes:
                 self.line.now += pause
             self.go_on(1, True, seed)
         match meddle:

@@ -25,7 +25,7 @@ from workbench.app.core.state import Phase, State
 from workbench.app.records.forms import large_arrays, restored
 from workbench.app.records.sessions import new_session
 from workbench.app.runtime.bench import Bench
-from workbench.app.runtime.machines import Machines
+from workbench.app.runtime.effect_runner import EffectRunner
 from workbench.formats.cells.reading import part_folders, read_cell
 from workbench.formats.files.shipped import find
 from workbench.formats.parts.saves import DRAFT, draft_of, versions
@@ -190,7 +190,7 @@ def test_a_bench_keeps_drafts_and_saves_versions(tmp_path, monkeypatch):
     folder = part_folders(path)["keyed_cylinder"]
     assert folder == tmp_path / "parts/keyed_cylinder"
     cell = read_cell(path)
-    machines = partial(Machines, cell_file=path, module="tiny_work")
+    machines = partial(EffectRunner, cell_file=path, module="tiny_work")
     journal = new_session(tmp_path / "sessions", cell, time.time())
     bench = Bench(cell, journal, effects=machines)
     try:

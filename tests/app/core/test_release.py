@@ -139,7 +139,7 @@ def test_a_first_word_lapses_and_the_second_becomes_the_first(by_two):
     by_two.now += 301
     state = by_two.do(Approve(digest), "Bob")
     assert state.approval is None
-    assert [word.actor for word in state.words] == ["Bob"]
+    assert [vote.actor for vote in state.votes] == ["Bob"]
     assert by_two.do(Approve(digest), "Ada").approval.people == ("Bob", "Ada")
 
 
@@ -149,7 +149,7 @@ def test_words_do_not_outlive_the_plan_they_were_given_for(by_two, samples):
     by_two.ended(samples.planned(by_two.state.scene_digest))
     by_two.do(WatchPlan(by_two.state.plan.digest), "operator")
     state = by_two.do(Approve(by_two.state.plan.digest), "Bob")
-    assert (state.approval, len(state.words)) == (None, 1)
+    assert (state.approval, len(state.votes)) == (None, 1)
 
 
 def test_an_approval_by_one_does_not_do_for_two(by_two, cell):
@@ -288,5 +288,5 @@ def test_the_state_says_what_has_overtaken_the_plan(watched, cell, samples):
     watched.state = before
     state = watched.do(UseScan(samples.scan(3)))
     assert state.stale == f"plan {digest} is stale: there is a newer scan"
-    assert (state.plan, state.approval, state.watched, state.words) == (None, None, (), ())
+    assert (state.plan, state.approval, state.watched, state.votes) == (None, None, (), ())
     assert not [effect for effect in watched.effects if isinstance(effect, Send)]

@@ -15,7 +15,7 @@ from workbench.app.core.people import Role
 from workbench.app.core.state import Phase
 from workbench.app.review.recompute import recomputed
 from workbench.app.runtime.bench import Bench
-from workbench.app.runtime.machines import Machines
+from workbench.app.runtime.effect_runner import EffectRunner
 from workbench.formats.cells.reading import cell_path, part_folders, read_cell
 from workbench.formats.files.shipped import find
 from workbench.formats.parts.reading import read_part
@@ -34,7 +34,7 @@ def own(tmp_path, monkeypatch) -> Path:
 
 @pytest.fixture
 def bench(own):
-    machines = partial(Machines, cell_file=cell_path("yumi"))
+    machines = partial(EffectRunner, cell_file=cell_path("yumi"))
     bench = Bench(read_cell("yumi"), Journal(own / "session"), effects=machines)
     yield bench
     bench.close()

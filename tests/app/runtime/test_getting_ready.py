@@ -9,7 +9,7 @@ from waiting import PATIENCE, wait_until
 from workbench.app.core.commands import CancelJob, FindParts, TakeScan, UseScan
 from workbench.app.core.state import Phase
 from workbench.app.runtime.bench import Bench
-from workbench.app.runtime.machines import Machines
+from workbench.app.runtime.effect_runner import EffectRunner
 from workbench.app.runtime.readiness import NOTE
 from workbench.journal.journal import Journal
 
@@ -26,7 +26,7 @@ def go(tmp_path, monkeypatch) -> Path:
 
 @pytest.fixture
 def bench(cell, tmp_path, go):
-    machines = functools.partial(Machines, module="slow_work")
+    machines = functools.partial(EffectRunner, module="slow_work")
     bench = Bench(cell, Journal(tmp_path / "session"), effects=machines)
     wait_until(lambda: bench.live.getting_ready is not None)
     yield bench

@@ -31,7 +31,7 @@ from workbench.app.core.state import Phase
 from workbench.app.picking.pipeline import plan_pick
 from workbench.app.records.replay import replay
 from workbench.app.runtime.bench import Bench
-from workbench.app.runtime.machines import Machines
+from workbench.app.runtime.effect_runner import EffectRunner
 from workbench.app.runtime.robot_link import LinkRunner
 from workbench.devices.abb_simulated import serve_program as abb_serve_program
 from workbench.devices.abb_simulated.controller import SimulatedController
@@ -113,7 +113,7 @@ def rig(tmp_path, yumi, found, planned):
         address = controller_by(protocol, "127.0.0.1", one.port, one.state_port)
         cell = dataclasses.replace(yumi, controller=address)
         ours = dataclasses.replace(PATIENT, clock=clock, **patience)
-        effects = functools.partial(Machines, patience=ours)
+        effects = functools.partial(EffectRunner, patience=ours)
         bench = Bench(cell, Journal(tmp_path / "session"), effects=effects)
         made.append((bench, one, thread))
         bench.do(UseDetections(found), "ada")

@@ -126,7 +126,7 @@ def refused(bench, digest):
 
 def has_no_word(bench):
     state = bench.state
-    return state.approval is None and state.words == () and state.watched == ()
+    return state.approval is None and state.votes == () and state.watched == ()
 
 
 def exported(bench, tmp_path):

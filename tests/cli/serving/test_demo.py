@@ -8,7 +8,7 @@ import pytest
 from workbench.app.core.commands import TakeScan
 from workbench.app.core.state import Phase
 from workbench.app.runtime.bench import Bench
-from workbench.app.runtime.machines import Machines
+from workbench.app.runtime.effect_runner import EffectRunner
 from workbench.app.runtime.readiness import NOTE
 from workbench.cli.serving.demo import Cycle
 from workbench.formats.cells.reading import read_cell
@@ -19,7 +19,7 @@ from workbench.journal.journal import Journal
 def bench(tmp_path, monkeypatch):
     """Its worker gets ready until somebody lets it go."""
     monkeypatch.setenv("TINY_GO", str(tmp_path / "go"))
-    machines = functools.partial(Machines, module="slow_work")
+    machines = functools.partial(EffectRunner, module="slow_work")
     bench = Bench(read_cell("yumi"), Journal(tmp_path / "session"), effects=machines)
     yield bench
     bench.close()

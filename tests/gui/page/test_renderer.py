@@ -14,7 +14,7 @@ from workbench.app.core.commands import ChangeCell
 from workbench.gui.cell.panel import CellPanel
 from workbench.gui.grasps.panel import GraspsPanel
 from workbench.gui.page.server import serve
-from workbench.gui.shared.door import open_door
+from workbench.gui.shared.viser_server import open_viser
 
 
 @pytest.fixture
@@ -85,5 +85,5 @@ def test_a_page_that_cannot_begin_leaves_its_port_free(bench, monkeypatch):
     monkeypatch.setattr(workbench.gui.page.server, "Renderer", broken)
     with pytest.raises(ValueError, match="no picture"):
         serve(bench, port=0)
-    server = open_door("127.0.0.1", ports[0])
+    server = open_viser("127.0.0.1", ports[0])
     server.stop()

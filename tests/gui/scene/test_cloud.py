@@ -8,7 +8,7 @@ import pytest
 from workbench.gui.scene.cloud import avoided_red, height_colours, painted_cloud
 from workbench.gui.scene.picture import Scene
 from workbench.gui.shared.colours import AVOIDED, part_colour, rgb_of
-from workbench.gui.shared.door import close_door, open_door
+from workbench.gui.shared.viser_server import close_viser, open_viser
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.scan import Obstacle, Scan
 
@@ -17,9 +17,9 @@ RED = np.array(rgb_of(AVOIDED))
 
 @pytest.fixture
 def server():
-    server = open_door("127.0.0.1", 0)
+    server = open_viser("127.0.0.1", 0)
     yield server
-    close_door(server)
+    close_viser(server)
 
 
 @pytest.fixture

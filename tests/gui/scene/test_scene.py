@@ -9,20 +9,20 @@ from raw_browser import raw_browser
 
 from workbench.app.runtime.live import Live
 from workbench.gui.scene.picture import Scene, is_other_robot
-from workbench.gui.shared.door import close_door, open_door
 from workbench.gui.shared.look import Look, Pose
 from workbench.gui.shared.playback import part_poses
+from workbench.gui.shared.viser_server import close_viser, open_viser
 from workbench.model.geometry import Box, pose_from_rpy
-from workbench.model.scan import Discarded, Findings, Objection
+from workbench.model.scan import Discarded, LocalizationResult, Objection
 from workbench.planning.kinematics.robot import Kinematics
 from workbench.studies.load.raw_browser import unpacked
 
 
 @pytest.fixture
 def server():
-    server = open_door("127.0.0.1", 0)
+    server = open_viser("127.0.0.1", 0)
     yield server
-    close_door(server)
+    close_viser(server)
 
 
 @pytest.fixture
@@ -140,7 +140,7 @@ def test_discarded_poses_are_drawn_when_asked_for_and_of_this_search_only(
 ):
     T = states.localized.detections[0].T_world_part
     one = Discarded(cell.parts[0].name, T, 0.4, Objection.TWIN, 0)
-    live = Live(findings=Findings(states.localized.detections, (one,)))
+    live = Live(findings=LocalizationResult(states.localized.detections, (one,)))
     hidden, shown = (
         view_of(states.localized, Look(discarded=asked), live) for asked in (False, True)
     )

@@ -20,7 +20,7 @@ from workbench.model.candidate import Candidate, Reason, Stage, Verdict
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.part import Grasp
 from workbench.model.prediction import Forecast, Predictions
-from workbench.model.release import LinkStatus, PartReport, Word
+from workbench.model.release import LinkStatus, PartReport, Vote
 from workbench.model.scan import Discarded, Objection
 
 NOW = 1_760_000_000.0
@@ -181,12 +181,12 @@ def test_what_is_approved_is_told_in_full(cell, states):
 def test_who_is_missing_is_told(states):
     two = replace(states.planned, cell=replace(states.planned.cell, approvers=2))
     assert "Waiting for 2 people." in approval_line(two, 0.0, "")
-    word = Word(two.plan.digest, "Anna", 1_760_000_000.0)
-    one_more = replace(two, words=(word,))
-    text = approval_line(one_more, word.at + 60, "")
+    vote = Vote(two.plan.digest, "Anna", 1_760_000_000.0)
+    one_more = replace(two, votes=(vote,))
+    text = approval_line(one_more, vote.at + 60, "")
     assert "By Anna until 08:58:20, waiting for another person." in text
-    assert "so far Anna" in facts_html(one_more, two.plan, two.proof, {}, word.at)
-    assert "Waiting for 2 people." in approval_line(one_more, word.at + 300, "")
+    assert "so far Anna" in facts_html(one_more, two.plan, two.proof, {}, vote.at)
+    assert "Waiting for 2 people." in approval_line(one_more, vote.at + 300, "")
 
 
 def test_an_approved_plan_that_is_stale_says_so(states):

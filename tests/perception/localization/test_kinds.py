@@ -6,7 +6,7 @@ import pytest
 
 from workbench.formats.parts.reading import read_part
 from workbench.model.geometry import pose_from_rpy
-from workbench.model.scan import Detection, Discarded, Findings, Objection
+from workbench.model.scan import Detection, Discarded, LocalizationResult, Objection
 from workbench.perception.localization.kinds import merged
 from workbench.perception.localization.localize import Searched
 from workbench.perception.localization.part_surface import prepare
@@ -43,7 +43,7 @@ def test_each_kind_is_found_as_what_it_is(mixed, seed):
 
 
 def searched(surface, *found, gains, discarded=()):
-    return Searched(Findings(found, discarded), surface, gains)
+    return Searched(LocalizationResult(found, discarded), surface, gains)
 
 
 def test_where_two_kinds_share_room_the_one_stands_that_more_surface_speaks_for():

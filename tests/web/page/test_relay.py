@@ -10,7 +10,7 @@ from attackers import PASSWORD, SECRET, at_the_page, refused_with, run
 from workbench.app.core.people import Person, Role
 from workbench.studies.load.raw_browser import PROTOCOL, raw_browser
 from workbench.web.page.conversation import MOST_REFUSED
-from workbench.web.page.pace import AT_ONCE
+from workbench.web.page.rate_limit import AT_ONCE
 from workbench.web.page.relay import Upstream
 from workbench.web.server import Options, serve_front
 

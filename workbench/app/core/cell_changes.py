@@ -7,7 +7,7 @@ from workbench.app.core.differences import difference
 from workbench.app.core.effects import KeepDrafts, UseCell
 from workbench.app.core.part_rules import edited_part
 from workbench.app.core.release import without_approval
-from workbench.app.core.state import Phase, PlanState, ScanState, State, begun, overtaken_by
+from workbench.app.core.state import Phase, PlanState, ScanState, State, begun, stale_by
 from workbench.model.cell import Cell
 from workbench.model.digest import digest_of
 from workbench.model.part_edits import differ_in_grasps_only, with_part
@@ -84,7 +84,7 @@ def _with_cell(state: State, cell: Cell, message: str) -> Changed:
         return _with_grasps(state, cell, message)
     same_view = digest_of(cell.scanner) == digest_of(state.cell.scanner)
     scan = state.scan if same_view and state.phase is not Phase.DONE else None
-    stale = overtaken_by(state, difference(state.cell, cell))
+    stale = stale_by(state, difference(state.cell, cell))
     state = replace(state, cell=cell)
     if scan is None:
         return begun(state, ScanState, stale=stale, message=message), (UseCell(cell),)
@@ -104,7 +104,7 @@ def _with_grasps(state: State, cell: Cell, message: str) -> Changed:
     """Other grasps: the scan and the parts found stay, candidates and plan do not."""
     changed = tuple(p for p in cell.parts if p.digest != state.cell.part(p.name).digest)
     effects = (UseCell(cell), KeepDrafts(changed)) if changed else (UseCell(cell),)
-    stale = overtaken_by(state, difference(state.cell, cell))
+    stale = stale_by(state, difference(state.cell, cell))
     after = replace(state, cell=cell)
     if state.phase is Phase.DONE:
         return begun(after, ScanState, stale=stale, message=message), effects

@@ -120,7 +120,7 @@ class WatchPlan:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Approve:
-    """A person's word for the plan with this digest."""
+    """A person's vote for the plan with this digest."""
 
     plan_digest: str
 

@@ -20,11 +20,11 @@ MOST_ASKING = 20
 
 
 def control_problem(state: State, command: ControlCommand, actor: str, role: Role) -> str:
-    """Why a word about control does not count; empty when it does.
+    """Why a command about control does not count; empty when it does.
 
     Args:
         state: says who is in control, and who has asked for it.
-        command: the word.
+        command: what is asked for.
         actor: whose it is.
         role: the person's; a machine's says nothing.
     """
@@ -65,11 +65,11 @@ def _release_problem(state: State, of: str, actor: str) -> str:
 
 
 def with_control(state: State, command: ControlCommand, actor: str) -> State:
-    """The state after a word about control.
+    """The state after a command about control.
 
     Args:
         state: before.
-        command: the word, which `control_problem` has nothing against.
+        command: what is asked for, which `control_problem` has nothing against.
         actor: whose it is.
     """
     match command:

@@ -61,7 +61,7 @@ from workbench.app.core.effects import (
 )
 from workbench.app.core.outcomes import after_one_more_scan, avoided_parts, with_outcome
 from workbench.app.core.planned import with_plan
-from workbench.app.core.release import opened_again, without_approval, words_of_others
+from workbench.app.core.release import opened_again, votes_of_others, without_approval
 from workbench.app.core.rules import approve
 from workbench.app.core.sent import after_sending, with_receipt
 from workbench.app.core.state import (
@@ -73,14 +73,14 @@ from workbench.app.core.state import (
     State,
     begun,
     counted,
-    overtaken_by,
+    stale_by,
 )
 from workbench.model.calibration import PlateSighting
 from workbench.model.digest import digest_of
 from workbench.model.errors import CommandRefused, JobCancelled, WorkbenchError
 from workbench.model.part import Part
 from workbench.model.plan import PlanResult
-from workbench.model.release import Word
+from workbench.model.release import Vote
 from workbench.model.scan import Remark, Scan, Search
 
 Outcome = tuple[State, tuple[Effect, ...]]
@@ -156,8 +156,8 @@ def decide(state: State, entry: Entry) -> Outcome:
             return replace(state, message=f"{entry.actor} saves the cell"), (write,)
         case (
             AskForControl() | TakeControl() | GiveControl() | DenyControl() | ReleaseControl()
-        ) as word:
-            return with_control(state, word, entry.actor), ()
+        ) as about:
+            return with_control(state, about, entry.actor), ()
         case Opened():
             return opened_again(state), ()
         case CellRead():
@@ -238,21 +238,21 @@ def _make_plan(state: State, entry: Entry, command: MakePlan) -> Outcome:
 def _approved(state: State, entry: Entry) -> State:
     if state.plan is None or state.proof is None:
         raise CommandRefused("there is no proven plan to approve")
-    before = words_of_others(state, entry.actor, entry.at)
-    words = (*before, Word(state.plan.digest, entry.actor, entry.at))
+    before = votes_of_others(state, entry.actor, entry.at)
+    votes = (*before, Vote(state.plan.digest, entry.actor, entry.at))
     wanted = state.cell.approvers
-    if len(words) < wanted:
-        message = f"approved by {_names(words)}, {len(words)} of {wanted} people"
+    if len(votes) < wanted:
+        message = f"approved by {_names(votes)}, {len(votes)} of {wanted} people"
         state = replace(state, phase=Phase.PLANNED, approval=None)
     else:
         approval = approve(state.cell, state.plan, state.proof, entry.actor, entry.at, before)
-        message = f"plan {state.plan.digest[:12]} approved by {_names(words)}"
+        message = f"plan {state.plan.digest[:12]} approved by {_names(votes)}"
         state = replace(state, phase=Phase.APPROVED, approval=approval)
-    return replace(state, words=words, message=message)
+    return replace(state, votes=votes, message=message)
 
 
-def _names(words: tuple[Word, ...]) -> str:
-    return " and ".join(word.actor for word in words)
+def _names(votes: tuple[Vote, ...]) -> str:
+    return " and ".join(vote.actor for vote in votes)
 
 
 def _send(state: State, entry: Entry) -> Outcome:
@@ -313,7 +313,7 @@ def _with_scan(state: State, scan: Scan, at: float) -> State:
         phase=Phase.SCANNED,
         scan=scan,
         scene_digest=scan.digest,
-        stale="" if state.phase is Phase.DONE else overtaken_by(state, "there is a newer scan"),
+        stale="" if state.phase is Phase.DONE else stale_by(state, "there is a newer scan"),
         message=f"scan with {len(scan.points):,} points",
     )
 
@@ -327,7 +327,7 @@ def _with_detections(state: State, search: Search) -> State:
         searches=(*state.searches, search)[-MOST_SEARCHES:],
         detections=detections,
         scene_digest=state.scan.digest if state.scan is not None else "",
-        stale=overtaken_by(state, "parts were looked for again"),
+        stale=stale_by(state, "parts were looked for again"),
         message=f"{counted(len(detections), 'part')} found",
     )
 
@@ -345,6 +345,6 @@ def _with_outside_detections(state: State, entry: Entry, command: UseDetections)
         remarks=(*(() if is_picked else state.remarks), remark)[-MOST_REMARKS:],
         detections=detections,
         scene_digest=digest_of(detections),
-        stale="" if is_picked else overtaken_by(state, "the parts are others"),
+        stale="" if is_picked else stale_by(state, "the parts are others"),
         message=f"{says}, by {entry.actor}",
     )

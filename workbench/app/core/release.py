@@ -17,7 +17,7 @@ from workbench.app.core.state import Phase, State
 from workbench.model.cell import Arm, Cell
 from workbench.model.geometry import Floats
 from workbench.model.plan import Plan
-from workbench.model.release import Approval, Word
+from workbench.model.release import Approval, Vote
 
 LEAST_MOVED = 0.001
 """[m] So far the robot may be from where a plan starts also where no margin is kept: it rounds."""
@@ -35,28 +35,28 @@ def _plain(name: str) -> str:
     return " ".join(unicodedata.normalize("NFKC", name).casefold().split())
 
 
-def standing_words(state: State, now: float) -> tuple[Word, ...]:
-    """The words for the current plan that have not lapsed at `now` [s since the epoch]."""
+def standing_votes(state: State, now: float) -> tuple[Vote, ...]:
+    """The votes for the current plan that have not lapsed at `now` [s since the epoch]."""
     valid = state.cell.policy.approval_minutes * 60.0
     digest = state.plan.digest if state.plan is not None else ""
     return tuple(
-        word
-        for word in state.words
-        if word.plan_digest == digest and word.at <= now < word.at + valid
+        vote
+        for vote in state.votes
+        if vote.plan_digest == digest and vote.at <= now < vote.at + valid
     )
 
 
-def words_of_others(state: State, actor: str, now: float) -> tuple[Word, ...]:
-    """Those of the standing words that count beside the word of `actor`, the latest last."""
-    others = [word for word in standing_words(state, now) if not is_same_person(word.actor, actor)]
+def votes_of_others(state: State, actor: str, now: float) -> tuple[Vote, ...]:
+    """Those of the standing votes that count beside the vote of `actor`, the latest last."""
+    others = [vote for vote in standing_votes(state, now) if not is_same_person(vote.actor, actor)]
     wanted = state.cell.approvers - 1
     return tuple(others[-wanted:]) if wanted else ()
 
 
 def without_approval(state: State) -> State:
-    """The state without approval: who asks for something newer takes back every word given."""
+    """The state without approval: who asks for something newer takes back every vote given."""
     phase = Phase.PLANNED if state.phase is Phase.APPROVED else state.phase
-    return replace(state, phase=phase, approval=None, words=())
+    return replace(state, phase=phase, approval=None, votes=())
 
 
 def opened_again(state: State) -> State:
@@ -64,7 +64,7 @@ def opened_again(state: State) -> State:
 
     Nobody there has seen the plan or let it out: what was said before was said to another bench.
     """
-    had, message = state.words or state.approval or state.watched, state.message
+    had, message = state.votes or state.approval or state.watched, state.message
     if had and state.phase in (Phase.PLANNED, Phase.APPROVED):
         message = "the session was opened again: previews and approvals before that do not count"
     return replace(without_approval(state), watched=(), message=message)
@@ -82,10 +82,10 @@ def lacks_people(cell: Cell, approval: Approval) -> str:
 
 
 def said_already(state: State, actor: str, now: float) -> str:
-    """Why a person need not approve again while somebody else's word is missing; else empty."""
+    """Why a person need not approve again while somebody else's vote is missing; else empty."""
     wanted = state.cell.approvers
-    mine = any(is_same_person(word.actor, actor) for word in standing_words(state, now))
-    if not mine or len(words_of_others(state, actor, now)) + 1 >= wanted:
+    mine = any(is_same_person(vote.actor, actor) for vote in standing_votes(state, now))
+    if not mine or len(votes_of_others(state, actor, now)) + 1 >= wanted:
         return ""
     return f"{actor} has approved already; {wanted} different people have to"
 
@@ -99,7 +99,7 @@ def unwatched(state: State, actor: str) -> str:
     return "" if seen else "the plan has not been played to its end; play it first"
 
 
-def overtaken(state: State, plan: Plan, joints: Mapping[str, float]) -> str:
+def stale_because(state: State, plan: Plan, joints: Mapping[str, float]) -> str:
     """What has made a plan stale, and by how much; empty when it still stands.
 
     Another scan or cell is not looked for: with that the plan would be gone.

@@ -46,7 +46,7 @@ from workbench.app.core.control import control_problem
 from workbench.app.core.outcomes import outcome_problem
 from workbench.app.core.part_rules import check_edit, check_import, part_of
 from workbench.app.core.people import Role
-from workbench.app.core.release import lacks_people, overtaken, said_already, unwatched
+from workbench.app.core.release import lacks_people, said_already, stale_because, unwatched
 from workbench.app.core.rights import MACHINES, RIGHTS, lacks_right, lacks_role, obstacle
 from workbench.app.core.state import State
 from workbench.app.core.value_checks import (
@@ -68,7 +68,7 @@ from workbench.model.cell import Cell
 from workbench.model.digest import digest_of
 from workbench.model.errors import CommandRefused, NotAllowed
 from workbench.model.plan import UNSIGNED, Plan, Proof
-from workbench.model.release import Approval, Word
+from workbench.model.release import Approval, Vote
 from workbench.model.scan import ALL_KINDS
 from workbench.plugins.robot_link import misfit
 
@@ -155,13 +155,13 @@ def allowed(
             if state.proof is None:
                 raise CommandRefused("the plan has no proof, so it cannot be approved")
             check_approvable(state.cell, plan, state.proof, actor)
-            _refuse(overtaken(state, plan, joints))
+            _refuse(stale_because(state, plan, joints))
             _refuse(unwatched(state, actor) or said_already(state, actor, now))
         case SendPlan(plan_digest=digest):
             plan = _named_plan(state, digest)
             _refuse(staleness(state.approval, plan, state.cell, state.scene_digest, now))
             _refuse(unwalked(state.cell, state.proof) or misfit(plan, state.cell))
-            _refuse(overtaken(state, plan, joints))
+            _refuse(stale_because(state, plan, joints))
         case WatchPlan(plan_digest=digest):
             _named_plan(state, digest)
         case WantThreshold(threshold=threshold):
@@ -199,8 +199,8 @@ def allowed(
                 raise CommandRefused("the cell is saved already")
         case (
             AskForControl() | TakeControl() | GiveControl() | DenyControl() | ReleaseControl()
-        ) as word:
-            _refuse(control_problem(state, word, actor, role))
+        ) as about:
+            _refuse(control_problem(state, about, actor, role))
         case LinkEnded(parts_placed=parts_placed):
             check_integer("parts_placed", parts_placed, 0, SEED_LIMIT - 1)
         case UseScan() | Stop() | CancelJob() | AcknowledgeFault() | JobEnded() | Sent():
@@ -217,9 +217,9 @@ def approve(
     proof: Proof,
     actor: str,
     now: float,
-    before: tuple[Word, ...] = (),
+    before: tuple[Vote, ...] = (),
 ) -> Approval:
-    """A person's word for exactly this plan, valid as long as the cell's policy says.
+    """A person's vote for exactly this plan, valid as long as the cell's policy says.
 
     Args:
         cell: the cell as it is now.
@@ -227,11 +227,11 @@ def approve(
         proof: of this plan, in this cell.
         actor: the name of the person.
         now: seconds since the epoch.
-        before: the words of others that count along; the first of all words decides the end.
+        before: the votes of others that count along; the first of all votes decides the end.
 
     Raises:
         CommandRefused: nobody is named, the proof does not hold, plan, proof and cell do not
-            belong together, or too few people have given a word.
+            belong together, or too few people have given a vote.
     """
     check_approvable(cell, plan, proof, actor)
     approval = Approval(
@@ -241,7 +241,7 @@ def approve(
         scan_digest=plan.scan_digest,
         actor=actor,
         at=now,
-        until=min((now, *(word.at for word in before))) + cell.policy.approval_minutes * 60.0,
+        until=min((now, *(vote.at for vote in before))) + cell.policy.approval_minutes * 60.0,
         before=before,
     )
     _refuse(lacks_people(cell, approval))
@@ -249,7 +249,7 @@ def approve(
 
 
 def check_approvable(cell: Cell, plan: Plan, proof: Proof, actor: str) -> None:
-    """Look whether a person may give a word for a plan in this cell.
+    """Look whether a person may give a vote for a plan in this cell.
 
     Raises:
         CommandRefused: see `approve`, which asks this, too.

@@ -9,7 +9,7 @@ from workbench.model.calibration import PlateSighting
 from workbench.model.candidate import Candidate, Verdict
 from workbench.model.cell import Cell
 from workbench.model.plan import Plan, Proof
-from workbench.model.release import Approval, PartReport, Receipt, Word
+from workbench.model.release import Approval, PartReport, Receipt, Vote
 from workbench.model.scan import Detection, Obstacle, Remark, Scan, Search, SearchWishes
 
 
@@ -161,12 +161,12 @@ class PlanState(PartsState):
 class ReleaseState(PlanState):
     """What lets the plan out.
 
-    `watched` names those before whose eyes it was played to its end, `words` are given for it,
+    `watched` names those before whose eyes it was played to its end, `votes` are given for it,
     enough of them or not.
     """
 
     watched: tuple[str, ...] = ()
-    words: tuple[Word, ...] = ()
+    votes: tuple[Vote, ...] = ()
     approval: Approval | None = None
 
 
@@ -209,7 +209,7 @@ def begun(state: State, stage: type[SessionState], **fields: Any) -> State:
     return State(**kept | fields)
 
 
-def overtaken_by(state: State, by: str) -> str:
+def stale_by(state: State, by: str) -> str:
     """What to tell about the plan that goes, if there was one."""
     return f"plan {state.plan.digest[:12]} is stale: {by}" if state.plan is not None else ""
 

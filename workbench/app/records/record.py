@@ -121,7 +121,7 @@ def summary(state: State) -> Mapping[str, Any]:
         "parts_placed": state.parts_placed,
         "on_pallets": len(state.placed),
         "watched": list(state.watched),
-        "words": [word.actor for word in state.words],
+        "words": [vote.actor for vote in state.votes],
         "failures": state.failures,
         "avoided": len(state.avoided),
         # Nobody is written as nothing at all: sessions from before there was control say as much.

@@ -14,7 +14,7 @@ from workbench.app.runtime.work import JOBS
 from workbench.journal.journal import Journal
 from workbench.model.cell import Cell
 from workbench.model.errors import WorkbenchError
-from workbench.model.scan import Findings
+from workbench.model.scan import LocalizationResult
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,7 +63,7 @@ def _compared(cell: Cell, job: StartJob, kept: object) -> Comparison | None:
         again = JOBS[job.name](cell, job.arguments, lambda done, note: None, lambda: False)
     except WorkbenchError as error:
         return Comparison(job.number, job.name, Likeness.OTHER, f"failed: {error}")
-    if isinstance(again, Findings):
+    if isinstance(again, LocalizationResult):
         again = again.detections
     found = resemblance(cell, kept, again)
     return Comparison(job.number, job.name, found.likeness, found.says)

@@ -26,11 +26,11 @@ from workbench.app.picking.facts import check_installed, with_facts
 from workbench.app.records.record import command_form, entry_record
 from workbench.app.records.replay import replay
 from workbench.app.records.sessions import begin
+from workbench.app.runtime.effect_runner import EffectRunner
 from workbench.app.runtime.live import Live
-from workbench.app.runtime.machines import Machines
 from workbench.app.runtime.observers import Observer, ObserverThread
 from workbench.app.runtime.robot_link import Clock, Do
-from workbench.app.runtime.word_ages import WordAges
+from workbench.app.runtime.vote_ages import VoteAges
 from workbench.journal.journal import Journal, Row
 from workbench.model.cell import Cell
 from workbench.model.errors import CommandRefused, JournalError, WorkbenchError
@@ -59,7 +59,7 @@ class Bench:
     Lifetime: from construction until `close`.  It takes over the journal: an empty one begins
     a session; one with entries is continued where it ended, and what was under way then is
     entered as ended (a sending as a fault, since nobody knows how far the robot came).  So are
-    words and approvals: they let nothing out but in the bench that they were given to.
+    votes and approvals: they let nothing out but in the bench that they were given to.
 
     Concurrency: every method may be called from any thread, except that an observer may not
     call `close`.  Commands are serialised by a lock that is held for rules, decision and one
@@ -74,7 +74,7 @@ class Bench:
         *,
         now: Clock = time.time,
         steady: Clock = time.monotonic,
-        effects: Callable[[Cell, Do, Clock], Effects] = Machines,
+        effects: Callable[[Cell, Do, Clock], Effects] = EffectRunner,
     ) -> None:
         """Begin or continue a session.
 
@@ -82,7 +82,7 @@ class Bench:
             cell: that the session runs with.
             journal: of the session; `close` closes it.
             now: seconds since the epoch; with the actor, the only input besides commands.
-            steady: seconds that only go on; a word lapses by them, too.
+            steady: seconds that only go on; a vote lapses by them, too.
             effects: makes what carries out effects.
 
         Raises:
@@ -96,7 +96,7 @@ class Bench:
         self._changed = threading.Condition()
         self._observers: list[ObserverThread] = []
         self._closing = False
-        self._ages = WordAges(steady)
+        self._ages = VoteAges(steady)
         journal.claim(now())
         if journal.count == 0:
             begin(journal, cell, now())

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 
 from workbench.app.runtime.worker import GettingReady
 from workbench.model.release import LinkStatus
-from workbench.model.scan import Findings
+from workbench.model.scan import LocalizationResult
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -32,7 +32,7 @@ class Live:
     joints: Mapping[str, float] = field(default_factory=dict[str, float])
     robot: str = ""
     link: LinkStatus = field(default_factory=LinkStatus)
-    findings: Findings | None = None
+    findings: LocalizationResult | None = None
     getting_ready: GettingReady | None = None
 
     def told_of(self, job: int) -> tuple[float, str]:

@@ -10,6 +10,7 @@ from workbench.app.core.rights import POSES_FOLDER
 from workbench.app.core.state import State, counted
 from workbench.app.core.value_checks import LONGEST_NAME
 from workbench.app.runtime.bench import Bench
+from workbench.formats.files.whole_files import Stamp, stamps
 from workbench.formats.plans.pose_files import read_poses
 from workbench.model.cell import PosesFolder
 from workbench.model.errors import CommandRefused, InputError
@@ -29,9 +30,6 @@ PATIENCE = 10.0
 
 MOST_TOLD = 300
 """Characters of a problem that are told."""
-
-Stamp = tuple[int, int]
-"""Time [ns] and size."""
 
 
 class PosesWatch:
@@ -81,7 +79,10 @@ class PosesWatch:
         if folder is None:
             self._folder = None
             return
-        files = _files(Path(folder.path))
+        try:
+            files = stamps(Path(folder.path), KINDS)
+        except OSError:  # it is not there yet
+            files = dict[Path, Stamp]()
         if self._folder is None or folder.path != self._folder.path:
             self._done, self._seen = files, {}
         self._folder = folder
@@ -133,19 +134,3 @@ class PosesWatch:
 def _told(text: str, longest: int = MOST_TOLD) -> str:
     """A text that can be recorded and shown, whatever the name of the file in it holds."""
     return "".join(letter if letter.isprintable() else "?" for letter in text[:longest])
-
-
-def _files(folder: Path) -> dict[Path, Stamp]:
-    found: dict[Path, Stamp] = {}
-    try:
-        paths = list(folder.iterdir())
-    except OSError:
-        return found  # it is not there yet
-    for path in paths:
-        if path.suffix.lower() in KINDS and not path.name.startswith("."):
-            try:
-                status = path.stat()
-            except OSError:
-                continue  # renamed in between: the next look tells
-            found[path] = (status.st_mtime_ns, status.st_size)
-    return found

@@ -17,7 +17,7 @@ from workbench.model.cell import Cell
 from workbench.model.errors import InputError, JobCancelled
 from workbench.model.part import Part
 from workbench.model.plan import PlanResult
-from workbench.model.scan import Detection, Findings, Obstacle, Scan, SearchWishes
+from workbench.model.scan import Detection, LocalizationResult, Obstacle, Scan, SearchWishes
 from workbench.perception.calibration.balls import sight_plate
 from workbench.perception.scene.unexplained import unexplained
 from workbench.plugins.localizer import find_parts as localized
@@ -32,7 +32,7 @@ def scan(cell: Cell, arguments: Mapping[str, Any], report: Report, cancelled: Ca
 
 def find_parts(
     cell: Cell, arguments: Mapping[str, Any], report: Report, cancelled: Cancelled
-) -> Findings:
+) -> LocalizationResult:
     """All parts of the cell, each kind found in `scan` with `seed`, the surest first."""
     wishes: SearchWishes = arguments.get("wishes", SearchWishes())
     found = localized(

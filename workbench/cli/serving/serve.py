@@ -11,7 +11,7 @@ from pathlib import Path
 from workbench.app.records.session_archive import opened
 from workbench.app.records.sessions import cell_of, new_session
 from workbench.app.runtime.bench import Bench
-from workbench.app.runtime.machines import Machines
+from workbench.app.runtime.effect_runner import EffectRunner
 from workbench.app.runtime.watch import CellWatch
 from workbench.app.runtime.watch_poses import PosesWatch
 from workbench.cli.arguments import top as arguments
@@ -58,7 +58,7 @@ def serve(typed: arguments.Serve) -> int:
             robot = f"robot controller: simulated, {_address(cell.controller)}"
         journal = goes_on or _begun(cell, typed.after)
         path = cell_path(typed.cell)
-        bench = Bench(cell, journal, effects=partial(Machines, cell_file=path))
+        bench = Bench(cell, journal, effects=partial(EffectRunner, cell_file=path))
         stack.callback(bench.close)
         # The file may have been changed since the session ended.
         stack.callback(CellWatch(path, bench, is_read=goes_on is None).close)

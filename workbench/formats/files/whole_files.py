@@ -6,11 +6,15 @@ import os
 import re
 import shutil
 import threading
+from collections.abc import Collection
 from pathlib import Path
 
 from workbench.model.errors import FileError
 
 MB = 1024 * 1024
+
+Stamp = tuple[int, int]
+"""When a file was written [ns], and its size [bytes]."""
 
 
 def read_whole(path: Path, most: int) -> bytes:
@@ -73,6 +77,21 @@ def make_folder(folder: Path) -> None:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise FileError(folder, error.strerror or "cannot be made") from None
+
+
+def stamps(folder: Path, kinds: Collection[str]) -> dict[Path, Stamp]:
+    """The files in a folder whose names end like one of `kinds`, hidden ones left out.
+
+    Raises:
+        OSError: the folder cannot be read.
+    """
+    found: dict[Path, Stamp] = {}
+    for path in folder.iterdir():
+        if path.suffix.lower() in kinds and not path.name.startswith("."):
+            with contextlib.suppress(OSError):  # it was renamed in between
+                status = path.stat()
+                found[path] = (status.st_mtime_ns, status.st_size)
+    return found
 
 
 def is_file(path: Path) -> bool:

@@ -15,7 +15,7 @@ from workbench.gui.shared.visitor import Visitor
 
 
 class ApprovalDialog:
-    """Facts of the plan as the server holds them, whose word it is, and the word itself.
+    """Facts of the plan as the server holds them, whose vote it is, and the vote itself.
 
     Without a login there is a field for the name, and the button carries it as the server has
     received it: viser sends a field at most every 50 ms and may keep the last letters
@@ -50,7 +50,7 @@ class ApprovalDialog:
                     self._add_word(plan.digest)
 
     def _add_word(self, digest: str) -> None:
-        """The name, the way back and the word; who is logged in has a name already."""
+        """The name, the way back and the vote; who is logged in has a name already."""
         visitor, gui = self._visitor, self._visitor.gui
         name: viser.GuiTextHandle | None = None
         if not visitor.is_known:

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 
-from workbench.app.core.release import moved_away, standing_words
+from workbench.app.core.release import moved_away, standing_votes
 from workbench.app.core.state import Phase, State
 from workbench.gui.shared.views import clock, line, mm, sentence, short, table_html
 from workbench.model.cell import Cell
@@ -27,13 +27,13 @@ def approval_line(state: State, now: float, problem: str) -> str:
 
 def _missing(state: State, now: float) -> str:
     """Whom a plan waits for."""
-    wanted, words = state.cell.approvers, standing_words(state, now)
-    if not words:
+    wanted, votes = state.cell.approvers, standing_votes(state, now)
+    if not votes:
         return "Waiting for a person." if wanted == 1 else f"Waiting for {wanted} people."
-    lapses = min(word.at for word in words) + state.cell.policy.approval_minutes * 60.0
-    missing = wanted - len(words)
+    lapses = min(vote.at for vote in votes) + state.cell.policy.approval_minutes * 60.0
+    missing = wanted - len(votes)
     people = "another person" if missing == 1 else f"{missing} more people"
-    names = " and ".join(word.actor for word in words)
+    names = " and ".join(vote.actor for vote in votes)
     return f"By {names} until {clock(lapses)}, waiting for {people}."
 
 
@@ -72,8 +72,8 @@ def facts_html(
         ("Plan", short(plan.digest)),
     ]
     if cell.approvers > 1:
-        words = ", ".join(word.actor for word in standing_words(state, at)) or "nobody yet"
-        rows.insert(-1, ("People", f"{cell.approvers} are needed; so far {words}"))
+        votes = ", ".join(vote.actor for vote in standing_votes(state, at)) or "nobody yet"
+        rows.insert(-1, ("People", f"{cell.approvers} are needed; so far {votes}"))
     return table_html(rows, title=plan.digest)
 
 

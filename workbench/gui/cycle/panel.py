@@ -15,7 +15,7 @@ from workbench.app.core.commands import (
     TakeScan,
     WantThreshold,
 )
-from workbench.app.core.release import moved_away, standing_words
+from workbench.app.core.release import moved_away, standing_votes
 from workbench.app.core.state import Phase, State
 from workbench.app.core.value_checks import MOST_PARTS, SEED_LIMIT
 from workbench.app.picking.facts import bin_check_of
@@ -240,9 +240,9 @@ def _digest(state: State) -> str:
 
 
 def _passing(view: View) -> tuple[bool, int, str]:
-    """What changes while the state stays: approval and words lapse, the robot is moved."""
+    """What changes while the state stays: approval and votes lapse, the robot is moved."""
     state, approval = view.state, view.state.approval
     moved = moved_away(state.cell, state.plan, view.live.joints) if state.plan is not None else ""
     has_run_out = approval is not None and view.at >= approval.until
     is_let_out = state.phase in (Phase.PLANNED, Phase.APPROVED)
-    return has_run_out, len(standing_words(state, view.at)), moved if is_let_out else ""
+    return has_run_out, len(standing_votes(state, view.at)), moved if is_let_out else ""

@@ -6,9 +6,9 @@ from dataclasses import replace
 from workbench.app.core.state import State
 from workbench.app.runtime.live import Live
 from workbench.gui.scene.picture import Scene
-from workbench.gui.shared.door import close_door, open_door
 from workbench.gui.shared.look import Look, View
 from workbench.gui.shared.playback import timeline
+from workbench.gui.shared.viser_server import close_viser, open_viser
 
 FRAME = 1 / 15
 """[s] Between two pictures of a recording."""
@@ -23,7 +23,7 @@ def scene_html(state: State) -> bytes:
     Args:
         state: with or without a plan.
     """
-    server = open_door("127.0.0.1", 0)
+    server = open_viser("127.0.0.1", 0)
     try:
         runs = timeline(state.plan) if state.plan is not None else ()
         # Who stands where does not matter any more: the robot is shown where the plan has it.
@@ -40,4 +40,4 @@ def scene_html(state: State) -> bytes:
             view = after
         return recording.as_html().encode()
     finally:
-        close_door(server)
+        close_viser(server)

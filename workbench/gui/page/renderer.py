@@ -27,9 +27,9 @@ from workbench.gui.page.tabs import tabs_of
 from workbench.gui.page.theme import Theme
 from workbench.gui.scene.picture import Scene
 from workbench.gui.shared.calibrating import solved
-from workbench.gui.shared.door import person_of
 from workbench.gui.shared.look import Look, Pose, SharedLook, View
 from workbench.gui.shared.playback import Run, followed, timeline
+from workbench.gui.shared.viser_server import person_of
 from workbench.gui.shared.visitor import Panel, Visitor
 from workbench.gui.statistics.counting import Counted
 from workbench.model.calibration import Calibration

@@ -11,7 +11,7 @@ from workbench.formats.files.shipped import find
 from workbench.gui.page.patience import Patience
 from workbench.gui.page.renderer import Renderer
 from workbench.gui.page.theme import Theme
-from workbench.gui.shared.door import close_door, open_door
+from workbench.gui.shared.viser_server import close_viser, open_viser
 from workbench.model.prediction import Predictions
 
 PANEL_WIDTH = 460
@@ -38,7 +38,7 @@ class Page:
         """Cut off the browsers and stop listening; twice does no harm."""
         self._patience.close()
         if self._renderer.close():
-            close_door(self._server)
+            close_viser(self._server)
 
 
 def serve(
@@ -70,7 +70,7 @@ def serve(
     """
     style = find("static", "page.css").read_text(encoding="utf-8")
     theme = Theme(is_framed=secret is not None)
-    server = open_door(host, port, secret)
+    server = open_viser(host, port, secret)
     try:
         theme.apply(server.gui, is_dark=False)
         server.gui.set_panel_label(f"Cell {bench.cell.name}")
@@ -86,7 +86,7 @@ def serve(
             folders=folders or {},
         )
     except BaseException:
-        close_door(server)
+        close_viser(server)
         raise
     shown = "localhost" if host in ("0.0.0.0", "::") else host
     bracketed = f"[{shown}]" if ":" in shown else shown

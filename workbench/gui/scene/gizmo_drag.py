@@ -16,7 +16,7 @@ import pinocchio as pin
 import viser
 
 from workbench.gui.scene.robot import pose_of_node
-from workbench.gui.shared.door import is_connected
+from workbench.gui.shared.viser_server import is_connected
 from workbench.gui.shared.visitor import Visitor
 from workbench.model.errors import InputError
 

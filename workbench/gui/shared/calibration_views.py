@@ -55,10 +55,10 @@ def record_line(cell: Cell, now: float) -> str:
     return line(said)
 
 
-def light_html(light: Light, text: str, *, tip: str = "") -> str:
+def light_html(light: Light, text: str) -> str:
     """A traffic light and what it says."""
     return (
-        f'<div class="wb-light wb-span3" data-light="{light}" title="{escape(tip or text)}">'
+        f'<div class="wb-light wb-span3" data-light="{light}" title="{escape(text)}">'
         f'<i style="background:{LIGHTS[light]}"></i><span>{escape(text)}</span></div>'
     )
 

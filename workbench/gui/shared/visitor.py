@@ -15,9 +15,9 @@ from workbench.app.core.rules import NOT_REPORTED, allowed
 from workbench.app.core.state import State
 from workbench.app.review.history import History
 from workbench.app.runtime.bench import Bench
-from workbench.gui.shared.door import element_id, person_of
 from workbench.gui.shared.look import PLAYBACK, SharedLook, SteeredLook, View
 from workbench.gui.shared.own import OwnLook
+from workbench.gui.shared.viser_server import element_id, person_of
 from workbench.model.cell import Cell
 from workbench.model.errors import CommandRefused, WorkbenchError
 from workbench.model.prediction import Predictions

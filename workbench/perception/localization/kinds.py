@@ -6,7 +6,7 @@ from dataclasses import replace
 import pinocchio as pin
 
 from workbench.model.cell import Cell
-from workbench.model.scan import Detection, Discarded, Findings, Objection, Scan
+from workbench.model.scan import Detection, Discarded, LocalizationResult, Objection, Scan
 from workbench.perception.localization.choice import reaches_into
 from workbench.perception.localization.localize import MOST_DISCARDED, Searched, searched
 from workbench.perception.localization.part_surface import PartSurface
@@ -21,7 +21,7 @@ def all_kinds(
     detail: float,
     report: Callable[[float, str], None],
     cancelled: Callable[[], bool],
-) -> Findings:
+) -> LocalizationResult:
     """All parts of all kinds that a cell picks; see `plugins.localizer.Localizer.find`."""
     brought: list[Searched] = []
     scene = scene_model(scan, cell)
@@ -46,7 +46,7 @@ def all_kinds(
     return merged(brought)
 
 
-def merged(brought: Sequence[Searched]) -> Findings:
+def merged(brought: Sequence[Searched]) -> LocalizationResult:
     """The searches for several kinds as one.
 
     A bolt fits on the side of a cylinder: each kind by itself would be found there.  Where a
@@ -82,7 +82,7 @@ def merged(brought: Sequence[Searched]) -> Findings:
         for one, _ in lost
     ]
     discarded.sort(key=lambda one: -one.score)
-    return Findings(tuple(found), tuple(discarded[:MOST_DISCARDED]))
+    return LocalizationResult(tuple(found), tuple(discarded[:MOST_DISCARDED]))
 
 
 def _overlap(

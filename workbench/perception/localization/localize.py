@@ -13,7 +13,7 @@ from workbench.model.cell import Cell
 from workbench.model.errors import JobCancelled
 from workbench.model.geometry import Floats
 from workbench.model.part import Part
-from workbench.model.scan import Detection, Discarded, Findings, Objection, Scan
+from workbench.model.scan import Detection, Discarded, LocalizationResult, Objection, Scan
 from workbench.perception.localization.assessment import Assessment, assess
 from workbench.perception.localization.choice import (
     LEAST_PIXELS,
@@ -62,7 +62,7 @@ class Searched:
     `gains` [m2]: for each detection the area seen that speaks for it, less what speaks against.
     """
 
-    findings: Findings
+    findings: LocalizationResult
     surface: PartSurface
     gains: tuple[float, ...]
 
@@ -138,7 +138,7 @@ def searched(
     pitch = surface.diameter / (PIXELS_ACROSS * detail)
     maps = make_map(scan, cell.bin, scene.bin, size=surface.diameter, pitch=pitch)
     if maps is None:
-        return Searched(Findings(()), surface, ())
+        return Searched(LocalizationResult(()), surface, ())
     glance, tolerance = _coarser(maps, surface), _tolerance(surface, cell, scan, scene)
     T_scanner_bin = scan.T_world_scanner.inverse() * cell.bin.T_world_bin
     steps = count()
@@ -226,11 +226,11 @@ def _tolerance(surface: PartSurface, cell: Cell, scan: Scan, scene: SceneModel) 
 
 def _findings(
     part: Part, surface: PartSurface, scan: Scan, choice: Choice, order: Sequence[int]
-) -> Findings:
+) -> LocalizationResult:
     """The chosen ones as detections in that order, and the best of those rejected."""
     rank = {k: place for place, k in enumerate(order)}
     rejected = _different(surface, choice)[:MOST_DISCARDED]
-    return Findings(
+    return LocalizationResult(
         tuple(_detection(part, scan, choice.chosen[k]) for k in order),
         tuple(
             Discarded(

@@ -173,7 +173,7 @@ CALLS: tuple[Call, ...] = (
     ),
     Call(
         "/approve",
-        "Approve the plan: a person's word.",
+        "Approve the plan: a person's vote.",
         Approve,
         lambda values: Approve(values["plan"]),
         (PLAN,),

@@ -11,7 +11,7 @@ from typing import Any
 
 from aiohttp import web
 
-from workbench.web.http.doorstep import KNOWN_SECONDS, WAIT_SECONDS, Doorstep
+from workbench.web.http.connection_limits import KNOWN_SECONDS, WAIT_SECONDS, ConnectionLimits
 
 log = logging.getLogger("workbench.web")
 
@@ -47,7 +47,7 @@ class Gate:
         self,
         bound: socket.socket,
         tls: ssl.SSLContext | None,
-        doorstep: Doorstep,
+        limits: ConnectionLimits,
         server: web.Server,
     ):
         """Made by `serve_front`.
@@ -55,12 +55,12 @@ class Gate:
         Args:
             bound: listens.
             tls: to be spoken, if any.
-            doorstep: told of everybody who comes.
+            limits: told of everybody who comes.
             server: answers requests.
         """
         self._bound = bound
         self._tls = tls
-        self._doorstep = doorstep
+        self._limits = limits
         self._server = server
         self._entering: dict[asyncio.Task[None], socket.socket] = {}
         self._said_at = -SILENCE
@@ -88,11 +88,11 @@ class Gate:
             await asyncio.gather(looking, *self._entering, return_exceptions=True)
 
     def _take(self, taken: socket.socket, address: Any) -> None:
-        protocol = _Answering(self._server, self._doorstep)
+        protocol = _Answering(self._server, self._limits)
         task = asyncio.create_task(self._let_in(taken, protocol))
         self._entering[task] = taken
         task.add_done_callback(self._entering.pop)
-        self._doorstep.enter(protocol, taken, str(address[0]), lambda: _cut(taken, protocol))
+        self._limits.enter(protocol, taken, str(address[0]), lambda: _cut(taken, protocol))
 
     async def _let_in(self, taken: socket.socket, protocol: web.RequestHandler) -> None:
         loop = asyncio.get_running_loop()
@@ -112,19 +112,19 @@ class Gate:
             self._said_at = now
             log.error("nobody more can come in for now: %s", error)
         if error.errno in NOTHING_LEFT:
-            self._doorstep.make_room(GIVEN_BACK)
+            self._limits.make_room(GIVEN_BACK)
         await asyncio.sleep(RETRY)
 
     async def _look(self) -> None:
         while True:
             await asyncio.sleep(LOOK)
-            self._doorstep.look()
+            self._limits.look()
 
 
 class _Answering(web.RequestHandler):
-    """Answers the requests of one connection, and tells the doorstep when they begin."""
+    """Answers the requests of one connection, and says when they begin."""
 
-    def __init__(self, server: web.Server, doorstep: Doorstep):
+    def __init__(self, server: web.Server, limits: ConnectionLimits):
         loop = asyncio.get_running_loop()
         super().__init__(
             server,
@@ -132,10 +132,10 @@ class _Answering(web.RequestHandler):
             access_log=None,  # pyright: ignore[reportArgumentType]
             keepalive_timeout=KNOWN_SECONDS,
         )
-        self._doorstep = doorstep
+        self._limits = limits
 
     def data_received(self, data: bytes) -> None:
-        self._doorstep.heard(self)
+        self._limits.heard(self)
         super().data_received(data)
 
 

@@ -17,7 +17,7 @@ from workbench.web.page.messages import (
     read,
     written,
 )
-from workbench.web.page.pace import Pace
+from workbench.web.page.rate_limit import RateLimit
 from workbench.web.page.uploads import Broken, Uploads
 
 MOST_REFUSED = 20
@@ -62,7 +62,7 @@ class Conversation:
         self._origin = request.remote
         self._transport = request.transport
         self._uploads = Uploads()
-        self._pace = Pace(time.monotonic())
+        self._rate = RateLimit(time.monotonic())
         self._added = asyncio.Event()
         self._emptied = asyncio.Event()
         self._refused = 0
@@ -116,7 +116,7 @@ class Conversation:
             problem = self._uploads.take(message)
         if problem is not None:
             return problem
-        if not self._pace.add(message):
+        if not self._rate.add(message):
             return Broken("more messages than a hand can make")
         self._emptied.clear()
         self._added.set()
@@ -128,14 +128,14 @@ class Conversation:
     async def _pass_on(self) -> End:
         """From the queue to viser."""
         while True:
-            message = self._pace.ready(time.monotonic())
+            message = self._rate.ready(time.monotonic())
             if message is not None:
                 try:
                     await self._viser.send_bytes(written(message))
                 except ConnectionError:
                     return End(WSCloseCode.GOING_AWAY, "the page has gone")
-            elif len(self._pace):
-                await asyncio.sleep(self._pace.patience())
+            elif len(self._rate):
+                await asyncio.sleep(self._rate.patience())
             else:
                 self._emptied.set()
                 self._added.clear()

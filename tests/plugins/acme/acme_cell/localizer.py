@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from workbench.model.cell import Cell
-from workbench.model.scan import Detection, Findings, Scan
+from workbench.model.scan import Detection, LocalizationResult, Scan
 from workbench.perception.built_in import PointPairs
 from workbench.plugins.options import NoOptions, option
 
@@ -32,10 +32,10 @@ class Twice:
         detail: float,
         report: Callable[[float, str], None],
         cancelled: Callable[[], bool],
-    ) -> Findings:
+    ) -> LocalizationResult:
         """The parts that both searches have found."""
 
-        def search(number: int) -> Findings:
+        def search(number: int) -> LocalizationResult:
             return PointPairs(NoOptions()).find(
                 scan,
                 cell,
@@ -47,7 +47,7 @@ class Twice:
 
         first, second = search(0), search(1)
         both = [one for one in first.detections if self._is_in(one, second.detections)]
-        return Findings(tuple(both), first.discarded)
+        return LocalizationResult(tuple(both), first.discarded)
 
     def _is_in(self, one: Detection, others: tuple[Detection, ...]) -> bool:
         p = one.T_world_part.translation

@@ -4,11 +4,11 @@ import pytest
 from aiohttp import web
 
 from workbench.model.errors import FileError
-from workbench.web.http.doorstep import (
+from workbench.web.http.connection_limits import (
     GRACE_SECONDS,
     WAIT_SECONDS,
     WORK_SECONDS,
-    Doorstep,
+    ConnectionLimits,
     Room,
     network_of,
     room_for,
@@ -55,11 +55,11 @@ def finished(coroutine):
 
 
 class Door:
-    """A doorstep with a clock of its own."""
+    """Connection limits with a clock of its own."""
 
     def __init__(self, strangers=3, known=3):
         self.now = 0.0
-        self.doorstep = Doorstep(self.is_login, lambda: self.now, Room(strangers, known))
+        self.limits = ConnectionLimits(self.is_login, lambda: self.now, Room(strangers, known))
 
     async def is_login(self, request):
         if request.has_login == "cannot tell":
@@ -68,7 +68,7 @@ class Door:
 
     def come(self, *connections, address="192.0.2.1"):
         for one in connections:
-            self.doorstep.enter(one, one, address, one.drop)
+            self.limits.enter(one, one, address, one.drop)
             self.now += 0.01
         return connections
 
@@ -80,11 +80,11 @@ class Door:
                 until()
             return "answer"
 
-        return finished(self.doorstep.note(connection, answer))
+        return finished(self.limits.note(connection, answer))
 
     def after(self, seconds):
         self.now += seconds
-        self.doorstep.look()
+        self.limits.look()
 
 
 def these_are_there(connections):
@@ -155,7 +155,7 @@ def test_who_is_served_goes_last_unless_the_rest_of_the_request_is_waited_for():
 def test_whose_request_has_come_is_not_dropped_for_those_who_say_nothing():
     door = Door()
     read, unread = door.come(Connection(), Connection())
-    door.doorstep.heard(read)
+    door.limits.heard(read)
     unread.unread = b"GET"
     door.come(*(Connection() for _ in range(9)))
     assert these_are_there([read, unread]) == [True, True]
@@ -174,9 +174,9 @@ def test_who_comes_is_not_dropped_for_those_who_ask_all_the_time():
 def test_who_sends_a_request_bit_by_bit_has_no_claim_to_a_place():
     door = Door()
     (trickling,) = door.come(Connection())
-    door.doorstep.heard(trickling)
+    door.limits.heard(trickling)
     door.now += 2 * GRACE_SECONDS
-    door.doorstep.heard(trickling)
+    door.limits.heard(trickling)
     others = door.come(Connection(), Connection(), Connection())
     assert these_are_there([trickling, *others]) == [False, True, True, True]
 
@@ -186,7 +186,7 @@ def test_a_login_is_never_shut_out_by_those_without():
     known = door.come(Connection(has_login=True))
     door.ask(*known)
     door.come(*(Connection() for _ in range(20)))
-    door.doorstep.make_room(20)
+    door.limits.make_room(20)
     assert these_are_there(known) == [True]
     (another,) = door.come(Connection(has_login=True))
     door.come(Connection(), Connection())
@@ -262,7 +262,7 @@ def test_who_has_gone_is_not_counted():
 def test_room_is_made_of_those_without_a_login_the_longest_waiting_first():
     door = Door()
     crowd = door.come(*(Connection() for _ in range(3)))
-    door.doorstep.make_room(2)
+    door.limits.make_room(2)
     assert these_are_there(crowd) == [False, False, True]
 
 

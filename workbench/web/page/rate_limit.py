@@ -20,7 +20,7 @@ class _Waiting:
     message: Message
 
 
-class Pace:
+class RateLimit:
     """Messages of one browser on their way to viser, in order.
 
     Nothing is lost: a press waits its turn, a value is overtaken only by a newer one of the same

@@ -4,7 +4,7 @@ from hypothesis import given
 from hypothesis import strategies as some
 
 from workbench.web.page.messages import CommandTriggerMessage, GuiUpdateMessage, Updates, is_press
-from workbench.web.page.pace import AT_ONCE, MOST_WAITING, Pace
+from workbench.web.page.rate_limit import AT_ONCE, MOST_WAITING, RateLimit
 
 
 def value(widget, number):
@@ -14,58 +14,58 @@ def value(widget, number):
 PRESS = CommandTriggerMessage("save")
 
 
-def all_at(pace, now):
+def all_at(limit, now):
     """What goes out at a time."""
     found = []
-    while (message := pace.ready(now)) is not None:
+    while (message := limit.ready(now)) is not None:
         found.append(message)
     return found
 
 
 def slow():
     """After what may come at once, one a second."""
-    pace = Pace(0.0, per_second=1.0, at_once=1)
-    assert pace.add(PRESS)
-    assert all_at(pace, 0.0) == [PRESS]
-    return pace
+    limit = RateLimit(0.0, per_second=1.0, at_once=1)
+    assert limit.add(PRESS)
+    assert all_at(limit, 0.0) == [PRESS]
+    return limit
 
 
 def test_a_hand_is_not_held_up():
-    pace = Pace(0.0)
+    limit = RateLimit(0.0)
     for number in range(AT_ONCE):
-        assert pace.add(value("a", number))
-        assert pace.ready(0.0) == value("a", number)
+        assert limit.add(value("a", number))
+        assert limit.ready(0.0) == value("a", number)
 
 
 def test_of_values_that_wait_the_newest_goes():
-    pace = slow()
+    limit = slow()
     for number in range(1000):
-        assert pace.add(value("a", number))
-    assert len(pace) == 1
-    assert all_at(pace, 10.0) == [value("a", 999)]
+        assert limit.add(value("a", number))
+    assert len(limit) == 1
+    assert all_at(limit, 10.0) == [value("a", 999)]
 
 
 def test_a_value_does_not_pass_a_press():
-    pace = slow()
+    limit = slow()
     typed = [value("text", "r"), value("text", "rim"), PRESS, value("text", "next")]
     for message in typed:
-        assert pace.add(message)
-    found = [pace.ready(float(second)) for second in range(1, 4)]
+        assert limit.add(message)
+    found = [limit.ready(float(second)) for second in range(1, 4)]
     assert found == [value("text", "rim"), PRESS, value("text", "next")]
 
 
 def test_it_says_how_long_to_wait():
-    pace = slow()
-    pace.add(PRESS)
-    assert pace.ready(0.25) is None
-    assert pace.patience() == 0.75
-    assert pace.ready(1.0) == PRESS
+    limit = slow()
+    limit.add(PRESS)
+    assert limit.ready(0.25) is None
+    assert limit.patience() == 0.75
+    assert limit.ready(1.0) == PRESS
 
 
 def test_too_many_presses_are_refused_and_so_are_too_many_widgets():
     for message in (lambda n: PRESS, lambda n: value(str(n), 1)):
-        pace = slow()
-        taken = [pace.add(message(number)) for number in range(MOST_WAITING + 1)]
+        limit = slow()
+        taken = [limit.add(message(number)) for number in range(MOST_WAITING + 1)]
         assert taken == [True] * MOST_WAITING + [False]
 
 
@@ -82,17 +82,17 @@ steps = some.lists(
 
 @given(steps)
 def test_presses_and_newest_values_always_arrive_in_order(steps):
-    pace, now, said, heard = Pace(0.0, per_second=20.0, at_once=3), 0.0, [], []
+    limit, now, said, heard = RateLimit(0.0, per_second=20.0, at_once=3), 0.0, [], []
     for step in steps:
         if isinstance(step, float):
             now += step
         else:
             said.append(step)
-            assert pace.add(step)
-        heard += all_at(pace, now)
+            assert limit.add(step)
+        heard += all_at(limit, now)
     for _ in range(len(said) + 1):
         now += 1.0
-        heard += all_at(pace, now)
+        heard += all_at(limit, now)
     assert [one for one in heard if is_press(one)] == [one for one in said if is_press(one)]
     # Between two presses the last value of each widget is the last that was given.
     assert newest(heard) == newest(said)

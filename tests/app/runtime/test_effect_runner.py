@@ -34,7 +34,7 @@ from workbench.app.core.commands import (
 from workbench.app.core.state import Phase
 from workbench.app.records.replay import replay
 from workbench.app.runtime.bench import Bench
-from workbench.app.runtime.machines import Machines
+from workbench.app.runtime.effect_runner import EffectRunner
 from workbench.devices.abb_simulated.controller import SimulatedController
 from workbench.journal.journal import Journal
 from workbench.model.digest import digest_of
@@ -58,7 +58,7 @@ def tiny_work_is_found(monkeypatch):
 
 @pytest.fixture
 def machines():
-    return functools.partial(Machines, module="tiny_work", patience=PATIENT)
+    return functools.partial(EffectRunner, module="tiny_work", patience=PATIENT)
 
 
 @pytest.fixture

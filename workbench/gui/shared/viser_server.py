@@ -1,10 +1,10 @@
-"""The door to the page: viser's server with what it leaves open shut.
+"""viser's server with what it leaves open shut.
 
 viser 1.1.1 listens on all interfaces unless told otherwise, takes the next port when the
 wanted one is busy, opens a public tunnel for any browser that asks, and talks to pages of
-other sites.  It knows no logins either: those are the front's, which alone has the key to a
-door that is locked, and says at it who it brings.  viser's internals are used here and nowhere
-else; the version is pinned and `tests/gui/shared/test_door.py` tells when they change.
+other sites.  It knows no logins either: those are the front's, which alone has the key to
+a server that wants one, and says whom it brings.  viser's internals are used here and nowhere
+else; the version is pinned and `tests/gui/shared/test_viser_server.py` tells when they change.
 """
 
 # pyright: reportPrivateUsage=false
@@ -36,11 +36,11 @@ POLICY_VIOLATION = 1008
 KEY, USER, ROLE = "X-WB-Key", "X-WB-User", "X-WB-Role"
 """Headers by which the front shows its key and says whom it brings; the name is URL-quoted."""
 
-_hanging = threading.Lock()
-"""Held while a door is hung: that takes one change to a module for a moment."""
+_starting = threading.Lock()
+"""Held while a server starts: that takes one change to a module for a moment."""
 
 
-def open_door(host: str, port: int, secret: str | None = None) -> viser.ViserServer:
+def open_viser(host: str, port: int, secret: str | None = None) -> viser.ViserServer:
     """Listen for browsers.
 
     Args:
@@ -56,7 +56,7 @@ def open_door(host: str, port: int, secret: str | None = None) -> viser.ViserSer
     with _quiet(), _guarded(secret):
         server = viser.ViserServer(host=host, port=port, verbose=False)
     if port not in (0, server.get_port()):
-        close_door(server)
+        close_viser(server)
         raise InputError(f"port {port} on {host} was taken by another program just now")
     inner = server._websock_server
     inner.unregister_handler(messages.ShareUrlRequest)
@@ -78,7 +78,7 @@ def open_door(host: str, port: int, secret: str | None = None) -> viser.ViserSer
 
 
 def person_of(client: viser.ClientHandle) -> Person:
-    """Who sits at a browser: whom the front has brought, or whoever came to an open door."""
+    """Who sits at a browser: whom the front has brought, or whoever came without one."""
     inner = client._viser_server._websock_server
     connection = inner._live_connections.get(client.client_id)
     if connection is None or connection.request is None:
@@ -100,7 +100,7 @@ def element_id(button: viser.GuiButtonHandle) -> str:
     return button._impl.uuid
 
 
-def close_door(server: viser.ViserServer) -> None:
+def close_viser(server: viser.ViserServer) -> None:
     """Stop listening and cut off all browsers."""
     with _quiet():
         server.stop()
@@ -135,7 +135,7 @@ def is_own_page(origin: str | None, asked_for: str, host: str) -> bool:
 def _guarded(secret: str | None) -> Generator[None]:
     """Have the server that viser starts in this block look at each request before viser does."""
     module = websockets.asyncio.server
-    with _hanging:
+    with _starting:
         serve = module.serve
 
         def guarded(*args: Any, process_request: Callable[..., Any], **options: Any) -> Any:
@@ -153,7 +153,7 @@ def _guarded(secret: str | None) -> Generator[None]:
 
 
 def _look_at(request: Request, secret: str | None) -> Response | None:
-    """The answer to a request without the key, or None; an open door believes no names."""
+    """The answer to a request without the key, or None; a server without one believes no names."""
     headers = request.headers
     if secret is None:
         for name in (KEY, USER, ROLE):

@@ -14,15 +14,15 @@ from viser import _messages as messages
 
 from workbench.app.core.people import Person, Role
 from workbench.app.core.rights import NOBODY
-from workbench.gui.shared.door import close_door, is_own_page, open_door, person_of
+from workbench.gui.shared.viser_server import close_viser, is_own_page, open_viser, person_of
 from workbench.model.errors import InputError
 
 
 @pytest.fixture
 def server():
-    server = open_door("127.0.0.1", 0)
+    server = open_viser("127.0.0.1", 0)
     yield server
-    close_door(server)
+    close_viser(server)
 
 
 async def close_code(port: int, origin: str | None) -> int | None:
@@ -59,7 +59,7 @@ def test_no_browser_can_open_a_public_tunnel(server):
 
 def person_at(secret: str | None, headers: dict[str, str]) -> Person:
     """Whom the page takes a browser for that shows these headers."""
-    server = open_door("127.0.0.1", 0, secret)
+    server = open_viser("127.0.0.1", 0, secret)
     found: queue.SimpleQueue[Person] = queue.SimpleQueue()
     server.on_client_connect(lambda client: found.put(person_of(client)))
 
@@ -70,7 +70,7 @@ def person_at(secret: str | None, headers: dict[str, str]) -> Person:
     try:
         return asyncio.run(connect())
     finally:
-        close_door(server)
+        close_viser(server)
 
 
 def test_behind_a_locked_door_is_whom_the_front_has_brought():
@@ -101,7 +101,7 @@ def test_a_locked_door_stays_shut_without_the_key_and_a_person(headers):
 
 
 def test_a_locked_door_shows_its_page_to_who_has_the_key():
-    server = open_door("127.0.0.1", 0, "key")
+    server = open_viser("127.0.0.1", 0, "key")
     url = f"http://127.0.0.1:{server.get_port()}/"
     try:
         with pytest.raises(urllib.error.HTTPError, match="403"):
@@ -109,7 +109,7 @@ def test_a_locked_door_shows_its_page_to_who_has_the_key():
         with urllib.request.urlopen(urllib.request.Request(url, headers={"X-WB-Key": "key"})) as it:
             assert b"<html" in it.read()
     finally:
-        close_door(server)
+        close_viser(server)
 
 
 def test_hanging_a_door_leaves_the_library_as_it_was(server):
@@ -122,18 +122,18 @@ def test_a_busy_port_is_an_input_error_that_names_it():
         taken.listen()
         port = taken.getsockname()[1]
         with pytest.raises(InputError, match=f"127.0.0.1 port {port}.*--port"):
-            open_door("127.0.0.1", port)
+            open_viser("127.0.0.1", port)
 
 
 @pytest.mark.parametrize("port", [-1, 65536])
 def test_a_port_out_of_range_is_an_input_error(port):
     with pytest.raises(InputError, match="from 0 to 65535"):
-        open_door("127.0.0.1", port)
+        open_viser("127.0.0.1", port)
 
 
 def test_a_host_that_is_not_ours_is_an_input_error():
     with pytest.raises(InputError, match=r"192\.0\.2\.1"):
-        open_door("192.0.2.1", 0)
+        open_viser("192.0.2.1", 0)
 
 
 @pytest.mark.parametrize(

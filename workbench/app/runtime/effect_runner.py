@@ -30,13 +30,13 @@ from workbench.formats.parts.reading import read_part
 from workbench.formats.parts.saves import drop_draft, save_part, write_draft
 from workbench.model.cell import Cell
 from workbench.model.errors import CommandRefused, InputError, WorkbenchError
-from workbench.model.scan import Findings
+from workbench.model.scan import LocalizationResult
 from workbench.plugins.robot_link import USUAL, LinkPatience
 
 log = logging.getLogger(__name__)
 
 
-class Machines:
+class EffectRunner:
     """The worker process and the robot of one bench.
 
     Lifetime: from construction until `close`, which first ends a sending and waits until its
@@ -176,7 +176,7 @@ class Machines:
             self._show(done=done, note=note)
 
     def _job_ended(self, number: int, result: Any) -> None:
-        if isinstance(result, Findings):
+        if isinstance(result, LocalizationResult):
             self._show(findings=result)
             result = result.detections
         try:

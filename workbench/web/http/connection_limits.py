@@ -1,4 +1,4 @@
-"""Who stands at the door: all connections, those with a login apart from those without.
+"""How many connections there may be: all of them, those with a login apart from those without.
 
 A connection without a login holds a place that costs nothing to take, so it may not hold it for
 long, and gives way when others come.  There are never so many of them that those who have
@@ -95,7 +95,7 @@ class Visitor:
         return 0 if self.was_answered or now - self.since >= GRACE_SECONDS else 1
 
 
-class Doorstep:
+class ConnectionLimits:
     """All who are here, and who of them has to go.
 
     Concurrency: the front's event loop only.
