@@ -69,13 +69,14 @@ def main(name: str, count: int, seed: int, made: Path) -> None:
                 if proof.holds != (refusal is None):
                     print(verdict, what, seed, refusal or proof.findings[0], flush=True)
             number += A_PLAN
+            total: Counter[str] = Counter()
+            for (what, verdict), each in table.items():
+                total[verdict] += each * (what != "nothing")
+            seconds = time.process_time() - begin
+            print(name, number, dict(total), f"{seconds:.0f} s, to seed {seed}", flush=True)
         seed += 1
     for what in sorted({what for what, _ in table}):
         print(f"{what:16}", {v: n for (w, v), n in table.items() if w == what})
-    total: Counter[str] = Counter()
-    for (what, verdict), each in table.items():
-        total[verdict] += each * (what != "nothing")
-    print(name, dict(total), f"{time.process_time() - begin:.0f} s, seeds to {seed - 1}")
 
 
 if __name__ == "__main__":

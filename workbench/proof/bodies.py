@@ -92,14 +92,16 @@ def _still(cell: Cell, scene: Scene) -> Iterator[Body]:
 
 def is_round(body: Body, tree: Tree) -> bool:
     """Whether a body fills the same space however its joint is turned: a flange on its axis."""
-    joint, T = tree.joints.get(body.joint), body.T_joint_body
+    joint = tree.joints.get(body.joint)
     if joint is None or joint.kind != "revolute":
         return False
-    is_along = np.linalg.norm(np.cross(joint.axis, T.rotation[:, 2])) < 1e-9
-    is_alike = isinstance(body.shape, Sphere) or (
-        isinstance(body.shape, Cylinder | Capsule) and bool(is_along)
+    if not isinstance(body.shape, Sphere | Cylinder | Capsule):
+        return False
+    R, at = body.T_joint_body.rotation, body.T_joint_body.translation
+    is_alike = (
+        isinstance(body.shape, Sphere) or np.linalg.norm(np.cross(joint.axis, R[:, 2])) < 1e-9
     )
-    return is_alike and bool(np.linalg.norm(np.cross(joint.axis, T.translation)) < 1e-9)
+    return bool(is_alike and np.linalg.norm(np.cross(joint.axis, at)) < 1e-9)
 
 
 @lru_cache(maxsize=4096)

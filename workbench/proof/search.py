@@ -103,7 +103,7 @@ def search(
     while pending:
         some, items, which = pending.pop(0)
         close = _close(space, base, some, pairs, wanted, found, items, which)
-        left = _measured(space, some, pairs, resolution, wanted, found, close)
+        left = _measured(space, base, some, pairs, resolution, wanted, found, close)
         if found.violation is not None or found.is_less_than(stated):
             return found
         if space.looks - before > MOST_LOOKS:
@@ -205,12 +205,11 @@ class _Close:
     """Pairs that bounds alone could not tell apart, each (n,) in one of the sets.
 
     `lower` [m] is a bound at the middle `q` (k, nq) of the set, `moves` [m] what to take off it.
-    `world` is where everything is at the middles, `spans` and `corners` are how far sets go.
+    `world` is where everything is at the middles, `spans` are how far sets go.
     """
 
     q: Floats
     spans: Floats
-    corners: Floats
     world: World
     items: Ints
     which: Ints
@@ -240,12 +239,12 @@ def _close(
     lower_to(found.bounds, at, lower - moves, is_shown & ~is_close)
     order = np.flatnonzero(is_close)
     order = order[np.lexsort((lower[order], items[order]))]
-    corners = some.corners(base, q)
-    return _Close(q, spans, corners, world, items[order], which[order], lower[order], moves[order])
+    return _Close(q, spans, world, items[order], which[order], lower[order], moves[order])
 
 
 def _measured(
     space: Space,
+    base: Floats,
     some: _Combined,
     pairs: Pairs,
     resolution: float,
@@ -254,48 +253,52 @@ def _measured(
     close: _Close,
 ) -> list[int]:
     """Measure what is close, nearest first; which of it has to be looked at in halves."""
-    left: list[int] = []
-    looked = -1
-    at, goals = some.at, wanted.goal(some.at)
+    is_shown, margins = pairs.shown[close.which], pairs.margins[close.which]
+    at, goals = some.at.tolist(), wanted.goal(some.at)
+    needs = np.where(is_shown, np.maximum(margins, goals[close.items]), margins)
+    # Where it will be halved anyway, measuring would hardly save that.
+    is_hopeless = close.moves > np.maximum(resolution, LOOSE)
+    is_hopeless &= (close.lower + LOOSE < needs + close.moves) & (close.lower >= margins.clip(0.0))
+    left: list[int] = np.flatnonzero(is_hopeless).tolist()
+    corners: Floats | None = None
+    looked, goals = -1, goals.tolist()
+    rest = np.flatnonzero(~is_hopeless)
+    columns = (rest, close.items, close.which, margins, close.moves, close.lower, is_shown)
     rows = zip(
-        close.items.tolist(), close.which.tolist(), close.lower.tolist(), close.moves.tolist(),
-        strict=True,
-    )  # fmt: skip
-    for number, (item, which, lower, move) in enumerate(rows):
-        margin, is_shown = float(pairs.margins[which]), bool(pairs.shown[which])
-        need = max(margin, float(goals[item])) if is_shown else margin
+        *(c[rest].tolist() if c is not rest else rest.tolist() for c in columns), strict=True
+    )
+    for number, item, which, margin, move, lower, counts in rows:
         told = lower - move
-        # Where it will be halved anyway, measuring would hardly save that.
-        is_hopeless = lower + LOOSE < need + move and lower >= max(margin, 0.0)
-        is_hopeless &= move > max(resolution, LOOSE)
-        if told < need and not is_hopeless:
+        need = max(margin, goals[item]) if counts else margin
+        if told < need:
             if looked != item:
                 space.look(close.q[item])
                 looked = item
-            distance = space.distance(int(pairs.rows[which]))
+            row = int(pairs.rows[which])
+            distance = space.distance(row)
             told = distance - move
-            if told < need and move > resolution:
-                row, common = int(pairs.rows[which]), int(pairs.commons[which])
-                within = space.within(row, common, item, close.world, close.spans, close.corners)
-                told = max(told, within)
-            if is_shown and wanted.stated is not None and distance < goals[item] - SAME:
+            if counts and wanted.stated is not None and distance < goals[item] - SAME:
                 found.bounds[at[item]] = distance
                 return []
-            if distance < margin or (is_shown and distance < wanted.nearest[at[item]]):
-                state = Nearest(
-                    int(pairs.rows[which]), distance, margin, close.q[item],
-                    tuple(int(block.at[item]) for block in some.blocks),
-                )  # fmt: skip
+            if distance < margin or (counts and distance < wanted.nearest[at[item]]):
+                places = tuple(int(block.at[item]) for block in some.blocks)
+                state = Nearest(row, distance, margin, close.q[item], places)
                 if distance < margin:
                     found.violation = state
                     return []
                 wanted.nearest[at[item]] = distance
-                goals = wanted.goal(at)
+                goals = wanted.goal(some.at).tolist()
                 if found.nearest is None or distance < found.nearest.distance:
                     found.nearest = state
-            need = max(margin, float(goals[item])) if is_shown else margin
+            need = max(margin, goals[item]) if counts else margin
+            if told < need <= distance and move > resolution:
+                if corners is None:
+                    corners = some.corners(base, close.q)
+                common = int(pairs.commons[which])
+                within = space.within(row, common, item, close.world, close.spans, corners)
+                told = max(told, within)
         if told < need and move > resolution:
             left.append(number)
-        elif is_shown:
+        elif counts:
             found.bounds[at[item]] = min(found.bounds[at[item]], told)
     return left

@@ -6,7 +6,7 @@ import numpy as np
 import pinocchio as pin
 
 from workbench.model.geometry import Floats, Ints
-from workbench.proof.bodies import Body, ball, box, coal_shape, is_round
+from workbench.proof.bodies import Body, ball, box, coal_shape
 from workbench.proof.plane import nearer
 from workbench.proof.robot import Tree
 from workbench.proof.sieve import Boxes, Chain, World, poses, sieve
@@ -36,7 +36,7 @@ class Space:
             np.array([T.act(c) for T, (c, _) in zip(at, boxes, strict=True)]),
             np.array([half for _, half in boxes]),
             np.array([ball(body.shape)[1] for body in bodies]),
-            np.array([is_round(body, tree) for body in bodies]),
+            table.rounds,
         )
         balls = [(b.joint, b.T_joint_body.act(ball(b.shape)[0]), ball(b.shape)[1]) for b in bodies]
         self.levers = np.max([tree.travel(*one) for one in balls], axis=0)

@@ -93,7 +93,10 @@ class Pairs:
 
 
 class Table:
-    """All pairs of bodies that can ever be compared, as `first` and `second` (r,)."""
+    """All pairs of bodies that can ever be compared, as `first` and `second` (r,).
+
+    `rounds` (b,) tells that a body fills the same space however its own joint is turned.
+    """
 
     def __init__(self, cell: Cell, tree: Tree, bodies: tuple[Body, ...]) -> None:
         self._cell, self._tree, self._bodies = cell, tree, bodies
@@ -112,10 +115,10 @@ class Table:
         self._tool = np.array([b.kind == "tool" for b in bodies])
         self._finger = np.array([b.is_finger for b in bodies])
         self._arm_numbers = {arm.name: k for k, arm in enumerate(cell.arms)}
+        self.rounds = np.array([is_round(body, tree) for body in bodies])
         self._turns_alike = np.zeros((len(bodies), tree.model.nq), bool)
-        for number, body in enumerate(bodies):
-            if is_round(body, tree):
-                self._turns_alike[number, tree.model.joints[body.joint].idx_q] = True
+        for number in np.flatnonzero(self.rounds):
+            self._turns_alike[number, tree.model.joints[bodies[number].joint].idx_q] = True
         self._carrier = np.array([self._arm_numbers.get(b.arm, -1) for b in bodies])
 
     def pairs(self, now: Situation, joints: Ints) -> Pairs:
@@ -128,10 +131,10 @@ class Table:
         placer = np.full(len(carrier), -1)
         for number, arm in now.placed.items():
             placer[self._part == number] = self._arm_numbers[arm]
-        above, alike = self._tree.ancestors[joints], self._turns_alike
+        above, alike = self._tree.ancestors[joints][:, now.moves], self._turns_alike[:, now.moves]
         a, b = self.first, self.second
-        apart = (above[a] & ~above[b] & ~alike[a]) | (above[b] & ~above[a] & ~alike[b])
-        counts = (apart & now.moves).any(axis=1)
+        turned, rests = above & ~alike, ~above
+        counts = ((turned[a] & rests[b]) | (turned[b] & rests[a])).any(axis=1)
         if now.lets_go >= 0:
             part = self._part == now.lets_go
             counts &= ~((part[a] & self._finger[b]) | (part[b] & self._finger[a]))

@@ -76,6 +76,8 @@ class Walk:
         bodies = bodies_of(cell, tree, plan.scene)
         self._table = Table(cell, tree, bodies)
         self._space = Space(tree, bodies, self._table)
+        hands = self._pairs(Situation(np.ones(tree.model.nq, bool)))
+        self._hands = hands.among(self._table.between_hands(hands, self._space.joints))
         self._numbers = {arm.name: k for k, arm in enumerate(cell.arms)}
         self._findings: list[Finding] = []
         self._asked: list[_Question] = []
@@ -204,15 +206,13 @@ class Walk:
         """Distances between the arms [m] at the waypoints of each leg, shoulders left out."""
         if len(self._cell.arms) < 2:
             return
-        pairs = self._pairs(Situation(np.ones(self._tree.model.nq, bool)))
-        pairs = pairs.among(self._table.between_hands(pairs, self._space.joints))
         for one in step.moving:
             q = np.tile(step.base, (len(one.path), 1))
             for other in step.moving:
                 times = np.asarray(one.leg.t)
                 at = [np.interp(times, other.leg.t, column) for column in other.path.T]
                 q[:, self._tree.columns[other.arm.name]] = np.stack(at, axis=1)
-            yield one.arm.name, one.leg.name, self._smallest(q, pairs)
+            yield one.arm.name, one.leg.name, self._smallest(q, self._hands)
 
     def _smallest(self, q: Floats, pairs: Pairs) -> Floats:
         """The smallest distances (k,) [m] of some pairs at configurations (k, nq)."""
