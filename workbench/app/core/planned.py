@@ -41,6 +41,7 @@ def with_plan(state: State, result: PlanResult) -> State:
         approval=None,
         stale="",
         watched=(),
+        told=(),
         words=(),
         outcomes=(),
         receipts=(),

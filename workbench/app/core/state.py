@@ -8,6 +8,7 @@ from typing import Any
 from workbench.model.calibration import PlateSighting
 from workbench.model.candidate import Candidate, Verdict
 from workbench.model.cell import Cell
+from workbench.model.digest import LATER
 from workbench.model.plan import Plan, Proof
 from workbench.model.release import Approval, PartReport, Receipt, Word
 from workbench.model.scan import Detection, Obstacle, Remark, Scan, Search, SearchWishes
@@ -110,7 +111,8 @@ class State:
     it is now.
     `stale` says what the last plan was overtaken by.  `planned_threshold` [m] is that of the plan,
     `wanted_threshold` the one that is wanted now.  `watched` names those before whose eyes the
-    plan was played to its end, `words` are given for it, enough of them or not.
+    plan was played to its end, `told` those of them of whom only a program says so; `words` are
+    given for it, enough of them or not.
     `outcomes` are of this plan's parts; `failures` counts failed picks in a row, over all cycles,
     and `avoided` says where.
     `searches` are those in this scan, the latest last, and `remarks` what people have done to what
@@ -153,6 +155,7 @@ class State:
     stale: str = field(default="", metadata=VOID)
     # Of letting the plan out, and of what the robot did with it:
     watched: tuple[str, ...] = field(default=(), metadata=VOID)
+    told: tuple[str, ...] = field(default_factory=tuple, metadata=VOID | LATER)
     words: tuple[Word, ...] = field(default=(), metadata=VOID)
     approval: Approval | None = field(default=None, metadata=VOID)
     receipts: tuple[Receipt, ...] = field(default=(), metadata=VOID)
