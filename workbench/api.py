@@ -15,12 +15,13 @@ from workbench.app.core import rules
 from workbench.app.core.commands import Entry
 from workbench.app.core.state import State
 from workbench.app.picking import calibration as calibrations
+from workbench.app.picking import held_plate
 from workbench.app.picking.calibration import with_calibration
 from workbench.app.picking.pipeline import judge, plan_pick
 from workbench.app.picking.proving import prove
 from workbench.app.records import replay as replays
 from workbench.app.records import session_archive
-from workbench.app.review.recompute import cell_of
+from workbench.app.records.sessions import cell_of
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.clouds.scans import read_scan, write_cloud
 from workbench.formats.parts.reading import read_part
@@ -242,7 +243,7 @@ def plate_poses(
         count: how many are wanted; fewer come back where there are no more.
         seed: the same seed finds the same.
     """
-    return calibrations.suggested_poses(cell, cell.arm(arm), plate, count, seed=seed)
+    return held_plate.suggested_poses(cell, cell.arm(arm), plate, count, seed=seed)
 
 
 def simulate_plate(
@@ -264,7 +265,7 @@ def simulate_plate(
         T_world_scanner: where the scanner truly hangs; where the cell says when not given.
         seed: of the scanner's noise.
     """
-    return calibrations.simulated_sight(
+    return held_plate.simulated_sight(
         cell, cell.arm(arm), q, plate, seed=seed, T_world_scanner=T_world_scanner
     )
 

@@ -74,7 +74,7 @@ def test_what_was_appended_comes_back_after_opening_again(tmp_path_factory, bodi
     assert [(row.kind, row.body, again.read(row.files[0])) for row in rows] == bodies
     assert [row.number for row in rows] == list(range(1, len(bodies) + 1))
     assert again.head == head
-    assert again.verify() == ()
+    assert bool(again.verify()) == (not bodies)
     again.close()
 
 
@@ -211,6 +211,61 @@ def test_a_killed_writer_leaves_every_reported_entry_whole(tmp_path, entries):
     journal = Journal(folder)
     # The entry in work may have reached the disk before its number reached us.
     assert journal.count in (reported, reported + 1)
-    assert journal.verify() == ()
     assert journal.append("note", b"life goes on") == journal.count
+    assert journal.verify() == ()
     journal.close()
+
+
+def test_an_empty_journal_is_not_called_whole(journal):
+    (problem,) = journal.verify()
+    assert problem.startswith("there is no entry")
+
+
+CLAIMER = """
+import sys, time
+from pathlib import Path
+from workbench.journal.journal import Journal
+
+Journal(Path(sys.argv[1])).claim(1_790_000_000.0)
+print("claimed", flush=True)
+time.sleep(600)
+"""
+
+
+class TestTheFolderOfAnotherProgram:
+    @pytest.fixture
+    def other(self, journal):
+        process = subprocess.Popen(
+            [sys.executable, "-c", CLAIMER, str(journal.folder)], stdout=subprocess.PIPE, text=True
+        )
+        assert process.stdout.readline() == "claimed\n"
+        yield process
+        process.kill()
+        process.communicate()
+
+    def test_is_not_claimed_and_says_who_has_it(self, journal, other):
+        with pytest.raises(JournalError) as caught:
+            journal.claim(0.0)
+        assert f"process {other.pid} on " in str(caught.value)
+        assert "since 2026-09-21 14:13:20 UTC" in str(caught.value)
+
+    def test_is_free_when_that_one_was_killed(self, journal, other):
+        other.kill()
+        other.wait()
+        journal.claim(0.0)
+
+    def test_may_hold_nonsense_about_its_owner(self, journal, other):
+        (journal.folder / "writer.lock").write_bytes(b'{"process": [], "since": 1e300}')
+        with pytest.raises(JournalError, match="another program"):
+            journal.claim(0.0)
+
+
+def test_a_claim_ends_with_the_journal(journal):
+    journal.claim(0.0)
+    journal.claim(1.0)
+    second = Journal(journal.folder)
+    with pytest.raises(JournalError, match="is written to by process"):
+        second.claim(2.0)
+    journal.close()
+    second.claim(3.0)
+    second.close()

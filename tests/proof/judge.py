@@ -1,353 +1,355 @@
 """A judge of plans that shares nothing with the proof but the plan: MuJoCo, and files read anew.
 
-MuJoCo reads the robot's URDF and moves it, and measures distances.  Tools, bin, fixtures and parts
-are taken from their TOML files by the few lines below, margins and pairs from the rules in
-`docs/proof.md`.  Ways are sampled so densely that no joint turns further than `STEP` between two
-looks; a plan is refused when a margin is missed by more than `BEYOND`, which samples cannot hide.
+MuJoCo reads the robot's URDF and moves it, and measures distances; all else is taken from the
+cell's files (`judged_files`), margins and pairs from the rules in `docs/proof.md`.  Ways are
+sampled from coarse to fine: where no pair can come too near between two samples, because no point
+moves that far, it is not looked between them; where one can, the next samples are `FINE` apart.  A
+plan is refused for a distance when that is missed by more than `BEYOND`.
 """
 
-import tomllib
-from collections.abc import Iterator
-from dataclasses import dataclass
-from itertools import combinations
-from pathlib import Path
-from xml.etree import ElementTree
+from itertools import pairwise
 
-import mujoco
 import numpy as np
-
-STEP = 0.004
-"""[rad]"""
-
-BEYOND = 0.0006
-"""[m] The proof's resolution, and what the two measure differently."""
-
-FAR = 0.03
-"""[m] Pairs whose boxes are further apart are not measured."""
-
-STRAIGHT = ("approach", "extract")
-
-
-@dataclass(frozen=True)
-class Refusal:
-    """What is too near: two groups of bodies, how near [m], how near they may be, and the leg."""
-
-    arms: tuple[str, ...]
-    leg: str
-    pair: tuple[str, str]
-    distance: float
-    need: float
-
-
-def turned(rpy_deg) -> np.ndarray:
-    """The rotation (3, 3) of fixed-axis angles about x, y and z."""
-    (a, b, c), R = np.deg2rad(rpy_deg), np.eye(3)
-    for axis, angle in ((2, c), (1, b), (0, a)):
-        i, j = (axis + 1) % 3, (axis + 2) % 3
-        one = np.eye(3)
-        one[i, i] = one[j, j] = np.cos(angle)
-        one[j, i], one[i, j] = np.sin(angle), -np.sin(angle)
-        R = R @ one
-    return R
-
-
-def pose_of(table) -> np.ndarray:
-    """The matrix (4, 4) of `position_mm` and `rpy_deg`, in metres."""
-    T = np.eye(4)
-    T[:3, :3] = turned(table.get("rpy_deg", (0, 0, 0)))
-    T[:3, 3] = np.array(table.get("position_mm", (0, 0, 0))) / 1000
-    return T
+from judged_files import Files, pose_of
+from judged_motion import (
+    ALIKE,
+    BEYOND,
+    ROOM,
+    SLACK,
+    Asked,
+    Refusal,
+    Sampler,
+    Way,
+    mix,
+    onto,
+    where,
+)
+from judged_rules import STRAIGHT, is_off, leaves_straight, rule_broken
+from judged_scene import Scene
 
 
 class Judge:
-    """Of plans for one shipped cell."""
+    """Of plans for one cell; remembers what it has looked at, which bends do not change."""
 
-    def __init__(self, folder: Path, parts: Path) -> None:
-        self._folder, self._parts = folder, parts
-        self._file = tomllib.loads((folder / "cell.toml").read_text())
-        self._arms = {arm["name"]: arm for arm in self._file["arm"]}
-        self._tools = {tool["name"]: tool for tool in self._file["tool"]}
-        srdf = ElementTree.parse(folder / self._file["robot"]["srdf"]).getroot()
-        self._apart = {
-            frozenset((one.get("link1"), one.get("link2")))
-            for one in srdf.iter("disable_collisions")
-        }
+    def __init__(self, beyond: float = BEYOND) -> None:
+        """A distance has to be missed by more than `beyond` [m]."""
+        self.beyond = beyond
+        self._scenes: dict[tuple[str, ...], Scene] = {}
+        self._known: dict[bytes, Refusal | None] = {}
 
-    def refusal(self, plan) -> Refusal | None:
+    def refusal(self, files: Files, scene, plan) -> Refusal | None:
         """Why a plan must not be run, None where nothing was found."""
-        scene = Scene(self, plan)
-        held: dict[int, object] = {}
-        placed: dict[int, np.ndarray] = {}
-        for step in plan.sequence:
-            runs = [(plan.arm(arm), plan.arm(arm).leg(leg)) for arm, leg in step.runs]
-            refusal = scene.along(runs, held, placed)
-            if refusal is not None:
-                return refusal
-            for one, leg in runs:
-                scene.q[one.arm] = np.asarray(leg.q[-1])
-                if leg.name == "approach":
-                    held[one.detection] = one
-                elif leg.name == "place":
-                    T = scene.tcp(one.arm) @ one.T_tcp_part.homogeneous
-                    del held[one.detection]
-                    placed[one.detection] = T
-        return None
+        broken = rule_broken(files, scene, plan)
+        if broken:
+            return Refusal(broken)
+        kinds = tuple(one.part for one in plan.detections)
+        if kinds not in self._scenes:
+            self._scenes[kinds] = Scene(files, kinds)
+        return _Run(self, self._scenes[kinds], files, plan).refusal()
 
 
-class Scene:
-    """MuJoCo's model of the cell with the parts of one plan."""
+class _Run:
+    """One plan, walked through."""
 
-    def __init__(self, judge: Judge, plan) -> None:
-        self._judge, self._plan = judge, plan
-        file, folder = judge._file, judge._folder
-        text = (folder / file["robot"]["urdf"]).read_text()
-        options = (
-            f'<mujoco><compiler meshdir="{folder}" strippath="false" fusestatic="false" '
-            'discardvisual="true" boundmass="0.001" boundinertia="0.001"/></mujoco>'
-        )
-        head = text.index(">", text.index("<robot")) + 1
-        spec = mujoco.MjSpec.from_string(text[:head] + options + text[head:])
-        self._groups: dict[str, str] = {}
-        for arm in judge._arms.values():
-            tool = judge._tools[arm["tool"]]
-            for solid in (*tool.get("body", ()), *tool.get("finger", ())):
-                self._add(spec, f"tool {arm['name']}", f"{arm['name']} {solid['name']}", solid)
-        bin_ = file["bin"]
-        for name, size, at in _slabs(bin_["size_mm"], bin_.get("wall_mm", 3)):
-            box = {"name": name, "shape": "box", "size_mm": size}
-            self._add(
-                spec, "still", f"bin {name}", box, pose_of(bin_) @ pose_of({"position_mm": at})
+    def __init__(self, judge: Judge, scene: Scene, files: Files, plan) -> None:
+        self.judge, self.scene, self.files, self.plan = judge, scene, files, plan
+        boxes = [(one.T_world_box.homogeneous, np.asarray(one.size)) for one in plan.obstacles]
+        parts = [one.T_world_part.homogeneous for one in plan.detections]
+        scene.set(files, boxes, parts)
+        self._sampler = Sampler(scene, judge.beyond)
+        self.q = np.zeros(scene.model.nq)
+        for arm, columns in scene.columns.items():
+            self.q[columns] = files.home(arm)
+        self.held: dict[int, object] = {}
+        self.placed: dict[int, object] = {}
+        model = scene.model
+        self.fixed = (
+            b"".join(
+                a.tobytes()
+                for a in (
+                    model.geom_size,
+                    scene.T_robot,
+                    scene.data.mocap_pos,
+                    scene.data.mocap_quat,
+                )
             )
-        for fixture in file.get("fixture", ()):
-            for solid in fixture["solid"]:
-                name = f"{fixture['name']} {solid['name']}"
-                self._add(spec, "still", name, solid, pose_of(fixture) @ pose_of(solid))
-        for number, seen in enumerate(plan.obstacles):
-            box = {"name": "seen", "shape": "box", "size_mm": np.asarray(seen.size) * 1000}
-            self._add(spec, "still", f"seen {number}", box, seen.T_world_box.homogeneous)
-        self._pieces: dict[str, tuple[int, np.ndarray]] = {}
-        for number, one in enumerate(plan.detections):
-            part = tomllib.loads((judge._parts / one.part / "part.toml").read_text())
-            for k, piece in enumerate(part["piece"]):
-                self._add(spec, f"part {number}", f"piece {number} {k}", piece)
-                self._pieces[f"piece {number} {k}"] = number, pose_of(piece)
-        self.model = spec.compile()
-        self.data = mujoco.MjData(self.model)
-        self._name_geoms()
-        self._T_robot = pose_of(file["robot"])
-        self.q = {name: self._home(arm) for name, arm in judge._arms.items()}
+            + repr((files.cell["policy"], files.cell["tool"], kinds_of(plan))).encode()
+        )
 
-    def _add(self, spec, group: str, name: str, solid, T=None) -> None:
-        body = spec.worldbody.add_body(name=name, mocap=True)
-        self._groups[name] = group
-        kind, size, mesh = mujoco.mjtGeom.mjGEOM_BOX, np.zeros(3), ""
-        match solid["shape"]:
-            case "box":
-                size = np.array(solid["size_mm"]) / 2000
-            case "cylinder" | "capsule" as shape:
-                kind = getattr(mujoco.mjtGeom, f"mjGEOM_{shape.upper()}")
-                size[:2] = solid["radius_mm"] / 1000, solid["length_mm"] / 2000
-            case "sphere":
-                kind, size[0] = mujoco.mjtGeom.mjGEOM_SPHERE, solid["radius_mm"] / 1000
-            case "mesh":
-                assert solid["unit"] == "m"
-                kind, mesh = mujoco.mjtGeom.mjGEOM_MESH, f"mesh {name}"
-                spec.add_mesh(name=mesh, file=str(self._judge._folder / solid["file"]))
-        body.add_geom(type=kind, size=size, meshname=mesh)
-        if T is not None:
-            body.pos, body.quat = T[:3, 3], _quat(T[:3, :3])
-
-    def _name_geoms(self) -> None:
-        """Group, arm and whether it is moved by it, of every geom."""
-        of_joint = {joint: arm for arm in self._judge._arms for joint in self._joints(arm)}
-        self.group, self.carrier = [], []
-        for g in range(self.model.ngeom):
-            body = int(self.model.geom_bodyid[g])
-            name = self.model.body(body).name
-            self.group.append(self._groups.get(name, f"link {name}"))
-            arm = self.group[-1][5:] if self.group[-1].startswith("tool ") else ""
-            while not arm and body:
-                joint = int(self.model.body_jntadr[body])
-                if joint >= 0:
-                    arm = of_joint.get(self.model.joint(joint).name, "")
-                body = int(self.model.body_parentid[body])
-            self.carrier.append(arm)
-
-    def _joints(self, arm: str) -> list[str]:
-        """The joints of an arm along its chain: those that its flange hangs on."""
-        body = self.model.body(self._judge._arms[arm]["flange"]).id
-        joints: list[str] = []
-        while body:
-            first = int(self.model.body_jntadr[body])
-            if first >= 0:
-                joints.append(self.model.joint(first).name)
-            body = int(self.model.body_parentid[body])
-        return joints[::-1]
-
-    def _home(self, arm) -> np.ndarray:
-        """[rad] Along the chain; the file has it in the controller's order."""
-        home = np.deg2rad(arm["home_deg"])
-        axes = arm.get("axes", range(1, len(home) + 1))
-        return home[np.array(axes) - 1] * np.array(arm.get("signs", np.ones(len(home))))
-
-    def tcp(self, arm: str) -> np.ndarray:
-        """`T_world_tcp` (4, 4) where the arms stand now."""
-        self._moved()
-        tool = self._judge._tools[self._judge._arms[arm]["tool"]]
-        return self._flange(arm) @ pose_of(tool["tcp"])
-
-    def _moved(self) -> None:
-        for arm, q in self.q.items():
-            for joint, value in zip(self._joints(arm), q, strict=True):
-                self.data.joint(joint).qpos = value
-        mujoco.mj_kinematics(self.model, self.data)
-
-    def _flange(self, arm: str) -> np.ndarray:
-        body, T = self.data.body(self._judge._arms[arm]["flange"]), np.eye(4)
-        T[:3, :3], T[:3, 3] = body.xmat.reshape(3, 3), body.xpos
-        return self._T_robot @ T
-
-    def _hang(self, openings, held, placed) -> None:
-        """Tools at their flanges, parts where they are."""
-        self._moved()
-        tools = {arm: self._flange(arm) for arm in self.q}
-        for arm, entry in self._judge._arms.items():
-            tool = self._judge._tools[entry["tool"]]
-            for solid in (*tool.get("body", ()), *tool.get("finger", ())):
-                T = tools[arm] @ pose_of(solid)
-                if "opens_along" in solid:
-                    way = np.array(solid["opens_along"], float)
-                    shift = way / np.linalg.norm(way) * openings[arm] / 2
-                    T[:3, 3] += tools[arm][:3, :3] @ shift
-                self._put(f"{arm} {solid['name']}", T)
-        for name, (number, T_piece) in self._pieces.items():
-            T = self._plan.detections[number].T_world_part.homogeneous
-            if number in held:
-                one = held[number]
-                tool = self._judge._tools[self._judge._arms[one.arm]["tool"]]
-                T = tools[one.arm] @ pose_of(tool["tcp"]) @ one.T_tcp_part.homogeneous
-            elif number in placed:
-                T = placed[number]
-            self._put(name, T @ T_piece)
-        mujoco.mj_kinematics(self.model, self.data)
-
-    def _put(self, name: str, T: np.ndarray) -> None:
-        # The robot stands at MuJoCo's origin: everything else is seen from there.
-        T = np.linalg.inv(self._T_robot) @ T
-        mocap = int(self.model.body_mocapid[self.model.body(name).id])
-        self.data.mocap_pos[mocap], self.data.mocap_quat[mocap] = T[:3, 3], _quat(T[:3, :3])
-
-    def along(self, runs, held, placed) -> Refusal | None:
-        """The first thing that is too near while legs run, at any speeds against each other."""
-        openings = {name: 0.0 for name in self.q}
-        openings.update({one.arm: leg.opening for one, leg in runs})
-        gone: dict[str, bool] = {}
-        starts = {one.arm: None for one, _ in runs}
-        asked: dict[tuple[bool, ...], tuple[np.ndarray, np.ndarray]] = {}
-        for states in _states(runs):
-            self.q.update(states)
-            self._hang(openings, held, placed)
-            for one, _ in runs:
-                here = self.tcp(one.arm)[:3, 3]
-                starts[one.arm] = here if starts[one.arm] is None else starts[one.arm]
-                gone[one.arm] = bool(np.linalg.norm(here - starts[one.arm]) > 0.011)
-            now = tuple(gone.values())
-            if now not in asked:
-                asked[now] = self._pairs(runs, held, placed, gone)
-            pairs, needs = asked[now]
-            a, b = pairs.T
-            radii, at = self.model.geom_rbound, self.data.geom_xpos
-            room = np.linalg.norm(at[a] - at[b], axis=1) - radii[a] - radii[b]
-            for k in np.flatnonzero(room < needs).tolist():
-                first, second = pairs[k].tolist()
-                distance = mujoco.mj_geomDistance(self.model, self.data, first, second, FAR, None)
-                if distance < needs[k] - BEYOND:
-                    legs = "/".join(leg.name for _, leg in runs)
-                    arms, pair = tuple(gone), (self.group[first], self.group[second])
-                    return Refusal(arms, legs, pair, distance, float(needs[k]))
+    def refusal(self) -> Refusal | None:
+        broken = self._hands()
+        if broken:
+            return Refusal(broken)
+        for step in self.plan.sequence:
+            ways = [self._way(self.plan.arm(arm), name) for arm, name in step.runs]
+            key = self._key(ways)
+            if key not in self.judge._known:
+                self.judge._known[key] = self._step(ways)
+            if self.judge._known[key] is not None:
+                return self.judge._known[key]
+            self._after(ways)
         return None
 
-    def _pairs(self, runs, held, placed, gone) -> tuple[np.ndarray, np.ndarray]:
-        """The geoms (p, 2) that are compared while legs run, and what they keep (p,) [m]."""
-        legs = {one.arm: leg.name for one, leg in runs}
-        targets = {f"part {one.detection}": one.arm for one, leg in runs if leg.name == "approach"}
-        holders = {f"part {number}": one.arm for number, one in held.items()}
-        put = {
-            f"part {one.detection}": one.arm for one in self._plan.arms if one.detection in placed
-        }
-        carriers = [
-            holders.get(group, carrier)
-            for group, carrier in zip(self.group, self.carrier, strict=True)
+    def _key(self, ways) -> bytes:
+        """All that a step depends on."""
+        holds = [
+            (number, one.arm, one.T_tcp_part.homogeneous.tobytes(), number in self.placed)
+            for number, one in sorted({**self.held, **self.placed}.items())
         ]
-        needs = {
-            (a, b): self._need(a, b, carriers, legs, targets, holders, put, gone)
-            for a, b in combinations(range(self.model.ngeom), 2)
-            if {carriers[a], carriers[b]} & legs.keys()
+        runs = [(way.arm, way.leg.name, way.one.detection, way.leg.q.tobytes()) for way in ways]
+        ends = [None if w.fingers is None else w.fingers[1].tobytes() for w in ways]
+        start = [w.chords[0][0].tobytes() for w in ways]
+        # `fixed` has parts where they lie; those that were put down hang on legs before this one.
+        puts = [np.asarray(one.leg("place").q[-1]).tobytes() for one in self.placed.values()]
+        words = (holds, runs, ends, start, puts, str(self.plan.guarantee), len(ways))
+        times = [w.leg.t.tobytes() for w in ways] if len(ways) > 1 else []
+        return self.fixed + self.q.tobytes() + repr((words, times)).encode()
+
+    def _flange(self, arm: str, q) -> np.ndarray:
+        return self.scene.flange(self.files, arm, np.asarray(q))
+
+    def _tcp(self, arm: str, q) -> np.ndarray:
+        return self._flange(arm, q) @ pose_of(self.files.tool(arm)["tcp"])
+
+    def _hands(self) -> str:
+        """What is wrong with where hands are, before anything is looked at near them."""
+        for one in self.plan.arms:
+
+            def hand(q, arm=one.arm):
+                return self._tcp(arm, q)
+
+            broken = is_off(self.files, self.plan, one, hand)
+            if broken:
+                return broken
+        return ""
+
+    def _way(self, one, name: str) -> Way:
+        leg, after = one.leg(name), one.leg(name).opening
+        if name == "approach":
+            after = one.leg("extract").opening
+        elif name == "place":
+            after = one.leg("home").opening
+        columns, slides = self.scene.columns[one.arm], self.scene.fingers[one.arm]
+
+        def whole(q, opening) -> np.ndarray:
+            values = np.zeros(self.scene.model.nq)
+            values[columns], values[slides] = q, opening / 2
+            return values
+
+        path = np.asarray(leg.q)
+        chords = [(whole(a, leg.opening), whole(b, leg.opening)) for a, b in pairwise(path)]
+        if not self.files.stops:
+            zone = self.files.policy("zone")
+            for before, corner, behind in zip(path, path[1:], path[2:], strict=False):
+                start, end = corner + zone * (before - corner), corner + zone * (behind - corner)
+                u = np.linspace(0.0, 1.0, 9)[:, None]
+                bow = (1 - u) ** 2 * start + 2 * u * (1 - u) * corner + u**2 * end
+                chords += [(whole(a, leg.opening), whole(b, leg.opening)) for a, b in pairwise(bow)]
+        fingers = None
+        if after != leg.opening and len(slides):
+            fingers = whole(path[-1], leg.opening), whole(path[-1], after)
+        return Way(one, leg, one.arm, chords, fingers)
+
+    def _after(self, ways) -> None:
+        for way in ways:
+            end = way.fingers[1] if way.fingers else way.chords[len(way.leg.q) - 2][1]
+            for columns in (self.scene.columns[way.arm], self.scene.fingers[way.arm]):
+                self.q[columns] = end[columns]
+            if way.leg.name == "approach":
+                self.held[way.one.detection] = way.one
+            elif way.leg.name == "place":
+                del self.held[way.one.detection]
+                self.placed[way.one.detection] = way.one
+                T = self._tcp(way.arm, way.leg.q[-1]) @ way.one.T_tcp_part.homogeneous
+                self.scene.put_parts({way.one.detection: T})
+
+    def _step(self, ways) -> Refusal | None:
+        held = {
+            number: (one.arm, pose_of(self.files.tool(one.arm)["tcp"]) @ one.T_tcp_part.homogeneous)
+            for number, one in self.held.items()
         }
-        asked = {pair: need for pair, need in needs.items() if need is not None}
-        return np.array(list(asked)), np.array(list(asked.values()))
+        self.scene.hang(self.files, held)
+        for way in ways:
+            found = self._alone(way, [other.arm for other in ways if other is not way])
+            if found is not None:
+                return found
+        return self._together(*ways) if len(ways) == 2 else None
 
-    def _need(self, a, b, carriers, legs, targets, holders, own, gone) -> float | None:
-        """What two geoms have to keep [m]; None where nothing is asked of them."""
-        policy, groups = self._judge._file["policy"], {self.group[a], self.group[b]}
-        if len(groups) == 1 or self._is_allowed(groups):
-            return None
-        arms = {carriers[a], carriers[b]}
-        tools = {f"tool {arm}" for arm in legs}
-        margin, near = policy["margin_mm"] / 1000, policy["near_margin_mm"] / 1000
-        straight = {arm for arm, leg in legs.items() if leg in STRAIGHT}
-        for part, arm in (targets | holders | own).items():
-            # Grips, and hands that leave what they have put down, are the proof's own matter.
-            if groups == {part, f"tool {arm}"}:
+    # -- one arm ------------------------------------------------------------------------------
+
+    def _carriers(self) -> list[str]:
+        holders = {f"part {number}": one.arm for number, one in self.held.items()}
+        return [
+            holders.get(group, carrier)
+            for group, carrier in zip(self.scene.group, self.scene.carrier, strict=True)
+        ]
+
+    def _asked(self, moving, need) -> Asked:
+        """Pairs of which one is moved by some values (nq,), with what `need` says they keep."""
+        scene = self.scene
+        moves, levers = scene.moves.copy(), scene.levers.copy()
+        for number, _, name in scene.pieces:
+            if number in self.held:
+                tool = scene.group.index(f"tool {self.held[number].arm}")
+                columns = scene.columns[self.held[number].arm]
+                g = scene.geom_of[name]
+                moves[g, columns] = True
+                # As far from each axis as the hand can be, and its own size further.
+                levers[g, columns] = levers[tool, columns] + 0.3
+        first, second = np.triu_indices(scene.model.ngeom, 1)
+        differ = (moves[first] ^ moves[second]) & moving
+        chosen = np.flatnonzero(differ.any(axis=1))
+        pairs, needs, far = [], [], []
+        for k in chosen.tolist():
+            a, b = int(first[k]), int(second[k])
+            least = need(a, b)
+            if least is not None:
+                pairs.append((a, b))
+                needs.append(least)
+                far.append(np.where(differ[k], levers[a] + levers[b], 0.0))
+        return Asked(np.array(pairs).reshape(-1, 2), np.array(needs), np.array(far))
+
+    def _alone(self, way: Way, others) -> Refusal | None:
+        scene, name, arm = self.scene, way.leg.name, way.arm
+        columns = scene.columns[arm]
+        carriers, groups = self._carriers(), scene.group
+        policy, tool = self.files.policy, f"tool {arm}"
+        margin, near = policy("margin_mm"), policy("near_margin_mm")
+        is_straight = name in STRAIGHT
+        target = f"part {way.one.detection}"
+        press = 0.0 if len(scene.fingers[arm]) else self.files.tool(arm).get("press_mm", 1.5) / 1000
+        starts: set[tuple[int, int]] = set()
+
+        def need(a: int, b: int) -> float | None:
+            pair, arms = {groups[a], groups[b]}, {carriers[a], carriers[b]}
+            if len(pair) == 1 or self._never(pair) or arms & set(others):
                 return None
-        is_held = bool(groups & holders.keys())
-        if len(arms) == 1:
-            within = margin if is_held else policy["self_margin_mm"] / 1000
-            return near if is_held and arms & straight else within
-        (arm,) = arms & legs.keys() if "" in arms else ("",)
-        if arm in straight and (is_held or groups & tools):
-            # What a part comes off is the proof's own matter, too.
-            is_on_bed = is_held and legs[arm] == "extract" and not gone[arm]
-            return None if is_on_bed else near
-        return margin
+            if name == "approach" and pair == {target, tool}:
+                return -press
+            is_held = any(f"part {number}" in pair for number in self.held)
+            if arms == {arm}:
+                self_margin = policy("self_margin_mm")
+                return (near if is_straight else margin) if is_held else self_margin
+            if name == "home" and target in pair and arms == {arm, ""}:
+                starts.add((a, b))
+                return margin
+            works = [k for k in (a, b) if carriers[k] == arm and groups[k] in (tool, target)]
+            if is_straight and "" in arms and works:
+                if name == "extract" and any(groups[k] == target for k in works):
+                    starts.add((a, b))
+                return near
+            return margin
 
-    def _is_allowed(self, groups) -> bool:
+        moving = np.zeros(scene.model.nq, bool)
+        moving[columns] = True
+        asked = self._asked(moving, need)
+        base = self.q.copy()
+        base[scene.fingers[arm]] = way.chords[0][0][scene.fingers[arm]]
+        chords = [(onto(base, a, columns), onto(base, b, columns)) for a, b in way.chords]
+        may = np.array([tuple(pair) in starts for pair in asked.pairs.tolist()], bool)
+        free = asked.only(~may)
+        found = self._sampler.along(chords, free, way)
+        if found is None and may.any():
+            found = self._from_touch(chords, asked.only(may), way)
+        if found is None and way.fingers is not None:
+            found = self._fingers(way, base, need, target, tool)
+        return found
+
+    def _fingers(self, way: Way, base, need, target, tool) -> Refusal | None:
+        """What fingers would touch, but for the part that they take or let go."""
+        moving, columns = np.zeros(self.scene.model.nq, bool), self.scene.fingers[way.arm]
+        moving[columns] = True
+        groups = self.scene.group
+
+        def other(a: int, b: int) -> float | None:
+            return None if {groups[a], groups[b]} == {target, tool} else need(a, b)
+
+        base = onto(base, way.fingers[0], self.scene.columns[way.arm])
+        ends = [onto(base, values, columns) for values in way.fingers]
+        return self._sampler.along([tuple(ends)], self._asked(moving, other), way)
+
+    def _from_touch(self, chords, asked: Asked, way: Way) -> Refusal | None:
+        """Pairs that may begin nearer than they keep later: a bed, or a part just put down."""
+        near, extract = self.files.policy("near_margin_mm"), way.leg.name == "extract"
+        self.scene.at(chords[0][0])
+        begin = np.array([self.scene.distance(a, b, 0.02) for a, b in asked.pairs.tolist()])
+        if extract:
+            deepest = int(begin.argmin())
+            if begin[deepest] < -self.files.policy("sink_mm") - ALIKE:
+                return self._sampler.refused(
+                    way, asked, deepest, begin[deepest], 0.0, "lies too deep: "
+                )
+        count = len(way.leg.q) - 1
+        before = Asked(asked.pairs, np.minimum(near, begin - SLACK), asked.levers)
+        if extract:
+            release = self.files.policy("release_mm")
+            start = self._tcp(way.arm, way.leg.q[0])[:3, 3]
+            columns = self.scene.columns[way.arm]
+
+            def far(q) -> float:
+                return float(np.linalg.norm(self._tcp(way.arm, q[columns])[:3, 3] - start))
+
+            k = next((k for k in range(count) if far(chords[k][1]) >= release), count)
+            parts = [chords[:k], chords[k + 1 : count], []]
+            if k < count:
+                cut = where(lambda s: far(mix(*chords[k], s)) - release)
+                parts[0] = [*parts[0], (chords[k][0], mix(*chords[k], cut))]
+                # From a little later on, as the two find this point by other means.
+                parts[1] = [(mix(*chords[k], min(cut + 0.02, 1.0)), chords[k][1]), *parts[1]]
+            found = self._sampler.along(parts[0], before, way)
+            return found or self._sampler.along(parts[1], asked, way)
+        left = count + 1
+        for k in range(count + 1):
+            self.scene.at(chords[k][0] if k < count else chords[k - 1][1])
+            distances = [self.scene.distance(a, b, 0.02) for a, b in asked.pairs.tolist()]
+            if min(distances) >= asked.needs[0] + ROOM:
+                left = k
+                break
+        if left > count and np.ptp(way.leg.q, axis=0).any():
+            return Refusal("the hand never leaves the part", (way.arm,), (way.leg.name,))
+        out = way.leg.q[: left + 1]
+        if len(out) > 1 and not leaves_straight(out, lambda q: self._tcp(way.arm, q)):
+            return Refusal("the hand does not leave straight", (way.arm,), (way.leg.name,))
+        found = self._sampler.along(chords[: min(left, count)], before, way)
+        return found or self._sampler.along(chords[left:count], asked, way)
+
+    # -- two arms -----------------------------------------------------------------------------
+
+    def _together(self, one: Way, other: Way) -> Refusal | None:
+        scene, margin = self.scene, self.files.policy("margin_mm")
+        carriers, groups = self._carriers(), scene.group
+        arms = {one.arm, other.arm}
+
+        def need(a: int, b: int) -> float | None:
+            pair = {groups[a], groups[b]}
+            is_between = {carriers[a], carriers[b]} == arms and not self._never(pair)
+            return margin if is_between else None
+
+        sides = []
+        for way in (one, other):
+            both = np.concatenate([scene.columns[way.arm], scene.fingers[way.arm]])
+            chords = [*way.chords, *([way.fingers] if way.fingers else [])]
+            sides.append([(onto(self.q, a, both), onto(self.q, b, both), both) for a, b in chords])
+        moving = np.zeros(scene.model.nq, bool)
+        moving[np.concatenate([sides[0][0][2], sides[1][0][2]])] = True
+        asked = self._asked(moving, need)
+        is_in_step = str(self.plan.guarantee) == "synchronised"
+        if is_in_step and np.array_equal(one.leg.t, other.leg.t):
+            count = len(one.leg.q) - 1
+            chords = [
+                (onto(a[0], b[0], b[2]), onto(a[1], b[1], b[2]))
+                for a, b in zip(sides[0][:count], sides[1][:count], strict=True)
+            ]
+            return self._sampler.along(chords, asked, one, other)
+        return self._sampler.products(sides, asked, (one, other))
+
+    def _never(self, pair: set[str]) -> bool:
         names = frozenset(
             f"{group[5:]}_tool" if group.startswith("tool ") else group.removeprefix("link ")
-            for group in groups
+            for group in pair
         )
-        return names in self._judge._apart
+        return names in self.files.never
 
 
-def _states(runs) -> Iterator[dict[str, np.ndarray]]:
-    """Configurations [rad] on the ways of legs: one leg densely, two in all combinations."""
-    dense = {}
-    for one, leg in runs:
-        rows = [np.asarray(leg.q[0])]
-        for start, end in zip(leg.q[:-1], leg.q[1:], strict=True):
-            count = int(np.ceil(np.abs(end - start).max() / STEP)) or 1
-            rows += [start + (end - start) * k / count for k in range(1, count + 1)]
-        dense[one.arm] = rows
-    if len(dense) == 1:
-        ((arm, rows),) = dense.items()
-        yield from ({arm: row} for row in rows)
-        return
-    (first, ones), (second, others) = dense.items()
-    for row in ones[:: max(len(ones) // 40, 1)]:
-        for other in others[:: max(len(others) // 40, 1)]:
-            yield {first: row, second: other}
-
-
-def _slabs(size_mm, wall) -> Iterator[tuple[str, tuple, tuple]]:
-    """Floor and walls of a bin: name, size and middle [mm], from the middle of its floor."""
-    x, y, z = size_mm
-    yield "floor", (x + 2 * wall, y + 2 * wall, wall), (0, 0, -wall / 2)
-    for sign in (1, -1):
-        yield f"x{sign}", (wall, y + 2 * wall, z), (sign * (x + wall) / 2, 0, z / 2)
-        yield f"y{sign}", (x, wall, z), (0, sign * (y + wall) / 2, z / 2)
-
-
-def _quat(R: np.ndarray) -> np.ndarray:
-    quat = np.empty(4)
-    mujoco.mju_mat2Quat(quat, np.ascontiguousarray(R).ravel())
-    return quat
+def kinds_of(plan) -> tuple[str, ...]:
+    return tuple(one.part for one in plan.detections)

@@ -93,6 +93,16 @@ def test_a_crooked_approach_is_refused(cell, result):
     assert "is not straight" in problems(prove(cell, bent))
 
 
+def test_a_lift_that_is_straight_at_its_ends_alone_is_refused(cell, result):
+    """Joints that move in proportion from its first waypoint to its last lead the hand aside."""
+    said, name = [], "extract"
+    for one in result.plan.arms:
+        leg = one.leg(name)
+        bent = with_leg(result.plan, one.arm, name, q=leg.q[[0, -1]], t=leg.t[[0, -1]] * 3)
+        said += map(str, prove(cell, bent).findings)
+    assert any("is not straight" in text for text in said), said
+
+
 def test_fingers_that_would_open_into_something_are_refused(cell, result):
     """A post beside the place, between where the closed and the open fingers are."""
     plan = result.plan

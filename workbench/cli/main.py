@@ -108,11 +108,11 @@ def run(typed: arguments.Arguments) -> int:
 
             return verify(typed)
         case arguments.Send():
-            from workbench.cli.serving.robot import send
+            from workbench.cli.serving.send import send
 
             return send(typed)
         case arguments.Controller():
-            from workbench.cli.serving.robot import controller
+            from workbench.cli.serving.controller import controller
 
             return controller(typed)
         case arguments.ExportWorld():

@@ -16,6 +16,7 @@ from types import MappingProxyType
 
 from workbench.journal.files import read_file, write_file
 from workbench.journal.schema import migrate
+from workbench.journal.writer import Writer
 from workbench.model.errors import JournalError
 
 FIRST = "0" * 64
@@ -44,8 +45,8 @@ class Journal:
     wholly, with its files, or not at all.
 
     Concurrency: any thread may call anything.  Appends are one after the other; readers have
-    their own connection and never wait for a writer.  One process writes to a folder: a
-    second one is refused at its first append after the other's.
+    their own connection and never wait for a writer.  One program writes to a folder: whoever
+    has claimed it; without a claim, a second one is refused at its first append after the other's.
     """
 
     def __init__(self, folder: Path, *, patience: float = 1.0):
@@ -60,6 +61,7 @@ class Journal:
         """
         self.folder = folder
         self._lock = threading.Lock()
+        self._writer: Writer | None = None
         try:
             folder.mkdir(parents=True, exist_ok=True)
             self._connection = sqlite3.connect(
@@ -119,6 +121,19 @@ class Journal:
             self._count, self._head = row.number, row.hash
             return row.number
 
+    def claim(self, at: float) -> None:
+        """Be the only program that writes to this folder, until `close`; twice does no harm.
+
+        Args:
+            at: seconds since the epoch.
+
+        Raises:
+            JournalError: another one does, which is named, or the folder cannot be written.
+        """
+        with self._lock:
+            if self._writer is None:
+                self._writer = Writer(self.folder, at)
+
     def entries(self, after: int = 0) -> Iterator[Row]:
         """All entries with a higher number than `after`, in order.
 
@@ -167,6 +182,8 @@ class Journal:
                     checked.add(digest)
                     problems.extend(self._file_problem(row.number, digest))
             expected_number, previous = row.number + 1, row.hash
+        if expected_number == 1:
+            problems.append("there is no entry, not even the first one, which tells of the cell")
         highest = self._highest_number()
         if highest >= expected_number:
             problems.append(f"the entries {expected_number} to {highest} are missing at the end")
@@ -190,6 +207,9 @@ class Journal:
         """End writing; closing twice does no harm."""
         with self._lock:
             self._connection.close()
+            if self._writer is not None:
+                self._writer.close()
+                self._writer = None
 
     @property
     def _path(self) -> Path:

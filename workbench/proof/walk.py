@@ -12,6 +12,7 @@ from workbench.model.plan import Finding, Guarantee, Plan, Proof, are_in_step
 from workbench.proof.bodies import bodies_of
 from workbench.proof.motion import Sets, moved
 from workbench.proof.robot import Tree
+from workbench.proof.rules import straight_findings
 from workbench.proof.search import SIGHT, TIGHT, Found, Nearest, search
 from workbench.proof.space import Space
 from workbench.proof.stages import (
@@ -111,7 +112,12 @@ class Walk:
     def _alone(self, step: Step, one: Moving) -> None:
         """An arm on its leg against everything but arms that move meanwhile."""
         others = [self._numbers[other.arm.name] for other in step.moving if other is not one]
-        left_at = self._left_at(step, one) if one.leg.name == "home" else 0
+        left_at = 0
+        if one.leg.name == "home":
+            left_at = self._left_at(step, one)
+            if left_at:
+                out = np.asarray(one.leg.q[: left_at + 1])
+                self._findings += straight_findings(self._tree, one.arm, "home", out)
         now, all_pairs = None, None
         for stage in stages_of(self._cell, self._tree, step, one, left_at):
             if all_pairs is None or stage.now is not now:

@@ -55,7 +55,7 @@ def planned(cell, samples) -> State:
     return State(
         cell,
         Phase.PLANNED,
-        7,
+        number=7,
         scan=scan,
         detections=samples.detections(),
         scene_digest=scan.digest,

@@ -8,13 +8,8 @@ import pytest
 from workbench.app.core.commands import ChangeCell, JobEnded, SightPlate, UndoCell, UseSightings
 from workbench.app.core.rights import WORKER
 from workbench.app.core.value_checks import MOST_SIGHTINGS
-from workbench.app.picking.calibration import (
-    calibrated,
-    moved_by,
-    simulated_sight,
-    suggested_poses,
-    with_calibration,
-)
+from workbench.app.picking.calibration import calibrated, moved_by, with_calibration
+from workbench.app.picking.held_plate import simulated_sight, suggested_poses
 from workbench.app.review.recompute import recomputed
 from workbench.app.runtime.bench import Bench
 from workbench.app.runtime.live import Live

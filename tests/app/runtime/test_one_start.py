@@ -31,15 +31,15 @@ from workbench.app.core.effects import Send, StopSending
 from workbench.app.core.state import Phase
 from workbench.app.records.replay import replay
 from workbench.app.records.session_archive import export_session, import_session
+from workbench.app.records.sessions import cell_of
 from workbench.app.review.history import History
-from workbench.app.review.recompute import cell_of
 from workbench.app.runtime.bench import Bench
 from workbench.app.runtime.live import Live
 from workbench.app.runtime.robot_link import LinkRunner
 from workbench.cli.main import main
 from workbench.devices.abb_simulated.controller import SimulatedController
 from workbench.journal.journal import Journal
-from workbench.model.errors import CommandRefused
+from workbench.model.errors import CommandRefused, JournalError
 from workbench.plugins.robot_link import controller_by
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -211,14 +211,14 @@ def test_a_session_that_has_only_begun_has_nothing_to_end(tmp_path, bench_in):
     assert [row.kind for row in bench_in(tmp_path / "one").entries()] == ["Session"]
 
 
-def test_a_folder_opened_twice_sends_once_at_most(tmp_path, samples, controller, bench_in):
+def test_a_folder_is_opened_once_and_the_first_one_goes_on(tmp_path, samples, bench_in):
     first = bench_in(tmp_path / "one")
     digest = approved(first, samples)
-    second = bench_in(tmp_path / "one")
-    assert has_no_word(second)
-    assert "nothing was done" in refused(first, digest)
-    assert "approved" in refused(second, digest)
-    assert controller.state()["received"] == 0
+    count = first.state.number
+    with pytest.raises(JournalError, match="is written to by process"):
+        bench_in(tmp_path / "one")
+    assert first.state.number == count
+    assert sent(first, digest).phase is Phase.DONE
 
 
 def test_nothing_is_sent_when_that_cannot_be_recorded(tmp_path, samples, controller, bench_in):
@@ -251,9 +251,10 @@ def test_that_it_was_sent_is_on_record_before_the_first_message(
 
 
 def nobody_listens(bench, controller):
+    port = controller.port
     controller.stop()
     with socket.socket() as probe:
-        while probe.connect_ex(("127.0.0.1", controller.port)) == 0:
+        while probe.connect_ex(("127.0.0.1", port)) == 0:
             probe.close()
             time.sleep(0.01)
 

@@ -11,7 +11,7 @@ import time
 import numpy as np
 import pytest
 
-import workbench.cli.serving.robot as robot_commands
+import workbench.cli.serving.send as send_command
 from workbench.app.picking.proving import prove
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.plans.plan_files import read_plan, write_plan
@@ -106,7 +106,7 @@ def test_the_digest_of_a_plan_does_not_approve_the_plan_as_it_was_edited(
 def test_a_word_lapses(line, say, words, digest, record, monkeypatch):
     assert say("send", line.plan, *words).code == 2
     later = time.time() + 60 * read_cell("yumi").policy.approval_minutes + 1
-    monkeypatch.setattr(robot_commands.time, "time", lambda: later)
+    monkeypatch.setattr(send_command.time, "time", lambda: later)
     said = say("send", line.plan, *words, "--digest", digest)
     assert said.code == 2 and "read again" in said.problem
 

@@ -28,7 +28,11 @@ def test_the_example_is_small_whole_and_comes_out_the_same_again(say, example):
     assert sum(file.stat().st_size for file in example.rglob("*") if file.is_file()) < 2**20
     assert "unchanged since they were written" in say("session", "verify", example).out
     said = say("session", "replay", example)
-    assert said.code == 0 and said.out.count(": equal") == 3, said.out
+    assert said.code == 0, said.out
+    # A scan made again differs a little where another make of processor recorded it.
+    results = [line.partition(": ")[2] for line in said.out.splitlines()[:-1]]
+    assert len(results) == 3 and results[2] == "equal", said.out
+    assert all(one.startswith(("equal", "the same within")) for one in results), said.out
 
 
 def test_an_exported_session_can_be_read_by_people_and_comes_back(say, example, tmp_path):

@@ -152,6 +152,17 @@ def test_we_say_something_while_the_robot_moves_and_notice_silence(talk):
         talk.ours.check(PING * 1.1 + USUAL.silence + 0.1)
 
 
+def test_a_controller_that_repeats_itself_fills_no_journal(talk):
+    talk.go_on(until="plan")
+    for number in range(2000):
+        talk.tell(f"state {('ready', 'loading')[number % 2]} {number % 99:02d} R01 L00")
+    talk.go_on()
+    for number in range(2000):
+        talk.tell(f"state running 01 R{number % 2:02d} L00")
+    said = [one.heard for one in talk.receipts if " state " in one.heard]
+    assert len(said) == 4
+
+
 def test_silence_counts_from_the_last_word(talk):
     talk.at = 5.0
     talk.go_on()
@@ -198,6 +209,7 @@ def test_abort_is_answered_and_timed(talk):
         (["state ready 00 R00 L00"], "says it is ready, it should be running"),
         (["state running 01 R01"], "does not tell of every arm"),
         (["state running x R01 L00"], "no report of a state"),
+        (["state resting 01 R01 L00"], "'resting' is no state"),
         (["at X 0.00"], "about no arm"),
         (["at R 0.00"], "1 numbers came for the 7 axes"),
         (["part R picked", "part R picked"], "comes twice"),

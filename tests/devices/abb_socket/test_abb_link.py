@@ -244,10 +244,23 @@ STATE = (
         (STATE % ("1e999", "1")).encode(),
         (STATE % ("1" + 400 * "0", "1")).encode(),
         (STATE % ("0", "Infinity")).encode(),
+        (STATE % ("0", str(2**31))).encode(),
+        (STATE % ("0", "-1")).encode(),
         b"7",
         b"\xff",
     ],
-    ids=["empty", "deep", "nan", "infinite", "huge", "infinite count", "number", "no text"],
+    ids=[
+        "empty",
+        "deep",
+        "nan",
+        "infinite",
+        "huge",
+        "infinite count",
+        "too many",
+        "negative",
+        "number",
+        "no text",
+    ],
 )
 def test_a_state_report_that_is_none(line):
     def nonsense(client, got):

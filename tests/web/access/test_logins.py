@@ -147,6 +147,22 @@ def test_a_form_of_another_site_is_refused(front, said, origin):
     said("refused origin", front.url.removeprefix("http://"))
 
 
+@pytest.mark.parametrize("coding", ["gzip", "deflate", "br", "zstd"])
+def test_a_body_that_does_not_decode_is_a_bad_request(front, coding, caplog):
+    kind = "application/x-www-form-urlencoded"
+    headers = {"Origin": front.url, "Content-Type": kind, "Content-Encoding": coding}
+
+    async def look():
+        async with (
+            raw_browser(front.url) as browser,
+            browser.session.post(f"{front.url}/login", data=b"hello", headers=headers) as answer,
+        ):
+            assert answer.status in (400, 415)
+
+    run(look())
+    assert all(record.exc_info is None for record in caplog.records)
+
+
 @pytest.mark.parametrize("host", ["evil.example", "evil.example:80", "", "a@127.0.0.1", "[::1"])
 def test_a_name_that_is_not_ours_is_refused(front, said, host):
     async def look():

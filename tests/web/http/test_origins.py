@@ -26,6 +26,10 @@ from workbench.web.http.origins import Origins, is_loopback
         ("[::1%a; script-src *]", False),
         ("[fe80::1%eth0]:8080", True),
         ("127.0.0.1:port", False),
+        ("[::1]evil", False),
+        ("[::1]evil:80", False),
+        ("evil[::1]", False),
+        ("::1", False),
         ("127.0.0.1:99999", False),
         ("[::1", False),
         ("0.0.0.0:8080", True),  # an address, if an odd one

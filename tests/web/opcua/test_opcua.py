@@ -1,7 +1,9 @@
 """The OPC UA server, spoken to by a client over loopback."""
 
 import asyncio
+import contextlib
 import socket
+import struct
 
 import pytest
 from asyncua import Client, ua
@@ -10,7 +12,8 @@ from waiting import PATIENCE
 from workbench.app.core.commands import Approve, TakeControl, WatchPlan
 from workbench.app.core.people import Person, Role
 from workbench.model.errors import InputError
-from workbench.web.opcua.server import MOST_CLIENTS, NAMESPACE, OpcUa, Options
+from workbench.web.access.lockout import MOST, WHILE
+from workbench.web.opcua.server import MOST_CLIENTS, NAMESPACE, OpcUa, Options, _Door
 from workbench.web.opcua.values import VARIABLES
 
 PLC = Person("plc", Role.OPERATOR)
@@ -155,6 +158,102 @@ def test_a_password_is_asked_for(serve, port):
     for name, password in (("", ""), ("plc", "wrong"), ("admin", "secret")):
         with pytest.raises(ua.UaError):
             asyncio.run(come(name, password))
+
+
+def test_passwords_are_not_tried_one_after_the_other(serve, port):
+    serve(password="secret")
+
+    async def come(password):
+        client = Client(f"opc.tcp://127.0.0.1:{port}/workbench")
+        client.set_user("plc")
+        client.set_password(password)
+        async with client:
+            return True
+
+    for number in range(MOST):
+        with pytest.raises(ua.UaError):
+            asyncio.run(come(f"guess {number}"))
+    with pytest.raises(ua.UaError):
+        asyncio.run(come("secret"))
+
+
+def test_the_door_opens_again_after_a_while():
+    clock = [0.0]
+    door = _Door(Options(0, PLC, password="secret"), now=lambda: clock[0])
+    for _ in range(MOST):
+        assert door.get_user(None, "plc", "guess") is None
+    assert door.get_user(None, "plc", "secret") is None
+    clock[0] = WHILE
+    assert door.get_user(None, "plc", "secret") is not None
+
+
+def test_methods_with_other_arguments_are_refused_by_a_status(serve):
+    async def conversation(cell):
+        for arguments, code in (
+            ((), ua.StatusCodes.BadArgumentsMissing),
+            ((whole(1),), ua.StatusCodes.BadArgumentsMissing),
+            ((whole(1),) * 3, ua.StatusCodes.BadTooManyArguments),
+        ):
+            with pytest.raises(ua.UaStatusCodeError) as caught:
+                await cell.call("Scan", *arguments)
+            assert caught.value.code == code
+
+    talk(serve(), conversation)
+
+
+def chunk(kind, final, body, announced=None):
+    """A chunk as OPC UA's TCP carries it (Part 6, 7.1.2)."""
+    return kind + final + struct.pack("<I", announced or 8 + len(body)) + body
+
+
+HELLO = chunk(
+    b"HEL", b"F", struct.pack("<5I", 0, 65535, 65535, 0, 0) + struct.pack("<i", 3) + b"opc"
+)
+
+
+@pytest.mark.parametrize(
+    "flood",
+    [
+        chunk(b"MSG", b"C", b"x", announced=90_000_000),
+        HELLO + chunk(b"OPN", b"F", b"x", announced=2**31 - 1),
+        chunk(b"HEL", b"F", b"x", announced=2**32 - 1),
+    ],
+    ids=["no greeting", "open", "greeting"],
+)
+def test_what_a_header_announces_is_not_waited_for(serve, port, flood, caplog):
+    url = serve()
+    with (
+        socket.create_connection(("127.0.0.1", port), timeout=PATIENCE) as attacker,
+        contextlib.suppress(ConnectionError),
+    ):
+        attacker.sendall(flood)
+        for _ in range(64):
+            attacker.sendall(bytes(65536))
+        while attacker.recv(4096):
+            pass
+    assert "its message is too long" in caplog.text
+
+    async def look(hands):
+        assert await hands.read("Fault") == ""
+
+    talk(url, look)
+
+
+def test_a_message_in_many_chunks_is_cut_off(serve):
+    url = serve()
+
+    async def run():
+        async with Client(url) as client:
+            with pytest.raises((ua.UaError, ConnectionError, asyncio.CancelledError)):
+                await client.nodes.objects.call_method("0:none", "x" * 2_000_000)
+
+    with contextlib.suppress(ConnectionError):
+        asyncio.run(run())
+
+    async def look(hands):
+        assert await hands.read("Fault") == ""
+
+    talk(url, look)
 
 
 def test_nobody_else_gets_at_it_without_a_password(site, port):

@@ -7,7 +7,7 @@ from workbench.app.core.differences import difference
 from workbench.app.core.effects import KeepDrafts, UseCell
 from workbench.app.core.part_rules import edited_part
 from workbench.app.core.release import without_approval
-from workbench.app.core.state import Phase, State, anew, overtaken_by
+from workbench.app.core.state import Phase, PlanState, ScanState, State, begun, overtaken_by
 from workbench.model.cell import Cell
 from workbench.model.digest import digest_of
 from workbench.model.part_edits import differ_in_grasps_only, with_part
@@ -87,10 +87,11 @@ def _with_cell(state: State, cell: Cell, message: str) -> Changed:
     stale = overtaken_by(state, difference(state.cell, cell))
     state = replace(state, cell=cell)
     if scan is None:
-        return anew(state, stale=stale, message=message), (UseCell(cell),)
-    after = anew(
+        return begun(state, ScanState, stale=stale, message=message), (UseCell(cell),)
+    after = begun(
         state,
-        Phase.SCANNED,
+        ScanState,
+        phase=Phase.SCANNED,
         scan=scan,
         scene_digest=scan.digest,
         stale=stale,
@@ -106,18 +107,8 @@ def _with_grasps(state: State, cell: Cell, message: str) -> Changed:
     stale = overtaken_by(state, difference(state.cell, cell))
     after = replace(state, cell=cell)
     if state.phase is Phase.DONE:
-        return anew(after, stale=stale, message=message), effects
+        return begun(after, ScanState, stale=stale, message=message), effects
     if state.detections is None:
         return replace(after, message=message), effects
-    found = anew(
-        after,
-        Phase.LOCALIZED if state.detections else Phase.SCANNED,
-        scan=state.scan,
-        searches=state.searches,
-        remarks=state.remarks,
-        detections=state.detections,
-        scene_digest=state.scene_digest,
-        stale=stale,
-        message=message,
-    )
-    return found, effects
+    phase = Phase.LOCALIZED if state.detections else Phase.SCANNED
+    return begun(after, PlanState, phase=phase, stale=stale, message=message), effects

@@ -69,7 +69,17 @@ from workbench.app.core.release import (
 )
 from workbench.app.core.rules import approve
 from workbench.app.core.sent import after_sending, with_receipt
-from workbench.app.core.state import Job, Phase, State, anew, counted, overtaken_by
+from workbench.app.core.state import (
+    Job,
+    PartsState,
+    Phase,
+    RunState,
+    ScanState,
+    State,
+    begun,
+    counted,
+    overtaken_by,
+)
 from workbench.model.calibration import PlateSighting
 from workbench.model.digest import digest_of
 from workbench.model.errors import CommandRefused, JobCancelled, WorkbenchError
@@ -126,7 +136,7 @@ def decide(state: State, entry: Entry) -> Outcome:
         case AcknowledgeFault():
             # Nobody knows how the bin looks after a fault: only a new scan can tell.
             message = f"fault acknowledged by {entry.actor}; take a new scan"
-            return anew(replace(state, failures=0), message=message), ()
+            return begun(replace(state, failures=0), ScanState, message=message), ()
         case ReportPick() as command:
             return with_outcome(state, command, entry.actor, entry.at), ()
         case ForgetAvoided():
@@ -272,8 +282,7 @@ def _send(state: State, entry: Entry) -> Outcome:
     if state.plan is None or state.approval is None:
         raise CommandRefused("there is no approved plan to send")
     message = f"{entry.actor} sends plan {state.plan.digest[:12]}"
-    after = replace(state, phase=Phase.SENDING, receipts=(), outcomes=(), message=message)
-    after = replace(after, parts_placed=0, part_reports=())
+    after = begun(state, RunState, phase=Phase.SENDING, message=message)
     return after, (Send(state.plan, state.approval),)
 
 
@@ -305,7 +314,7 @@ def _job_ended(state: State, ended: JobEnded, at: float) -> State:
             message = f"{result.name}: the plate is seen, {len(sightings)} so far"
             return replace(state, sightings=sightings, message=message)
         case ("plan", PlanResult()):
-            return replace(with_plan(state, result), planned_threshold=job.threshold)
+            return with_plan(state, result, job.threshold)
         case _:
             wrong = type(result).__name__
             return replace(state, message=f"task {job.name!r} failed: it brought a {wrong}")
@@ -321,9 +330,10 @@ def _part_made(state: State, ended: JobEnded, part: Part) -> Outcome:
 
 
 def _with_scan(state: State, scan: Scan, at: float) -> State:
-    return anew(
+    return begun(
         replace(state, avoided=after_one_more_scan(state.avoided, at)),
-        Phase.SCANNED,
+        ScanState,
+        phase=Phase.SCANNED,
         scan=scan,
         scene_digest=scan.digest,
         stale="" if state.phase is Phase.DONE else overtaken_by(state, "there is a newer scan"),
@@ -333,10 +343,10 @@ def _with_scan(state: State, scan: Scan, at: float) -> State:
 
 def _with_detections(state: State, search: Search) -> State:
     detections = search.detections
-    return anew(
+    return begun(
         state,
-        Phase.LOCALIZED if detections else Phase.SCANNED,
-        scan=state.scan,
+        PartsState,
+        phase=Phase.LOCALIZED if detections else Phase.SCANNED,
         searches=(*state.searches, search)[-MOST_SEARCHES:],
         detections=detections,
         scene_digest=state.scan.digest if state.scan is not None else "",
@@ -351,11 +361,10 @@ def _with_outside_detections(state: State, entry: Entry, command: UseDetections)
     remark = Remark(entry.at, entry.actor, says)
     # Poses from another matcher usually belong to this scan, but never to a picked bin.
     is_picked = state.phase is Phase.DONE
-    return anew(
+    return begun(
         state,
-        Phase.LOCALIZED,
-        scan=None if is_picked else state.scan,
-        searches=() if is_picked else state.searches,
+        ScanState if is_picked else PartsState,
+        phase=Phase.LOCALIZED,
         remarks=(*(() if is_picked else state.remarks), remark)[-MOST_REMARKS:],
         detections=detections,
         scene_digest=digest_of(detections),

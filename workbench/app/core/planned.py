@@ -1,20 +1,19 @@
 """What a planning has brought: the state with its plan, or with why there is none."""
 
-from dataclasses import replace
-
-from workbench.app.core.state import Outline, Phase, State
+from workbench.app.core.state import Outline, Phase, PlanState, State, begun
 from workbench.model.plan import PlanResult
 
 MOST_OUTLINES = 20
 """Plannings for the same parts that are remembered."""
 
 
-def with_plan(state: State, result: PlanResult) -> State:
+def with_plan(state: State, result: PlanResult, threshold: float | None) -> State:
     """The state after a planning; what was said about an earlier plan goes.
 
     Args:
         state: before.
         result: what the planning brought; a plan whose proof does not hold is shown, too.
+        threshold: [m] that it was asked for with.
     """
     if result.plan is None:
         phase, message = Phase.LOCALIZED, f"no plan: {result.verdict}"
@@ -28,8 +27,9 @@ def with_plan(state: State, result: PlanResult) -> State:
             f"plan ready: {result.plan.strategy}, {result.plan.cycle_seconds:.1f} s, "
             f"smallest clearance {result.proof.clearance * 1000:.1f} mm"
         )
-    return replace(
+    return begun(
         state,
+        PlanState,
         phase=phase,
         candidates=result.candidates,
         plan=result.plan,
@@ -38,15 +38,8 @@ def with_plan(state: State, result: PlanResult) -> State:
         seconds=tuple(result.seconds.items()),
         obstacles=result.obstacles,
         outlines=(*state.outlines, *map(_outline, (*result.beside, result)))[-MOST_OUTLINES:],
-        approval=None,
-        stale="",
-        watched=(),
-        told=(),
-        words=(),
-        outcomes=(),
-        receipts=(),
-        parts_placed=0,
-        part_reports=(),
+        planned_threshold=threshold,
+        wanted_threshold=state.wanted_threshold,
         message=message,
     )
 

@@ -3,7 +3,7 @@
 import dataclasses
 import enum
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, cast
 
 from workbench.model.calibration import PlateSighting
 from workbench.model.candidate import Candidate, Verdict
@@ -88,95 +88,127 @@ class Avoided:
     why: str = ""
 
 
-LASTS = {"outlives_scan": True}
-"""Metadata of a field of the state that outlives the scan."""
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class SessionState:
+    """What only the end of the session ends.
 
-VOID = {"outlives_scan": False}
-"""Of one that a new scan, or another cell, makes void: back to its default."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class State:
-    """All that an auditor would ask for.
-
-    What a stage made stays until a newer value of an earlier stage makes it stale: then it is
-    dropped, so that what is here always belongs together.  `scene_digest` is what a plan must
-    have been made from: that of the scan, or of the detections when they came from outside.
-    `part_reports` say what the controller told of each part of the plan, once it was sent.
-    `outlines` are of all plannings for these detections, the latest last.
-    `fault` is set exactly in phase fault; `message` tells a person what happened last.
-    `before` are the cells that an undo goes back to, the last one first to be taken, `undone` those
-    of a redo; `placed` are parts on pallets, or where they may be since a fault; `saved` is the
-    digest of the cell as its file has it, and `cell_problem` says why the file cannot be used as
-    it is now.
-    `stale` says what the last plan was overtaken by.  `planned_threshold` [m] is that of the plan,
-    `wanted_threshold` the one that is wanted now.  `watched` names those before whose eyes the
-    plan was played to its end, `told` those of them of whom only a program says so; `words` are
-    given for it, enough of them or not.
-    `outcomes` are of this plan's parts; `failures` counts failed picks in a row, over all cycles,
-    and `avoided` says where.
-    `searches` are those in this scan, the latest last, and `remarks` what people have done to what
-    was found.  `sightings` are those of a calibration that is being made.
+    `number` is that of the last entry.  `before` are the cells that an undo goes back to, the last
+    one first to be taken, `undone` those of a redo; `saved` is the digest of the cell as its file
+    has it, and `cell_problem` says why the file cannot be used as it is now.
+    `placed` are parts on pallets, or where they may be since a fault.  `failures` counts failed
+    picks in a row, over all cycles, and `avoided` says where.
+    `sightings` are those of a calibration that is being made.
     `control` is the name of who is in control, empty while nobody is; `asking` are those who have
     asked for it, the first one first.
     """
 
-    cell: Cell = field(metadata=LASTS)
-    phase: Phase = field(default=Phase.IDLE, metadata=VOID)
-    # Of the cell and of the whole session:
-    number: int = field(default=0, metadata=LASTS)
-    before: tuple[Cell, ...] = field(default=(), metadata=LASTS)
-    undone: tuple[Cell, ...] = field(default=(), metadata=LASTS)
-    saved: str = field(default="", metadata=LASTS)
-    cell_problem: str = field(default="", metadata=LASTS)
-    placed: tuple[Detection, ...] = field(default=(), metadata=LASTS)
-    failures: int = field(default=0, metadata=LASTS)
-    avoided: tuple[Avoided, ...] = field(default=(), metadata=LASTS)
-    sightings: tuple[PlateSighting, ...] = field(default=(), metadata=LASTS)
-    # Who is in control:
-    control: str = field(default="", metadata=LASTS)
-    asking: tuple[str, ...] = field(default=(), metadata=LASTS)
-    # Of the scan, and of the parts that were found in it:
-    scan: Scan | None = field(default=None, metadata=VOID)
-    detections: tuple[Detection, ...] | None = field(default=None, metadata=VOID)
-    scene_digest: str = field(default="", metadata=VOID)
-    searches: tuple[Search, ...] = field(default=(), metadata=VOID)
-    remarks: tuple[Remark, ...] = field(default=(), metadata=VOID)
-    # Of the planning:
-    candidates: tuple[Candidate, ...] | None = field(default=None, metadata=VOID)
-    plan: Plan | None = field(default=None, metadata=VOID)
-    proof: Proof | None = field(default=None, metadata=VOID)
-    verdict: Verdict | None = field(default=None, metadata=VOID)
-    seconds: tuple[tuple[str, float], ...] = field(default=(), metadata=VOID)
-    obstacles: tuple[Obstacle, ...] = field(default=(), metadata=VOID)
-    outlines: tuple[Outline, ...] = field(default=(), metadata=VOID)
-    planned_threshold: float | None = field(default=None, metadata=VOID)
-    wanted_threshold: float | None = field(default=None, metadata=VOID)
-    stale: str = field(default="", metadata=VOID)
-    # Of letting the plan out, and of what the robot did with it:
-    watched: tuple[str, ...] = field(default=(), metadata=VOID)
-    told: tuple[str, ...] = field(default_factory=tuple, metadata=VOID | LATER)
-    words: tuple[Word, ...] = field(default=(), metadata=VOID)
-    approval: Approval | None = field(default=None, metadata=VOID)
-    receipts: tuple[Receipt, ...] = field(default=(), metadata=VOID)
-    parts_placed: int = field(default=0, metadata=VOID)
-    part_reports: tuple[PartReport, ...] = field(default=(), metadata=VOID)
-    outcomes: tuple[Outcome, ...] = field(default=(), metadata=VOID)
-    # Of this moment:
-    job: Job | None = field(default=None, metadata=VOID)
-    fault: str = field(default="", metadata=VOID)
-    message: str = field(default="", metadata=VOID)
+    cell: Cell = field(kw_only=False)
+    number: int = 0
+    before: tuple[Cell, ...] = ()
+    undone: tuple[Cell, ...] = ()
+    saved: str = ""
+    cell_problem: str = ""
+    placed: tuple[Detection, ...] = ()
+    failures: int = 0
+    avoided: tuple[Avoided, ...] = ()
+    sightings: tuple[PlateSighting, ...] = ()
+    control: str = ""
+    asking: tuple[str, ...] = ()
 
 
-LASTING = tuple(one.name for one in dataclasses.fields(State) if one.metadata["outlives_scan"])
-"""The fields that a new scan leaves as they are: each field says so of itself."""
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class ScanState(SessionState):
+    """What a new scan makes void: the scan and the searches in it, the latest last."""
+
+    scan: Scan | None = None
+    searches: tuple[Search, ...] = ()
 
 
-def anew(state: State, phase: Phase = Phase.IDLE, **fields: Any) -> State:
-    """The state once nothing of the scan counts any more, with `fields`."""
-    values: dict[str, Any] = {name: getattr(state, name) for name in LASTING}
-    values |= {"phase": phase} | fields
-    return State(**values)
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class PartsState(ScanState):
+    """What other parts found make void.
+
+    `scene_digest` is what a plan must have been made from: that of the scan, or of the detections
+    when they came from outside.  `remarks` say what people have done to what was found.
+    """
+
+    detections: tuple[Detection, ...] | None = None
+    scene_digest: str = ""
+    remarks: tuple[Remark, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class PlanState(PartsState):
+    """What a new planning makes void.
+
+    `stale` says what the last plan was overtaken by.  `planned_threshold` [m] is that of the plan,
+    `wanted_threshold` the one that is wanted now.  `outlines` are of all plannings for these
+    parts, the latest last.
+    """
+
+    candidates: tuple[Candidate, ...] | None = None
+    plan: Plan | None = None
+    proof: Proof | None = None
+    verdict: Verdict | None = None
+    seconds: tuple[tuple[str, float], ...] = ()
+    obstacles: tuple[Obstacle, ...] = ()
+    outlines: tuple[Outline, ...] = ()
+    planned_threshold: float | None = None
+    wanted_threshold: float | None = None
+    stale: str = ""
+
+
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class ReleaseState(PlanState):
+    """What lets the plan out.
+
+    `watched` names those before whose eyes it was played to its end, `told` those of them of whom
+    only a program says so; `words` are given for it, enough of them or not.
+    """
+
+    watched: tuple[str, ...] = ()
+    told: tuple[str, ...] = field(default_factory=tuple, metadata=LATER)
+    words: tuple[Word, ...] = ()
+    approval: Approval | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class RunState(ReleaseState):
+    """What a new sending makes void: what the robot did with the plan.
+
+    `part_reports` say what the controller told of each part, `outcomes` what people or grippers
+    said became of it.
+    """
+
+    receipts: tuple[Receipt, ...] = ()
+    parts_placed: int = 0
+    part_reports: tuple[PartReport, ...] = ()
+    outcomes: tuple[Outcome, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class State(RunState):
+    """All that an auditor would ask for.
+
+    Its stages are the classes above, in the order in which one is made from the other: what a
+    stage holds stays until one before it, or the same, begins anew (`begun`), so that what is here
+    always belongs together.  A field belongs to the stage whose class it stands in.
+
+    What stands here is of this moment: `fault` is set exactly in phase fault; `message` tells a
+    person what happened last.
+    """
+
+    phase: Phase = field(default=Phase.IDLE, kw_only=False)
+    job: Job | None = None
+    fault: str = ""
+    message: str = ""
+
+
+def begun(state: State, stage: type[SessionState], **fields: Any) -> State:
+    """The state as a stage begins anew: it and all after it are void, but for `fields`."""
+    earlier = cast(type[SessionState], stage.__base__)
+    kept = {one.name: getattr(state, one.name) for one in dataclasses.fields(earlier)}
+    return State(**kept | fields)
 
 
 def overtaken_by(state: State, by: str) -> str:

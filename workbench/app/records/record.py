@@ -54,8 +54,14 @@ class CommandForm:
     files: Mapping[str, bytes]
 
 
-def session_record(cell: Cell, at: float) -> Record:
-    """The first record of a session: which workbench, which cell, and when [s since the epoch]."""
+def session_record(cell: Cell, at: float, after: Mapping[str, Any] | None = None) -> Record:
+    """The first record of a session: which workbench, which cell, and when.
+
+    Args:
+        cell: that it begins with.
+        at: seconds since the epoch.
+        after: names the session before it, if somebody said so.
+    """
     body = {
         "format": SESSION_FORMAT,
         "workbench": __version__,
@@ -64,6 +70,8 @@ def session_record(cell: Cell, at: float) -> Record:
         "cell_digest": cell.digest,
         "value": canonical(cell),
     }
+    if after is not None:
+        body["follows"] = dict(after)
     return Record(SESSION, _json(body), large_arrays(cell))
 
 

@@ -58,6 +58,8 @@ def told(journal: Journal) -> Told:
             after = body.get("after", {})
             if row.kind == SESSION:
                 head |= {key: body[key] for key in ("workbench", "cell", "cell_digest")}
+                if "follows" in body:
+                    head["follows"] = body["follows"]["session"]
         except (AttributeError, KeyError, ValueError) as error:
             raise JournalError(f"entry {row.number} ({row.kind}) cannot be read") from error
         entries.append(

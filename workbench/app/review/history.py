@@ -10,7 +10,7 @@ from workbench.app.core.commands import Command
 from workbench.app.core.people import Role
 from workbench.app.core.state import State
 from workbench.app.records.replay import replay
-from workbench.app.review.recompute import cell_of
+from workbench.app.records.sessions import cell_of
 from workbench.app.runtime.live import Live
 from workbench.journal.journal import Journal, Row
 from workbench.model.cell import Cell

@@ -1,22 +1,19 @@
 """A session's results computed again from what it has kept, and how alike they are."""
 
-import json
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
 
 from workbench.app.core.commands import JobEnded
 from workbench.app.core.decide import decide
 from workbench.app.core.effects import StartJob
 from workbench.app.core.state import State
-from workbench.app.records.forms import restored
-from workbench.app.records.record import SESSION
 from workbench.app.records.replay import replay
+from workbench.app.records.sessions import cell_of
 from workbench.app.review.likeness import Likeness, resemblance
 from workbench.app.runtime.work import JOBS
 from workbench.journal.journal import Journal
 from workbench.model.cell import Cell
-from workbench.model.errors import JournalError, WorkbenchError
+from workbench.model.errors import WorkbenchError
 from workbench.model.scan import Findings
 
 
@@ -28,22 +25,6 @@ class Comparison:
     task: str
     likeness: Likeness
     says: str
-
-
-def cell_of(journal: Journal) -> Cell:
-    """The cell that a session began with, as its first entry has kept it.
-
-    Raises:
-        JournalError: the session is empty, or its beginning cannot be read.
-    """
-    first = next(journal.entries(), None)
-    if first is None:
-        raise JournalError(f"{journal.folder}: the session is empty")
-    try:
-        content: Any = json.loads(first.body) if first.kind == SESSION else None
-        return restored(Cell, content["value"], journal.read)
-    except (KeyError, TypeError, ValueError, WorkbenchError) as error:
-        raise JournalError(f"{journal.folder}: its beginning cannot be read: {error}") from error
 
 
 def recomputed(journal: Journal) -> Iterator[Comparison]:

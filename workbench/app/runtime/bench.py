@@ -86,7 +86,8 @@ class Bench:
             effects: makes what carries out effects.
 
         Raises:
-            JournalError: the journal cannot be written, or its entries do not fit.
+            JournalError: the journal cannot be written, another program writes to it, or its
+                entries do not fit.
             CommandRefused: the end of what was under way cannot be written.
         """
         self.cell = cell
@@ -96,6 +97,7 @@ class Bench:
         self._observers: list[ObserverThread] = []
         self._closing = False
         self._ages = WordAges(steady)
+        journal.claim(now())
         if journal.count == 0:
             begin(journal, cell, now())
         self._state = State(cell, number=journal.count, saved=cell.digest)

@@ -163,7 +163,8 @@ class LinkRunner:
         parts = self._parts(run)
         placed = sum(part.is_picked is True for part in parts)
         if is_silent:
-            placed = self._placed_since(run.before, 0 if fault else len(run.receipts))
+            since = self._placed_since(run.before, 0 if fault else len(run.receipts))
+            placed = min(since, len(run.plan.arms))
         self._end(fault, placed, parts)
 
     def _spend(self, approval: Approval) -> None:

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 
-from workbench.app.picking.calibration import simulated_sight
+from workbench.app.picking.held_plate import simulated_sight
 from workbench.app.picking.part_import import imported_part
 from workbench.app.picking.pipeline import plan_pick
 from workbench.app.runtime.readiness import make_ready

@@ -32,7 +32,10 @@ class Serve:
     port: int = 8080
     """Port to listen on; 0 takes a free one."""
     session: Path | None = None
-    """Folder of a session to go on with, where it ended; its cell is the one that it has now."""
+    """Folder of a session to go on with, where it ended; its cell is the one that it has now. One
+    that another program writes to is only looked at."""
+    after: Path | None = None
+    """Folder of a session that the new one names as the one before it."""
     opcua: int | None = None
     """Serve OPC UA on this port, too; with a password from WORKBENCH_OPCUA_PASSWORD, or on this
     machine only."""

@@ -8,13 +8,8 @@ import numpy as np
 import pinocchio as pin
 
 from workbench.app.core.value_checks import SEED_LIMIT
-from workbench.app.picking.calibration import (
-    calibrated,
-    moved_by,
-    simulated_sight,
-    suggested_poses,
-    with_calibration,
-)
+from workbench.app.picking.calibration import calibrated, moved_by, with_calibration
+from workbench.app.picking.held_plate import simulated_sight, suggested_poses
 from workbench.app.runtime.readiness import make_ready
 from workbench.cli.arguments import top as arguments
 from workbench.cli.exits import SUCCESS

@@ -1,9 +1,12 @@
 """The page of a bench with its front before it, as all commands serve it."""
 
 import secrets
+import signal
+import threading
 from collections.abc import Generator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
+from types import FrameType
 
 from workbench.app.review.history import History
 from workbench.app.runtime.bench import Bench
@@ -71,3 +74,16 @@ def fronted(
             front.close()
     finally:
         page.close()
+
+
+def wait_for_the_end(*lines: str) -> None:
+    """Print that all is there, and return at SIGINT or SIGTERM."""
+    ended = threading.Event()
+
+    def end(signum: int, frame: FrameType | None) -> None:
+        ended.set()
+
+    signal.signal(signal.SIGINT, end)
+    signal.signal(signal.SIGTERM, end)
+    print(*lines, sep="\n", flush=True)
+    ended.wait()

@@ -6,25 +6,29 @@ from workbench.app.records.session_archive import opened
 from workbench.app.review.history import History
 from workbench.app.runtime.readiness import make_ready
 from workbench.cli.arguments.nested import SessionOpen
+from workbench.cli.arguments.top import Serve
 from workbench.cli.exits import SUCCESS
-from workbench.cli.serving.fronted import front_options, fronted
-from workbench.cli.serving.serve import wait_for_the_end
+from workbench.cli.serving.fronted import front_options, fronted, wait_for_the_end
 from workbench.cli.terminal import progress
+from workbench.journal.journal import Journal
 
 
 def open_session(typed: SessionOpen) -> int:
     """Serve the page until SIGINT or SIGTERM."""
-    options = front_options(typed)
     logging.basicConfig(level=logging.WARNING, format="%(asctime)s %(name)s: %(message)s")
+    return look_at(opened(typed.session), typed)
+
+
+def look_at(journal: Journal, typed: SessionOpen | Serve) -> int:
+    """Serve the page on what a journal holds by now, until SIGINT or SIGTERM, and close it."""
+    options = front_options(typed)
     with progress("page") as report:
         make_ready(report, ("planning",))
-    journal = opened(typed.session)
     try:
         history = History(journal)
         with fronted(history, typed.users, options) as front:
             entries = f"{history.count} entries, to look at only"
-            print(f"{typed.session}, {entries}: {front.link}", flush=True)
-            wait_for_the_end()
+            wait_for_the_end(f"{journal.folder}, {entries}: {front.link}")
     finally:
         journal.close()
     return SUCCESS

@@ -1,31 +1,30 @@
 """`workbench serve`: the page of a cell, its session, and a robot to talk to."""
 
 import logging
-import signal
 import socket
-import threading
 import time
-from contextlib import ExitStack
+from contextlib import ExitStack, closing
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from types import FrameType
 
 from workbench.app.records.session_archive import opened
-from workbench.app.records.sessions import new_session
-from workbench.app.review.recompute import cell_of
+from workbench.app.records.sessions import cell_of, new_session
 from workbench.app.runtime.bench import Bench
 from workbench.app.runtime.machines import Machines
 from workbench.app.runtime.watch import CellWatch
 from workbench.app.runtime.watch_poses import PosesWatch
 from workbench.cli.arguments import top as arguments
-from workbench.cli.serving.fronted import front_options, fronted
+from workbench.cli.serving.fronted import front_options, fronted, wait_for_the_end
+from workbench.cli.serving.open_session import look_at
 from workbench.cli.serving.plc import plc
 from workbench.cli.serving.simulation import simulated_controller
+from workbench.cli.terminal import progress
 from workbench.formats.cells.predictions import predictions_path, read_predictions
 from workbench.formats.cells.reading import cell_path, part_folders, read_cell
-from workbench.model.cell import Controller
-from workbench.model.errors import InputError
+from workbench.journal.journal import Journal
+from workbench.model.cell import Cell, Controller
+from workbench.model.errors import InputError, JournalError
 from workbench.web.access.identity import identify
 from workbench.web.api.routes import api_routes
 from workbench.web.http.origins import is_loopback
@@ -41,10 +40,15 @@ def serve(typed: arguments.Serve) -> int:
     logging.basicConfig(level=logging.WARNING, format="%(asctime)s %(name)s: %(message)s")
     cell, goes_on = read_cell(typed.cell), None
     if typed.session is not None:
-        goes_on, name = opened(typed.session), cell.name
-        cell = cell_of(goes_on)
-        if cell.name != name:
-            raise InputError(f"{typed.session}: is of cell {cell.name}, not of {name}; see --cell")
+        if typed.after is not None:
+            raise InputError("--session goes on with a session, --after begins another: say one")
+        goes_on = opened(typed.session)
+        try:
+            goes_on.claim(time.time())
+        except JournalError as error:
+            print(f"{error}; this page only looks at what was recorded until now")
+            return look_at(goes_on, typed)
+        cell = _begun_with(goes_on, cell.name)
     predictions = read_predictions(predictions_path(typed.cell))
     with ExitStack() as stack:
         robot = f"robot controller: {_address(cell.controller)}"
@@ -52,7 +56,7 @@ def serve(typed: arguments.Serve) -> int:
             simulated = simulated_controller(typed.cell, cell.controller)
             cell = replace(cell, controller=stack.enter_context(simulated))
             robot = f"robot controller: simulated, {_address(cell.controller)}"
-        journal = goes_on or new_session(SESSIONS, cell, time.time())
+        journal = goes_on or _begun(cell, typed.after)
         path = cell_path(typed.cell)
         bench = Bench(cell, journal, effects=partial(Machines, cell_file=path))
         stack.callback(bench.close)
@@ -69,23 +73,39 @@ def serve(typed: arguments.Serve) -> int:
             routes=api_routes(bench, identify),
         )
         front = stack.enter_context(page)
-        print(f"Workbench, cell {cell.name}: {front.link}")
-        print(robot)
-        print(f"session: {journal.folder}", flush=True)
-        wait_for_the_end()
+        link = f"Workbench, cell {cell.name}: {front.link}"
+        wait_for_the_end(link, robot, f"session: {journal.folder}")
     return 0
 
 
-def wait_for_the_end() -> None:
-    """Return at SIGINT or SIGTERM."""
-    ended = threading.Event()
+def _begun_with(journal: Journal, name: str) -> Cell:
+    """The cell that a whole session of cell `name` began with.
 
-    def end(signum: int, frame: FrameType | None) -> None:
-        ended.set()
+    Raises:
+        JournalError: the session was changed after it was written.
+        InputError: it is of another cell.
+    """
+    with progress("session") as report:
+        report(0.0, "looking whether it was changed")
+        problems = journal.verify()
+    if problems:
+        more = f" ({len(problems) - 1} more by `workbench session verify`)" if problems[1:] else ""
+        raise JournalError(
+            f"{journal.folder}: {problems[0]}{more}; nothing is added to a session that was "
+            "changed: --after instead of --session begins another that names it"
+        )
+    cell = cell_of(journal)
+    if cell.name != name:
+        raise InputError(f"{journal.folder}: is of cell {cell.name}, not of {name}; see --cell")
+    return cell
 
-    signal.signal(signal.SIGINT, end)
-    signal.signal(signal.SIGTERM, end)
-    ended.wait()
+
+def _begun(cell: Cell, after: Path | None) -> Journal:
+    """A new session; its first entry names the one that it comes `after`."""
+    if after is None:
+        return new_session(SESSIONS, cell, time.time())
+    with closing(opened(after)) as before:
+        return new_session(SESSIONS, cell, time.time(), after=before)
 
 
 def _answers(controller: Controller) -> bool:

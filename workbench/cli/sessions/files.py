@@ -10,7 +10,7 @@ from pathlib import Path
 from workbench.app.core.state import State
 from workbench.app.records.replay import replay
 from workbench.app.records.session_archive import DATABASE, export_session, import_session, opened
-from workbench.app.review.recompute import cell_of
+from workbench.app.records.sessions import cell_of
 from workbench.cli.arguments.nested import SessionExport, SessionImport, SessionPrune
 from workbench.cli.exits import SUCCESS
 from workbench.cli.terminal import check_number, check_whole

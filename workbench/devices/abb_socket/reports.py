@@ -11,6 +11,9 @@ from workbench.model.release import RobotState
 
 LONGEST_LINE = 64 * 1024
 
+MOST_COUNTED = 2**23
+"""RAPID counts in numbers of 32 bits with a point: above this some are left out."""
+
 
 def watch_state(
     host: str, port: int, cancelled: Callable[[], bool] = lambda: False
@@ -47,14 +50,21 @@ def _state(line: bytes) -> RobotState:
             joints={str(a): tuple(map(_finite, q)) for a, q in report["joints"].items()},
             openings={str(a): _finite(v) for a, v in report["openings"].items()},
             moving=str(report["moving"]),
-            received=int(report["received"]),
-            placed=int(report["placed"]),
+            received=_count(report["received"]),
+            placed=_count(report["placed"]),
             fault=str(report["fault"]),
         )
     except (ValueError, LookupError, TypeError, AttributeError, OverflowError) as error:
         raise ProtocolError(f"{line[:60]!r} is no state report ({error})") from None
     except RecursionError:
         raise ProtocolError(f"{line[:60]!r} is no state report: nested too deeply") from None
+
+
+def _count(value: Any) -> int:
+    number = int(value)
+    if not 0 <= number <= MOST_COUNTED:
+        raise ValueError(f"{number} counts nothing")
+    return number
 
 
 def _finite(value: Any) -> float:

@@ -27,6 +27,7 @@ from workbench.devices.abb_socket.frames import (
 )
 from workbench.devices.abb_socket.messages import REQUEST, angles_of
 from workbench.devices.abb_socket.program import Line, Program, lines_of
+from workbench.devices.abb_socket.states import PHASES
 from workbench.model.cell import Cell
 from workbench.model.errors import LinkError, ProtocolError
 from workbench.model.plan import Plan
@@ -85,7 +86,7 @@ class Sending:
         self._points = sum(len(leg.seconds) for leg in program.legs)
         self._waiting: tuple[Frame, Line | None, float] | None = None
         self._said_at = self._heard_at = self._aborted_at = None
-        self._told = ""
+        self._told = set[str]()
         self._parts: dict[str, PartReport] = {}
         self._is_done = False
         self.status = LinkStatus(steps=len(program.steps))
@@ -256,9 +257,12 @@ class Sending:
             if phase != "running":
                 raise ProtocolError(f"the controller says it is {phase}, it should be running")
             self._check_motion(step, points)
-        if frame.rest == self._told:
+        # Each is told once, and before the robot moves each phase: a controller that repeats
+        # itself fills no journal.
+        said = frame.rest if self._step else phase
+        if said in self._told:
             return []
-        self._told = frame.rest
+        self._told.add(said)
         return [self._heard(frame)]
 
     def _state_words(self, frame: Frame) -> tuple[str, int, dict[str, int]]:
@@ -269,6 +273,8 @@ class Sending:
             number = int(step)
         except (ValueError, KeyError):
             raise ProtocolError(f"{frame.text!r} is no report of a state") from None
+        if phase not in PHASES:
+            raise ProtocolError(f"{frame.text!r}: {phase!r} is no state")
         if set(points) != set(letters.values()):
             raise ProtocolError(f"{frame.text!r} does not tell of every arm")
         return phase, number, points

@@ -5,9 +5,11 @@ The simulated controller looks the next state up here, the RAPID module carries 
 """
 
 from collections.abc import Mapping
-from typing import Literal
+from typing import Literal, get_args
 
 ControllerPhase = Literal["greeted", "ready", "loading", "loaded", "running", "fault", "stopped"]
+
+PHASES = frozenset(get_args(ControllerPhase))
 
 NEXT: Mapping[tuple[ControllerPhase, str], ControllerPhase] = {
     ("greeted", "hello"): "ready",

@@ -9,7 +9,7 @@ import numpy as np
 import viser
 
 from workbench.app.core.commands import ChangeCell, Command, SaveCell, SightPlate, UseSightings
-from workbench.app.picking.calibration import calibrated, suggested_poses, with_calibration
+from workbench.app.picking.calibration import calibrated, with_calibration
 from workbench.gui.shared.calibration_views import (
     answer_html,
     overlay_line,
@@ -178,6 +178,9 @@ class CalibrationPanel:
         """Jog to the next of the suggested poses; the first time they are worked out."""
         visitor = self._visitor
         try:
+            # Open3D takes a second to load: the page does not wait for it.
+            from workbench.app.picking.held_plate import suggested_poses
+
             cell, plate = visitor.cell, self._plate()
             arm = cell.arm(self._arm.value)
             known, left = self._suggested

@@ -8,7 +8,6 @@ from workbench.gui.shared.colours import AVOIDED, BESIDE_BIN, HEIGHTS, part_colo
 from workbench.model.cell import Cell
 from workbench.model.geometry import Bools, Floats
 from workbench.model.scan import Detection, Obstacle
-from workbench.perception.scene.unexplained import explained_by
 
 SLACK = 1e-6
 """[m] Rounding, by which a point on the face of a box may lie outside of it."""
@@ -28,6 +27,9 @@ def painted_cloud(cell: Cell, points: Floats, detections: tuple[Detection, ...])
     colours = height_colours(cell, points)
     is_part = np.zeros(len(points), np.bool_)
     if detections:
+        # Open3D takes a second to load: the page does not wait for it before there is a scan.
+        from workbench.perception.scene.unexplained import explained_by
+
         owners = explained_by(cell, detections, points)
         is_part = owners >= 0
         for number in range(len(detections)):

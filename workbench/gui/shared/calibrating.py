@@ -11,7 +11,6 @@ from workbench.gui.shared.colours import BAD, BESIDE_BIN, BUSY, GOOD, rgb_of
 from workbench.model.calibration import Calibration, PlateSighting
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats
-from workbench.perception.calibration.robot_overlay import distances_to_robot
 from workbench.planning.kinematics.robot import Kinematics
 
 NEAR = 0.025
@@ -54,6 +53,9 @@ def overlay(state: State, sighting: PlateSighting, found: Calibration | None) ->
         sighting: the pose.
         found: has the scanner's pose; None: as the cell has it.
     """
+    # Open3D takes a second to load: the page does not wait for it.
+    from workbench.perception.calibration.robot_overlay import distances_to_robot
+
     cell = state.cell
     T = cell.scanner.T_world_scanner if found is None else found.T_world_scanner
     points = sighting.points @ T.rotation.T + T.translation

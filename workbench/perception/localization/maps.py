@@ -1,6 +1,7 @@
 """The scan as maps: one depth and one normal a pixel of a camera looking into the bin."""
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
@@ -25,6 +26,22 @@ POINTS_A_PIXEL = 2.0
 """The pixels are made so large that they hold this many points on average, or more."""
 
 MOST_PIXELS = 600_000
+
+
+class Seen(NamedTuple):
+    """A `DepthMap` as compiled code takes it.
+
+    `rays` and `normals` (rows, columns, 3), `depth` [m] and `foreground` (rows, columns); `focal`
+    [pixels], and `column` and `row` of the optical axis.
+    """
+
+    rays: Floats
+    depth: Floats
+    normals: Floats
+    foreground: Bools
+    focal: float
+    column: float
+    row: float
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -55,9 +72,12 @@ class DepthMap:
         )
 
     @property
-    def view(self) -> tuple[float, float, float]:
-        """Focal length [pixels], and column and row of the optical axis."""
-        return self.camera.focal, float(self.camera.centre[0]), float(self.camera.centre[1])
+    def seen(self) -> Seen:
+        """The same for compiled code."""
+        column, row = map(float, self.camera.centre)
+        return Seen(
+            self.rays, self.depth, self.normals, self.foreground, self.camera.focal, column, row
+        )
 
     def halved(self) -> "DepthMap":
         """Every second pixel of every second row: for a glance, four times as fast."""

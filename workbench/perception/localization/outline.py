@@ -8,11 +8,10 @@ does not, unless a neighbour lies flush with it: but that is found as well, most
 import numpy as np
 from numba import njit
 
-from workbench.model.geometry import Bools, Floats, Ints
+from workbench.model.geometry import Bools, Floats
 from workbench.perception.localization.maps import DepthMap
 from workbench.perception.localization.part_surface import PartSurface
-from workbench.perception.localization.sightings import drawing
-from workbench.perception.views.rendering import rendered
+from workbench.perception.localization.sightings import Drawing, drawing, predicted
 
 BEYOND = 2
 """[pixels] So far outside of the outline one looks: nearer, pixels see both sides."""
@@ -48,70 +47,59 @@ def ends_there(
         is_other: (pixels,) which of them other parts found explain.
     """
     others = is_other.reshape(maps.depth.shape)
-    ends, goes_on = _outline(*drawing(maps, surface, tolerance), np.ascontiguousarray(pose), others)
+    ends, goes_on = _outline(drawing(maps, surface, tolerance), np.ascontiguousarray(pose), others)
     return ends + goes_on < FEWEST or ends >= LEAST_ENDS * (ends + goes_on)
 
 
 @njit(cache=True)
 def _outline(
-    rays: Floats,
-    depth: Floats,
-    scan_normals: Floats,
-    foreground: Bools,
-    focal: float,
-    column: float,
-    row: float,
-    vertices: Floats,
-    triangles: Ints,
-    is_closed: bool,
-    tolerance: float,
-    T: Floats,
-    is_other: Bools,
+    drawing: Drawing, T: Floats, is_other: Bools
 ) -> tuple[int, int]:  # pragma: no cover (compiled)
     """Pixels along the outline in which the part ends, and in which its surface goes on."""
-    first_v, first_u, predicted, hit, normals = rendered(
-        T, vertices, triangles, is_closed, rays, focal, column, row
-    )
-    high, wide = predicted.shape
+    seen, tolerance = drawing.seen, drawing.tolerance
+    first_v, first_u, shown, hit, normals = predicted(drawing, T)
+    high, wide = shown.shape
     ends, goes_on = 0, 0
     for j in range(high):
         for i in range(wide):
-            if predicted[j, i] == np.inf:
+            if shown[j, i] == np.inf:
                 continue
             v, u = first_v + j, first_u + i
             n = normals[hit[j, i]]
-            if depth[v, u] == 0.0 or not foreground[v, u]:
+            if seen.depth[v, u] == 0.0 or not seen.foreground[v, u]:
                 continue
-            here = depth[v, u]
-            along = n[0] * rays[v, u, 0] + n[1] * rays[v, u, 1] + n[2] * rays[v, u, 2]
-            if abs(along * (here - predicted[j, i])) > tolerance:
+            here = seen.depth[v, u]
+            along = (
+                n[0] * seen.rays[v, u, 0] + n[1] * seen.rays[v, u, 1] + n[2] * seen.rays[v, u, 2]
+            )
+            if abs(along * (here - shown[j, i])) > tolerance:
                 continue
             for side in range(4):
                 dj, di = (0, 1, 0, -1)[side], (1, 0, -1, 0)[side]
                 beside = (j + dj, i + di)
                 beyond = (j + BEYOND * dj, i + BEYOND * di)
-                if _is_drawn(predicted, beside) or _is_drawn(predicted, beyond):
+                if _is_drawn(shown, beside) or _is_drawn(shown, beyond):
                     continue
                 b, a = first_v + beyond[0], first_u + beyond[1]
-                if not (0 <= b < depth.shape[0] and 0 <= a < depth.shape[1]):
+                if not (0 <= b < seen.depth.shape[0] and 0 <= a < seen.depth.shape[1]):
                     continue
-                there = depth[b, a]
+                there = seen.depth[b, a]
                 if there == 0.0 or is_other[b, a]:
                     continue
                 off, agreement = 0.0, 0.0
                 for k in range(3):
-                    off += n[k] * (rays[b, a, k] * there - rays[v, u, k] * here)
-                    agreement += n[k] * scan_normals[b, a, k]
-                if foreground[b, a] and abs(off) <= tolerance and agreement > ALIKE:
+                    off += n[k] * (seen.rays[b, a, k] * there - seen.rays[v, u, k] * here)
+                    agreement += n[k] * seen.normals[b, a, k]
+                if seen.foreground[b, a] and abs(off) <= tolerance and agreement > ALIKE:
                     goes_on += 1
-                elif there >= here - tolerance or not foreground[b, a]:
+                elif there >= here - tolerance or not seen.foreground[b, a]:
                     ends += 1
     return ends, goes_on
 
 
 @njit(cache=True)
-def _is_drawn(predicted: Floats, at: tuple[int, int]) -> bool:  # pragma: no cover (compiled)
+def _is_drawn(shown: Floats, at: tuple[int, int]) -> bool:  # pragma: no cover (compiled)
     """Whether the picture of the part covers that place."""
     j, i = at
-    is_in_picture = 0 <= j < predicted.shape[0] and 0 <= i < predicted.shape[1]
-    return is_in_picture and predicted[j, i] < np.inf
+    is_in_picture = 0 <= j < shown.shape[0] and 0 <= i < shown.shape[1]
+    return is_in_picture and shown[j, i] < np.inf

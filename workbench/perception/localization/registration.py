@@ -7,8 +7,8 @@ them.
 import numpy as np
 from numba import njit
 
-from workbench.model.geometry import Bools, Floats
-from workbench.perception.localization.maps import DepthMap
+from workbench.model.geometry import Floats
+from workbench.perception.localization.maps import DepthMap, Seen
 from workbench.perception.localization.oriented import OrientedPoints
 
 Triple = tuple[float, float, float]
@@ -43,8 +43,7 @@ def quick_scores(maps: DepthMap, poses: Floats, model: OrientedPoints, tolerance
         the scan looks through them, and which hide behind something else.
     """
     return _quick_scores(
-        maps.rays, maps.depth, maps.normals, maps.foreground, *maps.view,
-        np.ascontiguousarray(poses), model.points, model.normals, tolerance,
+        maps.seen, np.ascontiguousarray(poses), model.points, model.normals, tolerance,
     )  # fmt: skip
 
 
@@ -66,8 +65,8 @@ def refine(
         the last iteration, infinite when there were too few.
     """
     return _refine(
-        maps.rays, maps.depth, maps.normals, maps.foreground, *maps.view,
-        np.ascontiguousarray(poses), model.points, model.normals, np.ascontiguousarray(gates),
+        maps.seen, np.ascontiguousarray(poses), model.points, model.normals,
+        np.ascontiguousarray(gates),
     )  # fmt: skip
 
 
@@ -96,24 +95,17 @@ def _dot(a: Floats | Triple, b: Floats | Triple) -> float:  # pragma: no cover (
 
 
 @njit(cache=True)
-def _pixel(
-    p: Triple, focal: float, column: float, row: float, shape: tuple[int, ...]
-) -> tuple[int, int]:  # pragma: no cover (compiled)
+def _pixel(p: Triple, seen: Seen) -> tuple[int, int]:  # pragma: no cover (compiled)
     """Row and column where the camera sees `p`, or (-1, -1)."""
-    u = int(np.rint(p[0] / p[2] * focal + column))
-    v = int(np.rint(p[1] / p[2] * focal + row))
-    return (v, u) if 0 <= u < shape[1] and 0 <= v < shape[0] else (-1, -1)
+    u = int(np.rint(p[0] / p[2] * seen.focal + seen.column))
+    v = int(np.rint(p[1] / p[2] * seen.focal + seen.row))
+    rows, columns = seen.depth.shape
+    return (v, u) if 0 <= u < columns and 0 <= v < rows else (-1, -1)
 
 
 @njit(cache=True)
 def _quick_scores(
-    rays: Floats,
-    depth: Floats,
-    scan_normals: Floats,
-    foreground: Bools,
-    focal: float,
-    column: float,
-    row: float,
+    seen: Seen,
     poses: Floats,
     points: Floats,
     normals: Floats,
@@ -128,15 +120,15 @@ def _quick_scores(
             if cosine < FACING or p[2] <= 0.0:
                 continue
             total += cosine
-            v, u = _pixel(p, focal, column, row, depth.shape)
-            if v < 0 or depth[v, u] == 0.0:
+            v, u = _pixel(p, seen)
+            if v < 0 or seen.depth[v, u] == 0.0:
                 continue
-            off = depth[v, u] * _dot(n, rays[v, u]) - _dot(n, p)
+            off = seen.depth[v, u] * _dot(n, seen.rays[v, u]) - _dot(n, p)
             if off < -tolerance:
                 scores[k, VIOLATION] += cosine
             elif off > tolerance:
                 scores[k, OCCLUSION] += cosine
-            elif foreground[v, u] and _dot(n, scan_normals[v, u]) > AGREEING:
+            elif seen.foreground[v, u] and _dot(n, seen.normals[v, u]) > AGREEING:
                 scores[k, SUPPORT] += cosine
         if total > 0.0:
             for which in range(3):
@@ -146,13 +138,7 @@ def _quick_scores(
 
 @njit(cache=True)
 def _refine(
-    rays: Floats,
-    depth: Floats,
-    scan_normals: Floats,
-    foreground: Bools,
-    focal: float,
-    column: float,
-    row: float,
+    seen: Seen,
     poses: Floats,
     points: Floats,
     normals: Floats,
@@ -178,10 +164,10 @@ def _refine(
                 p, n = transformed(T, points[m]), _turned(T, normals[m])
                 if _dot(n, p) > -FACING * p[2] or p[2] <= 0.0:
                     continue
-                v, u = _pixel(p, focal, column, row, depth.shape)
-                if v < 0 or not foreground[v, u] or _dot(n, scan_normals[v, u]) < AGREEING:
+                v, u = _pixel(p, seen)
+                if v < 0 or not seen.foreground[v, u] or _dot(n, seen.normals[v, u]) < AGREEING:
                     continue
-                off = depth[v, u] * _dot(n, rays[v, u]) - _dot(n, p)
+                off = seen.depth[v, u] * _dot(n, seen.rays[v, u]) - _dot(n, p)
                 if abs(off) > gate:
                     continue
                 # Turns about the middle in units of the size: all six unknowns alike.

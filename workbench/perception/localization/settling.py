@@ -3,8 +3,8 @@
 import numpy as np
 from numba import njit, prange
 
-from workbench.model.geometry import Bools, Floats, Ints
-from workbench.perception.localization.maps import DepthMap
+from workbench.model.geometry import Floats, Ints
+from workbench.perception.localization.maps import DepthMap, Seen
 from workbench.perception.localization.part_surface import PartSurface
 from workbench.perception.localization.registration import move, solved, transformed
 from workbench.perception.localization.sightings import (
@@ -12,6 +12,7 @@ from workbench.perception.localization.sightings import (
     EXPLAINED,
     SQUARES,
     VIOLATED,
+    Drawing,
     closeness,
     counted,
     drawing,
@@ -78,13 +79,7 @@ def settled(
 
 @njit(cache=True, parallel=True)
 def _settled(
-    rays: Floats,
-    depth: Floats,
-    scan_normals: Floats,
-    foreground: Bools,
-    focal: float,
-    column: float,
-    row: float,
+    seen: Seen,
     vertices: Floats,
     triangles: Ints,
     is_closed: bool,
@@ -94,55 +89,52 @@ def _settled(
     radius: float,
     steps: Floats,
 ) -> Floats:  # pragma: no cover (compiled)
+    """See `settled`; a `Drawing` is taken apart, since threads cannot be given tuples in tuples."""
     rested = poses.copy()
     for k in prange(len(poses)):
-        T, x = rested[k], np.empty(6)
-        _fit(
-            rays, depth, scan_normals, foreground, focal, column, row, vertices, triangles,
-            is_closed, tolerance, T, middle, radius,
+        _settle(
+            Drawing(seen, vertices, triangles, is_closed, tolerance), rested[k],
+            middle, radius, steps,
         )  # fmt: skip
-        centre = transformed(T, middle)
-        A, _ = pulled(
-            rays, depth, scan_normals, foreground, focal, column, row, vertices, triangles,
-            is_closed, tolerance, T, centre, radius,
-        )  # fmt: skip
-        values, directions = np.linalg.eigh(A)
-        value = -np.inf
-        for weak in range(WEAK):
-            if NOISE / np.sqrt(max(values[weak], 1e-12)) < LOOSE:
-                break
-            for step in np.append(0.0, steps) if weak == 0 else steps:
-                start = T.copy()
-                for sign in (-1.0, 1.0):
-                    tried = start.copy()
-                    centre = transformed(tried, middle)
-                    for i in range(6):
-                        x[i] = directions[i, weak] * (sign * step)
-                    move(tried, centre, x, radius)
-                    says = counted(
-                        rays, depth, scan_normals, foreground, focal, column, row, vertices,
-                        triangles, is_closed, tolerance, tried,
-                    )  # fmt: skip
-                    found = says[EXPLAINED] - AGAINST * says[VIOLATED] - says[SQUARES]
-                    if found > value:
-                        value = found
-                        _copy(tried, T)
-                    if step == 0.0:
-                        break
-        # Counting pixels is coarse: what surfaces hold, they hold better, if the shape is right.
-        tried = T.copy()
-        _fit(
-            rays, depth, scan_normals, foreground, focal, column, row, vertices, triangles,
-            is_closed, tolerance, tried, middle, radius,
-        )  # fmt: skip
-        says = counted(
-            rays, depth, scan_normals, foreground, focal, column, row, vertices,
-            triangles, is_closed, tolerance, tried,
-        )  # fmt: skip
-        found = says[EXPLAINED] - AGAINST * says[VIOLATED] - says[SQUARES]
-        if found >= value - 1.0 - GIVEN_UP * abs(value):
-            _copy(tried, T)
     return rested
+
+
+@njit(cache=True)
+def _settle(
+    drawing: Drawing, T: Floats, middle: Floats, radius: float, steps: Floats
+) -> None:  # pragma: no cover (compiled)
+    """Bring one pose `T` (4, 4) to rest, in place."""
+    x = np.empty(6)
+    _fit(drawing, T, middle, radius)
+    centre = transformed(T, middle)
+    A, _ = pulled(drawing, T, centre, radius)
+    values, directions = np.linalg.eigh(A)
+    value = -np.inf
+    for weak in range(WEAK):
+        if NOISE / np.sqrt(max(values[weak], 1e-12)) < LOOSE:
+            break
+        for step in np.append(0.0, steps) if weak == 0 else steps:
+            start = T.copy()
+            for sign in (-1.0, 1.0):
+                tried = start.copy()
+                centre = transformed(tried, middle)
+                for i in range(6):
+                    x[i] = directions[i, weak] * (sign * step)
+                move(tried, centre, x, radius)
+                says = counted(drawing, tried)
+                found = says[EXPLAINED] - AGAINST * says[VIOLATED] - says[SQUARES]
+                if found > value:
+                    value = found
+                    _copy(tried, T)
+                if step == 0.0:
+                    break
+    # Counting pixels is coarse: what surfaces hold, they hold better, if the shape is right.
+    tried = T.copy()
+    _fit(drawing, tried, middle, radius)
+    says = counted(drawing, tried)
+    found = says[EXPLAINED] - AGAINST * says[VIOLATED] - says[SQUARES]
+    if found >= value - 1.0 - GIVEN_UP * abs(value):
+        _copy(tried, T)
 
 
 @njit(cache=True)
@@ -155,29 +147,13 @@ def _copy(source: Floats, target: Floats) -> None:  # pragma: no cover (compiled
 
 @njit(cache=True)
 def _fit(
-    rays: Floats,
-    depth: Floats,
-    scan_normals: Floats,
-    foreground: Bools,
-    focal: float,
-    column: float,
-    row: float,
-    vertices: Floats,
-    triangles: Ints,
-    is_closed: bool,
-    tolerance: float,
-    T: Floats,
-    middle: Floats,
-    radius: float,
+    drawing: Drawing, T: Floats, middle: Floats, radius: float
 ) -> None:  # pragma: no cover (compiled)
     """A few Gauss-Newton steps of the pose `T`, in place."""
     x = np.empty(6)
     for _ in range(FITS):
         centre = transformed(T, middle)
-        A, b = pulled(
-            rays, depth, scan_normals, foreground, focal, column, row, vertices, triangles,
-            is_closed, tolerance, T, centre, radius,
-        )  # fmt: skip
+        A, b = pulled(drawing, T, centre, radius)
         if A[0, 0] == 0.0:
             break
         solved(A, b, x)

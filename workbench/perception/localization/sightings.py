@@ -1,20 +1,31 @@
 """What a pose predicts the scanner to see, pixel by pixel, held against what it saw."""
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
 
-from workbench.model.geometry import Bools, Floats, Ints, frozen, put
-from workbench.perception.localization.maps import DepthMap
+from workbench.model.geometry import Floats, Ints, frozen, put
+from workbench.perception.localization.maps import DepthMap, Seen
 from workbench.perception.localization.part_surface import PartSurface
 from workbench.perception.localization.registration import Triple, transformed
 from workbench.perception.views.rendering import rendered
 
-Drawing = tuple[
-    Floats, Floats, Floats, Bools, float, float, float, Floats, Ints, bool, float
-]  # fmt: skip
-"""See `drawing`."""
+
+class Drawing(NamedTuple):
+    """What compiled code takes to hold poses of a part against a scan.
+
+    `vertices` (n, 3) [m] and `triangles` (m, 3) are those of the part, which `is_closed` or not;
+    `tolerance` [m] is how far from the predicted surface a measured point may lie.
+    """
+
+    seen: Seen
+    vertices: Floats
+    triangles: Ints
+    is_closed: bool
+    tolerance: float
+
 
 AGREEING = 0.5
 """Cosine between predicted and measured normal above which a pixel is explained."""
@@ -83,7 +94,7 @@ def look(maps: DepthMap, surface: PartSurface, pose: Floats, tolerance: float) -
         pose: where it is thought to be.
         tolerance: [m] how far from the predicted surface a measured point may lie.
     """
-    pixels, states, off = _look(*drawing(maps, surface, tolerance), np.ascontiguousarray(pose))
+    pixels, states, off = _look(drawing(maps, surface, tolerance), np.ascontiguousarray(pose))
     explained = states == EXPLAINED
     return Sighting(
         pixels[explained], off[explained], pixels[states == VIOLATED], pixels[states == HIDDEN]
@@ -96,7 +107,7 @@ def tally(maps: DepthMap, surface: PartSurface, poses: Floats, tolerance: float)
     Columns are `EXPLAINED`, `VIOLATED`, `HIDDEN` [px], and `SQUARES`, the sum of the squares
     of the distances of the explained points over the tolerance.
     """
-    return _tally(*drawing(maps, surface, tolerance), np.ascontiguousarray(poses))
+    return _tally(drawing(maps, surface, tolerance), np.ascontiguousarray(poses))
 
 
 def pull(
@@ -111,8 +122,8 @@ def pull(
         A (6, 6) and b (6,) [m].
     """
     centre = transformed(pose, surface.middle)
-    arguments = drawing(maps, surface, tolerance)
-    return pulled(*arguments, np.ascontiguousarray(pose), centre, surface.diameter / 2)
+    it = drawing(maps, surface, tolerance)
+    return pulled(it, np.ascontiguousarray(pose), centre, surface.diameter / 2)
 
 
 def gains(tallies: Floats) -> Floats:
@@ -126,150 +137,95 @@ def closeness(tallies: Floats) -> Floats:
 
 
 def drawing(maps: DepthMap, surface: PartSurface, tolerance: float) -> Drawing:
-    """What compiled code takes first to hold a pose against the scan."""
-    return (
-        maps.rays, maps.depth, maps.normals, maps.foreground, *maps.view,
-        surface.vertices, surface.triangles, surface.is_closed, tolerance,
+    """A part to be held against a scan."""
+    return Drawing(maps.seen, surface.vertices, surface.triangles, surface.is_closed, tolerance)
+
+
+@njit(cache=True)
+def predicted(
+    drawing: Drawing, T: Floats
+) -> tuple[int, int, Floats, Ints, Floats]:  # pragma: no cover (compiled)
+    """What the scanner would see of the part at `T` (4, 4), depths (h, w) [m]; see `rendered`."""
+    seen = drawing.seen
+    return rendered(
+        T, drawing.vertices, drawing.triangles, drawing.is_closed,
+        seen.rays, seen.focal, seen.column, seen.row,
     )  # fmt: skip
 
 
 @njit(cache=True)
-def _look(
-    rays: Floats,
-    depth: Floats,
-    scan_normals: Floats,
-    foreground: Bools,
-    focal: float,
-    column: float,
-    row: float,
-    vertices: Floats,
-    triangles: Ints,
-    is_closed: bool,
-    tolerance: float,
-    T: Floats,
-) -> tuple[Ints, Ints, Floats]:  # pragma: no cover (compiled)
+def _look(drawing: Drawing, T: Floats) -> tuple[Ints, Ints, Floats]:  # pragma: no cover (compiled)
     """Pixels (n,) that show the part, what each says, and how far off it is [m]."""
-    first_v, first_u, predicted, hit, normals = rendered(
-        T, vertices, triangles, is_closed, rays, focal, column, row
-    )
-    high, wide = predicted.shape
+    seen = drawing.seen
+    first_v, first_u, shown, hit, normals = predicted(drawing, T)
+    high, wide = shown.shape
     pixels = np.empty(high * wide, np.int64)
     states = np.empty(high * wide, np.int8)
     off = np.empty(high * wide)
     n = 0
     for j in range(high):
         for i in range(wide):
-            if predicted[j, i] < np.inf:
+            if shown[j, i] < np.inf:
                 v, u = first_v + j, first_u + i
-                pixels[n] = v * depth.shape[1] + u
+                pixels[n] = v * drawing.seen.depth.shape[1] + u
                 states[n], off[n] = _says(
-                    rays, depth, scan_normals, foreground, v, u,
-                    predicted[j, i], normals, hit[j, i], tolerance,
-                )  # fmt: skip
+                    seen, v, u, shown[j, i], normals, hit[j, i], drawing.tolerance
+                )
                 n += 1
     return pixels[:n], states[:n], off[:n]
 
 
 @njit(cache=True)
-def _tally(
-    rays: Floats,
-    depth: Floats,
-    scan_normals: Floats,
-    foreground: Bools,
-    focal: float,
-    column: float,
-    row: float,
-    vertices: Floats,
-    triangles: Ints,
-    is_closed: bool,
-    tolerance: float,
-    poses: Floats,
-) -> Floats:  # pragma: no cover (compiled)
+def _tally(drawing: Drawing, poses: Floats) -> Floats:  # pragma: no cover (compiled)
     tallies = np.empty((len(poses), 4))
     for k in range(len(poses)):
-        tally = counted(
-            rays, depth, scan_normals, foreground, focal, column, row, vertices, triangles,
-            is_closed, tolerance, poses[k],
-        )  # fmt: skip
+        tally = counted(drawing, poses[k])
         for i in range(4):
             tallies[k, i] = tally[i]
     return tallies
 
 
 @njit(cache=True)
-def counted(
-    rays: Floats,
-    depth: Floats,
-    scan_normals: Floats,
-    foreground: Bools,
-    focal: float,
-    column: float,
-    row: float,
-    vertices: Floats,
-    triangles: Ints,
-    is_closed: bool,
-    tolerance: float,
-    T: Floats,
-) -> Floats:  # pragma: no cover (compiled)
+def counted(drawing: Drawing, T: Floats) -> Floats:  # pragma: no cover (compiled)
     """The tally (4,) of one pose (4, 4): how many pixels say what, no unit."""
-    tally = np.zeros(4)
-    first_v, first_u, predicted, hit, normals = rendered(
-        T, vertices, triangles, is_closed, rays, focal, column, row
-    )
-    for j in range(predicted.shape[0]):
-        for i in range(predicted.shape[1]):
-            if predicted[j, i] == np.inf:
+    seen, tally = drawing.seen, np.zeros(4)
+    first_v, first_u, shown, hit, normals = predicted(drawing, T)
+    for j in range(shown.shape[0]):
+        for i in range(shown.shape[1]):
+            if shown[j, i] == np.inf:
                 continue
             state, off = _says(
-                rays, depth, scan_normals, foreground, first_v + j, first_u + i,
-                predicted[j, i], normals, hit[j, i], tolerance,
-            )  # fmt: skip
+                seen, first_v + j, first_u + i, shown[j, i], normals, hit[j, i], drawing.tolerance
+            )
             tally[state] += 1.0
             if state == EXPLAINED:
-                tally[SQUARES] += (off / tolerance) ** 2
+                tally[SQUARES] += (off / drawing.tolerance) ** 2
     return tally
 
 
 @njit(cache=True)
 def pulled(
-    rays: Floats,
-    depth: Floats,
-    scan_normals: Floats,
-    foreground: Bools,
-    focal: float,
-    column: float,
-    row: float,
-    vertices: Floats,
-    triangles: Ints,
-    is_closed: bool,
-    tolerance: float,
-    T: Floats,
-    centre: Triple,
-    radius: float,
+    drawing: Drawing, T: Floats, centre: Triple, radius: float
 ) -> tuple[Floats, Floats]:  # pragma: no cover (compiled)
     """See `pull`; `centre` (3,) [m] is the part's middle, `radius` [m] its radius."""
+    seen = drawing.seen
     A, b, x = np.zeros((6, 6)), np.zeros(6), np.empty(6)
-    first_v, first_u, predicted, hit, normals = rendered(
-        T, vertices, triangles, is_closed, rays, focal, column, row
-    )
-    for j in range(predicted.shape[0]):
-        for i in range(predicted.shape[1]):
-            if predicted[j, i] == np.inf:
+    first_v, first_u, shown, hit, normals = predicted(drawing, T)
+    for j in range(shown.shape[0]):
+        for i in range(shown.shape[1]):
+            if shown[j, i] == np.inf:
                 continue
             v, u = first_v + j, first_u + i
-            state, off = _says(
-                rays, depth, scan_normals, foreground, v, u,
-                predicted[j, i], normals, hit[j, i], tolerance,
-            )  # fmt: skip
+            state, off = _says(seen, v, u, shown[j, i], normals, hit[j, i], drawing.tolerance)
             if state != EXPLAINED:
                 continue
             n0, n1, n2 = normals[hit[j, i], 0], normals[hit[j, i], 1], normals[hit[j, i], 2]
-            a0 = rays[v, u, 0] * depth[v, u] - centre[0]
-            a1 = rays[v, u, 1] * depth[v, u] - centre[1]
-            a2 = depth[v, u] - centre[2]
+            a0 = seen.rays[v, u, 0] * seen.depth[v, u] - centre[0]
+            a1 = seen.rays[v, u, 1] * seen.depth[v, u] - centre[1]
+            a2 = seen.depth[v, u] - centre[2]
             x[0], x[1] = (a1 * n2 - a2 * n1) / radius, (a2 * n0 - a0 * n2) / radius
             x[2], x[3], x[4], x[5] = (a0 * n1 - a1 * n0) / radius, n0, n1, n2
-            weight = (1.0 - (off / tolerance) ** 2) ** 2
+            weight = (1.0 - (off / drawing.tolerance) ** 2) ** 2
             for k in range(6):
                 b[k] += weight * x[k] * off
                 for m in range(6):
@@ -279,28 +235,19 @@ def pulled(
 
 @njit(cache=True)
 def _says(
-    rays: Floats,
-    depth: Floats,
-    scan_normals: Floats,
-    foreground: Bools,
-    v: int,
-    u: int,
-    predicted: float,
-    normals: Floats,
-    hit: int,
-    tolerance: float,
+    seen: Seen, v: int, u: int, predicted: float, normals: Floats, hit: int, tolerance: float
 ) -> tuple[int, float]:  # pragma: no cover (compiled)
     """What pixel (v, u) says, and how far off the surface its measurement is [m]."""
-    if depth[v, u] == 0.0:
+    if seen.depth[v, u] == 0.0:
         return HIDDEN, 0.0
     along, agreement = 0.0, 0.0
     for i in range(3):
-        along += normals[hit, i] * rays[v, u, i]
-        agreement += normals[hit, i] * scan_normals[v, u, i]
+        along += normals[hit, i] * seen.rays[v, u, i]
+        agreement += normals[hit, i] * seen.normals[v, u, i]
     # Along the normal, which faces the scanner; negative is behind the surface.
-    off = along * (depth[v, u] - predicted)
+    off = along * (seen.depth[v, u] - predicted)
     if off < -tolerance:
         return VIOLATED, off
-    if off <= tolerance and foreground[v, u] and agreement > AGREEING:
+    if off <= tolerance and seen.foreground[v, u] and agreement > AGREEING:
         return EXPLAINED, off
     return HIDDEN, off

@@ -29,7 +29,10 @@ def guard(origins: Origins) -> Middleware:
         if may_change and not has_token(request) and not origins.is_own(origin, host):
             refused("origin", why=f"{origin!r} asked {host!r}", origin=request.remote)
             raise web.HTTPForbidden(text="This came from a page of another site.\n")
-        return await handler(request)
+        try:
+            return await handler(request)
+        except web.RequestPayloadError as error:
+            raise web.HTTPBadRequest(text="The body is not encoded as its head says.\n") from error
 
     return checked
 

@@ -13,7 +13,7 @@ from urllib.parse import urlsplit
 WILDCARDS = frozenset({"0.0.0.0", "::"})
 """Addresses that stand for all of this machine's."""
 
-BARE = re.compile(r"[\w.:%\[\]-]+", re.ASCII)
+BARE = re.compile(r"(\[[\w.:%-]+\]|[\w.-]+)(:\d+)?", re.ASCII)
 """A host and a port, nothing else: it is written into policies that browsers follow."""
 
 

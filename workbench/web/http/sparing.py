@@ -11,6 +11,9 @@ from collections.abc import Callable, Generator
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 
+from aiohttp import web
+from aiohttp.http_exceptions import HttpProcessingError
+
 AT_ONCE = 50
 """Lines of one kind that may be written together."""
 
@@ -65,6 +68,7 @@ class Sparing(logging.Filter):
 
     def filter(self, record: logging.LogRecord) -> bool:
         """Whether the line is to be written; says with it how many of its kind were not."""
+        _shorten(record)
         with self._lock:
             form = str(record.msg)
             if form not in self._kinds and len(self._kinds) >= MOST_KINDS:
@@ -82,6 +86,14 @@ class Sparing(logging.Filter):
             record.msg = f"{record.getMessage()} ({left_out} lines like this were left out before)"
             record.args = None
         return True
+
+
+def _shorten(record: logging.LogRecord) -> None:
+    """One line for what a stranger has sent: where in a library that was found tells nothing."""
+    error = record.exc_info[1] if record.exc_info else None
+    if isinstance(error, HttpProcessingError | web.RequestPayloadError):
+        record.msg, record.args = "%s: %s", (record.getMessage(), " ".join(str(error).split()))
+        record.exc_info = None
 
 
 @contextmanager

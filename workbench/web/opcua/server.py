@@ -10,7 +10,9 @@ import contextlib
 import hmac
 import logging
 import threading
-from collections.abc import Mapping
+import time
+from collections import deque
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
 from typing import Any
@@ -20,11 +22,14 @@ from asyncua.common.node import Node
 from asyncua.crypto.permission_rules import User, UserRole
 from asyncua.server.server import Server
 from asyncua.server.user_managers import UserManager
+from asyncua.ua.status_codes import StatusCodes
 
 from workbench.app.core.people import Person
 from workbench.app.runtime.bench import Bench
 from workbench.model.errors import InputError, WorkbenchError
+from workbench.web.access.lockout import MOST, WHILE
 from workbench.web.http.origins import is_loopback
+from workbench.web.opcua.bounds import LIMITS, bound
 from workbench.web.opcua.methods import METHODS, Method
 from workbench.web.opcua.values import VARIABLES, values_of
 
@@ -117,7 +122,9 @@ class OpcUa:
 
     async def _begin(self) -> tuple[Server, asyncio.Task[None]]:
         options = self._options
+        bound()
         server = Server(user_manager=_Door(options))
+        server.limits = LIMITS
         await server.init()
         server.iserver.max_connections = MOST_CLIENTS
         server.iserver.max_pending_activation_seconds = LOGIN_SECONDS
@@ -146,9 +153,13 @@ class OpcUa:
         await asyncio.gather(self._teller, return_exceptions=True)
         await self._server.stop()
 
-    async def _called(self, method: Method, parent: Any, *variants: Any) -> list[Any]:
+    async def _called(self, method: Method, parent: Any, *variants: Any) -> Any:
         """Give the command of a method; whether it was carried out, and what is said to it."""
         del parent
+        if len(variants) < len(method.arguments):
+            return ua.StatusCode(ua.UInt32(StatusCodes.BadArgumentsMissing))
+        if len(variants) > len(method.arguments):
+            return ua.StatusCode(ua.UInt32(StatusCodes.BadTooManyArguments))
         operator = self._options.operator
         try:
             command = method.make([variant.Value for variant in variants])
@@ -187,10 +198,14 @@ class OpcUa:
 
 
 class _Door(UserManager):
-    """Lets in whoever knows the password; everybody when there is none."""
+    """Lets in whoever knows the password; everybody when there is none.
 
-    def __init__(self, options: Options):
-        self._options = options
+    After too many wrong ones nobody is let in for a while; who is in stays.
+    """
+
+    def __init__(self, options: Options, now: Callable[[], float] = time.monotonic):
+        self._options, self._now = options, now
+        self._failed: deque[float] = deque(maxlen=MOST)
 
     def get_user(
         self,
@@ -201,9 +216,12 @@ class _Door(UserManager):
     ) -> User | None:
         del iserver, certificate
         name, wanted = self._options.operator.name, self._options.password
+        if len(self._failed) == MOST and self._now() - self._failed[0] < WHILE:
+            return None
         is_right = hmac.compare_digest((password or "").encode(), wanted.encode())
         if not wanted or (username == name and is_right):
             return User(role=UserRole.User, name=name)
+        self._failed.append(self._now())
         log.warning("refused a login over OPC UA as %r", username)
         return None
 

@@ -1,14 +1,9 @@
-"""`workbench send` and `workbench controller`: the two ends of the robot link."""
+"""`workbench send`: a plan proven, approved by its digest, and sent."""
 
-import logging
-import math
-import signal
 import sys
-import threading
 import time
 from collections import Counter
 from dataclasses import replace
-from types import FrameType
 
 from workbench.app.core.rules import approve, check_approvable
 from workbench.app.picking.proving import adopted, prove
@@ -17,8 +12,8 @@ from workbench.app.runtime.readiness import make_ready
 from workbench.cli.arguments import top as arguments
 from workbench.cli.picking.planning import cell_of, detections_from
 from workbench.cli.serving.approving import check_digest, facts_of, start_words, typed_digest
-from workbench.cli.terminal import check_number, check_whole, print_json, progress
-from workbench.formats.cells.reading import read_cell
+from workbench.cli.serving.controller import HIGHEST_PORT
+from workbench.cli.terminal import check_whole, print_json, progress
 from workbench.formats.clouds.scans import read_scan
 from workbench.formats.plans.plan_files import read_plan
 from workbench.model.cell import Cell, Controller
@@ -26,10 +21,8 @@ from workbench.model.digest import canonical
 from workbench.model.errors import FileError, WorkbenchError
 from workbench.model.plan import Plan
 from workbench.model.release import Approval, Receipt
-from workbench.plugins.robot_link import Running, Simulation, controller_by, link_named
+from workbench.plugins.robot_link import controller_by
 from workbench.plugins.robot_link import send as send_plan
-
-HIGHEST_PORT = 65535
 
 
 def send(typed: arguments.Send) -> int:
@@ -123,54 +116,3 @@ def _sent(
         for part in parts:
             print(f"arm {part.arm}: {'picked' if part.is_picked else f'failed, {part.why}'}")
     return 0
-
-
-def controller(typed: arguments.Controller) -> int:
-    """Run the simulated controller until SIGINT, SIGTERM, or the end of standard input."""
-    state_port = typed.state_port
-    if state_port is None:
-        state_port = typed.port + 1 if typed.port else 0
-    check_whole("--port", typed.port, 0, HIGHEST_PORT)
-    check_whole("--state-port", state_port, 0, HIGHEST_PORT)
-    check_number("--speed", typed.speed, 0.01, 1000)
-    if typed.home_after is not None:
-        check_number("--home-after", typed.home_after, 0.0, 3600.0)
-    logging.basicConfig(level=logging.INFO, format="%(asctime)s %(message)s")
-    cell = read_cell(typed.cell)
-
-    def ready(running: Running) -> None:
-        def stop(signum: int, frame: FrameType | None) -> None:
-            running.stop()
-
-        signal.signal(signal.SIGINT, stop)
-        signal.signal(signal.SIGTERM, stop)
-        if typed.until_eof:
-            threading.Thread(target=_stop_at_eof, args=(running,), daemon=True).start()
-        ports = {"host": typed.host, "port": running.port, "state_port": running.state_port}
-        if typed.json:
-            print_json(ports)
-        else:
-            print(
-                f"simulated controller of cell {cell.name}: motion on {typed.host}:{running.port}, "
-                f"state on {typed.host}:{running.state_port}; Ctrl-C ends it",
-                flush=True,
-            )
-
-    simulation = Simulation(
-        host=typed.host,
-        port=typed.port,
-        state_port=state_port,
-        speed=typed.speed,
-        record=typed.record,
-        trace=typed.trace,
-        faults=typed.fault,
-        home_after=math.inf if typed.home_after is None else typed.home_after,
-    )
-    link_named(cell.controller.link).serve(cell, simulation, ready)
-    return 0
-
-
-def _stop_at_eof(running: Running) -> None:
-    while sys.stdin.buffer.read(4096):
-        pass
-    running.stop()

@@ -1,0 +1,158 @@
+"""A cell's files as the judge reads them: by these lines alone, in metres and radians."""
+
+import copy
+import tomllib
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree
+
+import numpy as np
+
+
+def turned(rpy_deg) -> np.ndarray:
+    """The rotation (3, 3) of fixed-axis angles about x, y and z."""
+    (a, b, c), R = np.deg2rad(rpy_deg), np.eye(3)
+    for axis, angle in ((2, c), (1, b), (0, a)):
+        i, j = (axis + 1) % 3, (axis + 2) % 3
+        one = np.eye(3)
+        one[i, i] = one[j, j] = np.cos(angle)
+        one[j, i], one[i, j] = np.sin(angle), -np.sin(angle)
+        R = R @ one
+    return R
+
+
+def pose_of(table) -> np.ndarray:
+    """The matrix (4, 4) of `position_mm` and `rpy_deg`, in metres."""
+    T = np.eye(4)
+    T[:3, :3] = turned(table.get("rpy_deg", (0, 0, 0)))
+    T[:3, 3] = np.array(table.get("position_mm", (0, 0, 0))) / 1000
+    return T
+
+
+def unit(vector) -> np.ndarray:
+    vector = np.array(vector, float)
+    return vector / np.linalg.norm(vector)
+
+
+@dataclass(eq=False)
+class Files:
+    """Of one cell: `cell` is its TOML file, `parts` and `grasps` are those of its kinds of parts.
+
+    They may be changed, as the cell may after a plan was made.
+    """
+
+    folder: Path
+    cell: dict[str, Any]
+    parts: dict[str, dict[str, Any]]
+    grasps: dict[str, list[dict[str, Any]]]
+    joints: dict[str, tuple[float, float, float]] = field(default_factory=dict)
+    chains: dict[str, list[str]] = field(default_factory=dict)
+    never: set[frozenset[str | None]] = field(default_factory=set)
+
+    def copied(self) -> "Files":
+        """The same, to be changed."""
+        cell, grasps = copy.deepcopy(self.cell), copy.deepcopy(self.grasps)
+        return Files(self.folder, cell, self.parts, grasps, self.joints, self.chains, self.never)
+
+    def arm(self, name: str) -> dict[str, Any]:
+        return next(arm for arm in self.cell["arm"] if arm["name"] == name)
+
+    def tool(self, arm: str) -> dict[str, Any]:
+        name = self.arm(arm)["tool"]
+        return next(tool for tool in self.cell["tool"] if tool["name"] == name)
+
+    def policy(self, key: str) -> float:
+        """A length of the policy [m], or another number of it."""
+        usual = {"sink_mm": 1.0, "release_mm": 10.0, "near_margin_mm": 1.0, "zone": 0.2}
+        value = self.cell["policy"].get(key, usual.get(key))
+        return value / 1000 if key.endswith("_mm") else value
+
+    def home(self, arm: str) -> np.ndarray:
+        """[rad] Along the chain; the file has it in the controller's order."""
+        entry = self.arm(arm)
+        home = np.deg2rad(entry["home_deg"])
+        axes = entry.get("axes", range(1, len(home) + 1))
+        return home[np.array(axes) - 1] * np.array(entry.get("signs", np.ones(len(home))))
+
+    def places(self, arm: str) -> list[np.ndarray]:
+        """Where an arm may put parts, poses (4, 4) of its hand."""
+        poses = []
+        for place in self.arm(arm)["place"]:
+            columns, rows = place.get("grid", (1, 1))
+            pitch = np.array(place.get("pitch_mm", (0, 0))) / 1000
+            for row in range(rows):
+                for column in range(columns):
+                    shift = np.eye(4)
+                    shift[:2, 3] = np.array([column, row]) * pitch
+                    poses.append(pose_of(place) @ shift)
+        return poses
+
+    @property
+    def stops(self) -> bool:
+        """Whether the robot comes to rest at each waypoint."""
+        return self.cell["controller"]["protocol"] == "abb-socket"
+
+
+def read(folder: Path, parts: Path) -> Files:
+    """The files in a folder, and those of the parts that it names."""
+    cell = tomllib.loads((folder / "cell.toml").read_text())
+    kinds = {
+        name: tomllib.loads((parts / name / "part.toml").read_text()) for name in cell["parts"]
+    }
+    grasps = {
+        name: list(_grasps(tomllib.loads((parts / name / "grasps.toml").read_text())["grasp"]))
+        for name in cell["parts"]
+    }
+    files = Files(folder, cell, kinds, grasps)
+    robot = ElementTree.parse(folder / cell["robot"]["urdf"]).getroot()
+    above = {}
+    for joint in robot.iter("joint"):
+        if joint.find("child") is None:
+            continue
+        name = joint.get("name")
+        above[joint.find("child").get("link")] = name, joint.find("parent").get("link")
+        limit = joint.find("limit")
+        if joint.get("type") in ("revolute", "prismatic") and limit is not None:
+            files.joints[name] = tuple(float(limit.get(k)) for k in ("lower", "upper", "velocity"))
+    for arm in cell["arm"]:
+        link, chain = arm["flange"], []
+        while link in above:
+            joint, link = above[link]
+            chain += [joint] if joint in files.joints else []
+        files.chains[arm["name"]] = chain[::-1]
+    srdf = ElementTree.parse(folder / cell["robot"]["srdf"]).getroot()
+    for one in srdf.iter("disable_collisions"):
+        files.never.add(frozenset((one.get("link1"), one.get("link2"))))
+    return files
+
+
+def _grasps(tables):
+    """Every grasp by itself, with its pose `T` (4, 4) in the part's frame."""
+    for table in tables:
+        T = np.eye(4)
+        z, y = unit(table["points_along"]), unit(table["closes_along"])
+        T[:3, :3] = np.stack([np.cross(y, z), y, z], axis=1)
+        T[:3, 3] = np.array(table["position_mm"]) / 1000
+        pattern = table.get("pattern")
+        if pattern is None:
+            yield table | {"T": T}
+            continue
+        assert "across_mm" not in pattern
+        axis = unit(pattern["axis"])
+        through = np.array(pattern.get("through_mm", (0, 0, 0))) / 1000
+        for row, offset in enumerate(pattern.get("offsets_mm", (0,)), start=1):
+            for column, angle in enumerate(pattern.get("angles_deg", (0,)), start=1):
+                turn = _about(axis, np.deg2rad(angle), through)
+                moved = np.eye(4)
+                moved[:3, 3] = axis * offset / 1000
+                yield table | {"name": f"{table['name']}-{row}-{column}", "T": turn @ moved @ T}
+
+
+def _about(axis, angle, through) -> np.ndarray:
+    """The matrix (4, 4) of a turn about an axis (3,) through a point (3,) [m]."""
+    K = np.cross(np.eye(3), axis)
+    T = np.eye(4)
+    T[:3, :3] = np.eye(3) + np.sin(angle) * K + (1 - np.cos(angle)) * K @ K
+    T[:3, 3] = through - T[:3, :3] @ through
+    return T

@@ -1,0 +1,227 @@
+"""What the judge asks of a plan beside distances, from `docs/proof.md` and the cell's files."""
+
+from itertools import pairwise
+
+import numpy as np
+from judged_files import Files, turned, unit
+
+LEGS = ("reach", "approach", "extract", "return", "place", "home")
+HOLDING = ("extract", "return", "place")
+STRAIGHT = ("approach", "extract")
+
+NEAR, NEAR_TURN = 0.001 + 1e-6, np.deg2rad(1.0) + 1e-6
+"""[m, rad] How far hand and part may be from where they belong, and what two libraries differ."""
+
+ASIDE, ASIDE_BETWEEN, TURN = 0.002 + 1e-6, 0.0051, np.deg2rad(1.5) + 1e-4
+"""[m, m, rad] How far a straight way may be off at and between waypoints, and what samples miss."""
+
+
+def rule_broken(files: Files, scene, plan) -> str:
+    """The first rule that a plan breaks whatever stands around the robot; empty for none."""
+    checks = (_scene(scene, plan), _sequence(files, plan))
+    for broken in checks:
+        if broken:
+            return broken
+    for one in plan.arms:
+        broken = _legs(files, one) or _grasp(files, plan, one)
+        if broken:
+            return broken
+    return ""
+
+
+def _scene(scene, plan) -> str:
+    """What is known to be in the bin, and what the plan says of it."""
+
+    def alike(one, other) -> bool:
+        T, other_T = one.T_world_part.homogeneous, other.T_world_part.homogeneous
+        return one.part == other.part and np.abs(T - other_T).max() < 1e-6
+
+    def same_box(one, other) -> bool:
+        T, other_T = one.T_world_box.homogeneous, other.T_world_box.homogeneous
+        return np.abs(one.size - other.size).max() < 1e-6 and np.abs(T - other_T).max() < 1e-6
+
+    if not all(any(alike(a, b) for b in plan.detections) for a in scene.detections):
+        return "leaves out a part"
+    if not all(any(alike(a, b) for b in scene.detections) for a in plan.detections):
+        return "has a part that is not there"
+    if not all(any(same_box(a, b) for b in plan.obstacles) for a in scene.obstacles):
+        return "leaves out an obstacle"
+    return ""
+
+
+def _sequence(files: Files, plan) -> str:
+    names, taken = [one.arm for one in plan.arms], [one.detection for one in plan.arms]
+    if not names or len(set(names)) != len(names) or len(set(taken)) != len(taken):
+        return "an arm or a part twice, or none"
+    runs = [run for step in plan.sequence for run in step.runs]
+    for name in names:
+        if tuple(leg for arm, leg in runs if arm == name) != LEGS:
+            return "legs out of order"
+    if len(runs) != 6 * len(names) or any(not 1 <= len(s.runs) <= 2 for s in plan.sequence):
+        return "steps of no arm, or of others"
+    if any(len({arm for arm, _ in step.runs}) != len(step.runs) for step in plan.sequence):
+        return "an arm twice in a step"
+    strategy, guarantee = str(plan.strategy), str(plan.guarantee)
+    if strategy in ("alternated", "coordinated"):
+        if len(names) != 2:
+            return "two arms were meant"
+    elif names != [strategy]:
+        return "another arm was meant"
+    is_one = all(len(step.runs) == 1 for step in plan.sequence)
+    by_arm = [arm for arm, _ in runs] == [arm for arm in names for _ in LEGS]
+    if guarantee == "one-at-a-time" and not (is_one and by_arm):
+        return "not one arm after the other"
+    if guarantee != "one-at-a-time" and strategy != "coordinated":
+        return "arms at once where they take turns"
+    return ""
+
+
+def _legs(files: Files, one) -> str:
+    if tuple(leg.name for leg in one.legs) != LEGS:
+        return "other legs"
+    if list(one.joints) != files.chains[one.arm]:
+        return "other joints"
+    limits = np.array([files.joints[name] for name in one.joints])
+    at, home = files.home(one.arm), files.home(one.arm)
+    stroke = np.array(files.tool(one.arm).get("stroke_mm", (0, 0))) / 1000
+    for leg in one.legs:
+        q, t = np.asarray(leg.q), np.asarray(leg.t)
+        if q.ndim != 2 or len(q) < 2 or q.shape[1] != len(limits) or t.shape != (len(q),):
+            return f"{leg.name}: numbers are missing"
+        if not (np.isfinite(q).all() and np.isfinite(t).all()):
+            return f"{leg.name}: no numbers"
+        if np.abs(q[0] - at).max() > np.deg2rad(0.0101):
+            return f"{leg.name}: begins elsewhere"
+        at = q[-1]
+        if (q < limits[:, 0] - 1e-6).any() or (q > limits[:, 1] + 1e-6).any():
+            return f"{leg.name}: beyond a joint's limit"
+        steps = np.rad2deg(q) * 100
+        if np.abs(steps - np.round(steps)).max() > 1e-4:
+            return f"{leg.name}: finer than can be sent"
+        if leg.holding != (leg.name in HOLDING):
+            return f"{leg.name}: holding is wrong"
+        if files.tool(one.arm).get("finger") and not stroke[0] <= leg.opening <= stroke[1]:
+            return f"{leg.name}: beyond the fingers' stroke"
+        broken = _times(files, one, leg.name, q, t, limits[:, 2])
+        if broken:
+            return broken
+    return "home: ends elsewhere" if np.abs(at - home).max() > np.deg2rad(0.0101) else ""
+
+
+def _times(files: Files, one, name: str, q, t, speeds) -> str:
+    """Mean speeds are reached somewhere between waypoints, and so are changes between them."""
+    if t[0] != 0 or (np.diff(t) <= 0).any():
+        return f"{name}: times do not increase"
+    share = 1.002 / (1 - files.policy("zone"))
+    means = np.diff(q, axis=0) / np.diff(t)[:, None]
+    if (np.abs(means) > speeds * files.cell["policy"]["speed"] * share).any():
+        return f"{name}: too fast"
+    most = np.deg2rad(files.arm(one.arm).get("acceleration_deg", 600)) * share
+    rests = [np.zeros(q.shape[1])]
+    for k, (before, after) in enumerate(pairwise([*rests, *means, *rests])):
+        first, last = max(k - 1, 0), min(k + 1, len(t) - 1)
+        if (np.abs(after - before) > most * (t[last] - t[first])).any():
+            return f"{name}: too hard"
+    return ""
+
+
+def _grasp(files: Files, plan, one) -> str:
+    kind = plan.detections[one.detection].part
+    grasp = next((g for g in files.grasps[kind] if g["name"] == one.grasp), None)
+    if grasp is None:
+        return "no such grasp"
+    if not grasp.get("enabled", True):
+        return "grasp switched off"
+    if grasp.get("arms") and one.arm not in grasp["arms"]:
+        return "grasp for another arm"
+    if grasp.get("tool") and grasp["tool"] != files.arm(one.arm)["tool"]:
+        return "grasp for another tool"
+    has_fingers = bool(files.tool(one.arm).get("finger"))
+    for leg in one.legs:
+        grip, most = grasp["grip_mm"] / 1000, grasp["opening_mm"] / 1000
+        least, air = most, files.cell["policy"].get("least_air_mm")
+        if air is not None and has_fingers:
+            least = min(most, grip + 2 * air / 1000)
+        low, high = (grip, grip) if leg.name in HOLDING else (least, most)
+        if not low - 2e-6 <= leg.opening <= high + 2e-6:
+            return f"{leg.name}: fingers otherwise than the grasp says"
+    return ""
+
+
+def is_off(files: Files, plan, one, hand) -> str:
+    """What is wrong with where a hand is: `hand` gives its pose (4, 4) at joints (n,) [rad]."""
+    kind = plan.detections[one.detection].part
+    grasp = next(g for g in files.grasps[kind] if g["name"] == one.grasp)
+    T_part = plan.detections[one.detection].T_world_part.homogeneous
+    T_grasp = hand(one.leg("approach").q[-1])
+    if not _near(T_grasp @ one.T_tcp_part.homogeneous, T_part):
+        return "the hand closes beside the part"
+    halves = [np.eye(4)]
+    if len(files.tool(one.arm).get("finger", ())) == 2:
+        halves.append(np.eye(4))
+        halves[1][:3, :3] = turned((0, 0, 180))
+    T_part_tcp = np.linalg.inv(one.T_tcp_part.homogeneous)
+    if not any(_as_authored(grasp, T_part_tcp @ half) for half in halves):
+        return "the part is otherwise in the hand"
+    T_put = hand(one.leg("place").q[-1])
+    if not any(_near(T_put, T @ half) for T in files.places(one.arm) for half in halves):
+        return "no place is there"
+    turn = T_part[:3, :3] @ grasp["T"][:3, :3]
+    length = grasp.get("approach_length_mm", 60) / 1000
+    ways = {"approach": turn @ unit(grasp.get("approach", (0, 0, 1))) * length, "place": None}
+    ways["extract"] = None
+    if "retreat" in grasp:
+        far = grasp.get("retreat_length_mm", 100) / 1000
+        ways["extract"] = turn @ unit(grasp["retreat"]) * far
+    for name, way in ways.items():
+        if not _is_straight([*_dense(np.asarray(one.leg(name).q), hand)], way):
+            return f"{name}: not straight, or another way"
+    return ""
+
+
+def _near(T, other) -> bool:
+    turn = np.arccos(np.clip((np.trace(T[:3, :3].T @ other[:3, :3]) - 1) / 2, -1, 1))
+    return np.linalg.norm(T[:3, 3] - other[:3, 3]) <= NEAR and turn <= NEAR_TURN
+
+
+def _as_authored(grasp, T_part_tcp) -> bool:
+    """Whether a grasp leaves this free: a slide along x, a tilt about y, then a turn about z."""
+    off = np.linalg.inv(grasp["T"]) @ T_part_tcp
+    slide = abs(off[0, 3]) - grasp.get("slide_mm", 0) / 1000
+    if np.linalg.norm([max(slide, 0.0), off[1, 3], off[2, 3]]) > NEAR:
+        return False
+    turn = np.arctan2(off[1, 0], off[1, 1])
+    tilt = np.arctan2(off[0, 2], off[2, 2])
+    allowed = np.deg2rad([grasp.get("free_rotation_deg", 0), grasp.get("tilt_deg", 0)]) + NEAR_TURN
+    return bool((np.abs([turn, tilt]) <= allowed).all() and abs(off[1, 2]) <= np.sin(NEAR_TURN))
+
+
+def _dense(path, hand):
+    """Poses along waypoints, and whether each is at one."""
+    yield hand(path[0]), True
+    for a, b in pairwise(path):
+        for share in np.linspace(0, 1, 13)[1:]:
+            yield hand(a + share * (b - a)), share == 1
+
+
+def _is_straight(poses, way) -> bool:
+    start, end = poses[0][0], poses[-1][0]
+    gone = end[:3, 3] - start[:3, 3]
+    if way is not None and np.linalg.norm(gone - way) > ASIDE:
+        return False
+    along, farthest = gone / max(np.linalg.norm(gone), 1e-9), 0.0
+    for T, is_waypoint in poses:
+        off = T[:3, 3] - start[:3, 3]
+        aside = np.linalg.norm(off - along * (along @ off))
+        turn = np.arccos(np.clip((np.trace(start[:3, :3].T @ T[:3, :3]) - 1) / 2, -1, 1))
+        if aside > (ASIDE if is_waypoint else ASIDE_BETWEEN) or turn > TURN:
+            return False
+        if along @ off < farthest - ASIDE:
+            return False
+        farthest = max(farthest, float(along @ off))
+    return True
+
+
+def leaves_straight(path, hand) -> bool:
+    """Whether a hand goes straight over waypoints (m, n) [rad]."""
+    return _is_straight([*_dense(np.asarray(path), hand)], None)

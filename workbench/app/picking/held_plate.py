@@ -1,0 +1,47 @@
+"""A plate held before the scanner: poses that show it, and what a simulated scanner sees of it."""
+
+import numpy as np
+import pinocchio as pin
+
+from workbench.model.calibration import BallPlate
+from workbench.model.cell import Arm, Cell
+from workbench.model.geometry import Floats
+from workbench.model.scan import Scan
+from workbench.perception.simulation.held_plate import held_pose, is_plate_in_sight, scan_held_plate
+from workbench.planning.kinematics.robot import Kinematics
+from workbench.planning.picking.viewpoints import poses_in_view
+
+SPARE = 3
+"""Times as many poses are looked for as are wanted: the arm itself hides the plate in some."""
+
+
+def simulated_sight(
+    cell: Cell,
+    arm: Arm,
+    q: Floats,
+    plate: BallPlate,
+    *,
+    seed: int,
+    T_world_scanner: pin.SE3 | None = None,
+) -> Scan:
+    """What the simulated scanner sees of an arm at `q` (n,) [rad] that holds the plate."""
+    links = Kinematics(cell).link_poses(dict(zip(arm.joints, map(float, q), strict=True)))
+    return scan_held_plate(cell, links, arm.name, plate, seed=seed, T_world_scanner=T_world_scanner)
+
+
+def suggested_poses(
+    cell: Cell, arm: Arm, plate: BallPlate, count: int, *, seed: int
+) -> tuple[Floats, ...]:
+    """Configurations (n,) [rad] in which the scanner sees the plate, held beside the tool.
+
+    They are clear of everything by the policy's margin and differ in how the wrist is turned.
+    """
+    T_tcp_middle = held_pose(plate) * pin.SE3(np.eye(3), plate.centres.mean(axis=0))
+    kinematics, seen = Kinematics(cell), list[Floats]()
+    for q in poses_in_view(cell, arm, T_tcp_middle, SPARE * count, seed=seed):
+        links = kinematics.link_poses(dict(zip(arm.joints, map(float, q), strict=True)))
+        if is_plate_in_sight(cell, links, arm.name, plate):
+            seen.append(q)
+        if len(seen) == count:
+            break
+    return tuple(seen)

@@ -1,0 +1,66 @@
+"""`workbench controller`: the simulated one, in a process of its own."""
+
+import logging
+import math
+import signal
+import sys
+import threading
+from types import FrameType
+
+from workbench.cli.arguments import top as arguments
+from workbench.cli.terminal import check_number, check_whole, print_json
+from workbench.formats.cells.reading import read_cell
+from workbench.plugins.robot_link import Running, Simulation, link_named
+
+HIGHEST_PORT = 65535
+
+
+def controller(typed: arguments.Controller) -> int:
+    """Run the simulated controller until SIGINT, SIGTERM, or the end of standard input."""
+    state_port = typed.state_port
+    if state_port is None:
+        state_port = typed.port + 1 if typed.port else 0
+    check_whole("--port", typed.port, 0, HIGHEST_PORT)
+    check_whole("--state-port", state_port, 0, HIGHEST_PORT)
+    check_number("--speed", typed.speed, 0.01, 1000)
+    if typed.home_after is not None:
+        check_number("--home-after", typed.home_after, 0.0, 3600.0)
+    logging.basicConfig(level=logging.INFO, format="%(asctime)s %(message)s")
+    cell = read_cell(typed.cell)
+
+    def ready(running: Running) -> None:
+        def stop(signum: int, frame: FrameType | None) -> None:
+            running.stop()
+
+        signal.signal(signal.SIGINT, stop)
+        signal.signal(signal.SIGTERM, stop)
+        if typed.until_eof:
+            threading.Thread(target=_stop_at_eof, args=(running,), daemon=True).start()
+        ports = {"host": typed.host, "port": running.port, "state_port": running.state_port}
+        if typed.json:
+            print_json(ports)
+        else:
+            print(
+                f"simulated controller of cell {cell.name}: motion on {typed.host}:{running.port}, "
+                f"state on {typed.host}:{running.state_port}; Ctrl-C ends it",
+                flush=True,
+            )
+
+    simulation = Simulation(
+        host=typed.host,
+        port=typed.port,
+        state_port=state_port,
+        speed=typed.speed,
+        record=typed.record,
+        trace=typed.trace,
+        faults=typed.fault,
+        home_after=math.inf if typed.home_after is None else typed.home_after,
+    )
+    link_named(cell.controller.link).serve(cell, simulation, ready)
+    return 0
+
+
+def _stop_at_eof(running: Running) -> None:
+    while sys.stdin.buffer.read(4096):
+        pass
+    running.stop()
