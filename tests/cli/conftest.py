@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from workbench.cli.main import main
+from workbench.formats.plans.plan_files import read_plan
 
 
 @dataclass(frozen=True)
@@ -91,3 +92,15 @@ def robot(tmp_path: Path) -> Iterator[Robot]:
     process.stdin.close()
     assert process.wait(timeout=120) == 0
     process.stdout.close()
+
+
+@pytest.fixture
+def send(say: Callable[..., Said], tmp_path: Path) -> Callable[..., Said]:
+    """Send a plan as a script does: read it first, then give its digest."""
+
+    def typed(plan: Path, *words: object) -> Said:
+        words = (plan, *words, "--approve-as", "Ada", "--record", tmp_path / "approvals")
+        assert say("send", *words).code == 2, "nobody has approved yet"
+        return say("send", *words, "--digest", read_plan(plan)[0].digest[:12])
+
+    return typed

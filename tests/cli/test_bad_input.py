@@ -324,10 +324,10 @@ def test_nobody_cannot_approve(line, say, name):
 # -- the robot link --------------------------------------------------------------------------
 
 
-def test_a_controller_that_is_not_there(line, say):
+def test_a_controller_that_is_not_there(line, send):
     with socket.create_server(("127.0.0.1", 0)) as server:
         port = server.getsockname()[1]
-    said = say("send", line.plan, "--host", "127.0.0.1", "--port", port, "--approve-as", "Ada")
+    said = send(line.plan, "--host", "127.0.0.1", "--port", port)
     assert said.code == 4
     assert str(port) in said.problem
 
@@ -371,11 +371,11 @@ def sends_garbage(link: socket.socket) -> None:
         (sends_garbage, "abb-socket/2"),
     ],
 )
-def test_a_controller_that_breaks_off(line, say, talks, protocol):
+def test_a_controller_that_breaks_off(line, send, talks, protocol):
     server, thread = one_that(talks)
     port = server.getsockname()[1]
     address = ["--host", "127.0.0.1", "--port", port, "--protocol", protocol]
-    said = say("send", line.plan, *address, "--approve-as", "Ada")
+    said = send(line.plan, *address)
     thread.join(120)
     assert said.code == 4
     assert said.problem

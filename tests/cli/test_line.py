@@ -102,13 +102,14 @@ def test_verify_holds_what_was_planned(line, say):
     assert (told["ok"], told["stated_digest"]) == (True, told["digest"])
 
 
-def test_what_arrives_is_what_was_planned(line, say, robot):
-    address = ["--host", "127.0.0.1", "--port", robot.port]
-    said = say("send", line.plan, *address, "--approve-as", "Ada", "--json")
+def test_what_arrives_is_what_was_planned(line, send, robot):
+    address = ["--host", "127.0.0.1", "--port", robot.port, "--state-port", robot.state_port]
+    said = send(line.plan, *address, "--json")
     assert said.code == 0, said.err
     plan, _ = read_plan(line.plan)
     told = json.loads(said.out)
     assert (told["digest"], told["approved_by"]) == (plan.digest, "Ada")
+    assert told["watched"] is False
     # The first waypoint of a leg is where the arm stands already.
     expected = [
         (arm, q)

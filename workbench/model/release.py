@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from workbench.model.digest import digest_of
+from workbench.model.digest import LATER, digest_of
 from workbench.model.geometry import Floats, put
 
 
@@ -20,7 +20,8 @@ class Vote:
 class Approval:
     """A named person's vote for exactly one plan, until `until` [s since the epoch].
 
-    Where a cell wants several people, `before` are the votes of the others.
+    Where a cell wants several people, `before` are the votes of the others.  `is_unwatched`
+    says that the plan was not played before whoever approves it: on a page it has to be.
     """
 
     plan_digest: str
@@ -31,6 +32,7 @@ class Approval:
     at: float
     until: float
     before: tuple[Vote, ...] = ()
+    is_unwatched: bool = field(default_factory=bool, metadata=LATER)
     digest: str = field(init=False, repr=False)
 
     def __post_init__(self) -> None:

@@ -79,6 +79,7 @@ def search(
     waypoints: int,
     within: float | None = None,
     stated: Floats | None = None,
+    sight: float = SIGHT,
 ) -> Found:
     """Look at all configurations of some sets.
 
@@ -91,9 +92,10 @@ def search(
         waypoints: how many there are; `bounds` has a value after each.
         within: [m] the nearest is wanted to this, whatever waypoint it follows; None: as `SHARE`.
         stated: (w,) [m] bounds that are only looked whether they hold; None: they are wanted.
+        sight: [m] up to here distances are told.
     """
-    wanted = _Wanted(np.full(waypoints, SIGHT), within, stated)
-    found = Found(np.full(waypoints, SIGHT))
+    wanted = _Wanted(np.full(waypoints, sight), within, stated)
+    found = Found(np.full(waypoints, sight))
     pending = [
         (some, *(each.ravel() for each in np.mgrid[: len(some), : len(pairs.rows)]))
         for blocks in sets

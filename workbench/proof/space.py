@@ -1,11 +1,13 @@
 """Where all bodies are, for many configurations at once, and how near they are to each other."""
 
 import math
+from collections.abc import Mapping
 
 import numpy as np
 import pinocchio as pin
 
 from workbench.model.geometry import Floats, Ints
+from workbench.model.plan import Plan
 from workbench.proof.bodies import Body, ball, box, coal_shape
 from workbench.proof.plane import nearer
 from workbench.proof.robot import Tree
@@ -59,6 +61,19 @@ class Space:
         shape = self._geometry.geometryObjects[number]
         shape.parentJoint, shape.placement = joint, T_joint_body
 
+    def put_parts(self, plan: Plan, where: Mapping[int, tuple[int, pin.SE3]]) -> None:
+        """Have every part lie where the plan has found it, or hang where it was taken to.
+
+        Args:
+            plan: the plan.
+            where: detection -> joint, and `T_joint_part`; all others lie.
+        """
+        for number, body in enumerate(self.bodies):
+            if body.part >= 0:
+                T_world_part = plan.detections[body.part].T_world_part
+                joint, T = where.get(body.part, (0, T_world_part))
+                self.put(number, joint, T * T_world_part.actInv(body.T_joint_body))
+
     def look(self, q: Floats) -> None:
         """Measure at this whole configuration (nq,) [rad, m] from now on."""
         self.looks += 1
@@ -70,6 +85,15 @@ class Space:
     def distance(self, row: int) -> float:
         """Between the two of a pair [m]; negative: how deep they are in each other."""
         return float(pin.computeDistance(self._geometry, self._measured, row).min_distance)
+
+    def nearest(self, row: int) -> Floats:
+        """Where the two of a pair are nearest (2, 3) [m], in the world, as measured last."""
+        result = self._measured.distanceResults[row]
+        return np.array([result.getNearestPoint1(), result.getNearestPoint2()])
+
+    def pose(self, number: int) -> pin.SE3:
+        """`T_world_body` of a body at the configuration that is looked at."""
+        return self._measured.oMg[number]
 
     def within(
         self, row: int, common: int, k: int, world: World, spans: Floats, corners: Floats

@@ -78,6 +78,19 @@ def steps_of(cell: Cell, tree: Tree, plan: Plan) -> Iterator[Step]:
                 placed[number] = held.pop(number)
 
 
+def carried(cell: Cell, tree: Tree, step: Step) -> dict[int, tuple[int, pin.SE3]]:
+    """Parts in a hand or put down during a step: detection -> joint, and `T_joint_part`."""
+    where: dict[int, tuple[int, pin.SE3]] = {}
+    for number, plan in step.held.items():
+        arm = cell.arm(plan.arm)
+        joint, T_joint_flange = tree.flange(arm)
+        where[number] = joint, T_joint_flange * arm.tool.T_flange_tcp * plan.T_tcp_part
+    for number, plan in step.placed.items():
+        q_place, arm = np.asarray(plan.leg("place").q[-1]), cell.arm(plan.arm)
+        where[number] = 0, tcp(tree, step.base, arm, q_place) * plan.T_tcp_part
+    return where
+
+
 def stages_of(cell: Cell, tree: Tree, step: Step, one: Moving, left_at: int) -> Iterator[Stage]:
     """The stages of one leg.
 

@@ -5,7 +5,6 @@ from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
-import pinocchio as pin
 
 from workbench.model.cell import Cell
 from workbench.model.geometry import Floats
@@ -21,12 +20,12 @@ from workbench.proof.stages import (
     Moving,
     Stage,
     Step,
+    carried,
     course_of,
     fingers_of,
     situation_of,
     stages_of,
     steps_of,
-    tcp,
 )
 from workbench.proof.table import SLACK, Pairs, Situation, Table
 
@@ -58,6 +57,7 @@ class _Question:
     sets: tuple[tuple[Sets, ...], ...]
     pairs: Pairs
     found: Found
+    is_free: bool
 
 
 class Walk:
@@ -76,21 +76,17 @@ class Walk:
         bodies = bodies_of(cell, tree, plan.scene)
         self._table = Table(cell, tree, bodies)
         self._space = Space(tree, bodies, self._table)
-        hands = self._pairs(Situation(np.ones(tree.model.nq, bool)))
-        self._hands = hands.among(self._table.between_hands(hands, self._space.joints))
         self._numbers = {arm.name: k for k, arm in enumerate(cell.arms)}
         self._findings: list[Finding] = []
         self._asked: list[_Question] = []
 
     def result(self) -> Walked:
         """Walk all steps, then look more closely at where things come nearest."""
-        clearances: list[tuple[str, str, Floats]] = []
         apart: list[tuple[str, str, Floats]] = []
         for step in steps_of(self._cell, self._tree, self._plan):
             self._put(step)
             for one in step.moving:
-                bounds = self._alone(step, one)
-                clearances.append((one.arm.name, one.leg.name, bounds))
+                self._alone(step, one)
             if len(step.moving) > 1:
                 self._together(step)
             if self._stated is None:
@@ -99,32 +95,22 @@ class Walk:
             clearance, nearest = self._closest()
         else:
             clearance, nearest = self._stated.clearance, self._stated.nearest
+        clearances: dict[tuple[str, str], Floats] = {}
+        for asked in self._asked:
+            key, bounds = (asked.one.arm.name, asked.one.leg.name), asked.found.bounds
+            clearances[key] = np.minimum(clearances.get(key, SIGHT), bounds)
+        told = tuple((arm, leg, bounds) for (arm, leg), bounds in clearances.items())
         looks = self._space.looks
-        return Walked(
-            tuple(self._findings), tuple(clearances), tuple(apart), clearance, nearest, looks
-        )
+        return Walked(tuple(self._findings), told, tuple(apart), clearance, nearest, looks)
 
     def _put(self, step: Step) -> None:
         """Every part where it is during a step: lying, in a hand, or where it was put."""
-        where: dict[int, tuple[int, pin.SE3]] = {}
-        for number, plan in step.held.items():
-            arm = self._cell.arm(plan.arm)
-            joint, T_joint_flange = self._tree.flange(arm)
-            where[number] = joint, T_joint_flange * arm.tool.T_flange_tcp * plan.T_tcp_part
-        for number, plan in step.placed.items():
-            q_place, arm = np.asarray(plan.leg("place").q[-1]), self._cell.arm(plan.arm)
-            where[number] = 0, tcp(self._tree, step.base, arm, q_place) * plan.T_tcp_part
-        for number, body in enumerate(self._space.bodies):
-            if body.part >= 0:
-                T_world_part = self._plan.detections[body.part].T_world_part
-                joint, T = where.get(body.part, (0, T_world_part))
-                self._space.put(number, joint, T * T_world_part.actInv(body.T_joint_body))
+        self._space.put_parts(self._plan, carried(self._cell, self._tree, step))
 
     # -- one arm, all others standing -----------------------------------------------------
 
-    def _alone(self, step: Step, one: Moving) -> Floats:
-        """How near an arm comes to anything (w,) [m] after each waypoint of its leg."""
-        bounds = np.full(len(one.path), SIGHT)
+    def _alone(self, step: Step, one: Moving) -> None:
+        """An arm on its leg against everything but arms that move meanwhile."""
         others = [self._numbers[other.arm.name] for other in step.moving if other is not one]
         left_at = 0
         if one.leg.name == "home":
@@ -143,9 +129,7 @@ class Walk:
             pairs = all_pairs.hiding(all_pairs.left)
             if stage.comes_off or stage.leaves:
                 pairs = self._as_it_begins(step, one, stage, pairs)
-            found = self._ask(step, one, tuple((sets,) for sets in stage.sets), pairs)
-            bounds = np.minimum(bounds, found.bounds)
-        return bounds
+            self._ask(step, one, tuple((sets,) for sets in stage.sets), pairs)
 
     def _pairs(self, now: Situation) -> Pairs:
         return self._table.pairs(now, self._space.joints)
@@ -203,33 +187,30 @@ class Walk:
         self._ask(step, first, tuple(sets), pairs, second)
 
     def _apart(self, step: Step) -> Iterator[tuple[str, str, Floats]]:
-        """Distances between the arms [m] at the waypoints of each leg, shoulders left out."""
+        """How far arms stay apart (w,) [m] after each waypoint, shoulders left out.
+
+        Two that move at once are looked at as they are planned, at the times of the plan.
+        """
         if len(self._cell.arms) < 2:
             return
+        pairs = self._pairs(situation_of(self._tree, step, *step.moving))
+        pairs = pairs.among(self._table.between_hands(pairs, self._space.joints))
+        pairs = pairs.keeping(np.full(len(pairs.rows), -np.inf))
+        times = np.unique(np.concatenate([one.leg.t for one in step.moving]))
+        columns = [self._tree.columns[one.arm.name] for one in step.moving]
+        path = np.hstack([_passed(one, times) for one in step.moving])
+        motion, zone = self._cell.controller.motion, self._cell.policy.zone
+        sets = moved(np.concatenate(columns), path, motion, zone)
+        asked = tuple((each,) for each in sets)
+        found = search(
+            self._space, step.base, asked, pairs, self._resolution, len(times), sight=FAR_SIGHT
+        )
+        if found.gave_up:
+            return
         for one in step.moving:
-            q = np.tile(step.base, (len(one.path), 1))
-            for other in step.moving:
-                times = np.asarray(one.leg.t)
-                at = [np.interp(times, other.leg.t, column) for column in other.path.T]
-                q[:, self._tree.columns[other.arm.name]] = np.stack(at, axis=1)
-            yield one.arm.name, one.leg.name, self._smallest(q, self._hands)
-
-    def _smallest(self, q: Floats, pairs: Pairs) -> Floats:
-        """The smallest distances (k,) [m] of some pairs at configurations (k, nq)."""
-        items, which = (each.ravel() for each in np.mgrid[: len(q), : len(pairs.rows)])
-        rows, commons = pairs.rows[which], pairs.commons[which]
-        most = np.full(len(items), FAR_SIGHT)
-        lower, _, _ = self._space.bounds(q, np.zeros_like(q), items, rows, commons, most)
-        lower = lower.reshape(len(q), -1)
-        smallest = np.full(len(q), FAR_SIGHT)
-        for number, whole in enumerate(q):
-            self._space.look(whole)
-            for k in np.argsort(lower[number], kind="stable").tolist():
-                if lower[number, k] >= smallest[number]:
-                    break
-                distance = self._space.distance(int(pairs.rows[k]))
-                smallest[number] = min(smallest[number], distance)
-        return smallest
+            first = np.searchsorted(times, one.leg.t)
+            apart = np.minimum.reduceat(found.bounds, first)
+            yield one.arm.name, one.leg.name, apart
 
     # -- asking ---------------------------------------------------------------------------
 
@@ -240,19 +221,18 @@ class Walk:
         sets: tuple[tuple[Sets, ...], ...],
         pairs: Pairs,
         other: Moving | None = None,
-    ) -> Found:
+    ) -> None:
         is_free = any(each.leg.name not in STRAIGHT for each in (one, other) if each is not None)
         count, stated, resolution = len(one.path), None, self._resolution
         if self._stated is not None:
-            stated = self._claim(one, is_alone=other is None)
+            stated = self._claim(one)
             if is_free:
                 stated, resolution = np.maximum(stated, self._stated.clearance), TIGHT
         found = search(self._space, step.base, sets, pairs, resolution, count, stated=stated)
         if found.is_less_than(stated):
             problem = "comes nearer to something than was stated"
             self._findings.append(Finding(problem, one.arm.name, one.leg.name))
-        if is_free:
-            self._asked.append(_Question(step, one, sets, pairs, found))
+        self._asked.append(_Question(step, one, sets, pairs, found, is_free))
         if found.gave_up:
             problem = "is near something for too long to be proven"
             self._findings.append(Finding(problem, one.arm.name, one.leg.name))
@@ -261,15 +241,12 @@ class Walk:
             if other is not None:
                 problem += f", while arm {other.arm.name} is on its leg {other.leg.name}"
             self._findings.append(self._finding(one, found.violation, problem))
-        return found
 
-    def _claim(self, one: Moving, *, is_alone: bool) -> Floats:
-        """What was stated of a leg: bounds (w,) [m] after each waypoint.
+    def _claim(self, one: Moving) -> Floats:
+        """What was stated of a leg: bounds (w,) [m] after each waypoint; too much of one left out.
 
-        Between two arms nothing but the smallest clearance is; of a leg left out, nothing holds.
+        What two arms keep from each other is stated with the leg of the first.
         """
-        if not is_alone:
-            return np.full(len(one.path), -np.inf)
         stated = self._stated.clearances if self._stated is not None else ()
         known = {(arm, leg): bounds for arm, leg, bounds in stated}
         bounds = known.get((one.arm.name, one.leg.name))
@@ -278,19 +255,19 @@ class Walk:
         return bounds
 
     def _closest(self) -> tuple[float, Finding | None]:
-        """The smallest clearance of free legs, from below, and where that was measured."""
-        bound = min((float(one.found.bounds.min()) for one in self._asked), default=SIGHT)
-        measured = [
-            (one.found.nearest, one) for one in self._asked if one.found.nearest is not None
-        ]
+        """The smallest clearance of free legs, from below, and where that was measured.
+
+        Bounds that are looked at more closely for it are better afterwards.
+        """
+        free = [one for one in self._asked if one.is_free]
+        measured = [(one.found.nearest, one) for one in free if one.found.nearest is not None]
         if not measured:
-            return bound, None
+            return min((float(one.found.bounds.min()) for one in free), default=SIGHT), None
         state, where = min(measured, key=lambda one: one[0].distance)
-        within, bound = state.distance, SIGHT
-        for asked in self._asked:
+        within = state.distance
+        for asked in free:
             close = np.flatnonzero(asked.found.bounds < within - TIGHT)
             if len(close) == 0 or asked.found.violation is not None or asked.found.gave_up:
-                bound = min(bound, float(asked.found.bounds.min()))
                 continue
             self._put(asked.step)
             sets = tuple(
@@ -301,11 +278,12 @@ class Walk:
             pairs = shown.keeping(np.full(len(shown.rows), -np.inf))
             base, count = asked.step.base, len(asked.one.path)
             again = search(self._space, base, sets, pairs, TIGHT, count, within)
-            known = asked.found.bounds if again.gave_up else again.bounds
-            bound = min(bound, float(known.min()))
+            if not again.gave_up:
+                asked.found.bounds[close] = again.bounds[close]
             if again.nearest is not None and again.nearest.distance < within:
                 within, state, where = again.nearest.distance, again.nearest, asked
-        return min(bound, within), self._finding(where.one, state, "smallest clearance")
+        bound = min(float(one.found.bounds.min()) for one in free)
+        return bound, self._finding(where.one, state, "smallest clearance")
 
     def _with(self, step: Step, one: Moving, values: Floats) -> Floats:
         q = step.base.copy()
@@ -316,3 +294,8 @@ class Walk:
         columns = self._tree.columns[one.arm.name][: len(one.arm.joints)]
         labels, q = self._table.labels(state.row), state.q[columns]
         return Finding(problem, one.arm.name, one.leg.name, state.at[0], labels, state.distance, q)
+
+
+def _passed(one: Moving, times: Floats) -> Floats:
+    """Where an arm is (k, n) [rad, m] at times (k,) [s] of its leg, and after it."""
+    return np.stack([np.interp(times, one.leg.t, column) for column in one.path.T], axis=1)

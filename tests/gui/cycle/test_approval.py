@@ -62,7 +62,9 @@ class QuickHand:
 def test_a_name_that_is_typed_at_once_is_on_the_button(states):
     hand = QuickHand("Anna")
     bench = SimpleNamespace(state=states.planned, live=SimpleNamespace(joints={}))
-    dialog = ApprovalDialog(SimpleNamespace(bench=bench, gui=hand, client=hand, is_known=False))
+    links = {"unseen": lambda pressed: "id", "hide": lambda buttons: None}
+    visitor = SimpleNamespace(bench=bench, gui=hand, client=hand, is_known=False, **links)
+    dialog = ApprovalDialog(visitor)
     dialog.open()
     word = hand.buttons["Type your name to approve"]
     assert word.label == "Approve as Anna"

@@ -8,8 +8,10 @@ import pytest
 
 from workbench.app.core.people import Person, Role
 from workbench.app.core.rights import NOBODY
+from workbench.app.picking.proving import check
 from workbench.app.runtime.live import Live
 from workbench.app.runtime.worker import GettingReady
+from workbench.formats.plans.certificates import read_certificate
 from workbench.formats.plans.plan_files import read_plan
 from workbench.web.api.calls import CALLS
 from workbench.web.api.fields import LARGEST_BODY
@@ -46,6 +48,7 @@ def test_a_whole_cycle_by_program(site, tmp_path):
     state = site.get("/state").json()
     assert (state["phase"], state["parts_placed"]) == ("done", 2)
     assert state["approved_by"] == ["Ada"]
+    assert state["approved_unwatched"] is True, "no page has drawn it"
     assert state["outcomes"] == [{"detection": 0, "is_picked": True, "by": "Ada", "why": ""}]
     counted = site.get("/statistics").json()
     assert counted["picked"] == 2 and counted["cycles"] == 1
@@ -54,6 +57,11 @@ def test_a_whole_cycle_by_program(site, tmp_path):
 
 def test_what_a_cycle_has_made_can_be_read(site, results, tmp_path):
     digest = plan(site)
+    file = tmp_path / "proof.json"
+    file.write_bytes(site.get("/proof/certificate").content)
+    certificate = read_certificate(file)
+    assert certificate.plan.digest == digest
+    assert check(site.bench.state.cell, certificate).holds
     scan = site.get("/scan").json()
     assert scan["digest"] == results.scan.digest and scan["points"] == len(results.scan.points)
     points = np.load(io.BytesIO(site.get("/scan/points").content))["points"]

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from workbench.app.core.people import Role
 from workbench.model.calibration import BallPlate, PlateSighting
 from workbench.model.cell import Cell, Wishes
+from workbench.model.digest import LATER
 from workbench.model.errors import WorkbenchError
 from workbench.model.geometry import Floats, frozen, put
 from workbench.model.part import Entry as GraspEntry
@@ -113,9 +114,13 @@ class WantThreshold:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class WatchPlan:
-    """The plan with this digest was played to its end before somebody's eyes."""
+    """The plan with this digest was played to its end before somebody's eyes.
+
+    `is_told`: a program says so, and no browser has confirmed that it has drawn it.
+    """
 
     plan_digest: str
+    is_told: bool = field(default_factory=bool, metadata=LATER)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

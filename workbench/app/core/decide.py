@@ -61,7 +61,12 @@ from workbench.app.core.effects import (
 )
 from workbench.app.core.outcomes import after_one_more_scan, avoided_parts, with_outcome
 from workbench.app.core.planned import with_plan
-from workbench.app.core.release import opened_again, votes_of_others, without_approval
+from workbench.app.core.release import (
+    has_seen,
+    opened_again,
+    votes_of_others,
+    without_approval,
+)
 from workbench.app.core.rules import approve
 from workbench.app.core.sent import after_sending, with_receipt
 from workbench.app.core.state import (
@@ -118,8 +123,8 @@ def decide(state: State, entry: Entry) -> Outcome:
             return _make_plan(state, entry, command)
         case WantThreshold(threshold=threshold):
             return replace(state, wanted_threshold=threshold), ()
-        case WatchPlan():
-            return _watched(state, entry.actor), ()
+        case WatchPlan(is_told=is_told):
+            return _watched(state, entry.actor, is_told=is_told), ()
         case Approve():
             return _approved(state, entry), ()
         case SendPlan():
@@ -190,9 +195,16 @@ def _begin(
     return after, (StartJob(job.number, name, arguments),)
 
 
-def _watched(state: State, actor: str) -> State:
-    watched = state.watched if actor in state.watched else (*state.watched, actor)
-    return replace(state, watched=watched, message="the plan was played to its end")
+def _watched(state: State, actor: str, *, is_told: bool) -> State:
+    told, watched = state.told, state.watched
+    if actor not in watched:
+        watched, told = (*watched, actor), (*told, actor) if is_told else told
+    elif not is_told:
+        told = tuple(name for name in told if name != actor)
+    message = "the plan was played to its end"
+    if is_told:
+        message = f"a program says that the plan was played to its end before {actor}"
+    return replace(state, watched=watched, told=told, message=message)
 
 
 def _find_parts(state: State, entry: Entry, command: FindParts) -> Outcome:
@@ -245,8 +257,19 @@ def _approved(state: State, entry: Entry) -> State:
         message = f"approved by {_names(votes)}, {len(votes)} of {wanted} people"
         state = replace(state, phase=Phase.PLANNED, approval=None)
     else:
-        approval = approve(state.cell, state.plan, state.proof, entry.actor, entry.at, before)
+        unseen = [vote.actor for vote in votes if not has_seen(state, vote.actor)]
+        approval = approve(
+            state.cell,
+            state.plan,
+            state.proof,
+            entry.actor,
+            entry.at,
+            before,
+            is_unwatched=bool(unseen),
+        )
         message = f"plan {state.plan.digest[:12]} approved by {_names(votes)}"
+        if unseen:
+            message += f"; no page has shown it to {' and '.join(unseen)}"
         state = replace(state, phase=Phase.APPROVED, approval=approval)
     return replace(state, votes=votes, message=message)
 

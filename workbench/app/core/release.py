@@ -67,7 +67,7 @@ def opened_again(state: State) -> State:
     had, message = state.votes or state.approval or state.watched, state.message
     if had and state.phase in (Phase.PLANNED, Phase.APPROVED):
         message = "the session was opened again: previews and approvals before that do not count"
-    return replace(without_approval(state), watched=(), message=message)
+    return replace(without_approval(state), watched=(), told=(), message=message)
 
 
 def lacks_people(cell: Cell, approval: Approval) -> str:
@@ -97,6 +97,12 @@ def unwatched(state: State, actor: str) -> str:
     """
     seen = any(is_same_person(name, actor) or name == NOBODY for name in state.watched)
     return "" if seen else "the plan has not been played to its end; play it first"
+
+
+def has_seen(state: State, actor: str) -> bool:
+    """Whether a page has drawn the plan to its end before a person; a program's word is none."""
+    drawn = [name for name in state.watched if name not in state.told]
+    return any(is_same_person(name, actor) or name == NOBODY for name in drawn)
 
 
 def stale_because(state: State, plan: Plan, joints: Mapping[str, float]) -> str:

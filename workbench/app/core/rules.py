@@ -218,6 +218,8 @@ def approve(
     actor: str,
     now: float,
     before: tuple[Vote, ...] = (),
+    *,
+    is_unwatched: bool = False,
 ) -> Approval:
     """A person's vote for exactly this plan, valid as long as the cell's policy says.
 
@@ -228,6 +230,7 @@ def approve(
         actor: the name of the person.
         now: seconds since the epoch.
         before: the votes of others that count along; the first of all votes decides the end.
+        is_unwatched: the plan was not played to its end before who approves it; on record.
 
     Raises:
         CommandRefused: nobody is named, the proof does not hold, plan, proof and cell do not
@@ -243,6 +246,7 @@ def approve(
         at=now,
         until=min((now, *(vote.at for vote in before))) + cell.policy.approval_minutes * 60.0,
         before=before,
+        is_unwatched=is_unwatched,
     )
     _refuse(lacks_people(cell, approval))
     return approval

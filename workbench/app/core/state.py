@@ -8,6 +8,7 @@ from typing import Any, cast
 from workbench.model.calibration import PlateSighting
 from workbench.model.candidate import Candidate, Verdict
 from workbench.model.cell import Cell
+from workbench.model.digest import LATER
 from workbench.model.plan import Plan, Proof
 from workbench.model.release import Approval, PartReport, Receipt, Vote
 from workbench.model.scan import Detection, Obstacle, Remark, Scan, Search, SearchWishes
@@ -161,11 +162,12 @@ class PlanState(PartsState):
 class ReleaseState(PlanState):
     """What lets the plan out.
 
-    `watched` names those before whose eyes it was played to its end, `votes` are given for it,
-    enough of them or not.
+    `watched` names those before whose eyes it was played to its end, `told` those of them of whom
+    only a program says so; `votes` are given for it, enough of them or not.
     """
 
     watched: tuple[str, ...] = ()
+    told: tuple[str, ...] = field(default_factory=tuple, metadata=LATER)
     votes: tuple[Vote, ...] = ()
     approval: Approval | None = None
 

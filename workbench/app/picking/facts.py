@@ -10,11 +10,12 @@ from workbench.app.core.state import State
 from workbench.model.bin_check import BinCheck
 from workbench.model.cell import Bin, Cell
 from workbench.model.errors import CommandRefused, InputError
-from workbench.model.plan import Plan
+from workbench.model.plan import Plan, Proof
 from workbench.model.scan import Detection, Scan
 from workbench.perception.scene.bin_check import check_bin
 from workbench.planning.kinematics.robot import Kinematics
 from workbench.plugins.planner import planner_named
+from workbench.proof.spot import Spot, spot_of
 
 
 def bin_check_of(state: State) -> BinCheck | None:
@@ -26,6 +27,17 @@ def bin_check_of(state: State) -> BinCheck | None:
 @functools.lru_cache(maxsize=2)
 def _checked(scan: Scan, bin: Bin) -> BinCheck:
     return check_bin(scan, bin)
+
+
+# It takes some 10 ms, and is asked for in every browser.
+@functools.lru_cache(maxsize=2)
+def nearest_place(cell: Cell, plan: Plan, proof: Proof) -> Spot | None:
+    """Where on its free legs a plan comes nearest to anything; None where that is not near."""
+    try:
+        return None if proof.nearest is None else spot_of(cell, plan, proof.nearest)
+    except InputError:
+        # A recorded plan, and a cell that has no such part any more.
+        return None
 
 
 def with_facts(state: State, command: Command) -> Command:

@@ -202,7 +202,11 @@ class Explain:
 
 @dataclass(frozen=True, slots=True)
 class Send:
-    """Prove a plan, approve it by name, and send it to a robot controller."""
+    """Prove a plan, approve it by its digest, and send it to a robot controller.
+
+    What there is to know of the plan is printed first.  At a terminal the digest is asked for; in a
+    script the command is given once to read, and again with --digest.  A plan goes out once.
+    """
 
     plan: Positional[Path]
     """JSON file of a plan."""
@@ -212,6 +216,16 @@ class Send:
     """Port on which it takes motion."""
     approve_as: str
     """Name of the person who has looked at the plan and answers for it."""
+    digest: str | None = None
+    """The plan's digest, as it was printed before: its first 12 characters, or more."""
+    scan: Path | None = None
+    """PLY or PCD file of the scan that the plan was made for, for the proof."""
+    poses: Path | None = None
+    """CSV or JSON file of all parts known to be in the bin, for the proof."""
+    state_port: int | None = None
+    """Port on which the controller reports its state; the next one when not given."""
+    record: Path = Path("approvals")
+    """Folder with the record of who has approved which plan."""
     cell: str | None = None
     """Name under robots/, or path of a cell.toml; the name in the plan when not given."""
     protocol: str | None = None

@@ -140,7 +140,7 @@ class Cycle:
         if plan is None or proof is None or not proof.holds:
             raise NoPlan(state.message)
         # Nobody looks: the record says who has let this plan out, a demonstration.
-        self._bench.do(WatchPlan(plan.digest), ACTOR)
+        self._bench.do(WatchPlan(plan.digest, is_told=True), ACTOR)
         self._stage("approve", Approve(plan.digest), Phase.APPROVED)
         state = self._stage("send", SendPlan(plan.digest), Phase.DONE, Phase.FAULT)
         if state.phase is Phase.FAULT:

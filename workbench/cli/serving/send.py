@@ -1,20 +1,26 @@
-"""`workbench send`: a plan proven, approved by name, and sent."""
+"""`workbench send`: a plan proven, approved by its digest, and sent."""
 
+import sys
 import time
 from collections import Counter
 from dataclasses import replace
 
-from workbench.app.core.rules import approve
+from workbench.app.core.rules import approve, check_approvable
 from workbench.app.picking.proving import adopted, prove
+from workbench.app.records.approvals import ApprovalRecord
 from workbench.app.runtime.readiness import make_ready
 from workbench.cli.arguments import top as arguments
-from workbench.cli.picking.planning import cell_of
+from workbench.cli.picking.planning import cell_of, detections_from
+from workbench.cli.serving.approving import check_digest, facts_of, start_words, typed_digest
 from workbench.cli.serving.controller import HIGHEST_PORT
 from workbench.cli.terminal import check_whole, print_json, progress
+from workbench.formats.clouds.scans import read_scan
 from workbench.formats.plans.plan_files import read_plan
+from workbench.model.cell import Cell, Controller
 from workbench.model.digest import canonical
-from workbench.model.errors import FileError
-from workbench.model.release import PartReport
+from workbench.model.errors import FileError, WorkbenchError
+from workbench.model.plan import Plan
+from workbench.model.release import Approval, Receipt
 from workbench.plugins.robot_link import controller_by
 from workbench.plugins.robot_link import send as send_plan
 
@@ -22,6 +28,8 @@ from workbench.plugins.robot_link import send as send_plan
 def send(typed: arguments.Send) -> int:
     """Prove, approve and send a plan; nothing is sent unless everything before it holds."""
     check_whole("--port", typed.port, 1, HIGHEST_PORT)
+    if typed.state_port is not None:
+        check_whole("--state-port", typed.state_port, 1, HIGHEST_PORT)
     plan, stated = read_plan(typed.plan)
     if stated and stated != plan.digest:
         raise FileError(
@@ -32,33 +40,78 @@ def send(typed: arguments.Send) -> int:
     cell = cell_of(plan, typed.cell)
     if not stated:
         plan = adopted(cell, plan)
+    cell = replace(cell, controller=_controller(cell, typed))
+    if typed.digest is not None:
+        check_digest(plan, typed.digest)
+    record = ApprovalRecord(typed.record)
+    with progress("send") as report:
+        make_ready(report, ("planning",))
+        report(0.0, "proving the plan")
+        scan = None if typed.scan is None else read_scan(typed.scan, cell.scanner)
+        poses = None if typed.poses is None else detections_from(cell, typed.poses, None)
+        proof = prove(cell, plan, detections=poses, scan=scan)
+    check_approvable(cell, plan, proof, typed.approve_as)
+    facts = facts_of(cell, plan, proof, _told(typed), start_words(cell, plan))
+    if typed.digest is None:
+        record.show(plan.digest, typed.approve_as, time.time(), facts)
+        for name, value in facts.items():
+            print(f"{name:>20}  {value}", file=sys.stderr if typed.json else sys.stdout, flush=True)
+        check_digest(plan, typed_digest(plan, typed.approve_as))
+    valid = cell.policy.approval_minutes * 60.0
+    record.check_shown(plan.digest, typed.approve_as, time.time(), valid, facts)
+    # Reading takes its time.
+    start_words(cell, plan)
+    approval = approve(cell, plan, proof, typed.approve_as, time.time(), is_unwatched=True)
+    record.take(approval)
+    return _sent(typed, plan, approval, cell, record)
+
+
+def _controller(cell: Cell, typed: arguments.Send) -> Controller:
+    """The controller that is meant: that of the cell, at another address."""
     protocol, options = typed.protocol or cell.controller.link, cell.controller.options
     if protocol != cell.controller.link:
         options = {}
-    controller = controller_by(protocol, typed.host, typed.port, options=options)
-    cell = replace(cell, controller=controller)
-    with progress("send") as report:
-        make_ready(report, ("planning",))
-        began = time.monotonic()
-        report(0.0, "proving the plan")
-        proof = prove(cell, plan)
-        approval = approve(cell, plan, proof, typed.approve_as, time.time())
-        sent: Counter[str] = Counter()
-        parts: list[PartReport] = []
-        for receipt in send_plan(plan, approval, cell):
-            if receipt.sent:
-                sent[receipt.arm or "both"] += 1
-            if receipt.part is not None:
-                parts.append(receipt.part)
-            report(receipt.done / receipt.total, f"{receipt.arm} {receipt.sent or receipt.heard}")
+    return controller_by(protocol, typed.host, typed.port, typed.state_port, options)
+
+
+def _told(typed: arguments.Send) -> str:
+    """What the proof was told of the bin."""
+    told = [f"{one}" for one in (typed.scan, typed.poses) if one is not None]
+    return f"compared with {' and '.join(told)}" if told else "by the plan's own word"
+
+
+def _sent(
+    typed: arguments.Send, plan: Plan, approval: Approval, cell: Cell, record: ApprovalRecord
+) -> int:
+    """Send an approved plan, and put on record what became of it."""
+    receipts: list[Receipt] = []
+    problem, began = "the command was ended", time.monotonic()
+    try:
+        with progress("send") as report:
+            for receipt in send_plan(plan, approval, cell):
+                receipts.append(receipt)
+                words = f"{receipt.arm} {receipt.sent or receipt.heard}"
+                report(receipt.done / receipt.total, words)
+        problem = ""
+    except WorkbenchError as error:
+        problem = str(error)
+        raise
+    finally:
+        record.end(approval, receipts, problem)
     seconds = time.monotonic() - began
+    sent = Counter(one.arm or "both" for one in receipts if one.sent)
+    parts = [one.part for one in receipts if one.part is not None]
+    protocol = cell.controller.link
     if typed.json:
         form = {"ok": True, "digest": plan.digest, "approved_by": approval.actor}
-        form |= {"protocol": protocol, "messages": dict(sent), "parts": canonical(parts)}
-        print_json({**form, "seconds": round(seconds, 3)})
+        form |= {"watched": not approval.is_unwatched, "protocol": protocol, "messages": dict(sent)}
+        print_json({**form, "parts": canonical(parts), "seconds": round(seconds, 3)})
     else:
         counts = ", ".join(f"{count} for {arm}" for arm, count in sent.items())
-        print(f"plan {plan.digest[:12]} approved by {approval.actor} and sent in {seconds:.1f} s")
+        print(
+            f"plan {plan.digest[:12]} approved by {approval.actor}, who has not seen it played, "
+            f"and sent in {seconds:.1f} s"
+        )
         print(f"messages by {protocol}: {counts}; the controller has ended the last motion")
         for part in parts:
             print(f"arm {part.arm}: {'picked' if part.is_picked else f'failed, {part.why}'}")

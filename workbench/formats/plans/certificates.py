@@ -61,10 +61,26 @@ def write_certificate(path: str | Path, plan: Plan, scene: Scene, proof: Proof) 
         InputError: the proof does not hold.
         FileError: the file cannot be written, or the plan is one that no file holds.
     """
+    write_whole(Path(path), json_text(Path(path), certificate_content(plan, scene, proof)))
+
+
+def certificate_content(plan: Plan, scene: Scene, proof: Proof) -> dict[str, Any]:
+    """What a certificate holds of a plan that was proven in a scene.
+
+    Raises:
+        InputError: the proof does not hold, or is of another plan.
+    """
     if not proof.holds:
         raise InputError("the proof does not hold, so there is nothing to certify")
+    if proof.plan_digest != plan.digest:
+        raise InputError("the proof is that of another plan")
     content = _content(plan, scene, proof, versions())
-    write_whole(Path(path), json_text(Path(path), {**content, "digest": digest_of(content)}))
+    return {**content, "digest": digest_of(content)}
+
+
+def certificate_bytes(plan: Plan, scene: Scene, proof: Proof) -> bytes:
+    """A certificate as its file is, for who takes it from a page; see `certificate_content`."""
+    return json_text(Path("certificate"), certificate_content(plan, scene, proof))
 
 
 def read_certificate(path: str | Path) -> Certificate:

@@ -9,6 +9,7 @@ import viser
 
 from workbench.app.core.commands import Approve
 from workbench.gui.cycle.approval_views import facts_html
+from workbench.gui.scene.nearest import PlanLinks
 from workbench.gui.shared.look import View
 from workbench.gui.shared.views import line
 from workbench.gui.shared.visitor import Visitor
@@ -40,13 +41,13 @@ class ApprovalDialog:
             if self._close is not None or plan is None or proof is None:
                 return
             self._digest = plan.digest
-            facts = facts_html(state, plan, proof, visitor.bench.live.joints, time.time())
             # Sent as one: letters typed before somebody listens to the field would be lost.
             with visitor.client.atomic():
                 modal = visitor.gui.add_modal("Approve this plan")
                 self._close = modal.close
                 with modal:
-                    visitor.gui.add_html(facts)
+                    links, joints = PlanLinks(visitor, self.close), visitor.bench.live.joints
+                    visitor.gui.add_html(facts_html(state, plan, proof, joints, time.time(), links))
                     self._add_word(plan.digest)
 
     def _add_word(self, digest: str) -> None:

@@ -3,10 +3,12 @@
 from collections.abc import Mapping
 
 from workbench.app.core.release import moved_away, standing_votes
-from workbench.app.core.state import Phase, State
-from workbench.gui.shared.views import clock, line, mm, sentence, short, table_html
+from workbench.app.core.state import Phase, State, counted
+from workbench.gui.scene.nearest import PlanLinks, go_html, nearest_words, straight_words
+from workbench.gui.shared.views import clock, line, sentence, short, table_html
 from workbench.model.cell import Cell
-from workbench.model.plan import Finding, Plan, Proof
+from workbench.model.motion import MotionModel
+from workbench.model.plan import Guarantee, Plan, Proof
 
 
 def approval_line(state: State, now: float, problem: str) -> str:
@@ -20,6 +22,8 @@ def approval_line(state: State, now: float, problem: str) -> str:
         return line(purpose, kind="hint", span=2, tip=purpose)
     approval = state.approval
     text = f"By {' and '.join(approval.people)} until {clock(approval.until)}"
+    if approval.is_unwatched:
+        text += ", without having seen it played"
     if now >= approval.until and state.phase is Phase.APPROVED:
         return line(f"{text}, run out", kind="bad", span=2, tip=purpose)
     return line(text, span=2, tip=purpose)
@@ -37,8 +41,21 @@ def _missing(state: State, now: float) -> str:
     return f"By {names} until {clock(lapses)}, waiting for {people}."
 
 
+TOGETHER = {
+    Guarantee.ONE_AT_A_TIME: "one moves at a time",
+    Guarantee.TIME_INDEPENDENT: "proven for any speeds of both",
+    Guarantee.SYNCHRONISED: "proven in step, at the times planned",
+}
+"""What was proven of two arms, by the guarantee of a plan."""
+
+
 def facts_html(
-    state: State, plan: Plan, proof: Proof, joints: Mapping[str, float], at: float
+    state: State,
+    plan: Plan,
+    proof: Proof,
+    joints: Mapping[str, float],
+    at: float,
+    links: PlanLinks | None = None,
 ) -> str:
     """What a person approves: values that the server holds, nothing typed in a browser.
 
@@ -48,11 +65,13 @@ def facts_html(
         proof: of it.
         joints: how the robot stands by its own report.
         at: seconds since the epoch.
+        links: what a click on the smallest clearance, and on the certificate, does.
     """
     cell = state.cell
+    took = dict(state.seconds).get("prove")
+    looked = f"{proof.checks:,} positions measured" + ("" if took is None else f" in {took:.2f} s")
     rows = [
-        ("Strategy", plan.strategy.words + (f" ({plan.note})" if plan.note else "")),
-        ("Guarantee", str(plan.guarantee)),
+        ("Strategy", _strategy(plan)),
     ]
     for arm in plan.arms:
         part = plan.detections[arm.detection].part
@@ -60,21 +79,31 @@ def facts_html(
             (f"{arm.arm.capitalize()} arm", f"part-{arm.detection + 1} ({part}), grasp {arm.grasp}")
         )
     rows += [
-        ("Smallest clearance", mm(proof.clearance) + _where(proof.nearest)),
-        ("Proof", f"holds, {proof.checks:,} states checked, down to {mm(proof.resolution, 2)}"),
-        ("Kept clear of", _kept_clear(plan)),
-        ("Cycle time", f"{plan.cycle_seconds:.1f} s"),
-        ("Speeds", f"up to {cell.policy.speed:.0%} of what each joint can"),
+        ("Smallest clearance", nearest_words(state, plan, proof)),
+        ("Straight ways", straight_words(state, plan, proof)),
+        ("Proven", f"{_covered(cell, plan)}; {looked}, proof {short(proof.digest)}"),
+        ("Kept clear of", _kept_clear(state, plan)),
+        ("Motion", f"{plan.cycle_seconds:.1f} s, up to {cell.policy.speed:.0%} of joint speeds"),
         ("Robot", _robot(cell, plan, joints)),
-        ("Preview", f"played to its end ({', '.join(state.watched)})"),
+        ("Preview", _preview(state)),
         ("Controller", f"{cell.controller.host} port {cell.controller.port}"),
         ("Valid for", f"{cell.policy.approval_minutes:g} min after the approval"),
         ("Plan", short(plan.digest)),
+        ("Certificate", f"certificate-{short(plan.digest)}.json"),
     ]
+
     if cell.approvers > 1:
         votes = ", ".join(vote.actor for vote in standing_votes(state, at)) or "nobody yet"
-        rows.insert(-1, ("People", f"{cell.approvers} are needed; so far {votes}"))
-    return table_html(rows, title=plan.digest)
+        rows.insert(-2, ("People", f"{cell.approvers} are needed; so far {votes}"))
+    made: dict[str, str] = {}
+    if links is not None:
+        made["Smallest clearance"] = go_html(
+            dict(rows)["Smallest clearance"], links.nearest, "Shows the plan there"
+        )
+        made["Certificate"] = go_html(
+            dict(rows)["Certificate"], links.certificate, "Saves what another machine can check"
+        )
+    return table_html(rows, title=plan.digest, made=made)
 
 
 def _robot(cell: Cell, plan: Plan, joints: Mapping[str, float]) -> str:
@@ -83,14 +112,41 @@ def _robot(cell: Cell, plan: Plan, joints: Mapping[str, float]) -> str:
     return moved_away(cell, plan, joints) or "stands where the plan starts"
 
 
-def _kept_clear(plan: Plan) -> str:
-    parts, seen = len(plan.detections), len(plan.obstacles)
-    unknown = f", {seen} unknown things in the scan" if seen else ""
-    return f"cell, {parts} {'part' if parts == 1 else 'parts'}{unknown}"
+def _preview(state: State) -> str:
+    drawn = ", ".join(name for name in state.watched if name not in state.told)
+    words = f"played to its end ({drawn})" if drawn else "not played on a page"
+    return words + (f"; by a program's word also to {', '.join(state.told)}" if state.told else "")
 
 
-def _where(finding: Finding | None) -> str:
-    if finding is None:
-        return ""
-    where = f" on free legs: {finding.arm} arm, leg {finding.leg}"
-    return where + (f", {' · '.join(finding.pair)}" if finding.pair is not None else "")
+def _strategy(plan: Plan) -> str:
+    words = plan.strategy.words
+    if len(plan.arms) > 1:
+        words += f", {TOGETHER[plan.guarantee]} ({plan.guarantee})"
+    return words + (f"; {plan.note}" if plan.note else "")
+
+
+def _covered(cell: Cell, plan: Plan) -> str:
+    """What the proof has looked at, as somebody says it who sets up robots."""
+    legs = [leg for arm in plan.arms for leg in arm.legs]
+    waypoints = sum(len(leg.q) for leg in legs)
+    fingers = any(cell.arm(arm.arm).tool.fingers for arm in plan.arms)
+    grips = ", fingers opening and closing" if fingers else ""
+    corners = _corners(cell.controller.motion, cell.policy.zone)
+    return f"the whole motion on {len(legs)} legs, {waypoints} waypoints, {corners}{grips}"
+
+
+def _corners(motion: MotionModel, zone: float) -> str:
+    match motion.corners:
+        case "stop":
+            return "stopping at each"
+        case "blend":
+            return f"corners sharp or rounded by up to {zone:.0%} of a segment"
+        case _:
+            return "corners cut as streaming may"
+
+
+def _kept_clear(state: State, plan: Plan) -> str:
+    parts, seen = counted(len(plan.detections), "part"), len(plan.obstacles)
+    unknown = f", {counted(seen, 'unknown thing')} in the scan" if seen else ""
+    source = "the scan has" if state.scan is not None else "poses from outside have"
+    return f"cell, {parts}{unknown}, as {source} them"

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 import pinocchio as pin
 import viser
 
-from workbench.gui.scene.marks import draw_measured
+from workbench.gui.scene.marks import draw_measured, draw_visited
 from workbench.gui.scene.meets import draw_meets
 from workbench.gui.scene.robot import ROBOT, ROBOT_CHECKED, finger_name, moved_by, place
 from workbench.gui.shared.calibrating import draw_overlay
@@ -43,6 +43,8 @@ class OwnScene:
                 draw_meets(self._scene, "/jog_meets", new.jogged.meets if new.jogged else ())
             if is_first or old.own.measured is not new.own.measured:
                 draw_measured(self._scene, new.own.measured)
+            if is_first or old.visited is not new.visited:
+                draw_visited(self._scene, new.visited)
             if new.jogged is None and new.overlay is None:
                 self._give_back()
             elif (
@@ -73,7 +75,7 @@ class OwnScene:
 
     def _clear(self) -> None:
         self._give_back()
-        for name in ("/sighting", "/jog_meets", "/measured"):
+        for name in ("/sighting", "/jog_meets", "/measured", "/nearest", "/nearest_points"):
             self._scene.remove_by_name(name)
 
 

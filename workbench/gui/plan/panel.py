@@ -7,8 +7,10 @@ import viser
 
 from workbench.app.core.commands import WatchPlan
 from workbench.app.core.state import Phase
+from workbench.gui.scene.nearest import PlanLinks, proof_html
 from workbench.gui.shared.charts import (
     JOINTS,
+    LEGS,
     axis,
     clearance_curves,
     cursor_html,
@@ -38,6 +40,7 @@ class PlanPanel:
         cell = visitor.cell
         gui = visitor.gui
         self._summary = gui.add_html("")
+        self._nearest = gui.add_html("")
         self._lanes = gui.add_html("")
         self._cursor = gui.add_html("")
         self._time = gui.add_slider(
@@ -48,19 +51,21 @@ class PlanPanel:
             initial_value=0.0,
             hint="Drag to move the arms along the plan; it only shows, nothing is sent.",
         )
+        self._links = PlanLinks(visitor)
         gui.add_html('<div class="wb-buttons wb-two"></div>')
         self._play = gui.add_button("Play", icon=viser.Icon.PLAYER_PLAY)
         self._start = gui.add_button("To the start", icon=viser.Icon.PLAYER_SKIP_BACK, color="gray")
         has_two = len(cell.arms) > 1
         self._clearance = gui.add_uplot(
-            (NOTHING, NOTHING, NOTHING)[: 2 + has_two],
+            (NOTHING, NOTHING, NOTHING, NOTHING)[: 3 + has_two],
             (
                 curve("time [s]"),
-                curve("to anything (up to 100 mm)"),
-                curve("between the arms (up to 400 mm)", JOINTS[1]),
-            )[: 2 + has_two],
+                curve("free legs (up to 100 mm)"),
+                curve("straight ways (up to 100 mm)", LEGS["extract"]),
+                curve("between the arms (up to 400 mm)", JOINTS[3]),
+            )[: 3 + has_two],
             scales={"x": {"time": False}},
-            axes=(axis("time [s]"), axis("clearance [mm]")),
+            axes=(axis("time [s]"), axis("kept at least [mm]")),
             height=170,
             visible=False,
         )
@@ -127,7 +132,7 @@ class PlanPanel:
         if state.plan is None:
             hint = line("A plan can be played here once it was made.", kind="hint")
             self._summary.content = hint + outlines_html(state.outlines)
-            self._lanes.content = self._cursor.content = ""
+            self._lanes.content = self._cursor.content = self._nearest.content = ""
             self._time.value = 0.0
             return
         self._summary.content = plan_html(cell, state.plan, state.seconds) + outlines_html(
@@ -137,7 +142,8 @@ class PlanPanel:
         self._time.max = max(round(seconds, 2), 0.01)
         if state.proof is not None:
             curves = clearance_curves(runs, state.proof)
-            self._clearance.data = curves[: 2 + (len(cell.arms) > 1)]
+            self._clearance.data = curves[: 3 + (len(cell.arms) > 1)]
+            self._nearest.content = proof_html(state, state.plan, state.proof, self._links)
         speeds = [speed_curve(arm, cell, runs, seconds) for arm in cell.arms]
         self._speed.data = (np.linspace(0.0, max(seconds, 1e-3), len(speeds[0])), *speeds)
         for arm in cell.arms:

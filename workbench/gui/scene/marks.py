@@ -4,8 +4,10 @@ import numpy as np
 import viser
 
 from workbench.formats.meshes.triangles import triangles_of
+from workbench.gui.scene.meets import draw_meets
 from workbench.gui.scene.robot import place
 from workbench.gui.shared.colours import BAD, BRAND, BUSY, GOOD, rgb_of
+from workbench.gui.shared.own import Visited
 from workbench.gui.shared.solids import with_hard_edges
 from workbench.model.cell import Cell
 from workbench.model.geometry import Floats
@@ -63,6 +65,33 @@ def draw_measured(scene: viser.SceneApi, points: tuple[Floats, ...]) -> None:
         measured_text(first, second),
         font_screen_scale=0.8,
         position=tuple(((first + second) / 2).tolist()),
+    )
+
+
+def draw_visited(scene: viser.SceneApi, visited: Visited | None) -> None:
+    """Two bodies of a plan where they are nearest, and where they are nearest to each other."""
+    draw_meets(scene, "/nearest", () if visited is None else visited.spot.bodies, BUSY, 0.4)
+    scene.remove_by_name("/nearest_points")
+    if visited is None:
+        return
+    points = visited.spot.points
+    for number, p in enumerate(points):
+        name = f"/nearest_points/{number}"
+        scene.add_icosphere(name, 0.0025, rgb_of(BAD), position=tuple(p.tolist()))
+    scene.add_line_segments(
+        "/nearest_points/line",
+        points[None].astype(np.float32),
+        rgb_of(BAD),
+        thickness=3.0,
+        thickness_units="screen",
+    )
+    scene.add_label(
+        "/nearest_points/label",
+        visited.says,
+        font_screen_scale=0.9,
+        anchor="bottom-center",
+        depth_test=False,
+        position=tuple((points.max(axis=0) + np.array([0.0, 0.0, 0.02])).tolist()),
     )
 
 

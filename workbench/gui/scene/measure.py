@@ -13,6 +13,9 @@ from workbench.planning.kinematics.robot import Kinematics
 NEAR_RAY = 0.003
 """[m] A scanned point this close to the ray was meant."""
 
+HEIGHTS = np.deg2rad([25.0, 45.0, 10.0, 65.0])
+"""[rad] Above the horizon, from where a place is looked at, the best first."""
+
 
 def met(
     origin: Floats, direction: Floats, cell: Cell, q: Mapping[str, Floats], points: Floats
@@ -33,6 +36,31 @@ def met(
     if not len(distances) or not np.isfinite(distances.min()):
         return None
     return np.asarray(origin) + distances.min() * ray
+
+
+def clear_way(
+    target: Floats, line: Floats, far: float, cell: Cell, q: Mapping[str, Floats]
+) -> Floats:
+    """From which side (3,) a point is seen, and best a line through it: nothing stands between.
+
+    Args:
+        target: the point (3,) [m], world frame.
+        line: (3,) along what is to be seen from its side.
+        far: how far off it is looked at from [m].
+        cell: what stands there.
+        q: arm -> configuration (n,) [rad]; arms not named stand at home.
+    """
+    turns, heights = np.meshgrid(np.linspace(0, 2 * np.pi, 24, endpoint=False), HEIGHTS)
+    level = np.cos(heights)
+    sides = np.stack([level * np.cos(turns), level * np.sin(turns), np.sin(heights)], axis=-1)
+    sides = sides.reshape(-1, 3)
+    along = line / max(float(np.linalg.norm(line)), 1e-9)
+    sides = sides[np.argsort(np.abs(sides @ along).round(2), kind="stable")]
+    corners = np.concatenate([_corners(T, solids) for T, solids in _owners(cell, q)])
+    for side in sides:
+        if _triangle_distances(target + far * side, -side, corners).min() >= far:
+            return side
+    return sides[0]
 
 
 def _owners(cell: Cell, q: Mapping[str, Floats]) -> list[tuple[pin.SE3, tuple[Solid, ...]]]:

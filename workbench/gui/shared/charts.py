@@ -1,6 +1,6 @@
 """The plan over time: the lanes of the arms, and curves of joints and clearance."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from html import escape
 
 import numpy as np
@@ -21,6 +21,9 @@ LEGS: Mapping[LegName, str] = {
     "home": "#adb5bd",
 }
 """Blue on the way to the part, orange with it, grey home."""
+
+STRAIGHT: frozenset[LegName] = frozenset({"approach", "extract"})
+"""Straight ways, on which hand and part may come near what stands still."""
 
 JOINTS = ("#1c7ed6", "#e8590c", "#2f9e44", "#ae3ec9", "#0ca678", "#f08c00", "#e64980", "#495057")
 
@@ -83,45 +86,52 @@ def joint_curves(arm: Arm, runs: tuple[Run, ...], seconds: float) -> tuple[Float
     return (times, *np.rad2deg(wire).T)
 
 
-def clearance_curves(runs: tuple[Run, ...], proof: Proof) -> tuple[Floats, Floats, Floats]:
-    """Times (k,) [s], the clearance (k,) of what moves then, the distance (k,) of the arms [mm].
+def clearance_curves(runs: tuple[Run, ...], proof: Proof) -> tuple[Floats, Floats, Floats, Floats]:
+    """What nothing is nearer than over the time of a plan, from the bounds of its proof.
 
-    With both arms moving it is the smaller value.  Each value of the proof is the smallest
-    distance from one waypoint to the next, so the curves go in steps.
+    Each bound holds from one waypoint to the next, so the curves go in steps; where several arms
+    are on legs of one kind the smallest counts.
+
+    Returns:
+        Times (k,) [s], what is kept (k,) on free legs, on straight ways, and between arms [mm]; NaN
+        where there is no such leg.
     """
-    clearance, apart = _spans(runs, proof.clearances), _spans(runs, proof.apart)
-    if not len(clearance):
-        return np.array([0.0, 1.0]), np.zeros(2), np.full(2, np.nan)
-    changes = np.unique(clearance[:, :2])
-    times = np.sort(np.concatenate([changes[:-1] + INSTANT, changes[1:] - INSTANT]))
-    smallest = _smallest(clearance, times)
-    covered = np.isfinite(smallest)
-    between = _smallest(apart, times) if len(apart) else np.full(len(times), np.nan)
-    return times[covered], smallest[covered], between[covered]
-
-
-def _spans(runs: tuple[Run, ...], distances: Sequence[tuple[str, str, Floats]]) -> Floats:
-    """Start [s], end [s] and distance [mm] from each waypoint to the next, shape (k, 3)."""
-    found = {(arm, leg): values for arm, leg, values in distances}
-    return np.array(
-        [
-            (run.start + start, run.start + end, distance * 1000)
-            for run in runs
-            for start, end, distance in zip(
-                run.leg.t[:-1],
-                run.leg.t[1:],
-                found.get((run.arm, run.leg.name), ()),
-                strict=False,
-            )
-        ]
+    kept = {(arm, leg): bounds for arm, leg, bounds in proof.clearances}
+    apart = {(arm, leg): bounds for arm, leg, bounds in proof.apart}
+    free = tuple(run for run in runs if run.leg.name not in STRAIGHT)
+    straight = tuple(run for run in runs if run.leg.name in STRAIGHT)
+    near, close, arms = (
+        _spans(runs, *one) for one in ((free, kept), (straight, kept), (runs, apart))
     )
+    changes = np.unique(np.concatenate([near[:, :2].ravel(), close[:, :2].ravel()]))
+    if not len(changes):
+        changes = np.array([0.0, 1.0])
+    times = np.sort(np.concatenate([changes[:-1] + INSTANT, changes[1:] - INSTANT]))
+    return times, _smallest(near, times), _smallest(close, times), _smallest(arms, times)
+
+
+def _spans(
+    runs: tuple[Run, ...], chosen: tuple[Run, ...], bounds: Mapping[tuple[str, str], Floats]
+) -> Floats:
+    """Start [s], end [s] and bound [mm] from each waypoint of some legs to the next, (k, 3).
+
+    Where another leg of the same step takes longer, the last bound holds on: there the arm stands.
+    """
+    found: list[tuple[float, float, float]] = []
+    for run in chosen:
+        ends = run.start + np.asarray(run.leg.t[1:])
+        ends[-1] = max(other.end for other in runs if other.start == run.start)
+        starts, values = run.start + run.leg.t[:-1], bounds.get((run.arm, run.leg.name), ())
+        found += zip(starts, ends, np.asarray(values)[: len(ends)] * 1000, strict=False)
+    return np.array(found).reshape(-1, 3)
 
 
 def _smallest(spans: Floats, times: Floats) -> Floats:
-    """The smallest distance of the spans that are under way at each time, infinite without one."""
-    starts, ends, distances = spans.T
+    """The smallest value of the spans that are under way at each time, NaN without one."""
+    starts, ends, values = spans.T
     active = (starts <= times[:, None]) & (times[:, None] < ends)
-    return np.where(active, distances, np.inf).min(axis=1)
+    smallest = np.where(active, values, np.inf).min(axis=1, initial=np.inf)
+    return np.where(np.isfinite(smallest), smallest, np.nan)
 
 
 def speed_curve(arm: Arm, cell: Cell, runs: tuple[Run, ...], seconds: float) -> Floats:

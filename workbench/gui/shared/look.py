@@ -11,7 +11,7 @@ from workbench.app.core.state import State
 from workbench.app.records.statistics import Statistics
 from workbench.app.runtime.live import Live
 from workbench.gui.shared.calibrating import Overlay
-from workbench.gui.shared.own import NOTHING_OWN, Own
+from workbench.gui.shared.own import NOTHING_OWN, Own, Visited
 from workbench.gui.shared.playback import Moment, Run, moments
 from workbench.model.bin_check import BinCheck
 from workbench.model.calibration import Calibration
@@ -144,6 +144,14 @@ class View:
         if self.overlay is not None:
             now[self.overlay.arm] = Moment(self.overlay.q, 0.0, None)
         return now
+
+    @property
+    def visited(self) -> Visited | None:
+        """The place of the plan that is looked at, as long as the plan stands there."""
+        place = self.own.visited
+        if place is None or place.plan is not self.state.plan or place.time != self.look.time:
+            return None
+        return place
 
     @property
     def discarded(self) -> tuple[Discarded, ...]:

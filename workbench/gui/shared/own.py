@@ -6,6 +6,18 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from workbench.model.geometry import Floats
+from workbench.model.plan import Plan
+from workbench.proof.spot import Spot
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Visited:
+    """Where a plan comes nearest to something: at `time` [s] on its clock, with what to say."""
+
+    plan: Plan
+    time: float
+    spot: Spot
+    says: str
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -14,13 +26,15 @@ class Own:
 
     `jog` holds the arms that are moved by hand, arm -> configuration (n,) [rad]; `sighting` is the
     pose of a calibration that is laid over the robot, `is_calibrated` says with which pose of the
-    scanner; `measured` are the points (3,) [m] that were clicked on, up to two.
+    scanner; `measured` are the points (3,) [m] that were clicked on, up to two; `visited` is the
+    place of the plan that is looked at.
     """
 
     jog: Mapping[str, Floats] | None = None
     sighting: int | None = None
     is_calibrated: bool = True
     measured: tuple[Floats, ...] = ()
+    visited: Visited | None = None
 
     @property
     def hides_robot(self) -> bool:

@@ -34,6 +34,8 @@ REACHED = {
 }
 """How many of the steps are done."""
 
+NOTHING_MADE: Mapping[str, str] = {}
+
 JOB_STEPS = {"scan": 0, "localize": 1, "plan": 2}
 
 
@@ -210,10 +212,13 @@ def send_line(state: State) -> str:
     return line(f"{last.done} of {last.total} messages sent", span=1, tip=purpose)
 
 
-def table_html(rows: list[tuple[str, str]], *, title: str = "") -> str:
-    """Names and values in two columns."""
+def table_html(
+    rows: list[tuple[str, str]], *, title: str = "", made: Mapping[str, str] = NOTHING_MADE
+) -> str:
+    """Names and values in two columns; `made` is HTML that stands in place of values, by name."""
     body = "".join(
-        f"<tr><th>{escape(name)}</th><td>{escape(value)}</td></tr>" for name, value in rows
+        f"<tr><th>{escape(name)}</th><td>{made.get(name) or escape(value)}</td></tr>"
+        for name, value in rows
     )
     return f'<table class="wb-facts" title="{escape(title)}">{body}</table>'
 

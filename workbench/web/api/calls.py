@@ -166,9 +166,9 @@ CALLS: tuple[Call, ...] = (
     ),
     Call(
         "/watch",
-        "Say that the plan was played to its end before the eyes of whoever asks.",
+        "Say that the plan was played to its end before whoever asks; it is on record as told.",
         WatchPlan,
-        lambda values: WatchPlan(values["plan"]),
+        lambda values: WatchPlan(values["plan"], is_told=True),
         (PLAN,),
     ),
     Call(

@@ -40,6 +40,7 @@ def state_form(state: State, live: Live) -> Form:
         "holds": None if state.proof is None else state.proof.holds,
         "watched": list(state.watched),
         "approved_by": [] if state.approval is None else list(state.approval.people),
+        "approved_unwatched": state.approval is not None and state.approval.is_unwatched,
         "approved_until": None if state.approval is None else state.approval.until,
         "messages_sent": len(state.receipts),
         "parts_placed": state.parts_placed,

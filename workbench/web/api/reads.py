@@ -11,6 +11,7 @@ import numpy as np
 from workbench.app.core.state import State
 from workbench.app.records.statistics import Count, Statistics
 from workbench.app.runtime.bench import Bench
+from workbench.formats.plans.certificates import certificate_content
 from workbench.formats.plans.plan_files import plan_content
 from workbench.model.digest import canonical
 from workbench.web.api import forms, schemas
@@ -97,6 +98,13 @@ def _proof(source: Source) -> Any:
     return None if proof is None else forms.proof_form(proof)
 
 
+def _certificate(source: Source) -> Any:
+    plan, proof = source.state.plan, source.state.proof
+    if plan is None or proof is None or not proof.holds:
+        return None
+    return certificate_content(plan, plan.scene, proof)
+
+
 def _statistics(source: Source) -> Any:
     return forms.statistics_form(source.statistics)
 
@@ -146,6 +154,13 @@ READS: tuple[Read, ...] = (
     ),
     Read("/plan", "The plan, as its file has it.", _plan, schemas.PLAN, "make a plan first"),
     Read("/proof", "The proof of the plan.", _proof, schemas.PROOF, "make a plan first"),
+    Read(
+        "/proof/certificate",
+        "The plan and its proof as a file that another machine checks: `workbench prove --check`.",
+        _certificate,
+        {"type": "object"},
+        "make a plan whose proof holds first",
+    ),
     Read("/statistics", "What this session has brought.", _statistics, schemas.STATISTICS),
     Read("/sessions", "This session and those beside it.", _sessions, schemas.SESSIONS),
 )

@@ -84,6 +84,7 @@ STATE = record(
     holds=or_none(FLAG),
     watched=many(TEXT),
     approved_by=many(TEXT),
+    approved_unwatched=FLAG,
     approved_until=or_none(NUMBER),
     messages_sent=WHOLE,
     parts_placed=WHOLE,

@@ -1,0 +1,111 @@
+"""A plan approved at a terminal: its facts, the robot at its start, and a person's word."""
+
+import sys
+import threading
+from collections.abc import Mapping
+
+from workbench.app.core.release import moved_away
+from workbench.app.records.approvals import SHORTEST
+from workbench.model.cell import Cell
+from workbench.model.errors import CommandRefused, LinkError
+from workbench.model.plan import Plan, Proof
+from workbench.plugins.robot_link import link_named
+
+REPORTS = 2.0
+"""[s] A controller that reports its joints does so within."""
+
+
+def facts_of(cell: Cell, plan: Plan, proof: Proof, told: str, start: str) -> dict[str, str]:
+    """What a person has to read before a plan is approved, by name.
+
+    Args:
+        cell: with the controller that it goes to.
+        plan: the plan.
+        proof: of it.
+        told: what the proof was told of the bin.
+        start: whether the robot stands where the plan starts.
+    """
+    facts = {"Plan": plan.digest, "Cell": f"{cell.name} {cell.digest[:SHORTEST]}"}
+    for one in plan.arms:
+        kind = plan.detections[one.detection].part
+        facts[f"Arm {one.arm}"] = f"part-{one.detection + 1} ({kind}), grasp {one.grasp}"
+    nearest, link = proof.nearest, cell.controller
+    near = f"at least {proof.clearance * 1000:.1f} mm"
+    if nearest is not None and nearest.pair is not None:
+        near += f", arm {nearest.arm}, leg {nearest.leg} after waypoint {nearest.waypoint}"
+        near += f": {nearest.pair[0]} and {nearest.pair[1]}"
+    return facts | {
+        "Strategy": f"{plan.strategy.words}, {plan.guarantee}",
+        "Motion": f"{plan.cycle_seconds:.1f} s, up to {cell.policy.speed:.0%} of joint speeds",
+        "Smallest clearance": near,
+        "Proof": f"holds, {proof.digest[:SHORTEST]}",
+        "Bin": f"{len(plan.detections)} parts, {len(plan.obstacles)} unknown things: {told}",
+        "Robot": start,
+        "Controller": f"{link.host} port {link.port}, {link.link}",
+        "Preview": "not played: nobody has watched this plan",
+    }
+
+
+def start_words(cell: Cell, plan: Plan) -> str:
+    """Whether the robot stands where a plan starts, by the report of its controller.
+
+    Raises:
+        CommandRefused: it stands elsewhere.
+    """
+    joints = reported_joints(cell)
+    if not joints:
+        return "reports no joints: see for yourself that it stands where the plan starts"
+    if problem := moved_away(cell, plan, joints):
+        raise CommandRefused(problem)
+    return "stands where the plan starts"
+
+
+def reported_joints(cell: Cell) -> Mapping[str, float]:
+    """Joints by name [rad or m] as the controller reports them; empty where it reports none."""
+    ended = threading.Event()
+    timer = threading.Timer(REPORTS, ended.set)
+    timer.start()
+    try:
+        for report in link_named(cell.controller.link).states(cell, ended.is_set):
+            return {
+                joint: float(value)
+                for arm in cell.arms
+                for joint, value in zip(arm.joints, report.joints.get(arm.name, ()), strict=False)
+            }
+    except LinkError:
+        return {}
+    finally:
+        timer.cancel()
+    return {}
+
+
+def typed_digest(plan: Plan, actor: str) -> str:
+    """What a person types who has read the facts.
+
+    Raises:
+        CommandRefused: no person is there.
+    """
+    if not sys.stdin.isatty():
+        raise CommandRefused(
+            "nobody has approved the plan, as this is no terminal: read what is printed, and "
+            f"repeat the command with --digest and the first {SHORTEST} characters of the plan's"
+        )
+    print(
+        f"Type the first {SHORTEST} characters of the plan's digest to approve it as {actor}: ",
+        end="",
+        file=sys.stderr,
+        flush=True,
+    )
+    return sys.stdin.readline().strip()
+
+
+def check_digest(plan: Plan, given: str) -> None:
+    """Refuse a digest that is not this plan's, or too short to tell it from others.
+
+    Raises:
+        CommandRefused: nothing is approved.
+    """
+    if len(given) < SHORTEST or not plan.digest.startswith(given):
+        raise CommandRefused(
+            f"{given[:64]!r} is not the digest of this plan; nothing was approved and nothing sent"
+        )

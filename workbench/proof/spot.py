@@ -1,0 +1,123 @@
+"""Where two bodies are that a proof names: for people, who want to see the place."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import pinocchio as pin
+
+from workbench.model.cell import Cell
+from workbench.model.geometry import Floats, Shape
+from workbench.model.plan import Finding, Plan
+from workbench.proof.bodies import bodies_of
+from workbench.proof.robot import Tree, tree_of
+from workbench.proof.space import Space
+from workbench.proof.stages import Moving, Step, carried, steps_of
+from workbench.proof.table import Table
+
+SAMPLES = 61
+"""Places on the way of another arm at which it may be."""
+
+SAME = 1e-5
+"""[m] The state that was proven is found."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Spot:
+    """Two bodies of a finding, as near as they come there.
+
+    `seconds` on the leg; `points` (2, 3) [m] are the nearest of the two, in the world, `distance`
+    [m] apart; `bodies` are their shapes with `T_world_body`; `others` is how far [s] arms that move
+    meanwhile are on their legs.
+    """
+
+    seconds: float
+    points: Floats
+    distance: float
+    bodies: tuple[tuple[Shape, pin.SE3], ...]
+    others: Mapping[str, float]
+
+
+def spot_of(cell: Cell, plan: Plan, finding: Finding) -> Spot | None:
+    """The place that a finding names; None where it names none that can be shown.
+
+    How open fingers are, and, of two arms at any speeds, where the other one is, no finding says:
+    of all that may be, it is what comes nearest to the distance found.
+    """
+    if finding.pair is None or finding.q is None or finding.waypoint is None:
+        return None
+    tree = tree_of(cell)
+    bodies = bodies_of(cell, tree, plan.scene)
+    table = Table(cell, tree, bodies)
+    space = Space(tree, bodies, table)
+    wanted = set(finding.pair)
+    rows = [row for row in range(len(table.first)) if set(table.labels(row)) == wanted]
+    for step in steps_of(cell, tree, plan):
+        for one in step.moving:
+            if (one.arm.name, one.leg.name) == (finding.arm, finding.leg) and rows:
+                space.put_parts(plan, carried(cell, tree, step))
+                return _found(tree, space, step, one, finding, rows)
+    return None
+
+
+def _found(
+    tree: Tree, space: Space, step: Step, one: Moving, finding: Finding, rows: list[int]
+) -> Spot:
+    seconds = _seconds(one, finding)
+    wanted = 0.0 if finding.distance is None else finding.distance
+    best: tuple[float, float, int, Floats, Mapping[str, float]] | None = None
+    for q, others in _states(tree, step, one, np.asarray(finding.q), seconds):
+        space.look(q)
+        distance, row = min((space.distance(row), row) for row in rows)
+        if best is None or abs(distance - wanted) < best[0]:
+            best = abs(distance - wanted), distance, row, q, others
+            if best[0] < SAME:
+                break
+    assert best is not None
+    _, distance, row, q, others = best
+    space.look(q)
+    space.distance(row)
+    pair = space.table.labels(row)
+    shown = tuple(
+        (body.shape, space.pose(number))
+        for number, body in enumerate(space.bodies)
+        if body.label in pair
+    )
+    return Spot(seconds, space.nearest(row), distance, shown, others)
+
+
+def _seconds(one: Moving, finding: Finding) -> float:
+    """When [s] on a leg the arm is nearest to the configuration of a finding."""
+    q, t, after = np.asarray(one.leg.q), np.asarray(one.leg.t), finding.waypoint or 0
+    best, seconds = np.inf, float(t[-1])
+    # A blend that is counted with a waypoint ends in the segment after the next one.
+    for k in range(after, min(after + 2, len(q) - 1)):
+        way = q[k + 1] - q[k]
+        share = float(np.clip((finding.q - q[k]) @ way / max(way @ way, 1e-12), 0.0, 1.0))
+        off = float(np.linalg.norm(q[k] + share * way - finding.q))
+        if off < best - 1e-9:
+            best, seconds = off, float(t[k] + share * (t[k + 1] - t[k]))
+    return seconds
+
+
+def _states(
+    tree: Tree, step: Step, one: Moving, q_arm: Floats, seconds: float
+) -> Iterator[tuple[Floats, Mapping[str, float]]]:
+    """Whole configurations (nq,) that may have been meant, the likeliest first."""
+    others = [other for other in step.moving if other is not one]
+    at_once = [{other.arm.name: min(seconds, other.leg.seconds) for other in others}]
+    ways = [np.linspace(0.0, other.leg.seconds, SAMPLES) for other in others]
+    at_any = [
+        {other.arm.name: float(t)} for other, times in zip(others, ways, strict=True) for t in times
+    ]
+    fingers = len(one.arm.tool.fingers)
+    openings = np.linspace(one.leg.opening, one.fingers_after, 5 if fingers else 1)
+    for when in at_once + at_any:
+        q = step.base.copy()
+        for other in others:
+            values = other.path[0].copy()
+            values[: len(other.arm.joints)] = other.leg.at(when[other.arm.name])
+            q[tree.columns[other.arm.name]] = values
+        for opening in openings:
+            q[tree.columns[one.arm.name]] = np.append(q_arm, np.full(fingers, opening / 2))
+            yield q.copy(), when
