@@ -59,7 +59,7 @@ class Answers(NamedTuple):
 
 @njit(cache=True)
 def answered(a: Floats, b: Floats, edges: Edges, answers: Answers) -> int:
-    """`CLEAR`, `BLOCKED` or `ASK` for the next question, the straight motion from a to b (n,)."""
+    """`CLEAR`, `BLOCKED` or `ASK` for the next straight motion, from a to b (n,) [rad]."""
     number = answers.asked[0]
     answers.asked[0] += 1
     if number < answers.asked[1]:
@@ -76,7 +76,7 @@ def answered(a: Floats, b: Floats, edges: Edges, answers: Answers) -> int:
 def asking(
     compiled: Callable[[Edges, Answers], Floats], is_clear: EdgeCheck, count: int, most: int
 ) -> Floats:
-    """What a compiled function returns once it has its answers; until then it returns nothing.
+    """What a compiled function returns once it has its answers, a path (m, n) [rad].
 
     Args:
         compiled: returns an empty array where an answer is missing.

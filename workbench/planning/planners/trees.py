@@ -1,7 +1,10 @@
 """Two trees that grow towards each other, compiled.
 
-What a tree grows by is said in `rrt`.  Growing ends where an edge has to be checked that compiled
-code cannot check, and goes on with the answer.
+Growing ends where an edge has to be checked that compiled code cannot check, and goes on with the
+answer.
+
+Source: J. J. Kuffner and S. M. LaValle, "RRT-Connect: An efficient approach to single-query path
+planning", IEEE International Conference on Robotics and Automation, 2000.
 """
 
 from typing import NamedTuple

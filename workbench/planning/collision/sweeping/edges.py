@@ -25,9 +25,10 @@ BLOCKED, CLEAR, ASK = 0, 1, -1
 class Edges(NamedTuple):
     """All that it takes to check edges of the joints `columns` (n,) in one phase of a world.
 
-    `margins` and `commons` (p,) are of all pairs of the model, in m and joints; `is_all` is False
-    where there are pairs beside those in `groups`.  What is looked at first changes from edge to
-    edge, in `groups`; what is answered does not depend on it.
+    `margins` (p,) [m] and `commons` (p,) are of all pairs of the model, and `columns` and `commons`
+    are numbers, without a unit; `resolution` is in m.  `is_all` is False where there are pairs
+    beside those in `groups`.  What is looked at first changes from edge to edge, in `groups`; what
+    is answered does not depend on it.
     """
 
     columns: Ints

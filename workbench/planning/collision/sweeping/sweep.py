@@ -104,7 +104,8 @@ def curve_swept(
 ) -> tuple[int, int]:
     """Look at the one curve that lies in `room.pending[0]` until a pair touches.
 
-    Arguments as those of `swept`, `margins` (k,) in m.  The room must be that of these `columns`
+    Arguments as those of `swept`: `margins` (p,) [m], the `columns` (n,) and `commons` (p,) are
+    numbers, without a unit.  The room must be that of these `columns`
     and of this model, the `groups` those of the pairs to be looked at.  Which pair of several
     touches is the one with the lowest number if it `names` it, or else any: what touched moves to
     the front, where it is looked at first the next time.
