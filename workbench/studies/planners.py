@@ -15,7 +15,7 @@ from workbench.app.picking.pipeline import Report
 from workbench.model.cell import Arm, Cell
 from workbench.model.geometry import Floats
 from workbench.planning.collision.contact import Contact
-from workbench.planning.collision.motion import Curves, chain_contact, walked
+from workbench.planning.collision.motion import RESOLUTION, Curves, chain_contact, walked
 from workbench.planning.collision.pairing import Phase
 from workbench.planning.collision.world import World
 from workbench.planning.picking.search import TRIES, as_sent, edge_check, joint_weights
@@ -79,7 +79,8 @@ class Course:
             found = chain_contact(world, columns, base, curves)
             return None if found is None else found[:2]
 
-        chain, is_clear = world.chains[self.arm.name], edge_check(check)
+        edges = world.edges(columns, base, RESOLUTION)
+        chain, is_clear = world.chains[self.arm.name], edge_check(check, edges=edges)
         weights, rng = joint_weights(len(goal), policy), np.random.default_rng([number])
         search = finish = 0.0
         iterations, path = 0, None

@@ -7,7 +7,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from workbench.planning.planners.rrt import TINY, merged, resampled, sample_around, shortened
+from workbench.planning.planners.shorten import TINY, merged, resampled, shortened
+from workbench.planning.planners.trees import sample_around
 from workbench.plugins.planner import planner_named, planner_names
 
 LOWER, UPPER, WEIGHTS = np.zeros(2), np.full(2, 4.0), np.ones(2)

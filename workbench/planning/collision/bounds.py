@@ -25,63 +25,51 @@ from workbench.planning.kinematics.robot import Tree
 
 
 @njit(cache=True)
-def _joint_poses(
-    parents: Ints,
-    R0: Floats,
-    p0: Floats,
-    axes: Floats,
-    slides: Floats,
-    q: Floats,
-    R: Floats,
-    p: Floats,
-    z: Floats,
-) -> None:
-    """Write rotation R (j, 3, 3), position p and axis z (j, 3) of all joints in the world."""
+def joint_pose(j: int, tree: Tree, q: Floats, R: Floats, p: Floats, z: Floats) -> None:
+    """Write rotation R (j, 3, 3), position p (j, 3) [m] and axis z (j, 3) of one joint.
+
+    In the world; those of the joint before it have to be there; `q` (nq,) is in rad and m.
+    """
+    R0, p0, axes, u = tree.R, tree.p, tree.axes, tree.parents[j]
     for i in range(3):
+        p[j, i] = p[u, i]
         for k in range(3):
-            R[0, i, k] = 1.0 if i == k else 0.0
-        p[0, i] = 0.0
-        z[0, i] = 0.0
-    M, T = np.empty((3, 3)), np.empty((3, 3))
-    for j in range(1, len(parents)):
-        u = parents[j]
+            p[j, i] += R[u, i, k] * p0[j, k]
+            R[j, i, k] = (
+                R[u, i, 0] * R0[j, 0, k] + R[u, i, 1] * R0[j, 1, k] + R[u, i, 2] * R0[j, 2, k]
+            )
+    for i in range(3):
+        z[j, i] = R[j, i, 0] * axes[j, 0] + R[j, i, 1] * axes[j, 1] + R[j, i, 2] * axes[j, 2]
+    if tree.slides[j] > 0.5:
         for i in range(3):
-            p[j, i] = p[u, i]
-            for k in range(3):
-                p[j, i] += R[u, i, k] * p0[j, k]
-                M[i, k] = (
-                    R[u, i, 0] * R0[j, 0, k] + R[u, i, 1] * R0[j, 1, k] + R[u, i, 2] * R0[j, 2, k]
-                )
-        for i in range(3):
-            z[j, i] = M[i, 0] * axes[j, 0] + M[i, 1] * axes[j, 1] + M[i, 2] * axes[j, 2]
-        if slides[j] > 0.5:
-            for i in range(3):
-                p[j, i] += z[j, i] * q[j - 1]
-                for k in range(3):
-                    R[j, i, k] = M[i, k]
-            continue
-        x, y, w = axes[j, 0], axes[j, 1], axes[j, 2]
-        sin, cos = np.sin(q[j - 1]), np.cos(q[j - 1])
-        d = 1.0 - cos
-        T[0, 0], T[0, 1], T[0, 2] = cos + x * x * d, x * y * d - w * sin, x * w * d + y * sin
-        T[1, 0], T[1, 1], T[1, 2] = y * x * d + w * sin, cos + y * y * d, y * w * d - x * sin
-        T[2, 0], T[2, 1], T[2, 2] = w * x * d - y * sin, w * y * d + x * sin, cos + w * w * d
-        for i in range(3):
-            for k in range(3):
-                R[j, i, k] = M[i, 0] * T[0, k] + M[i, 1] * T[1, k] + M[i, 2] * T[2, k]
+            p[j, i] += z[j, i] * q[j - 1]
+        return
+    x, y, w = axes[j, 0], axes[j, 1], axes[j, 2]
+    sin, cos = np.sin(q[j - 1]), np.cos(q[j - 1])
+    d = 1.0 - cos
+    t00, t01, t02 = cos + x * x * d, x * y * d - w * sin, x * w * d + y * sin
+    t10, t11, t12 = y * x * d + w * sin, cos + y * y * d, y * w * d - x * sin
+    t20, t21, t22 = w * x * d - y * sin, w * y * d + x * sin, cos + w * w * d
+    for i in range(3):
+        a, b, e = R[j, i, 0], R[j, i, 1], R[j, i, 2]
+        R[j, i, 0] = a * t00 + b * t10 + e * t20
+        R[j, i, 1] = a * t01 + b * t11 + e * t21
+        R[j, i, 2] = a * t02 + b * t12 + e * t22
 
 
 @njit(cache=True)
-def _gap(a: int, b: int, R: Floats, c: Floats, half: Floats, radius: Floats) -> float:
-    """Distance from the ball of body a to the box of body b; negative inside."""
+def ball_to_box(
+    x: float, y: float, w: float, radius: float, b: int, R: Floats, c: Floats, half: Floats
+) -> float:
+    """Distance [m] from a ball at (x, y, w) [m] to the box of body b; negative inside."""
     total, inside = 0.0, -1e9
-    x, y, w = c[a, 0] - c[b, 0], c[a, 1] - c[b, 1], c[a, 2] - c[b, 2]
+    x, y, w = x - c[b, 0], y - c[b, 1], w - c[b, 2]
     for i in range(3):
         over = abs(R[b, 0, i] * x + R[b, 1, i] * y + R[b, 2, i] * w) - half[b, i]
         inside = max(inside, over)
         if over > 0:
             total += over * over
-    return float((np.sqrt(total) if total > 0 else inside) - radius[a])
+    return float((np.sqrt(total) if total > 0 else inside) - radius)
 
 
 @njit(cache=True)
@@ -109,6 +97,22 @@ def _box_gap(a: int, b: int, R: Floats, c: Floats, half: Floats) -> float:
             reach += abs(R[b, 0, i] * x + R[b, 1, i] * y + R[b, 2, i] * w) * half[b, i]
         best = max(best, abs(tx * x + ty * y + tz * w) - reach)
     return best
+
+
+@njit(cache=True)
+def lower_bound(
+    a: int, b: int, R: Floats, c: Floats, half: Floats, radius: Floats, limit: float
+) -> float:
+    """A distance [m] that two bodies certainly have; no better one than `limit` is looked for.
+
+    `R` (b, 3, 3) and `c` (b, 3) [m] place the boxes of half sizes `half` (b, 3) [m] of all bodies,
+    `radius` (b,) [m] is that of balls around the same centres.
+    """
+    apart = max(
+        ball_to_box(c[a, 0], c[a, 1], c[a, 2], float(radius[a]), b, R, c, half),
+        ball_to_box(c[b, 0], c[b, 1], c[b, 2], float(radius[b]), a, R, c, half),
+    )
+    return apart if apart >= limit else max(apart, _box_gap(a, b, R, c, half))
 
 
 @njit(cache=True)
@@ -153,18 +157,6 @@ class Boxes(NamedTuple):
     c: Floats
     half: Floats
     radius: Floats
-
-
-@njit(cache=True)
-def travel_from(
-    g: int, common: int, tree: Tree, boxes: Boxes, p: Floats, z: Floats, c: Floats, d: Floats
-) -> float:
-    """How far [m] body g can move relative to joint `common` when joints change by `d` (nq,).
-
-    `p` (j, 3) [m] and `z` (j, 3) are positions and axes of joints, `c` (b, 3) [m] centres of
-    bodies, as `place_bodies` has written them.
-    """
-    return _travel(g, common, boxes.joint, tree.parents, tree.slides, p, z, c, boxes.radius, d)
 
 
 @njit(cache=True)
@@ -230,7 +222,13 @@ def place_bodies(
     axes `z_j` (j, 3); of bodies `R` (b, 3, 3), centres `c` (b, 3) [m] and `travel` (b,) [m].
     """
     joint, R_g, c_g = boxes.joint, boxes.R, boxes.c
-    _joint_poses(tree.parents, tree.R, tree.p, tree.axes, tree.slides, q, R_j, p_j, z_j)
+    for i in range(3):
+        for k in range(3):
+            R_j[0, i, k] = 1.0 if i == k else 0.0
+        p_j[0, i] = 0.0
+        z_j[0, i] = 0.0
+    for j in range(1, len(tree.parents)):
+        joint_pose(j, tree, q, R_j, p_j, z_j)
     for g in range(len(joint)):
         j = joint[g]
         for i in range(3):
@@ -288,12 +286,10 @@ def gather_close(
             move = _travel(a, int(commons[k]), joint, parents, slides, p_j, z_j, c, radius, d)
             move += _travel(b, int(commons[k]), joint, parents, slides, p_j, z_j, c, radius, d)
             limit = margins[k] + move + extra
-        apart = max(_gap(a, b, R, c, half, radius), _gap(b, a, R, c, half, radius))
+        apart = lower_bound(a, b, R, c, half, radius, float(limit))
         if apart < limit:
-            apart = max(apart, _box_gap(a, b, R, c, half))
-            if apart < limit:
-                pairs[found], moves[found], lower[found] = k, move, apart
-                found += 1
+            pairs[found], moves[found], lower[found] = k, move, apart
+            found += 1
     return found
 
 

@@ -124,7 +124,8 @@ class Pairing:
         self, cell: Cell, policy: Policy, kinematics: Kinematics, bodies: list[Body]
     ) -> None:
         self.meets = pairs_of(cell, kinematics, bodies)
-        self.first, self.second = np.nonzero(self.meets)
+        # One after the other in memory: compiled code is made once for arrays that lie like that.
+        self.first, self.second = (k.copy() for k in np.nonzero(self.meets))
         self._policy = policy
         self._arm = {arm.name: index for index, arm in enumerate(cell.arms)}
         flanges = {arm.flange: index for index, arm in enumerate(cell.arms)}

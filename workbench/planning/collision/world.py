@@ -16,7 +16,8 @@ from workbench.planning.collision.bounds import close_pairs
 from workbench.planning.collision.contact import Contact, Swept
 from workbench.planning.collision.gjk import cores_of
 from workbench.planning.collision.pairing import Phase, pairing_of
-from workbench.planning.collision.sweep import Model, swept
+from workbench.planning.collision.sweeping.edges import Edges, edges_of
+from workbench.planning.collision.sweeping.sweep import Model, swept
 from workbench.planning.kinematics.chain import Chain, chain_of
 from workbench.planning.kinematics.robot import Kinematics
 
@@ -224,6 +225,14 @@ class World:
         )
         return Swept(clear, (self._contact_of(pair, self._distance(pair)), middle), others)
 
+    def edges(self, columns: Ints, base: Floats, resolution: float) -> Edges | None:
+        """For compiled code to check straight motions in this phase, as `sweep`; None by Coal."""
+        if self._by_coal:
+            return None
+        (easy, others), commons = self._split, self._checks.commons
+        phase = easy, self._margins, commons, len(others) == 0
+        return edges_of(self._model, columns, base, resolution, *phase)
+
     def parted(
         self, points: Floats, columns: Ints, base: Floats, resolution: float, among: Ints
     ) -> int:
@@ -359,18 +368,11 @@ class World:
         What `_distance` measures is at `q` after it.
         """
         self.checks += 1
+        pairs, checks = self._pairing, self._checks
         close = close_pairs(
-            self.kinematics.tree,
-            self._boxes,
-            q,
-            d,
-            self._pairing.first,
-            self._pairing.second,
-            self._checks.among if among is None else among,
-            self._margins,
-            self._checks.commons,
-            extra,
-        )
+            self.kinematics.tree, self._boxes, q, d, pairs.first, pairs.second,
+            checks.among if among is None else among, self._margins, checks.commons, extra,
+        )  # fmt: skip
         if len(close[0]):
             pin.updateGeometryPlacements(
                 self.kinematics.model, self.kinematics.data, self._geometry, self._data, q

@@ -21,7 +21,7 @@ from workbench.model.plan import (
 )
 from workbench.planning.collision.contact import Contact
 from workbench.planning.collision.legs import HOLDING, Run, phase_of
-from workbench.planning.collision.motion import Curves, chain_contact, path_contact
+from workbench.planning.collision.motion import RESOLUTION, Curves, chain_contact, path_contact
 from workbench.planning.collision.world import World
 from workbench.planning.picking.execution import timed
 from workbench.planning.picking.put_down import PutDown, home_of, put_down
@@ -225,4 +225,5 @@ def free_path(
         world.motion,
         rng,
         world.deadline,
+        world.edges(columns, base, RESOLUTION),
     )

@@ -12,8 +12,10 @@ from workbench.model.geometry import Floats
 from workbench.model.motion import MotionModel
 from workbench.planning.collision.contact import Contact
 from workbench.planning.collision.motion import Curves, segment, walked
+from workbench.planning.collision.sweeping.edges import Edges
+from workbench.planning.planners.asking import CompiledCheck
 from workbench.planning.planners.clock import working_time
-from workbench.planning.planners.rrt import merged, resampled, shortened
+from workbench.planning.planners.shorten import merged, resampled, shortened
 from workbench.plugins.planner import EdgeCheck, Planner, planner_named
 
 TRIES = 3
@@ -42,17 +44,19 @@ def searched(
     deadline: float = math.inf,
     before: Floats | None = None,
     planner: Planner | None = None,
+    edges: Edges | None = None,
 ) -> Floats | Verdict:
     """A path between two clear configurations (n,), rounded and checked as it will be run.
 
     `before` (n,) is the waypoint from which the arm comes to the start: the corner there belongs to
     what is checked.  Without it the arm begins at the start.  `deadline` [s] on the clock of
     `working_time` ends the search wherever it stands.  `planner` takes the place of the policy's.
+    `edges`, where they are known, answer for straight motions what `check` would.
 
     Returns:
         Waypoints (m, n) [rad]; or why there are none, with what was met last.
     """
-    is_clear = edge_check(check, deadline)
+    is_clear = edge_check(check, deadline, edges)
     met: tuple[Contact, Floats] | None = None
     try:
         for number in range(TRIES + 1):
@@ -86,6 +90,7 @@ def onward(
     motion: MotionModel,
     rng: np.random.Generator,
     deadline: float = math.inf,
+    edges: Edges | None = None,
 ) -> Floats | Verdict:
     """A path beginning with `lead` (k, n) [rad], searched from its last waypoint; see `searched`.
 
@@ -94,7 +99,9 @@ def onward(
     count = len(lead) - 1
     before = lead[-2] if count else None
     fewer = replace(policy, free_points=max(2, policy.free_points - count))
-    path = searched(lead[-1], goal, limits, weights, check, fewer, motion, rng, deadline, before)
+    path = searched(
+        lead[-1], goal, limits, weights, check, fewer, motion, rng, deadline, before, edges=edges
+    )
     return path if isinstance(path, Verdict) else np.vstack([lead[:-1], path])
 
 
@@ -110,15 +117,20 @@ class _Late(Exception):
     """The deadline has passed; raised through the planners, which know nothing of it."""
 
 
-def edge_check(check: Check, deadline: float = math.inf) -> EdgeCheck:
-    """Whether one straight joint motion is clear, by a check of whole motions."""
+def edge_check(
+    check: Check, deadline: float = math.inf, edges: Edges | None = None
+) -> CompiledCheck:
+    """Whether one straight joint motion is clear, by a check of whole motions, or by `edges`."""
 
-    def is_clear(a: Floats, b: Floats) -> bool:
+    def on_time() -> None:
         if working_time() > deadline:
             raise _Late
+
+    def is_clear(a: Floats, b: Floats) -> bool:
+        on_time()
         return check(segment(a, b)) is None
 
-    return is_clear
+    return CompiledCheck(is_clear, on_time, edges)
 
 
 def as_sent(path: Floats, is_clear: EdgeCheck, count: int, motion: MotionModel) -> Floats:

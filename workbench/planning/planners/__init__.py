@@ -1,4 +1,4 @@
 """Ways between two configurations, by whatever planner; they know no robot.
 
-Imports nothing of planning.
+Imports collision: its compiled check of edges.
 """

@@ -11,7 +11,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import dijkstra
 
 from workbench.model.geometry import Floats
-from workbench.planning.planners.rrt import sample_around
+from workbench.planning.planners.trees import sample_around
 from workbench.plugins.planner import EdgeCheck, Search
 
 

@@ -9,10 +9,10 @@ from motion_stand_in import make_motion_problems
 from workbench.formats.robots.motion_problems import read_motion_problems
 from workbench.model.cell import Policy
 from workbench.model.geometry import Box, Cylinder, Sphere
-from workbench.planning.collision.balls import ball_gap
 from workbench.planning.collision.bodies import coal_shape, extent
 from workbench.planning.collision.gjk import cores_of
 from workbench.planning.collision.motion import chain_contact, segment
+from workbench.planning.collision.sweeping.balls import ball_gap
 from workbench.planning.collision.world import World
 from workbench.studies.motion_cases import ARM, cases_of
 

@@ -1,0 +1,261 @@
+"""The continuous check of a chain of curves in one compiled piece, for the planner.
+
+The same halving as in `motion`, with distances by `gjk` instead of Coal.  The proof
+does not use it: what the planner found is measured again with another library.
+"""
+
+from typing import NamedTuple
+
+from numba import njit
+
+from workbench.model.geometry import Floats, Ints
+from workbench.planning.collision.bounds import Boxes, lower_bound
+from workbench.planning.collision.gjk import CLEAR, TOUCHES, UNCLEAR, Cores, side
+from workbench.planning.collision.sweeping.balls import ball_gap, has_formula
+from workbench.planning.collision.sweeping.groups import (
+    Groups,
+    groups_of,
+    hubs_apart,
+    move_to_front,
+)
+from workbench.planning.collision.sweeping.room import (
+    Room,
+    place_body,
+    place_joints,
+    room_for,
+    walk_body,
+)
+from workbench.planning.kinematics.robot import Tree
+
+LOOSENESS = 0.005
+"""[m] By about this much the lower bound of a distance falls short; only a matter of speed."""
+
+IS_CLEAR, TOO_LONG = -1, -2
+
+
+class Model(NamedTuple):
+    """Kinematics, boxes and cores of all bodies, and the pairs of them.
+
+    `first` and `second` (k,) are indices of bodies: the two of each pair.
+    """
+
+    tree: Tree
+    boxes: Boxes
+    first: Ints
+    second: Ints
+    cores: Cores
+
+
+@njit(cache=True)
+def swept(
+    points: Floats,
+    columns: Ints,
+    base: Floats,
+    resolution: float,
+    among: Ints,
+    margins: Floats,
+    commons: Ints,
+    model: Model,
+) -> tuple[int, int, Floats, int]:
+    """Go through a chain of curves, one after the other, until a pair touches.
+
+    Args:
+        points: their control points (k, 3, n).
+        columns: places of the n joints in the whole configuration.
+        base: whole configuration (nq,) of the others.
+        resolution: [m] see `motion`.
+        among: pairs that are looked at; see `bounds.close_pairs`, as the next two.
+        margins: see there.
+        commons: see there.
+        model: of what moves.
+
+    Returns:
+        How many curves are clear; on the next one, of the pairs that touch at the first state where
+        one does, that with the lowest number, and the configuration (n,) there; or `IS_CLEAR` when
+        there is no next one, or `TOO_LONG` when that takes more room than there is; and how many
+        states were looked at.
+    """
+    room = room_for(columns, base, model.tree, model.boxes, model.cores)
+    groups = groups_of(among, margins, model.first, model.second, model.boxes.joint)
+    looks = 0
+    for curve in range(len(points)):
+        for k in range(3):
+            for i in range(len(columns)):
+                room.pending[0, k, i] = points[curve, k, i]
+        found, looked = curve_swept(
+            columns, resolution, groups, margins, commons, model, room, True
+        )
+        looks += looked
+        if found != IS_CLEAR:
+            return curve, found, room.middle, looks
+    return len(points), IS_CLEAR, room.middle, looks
+
+
+@njit(cache=True)
+def curve_swept(
+    columns: Ints,
+    resolution: float,
+    groups: Groups,
+    margins: Floats,
+    commons: Ints,
+    model: Model,
+    room: Room,
+    names: bool,
+) -> tuple[int, int]:
+    """Look at the one curve that lies in `room.pending[0]` until a pair touches.
+
+    Arguments as those of `swept`: `margins` (p,) [m], the `columns` (n,) and `commons` (p,) are
+    numbers, without a unit.  The room must be that of these `columns`
+    and of this model, the `groups` those of the pairs to be looked at.  Which pair of several
+    touches is the one with the lowest number if it `names` it, or else any: what touched moves to
+    the front, where it is looked at first the next time.
+
+    Returns:
+        The pair that touches at `room.middle`, `IS_CLEAR` or `TOO_LONG`; how many states were
+        looked at.
+    """
+    n, count = len(columns), len(groups.order)
+    pending, begins, sizes, open_pairs = room.pending, room.begins, room.sizes, room.open_pairs
+    if count > len(open_pairs):
+        return TOO_LONG, 0
+    # Loops, here and below: numba takes seconds to compile the assignment of an array to a slice.
+    for k in range(count):
+        open_pairs[k] = -1 - groups.order[k]
+    begins[0], sizes[0] = 0, count
+    used, last, at = count, 1, 0
+    while at < last:
+        for i in range(n):
+            a, b, e = pending[at, 0, i], pending[at, 1, i], pending[at, 2, i]
+            m = (a + 2.0 * b + e) / 4.0
+            room.middle[i] = m
+            room.q[columns[i]] = m
+            room.d[columns[i]] = max(abs(a - m), abs(e - m))
+        found, kept, furthest = _looked(
+            int(begins[at]), int(sizes[at]), used, margins, commons, model, groups, room, names
+        )
+        if found >= 0 and not names:
+            move_to_front(found, groups)
+        if found != IS_CLEAR:
+            return found, at + 1
+        if kept > used and furthest > resolution:
+            if last + 2 > len(pending):
+                return TOO_LONG, at + 1
+            _halve(pending, at, last)
+            begins[last], sizes[last] = used, kept - used
+            begins[last + 1], sizes[last + 1] = used, kept - used
+            last, used = last + 2, kept
+        at += 1
+    return IS_CLEAR, at
+
+
+@njit(cache=True)
+def _halve(pending: Floats, at: int, last: int) -> None:
+    """Put both halves of the curve at `at` behind the last one pending."""
+    for i in range(pending.shape[2]):
+        a, b, e = pending[at, 0, i], pending[at, 1, i], pending[at, 2, i]
+        m = (a + 2.0 * b + e) / 4.0
+        pending[last, 0, i], pending[last, 1, i], pending[last, 2, i] = a, (a + b) / 2, m
+        pending[last + 1, 0, i], pending[last + 1, 1, i] = m, (b + e) / 2
+        pending[last + 1, 2, i] = e
+
+
+@njit(cache=True)
+def _looked(
+    begin: int,
+    asked: int,
+    used: int,
+    margins: Floats,
+    commons: Ints,
+    model: Model,
+    groups: Groups,
+    room: Room,
+    names: bool,
+) -> tuple[int, int, float]:
+    """Look at pairs at the state `room.q` for a motion of up to `room.d` around it.
+
+    Those numbered from `begin` on, `asked` of the open ones, are looked at; what the motion may
+    bring closer than its margin is written behind the first `used`.  A group among them stands as
+    its number below zero, counted from -1 down.
+
+    Returns:
+        A pair that touches, `IS_CLEAR` or `TOO_LONG`; how many open pairs are in use; the largest
+        motion bound of those that were kept [m].
+    """
+    tree, boxes, cores, open_pairs = model.tree, model.boxes, model.cores, room.open_pairs
+    joint, radius, half = boxes.joint, boxes.radius, boxes.half
+    R, c, hubs, travel, done = room.R, room.c, room.hubs, room.travel, room.done
+    place_joints(tree, room)
+    # Number of this look: what stands in `done` for a body or more is where it is now.
+    room.look[0] += 1
+    look = room.look[0]
+    touching, kept, furthest = IS_CLEAR, used, 0.0
+    for at in range(begin, begin + asked):
+        entry = open_pairs[at]
+        first, last = 0, 1
+        if entry < 0:
+            first, last = groups.begins[-1 - entry], groups.begins[-entry]
+            if last - first > 1:
+                k = groups.pairs[first]
+                a, b, common = int(model.first[k]), int(model.second[k]), int(commons[k])
+                move = hubs[joint[a], common] + hubs[joint[b], common]
+                margin = groups.margins[-1 - entry]
+                apart = hubs_apart(a, b, boxes, room)
+                if apart >= margin + move:
+                    continue
+                # Nothing touches, and looking closer helps less than going less far.
+                if apart >= margin and move > room.hub[joint[a], 3] + room.hub[joint[b], 3]:
+                    if kept >= len(open_pairs):
+                        return TOO_LONG, kept, furthest
+                    open_pairs[kept] = entry
+                    kept += 1
+                    furthest = max(furthest, move)
+                    continue
+        for number in range(first, last):
+            k = groups.pairs[number] if entry < 0 else entry
+            a, b, common = int(model.first[k]), int(model.second[k]), int(commons[k])
+            if done[a, 0] < look:
+                place_body(a, tree, boxes, cores, room, look)
+            if done[b, 0] < look:
+                place_body(b, tree, boxes, cores, room, look)
+            # By far the most pairs end here: balls around both, and what their links may move.
+            margin, move = margins[k], hubs[joint[a], common] + hubs[joint[b], common]
+            x, y, w = c[a, 0] - c[b, 0], c[a, 1] - c[b, 1], c[a, 2] - c[b, 2]
+            far, reach = x * x + y * y + w * w, radius[a] + radius[b] + margin + move
+            if reach > 0 and far > reach * reach:
+                continue
+            if done[a, 1] < look:
+                walk_body(a, tree, boxes, room, look)
+            if done[b, 1] < look:
+                walk_body(b, tree, boxes, room, look)
+            move = travel[a, common] + travel[b, common]
+            reach = radius[a] + radius[b] + margin + move
+            if reach > 0 and far > reach * reach:
+                continue
+            if has_formula(a, b, cores):
+                apart = ball_gap(a, b, R, c, half, cores)
+                answer = UNCLEAR
+                if apart < margin:
+                    answer = TOUCHES
+                elif apart >= margin + move:
+                    answer = CLEAR
+            else:
+                lower = lower_bound(a, b, R, c, half, radius, margin + move)
+                if lower >= margin + move:
+                    continue
+                # Clear now, and too far to go to be cleared by measuring: not worth it.
+                answer = UNCLEAR
+                if not margin <= lower < margin + move / 2 - LOOSENESS:
+                    answer = side(a, b, R, c, cores, float(margin), float(margin + move), room.W)
+            if answer == CLEAR:
+                continue
+            if answer == TOUCHES:
+                if not names:
+                    return int(k), kept, furthest
+                touching = int(k) if touching < 0 else min(touching, int(k))
+                continue
+            if kept >= len(open_pairs):
+                return TOO_LONG, kept, furthest
+            open_pairs[kept] = k
+            kept += 1
+            furthest = max(furthest, move)
+    return touching, kept, furthest

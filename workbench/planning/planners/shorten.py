@@ -1,0 +1,129 @@
+"""What is done with a path once it is found: shortened, tiny corners merged, divided evenly."""
+
+import numpy as np
+from numba import njit
+
+from workbench.model.geometry import Floats
+from workbench.planning.collision.sweeping.edges import ASK, CLEAR, Edges
+from workbench.planning.planners.asking import Answers, answered, asking
+from workbench.plugins.planner import EdgeCheck
+
+CUTS = (0.8, 0.5, 0.25)
+"""Shares of the segments at a corner that a cut may leave out, tried in this order."""
+
+TINY = np.deg2rad(2.0)
+"""[rad] Corners closer together than this in every joint count as one."""
+
+ROUNDS = 2
+"""How often all corners are cut: each cut leaves two flatter ones."""
+
+
+def shortened(path: Floats, is_clear: EdgeCheck, *, most: int) -> Floats:
+    """The same path (m, n) [rad] with detours cut: waypoints skipped, then corners cut off.
+
+    From each kept waypoint it goes straight on to the furthest one that can be reached; then at
+    each corner the widest of some straight cuts that is clear is taken, `ROUNDS` times or until
+    there could be more than `most` waypoints.
+    """
+    count, joints = path.shape
+    questions = count * count + ROUNDS * len(CUTS) * max(most, count)
+    return asking(
+        lambda edges, answers: _shortened(path, most, edges, answers), is_clear, joints, questions
+    )
+
+
+@njit(cache=True)
+def _shortened(path: Floats, most: int, edges: Edges, answers: Answers) -> Floats:
+    path = _skipped(path, edges, answers)
+    for _ in range(ROUNDS):
+        if len(path) > 0 and 2 * len(path) - 2 <= most:
+            path = _cut(path, edges, answers)
+    return path
+
+
+@njit(cache=True)
+def _cut(path: Floats, edges: Edges, answers: Answers) -> Floats:
+    """Every corner cut off as widely as `CUTS` allow; nothing where an answer is missing."""
+    last = len(path) - 1
+    kept = np.empty((2 * len(path), path.shape[1]))
+    kept[0] = path[0]
+    count = 1
+    for k in range(1, last):
+        start, corner, after = path[k - 1], path[k], path[k + 1]
+        if count > 1:
+            start = kept[count - 1]
+        is_cut = False
+        for share in CUTS:
+            enter, leave = corner + share * (start - corner), corner + share * (after - corner)
+            answer = answered(enter, leave, edges, answers)
+            if answer == ASK:
+                return path[:0].copy()
+            if answer == CLEAR:
+                kept[count], kept[count + 1] = enter, leave
+                count += 2
+                is_cut = True
+                break
+        if not is_cut:
+            kept[count] = corner
+            count += 1
+    kept[count] = path[last]
+    return kept[: count + 1].copy()
+
+
+@njit(cache=True)
+def _skipped(path: Floats, edges: Edges, answers: Answers) -> Floats:
+    """From each kept waypoint on to the furthest one that can be reached straight."""
+    kept = np.empty_like(path)
+    kept[0] = path[0]
+    count, at = 1, 0
+    while at < len(path) - 1:
+        onward = len(path) - 1
+        while onward > at + 1:
+            answer = answered(path[at], path[onward], edges, answers)
+            if answer == ASK:
+                return path[:0].copy()
+            if answer == CLEAR:
+                break
+            onward -= 1
+        kept[count] = path[onward]
+        count += 1
+        at = onward
+    return kept[:count].copy()
+
+
+def merged(path: Floats, is_clear: EdgeCheck) -> Floats:
+    """The same path (m, n) [rad], corners less than `TINY` apart made one where that is clear.
+
+    A tiny segment between long ones is a sharp corner twice: it slows the arm down to a crawl.
+    """
+    kept = [np.asarray(q) for q in path]
+    k = 0
+    while k < len(kept) - 1:
+        a, b = kept[k], kept[k + 1]
+        if np.abs(b - a).max() >= TINY or len(kept) == 2:
+            k += 1
+            continue
+        is_first, is_last = k == 0, k + 1 == len(kept) - 1
+        one = a if is_first else b if is_last else (a + b) / 2
+        before = is_first or is_clear(kept[k - 1], one)
+        if before and (is_last or is_clear(one, kept[k + 2])):
+            kept[k : k + 2] = [one]
+        else:
+            k += 1
+    return np.array(kept)
+
+
+def resampled(path: Floats, count: int) -> Floats:
+    """The same polyline (m, n) [rad] with `count` waypoints, all its corners among them.
+
+    Extra waypoints go where the steps are longest.  A path with more corners than `count`
+    keeps them all: a corner left out would be another path.
+    """
+    pieces = np.ones(len(path) - 1, int)
+    lengths = np.abs(np.diff(path, axis=0)).max(axis=1)
+    while 1 + pieces.sum() < count:
+        pieces[np.argmax(lengths / pieces)] += 1
+    points = [path[0]]
+    for start, end, share in zip(path[:-1], path[1:], pieces, strict=True):
+        points.extend(start + (end - start) * k / share for k in range(1, share + 1))
+    return np.array(points)
