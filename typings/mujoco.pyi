@@ -26,6 +26,7 @@ class _Option:
     timestep: float
     integrator: mjtIntegrator
     cone: mjtCone
+    noslip_iterations: int
 
 class MjsGeom:
     type: mjtGeom
@@ -33,9 +34,7 @@ class MjsGeom:
     meshname: str
 
 class MjsBody:
-    def add_body(
-        self, *, name: str = ..., gravcomp: float = ..., mocap: bool = ...
-    ) -> MjsBody: ...
+    def add_body(self, *, name: str = ..., gravcomp: float = ..., mocap: bool = ...) -> MjsBody: ...
     def add_freejoint(self) -> object: ...
     def add_geom(
         self,

@@ -14,7 +14,7 @@ both = pytest.mark.parametrize("name", ["yumi", "tx2_90"])
 
 
 @both
-def test_a_cell_for_a_full_bin_is_the_cell_but_for_lifts_fingers_and_grasps(name):
+def test_a_cell_for_a_full_bin_is_the_cell_but_for_lifts_fingers_places_and_grasps(name):
     cell, full = read_cell(name), read_cell(find("robots", name) / "full_bin.toml")
     alike = replace(
         full.policy,
@@ -23,7 +23,16 @@ def test_a_cell_for_a_full_bin_is_the_cell_but_for_lifts_fingers_and_grasps(name
         pair_gap=cell.policy.pair_gap,
     )
     assert alike == cell.policy and full.policy != cell.policy
-    for field in ("robot", "arms", "bin", "fixtures", "scanner"):
+    for arm, other in zip(cell.arms, full.arms, strict=True):
+        # Its own places first, and then higher ones.
+        count = len(arm.Ts_world_place)
+        alike = replace(other, Ts_world_place=other.Ts_world_place[:count])
+        assert digest_of(alike) == digest_of(arm)
+        assert all(
+            T.translation[2] > arm.Ts_world_place[0].translation[2]
+            for T in other.Ts_world_place[count:]
+        )
+    for field in ("robot", "bin", "fixtures", "scanner"):
         assert digest_of(getattr(full, field)) == digest_of(getattr(cell, field)), field
 
 

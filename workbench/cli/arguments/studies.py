@@ -87,6 +87,8 @@ class StudyEmptying:
     """Whether the rest moves and settles by physics as a part is lifted out."""
     strategy: str = "auto"
     """Which arms work and how, as in plan --strategy."""
+    bound: bool = False
+    """Try all grasps of the tool on what stays: what no grasp takes, no library will."""
     scan_seconds: float = 1.0
     """What a scan takes, for the parts an hour."""
     approval_seconds: float = 0.0

@@ -32,7 +32,16 @@ def emptying(typed: StudyEmptying) -> int:
     check_number("--scan-seconds", typed.scan_seconds, 0.0, LONGEST)
     check_number("--approval-seconds", typed.approval_seconds, 0.0, LONGEST)
     tasks = [
-        Task(typed.cell, typed.part, typed.parts, seed, typed.seen, typed.settle, typed.strategy)
+        Task(
+            typed.cell,
+            typed.part,
+            typed.parts,
+            seed,
+            typed.seen,
+            typed.settle,
+            typed.strategy,
+            typed.bound,
+        )
         for seed in range(typed.seed, typed.seed + typed.scenes)
     ]
     cell = read_cell(typed.cell)
@@ -81,6 +90,8 @@ def _print(found: dict[str, Any], title: str) -> None:
             f"planning: {found['planning_ms']['median']:.0f} ms median, "
             f"{found['planning_ms']['p95']:.0f} ms at 95 %; in the mean {stages}"
         )
+    if found["bound_share"] is not None:
+        print(f"by all grasps of the tool, in the library or not: {found['bound_share']:.1%}")
     if found["parts_per_hour"] is not None:
         print(f"{found['parts_per_hour']:.0f} parts an hour")
     left = [(one["seed"], part) for one in found["scenes"] for part in one["left"]]
@@ -91,6 +102,7 @@ def _print(found: dict[str, Any], title: str) -> None:
     print(f"{len(left)} parts stayed: {reasons}")
     for seed, part in left[:MOST_TOLD]:
         fix = part["nearest_fix"] or "no small change of a grasp takes it"
-        print(f"  seed {seed}, {part['part']}: {part['reason']}; {fix}")
+        bound = f"; {part['any_grasp']}" if part["any_grasp"] else ""
+        print(f"  seed {seed}, {part['part']}: {part['reason']}; {fix}{bound}")
     if len(left) > MOST_TOLD:
         print(f"  and {len(left) - MOST_TOLD} more: see --json")

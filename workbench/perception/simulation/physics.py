@@ -20,7 +20,9 @@ AT_REST = 0.01
 """[m/s] and, over the part's radius, [rad/s]: slower than this is lying still."""
 
 
-def model_of(parts: Sequence[Part], bin: Bin, carried: int | None = None) -> mujoco.MjModel:
+def model_of(
+    parts: Sequence[Part], bin: Bin, carried: int | None = None, *, no_slip: int = 0
+) -> mujoco.MjModel:
     """Bin and parts as MuJoCo sees them; the world frame is that of the bin.
 
     Args:
@@ -28,11 +30,13 @@ def model_of(parts: Sequence[Part], bin: Bin, carried: int | None = None) -> muj
         bin: stands still.
         carried: number of a part that goes where it is put and pushes what is in its way; the
             others move freely, and are weightless until their `body_gravcomp` is 0.
+        no_slip: iterations of the search for forces without slip.
     """
     spec = mujoco.MjSpec()
     spec.option.timestep = TIMESTEP
     spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
     spec.option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
+    spec.option.noslip_iterations = no_slip
     for solid in bin.solids:
         _add_geom(spec, spec.worldbody, solid)
     for number, part in enumerate(parts):

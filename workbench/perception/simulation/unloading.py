@@ -18,6 +18,10 @@ LIFT_SPEED = 0.25
 LEAST_SECONDS = 0.2
 """[s] A lift takes at least so long, however short its way is."""
 
+NO_SLIP = 10
+"""Iterations of MuJoCo's search for forces without slip.  Without them parts that lean on others
+creep, until one topples that nobody has touched."""
+
 
 def unloaded(
     cell: Cell, pile: Sequence[Detection], taken: int, way: Sequence[pin.SE3]
@@ -41,7 +45,7 @@ def unloaded(
     others = [number for number in range(len(pile)) if number != taken]
     if not others:
         return ()
-    model = model_of(parts, cell.bin, carried=taken)
+    model = model_of(parts, cell.bin, carried=taken, no_slip=NO_SLIP)
     model.body_gravcomp[1:] = 0.0
     data = mujoco.MjData(model)
     state = data.qpos.reshape(-1, 7)

@@ -10,7 +10,7 @@ import coal
 import numpy as np
 import pinocchio as pin
 
-from workbench.model.cell import Cell
+from workbench.model.cell import Cell, Tool
 from workbench.model.geometry import (
     Bools,
     Box,
@@ -316,3 +316,39 @@ def boxes_of(bodies: Sequence[Body]) -> Boxes:
         half=np.array([half for _, half, _ in extents]),
         radius=np.array([radius for _, _, radius in extents]),
     )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ToolShape:
+    """A solid of a tool: `direction` (3,) of its finger or zero; centre (3,) and radius [m]."""
+
+    solid: Solid
+    geometry: coal.CollisionGeometry
+    T_flange_body: pin.SE3
+    direction: Floats
+    centre: Floats
+    radius: float
+
+    @property
+    def name(self) -> str:
+        """That of the solid."""
+        return self.solid.name
+
+    def at(self, tool: Tool, T_world_tcp: pin.SE3, opening: float) -> pin.SE3:
+        """Where it is in the world, its tool being open so far [m]."""
+        T = self.T_flange_body
+        moved = pin.SE3(T.rotation, T.translation + self.direction * opening / 2)
+        return T_world_tcp * tool.T_flange_tcp.inverse() * moved
+
+
+@lru_cache(maxsize=64)
+def tool_shapes(tool: Tool) -> tuple[ToolShape, ...]:
+    """The solids of a tool, those that stand still first."""
+    moving = [(finger.solid, np.asarray(finger.direction)) for finger in tool.fingers]
+    fixed = [(solid, np.zeros(3)) for solid in tool.body]
+    shapes: list[ToolShape] = []
+    for solid, direction in fixed + moving:
+        centre, _, radius = extent(solid.shape)
+        geometry, T = coal_shape(solid.shape), solid.T_owner_shape
+        shapes.append(ToolShape(solid, geometry, T, direction, centre, radius))
+    return tuple(shapes)

@@ -9,13 +9,14 @@ from itertools import combinations
 
 import coal
 import numpy as np
+import pinocchio as pin
 
 from workbench.model.cell import Cell
 from workbench.model.geometry import Floats
 from workbench.model.scan import Detection, Obstacle
 from workbench.planning.collision.bodies import coal_shape, extent, still_bodies
 from workbench.planning.collision.gjk import cores_of
-from workbench.planning.collision.tool_check import NOTHING, Around, first_contacts
+from workbench.planning.collision.hands import NOTHING, Around, first_contacts
 from workbench.planning.collision.world import World
 
 STEP = 0.004
@@ -47,9 +48,7 @@ class PartWays:
             number: of the detection.
             ways: straight, from where it lies.
         """
-        around = self._around.get(number)
-        if around is None:
-            around = self._around[number] = self._surroundings(number)
+        around = self._of(number)
         if not ways or not around.cores.known.all():
             return [None] * len(ways)
         T = self._detections[number].T_world_part
@@ -61,8 +60,7 @@ class PartWays:
         ]
         p = np.ascontiguousarray(np.vstack(places))
         R = np.ascontiguousarray(np.broadcast_to(T.rotation, (len(p), 3, 3)))
-        numbers = np.full(len(p), number)
-        met = first_contacts(R, p, np.zeros(len(p)), numbers, 0.0, around)
+        met = first_contacts(R, p, number, 0.0, around)
         found: list[tuple[str, float] | None] = []
         first = 0
         for s in far:
@@ -75,6 +73,24 @@ class PartWays:
             body = self._still[int(mine[hits[0]]) % len(self._still)]
             found.append((body.label, float(s[hits[0]])))
         return found
+
+    def standing_in(self, number: int, T_world_part: pin.SE3, margin: float) -> str | None:
+        """What a part, put elsewhere, is nearer to than the margin [m]; None where nothing.
+
+        Other parts found do not count: they may be gone by then.
+        """
+        around = self._of(number)
+        if not around.cores.known.all():
+            return None
+        fixed = around._replace(owner=np.where(around.owner < 0, around.owner, number))
+        R, p = np.array(T_world_part.rotation)[None], np.array(T_world_part.translation)[None]
+        (code,) = first_contacts(R, p, number, margin, fixed)
+        return None if code == NOTHING else self._still[int(code) % len(self._still)].label
+
+    def _of(self, number: int) -> Around:
+        if number not in self._around:
+            self._around[number] = self._surroundings(number)
+        return self._around[number]
 
     def _surroundings(self, number: int) -> Around:
         pieces, still = self._pieces[number], self._still
@@ -92,6 +108,7 @@ class PartWays:
                 ]
             ),
             np.zeros((count, 3)),
+            np.array([e[1] for e in extents[:count]]),
             np.array([e[2] for e in extents[:count]]),
             np.array([T.rotation for T in poses]),
             np.array([T.act(c) for T, c in zip(poses, centres[count:], strict=True)]),

@@ -1,47 +1,47 @@
 """The tool alone, floating in the bin: no arm, so no inverse kinematics is needed.
 
-Most candidates are refused here, so many poses of the hand are looked at in one compiled piece.
-What a hand has to do with the part that it takes is the same wherever that lies: it is measured
-once and remembered.
+Most candidates are refused here, so all ways of all grasps at all parts are judged in one compiled
+piece; what stands near a part is looked up once for all of them.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import lru_cache
-from typing import NamedTuple
 
 import coal
 import numpy as np
 import pinocchio as pin
-from numba import njit
 
-from workbench.model.cell import Arm, Cell, Tool
-from workbench.model.geometry import Floats, Ints, Solid
+from workbench.model.cell import Arm, Cell
+from workbench.model.geometry import Bools, Ints
 from workbench.model.part import Grasp, Part
 from workbench.model.scan import Detection, Obstacle
-from workbench.planning.collision.bodies import coal_shape, extent, still_bodies
-from workbench.planning.collision.gjk import TOUCHES, Cores, cores_of, side
-from workbench.planning.collision.legs import grips
-
-NOTHING = np.iinfo(np.int64).max
-"""In place of the number of a pair: none is too close."""
+from workbench.planning.collision.bodies import coal_shape, extent, still_bodies, tool_shapes
+from workbench.planning.collision.gjk import cores_of
+from workbench.planning.collision.hands import (
+    Around,
+    Hands,
+    Places,
+    first_fits,
+    hands_of,
+)
 
 Met = tuple[tuple[str, str], float]
 """Labels of tool and obstacle, and their distance [m]."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Hand:
-    """A hand at a part: by which grasp, by which of its `grips`, and how far open [m].
+@dataclass(frozen=True, slots=True)
+class Fit:
+    """How a hand fits at a part: by which way, and what it meets in its first way where by none.
 
-    The tool may cut into the part to be taken, the detection `target`, by `press` [m].
+    `opening` [m] and `turn` (of the `grips`) are those of the way.  `is_closed`: the first way is
+    free as the hand arrives, and met is what it does as the fingers close; `pair` are the numbers
+    of tool solid and obstacle (`ToolCheck.told`), None where a way fits.
     """
 
-    target: int
-    grasp: Grasp
-    grip: int
     opening: float
-    press: float
+    turn: int
+    is_closed: bool
+    pair: tuple[int, int] | None
 
 
 class ToolCheck:
@@ -56,8 +56,9 @@ class ToolCheck:
         detections: tuple[Detection, ...],
         obstacles: tuple[Obstacle, ...] = (),
     ):
-        self._margin = cell.policy.near_margin
+        self._margin, self._least_air = cell.policy.near_margin, cell.policy.least_air
         self._parts = [cell.part(one.part) for one in detections]
+        self._poses = [one.T_world_part for one in detections]
         # The bin first: where the tool meets several things, that one is named.
         still = sorted(
             still_bodies(cell, detections, obstacles), key=lambda body: body.kind != "bin"
@@ -83,77 +84,25 @@ class ToolCheck:
 
         The part to be taken has no margin; the tool may cut into it by `press` [m].
         """
+        pair = self._contact(arm, T_world_tcp, opening, target, press)
+        return None if pair is None else self.told(arm, T_world_tcp, opening, pair)
+
+    def _contact(
+        self, arm: Arm, T_world_tcp: pin.SE3, opening: float, target: int, press: float
+    ) -> tuple[int, int] | None:
         for number, tool in enumerate(self._tools[arm.name]):
             T = tool.at(arm.tool, T_world_tcp, opening)
             offset = np.einsum("gji,gj->gi", self._R, T.act(tool.centre) - self._centres)
             gap = np.linalg.norm(np.maximum(np.abs(offset) - self._halves, 0.0), axis=1)
-            for g in np.flatnonzero(gap - tool.radius < self._margin):
+            for g in np.flatnonzero(gap - tool.radius < self._margin).tolist():
                 margin = -press if self._numbers[g] == target else self._margin
-                found = self._measured(arm, T_world_tcp, opening, number, int(g))
-                if found[1] < margin:
-                    return found
+                if self.told(arm, T_world_tcp, opening, (number, g))[1] < margin:
+                    return number, g
         return None
 
-    def contacts(
-        self, arm: Arm, Ts_world_tcp: Sequence[pin.SE3], hands: Sequence[Hand]
-    ) -> list[tuple[int, int] | None]:
-        """As `contact` for many hands: the numbers of tool solid and obstacle that it names.
-
-        Args:
-            arm: whose tool.
-            Ts_world_tcp: where its hand is, one for each hand.
-            hands: at parts.
-        """
-        if not hands:
-            return []
-        around = self._around.get(arm.name)
-        if around is None:
-            around = self._around[arm.name] = self._surroundings(arm)
-        targets = np.array([hand.target for hand in hands])
-        if not around.cores.known.all():
-            return [self._slowly(arm, T, h) for T, h in zip(Ts_world_tcp, hands, strict=True)]
-        T_tcp_flange = arm.tool.T_flange_tcp.inverse()
-        flanges = [T * T_tcp_flange for T in Ts_world_tcp]
-        found = first_contacts(
-            np.array([T.rotation for T in flanges]),
-            np.array([T.translation for T in flanges]),
-            np.array([hand.opening for hand in hands]),
-            targets,
-            self._margin,
-            around,
-        )
-        count = len(self._shapes)
-        for row, hand in enumerate(hands):
-            own = _at_target(
-                arm, self._parts[hand.target], hand.grasp, hand.grip, hand.opening, hand.press,
-                self._margin,
-            )  # fmt: skip
-            if own is not None:
-                pieces = np.flatnonzero(self._numbers == hand.target)
-                found[row] = min(found[row], own[0] * count + pieces[own[1]])
-        return [
-            None if code == NOTHING else (int(code) // count, int(code) % count)
-            for code in found.tolist()
-        ]
-
     def told(self, arm: Arm, T_world_tcp: pin.SE3, opening: float, pair: tuple[int, int]) -> Met:
-        """The labels and the distance [m] of a pair that `contacts` names."""
-        return self._measured(arm, T_world_tcp, opening, *pair)
-
-    def _slowly(self, arm: Arm, T_world_tcp: pin.SE3, hand: Hand) -> tuple[int, int] | None:
-        """Where a body is not convex, so that compiled code does not know it."""
-        met = self.contact(arm, T_world_tcp, hand.opening, hand.target, hand.press)
-        if met is None:
-            return None
-        names = [tool.name for tool in self._tools[arm.name]]
-        for pair in np.ndindex(len(names), len(self._labels)):
-            if (f"{arm.name} {names[pair[0]]}", self._labels[pair[1]]) == met[0]:
-                found = self._measured(arm, T_world_tcp, hand.opening, *pair)
-                if found[1] == met[1]:
-                    return pair
-        raise AssertionError("a contact has a tool and an obstacle")
-
-    def _measured(self, arm: Arm, T_world_tcp: pin.SE3, opening: float, number: int, g: int) -> Met:
+        """The labels and the distance [m] of a pair of tool solid and obstacle."""
+        number, g = pair
         tool = self._tools[arm.name][number]
         T = tool.at(arm.tool, T_world_tcp, opening)
         distance = coal.distance(
@@ -166,165 +115,118 @@ class ToolCheck:
         )
         return (f"{arm.name} {tool.name}", self._labels[g]), float(distance)
 
-    def _surroundings(self, arm: Arm) -> "Around":
-        tools = self._tools[arm.name]
-        shapes = [tool.solid.shape for tool in tools] + self._shapes
-        centres = np.array([extent(shape)[0] for shape in shapes])
-        return Around(
-            np.array([tool.T_flange_body.rotation for tool in tools]),
-            np.array([tool.T_flange_body.act(tool.centre) for tool in tools]),
-            np.array([tool.direction for tool in tools]),
-            np.array([tool.radius for tool in tools]),
-            self._R,
-            self._centres,
-            self._halves,
-            self._numbers,
-            cores_of(shapes, centres),
+    def fits(
+        self, arm: Arm, part: Part, grasps: tuple[Grasp, ...], rows: Sequence[tuple[int, int]]
+    ) -> list[Fit]:
+        """How an arm's hand fits: by the first way of each grasp in which it meets nothing.
+
+        Fingers are looked at as they arrive and as they are closed.  The ways are those of
+        `hands_of`.
+
+        Args:
+            arm: whose tool.
+            part: of one kind are all that are taken.
+            grasps: of it.
+            rows: numbers of detections and grasps; those of a detection stand together.
+        """
+        if not rows:
+            return []
+        hands = hands_of(arm, part, grasps, self._least_air, self._margin)
+        around = self._surroundings(arm)
+        numbers = list(dict.fromkeys(number for number, _ in rows))
+        if not around.cores.known.all():
+            return [self._slowly(arm, grasps, hands, *row) for row in rows]
+        place = {number: k for k, number in enumerate(numbers)}
+        places = self._places(numbers, hands, around)
+        ways, met = first_fits(
+            hands,
+            np.array([grasp for _, grasp in rows]),
+            np.array([place[number] for number, _ in rows]),
+            len(part.pieces),
+            places,
+            self._margin,
+            around,
+        )
+        count = len(self._shapes)
+        found: list[Fit] = []
+        for (_, grasp), way, (phase, code) in zip(rows, ways.tolist(), met.tolist(), strict=True):
+            pair = None if way >= 0 else (code // count, code % count)
+            w = way if way >= 0 else int(hands.first[grasp])
+            opening, turn = float(hands.opening[w, 0]), int(hands.turn[w])
+            found.append(Fit(opening, turn, phase == 1, pair))
+        return found
+
+    def free(self, arm: Arm, part: Part, number: int, hands: Hands) -> Bools:
+        """Which grasps of `hands` (g,) fit at a detection, whatever they do to the part itself.
+
+        Booleans, no unit.
+        """
+        around, count = self._surroundings(arm), len(hands.first) - 1
+        if not around.cores.known.all():
+            return np.ones(count, bool)  # a closer look follows
+        places = self._places([number], hands, around)
+        every, pieces = np.arange(count), len(part.pieces)
+        ways, _ = first_fits(hands, every, 0 * every, pieces, places, self._margin, around)
+        return ways >= 0
+
+    def _slowly(
+        self, arm: Arm, grasps: tuple[Grasp, ...], hands: Hands, number: int, grasp: int
+    ) -> Fit:
+        """Where a body is not convex, so that compiled code does not know it."""
+        refusal: Fit | None = None
+        for w in range(int(hands.first[grasp]), int(hands.first[grasp + 1])):
+            T_part_flange = pin.SE3(hands.R[w], hands.p[w])
+            T_world_tcp = self._poses[number] * T_part_flange * arm.tool.T_flange_tcp
+            opening, turn = float(hands.opening[w, 0]), int(hands.turn[w])
+            pair = None
+            for is_closed in (False, True) if arm.tool.fingers else (True,):
+                press = arm.tool.press if is_closed else 0.0
+                wide = float(hands.opening[w, int(is_closed)])
+                pair = self._contact(arm, T_world_tcp, wide, number, press)
+                if pair is not None:
+                    refusal = refusal or Fit(opening, turn, is_closed, pair)
+                    break
+            if pair is None:
+                return Fit(opening, turn, False, None)
+        assert refusal is not None  # every grasp has a way
+        return refusal
+
+    def _places(self, numbers: Sequence[int], hands: Hands, around: Around) -> Places:
+        """Where parts of a kind lie, and what stands so near that a hand at them might meet it."""
+        Rs = np.array([self._poses[number].rotation for number in numbers])
+        ps = np.array([self._poses[number].translation for number in numbers])
+        solids = np.linalg.norm(around.p_tool, axis=1) + around.radius
+        # Farther than this nothing of the tool is from the part.
+        reach = float(np.linalg.norm(hands.p, axis=1).max(initial=0.0) + solids.max(initial=0.0))
+        reach += float(hands.opening.max(initial=0.0)) / 2 + self._margin
+        near: list[Ints] = []
+        for p in ps:
+            offset = np.einsum("gji,gj->gi", self._R, p - self._centres)
+            gap = np.linalg.norm(np.maximum(np.abs(offset) - self._halves, 0.0), axis=1)
+            near.append(np.flatnonzero(gap < reach))
+        return Places(
+            Rs,
+            ps,
+            np.array(numbers),
+            np.array([int(np.argmax(self._numbers == number)) for number in numbers]),
+            np.concatenate(near),
+            np.cumsum([0, *map(len, near)]),
         )
 
-
-@dataclass(frozen=True, slots=True, eq=False)
-class ToolShape:
-    """A solid of a tool: `direction` (3,) of its finger or zero; centre (3,) and radius [m]."""
-
-    solid: Solid
-    geometry: coal.CollisionGeometry
-    T_flange_body: pin.SE3
-    direction: Floats
-    centre: Floats
-    radius: float
-
-    @property
-    def name(self) -> str:
-        """That of the solid."""
-        return self.solid.name
-
-    def at(self, tool: Tool, T_world_tcp: pin.SE3, opening: float) -> pin.SE3:
-        """Where it is in the world, its tool being open so far [m]."""
-        T = self.T_flange_body
-        moved = pin.SE3(T.rotation, T.translation + self.direction * opening / 2)
-        return T_world_tcp * tool.T_flange_tcp.inverse() * moved
-
-
-@lru_cache(maxsize=64)
-def tool_shapes(tool: Tool) -> tuple[ToolShape, ...]:
-    """The solids of a tool, those that stand still first."""
-    moving = [(finger.solid, np.asarray(finger.direction)) for finger in tool.fingers]
-    fixed = [(solid, np.zeros(3)) for solid in tool.body]
-    shapes: list[ToolShape] = []
-    for solid, direction in fixed + moving:
-        centre, _, radius = extent(solid.shape)
-        geometry, T = coal_shape(solid.shape), solid.T_owner_shape
-        shapes.append(ToolShape(solid, geometry, T, direction, centre, radius))
-    return tuple(shapes)
-
-
-@lru_cache(maxsize=16384)
-def _at_target(
-    arm: Arm, part: Part, grasp: Grasp, grip: int, opening: float, press: float, margin: float
-) -> tuple[int, int] | None:
-    """The first solid of the tool that cuts too deep into the part taken, and into which piece."""
-    T_part_tcp = grasp.T_part_tcp * grips(arm, grasp)[grip]
-    request, result = coal.DistanceRequest(), coal.DistanceResult()
-    for number, tool in enumerate(tool_shapes(arm.tool)):
-        T = tool.at(arm.tool, T_part_tcp, opening)
-        transform = coal.Transform3s(T.rotation, T.translation)
-        for piece, solid in enumerate(part.pieces):
-            T_part_piece = solid.T_owner_shape
-            centre, half, _ = extent(solid.shape)
-            offset = T_part_piece.rotation.T @ (T.act(tool.centre) - T_part_piece.act(centre))
-            gap = np.linalg.norm(np.maximum(np.abs(offset) - half, 0.0)) - tool.radius
-            if gap >= margin:
-                continue
-            result.clear()
-            distance = coal.distance(
-                tool.geometry,
-                transform,
-                coal_shape(solid.shape),
-                coal.Transform3s(T_part_piece.rotation, T_part_piece.translation),
-                request,
-                result,
+    def _surroundings(self, arm: Arm) -> Around:
+        if arm.name not in self._around:
+            tools = self._tools[arm.name]
+            shapes = [tool.solid.shape for tool in tools] + self._shapes
+            self._around[arm.name] = Around(
+                np.array([tool.T_flange_body.rotation for tool in tools]),
+                np.array([tool.T_flange_body.act(tool.centre) for tool in tools]),
+                np.array([tool.direction for tool in tools]),
+                np.array([extent(tool.solid.shape)[1] for tool in tools]),
+                np.array([tool.radius for tool in tools]),
+                self._R,
+                self._centres,
+                self._halves,
+                self._numbers,
+                cores_of(shapes, np.array([extent(shape)[0] for shape in shapes])),
             )
-            if distance < -press:
-                return number, piece
-    return None
-
-
-class Around(NamedTuple):
-    """The solids of a tool (t, ...) seen from its flange, and what stands around it (s, ...) [m].
-
-    `cores` are those of the tool's solids and then those of the rest; `owner` (s,) is the number of
-    the part that a piece belongs to, -1 for others.
-    """
-
-    R_tool: Floats
-    p_tool: Floats
-    way: Floats
-    radius: Floats
-    R_still: Floats
-    c_still: Floats
-    half: Floats
-    owner: Ints
-    cores: Cores
-
-
-@njit(cache=True)
-def first_contacts(
-    R_flange: Floats,
-    p_flange: Floats,
-    opening: Floats,
-    target: Ints,
-    margin: float,
-    around: Around,
-) -> Ints:
-    """For each hand the number of its first pair nearer than the margin, or `NOTHING`.
-
-    Args:
-        R_flange: rotations (k, 3, 3) of the flanges.
-        p_flange: their places (k, 3) [m].
-        opening: (k,) [m] of the fingers.
-        target: (k,) numbers of the parts that are taken: these are left out.
-        margin: [m] that is kept.
-        around: tool and surroundings.
-    """
-    tools, still = len(around.radius), len(around.owner)
-    R, c = np.empty((tools + still, 3, 3)), np.empty((tools + still, 3))
-    W = np.empty((5, 3))
-    for g in range(still):
-        for i in range(3):
-            c[tools + g, i] = around.c_still[g, i]
-            for j in range(3):
-                R[tools + g, i, j] = around.R_still[g, i, j]
-    found = np.empty(len(opening), np.int64)
-    for k in range(len(opening)):
-        found[k] = NOTHING
-        for t in range(tools):
-            for i in range(3):
-                place = p_flange[k, i]
-                for j in range(3):
-                    way = around.p_tool[t, j] + around.way[t, j] * opening[k] / 2.0
-                    place += R_flange[k, i, j] * way
-                    turn = 0.0
-                    for m in range(3):
-                        turn += R_flange[k, i, m] * around.R_tool[t, m, j]
-                    R[t, i, j] = turn
-                c[t, i] = place
-        for t in range(tools):
-            if found[k] != NOTHING:
-                break
-            for g in range(still):
-                if around.owner[g] == target[k]:
-                    continue
-                gap = 0.0
-                for i in range(3):
-                    along = 0.0
-                    for j in range(3):
-                        along += around.R_still[g, j, i] * (c[t, j] - around.c_still[g, j])
-                    out = max(abs(along) - around.half[g, i], 0.0)
-                    gap += out * out
-                if np.sqrt(gap) - around.radius[t] >= margin:
-                    continue
-                if side(t, tools + g, R, c, around.cores, margin, margin, W) == TOUCHES:
-                    found[k] = t * still + g
-                    break
-    return found
+        return self._around[arm.name]

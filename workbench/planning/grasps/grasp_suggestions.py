@@ -134,21 +134,14 @@ def centre_of_mass(mesh: Mesh) -> Floats:
 
 def _opposite(checker: GraspChecker, pads: Pads, rng: np.random.Generator) -> list[_Idea]:
     """Hands around pairs of points whose normals are opposite."""
-    mesh, (low, high) = checker.part.mesh, checker.tool.stroke
-    normals, _ = normals_of(mesh)
-    points, triangles = samples_of(mesh, SAMPLES, rng)
-    inward = -normals[triangles]
-    widths, met = first_hits(mesh, points + 1e-6 * inward, inward)
-    facing = np.clip(np.einsum("ij,ij->i", inward, normals[met]), -1.0, 1.0)
-    angles = np.arccos(facing)
-    fits = (widths > max(low, THINNEST)) & (widths < high) & (angles < FRICTION)
-    inward, angles = inward[fits], angles[fits]
-    middles = points[fits] + widths[fits, None] / 2 * inward
+    mesh = checker.part.mesh
+    points, inward, widths, angles = opposite_points(checker, SAMPLES, rng)
+    middles = points + widths[:, None] / 2 * inward
     levers = np.linalg.norm(middles - centre_of_mass(mesh), axis=1)
     size = float(np.linalg.norm(np.ptp(mesh.points, axis=0)))
     fingers = max(palm_distance(checker), THINNEST)
     # One row for each pair of points and each side.
-    z = _sides(inward).reshape(-1, 3)
+    z = sides(inward, SIDES).reshape(-1, 3)
     y, middles = np.repeat(inward, SIDES, axis=0), np.repeat(middles, SIDES, axis=0)
     angles, levers = np.repeat(angles, SIDES), np.repeat(levers, SIDES)
     over, below = thickness(mesh, middles, -z), thickness(mesh, middles, z)
@@ -162,15 +155,34 @@ def _opposite(checker: GraspChecker, pads: Pads, rng: np.random.Generator) -> li
     ]
 
 
-def _sides(y: Floats) -> Floats:
-    """Directions (n, SIDES, 3) square to each of y (n, 3).
+def opposite_points(
+    checker: GraspChecker, count: int, rng: np.random.Generator
+) -> tuple[Floats, Floats, Floats, Floats]:
+    """Points of the surface (n, 3) [m] with an opposite one that the tool can close on.
+
+    Of `count` samples those that have one.  Beside them the directions (n, 3) to it, its distance
+    (n,) [m] and the angle (n,) [rad] between the faces.
+    """
+    mesh, (low, high) = checker.part.mesh, checker.tool.stroke
+    normals, _ = normals_of(mesh)
+    points, triangles = samples_of(mesh, count, rng)
+    inward = -normals[triangles]
+    widths, met = first_hits(mesh, points + 1e-6 * inward, inward)
+    facing = np.clip(np.einsum("ij,ij->i", inward, normals[met]), -1.0, 1.0)
+    angles = np.arccos(facing)
+    fits = (widths > max(low, THINNEST)) & (widths < high) & (angles < FRICTION)
+    return points[fits], inward[fits], widths[fits], angles[fits]
+
+
+def sides(y: Floats, count: int) -> Floats:
+    """Unit vectors (n, count, 3) square to each of the unit vectors y (n, 3), evenly all around.
 
     The first is as near to an axis of the part as can be.
     """
     axes = np.eye(3)[np.abs(y).argmin(axis=1)]
     first = axes - np.einsum("ij,ij->i", axes, y)[:, None] * y
     first /= np.linalg.norm(first, axis=1, keepdims=True)
-    turns = np.arange(SIDES)[:, None] * 2 * np.pi / SIDES
+    turns = np.arange(count)[:, None] * 2 * np.pi / count
     return np.cos(turns) * first[:, None] + np.sin(turns) * np.cross(y, first)[:, None]
 
 
@@ -184,7 +196,7 @@ def _even(checker: GraspChecker, rng: np.random.Generator) -> list[_Idea]:
     outward = np.vstack([flat_normals, normals[triangles]])
     size = float(np.linalg.norm(np.ptp(mesh.points, axis=0)))
     levers = np.linalg.norm(np.cross(centre_of_mass(mesh) - points, outward), axis=1)
-    x = _sides(outward)[:, 0]
+    x = sides(outward, SIDES)[:, 0]
     R = np.stack([x, np.cross(-outward, x), -outward], axis=2)
     return [
         _Idea(pin.SE3(R[k], points[k]), 1.0 - 2 * lever / size, 0.0, lever)

@@ -86,8 +86,7 @@ def _trial(
 
     def admits(refused: Candidate, grasp: Grasp) -> bool:
         arm, number = cell.arm(refused.arm), refused.detection
-        T_world_home = world.chains[arm.name].pose(np.asarray(arm.home))
-        tried = candidate_of(cell, check, number, detections[number], grasp, arm, T_world_home)
+        tried = candidate_of(cell, check, detections, number, grasp, arm)
         return tried.verdict.is_ok and isinstance(resolve(world, tried, seed=seed), Pick)
 
     return admits

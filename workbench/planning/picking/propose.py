@@ -1,7 +1,8 @@
 """Every detection with every grasp and every arm, and the cheap tests that refuse most of them."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from functools import lru_cache
 
 import numpy as np
 import pinocchio as pin
@@ -10,22 +11,13 @@ from workbench.model.candidate import Candidate, Reason, Stage, Verdict
 from workbench.model.cell import Arm, Cell
 from workbench.model.part import Grasp
 from workbench.model.scan import Detection, Obstacle
-from workbench.planning.collision.legs import grips, openings
-from workbench.planning.collision.tool_check import Hand, ToolCheck
+from workbench.planning.collision.tool_check import Fit, ToolCheck
 from workbench.planning.kinematics.chain import chain_of
 
 TURN_WEIGHT = 0.1
 """[m/rad] What a turn of the hand counts against its way in the SE(3) index."""
 
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _Trial:
-    """A candidate whose hand is still to be looked at."""
-
-    detection: int
-    grasp: Grasp
-    arm: Arm
-    T_world_tcp: pin.SE3
+_FITS = Verdict(Reason.OK, Stage.PROPOSE)
 
 
 def propose(
@@ -37,16 +29,21 @@ def propose(
     the TCP from home to the grasp plus `TURN_WEIGHT` times its turn.
     """
     check = ToolCheck(cell, detections, obstacles)
-    homes = {arm.name: chain_of(cell, arm).pose(np.asarray(arm.home)) for arm in cell.arms}
-    trials = [
-        _Trial(number, grasp, arm, detection.T_world_part * grasp.T_part_tcp)
-        for number, detection in enumerate(detections)
-        for grasp in cell.part(detection.part).grasps
-        for arm in cell.arms
-    ]
+    found: dict[tuple[int, str], Iterator[Candidate]] = {}
+    for part in cell.parts:
+        numbers = [number for number, one in enumerate(detections) if one.part == part.name]
+        for arm in cell.arms if numbers else ():
+            candidates = iter(_candidates(cell, check, detections, numbers, part.grasps, arm))
+            # All take from the same, one part after the other.
+            found.update({(number, arm.name): candidates for number in numbers})
     return tuple(
         sorted(
-            _candidates(cell, check, trials, homes),
+            (
+                next(found[number, arm.name])
+                for number, one in enumerate(detections)
+                for _ in cell.part(one.part).grasps
+                for arm in cell.arms
+            ),
             key=lambda c: (not c.verdict.is_ok, -c.grasp.priority, c.rank),
         )
     )
@@ -55,46 +52,71 @@ def propose(
 def candidate_of(
     cell: Cell,
     check: ToolCheck,
+    detections: tuple[Detection, ...],
     number: int,
-    detection: Detection,
     grasp: Grasp,
     arm: Arm,
-    T_world_home: pin.SE3,
 ) -> Candidate:
-    """One candidate with its first verdict; `T_world_home` is where the TCP is at home."""
-    trial = _Trial(number, grasp, arm, detection.T_world_part * grasp.T_part_tcp)
-    (candidate,) = _candidates(cell, check, [trial], {arm.name: T_world_home})
-    return candidate
+    """One candidate with its first verdict, whether or not the part's library has that grasp."""
+    return _candidates(cell, check, detections, [number], (grasp,), arm)[0]
 
 
 def _candidates(
-    cell: Cell, check: ToolCheck, trials: Sequence[_Trial], homes: dict[str, pin.SE3]
+    cell: Cell,
+    check: ToolCheck,
+    detections: tuple[Detection, ...],
+    numbers: Sequence[int],
+    grasps: tuple[Grasp, ...],
+    arm: Arm,
 ) -> list[Candidate]:
-    """The candidates of trials, in their order, with their first verdicts.
+    """The candidates of parts of one kind with one arm, by part and grasp, with first verdicts.
 
     A grasp whose fingers have to be less open than it says becomes one that says so.
     """
-    verdicts = [_unfit(trial.grasp, trial.arm) for trial in trials]
-    grasps = [trial.grasp for trial in trials]
-    for arm in cell.arms:
-        rows = [k for k, t in enumerate(trials) if t.arm is arm and verdicts[k] is None]
-        _look(cell, check, arm, trials, rows, verdicts, grasps)
+    part = cell.part(detections[numbers[0]].part)
+    refusals = [_unfit(grasp, arm) for grasp in grasps]
+    usable = [k for k, refusal in enumerate(refusals) if refusal is None]
+    rows = [(number, k) for number in numbers for k in usable]
+    fits = dict(zip(rows, check.fits(arm, part, grasps, rows), strict=True))
+    T_home = chain_of(cell, arm).pose(np.asarray(arm.home))
+    R_part = np.array([detections[number].T_world_part.rotation for number in numbers])
+    p_part = np.array([detections[number].T_world_part.translation for number in numbers])
+    R_grasp = np.array([grasp.T_part_tcp.rotation for grasp in grasps]).reshape(-1, 3, 3)
+    p_grasp = np.array([grasp.T_part_tcp.translation for grasp in grasps]).reshape(-1, 3)
+    R = np.einsum("nij,kjl->nkil", R_part, R_grasp)
+    p = np.einsum("nij,kj->nki", R_part, p_grasp) + p_part[:, None]
+    cosine = (np.einsum("ij,nkij->nk", T_home.rotation, R) - 1.0) / 2.0
+    turn = np.arccos(np.clip(cosine, -1.0, 1.0))
+    ranks = (np.linalg.norm(p - T_home.translation, axis=2) + TURN_WEIGHT * turn).tolist()
     found: list[Candidate] = []
-    for trial, grasp, verdict in zip(trials, grasps, verdicts, strict=True):
-        T_home_tcp = homes[trial.arm.name].actInv(trial.T_world_tcp)
-        way = float(np.linalg.norm(T_home_tcp.translation))
-        turn = float(np.linalg.norm(pin.log3(T_home_tcp.rotation)))
-        found.append(
-            Candidate(
-                trial.detection,
-                grasp,
-                trial.arm.name,
-                trial.T_world_tcp,
-                way + TURN_WEIGHT * turn,
-                verdict or Verdict(Reason.OK, Stage.PROPOSE),
-            )
-        )
+    for n, number in enumerate(numbers):
+        for k, grasp in enumerate(grasps):
+            T_world_tcp, verdict, taken = pin.SE3(R[n, k], p[n, k]), refusals[k], grasp
+            if verdict is None:
+                fit = fits[number, k]
+                verdict = _told(check, arm, grasp, T_world_tcp, fit)
+                if verdict.is_ok and arm.tool.fingers and fit.opening != grasp.opening:
+                    taken = opened(grasp, fit.opening)
+            found.append(Candidate(number, taken, arm.name, T_world_tcp, ranks[n][k], verdict))
     return found
+
+
+@lru_cache(maxsize=4096)
+def opened(grasp: Grasp, opening: float) -> Grasp:
+    """The grasp with its fingers so far open [m] on arrival, the same object each time."""
+    return replace(grasp, opening=opening)
+
+
+def _told(check: ToolCheck, arm: Arm, grasp: Grasp, T_world_tcp: pin.SE3, fit: Fit) -> Verdict:
+    """That a hand fits; or else what refuses its first way."""
+    if fit.pair is None:
+        return _FITS
+    opening, note = 0.0, ""
+    if arm.tool.fingers:
+        opening = grasp.grip if fit.is_closed else fit.opening
+        note = f"fingers {opening * 1e3:.0f} mm apart"
+    labels, distance = check.told(arm, T_world_tcp, opening, fit.pair)
+    return Verdict(Reason.TOOL_COLLISION, Stage.PROPOSE, labels, distance, note=note)
 
 
 def _unfit(grasp: Grasp, arm: Arm) -> Verdict | None:
@@ -116,89 +138,3 @@ def _unfit(grasp: Grasp, arm: Arm) -> Verdict | None:
             f"{low * 1e3:.0f}-{high * 1e3:.0f} mm",
         )
     return None
-
-
-def _look(
-    cell: Cell,
-    check: ToolCheck,
-    arm: Arm,
-    trials: Sequence[_Trial],
-    rows: list[int],
-    verdicts: list[Verdict | None],
-    grasps: list[Grasp],
-) -> None:
-    """Put the tool's verdicts into `verdicts`, and grasps with less open fingers into `grasps`.
-
-    Each round looks at the next way of all hands for which none has worked yet: as the grasp says,
-    turned as it leaves free, and the same with the fingers less open.  The verdict on a hand that
-    fits in no way is that on the first one.
-    """
-    ways = {
-        k: [
-            (opening, number)
-            for opening in openings(arm, trials[k].grasp, cell.policy.least_air)
-            for number in range(len(grips(arm, trials[k].grasp)))
-        ]
-        for k in rows
-    }
-    refusals: dict[int, Verdict] = {}
-    place = 0
-    while rows:
-        for k, verdict in zip(rows, _judged(check, arm, trials, rows, ways, place), strict=True):
-            opening = ways[k][place][0]
-            if verdict is not None:
-                refusals.setdefault(k, verdict)
-            else:
-                refusals[k] = Verdict(Reason.OK, Stage.PROPOSE)
-                if opening != grasps[k].opening and arm.tool.fingers:
-                    grasps[k] = replace(grasps[k], opening=opening)
-                ways[k] = []
-        place += 1
-        for k in rows:
-            if len(ways[k]) <= place:
-                verdicts[k] = refusals[k] if ways[k] else Verdict(Reason.OK, Stage.PROPOSE)
-        rows = [k for k in rows if len(ways[k]) > place]
-
-
-def _judged(
-    check: ToolCheck,
-    arm: Arm,
-    trials: Sequence[_Trial],
-    rows: Sequence[int],
-    ways: dict[int, list[tuple[float, int]]],
-    place: int,
-) -> list[Verdict | None]:
-    """What refuses each hand in its way of that place: fingers as on arrival, then as closed."""
-    found: dict[int, Verdict] = {}
-    for is_closed in (False, True) if arm.tool.fingers else (True,):
-        left = [k for k in rows if k not in found]
-        hands: list[Hand] = []
-        for k in left:
-            opening, number = ways[k][place]
-            if not arm.tool.fingers:
-                opening = 0.0
-            elif is_closed:
-                opening = trials[k].grasp.grip
-            press = arm.tool.press if is_closed else 0.0
-            hands.append(Hand(trials[k].detection, trials[k].grasp, number, opening, press))
-        Ts = [
-            trials[k].T_world_tcp * grips(arm, trials[k].grasp)[hand.grip]
-            for k, hand in zip(left, hands, strict=True)
-        ]
-        for k, T, hand, pair in zip(left, Ts, hands, check.contacts(arm, Ts, hands), strict=True):
-            if pair is None:
-                continue
-            found[k] = _REFUSED if place else _told(check, arm, T, hand.opening, pair)
-    return [found.get(k) for k in rows]
-
-
-_REFUSED = Verdict(Reason.TOOL_COLLISION, Stage.PROPOSE)
-"""Of a way that is not the first: nobody is told."""
-
-
-def _told(
-    check: ToolCheck, arm: Arm, T_world_tcp: pin.SE3, opening: float, pair: tuple[int, int]
-) -> Verdict:
-    labels, distance = check.told(arm, T_world_tcp, opening, pair)
-    note = f"fingers {opening * 1e3:.0f} mm apart" if arm.tool.fingers else ""
-    return Verdict(Reason.TOOL_COLLISION, Stage.PROPOSE, labels, distance, note=note)

@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from itertools import chain as one_by_one
+from weakref import WeakKeyDictionary
 
 import numpy as np
 import pinocchio as pin
@@ -10,10 +11,12 @@ import pinocchio as pin
 from workbench.model.candidate import Pick, Reason, Stage, Verdict
 from workbench.model.cell import Arm
 from workbench.model.geometry import Floats
+from workbench.planning.collision.bodies import part_label
 from workbench.planning.collision.leaving import comes_back
 from workbench.planning.collision.legs import hand_turns
 from workbench.planning.collision.motion import path_contact
 from workbench.planning.collision.pairing import Phase
+from workbench.planning.collision.part_ways import PartWays
 from workbench.planning.collision.world import World
 from workbench.planning.kinematics.chain import is_solution
 from workbench.planning.kinematics.straight import follow
@@ -48,6 +51,10 @@ def ways_down(world: World, arm: Arm, phase: Phase, q_from: Floats) -> Iterator[
     chain, columns = world.chains[arm.name], world.kinematics.columns[arm.name]
     for T_world_place in arm.Ts_world_place:
         for T_world_tcp in (T_world_place * T for T in hand_turns(arm)):
+            met = _standing_in(world, arm, phase, T_world_tcp)
+            if met is not None:
+                yield Verdict(Reason.NO_PLACE, Stage.PLACE, met)
+                continue
             answers, residuals = chain.solve(T_world_tcp, np.vstack([q_from, arm.home]))
             for q in answers[is_solution(residuals)]:
                 above = _raised(T_world_tcp)
@@ -64,6 +71,23 @@ def ways_down(world: World, arm: Arm, phase: Phase, q_from: Floats) -> Iterator[
                 else:
                     pair, distance = found[0].pair, found[0].distance
                     yield Verdict(Reason.NO_PLACE, Stage.PLACE, pair, distance, found[1])
+
+
+def _standing_in(
+    world: World, arm: Arm, phase: Phase, T_world_tcp: pin.SE3
+) -> tuple[str, str] | None:
+    """What the part in the hand would stand in at a place, whatever the arm does: two labels.
+
+    Most places that do not work are refused by it, and it is cheap.
+    """
+    number, T_tcp_part = phase.held[arm.name]
+    if world not in _ALONE:
+        _ALONE[world] = PartWays(world.cell, world.detections, world.obstacles)
+    label = _ALONE[world].standing_in(number, T_world_tcp * T_tcp_part, world.policy.margin)
+    return None if label is None else (part_label(number), label)
+
+
+_ALONE: WeakKeyDictionary[World, PartWays] = WeakKeyDictionary()
 
 
 def put_down(world: World, pick: Pick, others: Phase) -> PutDown | Verdict:

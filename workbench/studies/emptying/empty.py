@@ -25,6 +25,7 @@ from workbench.perception.simulation.piles import check_room, drop_parts
 from workbench.perception.simulation.synthesize import synthesize
 from workbench.perception.simulation.unloading import is_in_bin, unloaded
 from workbench.planning.planners.clock import working_time
+from workbench.studies.emptying.bound import bound_of
 from workbench.studies.emptying.left import left_in
 from workbench.studies.emptying.scene import FAILURES, TOGETHER, Scene, Task
 from workbench.studies.emptying.taking import carried_out, in_turn
@@ -140,6 +141,14 @@ def emptied(task: Task) -> Scene:
         missed = _carry_out(cell, task, plan, lying, tally)
         failures = failures + len(missed) if len(missed) == len(plan.arms) else 0
         avoided += [(plan.detections[number], AVOID_SCANS) for number in missed]
+    left = left_in(cell, lying, refusal=refusal, seed=task.seed)
+    more = None
+    if task.bounds:
+        rest = [one for _, one in lying]
+        told, more = bound_of(cell, rest, settles=task.settles, seed=task.seed)
+        left = tuple(
+            replace(one, any_grasp=str(found)) for one, found in zip(left, told, strict=True)
+        )
     return Scene(
         task,
         len(pile),
@@ -150,10 +159,11 @@ def emptied(task: Task) -> Scene:
         tally.cycles,
         tally.scans,
         tally.motion,
-        left_in(cell, lying, refusal=refusal, seed=task.seed),
+        left,
         tuple(tally.planning),
         tuple(tally.stages.items()),
         tally.finding,
+        more,
     )
 
 

@@ -19,6 +19,7 @@ class Task:
 
     `part` is one of the cell's, `all` for all of them in turn, or others by name or path, joined by
     `TOGETHER`; empty: the cell's first.  `settles`: the rest moves by physics as a part is lifted.
+    `bounds`: what stays is tried by all grasps of the tool, too.
     """
 
     cell: str
@@ -28,6 +29,7 @@ class Task:
     seen: Seen = "truth"
     settles: bool = True
     strategy: str = "auto"
+    bounds: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,13 +37,15 @@ class Left:
     """A part that stayed in the bin: `part-3` is the third that fell.
 
     `kind` is the word of the verdict that got furthest, `reason` a sentence about it; `nearest_fix`
-    is the smallest change of a grasp that takes it, empty when none was found.
+    is the smallest change of a grasp that takes it, empty when none was found; `any_grasp` what a
+    search through all grasps of the tool said, empty when nobody asked.
     """
 
     part: str
     kind: str
     reason: str
     nearest_fix: str
+    any_grasp: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,6 +57,7 @@ class Scene:
     `knocked_out` the parts that fell out of the bin.  `cycles` are plans carried out, `scans` looks
     into the bin.  `motion_seconds` [s] is predicted by the plans, `planning` [s] was measured for
     every plan, `stages` [s] by stage in all, and `finding` [s] for the parts in the scans.
+    `more` is how many of those left come out by any grasp of the tool, None when nobody asked.
     """
 
     task: Task
@@ -68,3 +73,4 @@ class Scene:
     planning: tuple[float, ...]
     stages: tuple[tuple[str, float], ...]
     finding: float
+    more: int | None = None

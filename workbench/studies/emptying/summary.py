@@ -47,6 +47,7 @@ def summary(
         "parts": parts,
         "taken": taken,
         "taken_share": taken / parts if parts else None,
+        "bound_share": _bound(scenes, taken, parts),
         "picks": taken + sum(kinds.values()),
         "failed_picks": sum(kinds.values()),
         "failed_by_kind": kinds,
@@ -64,6 +65,12 @@ def summary(
         "left_by_reason": dict(_reasons(scenes).most_common()),
         "scenes": [_scene(one) for one in scenes],
     }
+
+
+def _bound(scenes: Sequence[Scene], taken: int, parts: int) -> float | None:
+    """The share that any grasps of the tool take, None when nobody asked."""
+    more = [one.more for one in scenes if one.more is not None]
+    return (taken + sum(more)) / parts if parts and len(more) == len(scenes) else None
 
 
 def _reasons(scenes: Sequence[Scene]) -> Counter[str]:

@@ -1,0 +1,112 @@
+"""All grips that a tool has on a part, on a fine raster: for a bound, not for a plan.
+
+Two fingers: pairs of points with opposite normals all over the surface, the hand from all sides and
+more or less deep.  A cup: points all over the surface.  Where a hand fits among neighbours is for
+`ToolCheck.free` to say, whether it holds for `Grips.grasp`.
+"""
+
+from functools import lru_cache
+
+import numpy as np
+import pinocchio as pin
+
+from workbench.model.cell import Arm
+from workbench.model.geometry import Floats
+from workbench.model.part import Grasp, Part
+from workbench.planning.collision.hands import NOTHING, Hands
+from workbench.planning.grasps.grasp_check import GraspChecker
+from workbench.planning.grasps.grasp_frames import fitted_opening
+from workbench.planning.grasps.grasp_suggestions import opposite_points, sides
+from workbench.planning.grasps.pads import Pads
+from workbench.planning.grasps.part_rays import normals_of, samples_of
+
+PAIRS, POINTS = 500, 2000
+"""Points of the surface: that one finger touches, or a cup."""
+
+SIDES, TURNS = 24, 8
+"""Ways in which a hand comes to two points, and in which a cup is turned."""
+
+DEPTHS = (0.001, 0.003, 0.006, 0.010, 0.015)
+"""[m] How far beyond two points the finger tips reach."""
+
+AIR = 0.0015
+"""[m] Between each finger and the part on arrival."""
+
+
+class Grips:
+    """The grips of an arm's tool on a part.
+
+    `hands` are their ways, one each; `Ts_part_tcp` (R (n, 3, 3), p (n, 3) [m]) where the hand is.
+
+    Lifetime: as long as part and arm.
+    """
+
+    def __init__(self, part: Part, arm: Arm):
+        self._checker = GraspChecker(part, arm.tool)
+        rng = np.random.default_rng(0)
+        pads = self._checker.pads
+        if pads is not None:
+            R, p, closed = _pinches(self._checker, pads, rng)
+        else:
+            R, p = _touches(part, rng)
+            closed = np.zeros(len(p))
+        self._R, self._p = R, p
+        T = arm.tool.T_flange_tcp.inverse()
+        high = arm.tool.stroke[1]
+        self.hands = Hands(
+            np.arange(len(p) + 1),
+            np.ascontiguousarray(R @ T.rotation),
+            np.ascontiguousarray(p + R @ T.translation),
+            np.column_stack([np.minimum(closed + 2 * AIR, high), closed]),
+            np.zeros(len(p), np.int64),
+            np.full((len(p), 2), NOTHING),
+        )
+        self._known: dict[int, Grasp | None] = {}
+
+    def grasp(self, number: int) -> Grasp | None:
+        """One as a grasp; None where it does not hold the part, or the tool cuts into it."""
+        if number not in self._known:
+            self._known[number] = self._checked(number)
+        return self._known[number]
+
+    def _checked(self, number: int) -> Grasp | None:
+        T = pin.SE3(self._R[number], self._p[number])
+        if self._checker.pads is not None:
+            fingers = fitted_opening(self._checker, T)
+            if fingers is None or fingers.grip > self._checker.tool.stroke[1]:
+                return None
+            opening = min(fingers.grip + 2 * AIR, self._checker.tool.stroke[1])
+            grasp = Grasp("any", T, opening, fingers.grip)
+        else:
+            grasp = Grasp("any", T, 0.0, 0.0)
+        return grasp if self._checker.check(grasp).is_ok else None
+
+
+@lru_cache(maxsize=8)
+def grips_of(part: Part, arm: Arm) -> Grips:
+    """The grips of an arm's tool on a part, the same each time."""
+    return Grips(part, arm)
+
+
+def _pinches(
+    checker: GraspChecker, pads: Pads, rng: np.random.Generator
+) -> tuple[Floats, Floats, Floats]:
+    """Hands around pairs of points: rotations (n, 3, 3), places (n, 3) [m], and widths (n,) [m]."""
+    points, inward, widths, _ = opposite_points(checker, PAIRS, rng)
+    middles = np.repeat(points + widths[:, None] / 2 * inward, SIDES, axis=0)
+    z, y = sides(inward, SIDES).reshape(-1, 3), np.repeat(inward, SIDES, axis=0)
+    R = np.stack([np.cross(y, z), y, z], axis=2) @ pads.R_tcp_closing.T
+    return (
+        np.concatenate([R] * len(DEPTHS)),
+        np.concatenate([middles + depth * z for depth in DEPTHS]),
+        np.tile(np.repeat(widths, SIDES), len(DEPTHS)),
+    )
+
+
+def _touches(part: Part, rng: np.random.Generator) -> tuple[Floats, Floats]:
+    """Cups square on points: rotations (n, 3, 3) and places (n, 3) [m]."""
+    points, triangles = samples_of(part.mesh, POINTS, rng)
+    normals, _ = normals_of(part.mesh)
+    z = np.repeat(-normals[triangles], TURNS, axis=0)
+    x = sides(normals[triangles], TURNS).reshape(-1, 3)
+    return np.stack([x, np.cross(z, x), z], axis=2), np.repeat(points, TURNS, axis=0)

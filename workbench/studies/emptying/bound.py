@@ -1,0 +1,118 @@
+"""What no grasp of the tool can take: looked for among all of them, however they are authored.
+
+It tells whether more grasps would help.  A straight way in along the tool, a straight lift of the
+policy and a place are asked for as of every pick; pushing parts about is not looked at.
+"""
+
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from workbench.model.candidate import Pick
+from workbench.model.cell import Cell
+from workbench.model.scan import Detection
+from workbench.perception.simulation.unloading import is_in_bin, unloaded
+from workbench.planning.collision.tool_check import ToolCheck
+from workbench.planning.collision.world import World
+from workbench.planning.grasps.every_grip import grips_of
+from workbench.planning.picking.propose import candidate_of
+from workbench.planning.picking.resolve import resolve
+
+MOST = 200
+"""Grips that fit and hold whose arm is looked at, spread over all of them."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class AnyGrasp:
+    """Whether any grasp of a cell's tools takes a part: `pick` does, None where none was found.
+
+    Of `tried` grips `fits` meet nothing but the part, and `holds` of these hold it; `refused`
+    counts why the arms cannot take it by those that were looked at.
+    """
+
+    tried: int
+    fits: int
+    holds: int
+    refused: tuple[tuple[str, int], ...]
+    pick: Pick | None
+
+    def __str__(self) -> str:
+        if self.pick is not None:
+            candidate = self.pick.candidate
+            at = candidate.grasp.T_part_tcp
+            x, y, z = at.translation * 1e3
+            a, b, c = at.rotation[:, 2]
+            return (
+                f"a grasp that is not in the library takes it: arm {candidate.arm}, at "
+                f"{x:.0f}, {y:.0f}, {z:.0f} mm, pointing along {a:.2f}, {b:.2f}, {c:.2f} of the "
+                f"part, closed to {candidate.grasp.grip * 1e3:.0f} mm"
+            )
+        why = ", ".join(f"{count} {reason}" for reason, count in self.refused)
+        told = f"no grasp of this tool can take it (of {self.tried} tried, {self.fits} fit"
+        return f"{told}, {self.holds} of these hold it{': ' + why if why else ''})"
+
+
+def any_grasp(cell: Cell, lying: Sequence[Detection], number: int, *, seed: int) -> AnyGrasp:
+    """Look for any grasp by which some arm takes a part as it lies among the others."""
+    detections = tuple(lying)
+    check, world = ToolCheck(cell, detections), World(cell, detections)
+    part = cell.part(lying[number].part)
+    tried = fits = holds = 0
+    refused: Counter[str] = Counter()
+    for arm in cell.arms:
+        grips = grips_of(part, arm)
+        free = np.flatnonzero(check.free(arm, part, number, grips.hands))
+        found = [grasp for k in free.tolist() if (grasp := grips.grasp(k)) is not None]
+        tried, fits, holds = tried + len(grips.hands.turn), fits + len(free), holds + len(found)
+        order = np.random.default_rng(seed).permutation(len(found))[:MOST]
+        for k in order.tolist():
+            candidate = candidate_of(cell, check, detections, number, found[k], arm)
+            result = resolve(world, candidate, seed=seed)
+            if isinstance(result, Pick):
+                return AnyGrasp(tried, fits, holds, tuple(refused.most_common()), result)
+            refused[str(result.reason)] += 1
+    return AnyGrasp(tried, fits, holds, tuple(refused.most_common()), None)
+
+
+def bound_of(
+    cell: Cell, lying: Sequence[Detection], *, settles: bool, seed: int
+) -> tuple[tuple[AnyGrasp, ...], int]:
+    """What any grasp could take of what is left.
+
+    Args:
+        cell: that it was tried in.
+        lying: what is left.
+        settles: whether the rest moves by physics as a part is lifted.
+        seed: of everything random.
+
+    Returns:
+        For each part whether any grasp takes it as it lies now; and how many come out when they are
+        taken one after the other, as far as it goes.
+    """
+    first = tuple(any_grasp(cell, lying, number, seed=seed) for number in range(len(lying)))
+    rest, found, taken = tuple(lying), list(first), 0
+    while rest:
+        number = next((k for k, one in enumerate(found) if one.pick is not None), None)
+        if number is None:
+            break
+        rest, taken = _without(cell, rest, number, found[number].pick, settles=settles), taken + 1
+        found = []
+        for k in range(len(rest)):
+            found.append(any_grasp(cell, rest, k, seed=seed))
+            if found[-1].pick is not None:
+                break
+    return first, taken
+
+
+def _without(
+    cell: Cell, lying: tuple[Detection, ...], number: int, pick: Pick | None, *, settles: bool
+) -> tuple[Detection, ...]:
+    assert pick is not None
+    if not settles:
+        return tuple(one for k, one in enumerate(lying) if k != number)
+    chain = World(cell, lying).chains[pick.candidate.arm]
+    way = [chain.pose(q) * pick.T_tcp_part for q in np.asarray(pick.extract)]
+    settled = unloaded(cell, lying, number, way)
+    return tuple(one for one in settled if is_in_bin(cell.bin, one.T_world_part))
