@@ -237,6 +237,8 @@ class Controller:
     """File to which every state that the arms go through is appended."""
     fault: tuple[str, ...] = ()
     """What goes wrong, each once: NAME or NAME:n, as in `drop:3 garbage:9`; n counts messages."""
+    rapid: Path | None = None
+    """Folder of RAPID modules that are run instead, as robots/yumi/rapid; it reports no state."""
     home_after: float | None = None
     """Seconds after which arms that were left somewhere go home; they stay when not given."""
     until_eof: bool = False

@@ -7,7 +7,9 @@ import sys
 import threading
 import time
 from collections import Counter
+from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
 from types import FrameType
 
 from workbench.app.core.rules import approve
@@ -15,11 +17,13 @@ from workbench.app.picking.proving import adopted, prove
 from workbench.app.runtime.readiness import make_ready
 from workbench.cli.arguments import top as arguments
 from workbench.cli.picking.planning import cell_of
+from workbench.cli.serving.rapid import run_modules
 from workbench.cli.terminal import check_number, check_whole, print_json, progress
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.plans.plan_files import read_plan
+from workbench.model.cell import Cell
 from workbench.model.digest import canonical
-from workbench.model.errors import FileError
+from workbench.model.errors import FileError, InputError
 from workbench.model.release import PartReport
 from workbench.plugins.robot_link import Running, Simulation, controller_by, link_named
 from workbench.plugins.robot_link import send as send_plan
@@ -85,15 +89,11 @@ def controller(typed: arguments.Controller) -> int:
         check_number("--home-after", typed.home_after, 0.0, 3600.0)
     logging.basicConfig(level=logging.INFO, format="%(asctime)s %(message)s")
     cell = read_cell(typed.cell)
+    if typed.rapid is not None:
+        return _run_rapid(typed, cell, typed.rapid)
 
     def ready(running: Running) -> None:
-        def stop(signum: int, frame: FrameType | None) -> None:
-            running.stop()
-
-        signal.signal(signal.SIGINT, stop)
-        signal.signal(signal.SIGTERM, stop)
-        if typed.until_eof:
-            threading.Thread(target=_stop_at_eof, args=(running,), daemon=True).start()
+        _end_with(running.stop, typed.until_eof)
         ports = {"host": typed.host, "port": running.port, "state_port": running.state_port}
         if typed.json:
             print_json(ports)
@@ -118,7 +118,43 @@ def controller(typed: arguments.Controller) -> int:
     return 0
 
 
-def _stop_at_eof(running: Running) -> None:
+def _run_rapid(typed: arguments.Controller, cell: Cell, folder: Path) -> int:
+    if typed.record is not None or typed.trace is not None:
+        raise InputError("--record and --trace are of the simulated controller, not of --rapid")
+
+    def ready(port: int, stop: Callable[[], None]) -> None:
+        _end_with(stop, typed.until_eof)
+        if typed.json:
+            print_json({"host": typed.host, "port": port})
+        else:
+            print(f"RAPID of {folder} runs: motion on {typed.host}:{port}; Ctrl-C ends it")
+
+    run_modules(
+        cell,
+        folder,
+        host=typed.host,
+        port=typed.port,
+        speed=typed.speed,
+        faults=typed.fault,
+        home_after=typed.home_after,
+        ready=ready,
+    )
+    return 0
+
+
+def _end_with(stop: Callable[[], None], at_eof: bool) -> None:
+    """Stop at SIGINT, SIGTERM, and perhaps the end of standard input."""
+
+    def by_signal(signum: int, frame: FrameType | None) -> None:
+        stop()
+
+    signal.signal(signal.SIGINT, by_signal)
+    signal.signal(signal.SIGTERM, by_signal)
+    if at_eof:
+        threading.Thread(target=_stop_at_eof, args=(stop,), daemon=True).start()
+
+
+def _stop_at_eof(stop: Callable[[], None]) -> None:
     while sys.stdin.buffer.read(4096):
         pass
-    running.stop()
+    stop()
