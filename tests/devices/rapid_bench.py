@@ -1,10 +1,10 @@
 """Small RAPID programs, run in a time that goes as fast as they wait."""
 
 from workbench.devices.rapid.controller import MAKERS
-from workbench.devices.rapid.language.loading import Loaded, read_source
-from workbench.devices.rapid.language.texts import NATIVES
 from workbench.devices.rapid.tasks import Meetings, Task
 from workbench.devices.rapid.waiting import Signals, Waiting
+from workbench.formats.rapid.loading import Loaded, read_source
+from workbench.formats.rapid.texts import NATIVES
 
 
 class Tasks:

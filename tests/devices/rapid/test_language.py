@@ -8,10 +8,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from rapid_bench import written
 
-from workbench.devices.rapid.language.grammar import parse
-from workbench.devices.rapid.language.problems import BadModule
-from workbench.devices.rapid.language.texts import number_text
-from workbench.devices.rapid.language.values import single
+from workbench.formats.rapid.grammar import parse
+from workbench.formats.rapid.problems import BadModule
+from workbench.formats.rapid.texts import number_text
+from workbench.formats.rapid.values import single
 
 numbers = st.floats(-1e6, 1e6, allow_nan=False, width=32)
 

@@ -14,6 +14,7 @@ from workbench.cli.arguments.names import OrderName
 from workbench.cli.arguments.nested import Bench, CellCommands, SessionCommands
 from workbench.cli.arguments.part import Grasps, PartCommands
 from workbench.cli.arguments.proving import Prove, Verify
+from workbench.cli.arguments.rapid import RapidCommands
 from workbench.cli.arguments.studies import Study
 
 
@@ -344,6 +345,7 @@ Arguments = (
     | Annotated[Verify, subcommand("verify")]
     | Annotated[Send, subcommand("send")]
     | Annotated[Controller, subcommand("controller")]
+    | Annotated[RapidCommands, subcommand("rapid")]
     | Annotated[ExportWorld, subcommand("export-world")]
     | Annotated[Bench, subcommand("bench")]
     | Annotated[Study, subcommand("study")]

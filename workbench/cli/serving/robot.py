@@ -9,7 +9,6 @@ import time
 from collections import Counter
 from collections.abc import Callable
 from dataclasses import replace
-from pathlib import Path
 from types import FrameType
 
 from workbench.app.core.rules import approve
@@ -17,13 +16,11 @@ from workbench.app.picking.proving import adopted, prove
 from workbench.app.runtime.readiness import make_ready
 from workbench.cli.arguments import top as arguments
 from workbench.cli.picking.planning import cell_of
-from workbench.cli.serving.rapid import run_modules
 from workbench.cli.terminal import check_number, check_whole, print_json, progress
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.plans.plan_files import read_plan
-from workbench.model.cell import Cell
 from workbench.model.digest import canonical
-from workbench.model.errors import FileError, InputError
+from workbench.model.errors import FileError
 from workbench.model.release import PartReport
 from workbench.plugins.robot_link import Running, Simulation, controller_by, link_named
 from workbench.plugins.robot_link import send as send_plan
@@ -89,8 +86,6 @@ def controller(typed: arguments.Controller) -> int:
         check_number("--home-after", typed.home_after, 0.0, 3600.0)
     logging.basicConfig(level=logging.INFO, format="%(asctime)s %(message)s")
     cell = read_cell(typed.cell)
-    if typed.rapid is not None:
-        return _run_rapid(typed, cell, typed.rapid)
 
     def ready(running: Running) -> None:
         _end_with(running.stop, typed.until_eof)
@@ -98,9 +93,13 @@ def controller(typed: arguments.Controller) -> int:
         if typed.json:
             print_json(ports)
         else:
+            what = "RAPID" if typed.rapid is not None else "simulated controller"
+            state = (
+                f"state on {typed.host}:{running.state_port}" if running.state_port else "no state"
+            )
             print(
-                f"simulated controller of cell {cell.name}: motion on {typed.host}:{running.port}, "
-                f"state on {typed.host}:{running.state_port}; Ctrl-C ends it",
+                f"{what} of cell {cell.name}: motion on {typed.host}:{running.port}, {state}; "
+                "Ctrl-C ends it",
                 flush=True,
             )
 
@@ -113,32 +112,9 @@ def controller(typed: arguments.Controller) -> int:
         trace=typed.trace,
         faults=typed.fault,
         home_after=math.inf if typed.home_after is None else typed.home_after,
+        rapid=typed.rapid,
     )
     link_named(cell.controller.link).serve(cell, simulation, ready)
-    return 0
-
-
-def _run_rapid(typed: arguments.Controller, cell: Cell, folder: Path) -> int:
-    if typed.record is not None or typed.trace is not None:
-        raise InputError("--record and --trace are of the simulated controller, not of --rapid")
-
-    def ready(port: int, stop: Callable[[], None]) -> None:
-        _end_with(stop, typed.until_eof)
-        if typed.json:
-            print_json({"host": typed.host, "port": port})
-        else:
-            print(f"RAPID of {folder} runs: motion on {typed.host}:{port}; Ctrl-C ends it")
-
-    run_modules(
-        cell,
-        folder,
-        host=typed.host,
-        port=typed.port,
-        speed=typed.speed,
-        faults=typed.fault,
-        home_after=typed.home_after,
-        ready=ready,
-    )
     return 0
 
 

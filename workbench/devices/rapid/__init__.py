@@ -1,4 +1,4 @@
-"""RAPID, the language of ABB's controllers, executed: the shipped modules run as they are.
+"""RAPID executed: tasks, robots, signals, operator and sockets, for modules as they are.
 
-Imports nothing of the other devices.  `lark` is needed, an extra: `pip install workbench[rapid]`.
+Imports the words of faults of `abb_simulated`.
 """

@@ -11,16 +11,16 @@ from typing import Any
 import numpy as np
 
 from workbench.devices.rapid.kinematics import Axes
-from workbench.devices.rapid.language.loading import Loaded
-from workbench.devices.rapid.language.statements import Key
-from workbench.devices.rapid.language.texts import NATIVES
 from workbench.devices.rapid.motion import STEP, Mechanism, pair
 from workbench.devices.rapid.moving import Moving
-from workbench.devices.rapid.setup import Setup
 from workbench.devices.rapid.sockets import Device, Network
 from workbench.devices.rapid.sockets import natives as socket_natives
 from workbench.devices.rapid.tasks import Meetings, Task
 from workbench.devices.rapid.waiting import Clock, Signals, Waiting
+from workbench.formats.rapid.loading import Loaded
+from workbench.formats.rapid.setup import Setup
+from workbench.formats.rapid.statements import Key
+from workbench.formats.rapid.texts import NATIVES
 from workbench.model.cell import Cell
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats
@@ -145,7 +145,7 @@ class Controller:
             self.setup.tasks[name].modules,
             task,
             natives=natives,
-            makers=MAKERS,
+            makers={**MAKERS, "socketdev": lambda name: self.network.device()},
             shared=self.shared,
             signals=list(self.setup.outputs),
             told=task.told,
@@ -158,6 +158,11 @@ class Controller:
     def port(self) -> int:
         """Where clients come."""
         return self.network.port
+
+    @property
+    def state_port(self) -> int:
+        """None: what is to be known is told on the link."""
+        return 0
 
     @property
     def keys(self) -> set[Key]:

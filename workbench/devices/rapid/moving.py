@@ -15,10 +15,10 @@ import numpy as np
 import pinocchio as pin
 
 from workbench.devices.rapid.kinematics import Axes
-from workbench.devices.rapid.language.problems import RapidError, RapidStop
-from workbench.devices.rapid.language.values import single
 from workbench.devices.rapid.motion import STEP, Mechanism, Way
 from workbench.devices.rapid.tasks import Task
+from workbench.formats.rapid.problems import RapidError, RapidStop
+from workbench.formats.rapid.values import single
 from workbench.model.geometry import Floats
 
 UNUSED = 9e9

@@ -12,13 +12,14 @@ SocketPeek tells of such a link as well is not said there: `peek_tells_end` choo
 import errno
 import select
 import socket
+import weakref
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from workbench.devices.rapid.language.problems import RapidError, RapidStop
-from workbench.devices.rapid.language.values import Place
 from workbench.devices.rapid.tasks import Task, TimedOut
+from workbench.formats.rapid.problems import RapidError, RapidStop
+from workbench.formats.rapid.values import Place
 from workbench.model.errors import LinkError
 
 USUAL_TIME = 60.0
@@ -60,8 +61,9 @@ class Network:
             LinkError: it is taken.
         """
         self.host, self.peek_tells_end = host, peek_tells_end
-        self.waited_for: list[socket.socket] = []
+        self.waited_for: set[socket.socket] = set()
         self._bound: float | None = None
+        self._devices: weakref.WeakSet[Device] = weakref.WeakSet()
         try:
             # Nobody listens here: it only keeps the port while no module does.
             self._keeper = socket.socket()
@@ -76,8 +78,16 @@ class Network:
         """Where clients come."""
         return self._keeper.getsockname()[1]
 
+    def device(self) -> Device:
+        """A new one, closed."""
+        found = Device()
+        self._devices.add(found)
+        return found
+
     def close(self) -> None:
-        """Give the port back."""
+        """End all connections, and give the port back."""
+        for device in list(self._devices):
+            device.close()
         self._keeper.close()
 
     def idle(self, seconds: float) -> None:
@@ -215,7 +225,7 @@ class Network:
                 pass
             except OSError as error:
                 return error
-            self.waited_for.append(link)
+            self.waited_for.add(link)
             return None
 
         try:

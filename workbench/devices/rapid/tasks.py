@@ -10,11 +10,11 @@ import threading
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from workbench.devices.rapid.language.loading import Loaded
-from workbench.devices.rapid.language.prelude import NUMBERS
-from workbench.devices.rapid.language.problems import PointerMoved, RapidError, RapidStop
-from workbench.devices.rapid.language.statements import Key
-from workbench.devices.rapid.language.symbols import Routine
+from workbench.formats.rapid.loading import Loaded
+from workbench.formats.rapid.prelude import NUMBERS
+from workbench.formats.rapid.problems import PointerMoved, RapidError, RapidStop
+from workbench.formats.rapid.statements import Key
+from workbench.formats.rapid.symbols import Routine
 
 log = logging.getLogger(__name__)
 
@@ -196,9 +196,16 @@ class Task:
         self.is_running = False
         self._pause()
 
+    def hold(self, why: RapidStop) -> None:
+        """An error that nothing takes: the pointer stays; start tries the instruction again."""
+        self.stopped_by = str(why)
+        log.info("%s: %s", self.name, why)
+        self.stop()
+
     def exit(self) -> None:
         """EXIT: the program ends, and begins at main when it is started."""
-        raise RapidStop("EXIT")
+        self.stopped_by = "EXIT"
+        raise PointerMoved
 
     def connect(self, place: Any, trap: Routine) -> None:
         """CONNECT."""
@@ -240,11 +247,9 @@ class Task:
                 self.loaded.find("main").call([])
                 self.stopped_by = "the program has ended"
         except PointerMoved:
-            self.stopped_by = "the program pointer was moved"
-        except RapidError as error:
+            self.stopped_by = self.stopped_by or "the program pointer was moved"
+        except (RapidError, RapidStop) as error:
             self.stopped_by = f"nothing handles {error}"
-        except RapidStop as error:
-            self.stopped_by = str(error)
         if self.stopped_by:
             log.info("%s: %s", self.name, self.stopped_by)
         self.is_running, self._thread = False, None

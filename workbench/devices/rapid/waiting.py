@@ -11,10 +11,10 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from workbench.devices.rapid.language.problems import RapidError, RapidStop
-from workbench.devices.rapid.language.texts import check_length
-from workbench.devices.rapid.language.values import Place, single
 from workbench.devices.rapid.tasks import FOREVER, Meetings, Task, TimedOut
+from workbench.formats.rapid.problems import RapidError, RapidStop
+from workbench.formats.rapid.texts import check_length
+from workbench.formats.rapid.values import Place, single
 
 log = logging.getLogger(__name__)
 
@@ -148,21 +148,12 @@ class Waiting:
     ) -> None:
         if in_position:
             self._in_position()
-        every = max(SHORTEST_POLL, USUAL_POLL if poll is None else poll)
-        next_look = 0.0
-
-        def looked() -> bool:
-            nonlocal next_look
-            if self._task.clock() < next_look:
-                return False
-            next_look = self._task.clock() + every
-            return condition()
-
-        is_late = False
-        try:
-            self._task.wait(looked, FOREVER if most is None else most)
-        except TimedOut:
-            is_late = True
+        clock, every = self._task.clock, max(SHORTEST_POLL, USUAL_POLL if poll is None else poll)
+        until = clock() + (FOREVER if most is None else most)
+        # The condition may call routines, so it is computed where the program runs.
+        while not (is_met := condition()) and clock() < until:
+            self._wait_time(None, min(every, until - clock()))
+        is_late = not is_met
         if flag is not None:
             flag[0][flag[1]] = is_late
         elif is_late:

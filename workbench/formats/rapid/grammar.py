@@ -11,7 +11,7 @@ from functools import cache
 from lark import Lark, Token, Tree
 from lark.exceptions import UnexpectedCharacters, UnexpectedInput, UnexpectedToken
 
-from workbench.devices.rapid.language.problems import BadModule, Problem
+from workbench.formats.rapid.problems import BadModule, Problem
 
 LONGEST_STRING = 80
 """Characters."""

@@ -10,7 +10,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
-from workbench.devices.rapid.language.problems import RapidError
+from workbench.formats.rapid.problems import RapidError
 
 Place = tuple[list[Any], int]
 

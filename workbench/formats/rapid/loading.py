@@ -7,11 +7,11 @@ from typing import Any
 
 from lark import Token, Tree
 
-from workbench.devices.rapid.language.grammar import parse
-from workbench.devices.rapid.language.prelude import constants, prelude
-from workbench.devices.rapid.language.problems import BadModule, Problem, RapidError, RapidStop
-from workbench.devices.rapid.language.statements import Host, Key, Statements
-from workbench.devices.rapid.language.symbols import (
+from workbench.formats.rapid.grammar import parse
+from workbench.formats.rapid.prelude import constants, prelude
+from workbench.formats.rapid.problems import BadModule, Problem, RapidError, RapidStop
+from workbench.formats.rapid.statements import Host, Key, Statements
+from workbench.formats.rapid.symbols import (
     Frame,
     Node,
     Parameter,
@@ -22,7 +22,7 @@ from workbench.devices.rapid.language.symbols import (
     parts,
     words,
 )  # fmt: skip
-from workbench.devices.rapid.language.values import NUM, UNKNOWN, Kind, Types, copy
+from workbench.formats.rapid.values import NUM, UNKNOWN, Kind, Types, copy
 
 MAY_FAIL = {"call", "late", "function", "index", "raise_", "connect"}
 """What an error can come of, beside computing."""
@@ -30,10 +30,11 @@ MAY_FAIL = {"call", "late", "function", "index", "raise_", "connect"}
 
 @dataclass(frozen=True, slots=True)
 class Source:
-    """A module as it was read: where from, and its syntax tree."""
+    """A module as it was read: where from, its syntax tree, its text."""
 
     path: str
     tree: Node
+    text: str
 
     @property
     def name(self) -> str:
@@ -47,7 +48,7 @@ def read_source(path: str, text: str) -> Source:
     Raises:
         BadModule: it is no RAPID.
     """
-    return Source(path, parse(text, path))
+    return Source(path, parse(text, path), text)
 
 
 @cache
@@ -88,6 +89,7 @@ class Loaded:
         self.problems: list[Problem] = []
         self.keys: set[Key] = set()
         self._host, self._natives, self._shared, self._told = host, natives, shared, told
+        self._calls: list[Frame] = []
         self._native = True
         for source in _prelude():
             self._declare([source])
@@ -234,7 +236,7 @@ class Loaded:
         parameters = list(self._parameters(scope, params)) if params is not None else []
         native = self._natives.get(name.lower()) if self._native else None
         routine = Routine(str(name), word, kind, parameters, scope.module, node, native)
-        routine.told = self._told
+        routine.told, routine.calls = self._told, self._calls
         if native is not None and name.lower() == "waituntil":
             next(one for one in parameters if one.name == "cond").mode = "lazy"
         self._new(scope, node, name, routine)

@@ -4,8 +4,8 @@ from typing import Any
 
 from lark import Tree
 
-from workbench.devices.rapid.language.expressions import Ex, Expressions
-from workbench.devices.rapid.language.symbols import (
+from workbench.formats.rapid.expressions import Ex, Expressions
+from workbench.formats.rapid.symbols import (
     Frame,
     Node,
     Parameter,
@@ -14,7 +14,7 @@ from workbench.devices.rapid.language.symbols import (
     Variable,
     parts,
 )
-from workbench.devices.rapid.language.values import BOOL, NUM, UNKNOWN, copy
+from workbench.formats.rapid.values import BOOL, NUM, UNKNOWN, copy
 
 
 class Calls(Expressions):

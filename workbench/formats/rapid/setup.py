@@ -1,17 +1,17 @@
 """How a controller is configured: which modules are in which task, arms, system outputs.
 
 `controller.toml` beside the modules says so: a table `[tasks.NAME]` with `modules`, and `arm` of
-the cell if the task moves one; and `[outputs]`, each a list: `Emergency Stop`, or `Task Executing` and
-the task.
+the cell if the task moves one; and `[outputs]`, each a list: `Emergency Stop`, or
+`Task Executing` and the task.
 """
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from workbench.devices.rapid.language.loading import Source, read_source
 from workbench.formats.files.toml_keys import read_toml
 from workbench.formats.files.whole_files import read_whole
+from workbench.formats.rapid.loading import Source, read_source
 from workbench.model.errors import FileError
 
 FILE = "controller.toml"

@@ -6,9 +6,9 @@ from typing import Any
 
 from lark import Token, Tree
 
-from workbench.devices.rapid.language.grammar import KEPT
-from workbench.devices.rapid.language.problems import PointerMoved, RapidError
-from workbench.devices.rapid.language.values import Kind, Place
+from workbench.formats.rapid.grammar import KEPT
+from workbench.formats.rapid.problems import PointerMoved, RapidError, RapidStop
+from workbench.formats.rapid.values import Kind, Place
 
 Node = Tree[Any]
 
@@ -18,6 +18,7 @@ class Frame(list[Any]):
 
     result: Any = None
     error: RapidError | None = None
+    has_handler: bool = False
 
 
 Run = Callable[[Frame], Any]
@@ -59,7 +60,8 @@ class Parameter:
 class Routine:
     """A PROC, FUNC or TRAP, or an instruction or function of the controller.
 
-    `build` compiles the body when the routine is loaded; `native` is what the controller does.
+    `native` is what the controller does, `body` what the module says; `calls` are all frames of the
+    task that are under way.
     """
 
     name: str
@@ -75,6 +77,7 @@ class Routine:
     undo: Run | None = None
     locals: list[tuple[int, Run]] = field(default_factory=list[tuple[int, Run]])
     told: Callable[[RapidError], None] = lambda error: None
+    calls: list[Frame] = field(default_factory=list[Frame])
 
     def call(self, places: list[Place | None]) -> Any:
         """Run it with the places of its arguments.
@@ -87,12 +90,16 @@ class Routine:
         for slot, value in self.locals:
             frame[slot] = ([value(frame)], 0)
         assert self.body is not None
+        frame.has_handler = self.handler is not None
+        self.calls.append(frame)
         try:
             signal = self.body(frame)
         except PointerMoved:
             if self.undo is not None:
                 self.undo(frame)
             raise
+        finally:
+            self.calls.pop()
         if signal is not RETURN and self.kind is not None:
             raise RapidError("ERR_FNCNORET")
         return frame.result
@@ -102,9 +109,12 @@ class Routine:
 
         Raises:
             RapidError: there is no handler, or it raises.
+            RapidStop: no routine that has called this one has a handler, either.
         """
         if self.handler is None or frame.error is not None:
-            raise error
+            if any(one.has_handler and one.error is None for one in self.calls[:-1]):
+                raise error
+            raise RapidStop(f"nothing handles {error}")
         self.told(error)
         frame.error = error
         try:

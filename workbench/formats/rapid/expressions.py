@@ -7,9 +7,9 @@ from typing import Any
 
 from lark import Token
 
-from workbench.devices.rapid.language.grammar import LONGEST_STRING, content_of
-from workbench.devices.rapid.language.problems import Problem, RapidError, RapidStop
-from workbench.devices.rapid.language.symbols import (
+from workbench.formats.rapid.grammar import LONGEST_STRING, content_of
+from workbench.formats.rapid.problems import Problem, RapidError, RapidStop
+from workbench.formats.rapid.symbols import (
     Frame,
     Node,
     Routine,
@@ -17,7 +17,7 @@ from workbench.devices.rapid.language.symbols import (
     Variable,
     parts,
 )
-from workbench.devices.rapid.language.values import (
+from workbench.formats.rapid.values import (
     BOOL,
     NUM,
     RANGES,

@@ -11,9 +11,9 @@ import re
 from collections.abc import Callable
 from typing import Any
 
-from workbench.devices.rapid.language.grammar import LONGEST_STRING
-from workbench.devices.rapid.language.problems import RapidError, RapidStop
-from workbench.devices.rapid.language.values import Place, single
+from workbench.formats.rapid.grammar import LONGEST_STRING
+from workbench.formats.rapid.problems import RapidError, RapidStop
+from workbench.formats.rapid.values import Place, single
 
 NUMBER = re.compile(r" *[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d+)? *")
 

@@ -3,10 +3,10 @@
 from collections.abc import Callable
 from typing import Any, Protocol
 
-from workbench.devices.rapid.language.calls import Calls
-from workbench.devices.rapid.language.expressions import Ex
-from workbench.devices.rapid.language.problems import Problem, RapidError, RapidStop
-from workbench.devices.rapid.language.symbols import (
+from workbench.formats.rapid.calls import Calls
+from workbench.formats.rapid.expressions import Ex
+from workbench.formats.rapid.problems import Problem, RapidError, RapidStop
+from workbench.formats.rapid.symbols import (
     RETRY,
     RETURN,
     TRYNEXT,
@@ -17,7 +17,7 @@ from workbench.devices.rapid.language.symbols import (
     Variable,
     parts,
 )  # fmt: skip
-from workbench.devices.rapid.language.values import BOOL, NUM, STRING, UNKNOWN, Types, copy
+from workbench.formats.rapid.values import BOOL, NUM, STRING, UNKNOWN, Types, copy
 
 Key = tuple[str, int, int]
 """Module, line and column of a statement."""
@@ -31,6 +31,10 @@ class Host(Protocol):
 
     def step(self, key: Key) -> None:
         """A statement begins."""
+        ...
+
+    def hold(self, why: RapidStop) -> None:
+        """The program cannot go on, and stays where it is until it is started again."""
         ...
 
     def exit(self) -> None:
@@ -98,11 +102,15 @@ class Statements(Calls):
             while True:
                 host.step(key)
                 try:
-                    return True, act(frame)
-                except RapidError as error:
-                    signal = routine.recover(frame, error)
-                    if signal is not RETRY:
-                        return False, None if signal is TRYNEXT else signal
+                    try:
+                        return True, act(frame)
+                    except RapidError as error:
+                        signal = routine.recover(frame, error)
+                except RapidStop as why:
+                    host.hold(why)
+                    continue
+                if signal is not RETRY:
+                    return False, None if signal is TRYNEXT else signal
 
         return run
 
