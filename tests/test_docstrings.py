@@ -15,7 +15,7 @@ SHAPE = re.compile(rf"\((?:{LENGTH},|{LENGTH}(?:, {LENGTH})+)\)")
 """As NumPy prints it, with letters, or words for what is counted: (3,), (n, 3), (rows, columns)."""
 
 UNIT = re.compile(
-    r"\[(?:m|mm|rad|s|px|1)\b[^\]]*\]"
+    r"\[(?:m|mm|rad|deg|s|px|1)\b[^\]]*\]"
     r"|\b[Nn]o unit|(?:'s|own|their) unit\b|\b[Uu]nit (?:vector|normal|direction|quaternion)s?\b"
     r"|\b[Ii]nd(?:ex|ices)\b|\b[Bb]ytes?\b|\b[Tt]rue\b|\b0\.\.(?:1|255)\b"
 )

@@ -38,6 +38,7 @@ FUNCTIONS = {
 }  # fmt: skip
 PREDEFINED = {
     "ERRNO",
+    "ERR_SOCK_TIMEOUT",
     "ERR_WAITSYNCTASK",
     "STR_DIGIT",
     "WAIT_MAX",

@@ -135,6 +135,10 @@ def run(typed: arguments.Arguments) -> int:
             from workbench.cli.authoring.part import part
 
             return part(typed)
+        case arguments.RapidCommands():
+            from workbench.cli.authoring.rapid import rapid
+
+            return rapid(typed)
         case arguments.Grasps():
             from workbench.cli.authoring.grasps import grasps
 

@@ -5,6 +5,7 @@ from collections.abc import Callable, Iterator
 from workbench.devices.abb_socket.link import send_messages, send_program
 from workbench.devices.abb_socket.reports import watch_state
 from workbench.model.cell import Cell
+from workbench.model.errors import InputError
 from workbench.model.motion import MotionModel
 from workbench.model.release import RobotState
 from workbench.plugins.options import NoOptions
@@ -26,7 +27,16 @@ class AbbSocket:
         return watch_state(cell.controller.host, cell.controller.state_port, cancelled)
 
     def serve(self, cell: Cell, simulation: Simulation, ready: Callable[[Running], None]) -> None:
-        """The simulated controller, which speaks both."""
+        """The simulated controller, which speaks both, or RAPID modules that do."""
+        if simulation.rapid is not None:
+            try:
+                from workbench.devices.rapid.serving import serve_modules
+            except ModuleNotFoundError as error:
+                raise InputError(
+                    "--rapid needs the library lark: pip install 'workbench[rapid]'"
+                ) from error
+            serve_modules(cell, simulation, ready)
+            return
         # Every cell that is read loads this module; only the simulation needs so much.
         from workbench.devices.abb_simulated import controller
         from workbench.devices.abb_simulated.faults import parse_fault

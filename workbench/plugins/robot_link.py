@@ -52,7 +52,8 @@ class Simulation:
 
     Ports of 0 are chosen freely.  `speed` 1 is real time.  `record` and `trace` are files for what
     arrives and for where the arms are; `faults` are misbehaviours in the simulator's own words;
-    `home_after` [s]: so long after a stop the arms go home by themselves.
+    `home_after` [s]: so long after a stop the arms go home by themselves.  `rapid` is a folder of
+    modules in RAPID that are to be run as they are; links that know no RAPID refuse it.
     """
 
     host: str
@@ -63,6 +64,7 @@ class Simulation:
     trace: Path | None
     faults: Sequence[str]
     home_after: float
+    rapid: Path | None = None
 
 
 class Running(Protocol):

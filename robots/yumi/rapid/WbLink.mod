@@ -168,7 +168,7 @@ MODULE WbLink
         IF NOT StrToVal(word{1},number) refuse "no number";
         IF number<>heard_number refuse "not the next number";
         after:=state_after(word{2});
-        IF after="" refuse word{2}+" is not in order when "+state;
+        IF after="" refuse "not in order when "+state;
         IF trouble="" handle;
         IF trouble<>"" RETURN;
         ClkStop since_heard;
@@ -224,7 +224,7 @@ MODULE WbLink
             say "stopped";
             RETURN;
         DEFAULT:
-            refuse word{2}+" means nothing";
+            refuse "this means nothing";
         ENDTEST
         IF trouble="" say "ok "+digits(heard_number,4)+" "+sum;
         IF word{2}="run" AND trouble="" THEN
@@ -234,6 +234,10 @@ MODULE WbLink
     ENDPROC
 
     PROC begin_program()
+        IF words<>3 OR StrLen(word{3})<>64 THEN
+            refuse "no digest of a plan";
+            RETURN;
+        ENDIF
         all_high:=WB_FIRST_BYTE;
         all_low:=WB_FIRST_BYTE;
         wb_steps:=0;
@@ -251,7 +255,7 @@ MODULE WbLink
     ENDPROC
 
     PROC take_ticket()
-        IF words<>5 OR ticket<>"" THEN
+        IF words<>5 OR StrLen(word{3})<>16 OR ticket<>"" THEN
             refuse "no ticket, or a second one";
             RETURN;
         ENDIF
@@ -357,7 +361,8 @@ MODULE WbLink
         IF count<>told_points OR count<>wb_points{1}+wb_points{2}-2 refuse "points are missing";
         IF told_legs<>wb_legs{1}+wb_legs{2} refuse "legs are missing";
         IF word{4}<>ByteToStr(all_high\Hex)+ByteToStr(all_low\Hex) refuse "the sum of all differs";
-        check_steps;
+        IF wb_steps=0 refuse "no steps";
+        IF trouble="" check_steps;
     ENDPROC
 
     ! Alone moves one arm; free and sync move both, sync at the same times.
@@ -398,7 +403,9 @@ MODULE WbLink
         ENDFOR
     ENDPROC
 
+    ! FOR counts down when the end is less than the beginning.
     FUNC num leg_in(num arm,num nr)
+        IF wb_legs{arm}=0 RETURN 0;
         FOR leg FROM 1 TO wb_legs{arm} DO
             IF wb_leg_step{arm,leg}=nr RETURN leg;
         ENDFOR
@@ -512,6 +519,8 @@ MODULE WbLink
         VAR bool has_come_in;
         VAR bool has_closed;
 
+        ! What is refused is said in abb-socket/2 alone.
+        state:="";
         text:=first;
         active:=0;
         hand:=WB_KEEP;
@@ -608,15 +617,21 @@ MODULE WbLink
                 RETURN;
             ENDIF
             IF has_left() THEN
-                trouble:="the client left while an arm moved";
+                trouble:="the client left, or spoke, while an arm moved";
                 RETURN;
             ENDIF
         ENDWHILE
     ENDPROC
 
+    ! Nothing may come while an arm moves.  Peeking is not asked: whether it tells
+    ! of a client that has left is not written down, of receiving it is.
     FUNC bool has_left()
-        RETURN SocketPeek(client)<0;
+        VAR string piece;
+
+        SocketReceive client\Str:=piece\ReadNoOfBytes:=1\Time:=0.01;
+        RETURN TRUE;
     ERROR
+        IF ERRNO=ERR_SOCK_TIMEOUT RETURN FALSE;
         is_connected:=FALSE;
         RETURN TRUE;
     ENDFUNC
@@ -663,7 +678,7 @@ MODULE WbLink
         VAR num q{7};
 
         FOR k FROM 1 TO 7 DO
-            IF NOT StrToVal(word{first+k-1},q{k}) refuse "no number: "+word{first+k-1};
+            IF NOT StrToVal(word{first+k-1},q{k}) refuse "no number";
         ENDFOR
         target.robax:=[q{1},q{2},q{3},q{4},q{5},q{6}];
         target.extax:=[q{7},9E9,9E9,9E9,9E9,9E9];
@@ -712,7 +727,7 @@ MODULE WbLink
         CASE "keep":
             RETURN WB_KEEP;
         DEFAULT:
-            refuse "no hand: "+text;
+            refuse "no such hand";
             RETURN WB_KEEP;
         ENDTEST
     ENDFUNC
@@ -726,7 +741,7 @@ MODULE WbLink
         CASE "sync":
             RETURN WB_SYNC;
         DEFAULT:
-            refuse "no mode: "+text;
+            refuse "no such mode";
             RETURN WB_ALONE;
         ENDTEST
     ENDFUNC
@@ -800,7 +815,8 @@ MODULE WbLink
         RETURN;
     ENDPROC
 
-    ! The first reason counts; the link is closed after it.
+    ! The first reason counts; the link is closed after it.  A reason has no word of the
+    ! client's in it: a string has 80 characters, and more is an error.
     PROC refuse(string why)
         IF trouble<>"" RETURN;
         trouble:=why;

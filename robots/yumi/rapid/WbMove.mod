@@ -101,7 +101,9 @@ MODULE WbMove
         RAISE;
     ENDPROC
 
+    ! An arm may have none: FOR counts down when the end is less than the beginning.
     FUNC num leg_of(num nr)
+        IF wb_legs{my_arm}=0 RETURN 0;
         FOR leg FROM 1 TO wb_legs{my_arm} DO
             IF wb_leg_step{my_arm,leg}=nr RETURN leg;
         ENDFOR

@@ -26,6 +26,7 @@ COMMANDS = (
     "verify",
     "send",
     "controller",
+    "rapid",
     "export-world",
     "bench",
     "study",

@@ -14,6 +14,7 @@ from workbench.cli.arguments.names import OrderName
 from workbench.cli.arguments.nested import Bench, CellCommands, SessionCommands
 from workbench.cli.arguments.part import Grasps, PartCommands
 from workbench.cli.arguments.proving import Prove, Verify
+from workbench.cli.arguments.rapid import RapidCommands
 from workbench.cli.arguments.studies import Study
 
 
@@ -254,6 +255,8 @@ class Controller:
     """File to which every state that the arms go through is appended."""
     fault: tuple[str, ...] = ()
     """What goes wrong, each once: NAME or NAME:n, as in `drop:3 garbage:9`; n counts messages."""
+    rapid: Path | None = None
+    """Folder of RAPID modules that are run instead, as robots/yumi/rapid; it reports no state."""
     home_after: float | None = None
     """Seconds after which arms that were left somewhere go home; they stay when not given."""
     until_eof: bool = False
@@ -359,6 +362,7 @@ Arguments = (
     | Annotated[Verify, subcommand("verify")]
     | Annotated[Send, subcommand("send")]
     | Annotated[Controller, subcommand("controller")]
+    | Annotated[RapidCommands, subcommand("rapid")]
     | Annotated[ExportWorld, subcommand("export-world")]
     | Annotated[Bench, subcommand("bench")]
     | Annotated[Study, subcommand("study")]

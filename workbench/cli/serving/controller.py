@@ -5,6 +5,7 @@ import math
 import signal
 import sys
 import threading
+from collections.abc import Callable
 from types import FrameType
 
 from workbench.cli.arguments import top as arguments
@@ -29,20 +30,18 @@ def controller(typed: arguments.Controller) -> int:
     cell = read_cell(typed.cell)
 
     def ready(running: Running) -> None:
-        def stop(signum: int, frame: FrameType | None) -> None:
-            running.stop()
-
-        signal.signal(signal.SIGINT, stop)
-        signal.signal(signal.SIGTERM, stop)
-        if typed.until_eof:
-            threading.Thread(target=_stop_at_eof, args=(running,), daemon=True).start()
+        _end_with(running.stop, typed.until_eof)
         ports = {"host": typed.host, "port": running.port, "state_port": running.state_port}
         if typed.json:
             print_json(ports)
         else:
+            what = "RAPID" if typed.rapid is not None else "simulated controller"
+            state = (
+                f"state on {typed.host}:{running.state_port}" if running.state_port else "no state"
+            )
             print(
-                f"simulated controller of cell {cell.name}: motion on {typed.host}:{running.port}, "
-                f"state on {typed.host}:{running.state_port}; Ctrl-C ends it",
+                f"{what} of cell {cell.name}: motion on {typed.host}:{running.port}, {state}; "
+                "Ctrl-C ends it",
                 flush=True,
             )
 
@@ -55,12 +54,25 @@ def controller(typed: arguments.Controller) -> int:
         trace=typed.trace,
         faults=typed.fault,
         home_after=math.inf if typed.home_after is None else typed.home_after,
+        rapid=typed.rapid,
     )
     link_named(cell.controller.link).serve(cell, simulation, ready)
     return 0
 
 
-def _stop_at_eof(running: Running) -> None:
+def _end_with(stop: Callable[[], None], at_eof: bool) -> None:
+    """Stop at SIGINT, SIGTERM, and perhaps the end of standard input."""
+
+    def by_signal(signum: int, frame: FrameType | None) -> None:
+        stop()
+
+    signal.signal(signal.SIGINT, by_signal)
+    signal.signal(signal.SIGTERM, by_signal)
+    if at_eof:
+        threading.Thread(target=_stop_at_eof, args=(stop,), daemon=True).start()
+
+
+def _stop_at_eof(stop: Callable[[], None]) -> None:
     while sys.stdin.buffer.read(4096):
         pass
-    running.stop()
+    stop()

@@ -1,0 +1,305 @@
+"""A controller that runs RAPID: its tasks, robots, signals, operator and network, in one loop."""
+
+import logging
+import math
+import threading
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from workbench.devices.rapid.kinematics import Axes
+from workbench.devices.rapid.motion import STEP, Mechanism, pair
+from workbench.devices.rapid.moving import Moving
+from workbench.devices.rapid.sockets import Device, Network
+from workbench.devices.rapid.sockets import natives as socket_natives
+from workbench.devices.rapid.tasks import Meetings, Task
+from workbench.devices.rapid.waiting import Clock, Signals, Waiting
+from workbench.formats.rapid.loading import Loaded
+from workbench.formats.rapid.setup import Setup
+from workbench.formats.rapid.statements import Key
+from workbench.formats.rapid.texts import NATIVES
+from workbench.model.cell import Cell
+from workbench.model.errors import InputError
+from workbench.model.geometry import Floats
+
+log = logging.getLogger(__name__)
+
+TICK = 0.005
+"""[s] Between two looks while a robot moves."""
+
+IDLE = 0.02
+"""[s] Between two looks while nothing does; what arrives on a socket ends it."""
+
+MOST_STEPS = 250
+"""Of a robot's time, that are computed at once: between them the link is heard."""
+
+PART = 15.0
+"""[mm] How far a finger is out when it has closed around a part, unless `closes_at` says else."""
+
+
+@dataclass
+class Operator:
+    """Who stands at the robot: answers questions, sets pointers to main, presses start.
+
+    `answers` are the keys pressed next, from 1 on; after them it is `usual`, 0 for nobody answers.
+    `comes_after` [s] robots have been stopped, pointers are set to main and programs started.
+    """
+
+    answers: list[int] = field(default_factory=list[int])
+    usual: int = 0
+    comes_after: float = math.inf
+    asked: list[str] = field(default_factory=list[str])
+
+    def press(self, task: str, text: str, keys: Sequence[str]) -> int | None:
+        """The key that is pressed."""
+        question = f"{task}: {text}"
+        if not self.asked or self.asked[-1] != question:
+            self.asked.append(question)
+            log.info("%s [%s]", question, "; ".join(key for key in keys if key))
+        return self.answers.pop(0) if self.answers else self.usual or None
+
+
+class Controller:
+    """Tasks in turns, and robots that move meanwhile.
+
+    Lifetime: the port is open from construction until `run` ends; `stop` ends it, from anywhere.
+    Concurrency: `run` owns everything; other threads may read `written`, `covered` and `state`, and
+    have things done by `do`.
+    """
+
+    def __init__(
+        self,
+        cell: Cell,
+        setup: Setup,
+        *,
+        host: str = "127.0.0.1",
+        port: int = 0,
+        speed: float = 1.0,
+        operator: Operator | None = None,
+        clock: Callable[[], float] = time.monotonic,
+        peek_tells_end: bool = True,
+    ) -> None:
+        """Load everything.
+
+        Args:
+            cell: whose arms the tasks move.
+            setup: tasks and system outputs.
+            host: address to listen on, whichever the modules name.
+            port: port to listen on, whichever the modules name; 0 takes any free one.
+            speed: how fast the robots' time goes; that of programs and of the link is real.
+            operator: who stands at the robot; nobody answers when not given.
+            clock: [s] never goes back.
+            peek_tells_end: whether SocketPeek raises ERR_SOCK_CLOSED once the other side has left.
+
+        Raises:
+            BadModule: a module cannot run.
+            LinkError: the port is taken.
+        """
+        self.setup, self.operator, self.clock = setup, operator or Operator(), clock
+        self.written: list[str] = []
+        self.covered: set[Key] = set()
+        self.time = 0.0
+        self.is_emergency = False
+        self.before_move: Callable[[str], None] = lambda task: None
+        self.closes_at: Callable[[str], float] = lambda task: PART
+        self._speed, self._due, self._seen = speed, 0.0, clock()
+        self._over = threading.Event()
+        self._orders: list[tuple[Callable[[], None], threading.Event]] = []
+        self._stopped_since: float | None = None
+        self.signals = Signals(made={n: self._output(*w) for n, w in _low(setup.outputs)})
+        self.tasks = {name: Task(name, clock, self.covered) for name in setup.tasks}
+        self.mechanisms = {
+            name: Mechanism(name, Axes(cell, cell.arm(one.arm)))
+            for name, one in setup.tasks.items()
+            if one.arm
+        }
+        self.moving: dict[str, Moving] = {}
+        self.shared: dict[str, list[Any]] = {}
+        self._meetings = Meetings(list(self.mechanisms))
+        self.network = Network(host, port, peek_tells_end)
+        try:
+            for name in setup.tasks:
+                self._load(name)
+        except InputError:
+            self.network.close()
+            raise
+
+    def _load(self, name: str) -> None:
+        task = self.tasks[name]
+        task.mechanism = self.mechanisms.get(name)
+        waiting = Waiting(task, self._meetings, self.signals, self.operator.press, self._write)
+        moving = Moving(
+            task,
+            self.mechanisms,
+            lambda: self.time,
+            lambda: self.before_move(name),
+            lambda: self.closes_at(name),
+        )
+        self.moving[name] = moving
+        natives = {**NATIVES, **waiting.natives(), **moving.natives()}
+        natives |= socket_natives(task, self.network)
+        task.loaded = Loaded(
+            self.setup.tasks[name].modules,
+            task,
+            natives=natives,
+            makers={**MAKERS, "socketdev": lambda name: self.network.device()},
+            shared=self.shared,
+            signals=list(self.setup.outputs),
+            told=task.told,
+        )
+        task.loaded.check()
+        if task.loaded.find("main") is None:
+            raise InputError(f"the modules of task {name} have no routine main")
+
+    @property
+    def port(self) -> int:
+        """Where clients come."""
+        return self.network.port
+
+    @property
+    def state_port(self) -> int:
+        """None: what is to be known is told on the link."""
+        return 0
+
+    @property
+    def keys(self) -> set[Key]:
+        """All statements of all modules."""
+        return {key for task in self.tasks.values() if task.loaded for key in task.loaded.keys}
+
+    def axes(self) -> dict[str, Floats]:
+        """Where the robots are, (n,) [deg], by task."""
+        return {name: np.array(one.here) for name, one in self.mechanisms.items()}
+
+    # -- what people and faults do
+
+    def later(self, act: Callable[[], None]) -> None:
+        """Do something between two turns."""
+        self._orders.append((act, threading.Event()))
+
+    def do(self, act: Callable[[], None]) -> None:
+        """Do something between two turns, and wait until it is done."""
+        done = threading.Event()
+        self._orders.append((act, done))
+        while not done.wait(0.05) and not self._over.is_set():
+            pass
+
+    def stop(self) -> None:
+        """End `run`."""
+        self._over.set()
+
+    def start_anew(self) -> None:
+        """Robots' pointers to main, stops of the emergency reset, everything started."""
+        self.is_emergency = False
+        for name, one in self.mechanisms.items():
+            one.stops.discard("emergency")
+            self.tasks[name].take_pointer()
+        for task in self.tasks.values():
+            task.start()
+
+    def emergency_stop(self) -> None:
+        """The robots stop where they are, and their programs with them; T_LINK goes on."""
+        self.is_emergency = True
+        for name, one in self.mechanisms.items():
+            one.stops.add("emergency")
+            self.tasks[name].is_running = False
+
+    def lose_pointer(self, task: str) -> None:
+        """A program loses its place, its robot stands."""
+        self.mechanisms[task].stops.add("emergency")
+        self.tasks[task].take_pointer()
+
+    def _output(self, what: str, task: str = "") -> Callable[[], bool]:
+        if what == "Emergency Stop" and not task:
+            return lambda: self.is_emergency
+        if what == "Task Executing" and task in self.setup.tasks:
+            return lambda: self.tasks[task].is_running
+        raise InputError(f"there is no system output {what!r} of {task or 'the controller'}")
+
+    def _write(self, task: str, text: str) -> None:
+        self.written.append(text)
+        log.info("%s: %s", task, text)
+
+    # -- the loop
+
+    def run(self) -> None:
+        """Run the programs until `stop`."""
+        self._seen = self.clock()
+        for task in self.tasks.values():
+            task.start()
+        try:
+            while not self._over.is_set():
+                self.turn()
+        finally:
+            self._over.set()
+            for task in self.tasks.values():
+                task.take_pointer()
+            self.network.close()
+
+    def turn(self) -> None:
+        """Everybody's turn once; waits when there is nothing to do."""
+        while self._orders:
+            act, done = self._orders.pop(0)
+            act()
+            done.set()
+        went_on = self._run_ready(list(self.tasks.values()))
+        self._due += (self.clock() - self._seen) * self._speed
+        self._seen = self.clock()
+        movers = [self.tasks[name] for name in self.mechanisms]
+        steps = 0
+        # A robot's time stands still while its program has something to do: a fast robot must not
+        # find its next way missing because this machine was slow.
+        while self._due >= STEP and steps < MOST_STEPS and not self._run_ready(movers):
+            self._due, steps = self._due - STEP, steps + 1
+            self._advance()
+        self._due = min(self._due, self._speed)
+        self._help()
+        if not went_on and self._due < STEP:
+            self.network.idle(self._rest())
+
+    def _run_ready(self, tasks: Sequence[Task]) -> bool:
+        ready = [task for task in tasks if task.is_ready()]
+        for task in ready:
+            task.resume()
+        return bool(ready)
+
+    def _advance(self) -> None:
+        self.time += STEP
+        wrong = pair(list(self.mechanisms.values()))
+        if wrong:
+            log.warning("%s", wrong)
+            for one in self.mechanisms.values():
+                one.stops.add("emergency")
+        for one in self.mechanisms.values():
+            one.advance(STEP)
+
+    def _rest(self) -> float:
+        now = self.clock()
+        rest = IDLE if all(one.is_standing for one in self.mechanisms.values()) else TICK
+        deadlines = [task.deadline for task in self.tasks.values() if task.is_running]
+        return max(0.0005, min([rest, *(one - now for one in deadlines if one is not None)]))
+
+    def _help(self) -> None:
+        """What the operator does by himself."""
+        is_stopped = self.is_emergency or any(one.stops for one in self.mechanisms.values())
+        if not is_stopped:
+            self._stopped_since = None
+        elif self._stopped_since is None:
+            self._stopped_since = self.clock()
+        elif self.clock() - self._stopped_since >= self.operator.comes_after:
+            self._stopped_since = None
+            self.start_anew()
+
+
+MAKERS: dict[str, Callable[[str], Any]] = {
+    "socketdev": lambda name: Device(),
+    "clock": lambda name: Clock(),
+    "syncident": lambda name: name,
+    "iodev": lambda name: None,
+}
+
+
+def _low(outputs: Mapping[str, tuple[str, ...]]) -> list[tuple[str, tuple[str, ...]]]:
+    return [(name.lower(), words) for name, words in outputs.items()]

@@ -1,0 +1,74 @@
+"""How a controller is configured: which modules are in which task, arms, system outputs.
+
+`controller.toml` beside the modules says so: a table `[tasks.NAME]` with `modules`, and `arm` of
+the cell if the task moves one; and `[outputs]`, each a list: `Emergency Stop`, or
+`Task Executing` and the task.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from workbench.formats.files.toml_keys import read_toml
+from workbench.formats.files.whole_files import read_whole
+from workbench.formats.rapid.loading import Source, read_source
+from workbench.model.errors import FileError
+
+FILE = "controller.toml"
+
+LARGEST_MODULE = 1 << 20
+"""[bytes]"""
+
+
+@dataclass(frozen=True)
+class TaskSetup:
+    """A task: the modules in it, and the arm of the cell that it moves."""
+
+    modules: Sequence[Source]
+    arm: str = ""
+
+
+@dataclass(frozen=True)
+class Setup:
+    """All tasks, and the system outputs: `Emergency Stop`, or `Task Executing` and a task."""
+
+    tasks: Mapping[str, TaskSetup]
+    outputs: Mapping[str, tuple[str, ...]]
+
+
+def read_module(path: Path) -> Source:
+    """A module; its text may be of any Windows code page, as editors of controllers write.
+
+    Raises:
+        FileError: there is no such file, or it is too large.
+        BadModule: it is no RAPID.
+    """
+    text = read_whole(path, LARGEST_MODULE).decode("latin-1").replace("\r\n", "\n")
+    return read_source(path.name, text.lstrip("\ufeffï»¿"))
+
+
+def read_setup(folder: Path) -> Setup:
+    """The configuration in a folder, with its modules.
+
+    Raises:
+        FileError: a file is missing, or a key is not right.
+        BadModule: a module is no RAPID.
+    """
+    table = read_toml(folder / FILE)
+    rows, outputs = table.table("tasks"), table.table("outputs")
+    sources: dict[str, Source] = {}
+    tasks: dict[str, TaskSetup] = {}
+    for name in rows.names():
+        row = rows.table(name)
+        modules: list[Source] = []
+        for module in row.texts("modules"):
+            if module not in sources:
+                sources[module] = read_module(folder / f"{module}.mod")
+            modules.append(sources[module])
+        tasks[name] = TaskSetup(modules, row.text("arm", "", empty=True))
+        row.finish()
+    if not tasks:
+        raise FileError(folder / FILE, "has no tasks")
+    found = {name: outputs.texts(name) for name in outputs.names()}
+    table.finish()
+    return Setup(tasks, found)

@@ -1,0 +1,147 @@
+"""What names of a program stand for, and where their values are while it runs."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+from lark import Token, Tree
+
+from workbench.formats.rapid.grammar import KEPT
+from workbench.formats.rapid.problems import PointerMoved, RapidError, RapidStop
+from workbench.formats.rapid.values import Kind, Place
+
+Node = Tree[Any]
+
+
+class Frame(list[Any]):
+    """The places of the local data of one call, None for an argument that was not given."""
+
+    result: Any = None
+    error: RapidError | None = None
+    has_handler: bool = False
+
+
+Run = Callable[[Frame], Any]
+
+RETURN, RETRY, TRYNEXT = "RETURN", "RETRY", "TRYNEXT"
+"""How a statement ends that does not go on to the next one."""
+
+
+@dataclass(slots=True)
+class Variable:
+    """Data: global ones have a place, local ones a slot in the frame."""
+
+    name: str
+    kind: Kind
+    sizes: tuple[int, ...] = ()
+    place: Place | None = None
+    slot: int = -1
+    storage: str = "var"
+    is_optional: bool = False
+
+    @property
+    def is_writable(self) -> bool:
+        """Whether it may be assigned."""
+        return self.storage not in ("const", "loop")
+
+
+@dataclass(slots=True)
+class Parameter:
+    """Of a routine; those of a `group` other than 0 exclude each other."""
+
+    name: str
+    kind: Kind
+    mode: str = "value"
+    is_optional: bool = False
+    group: int = 0
+
+
+@dataclass(slots=True, eq=False)
+class Routine:
+    """A PROC, FUNC or TRAP, or an instruction or function of the controller.
+
+    `native` is what the controller does, `body` what the module says; `calls` are all frames of the
+    task that are under way.
+    """
+
+    name: str
+    word: str
+    kind: Kind | None
+    parameters: list[Parameter]
+    module: str
+    node: Node | None = None
+    native: Callable[..., Any] | None = None
+    slots: int = 0
+    body: Run | None = None
+    handler: Run | None = None
+    undo: Run | None = None
+    locals: list[tuple[int, Run]] = field(default_factory=list[tuple[int, Run]])
+    told: Callable[[RapidError], None] = lambda error: None
+    calls: list[Frame] = field(default_factory=list[Frame])
+
+    def call(self, places: list[Place | None]) -> Any:
+        """Run it with the places of its arguments.
+
+        Raises:
+            RapidError: nothing in it has taken an error.
+        """
+        frame = Frame(places)
+        frame.extend([None] * (self.slots - len(places)))
+        for slot, value in self.locals:
+            frame[slot] = ([value(frame)], 0)
+        assert self.body is not None
+        frame.has_handler = self.handler is not None
+        self.calls.append(frame)
+        try:
+            signal = self.body(frame)
+        except PointerMoved:
+            if self.undo is not None:
+                self.undo(frame)
+            raise
+        finally:
+            self.calls.pop()
+        if signal is not RETURN and self.kind is not None:
+            raise RapidError("ERR_FNCNORET")
+        return frame.result
+
+    def recover(self, frame: Frame, error: RapidError) -> Any:
+        """What the ERROR handler makes of an error: a word that tells how to go on.
+
+        Raises:
+            RapidError: there is no handler, or it raises.
+            RapidStop: no routine that has called this one has a handler, either.
+        """
+        if self.handler is None or frame.error is not None:
+            if any(one.has_handler and one.error is None for one in self.calls[:-1]):
+                raise error
+            raise RapidStop(f"nothing handles {error}")
+        self.told(error)
+        frame.error = error
+        try:
+            # A handler that reaches its end returns to the caller.
+            return self.handler(frame) or RETURN
+        finally:
+            frame.error = None
+
+
+def parts(node: Node) -> list[Any]:
+    """The children of a node without the words that only mark it."""
+    return [
+        child
+        for child in node.children
+        if not (isinstance(child, Token) and child.type.lower() in KEPT and child.type != "NAME")
+    ]
+
+
+def words(node: Node) -> set[str]:
+    """The reserved words directly in a node, small."""
+    found = (child for child in node.children if isinstance(child, Token))
+    return {child.type.lower() for child in found if child.type.lower() in KEPT}
+
+
+def only(node: Node, data: str) -> Node | None:
+    """The child of that kind, if there is one."""
+    for child in node.children:
+        if isinstance(child, Tree) and child.data == data:
+            return child
+    return None

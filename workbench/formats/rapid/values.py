@@ -1,0 +1,94 @@
+"""Types of RAPID and what data of them hold.
+
+A `num` is a float of single precision, as in the controller, a string and a bool are Python's;
+records and arrays are lists of what they consist of.  A place that can be written is a pair of a
+list and an index in it, whether it belongs to a variable, an array or a record.
+"""
+
+import struct
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
+
+from workbench.formats.rapid.problems import RapidError
+
+Place = tuple[list[Any], int]
+
+EXACT = float(2**24)
+"""Whole numbers up to here have an exact single."""
+
+
+class Kind(NamedTuple):
+    """A type: its name in small letters, and how many dimensions it has as an array."""
+
+    name: str
+    dims: int = 0
+
+    def __str__(self) -> str:
+        return self.name + (f"{{{','.join('*' * self.dims)}}}" if self.dims else "")
+
+
+NUM, BOOL, STRING = Kind("num"), Kind("bool"), Kind("string")
+UNKNOWN = Kind("")
+"""Of an expression that is wrong in itself: nothing more is said about it."""
+
+NO_VALUE = {"socketdev": object, "clock": object, "syncident": object, "iodev": object}
+"""Types whose data cannot be copied; a controller brings what makes them."""
+
+RANGES = {"byte": (0.0, 255.0)}
+"""Aliases of num that hold whole numbers in a range."""
+
+
+def single(value: float) -> float:
+    """A number as a `num` holds it.
+
+    Raises:
+        RapidError: it is too large.
+    """
+    if -EXACT <= value <= EXACT and value == int(value):
+        return value
+    try:
+        return struct.unpack("<f", struct.pack("<f", value))[0]
+    except OverflowError:
+        raise RapidError("ERR_NUM_OVERFLOW") from None
+
+
+def copy(value: Any) -> Any:
+    """A value of one's own: records and arrays are copied when they are assigned."""
+    return [copy(item) for item in value] if type(value) is list else value
+
+
+@dataclass
+class Types:
+    """The types of a task: atoms, aliases, and records with their components in order."""
+
+    records: dict[str, dict[str, str]] = field(default_factory=dict[str, dict[str, str]])
+    aliases: dict[str, str] = field(default_factory=dict[str, str])
+    makers: dict[str, Callable[[str], Any]] = field(default_factory=dict[str, Callable[[str], Any]])
+
+    def exists(self, name: str) -> bool:
+        """Whether there is a type of that name (small letters)."""
+        atoms = ("num", "bool", "string", "switch", "signaldo", "signaldi")
+        return name in atoms or name in self.records or name in self.aliases or name in NO_VALUE
+
+    def base(self, kind: Kind) -> Kind:
+        """The type that an alias stands for."""
+        name = kind.name
+        while name in self.aliases:
+            name = self.aliases[name]
+        return Kind(name, kind.dims)
+
+    def fit(self, one: Kind, other: Kind) -> bool:
+        """Whether a value of one type can be used as the other."""
+        return UNKNOWN in (one, other) or self.base(one) == self.base(other)
+
+    def default(self, kind: Kind, sizes: tuple[int, ...], name: str = "") -> Any:
+        """What data hold that were not given a value; `name` is that of the data."""
+        if sizes:
+            return [self.default(kind, sizes[1:], name) for _ in range(sizes[0])]
+        base = self.base(Kind(kind.name)).name
+        if base in self.records:
+            return [self.default(Kind(part), ()) for part in self.records[base].values()]
+        if base in self.makers:
+            return self.makers[base](name)
+        return {"bool": False, "string": ""}.get(base, 0.0)
