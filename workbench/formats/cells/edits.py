@@ -80,7 +80,7 @@ def _is_same(one: Cell, other: Cell) -> bool:
     parts = tuple(
         replace(mine, library=part.library, symmetry=part.symmetry)
         if are_written_alike(mine.library, part.library)
-        and mine.symmetry.fold == part.symmetry.fold
+        and str(mine.symmetry) == str(part.symmetry)
         else mine
         for mine, part in zip(one.parts, other.parts, strict=True)
     )
