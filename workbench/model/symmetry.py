@@ -31,7 +31,7 @@ NONE, ROUND, BALL = "", "round", "ball"
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SymmetryAxis:
-    """An axis (3,) of unit length with its `fold`: see `Symmetry`."""
+    """An axis (3,), a unit vector, with its `fold`: see `Symmetry`; no unit."""
 
     axis: Floats
     fold: int

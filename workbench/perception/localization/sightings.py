@@ -145,7 +145,7 @@ def drawing(maps: DepthMap, surface: PartSurface, tolerance: float) -> Drawing:
 def predicted(
     drawing: Drawing, T: Floats
 ) -> tuple[int, int, Floats, Ints, Floats]:  # pragma: no cover (compiled)
-    """What the scanner would see of the part at `T` (4, 4), depths (h, w) in m; see `rendered`."""
+    """What the scanner would see of the part at `T` (4, 4), depths in [m]; see `rendered`."""
     seen = drawing.seen
     return rendered(
         T, drawing.vertices, drawing.triangles, drawing.is_closed,
