@@ -10,7 +10,7 @@ import pytest
 from workbench.model.candidate import Candidate, Reason, Stage, Verdict
 from workbench.model.cell import Arm, Bin, Cell, Policy, ScannerMount, Tool
 from workbench.model.geometry import Box, Mesh, Solid
-from workbench.model.part import Grasp, GraspLibrary, Part, Symmetry
+from workbench.model.part import Grasp, GraspLibrary, Part
 from workbench.model.plan import (
     ArmPlan,
     Finding,
@@ -24,6 +24,7 @@ from workbench.model.plan import (
 )
 from workbench.model.robot import Joint, Link, Robot
 from workbench.model.scan import Detection, Scan
+from workbench.model.symmetry import Symmetry
 from workbench.plugins.robot_link import controller_by
 
 HERE = pin.SE3.Identity()

@@ -11,16 +11,9 @@ from hypothesis import strategies as st
 from workbench.formats.parts.reading import read_part
 from workbench.model.errors import InputError
 from workbench.model.geometry import pose_from_rpy
-from workbench.model.part import (
-    Grasp,
-    GraspLibrary,
-    GraspPair,
-    GraspPattern,
-    Symmetry,
-    is_same_grip,
-    turned,
-)
+from workbench.model.part import Grasp, GraspLibrary, GraspPair, GraspPattern, is_same_grip
 from workbench.model.part_edits import edited, free_name, mirrored, names_in
+from workbench.model.symmetry import Symmetry
 
 ANGLES = st.floats(-3.0, 3.0, allow_nan=False)
 LENGTHS = st.floats(-0.1, 0.1, allow_nan=False)
@@ -168,8 +161,8 @@ def test_no_grip_of_a_symmetry_is_left_out_or_there_twice(fold):
     symmetric = replace(symmetric, symmetry=Symmetry(fold=fold))
     found = list(symmetric.library.grasps)
     for one in symmetric.library.grasps:
-        for angle in symmetric.symmetry.turns:
-            copy = replace(one, T_part_tcp=turned(symmetric.symmetry.axis, angle) * one.T_part_tcp)
+        for _, motion in symmetric.symmetry.turns:
+            copy = replace(one, T_part_tcp=motion * one.T_part_tcp)
             if not any(is_same_grip(known, copy) for known in found):
                 found.append(copy)
     assert len(symmetric.grasps) == len(found)

@@ -91,6 +91,10 @@ def run(typed: arguments.Arguments) -> int:
             from workbench.cli.authoring.calibrate import calibrate
 
             return calibrate(typed)
+        case arguments.Scanner():
+            from workbench.cli.authoring.scanner import fit
+
+            return fit(typed)
         case arguments.Plan():
             from workbench.cli.picking.planning import plan
 

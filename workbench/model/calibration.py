@@ -1,4 +1,7 @@
-"""Where the scanner hangs, measured: the reference, what was seen of it, and what came of it."""
+"""Where the scanner hangs, measured: the reference, what was seen of it, and what came of it.
+
+And whether the bin is where the cell has it, which is how a calibration shows that it is old.
+"""
 
 from dataclasses import dataclass, field
 from typing import Literal
@@ -139,3 +142,37 @@ class Calibration:
     def record(self, at: float, by: str) -> CalibrationRecord:
         """What the cell remembers of it, taken over by a person `at` [s since the epoch]."""
         return CalibrationRecord(float(round(at)), by, self.used, self.rms)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class BinCheck:
+    """The bin as a scan shows it.
+
+    `T_world_bin` is where its rim is seen, None when it is not; `shift` [m] and `turn` [rad] by how
+    much that differs from the cell.  `fill` 0..1 is the share of its room that is taken as seen
+    from above, None when the inside is not seen; `above` [m] how far something sticks out of it.
+    `findings` say in words what is not as it should be, the worst first.
+    """
+
+    T_world_bin: pin.SE3 | None
+    shift: float
+    turn: float
+    fill: float | None
+    above: float
+    light: Light
+    findings: tuple[str, ...]
+    is_elsewhere: bool = False
+    is_empty: bool = False
+    is_overfull: bool = False
+
+    def __post_init__(self) -> None:
+        if self.T_world_bin is not None:
+            put(self, T_world_bin=copied(self.T_world_bin))
+
+    @property
+    def says(self) -> str:
+        """All of it in one sentence."""
+        full = "" if self.fill is None or self.is_empty else f", {self.fill:.0%} full"
+        if not self.findings:
+            return f"the bin is where it should be, to {self.shift * 1000:.1f} mm{full}"
+        return "; ".join(self.findings) + full

@@ -152,6 +152,11 @@ class Bin:
         )
 
 
+Z_FORWARD = "z_forward"
+
+"""Axes of a cloud that are the scanner's: x right, y down."""
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class ScannerMount:
     """Where the scanner hangs and what it sees: camera frame z forward, x right, y down.
@@ -161,7 +166,8 @@ class ScannerMount:
     the driver (`plugins.scanner`), `address` is where it finds the scanner, in its own way, `unit`
     that of files, `patience` [s] how long to wait for a scan, `options` are the driver's own keys.
     `calibration` says who has measured the pose and when, None when nobody has; after
-    `calibration_days` it counts as old.
+    `calibration_days` it counts as old.  `cloud_axes` names the axes of the points in files, see
+    `formats.clouds.scans.CLOUD_AXES`.
     """
 
     T_world_scanner: pin.SE3
@@ -177,6 +183,7 @@ class ScannerMount:
     calibration: CalibrationRecord | None = None
     calibration_days: float = 90.0
     options: Mapping[str, Option] = field(default_factory=dict[str, Option], metadata=LATER)
+    cloud_axes: str = field(default_factory=lambda: Z_FORWARD, metadata=LATER)
 
     def __post_init__(self) -> None:
         put(self, T_world_scanner=copied(self.T_world_scanner), options=dict(self.options))

@@ -8,35 +8,10 @@ import pinocchio as pin
 
 from workbench.model.digest import digest_of
 from workbench.model.geometry import Floats, Mesh, Solid, copied, frozen, put
-
-ANY_TURN = np.deg2rad(30.0)
-"""[rad] A part that looks alike at any turn is taken at turns this far apart."""
+from workbench.model.symmetry import Symmetry, turn_about
 
 SAME_PLACE, SAME_TURN = 5e-4, np.deg2rad(0.5)
 """[m, rad] Grips that differ by less are the same."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Symmetry:
-    """Rotations about `axis` (through the part's origin) that leave the part as it is.
-
-    `axis` (3,) is a unit vector.  `fold` 1: none; n: turns of 360/n degrees; 0: any angle.
-    """
-
-    axis: Floats = field(default_factory=lambda: np.array([0.0, 0.0, 1.0]))
-    fold: int = 1
-
-    def __post_init__(self) -> None:
-        put(self, axis=frozen(self.axis))
-
-    @property
-    def turns(self) -> tuple[float, ...]:
-        """Angles [rad] about the axis that change nothing, besides none at all.
-
-        Where any angle does, they stand for all of them, `ANY_TURN` apart.
-        """
-        count = self.fold or round(2 * np.pi / ANY_TURN)
-        return tuple(2 * np.pi * k / count for k in range(1, count))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -210,7 +185,7 @@ def grasps_of(entry: Entry) -> tuple[Grasp, ...]:
 
 def turned(axis: Floats, angle: float, through: Floats | None = None) -> pin.SE3:
     """The turn by `angle` [rad] about an axis (3,) through a point (3,) [m], or the origin."""
-    R = pin.AngleAxis(angle, np.array(axis)).matrix()
+    R = turn_about(axis, angle)
     return pin.SE3(R, np.zeros(3) if through is None else through - R @ through)
 
 
@@ -222,10 +197,9 @@ def _with_symmetry(library: GraspLibrary, symmetry: Symmetry) -> tuple[Grasp, ..
     for row, grasp in enumerate(found):
         places[row] = grasp.T_part_tcp.translation
     for grasp in library.grasps:
-        for angle in turns:
-            T = turned(symmetry.axis, angle) * grasp.T_part_tcp
-            name = f"{grasp.name}{TURNED}{np.rad2deg(angle):.0f}"
-            copy = replace(grasp, name=name, T_part_tcp=T)
+        for turn, motion in turns:
+            T = motion * grasp.T_part_tcp
+            copy = replace(grasp, name=f"{grasp.name}{TURNED}{turn}", T_part_tcp=T)
             far = np.abs(places[: len(found)] - T.translation).max(axis=1)
             # In its own frame a grip may differ by SAME_PLACE along each axis.
             near = np.flatnonzero(far <= 2.0 * SAME_PLACE)

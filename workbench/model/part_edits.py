@@ -17,9 +17,9 @@ from workbench.model.part import (
     GraspPair,
     GraspPattern,
     Part,
-    Symmetry,
     grasps_of,
 )
+from workbench.model.symmetry import Symmetry
 
 
 def edited(library: GraspLibrary, was: Sequence[Entry], now: Sequence[Entry]) -> GraspLibrary:

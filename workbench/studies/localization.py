@@ -15,7 +15,7 @@ from workbench.model.cell import Cell
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.part import Part
 from workbench.model.scan import ALL_KINDS, Detection
-from workbench.perception.localization.pose_error import pose_error
+from workbench.perception.localization.pose_error import mssd, pose_error
 from workbench.perception.simulation.piles import pile_of
 from workbench.perception.simulation.scan_noise import FINE, ROUGH, NoiseModel
 from workbench.perception.simulation.synthesize import synthesize, visible_shares
@@ -73,13 +73,14 @@ class Found:
 
     `distance` [m] of the part's middle and `turn` [rad] from the nearest true pose that no better
     detection has taken; None when none is left.  Where the roll is said to be unknown it does not
-    count.  `is_right`: both are within the limits.
+    count.  `is_right`: both are within the limits.  `mssd` [m] see there.
     """
 
     distance: float | None
     turn: float | None
     roll_known: bool
     is_right: bool
+    mssd: float | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -166,7 +167,8 @@ def compare(
             continue
         fits = {k: d <= NEAR and turn <= TURNED for k, (d, turn) in errors.items()}
         best = min(errors, key=lambda k: (not fits[k], errors[k]))
-        found.append(Found(*errors[best], detection.roll_known, fits[best]))
+        surface = mssd(kind, truth[best].T_world_part, detection.T_world_part)
+        found.append(Found(*errors[best], detection.roll_known, fits[best], surface))
         if fits[best]:
             right.add(best)
             left.remove(best)
@@ -213,6 +215,7 @@ def _row(part: str, build: str, count: int, scenes: Sequence[Scene]) -> dict[str
         "roll_unknown": sum(not one.roll_known for one in right),
         "distance": _percentiles([one.distance for one in right if one.distance is not None]),
         "turn": _percentiles([one.turn for one in right if one.turn is not None]),
+        "mssd": _percentiles([one.mssd for one in right if one.mssd and one.roll_known]),
         "seconds": _percentiles([scene.seconds for scene in scenes]),
     }
 

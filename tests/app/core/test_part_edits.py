@@ -31,8 +31,9 @@ from workbench.formats.files.shipped import find
 from workbench.formats.parts.saves import DRAFT, draft_of, versions
 from workbench.model.digest import canonical, digest_of
 from workbench.model.errors import CommandRefused
-from workbench.model.part import GraspPair, GraspPattern, Symmetry
+from workbench.model.part import GraspPair, GraspPattern
 from workbench.model.part_edits import grasp_of, with_grasp
+from workbench.model.symmetry import Symmetry
 
 
 def after(state: State, command, actor="ada", at=1.0):

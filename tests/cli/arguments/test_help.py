@@ -20,6 +20,7 @@ COMMANDS = (
     "scan",
     "localize",
     "calibrate",
+    "scanner",
     "plan",
     "explain",
     "prove",

@@ -22,7 +22,8 @@ from workbench.formats.parts.saves import (
 from workbench.model.digest import digest_of
 from workbench.model.errors import FileError
 from workbench.model.geometry import pose_from_rpy
-from workbench.model.part import Grasp, GraspLibrary, GraspPair, GraspPattern, Symmetry
+from workbench.model.part import Grasp, GraspLibrary, GraspPair, GraspPattern
+from workbench.model.symmetry import Symmetry
 
 NUMBERS = st.floats(-0.5, 0.5, allow_nan=False)
 ANGLES = st.floats(-np.pi, np.pi, allow_nan=False)

@@ -19,7 +19,7 @@ from workbench.formats.meshes.cad_files import read_cad
 from workbench.formats.parts.new_part import import_mesh, write_part
 from workbench.formats.parts.reading import read_part
 from workbench.model.errors import FileError, InputError
-from workbench.model.part import Symmetry
+from workbench.model.symmetry import Symmetry
 
 BRACKET = [(-20, -12), (20, -12), (20, -6), (-14, -6), (-14, 12), (-20, 12)]
 

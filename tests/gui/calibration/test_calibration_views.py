@@ -15,9 +15,9 @@ from workbench.gui.shared.calibration_views import (
     poses_html,
     record_line,
 )
-from workbench.model.bin_check import BinCheck
 from workbench.model.calibration import (
     BallPlate,
+    BinCheck,
     Calibration,
     CalibrationRecord,
     PlateSighting,

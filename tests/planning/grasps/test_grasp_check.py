@@ -11,7 +11,8 @@ from workbench.formats.cells.reading import read_cell
 from workbench.formats.parts.reading import read_part
 from workbench.model.cell import Tool
 from workbench.model.geometry import Box, Mesh, Solid, pose_from_rpy
-from workbench.model.part import Grasp, GraspLibrary, Part, Symmetry
+from workbench.model.part import Grasp, GraspLibrary, Part
+from workbench.model.symmetry import Symmetry
 from workbench.planning.grasps.grasp_check import GraspChecker
 from workbench.planning.grasps.grasp_frames import fitted_opening, frame_at, snapped
 

@@ -8,7 +8,8 @@ import trimesh
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.parts.reading import read_part
 from workbench.model.geometry import Mesh, Solid
-from workbench.model.part import GraspLibrary, Part, Symmetry
+from workbench.model.part import GraspLibrary, Part
+from workbench.model.symmetry import Symmetry
 from workbench.planning.grasps.grasp_check import GraspChecker
 from workbench.planning.grasps.grasp_suggestions import centre_of_mass, suggest
 

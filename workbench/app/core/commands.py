@@ -18,10 +18,11 @@ from workbench.model.digest import LATER
 from workbench.model.errors import WorkbenchError
 from workbench.model.geometry import Floats, frozen, put
 from workbench.model.part import Entry as GraspEntry
-from workbench.model.part import GraspPair, Part, Symmetry
+from workbench.model.part import GraspPair, Part
 from workbench.model.plan import PlanResult
 from workbench.model.release import PartReport, Receipt
 from workbench.model.scan import Detection, Scan, SearchWishes
+from workbench.model.symmetry import Symmetry
 
 Bytes = NDArray[np.uint8]
 

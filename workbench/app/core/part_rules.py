@@ -4,8 +4,6 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import PurePosixPath
 
-import numpy as np
-
 from workbench.app.core.commands import EditPart, ImportPart
 from workbench.app.core.value_checks import check_among, check_number, check_text
 from workbench.formats.files.units import UNITS
@@ -15,16 +13,15 @@ from workbench.formats.parts.grasp_files import as_written
 from workbench.formats.parts.new_part import check_name
 from workbench.model.cell import Cell
 from workbench.model.errors import CommandRefused, InputError
-from workbench.model.part import Entry, GraspLibrary, GraspPattern, Part, Symmetry
+from workbench.model.part import Entry, GraspLibrary, GraspPattern, Part
 from workbench.model.part_edits import edited
+from workbench.model.symmetry import Symmetry
 
 DENSITIES = (10.0, 25_000.0)
 """[kg/m3] From foam to more than gold."""
 
 MOST_KINDS = 20
 """Parts of one cell: each is searched for in every scan."""
-
-MOST_FOLD = 360
 
 MOST_GRASPS = 10_000
 """Of one part, with patterns and symmetry written out."""
@@ -91,12 +88,7 @@ def edited_part(part: Part, edit: EditPart) -> Part:
         InputError: what was edited is not there any more, or cannot be kept in a file.
     """
     symmetry = edit.symmetry or part.symmetry
-    length = float(np.linalg.norm(symmetry.axis))
-    if not 0 <= symmetry.fold <= MOST_FOLD or not abs(length - 1.0) <= 1e-6:
-        raise InputError(
-            f"symmetry: a unit axis and 0 to {MOST_FOLD} turns are needed, "
-            f"not {symmetry.fold} about {symmetry.axis}"
-        )
+    symmetry.check()
     # Counted before anything is written out.
     _check_count(edit.now, symmetry)
     library = part.library

@@ -7,7 +7,7 @@ import numpy as np
 
 from workbench.app.core.commands import Command, LinkEnded, MakePlan
 from workbench.app.core.state import State
-from workbench.model.bin_check import BinCheck
+from workbench.model.calibration import BinCheck
 from workbench.model.cell import Bin, Cell
 from workbench.model.errors import CommandRefused, InputError
 from workbench.model.plan import Plan, Proof

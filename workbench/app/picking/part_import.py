@@ -17,6 +17,7 @@ from workbench.formats.parts.new_part import (
     write_part,
 )
 from workbench.model.errors import JobCancelled
+from workbench.model.geometry import Floats
 from workbench.model.part import Part
 from workbench.planning.grasps.part_symmetry import FoundSymmetry, proposed_symmetry
 
@@ -86,9 +87,19 @@ def make_part(
 def symmetry_words(found: FoundSymmetry) -> str:
     """A symmetry in a sentence."""
     symmetry = found.symmetry
-    axis = ", ".join(f"{value + 0.0:g}" for value in np.round(symmetry.axis, 4))
-    turns = "any turn" if symmetry.fold == 0 else f"turns of {360 / symmetry.fold:g} degrees"
-    return f"{turns} about [{axis}], {found.deviation * 1000:.2f} mm off at most"
+    main, *others = (f"{_turns(one.fold)} about {_numbers(one.axis)}" for one in symmetry.axes)
+    said = " and ".join([main, *others])
+    if any(symmetry.point):
+        said += f", through {_numbers(1000 * np.array(symmetry.point))} mm"
+    return f"{said} ({symmetry}), {found.deviation * 1000:.2f} mm off at most"
+
+
+def _turns(fold: int) -> str:
+    return "any turn" if fold == 0 else f"turns of {360 / fold:g} degrees"
+
+
+def _numbers(values: Floats) -> str:
+    return f"[{', '.join(f'{value + 0.0:g}' for value in np.round(values, 4))}]"
 
 
 def imported_part(command: ImportPart, report: Report, cancelled: Callable[[], bool]) -> Part:

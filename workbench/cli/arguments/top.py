@@ -345,6 +345,26 @@ class Import:
 
 
 @dataclass(frozen=True, slots=True)
+class Scanner:
+    """Look at the first scan of a scanner: unit, axes, bin, the scanner's pose and its noise.
+
+    Says in words what does not fit the cell, with the key to change. Ends with 3 when something
+    does not.
+    """
+
+    verb: Positional[Literal["fit"]]
+    """What to do."""
+    scan: Positional[Path]
+    """Point cloud, PLY or PCD, of the bin without the robot."""
+    cell: str = "yumi"
+    """Name under robots/, or path of a cell.toml."""
+    write: bool = False
+    """Write unit, axes and, if nobody has calibrated the scanner, its pose into the cell file."""
+    json: bool = False
+    """Print one JSON object and nothing else."""
+
+
+@dataclass(frozen=True, slots=True)
 class Compile:
     """Compile now, once on a machine, what is otherwise compiled at its first use."""
 
@@ -356,6 +376,7 @@ Arguments = (
     | Annotated[Scan, subcommand("scan")]
     | Annotated[Localize, subcommand("localize")]
     | Annotated[Calibrate, subcommand("calibrate")]
+    | Annotated[Scanner, subcommand("scanner")]
     | Annotated[Plan, subcommand("plan")]
     | Annotated[Explain, subcommand("explain")]
     | Annotated[Prove, subcommand("prove")]

@@ -99,7 +99,7 @@ def _simulate(cell: Cell, typed: arguments.Calibrate) -> None:
         for number, pose in enumerate(poses):
             report(number / len(poses), pose.scan.name)
             scan = simulated_sight(seen, arm, pose.q, plate, seed=typed.seed + number)
-            write_cloud(pose.scan, scan)
+            write_cloud(pose.scan, scan, axes=cell.scanner.cloud_axes)
     write_scanned_poses(folder, arm, plate, poses)
 
 

@@ -25,7 +25,7 @@ def scan(typed: arguments.Scan) -> int:
         truth = pile_of(cell, typed.part, typed.parts, seed=typed.seed)
         report(0.6, "the scanner looks")
         found = synthesize(cell, truth, seed=typed.seed)
-        write_cloud(typed.out, found, unit=cell.scanner.unit)
+        write_cloud(typed.out, found, unit=cell.scanner.unit, axes=cell.scanner.cloud_axes)
     if typed.truth is not None:
         write_poses(typed.truth, truth)
     print(f"{typed.out}: {len(found.points):,} points")

@@ -6,10 +6,11 @@ import numpy as np
 
 from workbench.formats.cells.calibrations import read_record
 from workbench.formats.cells.options import read_options, refused_at
+from workbench.formats.clouds.scans import CLOUD_AXES
 from workbench.formats.files.toml_keys import Table
 from workbench.formats.files.units import UNITS
 from workbench.formats.meshes.solids import read_pose
-from workbench.model.cell import Controller, LocalizerChoice, ScannerMount
+from workbench.model.cell import Z_FORWARD, Controller, LocalizerChoice, ScannerMount
 from workbench.plugins.found import load
 from workbench.plugins.localizer import GROUP as LOCALIZERS
 from workbench.plugins.localizer import localizer_names
@@ -34,6 +35,7 @@ def read_scanner(table: Table) -> ScannerMount:
         patience=table.number("patience_s", 60, low=0.1, high=3600),
         calibration=read_record(table.table("calibration")) if table.has("calibration") else None,
         calibration_days=table.number("calibration_days", 90, low=0.1, high=3650),
+        cloud_axes=table.text("cloud_axes", Z_FORWARD, among=tuple(CLOUD_AXES)),
     )
     with refused_at(table, "source"):
         options = read_options(table, load(SCANNERS, mount.source).Options)

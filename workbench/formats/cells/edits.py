@@ -28,9 +28,9 @@ LOST = 2e-6
 def save_cell(path: Path, cell: Cell) -> None:
     """Write into a cell file what a cell has otherwise than the file.
 
-    Which parts it picks, poses of robot, bin, scanner and fixtures, the scanner's calibration,
-    sizes of the bin, homes, places and the tool of the arms can be written; the file is left as
-    it is when anything else differs.
+    Which parts it picks, poses of robot, bin, scanner and fixtures, the scanner's calibration, unit
+    and axes, sizes of the bin, homes, places and the tool of the arms can be written; the file is
+    left as it is when anything else differs.
 
     Args:
         path: of the cell file, which must be readable as a cell.
@@ -80,7 +80,7 @@ def _is_same(one: Cell, other: Cell) -> bool:
     parts = tuple(
         replace(mine, library=part.library, symmetry=part.symmetry)
         if are_written_alike(mine.library, part.library)
-        and mine.symmetry.fold == part.symmetry.fold
+        and str(mine.symmetry) == str(part.symmetry)
         else mine
         for mine, part in zip(one.parts, other.parts, strict=True)
     )
@@ -129,6 +129,9 @@ def _edit(document: Any, old: Cell, new: Cell) -> None:
     if not np.array_equal(old.bin.size, new.bin.size):
         document["bin"]["size_mm"] = _millimetres(new.bin.size)
     _edit_pose(document["scanner"], old.scanner.T_world_scanner, new.scanner.T_world_scanner)
+    for key in ("unit", "cloud_axes"):
+        if getattr(old.scanner, key) != getattr(new.scanner, key):
+            document["scanner"][key] = getattr(new.scanner, key)
     record = new.scanner.calibration
     if record is None:
         document["scanner"].pop("calibration", None)

@@ -126,7 +126,7 @@ def _scanner(cell: Cell) -> Iterator[str]:
     yield f"far_mm = {_number(scanner.far * 1000)}"
     yield f"calibration_days = {_number(scanner.calibration_days)}"
     usual = ScannerMount(scanner.T_world_scanner)
-    for key in ("source", "address", "unit"):
+    for key in ("source", "address", "unit", "cloud_axes"):
         if getattr(scanner, key) != getattr(usual, key):
             yield f"{key} = {_text(getattr(scanner, key))}"
     if scanner.patience != usual.patience:

@@ -6,7 +6,10 @@ its header and the vertex property `pixel`, row * columns + column.
 """
 
 import re
+from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
+from types import MappingProxyType
 
 import numpy as np
 import pinocchio as pin
@@ -17,9 +20,9 @@ from workbench.formats.files.text_rows import read_rows
 from workbench.formats.files.toml_keys import shown
 from workbench.formats.files.units import UNITS
 from workbench.formats.files.whole_files import MB, read_whole, write_whole
-from workbench.model.cell import ScannerMount
+from workbench.model.cell import Z_FORWARD, ScannerMount
 from workbench.model.errors import FileError
-from workbench.model.geometry import Floats
+from workbench.model.geometry import Bools, Floats
 from workbench.model.scan import Scan
 
 LARGEST_FILE = 512 * MB
@@ -41,6 +44,19 @@ FEW = 0.05
 
 KEY = "`unit` in [scanner] of the cell file"
 
+CLOUD_AXES: Mapping[str, tuple[tuple[int, int, int], ...]] = MappingProxyType(
+    {
+        Z_FORWARD: ((1, 0, 0), (0, 1, 0), (0, 0, 1)),
+        "z_back": ((1, 0, 0), (0, -1, 0), (0, 0, -1)),
+        "x_forward": ((0, -1, 0), (0, 0, -1), (1, 0, 0)),
+    }
+)
+"""Rotations from the axes of a cloud to the scanner's frame, x right, y down, z forward.
+
+`z_back` has x right and y up, as OpenGL and the viewers of Open3D and RealSense; `x_forward` has y
+left and z up, as a link in ROS (REP 103).
+"""
+
 _RESOLUTION = re.compile(r"resolution +([0-9]{1,6}) +([0-9]{1,6})")
 
 
@@ -59,15 +75,16 @@ def parse_scan(path: Path, content: bytes, mount: ScannerMount, *, key: str = KE
 
     Args:
         path: of the file, for messages.
-        content: of the file, points in the scanner's frame.
-        mount: where the scanner hangs, how far it measures, the unit of its files.
+        content: of the file, points in the scanner's frame, or with the axes of `cloud_axes`.
+        mount: where the scanner hangs, how far it measures, unit and axes of its files.
         key: which gives the unit, for messages.
 
     Raises:
         FileError: as `parse_cloud` has it, or next to nothing of it lies where the scanner can
-            measure: its unit is another one.
+            measure: its unit is another one; or nearly all of it behind it: other axes.
     """
     scan = parse_cloud(path, content, mount.T_world_scanner, unit=mount.unit, key=key)
+    scan = turned_to_camera(scan, mount.cloud_axes)
     away = np.linalg.norm(scan.points, axis=1)
     nearest, farthest = (float(value) for value in np.quantile(away, (FEW, 1 - FEW)))
     if nearest > mount.far * BESIDE or farthest < mount.near / BESIDE:
@@ -77,7 +94,26 @@ def parse_scan(path: Path, content: bytes, mount: ScannerMount, *, key: str = KE
             f"{mount.unit} ({key}), and the scanner measures from {mount.near:g} to "
             f"{mount.far:g} m (near_mm, far_mm). Is the file in another unit ({', '.join(UNITS)})?",
         )
+    if before(scan) < FEW:
+        raise FileError(
+            path,
+            "nearly all of its points lie behind the scanner when its axes are taken for "
+            f"{mount.cloud_axes} (cloud_axes in [scanner] of the cell file, one of "
+            f"{', '.join(CLOUD_AXES)})",
+        )
     return scan
+
+
+def turned_to_camera(scan: Scan, axes: str) -> Scan:
+    """A scan whose points have the axes of that name, in the scanner's frame; see `CLOUD_AXES`."""
+    if axes == Z_FORWARD:
+        return scan
+    return replace(scan, points=scan.points @ np.array(CLOUD_AXES[axes], dtype=float).T)
+
+
+def before(scan: Scan) -> float:
+    """The share of the points that lie before the scanner."""
+    return float(np.mean(scan.points[:, 2] > 0))
 
 
 def read_cloud(path: str | Path, T_world_scanner: pin.SE3, *, unit: str = "m") -> Scan:
@@ -110,26 +146,46 @@ def parse_cloud(
     """
     if unit not in UNITS:
         raise FileError(path, f"unit {unit!r} is not one of {', '.join(UNITS)}")
-    if content[:3] == b"ply":
-        values, resolution, has_pixels = _ply(path, content)
-    elif b"FIELDS" not in content[:1024].upper():
-        raise FileError(path, "is neither a PLY nor a PCD file")
-    else:
-        values, resolution = read_pcd(path, content, MOST_POINTS)
-        has_pixels = resolution is not None
+    values, resolution = _values(path, content)
     with np.errstate(over="ignore", invalid="ignore"):
         points = values[:, :3] * UNITS[unit]
-    measured = np.isfinite(points).all(axis=1) & points.any(axis=1)
-    if not measured.any():
-        raise FileError(path, f"is an empty cloud: none of its {len(points)} points was measured")
+    measured = _measured(path, points)
     points = points[measured]
     _check_distance(path, points, unit, key)
     pixels = None
-    if resolution is not None and has_pixels:
+    if resolution is not None:
         pixels = _pixels(path, values, resolution)[measured]
         if len(np.unique(pixels)) != len(pixels):
             raise FileError(path, "property pixel: two points claim the same pixel")
     return Scan(points, T_world_scanner, path.name, pixels, resolution)
+
+
+def points_of(path: Path, content: bytes) -> Floats:
+    """The points (n, 3) of a PLY or PCD file, whatever their unit and axes.
+
+    Raises:
+        FileError: as `parse_cloud` has it, but for the unit.
+    """
+    points = _values(path, content)[0][:, :3]
+    return np.array(points[_measured(path, points)], dtype=np.float64)
+
+
+def _measured(path: Path, points: Floats) -> Bools:
+    """Which points (n,) were measured, some at least."""
+    measured: Bools = np.asarray(np.isfinite(points).all(axis=1) & points.any(axis=1))
+    if not measured.any():
+        raise FileError(path, f"is an empty cloud: none of its {len(points)} points was measured")
+    return measured
+
+
+def _values(path: Path, content: bytes) -> tuple[Floats, tuple[int, int] | None]:
+    """Rows of x, y, z and perhaps the pixel, and the image's size where pixels are known."""
+    if content[:3] == b"ply":
+        values, resolution, has_pixels = _ply(path, content)
+        return values, resolution if has_pixels else None
+    if b"FIELDS" not in content[:1024].upper():
+        raise FileError(path, "is neither a PLY nor a PCD file")
+    return read_pcd(path, content, MOST_POINTS)
 
 
 def _ply(path: Path, content: bytes) -> tuple[Floats, tuple[int, int] | None, bool]:
@@ -145,8 +201,10 @@ def _ply(path: Path, content: bytes) -> tuple[Floats, tuple[int, int] | None, bo
     return columns(path, content, header, names), resolution, resolution is not None
 
 
-def write_cloud(path: str | Path, scan: Scan, *, unit: str = "m") -> None:
-    """Write the points of a scan in its own frame and a unit, binary; in metres no digit is lost.
+def write_cloud(path: str | Path, scan: Scan, *, unit: str = "m", axes: str = Z_FORWARD) -> None:
+    """Write the points of a scan in its own frame, or other axes of it, and a unit, binary.
+
+    In metres no digit is lost.
 
     Raises:
         FileError: the file cannot be written.
@@ -159,9 +217,10 @@ def write_cloud(path: str | Path, scan: Scan, *, unit: str = "m") -> None:
     header.append(f"element vertex {len(scan.points)}")
     header += [f"property {'int' if name == 'pixel' else 'double'} {name}" for name, _ in fields]
     header.append("end_header\n")
-    rows = np.empty(len(scan.points), dtype=fields)
+    points = scan.points @ np.array(CLOUD_AXES[axes], dtype=float)
+    rows = np.empty(len(points), dtype=fields)
     for column, name in enumerate("xyz"):
-        rows[name] = scan.points[:, column] / UNITS[unit]
+        rows[name] = points[:, column] / UNITS[unit]
     if "pixel" in (rows.dtype.names or ()):
         rows["pixel"] = scan.pixels
     write_whole(Path(path), "\n".join(header).encode("ascii") + rows.tobytes())

@@ -18,8 +18,9 @@ from workbench.formats.meshes.repair import Surface, examined, joined_corners, r
 from workbench.formats.meshes.triangles import stl_of, triangles_of
 from workbench.formats.parts.reading import MOST_PIECES, read_part
 from workbench.model.errors import FileError, InputError
-from workbench.model.geometry import Mesh
-from workbench.model.part import Part, Symmetry
+from workbench.model.geometry import Floats, Mesh
+from workbench.model.part import Part
+from workbench.model.symmetry import Symmetry
 
 NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,59}")
 
@@ -152,6 +153,10 @@ def write_part(
     return WrittenPart(folder, part, 0.0 if pieces is None else pieces.excess)
 
 
+def _numbers(values: Floats) -> str:
+    return f"[{', '.join(f'{round(float(value), 6) + 0.0:.10g}' for value in values)}]"
+
+
 def _lines(
     name: str, imported: Imported, mass: float, symmetry: Symmetry | None, proposal: str
 ) -> Iterator[str]:
@@ -165,10 +170,15 @@ def _lines(
     yield ""
     yield f"# The surface that the scanner sees, {imported.surface.triangles} triangles."
     yield from ("[mesh]", f'file = "{name}.stl"', 'unit = "mm"', "")
-    yield "# Turns about an axis through the origin that leave the part as it is: 1 none, n by"
-    yield "# 360/n degrees, 0 any."
+    yield "# Turns about an axis that leave the part as it is: 1 none, n by 360/n degrees, 0 any."
+    yield "# It passes the origin, or point_mm; what there is beside it stands in also, such as"
+    yield "# also = [{axis = [1, 0, 0], fold = 2}]."
     if proposal:
         yield f"# Found in the mesh: {proposal}"
     stated = symmetry or Symmetry()
-    axis = ", ".join(f"{round(float(value), 6) + 0.0:.10g}" for value in stated.axis)
-    yield from ("[symmetry]", f"axis = [{axis}]", f"fold = {stated.fold}")
+    yield from ("[symmetry]", f"axis = {_numbers(stated.axis)}", f"fold = {stated.fold}")
+    if any(stated.point):
+        yield f"point_mm = {_numbers(1000 * np.array(stated.point))}"
+    if stated.also:
+        each = (f"{{axis = {_numbers(one.axis)}, fold = {one.fold}}}" for one in stated.also)
+        yield f"also = [{', '.join(each)}]"

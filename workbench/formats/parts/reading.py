@@ -10,18 +10,10 @@ from workbench.formats.files.shipped import find
 from workbench.formats.files.toml_keys import MISSING, Table, read_toml, shown
 from workbench.formats.meshes.convex_pieces import pieces_of
 from workbench.formats.meshes.solids import read_mesh_entry, read_solid
-from workbench.model.errors import FileError
+from workbench.model.errors import FileError, InputError
 from workbench.model.geometry import Floats, Mesh, Solid
-from workbench.model.part import (
-    TURNED,
-    Entry,
-    Grasp,
-    GraspLibrary,
-    GraspPair,
-    GraspPattern,
-    Part,
-    Symmetry,
-)
+from workbench.model.part import TURNED, Entry, Grasp, GraspLibrary, GraspPair, GraspPattern, Part
+from workbench.model.symmetry import MOST_FOLD, Symmetry, SymmetryAxis
 
 MOST_PIECES = 16
 """That a mesh is divided into."""
@@ -76,9 +68,21 @@ def _pieces(table: Table, mesh: Mesh, tolerance: float) -> tuple[Solid, ...]:
 
 
 def _symmetry(table: Table) -> Symmetry:
-    symmetry = Symmetry(_direction(table, "axis", [0, 0, 1]), table.whole("fold", low=0, high=360))
+    x, y, z = table.numbers("point_mm", 3, [0, 0, 0], low=-1e5, high=1e5) / 1000
+    main, *also = map(_axis, (table, *table.tables("also")))
+    symmetry = Symmetry(main.axis, main.fold, (x, y, z), tuple(also))
     table.finish()
+    try:
+        symmetry.check()
+    except InputError as error:
+        raise table.error("also", str(error)) from None
     return symmetry
+
+
+def _axis(table: Table) -> SymmetryAxis:
+    return SymmetryAxis(
+        _direction(table, "axis", [0, 0, 1]), table.whole("fold", low=0, high=MOST_FOLD)
+    )
 
 
 def read_grasps(path: Path) -> GraspLibrary:

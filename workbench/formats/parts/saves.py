@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import tomlkit
 
 from workbench.formats.files.change_log import LOG, add_line, utc
@@ -22,7 +23,8 @@ from workbench.formats.parts.grasp_words import changes_in_words
 from workbench.formats.parts.reading import read_grasps
 from workbench.model.digest import digest_of
 from workbench.model.errors import FileError
-from workbench.model.part import GraspLibrary, Part, Symmetry
+from workbench.model.part import GraspLibrary, Part
+from workbench.model.symmetry import Symmetry
 
 DRAFT = "grasps.draft.toml"
 VERSIONS = "versions"
@@ -150,10 +152,22 @@ def drop_draft(folder: Path) -> None:
         raise FileError(folder / DRAFT, error.strerror or "cannot be removed") from None
 
 
+def stated_besides(symmetry: Symmetry) -> dict[str, list[Any]]:
+    """What a file says of a symmetry beside its main axis; empty where it says nothing."""
+    also = [{"axis": shorts(one.axis, 6), "fold": one.fold} for one in symmetry.also]
+    point = shorts(1000 * np.array(symmetry.point), 4) if any(symmetry.point) else []
+    return {"point_mm": point, "also": also}
+
+
 def _save_symmetry(path: Path, symmetry: Symmetry) -> None:
     document: Any = read_document(path)
     if "symmetry" not in document:
         document["symmetry"] = tomlkit.table()
-    document["symmetry"]["axis"] = shorts(symmetry.axis, 6)
-    document["symmetry"]["fold"] = symmetry.fold
+    table = document["symmetry"]
+    table["axis"] = shorts(symmetry.axis, 6)
+    table["fold"] = symmetry.fold
+    for key, value in stated_besides(symmetry).items():
+        table.pop(key, None)
+        if value:
+            table[key] = value
     write_whole(path, tomlkit.dumps(document).encode())

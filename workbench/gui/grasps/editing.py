@@ -12,8 +12,9 @@ from workbench.gui.shared.visitor import Visitor
 from workbench.model.cell import Tool
 from workbench.model.digest import digest_of
 from workbench.model.errors import CommandRefused, WorkbenchError
-from workbench.model.part import Entry, Grasp, GraspPair, Part, Symmetry
+from workbench.model.part import Entry, Grasp, GraspPair, Part
 from workbench.model.part_edits import free_name, grasp_of, names_in, with_grasp
+from workbench.model.symmetry import Symmetry
 from workbench.planning.grasps.grasp_check import GraspCheck, GraspChecker
 
 T = TypeVar("T")

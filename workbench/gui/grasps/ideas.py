@@ -14,8 +14,9 @@ from workbench.gui.shared.visitor import Visitor
 from workbench.model.digest import digest_of
 from workbench.model.errors import WorkbenchError
 from workbench.model.geometry import Mesh
-from workbench.model.part import Grasp, Part, Symmetry
+from workbench.model.part import Grasp, Part
 from workbench.model.part_edits import free_name, names_in
+from workbench.model.symmetry import Symmetry
 from workbench.planning.grasps.grasp_suggestions import Suggestion, suggest
 from workbench.planning.grasps.part_symmetry import proposed_symmetry
 
@@ -55,7 +56,7 @@ class SymmetryControls:
         self._line.content = symmetry_line(part.symmetry, proposed)
         is_new = proposed is not None and digest_of(proposed) != digest_of(part.symmetry)
         self._take.disabled = not is_enabled or not is_new
-        self._none.disabled = not is_enabled or part.symmetry.fold == 1
+        self._none.disabled = not is_enabled or part.symmetry.is_none
 
     def _proposed(self, part: Part) -> Symmetry | None:
         if self._looked is None or self._looked[0] is not part.mesh:

@@ -4,13 +4,17 @@ import math
 from collections.abc import Mapping, Sequence
 from html import escape
 
+import numpy as np
+
 from workbench.app.records.grasp_use import NO_USES, GraspUse, Uses
 from workbench.formats.parts.saves import Version
 from workbench.gui.shared.colours import BAD, BUSY, GOOD, MUTED
 from workbench.gui.shared.tables import clickable, marked
 from workbench.gui.shared.views import line, mm, sentence
-from workbench.model.part import Entry, GraspPair, GraspPattern, Part, Symmetry, grasps_of
+from workbench.model.geometry import Floats
+from workbench.model.part import Entry, GraspPair, GraspPattern, Part, grasps_of
 from workbench.model.part_edits import grasp_of
+from workbench.model.symmetry import Symmetry
 from workbench.planning.grasps.grasp_check import GraspCheck
 from workbench.planning.grasps.grasp_suggestions import Suggestion
 
@@ -129,11 +133,19 @@ def symmetry_line(symmetry: Symmetry, proposed: Symmetry | None) -> str:
 
 def symmetry_text(symmetry: Symmetry) -> str:
     """A symmetry in words."""
-    if symmetry.fold == 1:
+    if symmetry.is_none:
         return "no symmetry"
-    x, y, z = (f"{value:.3g}" for value in symmetry.axis)
-    turns = "at any turn" if symmetry.fold == 0 else f"at {symmetry.fold} turns"
-    return f"alike {turns} about ({x}, {y}, {z})"
+    each = " and ".join(
+        f"{f'at {one.fold} turns' if one.fold else 'at any turn'} about {_triple(one.axis)}"
+        for one in symmetry.axes
+    )
+    through = f" through {_triple(1000 * np.array(symmetry.point))} mm"
+    return f"alike {each}{through if any(symmetry.point) else ''} ({symmetry})"
+
+
+def _triple(values: Floats) -> str:
+    x, y, z = (f"{value:.3g}" for value in values)
+    return f"({x}, {y}, {z})"
 
 
 def suggestions_html(found: Sequence[Suggestion], chosen: int, rows: Sequence[str]) -> str:

@@ -12,8 +12,7 @@ from workbench.gui.shared.calibrating import CLOSE, OFF, Overlay
 from workbench.gui.shared.colours import BAD, BUSY, GOOD, MUTED
 from workbench.gui.shared.tables import clickable, marked
 from workbench.gui.shared.views import line, mm, sentence, table_html
-from workbench.model.bin_check import BinCheck
-from workbench.model.calibration import Calibration, Light, PlateSighting, PoseResidual
+from workbench.model.calibration import BinCheck, Calibration, Light, PlateSighting, PoseResidual
 from workbench.model.cell import Cell
 
 DAY = 24 * 3600.0

@@ -13,8 +13,7 @@ from workbench.app.runtime.live import Live
 from workbench.gui.shared.calibrating import Overlay
 from workbench.gui.shared.own import NOTHING_OWN, Own, Visited
 from workbench.gui.shared.playback import Moment, Run, moments
-from workbench.model.bin_check import BinCheck
-from workbench.model.calibration import Calibration
+from workbench.model.calibration import BinCheck, Calibration
 from workbench.model.geometry import Floats, Shape
 from workbench.model.scan import Discarded
 from workbench.planning.collision.contact import Contact

@@ -107,9 +107,9 @@ def _different(
             np.concatenate([pose[None], others]),
             np.concatenate([[0], order + 1]),
             surface.stated,
-            surface.middle,
+            surface.fixed,
             distance=np.inf,
-            angle=SAME_ANGLE,
+            angle=np.pi if surface.is_ball else SAME_ANGLE,
             most=len(others),
         )[1:]
         - 1
@@ -144,9 +144,9 @@ def _best_of(
         poses,
         np.argsort(-glances, kind="stable"),
         surface.stated,
-        surface.middle,
+        surface.fixed,
         distance=SAME_DISTANCE * surface.diameter,
-        angle=SAME_ANGLE,
+        angle=np.pi if surface.is_ball else SAME_ANGLE,
         most=RIVALS,
     )
     steps = tuple(step * tolerance for step in STEPS_OVER_TOLERANCE)

@@ -255,9 +255,9 @@ def _different(surface: PartSurface, choice: Choice) -> list[Rejection]:
         np.array(poses),
         np.arange(len(poses)),
         surface.stated,
-        surface.middle,
+        surface.fixed,
         distance=SAME_DISTANCE * surface.diameter,
-        angle=SAME_ANGLE,
+        angle=np.pi if surface.is_ball else SAME_ANGLE,
         most=len(poses),
     )
     return [ranked[k - len(choice.chosen)] for k in kept if k >= len(choice.chosen)]

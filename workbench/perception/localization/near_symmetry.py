@@ -7,7 +7,6 @@ import open3d as o3d
 import pinocchio as pin
 
 from workbench.model.geometry import Floats, frozen, put
-from workbench.model.part import Symmetry
 
 NEAR = 0.02
 """Mean distance of the moved surface from itself, over the diameter, that still counts."""
@@ -81,13 +80,6 @@ def find_near_symmetry(
         if itself.is_near(flip):
             return NearSymmetry(np.array(turns + [flip @ turn for turn in turns]), axis)
     return NearSymmetry(np.array(turns), axis)
-
-
-def stated_symmetry(symmetry: Symmetry) -> Floats:
-    """The turns (k, 4, 4) [m] that a part's author states; any angle as equal steps."""
-    count = symmetry.fold or STEPS
-    angles = np.arange(count) * 2 * np.pi / count
-    return np.array([_turn(np.zeros(3), symmetry.axis, angle) for angle in angles])
 
 
 def _turns(

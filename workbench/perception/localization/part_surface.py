@@ -10,10 +10,11 @@ import trimesh
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats, frozen, put
 from workbench.model.part import Part
+from workbench.model.symmetry import BALL
 from workbench.perception.localization.near_symmetry import (
+    STEPS,
     NearSymmetry,
     find_near_symmetry,
-    stated_symmetry,
 )
 from workbench.perception.localization.oriented import OrientedPoints
 from workbench.perception.localization.point_pairs import PairTable, make_table
@@ -31,6 +32,9 @@ VOTING, COARSE = 0.08, 0.055
 MOST_DRAWN = 4000
 """Triangles of what is drawn at a pose; finer meshes are simplified."""
 
+ROUND = 0.02
+"""A surface whose distance from its middle varies by less, over the diameter, is a ball's."""
+
 MOST_KEPT = 8
 """Prepared parts remembered at a time."""
 
@@ -43,7 +47,8 @@ class PartSurface:
     `triangles` (m, 3) are drawn; `coarse` are points on it, `table` holds the pair features of
     still fewer; `scene` answers distances; `is_closed` says that it knows inside from outside.
     `symmetry` is what the localizer may mix up, `stated` (k, 4, 4) the motions after which the
-    part counts as the same by its author's word.
+    part counts as the same by its author's word, `fixed` (3,) [m] the place near the middle that
+    these leave where it is.  Of what `is_ball` no turn is ever seen.
     """
 
     diameter: float
@@ -56,6 +61,8 @@ class PartSurface:
     is_closed: bool
     symmetry: NearSymmetry
     stated: Floats
+    fixed: Floats
+    is_ball: bool
 
     def __post_init__(self) -> None:
         put(
@@ -64,6 +71,7 @@ class PartSurface:
             vertices=frozen(self.vertices),
             triangles=frozen(self.triangles, np.int64),
             stated=frozen(self.stated),
+            fixed=frozen(self.fixed),
         )
 
 
@@ -114,8 +122,15 @@ def _prepare(part: Part) -> PartSurface:
         scene=scene,
         is_closed=bool(mesh.is_watertight),
         symmetry=find_near_symmetry(scene, outer.points, diameter),
-        stated=stated_symmetry(part.symmetry),
+        stated=part.symmetry.motions(STEPS),
+        fixed=part.symmetry.fixed(middle),
+        is_ball=part.symmetry.form == BALL or _is_ball(outer.points, middle, diameter),
     )
+
+
+def _is_ball(points: Floats, middle: Floats, diameter: float) -> bool:
+    """Whether points of a surface (n, 3) [m] are all as far from its middle."""
+    return bool(np.ptp(np.linalg.norm(points - middle, axis=1)) < ROUND * diameter)
 
 
 def _simplified(mesh: trimesh.Trimesh) -> trimesh.Trimesh:

@@ -1,16 +1,24 @@
 """How far apart two poses of a part are, when poses that look alike count as one."""
 
+from dataclasses import replace
+
 import numpy as np
 import pinocchio as pin
 
 from workbench.model.part import Part
-from workbench.perception.localization.near_symmetry import stated_symmetry
+from workbench.model.symmetry import BALL, NONE
+
+FINE_STEPS = 315
+"""Turns that stand for any angle, as many as in `bop_toolkit`: arcs of 1 % of a diameter."""
 
 
 def pose_error(
     part: Part, T_world_true: pin.SE3, T_world_found: pin.SE3, *, roll_known: bool = True
 ) -> tuple[float, float]:
     """Distance of the middle [m] and turn [rad] between two poses, under the stated symmetry.
+
+    Of all turns that leave the part as it is, that counts after which the turn is the smallest
+    (Hodan et al., On Evaluation of 6D Object Pose Estimation, 2016).
 
     Args:
         part: whose poses; its symmetry says which of them are one.
@@ -19,15 +27,45 @@ def pose_error(
         roll_known: False leaves the angle about the part's axis out.
     """
     T = T_world_true.actInv(T_world_found)
-    axis = np.asarray(part.symmetry.axis)
-    middle = (part.mesh.points.min(axis=0) + part.mesh.points.max(axis=0)) / 2
-    if part.symmetry.fold == 0 or not roll_known:
-        on_axis = axis * float(axis @ middle)
-        # The angle by sine and cosine: near zero an arc cosine sees nothing below 1e-8.
-        turned = T.rotation @ axis
-        tilt = float(np.arctan2(np.linalg.norm(np.cross(axis, turned)), axis @ turned))
-        return float(np.linalg.norm(T.act(on_axis) - on_axis)), tilt
-    motions = stated_symmetry(part.symmetry)
-    turns = [float(np.linalg.norm(pin.log3(T.rotation @ M[:3, :3].T))) for M in motions]
-    best = motions[int(np.argmin(turns))]
-    return float(np.linalg.norm(T.act(middle) - best[:3, :3] @ middle)), min(turns)
+    symmetry = part.symmetry
+    if symmetry.form == NONE and not roll_known:
+        symmetry = replace(symmetry, fold=0)
+    middle = symmetry.fixed((part.mesh.points.min(axis=0) + part.mesh.points.max(axis=0)) / 2)
+    if symmetry.form == BALL:
+        return float(np.linalg.norm(T.act(middle) - middle)), 0.0
+    if symmetry.form == NONE:
+        motions = symmetry.motions(1)
+        turns = [float(np.linalg.norm(pin.log3(T.rotation @ M[:3, :3].T))) for M in motions]
+        best = motions[int(np.argmin(turns))]
+        moved = best[:3, :3] @ middle + best[:3, 3]
+        return float(np.linalg.norm(T.act(middle) - moved)), min(turns)
+    # All points of the axis are where they were after any turn about it, and after a flip the
+    # fixed one is.  The angle by sine and cosine: near zero an arc cosine sees nothing below 1e-8.
+    axis = symmetry.axes[0].axis
+    turned = T.rotation @ axis
+    tilts = [
+        float(np.arctan2(np.linalg.norm(np.cross(R @ axis, turned)), (R @ axis) @ turned))
+        for R in symmetry.others
+    ]
+    return float(np.linalg.norm(T.act(middle) - middle)), min(tilts)
+
+
+def mssd(part: Part, T_world_true: pin.SE3, T_world_found: pin.SE3) -> float:
+    """Maximum symmetry-aware surface distance [m] (Hodan et al., BOP Challenge 2020).
+
+    Args:
+        part: whose poses.
+        T_world_true: one pose.
+        T_world_found: the other one.
+    """
+    points = part.mesh.points
+    if part.symmetry.form == BALL:
+        middle = np.array(part.symmetry.point)
+        return float(np.linalg.norm(T_world_true.act(middle) - T_world_found.act(middle)))
+    T = T_world_true.actInv(T_world_found).homogeneous
+    found = points @ T[:3, :3].T + T[:3, 3]
+    motions = part.symmetry.motions(FINE_STEPS)
+    squares = [
+        np.square(points @ M[:3, :3].T + M[:3, 3] - found).sum(axis=1).max() for M in motions
+    ]
+    return float(np.sqrt(min(squares)))

@@ -163,7 +163,8 @@ def _fit(
 def is_held(maps: DepthMap, surface: PartSurface, pose: Floats, tolerance: float) -> bool:
     """Whether the scan shows where the part ends: no small shift of it is explained as well.
 
-    Turns about a near-symmetry axis do not count: that is what `roll_error` is for.
+    Turns about a near-symmetry axis do not count, that is what `roll_error` is for, and no turns
+    of a ball.
 
     Args:
         maps: the scan.
@@ -172,7 +173,9 @@ def is_held(maps: DepthMap, surface: PartSurface, pose: Floats, tolerance: float
         tolerance: [m] see `sightings.look`.
     """
     A, _ = pull(maps, surface, pose, tolerance)
-    if surface.symmetry.axis is not None:
+    if surface.is_ball:
+        A = A + FIRM * np.diag([1.0, 1.0, 1.0, 0.0, 0.0, 0.0])
+    elif surface.symmetry.axis is not None:
         turn = _turn(surface, pose)
         A = A + FIRM * np.outer(turn, turn) / float(turn @ turn)
     values, vectors = np.linalg.eigh(A)

@@ -10,8 +10,7 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 
-from workbench.model.bin_check import BinCheck
-from workbench.model.calibration import Light
+from workbench.model.calibration import BinCheck, Light
 from workbench.model.cell import Bin
 from workbench.model.geometry import Bools, Floats, pose_from_rpy
 from workbench.model.scan import Scan

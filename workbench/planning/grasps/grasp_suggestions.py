@@ -25,7 +25,7 @@ from workbench.planning.grasps.grasp_frames import (
 )
 from workbench.planning.grasps.pads import Pads
 from workbench.planning.grasps.part_rays import first_hits, normals_of, samples_of
-from workbench.planning.grasps.part_symmetry import turns_of
+from workbench.planning.grasps.part_symmetry import STEPS
 
 SAMPLES = 400
 """Points on the surface."""
@@ -265,7 +265,7 @@ class _Kept:
     """Grasps that count already, with all that are the same grip for the part's symmetry."""
 
     def __init__(self, part: Part, tool: Tool):
-        self._turns = turns_of(part.symmetry)
+        self._motions = part.symmetry.motions(STEPS)
         self._size = float(np.linalg.norm(np.ptp(part.mesh.points, axis=0)))
         self._is_round = not tool.fingers
         self._changes = len(tool.fingers) == 2
@@ -273,10 +273,10 @@ class _Kept:
 
     def add(self, T: pin.SE3) -> None:
         """From now on what is like this grasp is known."""
-        R = self._turns @ T.rotation
+        R = self._motions[:, :3, :3] @ T.rotation
         if self._changes:
             R = np.concatenate([R, R * [-1.0, -1.0, 1.0]])
-        p = self._turns @ T.translation
+        p = self._motions[:, :3, :3] @ T.translation + self._motions[:, :3, 3]
         self._R = np.concatenate([self._R, R])
         self._p = np.concatenate([self._p, np.resize(p, (len(R), 3))])
 

@@ -1,12 +1,13 @@
 """Turns that bring a part onto itself, found from its surface, for a person to confirm."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pinocchio as pin
 
-from workbench.model.geometry import Floats, Mesh, frozen, put
-from workbench.model.part import Symmetry
+from workbench.model.errors import InputError
+from workbench.model.geometry import Floats, Mesh
+from workbench.model.symmetry import Symmetry, SymmetryAxis, turn_about
 from workbench.planning.grasps.part_rays import nearest_points, normals_of, samples_of
 
 TOLERANCE = 0.004
@@ -36,71 +37,93 @@ FACES = 8
 STEPS = 36
 """Turns that stand for any angle."""
 
+SMALL = 0.05
+"""Cosine below which an axis is across another."""
+
+FINE, HALVINGS = float(np.deg2rad(0.5)), 6
+"""[rad] Steps in which half turns across an axis are tried, and how often they are halved."""
+
+MARGIN = 1.5
+"""Times the tolerance by which products of turns may be off, each of which holds."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FoundSymmetry:
-    """Turns about a line that leave a part as it is.
-
-    `symmetry` has the line's direction and the fold; `point` (3,) [m] is where the line passes
-    nearest to the part's origin; `deviation` [m] is how far the turned surface lies from itself at
-    most, `off` [m] how far the line passes the origin.
-    """
+    """A symmetry, and how far the turned surface lies from itself at most, `deviation` [m]."""
 
     symmetry: Symmetry
-    point: Floats
     deviation: float
-    off: float
-
-    def __post_init__(self) -> None:
-        put(self, point=frozen(self.point))
-
-
-def turns_of(symmetry: Symmetry) -> Floats:
-    """The rotations (k, 3, 3), no unit, that leave a part as it is; any angle as `STEPS` steps."""
-    count = symmetry.fold or STEPS
-    axis = np.array(symmetry.axis)
-    return np.array([pin.exp3(axis * (2 * np.pi * k / count)) for k in range(count)])
 
 
 def proposed_symmetry(mesh: Mesh) -> FoundSymmetry | None:
-    """The symmetry that a part's author may state: about a line through the origin.
+    """The symmetry that a part's author may state; None when there is none.
 
-    The one with the most turns, then the most exact; None when there is none.  A line counts as
-    passing through the origin when it would leave the turned surface within the tolerance.
-    """
-    through = [found for found in symmetries_of(mesh) if found.off <= tolerance_of(mesh) / 2]
-    return through[0] if through else None
-
-
-def symmetries_of(mesh: Mesh) -> tuple[FoundSymmetry, ...]:
-    """All that are found, the one with the most turns first, also about lines off the origin.
-
-    Lines through the centre of the surface are tried along its principal axes, the part's own axes
-    and the normals of its largest faces.
+    The axis with the most turns, then the most exact, and with it all others that make a group.
     """
     itself = _Itself(mesh)
-    found: list[FoundSymmetry] = []
-    for axis in _axes(mesh, itself.centre):
-        fold, deviation = itself.fold(axis)
-        if fold == 1:
+    found = _axes_of(itself)
+    if not found:
+        return None
+    symmetry, deviation = found[0]
+    if symmetry.fold != 1 and all(abs(one.axis @ symmetry.axis) > SMALL for one, _ in found[1:]):
+        found += _across(itself, symmetry)
+    for one, off in found[1:]:
+        larger = replace(symmetry, also=(*symmetry.also, SymmetryAxis(one.axis, one.fold)))
+        try:
+            is_larger = len(larger.turns) > len(symmetry.turns)
+        except InputError:
             continue
-        point = itself.centre - (itself.centre @ axis) * axis
-        off = float(np.linalg.norm(point))
-        if off < LEAST_TOLERANCE:
-            point, off = np.zeros(3), 0.0
-        found.append(FoundSymmetry(Symmetry(axis, fold), point, deviation, off))
-        if sum(one.symmetry.fold == 0 for one in found) == 2:  # a ball
-            break
-    # Rounded, so that equally exact ones keep the order in which the axes were tried.
-    found.sort(key=lambda one: (-(one.symmetry.fold or 1000), round(one.deviation, 6)))
-    return tuple(found)
+        if is_larger and itself.worst(larger) <= MARGIN * itself.tolerance:
+            symmetry, deviation = larger, max(deviation, off)
+    point = symmetry.fixed(np.zeros(3))
+    is_at_origin = float(np.linalg.norm(point)) <= itself.tolerance / 2
+    x, y, z = np.zeros(3) if is_at_origin else np.round(point, 7)
+    return FoundSymmetry(replace(symmetry, point=(x, y, z)), deviation)
 
 
 def deviation_of(mesh: Mesh, symmetry: Symmetry) -> float:
     """How far the surface lies from itself at most [m] after the turns that somebody stated."""
-    itself = _Itself(mesh)
-    turns = turns_of(symmetry)[1:]
-    return max((itself.deviation(R, np.zeros(3), MANY) for R in turns), default=0.0)
+    return _Itself(mesh).worst(symmetry)
+
+
+def _axes_of(itself: "_Itself") -> list[tuple[Symmetry, float]]:
+    """Axes with turns, the one with the most first, and how far off the turned surface is [m].
+
+    Lines through the centre of the surface are tried along its principal axes, the part's own axes
+    and the normals of its largest faces.
+    """
+    found: list[tuple[Symmetry, float]] = []
+    for axis in _axes(itself.mesh, itself.centre):
+        fold, deviation = itself.fold(axis)
+        if fold == 1:
+            continue
+        found.append((Symmetry(axis, fold, tuple(itself.centre)), deviation))
+        if sum(one.fold == 0 for one, _ in found) == 2:  # a ball
+            break
+    # Rounded, so that equally exact ones keep the order in which the axes were tried.
+    found.sort(key=lambda one: (-(one[0].fold or 1000), round(one[1], 6)))
+    return found
+
+
+def _across(itself: "_Itself", symmetry: Symmetry) -> list[tuple[Symmetry, float]]:
+    """A half turn across an axis, which no face need show: the best of many, if it holds."""
+    first = np.linalg.svd(symmetry.axis[None])[2][1]
+
+    def turned(angle: float) -> Floats:
+        return np.array(turn_about(symmetry.axis, angle) @ first)
+
+    def off(angle: float) -> float:
+        return itself.deviation(turn_about(turned(angle), np.pi), itself.centre, FEW)
+
+    best, step = 0.0, FINE
+    if symmetry.fold:
+        best = min(np.arange(0.0, np.pi / symmetry.fold, step), key=off)
+    for _ in range(HALVINGS):
+        step /= 2
+        best = min((best, best - step, best + step), key=off)
+    axis = turned(best)
+    holds, deviation = itself.holds(axis, (np.pi,))
+    return [(replace(symmetry, axis=axis, fold=2), deviation)] if holds else []
 
 
 def tolerance_of(mesh: Mesh) -> float:
@@ -131,19 +154,25 @@ class _Itself:
         moved = (self._points[: 2 * count] - about) @ R.T + about
         return float(nearest_points(self.mesh, moved)[1].max())
 
+    def worst(self, symmetry: Symmetry) -> float:
+        """How far points lie from the surface at most after any turn of a group [m]."""
+        about, motions = np.array(symmetry.point), symmetry.motions(STEPS)[1:]
+        return max((self.deviation(M[:3, :3], about, self._many) for M in motions), default=0.0)
+
     def fold(self, axis: Floats) -> tuple[int, float]:
         """The number of turns about the centre, 0 for any, 1 for none, and their deviation [m]."""
-        is_round, deviation = self._holds(axis, ROUND)
+        is_round, deviation = self.holds(axis, ROUND)
         if is_round:
             return 0, deviation
         for fold in range(MOST_FOLD, 1, -1):
             angles = (2 * np.pi / fold,)
-            holds, deviation = self._holds(axis, angles)
+            holds, deviation = self.holds(axis, angles)
             if holds:
                 return fold, deviation
         return 1, 0.0
 
-    def _holds(self, axis: Floats, angles: tuple[float, ...]) -> tuple[bool, float]:
+    def holds(self, axis: Floats, angles: tuple[float, ...]) -> tuple[bool, float]:
+        """Whether some turns [rad] about the centre leave the surface, and their deviation [m]."""
         worst = 0.0
         for count in (FEW, self._many):
             for angle in angles:

@@ -1,0 +1,125 @@
+"""A scan that nobody has prepared: turned, scaled, of other axes, of something else."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pinocchio as pin
+import pytest
+
+from workbench.app.picking.first_scan import first_scan
+from workbench.formats.cells.reading import read_cell
+from workbench.formats.clouds.scans import CLOUD_AXES, read_scan, write_cloud
+from workbench.model.calibration import CalibrationRecord
+from workbench.model.cell import Cell
+from workbench.model.digest import digest_of
+from workbench.model.errors import FileError, InputError
+from workbench.model.geometry import pose_from_rpy
+from workbench.model.scan import ALL_KINDS, Scan
+from workbench.perception.simulation.piles import pile_of
+from workbench.perception.simulation.synthesize import synthesize
+
+REAL = Path("../shared/data/real_scan/scene_milk_carton_clorox.pcd")
+
+
+@pytest.fixture(scope="module", params=["yumi", "tx2_90"])
+def cell(request) -> Cell:
+    return read_cell(request.param)
+
+
+@pytest.fixture(scope="module")
+def scan(cell) -> Scan:
+    return synthesize(cell, pile_of(cell, ALL_KINDS, 4, seed=7), seed=7)
+
+
+def looked(path: Path, cell: Cell):
+    return first_scan(path, path.read_bytes(), cell)
+
+
+def off(cell: Cell, T: pin.SE3) -> tuple[float, float]:
+    apart = cell.scanner.T_world_scanner.actInv(T)
+    return float(np.linalg.norm(apart.translation)), float(np.linalg.norm(pin.log3(apart.rotation)))
+
+
+@pytest.mark.parametrize("unit", ["m", "mm", "inch"])
+@pytest.mark.parametrize("axes", CLOUD_AXES)
+def test_unit_and_axes_are_found_and_read_right_from_then_on(cell, scan, tmp_path, unit, axes):
+    path = tmp_path / "scan.ply"
+    write_cloud(path, scan, unit=unit, axes=axes)
+    seen = looked(path, cell)
+    assert (seen.mount.unit, seen.mount.cloud_axes) == (unit, axes)
+    assert any("unit" in one for one in seen.says) == (unit != "m")
+    assert any("cloud_axes" in one for one in seen.says) == (axes != "z_forward")
+    again = read_scan(path, seen.mount)
+    assert np.allclose(again.points, scan.points, atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("position", "rpy"),
+    [((0.15, -0.2, 0.1), (0.2, -0.1, 0.7)), ((0.5, 0.4, -0.1), (0.3, 0.3, -1.0))],
+)
+def test_the_scanner_is_found_where_nobody_has_calibrated_it(cell, scan, tmp_path, position, rpy):
+    path = tmp_path / "scan.ply"
+    write_cloud(path, scan)
+    T_wrong = cell.scanner.T_world_scanner * pose_from_rpy(position, rpy)
+    believed = replace(cell, scanner=replace(cell.scanner, T_world_scanner=T_wrong))
+    seen = looked(path, believed)
+    distance, turn = off(cell, seen.mount.T_world_scanner)
+    assert distance < 0.002 and turn < np.deg2rad(0.3)
+    assert any("position_mm" in one for one in seen.says)
+    assert seen.noise == pytest.approx(cell.scanner.depth_noise, rel=0.2)
+
+    record = CalibrationRecord(at=0.0, by="ada", rms=0.0, poses=8)
+    measured = replace(believed, scanner=replace(believed.scanner, calibration=record))
+    seen = looked(path, measured)
+    assert digest_of(seen.mount.T_world_scanner) == digest_of(T_wrong), "what is measured stays"
+    assert any("calibration old" in one for one in seen.says)
+
+
+def test_a_scan_that_fits_leaves_nothing_to_say(cell, scan, tmp_path):
+    path = tmp_path / "scan.ply"
+    write_cloud(path, scan)
+    seen = looked(path, cell)
+    assert seen.says == () and seen.found.T_scanner_bin is not None
+    assert off(cell, seen.mount.T_world_scanner)[0] < 0.002
+
+
+def test_a_bin_of_another_size_is_said(cell, scan, tmp_path):
+    path = tmp_path / "scan.ply"
+    write_cloud(path, scan)
+    for size, key in (((1.5, 1.5, 1.0), "rim of"), ((1.0, 1.08, 1.0), "size_mm")):
+        other = replace(cell.bin, size=np.asarray(cell.bin.size) * size)
+        seen = looked(path, replace(cell, bin=other))
+        assert any(key in one for one in seen.says), seen.says
+
+
+def test_what_is_no_scan_of_the_cell_is_said(cell, tmp_path):
+    path = tmp_path / "scan.ply"
+    rng = np.random.default_rng(3)
+    T = cell.scanner.T_world_scanner
+    write_cloud(path, Scan(rng.uniform(-0.4, 0.4, (5000, 3)) + [0, 0, 0.9], T, "noise"))
+    assert any("no bin" in one or "a rim of" in one for one in looked(path, cell).says)
+    # Around the scanner, on all its sides: behind it as much as before it.
+    ball = rng.normal(size=(5000, 3))
+    ball *= 90.0 / np.linalg.norm(ball, axis=1, keepdims=True)
+    write_cloud(path, Scan(ball, T, "ball"))
+    with pytest.raises(InputError, match="is it a scan of this cell"):
+        looked(path, cell)
+    path.write_bytes(b"solid")
+    with pytest.raises(FileError, match="neither a PLY nor a PCD"):
+        looked(path, cell)
+
+
+def test_a_cloud_behind_the_scanner_is_refused_with_the_key(cell, scan, tmp_path):
+    path = tmp_path / "scan.ply"
+    write_cloud(path, scan, axes="z_back")
+    with pytest.raises(FileError, match="cloud_axes"):
+        read_scan(path, cell.scanner)
+
+
+@pytest.mark.skipif(not REAL.is_file(), reason=f"{REAL} is not there")
+def test_a_real_table_is_no_bin():
+    seen = looked(REAL, read_cell("yumi"))
+    assert (seen.mount.unit, seen.mount.cloud_axes) == ("m", "z_back"), "it looks along -z"
+    assert seen.found.T_scanner_bin is None
+    assert seen.noise == pytest.approx(0.0014, abs=0.0004)

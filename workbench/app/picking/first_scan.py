@@ -1,0 +1,157 @@
+"""A scan of a scanner that nobody has prepared: what in it does not fit the cell, and the keys."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+import pinocchio as pin
+
+from workbench.formats.clouds.scans import CLOUD_AXES, points_of, turned_to_camera
+from workbench.formats.files.units import UNITS
+from workbench.model.cell import Bin, Cell, ScannerMount
+from workbench.model.errors import InputError
+from workbench.model.geometry import Floats, pose_from_rpy
+from workbench.model.scan import Scan
+from workbench.perception.scene.bin_fit import fit_bin
+from workbench.perception.scene.bin_search import FoundBin, find_bin
+from workbench.perception.scene.sensor import sensor_model
+
+FITTING = 0.5
+"""Share of the points that must lie where the scanner measures for a unit to be believed."""
+
+OFF, TURNED = 0.003, float(np.deg2rad(1.0))
+"""[m, rad] By which the bin may be off; more is said."""
+
+SQUARE = 0.05
+"""A bin whose sides differ by less looks alike after a quarter turn."""
+
+SIZE_OFF = 0.008
+"""[m] By which the rim may be larger than the cell has it; more is another bin."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FirstScan:
+    """What a scan says of a scanner.
+
+    `mount` is the cell's with what fits the scan better.  `fitting` is the share of the points
+    that lie where the scanner measures, `noise` [m] their deviation at 1 m or None, `found` the
+    bin.  `shift` [m] and `turn` [rad] tell how far the proposed pose is from the cell's.  `says` is
+    what is not as the cell has it, one sentence each, with the key to change.
+    """
+
+    mount: ScannerMount
+    fitting: float
+    noise: float | None
+    found: FoundBin
+    shift: float
+    turn: float
+    says: tuple[str, ...]
+
+
+def first_scan(path: Path, content: bytes, cell: Cell) -> FirstScan:
+    """Look at a scan as if nothing of its file were known.
+
+    Args:
+        path: of the file, for messages.
+        content: of the file, PLY or PCD.
+        cell: what its scanner sees.
+
+    Raises:
+        FileError: it is no cloud, or an empty one.
+        InputError: in no unit does it lie where the scanner measures.
+    """
+    mount, points = cell.scanner, points_of(path, content)
+    unit, axes, fitting = _guessed(points, mount)
+    if fitting < FITTING:
+        raise InputError(
+            f"{path}: {fitting:.0%} of its points lie where the scanner measures, {mount.near:g} "
+            f"to {mount.far:g} m (near_mm, far_mm in [scanner]), in any unit and with any axes: "
+            "is it a scan of this cell?"
+        )
+    scan = turned_to_camera(Scan(points * UNITS[unit], mount.T_world_scanner, path.name), axes)
+    noise = sensor_model(scan.points).noise
+    found = find_bin(scan.points, cell.bin)
+    T_world_scanner = mount.T_world_scanner
+    if found.T_scanner_bin is not None:
+        length, width = cell.bin.size[:2]
+        count = 4 if abs(length - width) < SQUARE * length else 2
+        Ts = [
+            cell.bin.T_world_bin
+            * pose_from_rpy((0, 0, 0), (0, 0, 2 * np.pi * k / count))
+            * found.T_scanner_bin.inverse()
+            for k in range(count)
+        ]
+        T_world_scanner = min(Ts, key=lambda T: _apart(T, mount.T_world_scanner)[1])
+    shift, turn = _apart(T_world_scanner, mount.T_world_scanner)
+    proposed = replace(mount, unit=unit, cloud_axes=axes)
+    if mount.calibration is None:
+        proposed = replace(proposed, T_world_scanner=T_world_scanner)
+    seen = replace(scan, T_world_scanner=T_world_scanner)
+    says = tuple(_says(mount, proposed, seen, cell.bin, found, shift, turn))
+    return FirstScan(proposed, fitting, noise, found, shift, turn, says)
+
+
+def _guessed(points: Floats, mount: ScannerMount) -> tuple[str, str, float]:
+    """Unit and axes by which most points lie where the scanner measures; first those it has."""
+    best = (mount.unit, mount.cloud_axes, 0.0)
+    some = points[:: max(1, len(points) // 20_000)]
+    for unit in (mount.unit, *UNITS):
+        for axes in (mount.cloud_axes, *CLOUD_AXES):
+            depth = some @ np.array(CLOUD_AXES[axes][2], dtype=float) * UNITS[unit]
+            share = float(np.mean((depth > mount.near) & (depth < mount.far)))
+            if share > best[2] + 0.05:
+                best = unit, axes, share
+    return best
+
+
+def _apart(one: pin.SE3, other: pin.SE3) -> tuple[float, float]:
+    T = one.actInv(other)
+    return float(np.linalg.norm(T.translation)), float(np.linalg.norm(pin.log3(T.rotation)))
+
+
+def _says(
+    mount: ScannerMount,
+    proposed: ScannerMount,
+    scan: Scan,
+    bin: Bin,
+    found: FoundBin,
+    shift: float,
+    turn: float,
+) -> Iterator[str]:
+    if proposed.unit != mount.unit:
+        yield f'the cloud is in {proposed.unit}: unit = "{proposed.unit}" in [scanner]'
+    if proposed.cloud_axes != mount.cloud_axes:
+        yield (
+            f"the cloud has other axes: cloud_axes = "
+            f'"{proposed.cloud_axes}" in [scanner] instead of {mount.cloud_axes}'
+        )
+    if found.T_scanner_bin is None:
+        if found.rim is None:
+            yield "no bin is seen: is it in the picture, and its rim?"
+            return
+        length, width = (f"{value * 1000:.0f}" for value in found.rim)
+        yield (
+            f"a rim of {length} x {width} mm is seen, not that of the cell's bin: is size_mm in "
+            "[bin] right?"
+        )
+        return
+    outer = np.sort(np.asarray(bin.size[:2]) + 2 * bin.wall)[::-1]
+    if found.rim is not None and np.abs(np.array(found.rim) - outer).max() > SIZE_OFF:
+        length, width = (f"{value * 1000:.0f}" for value in found.rim)
+        yield (
+            f"the rim measures {length} x {width} mm outside, in the cell {outer[0] * 1000:.0f} x "
+            f"{outer[1] * 1000:.0f} mm: is size_mm in [bin] right?"
+        )
+    seen = fit_bin(scan.points, bin.T_world_bin.actInv(scan.T_world_scanner), bin, noise=0.0)
+    if seen.is_floor_seen and abs(seen.floor[0]) > OFF:
+        yield (
+            f"the floor lies {(bin.size[2] - seen.floor[0]) * 1000:.1f} mm under the rim, in the "
+            f"cell {bin.size[2] * 1000:.1f} mm: size_mm in [bin]"
+        )
+    if shift > OFF or turn > TURNED:
+        off = f"the bin is seen {shift * 1000:.0f} mm and {np.rad2deg(turn):.1f} degrees elsewhere"
+        if mount.calibration is None:
+            yield f"{off}: nobody has calibrated the scanner; position_mm, rpy_deg in [scanner]"
+        else:
+            yield f"{off}: was it moved, or is the calibration old?"

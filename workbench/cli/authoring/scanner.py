@@ -1,0 +1,53 @@
+"""`workbench scanner fit`: a cell's scanner by its first scan."""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+
+from workbench.app.picking.first_scan import FirstScan, first_scan
+from workbench.cli.arguments import top as arguments
+from workbench.cli.exits import NO_PLAN, SUCCESS
+from workbench.cli.terminal import print_json
+from workbench.formats.cells.edits import save_cell
+from workbench.formats.cells.reading import cell_path, read_cell
+from workbench.formats.clouds.scans import LARGEST_FILE
+from workbench.formats.files.toml_documents import shorts
+from workbench.formats.files.whole_files import read_whole
+
+
+def fit(typed: arguments.Scanner) -> int:
+    """Say what a scan tells of its scanner, and write it into the cell if asked to."""
+    cell = read_cell(typed.cell)
+    seen = first_scan(typed.scan, read_whole(typed.scan, LARGEST_FILE), cell)
+    if typed.write:
+        save_cell(cell_path(typed.cell), replace(cell, scanner=seen.mount))
+    form = _form(seen)
+    if typed.json:
+        print_json({**form, "written": typed.write})
+    else:
+        for key, value in form.items():
+            if key != "says":
+                print(f"{key} = {value}" if value is not None else f"{key}: not known")
+        for line in seen.says:
+            print(f"- {line}")
+        if typed.write:
+            print(f"written into {cell_path(typed.cell)}")
+    return NO_PLAN if seen.says and not typed.write else SUCCESS
+
+
+def _form(seen: FirstScan) -> dict[str, Any]:
+    """By the keys of a cell file, where there are such."""
+    T = seen.mount.T_world_scanner
+    return {
+        "unit": seen.mount.unit,
+        "cloud_axes": seen.mount.cloud_axes,
+        "position_mm": shorts(T.translation * 1000, 2),
+        "rpy_deg": shorts(np.rad2deg(pin.rpy.matrixToRpy(T.rotation)), 3),
+        "noise_mm": None if seen.noise is None else round(seen.noise * 1000, 3),
+        "rim_mm": None if seen.found.rim is None else shorts(1000 * np.array(seen.found.rim), 1),
+        "is_bin_found": seen.found.T_scanner_bin is not None,
+        "share_in_range": round(seen.fitting, 3),
+        "says": list(seen.says),
+    }
