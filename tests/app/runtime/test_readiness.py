@@ -69,6 +69,32 @@ def test_other_sources_are_not_ready(folder, monkeypatch, tmp_path):
     assert not is_ready("planning")
 
 
+def test_what_was_compiled_of_other_sources_is_forgotten(folder, monkeypatch, tmp_path):
+    """Also in files that did not change: code of those that did was compiled into them."""
+    package = tmp_path / "package"
+    (package / "planning").mkdir(parents=True)
+    inner, outer = package / "planning" / "inner.py", package / "planning" / "outer.py"
+    inner.write_text("from numba import njit\n@njit(cache=True)\ndef one(): return 1\n")
+    outer.write_text(
+        "from numba import njit\nfrom inner import one\n"
+        "@njit(cache=True)\ndef two(): return one() + one()\n"
+    )
+
+    def said():
+        code = f"import sys; sys.path.insert(0, {str(inner.parent)!r}); import outer\n"
+        ended = subprocess.run(
+            [sys.executable, "-c", f"{code}print(outer.two())"], capture_output=True, text=True
+        )
+        return int(ended.stdout)
+
+    monkeypatch.setattr(readiness, "_package", lambda: package)
+    assert said() == 2
+    inner.write_text(inner.read_text().replace("return 1", "return 21"))
+    assert said() == 2, "numba has learned to see it: then this can go"
+    make_ready(lambda done, note: None)
+    assert said() == 42
+
+
 def test_what_cannot_be_compiled_ahead_stops_nobody_and_why_is_logged(folder, caplog):
     (folder / "broken").touch()
     with caplog.at_level(logging.WARNING):

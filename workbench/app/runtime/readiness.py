@@ -15,13 +15,13 @@ import subprocess
 import sys
 import tempfile
 import threading
-from collections.abc import Callable, Generator, Sequence
+from collections.abc import Callable, Generator, Iterator, Sequence
 from pathlib import Path
 from queue import SimpleQueue
 from typing import IO, Literal
 
 import llvmlite.binding as llvm
-from numba.core import config
+from numba.core import caching, config
 
 import workbench
 
@@ -34,7 +34,7 @@ USES: tuple[Use, ...] = ("seeing", "planning")
 NOTE = "getting ready, once, about a minute"
 """What is told meanwhile."""
 
-LAYERS = ("formats", "perception", "planning")
+LAYERS = ("formats", "perception", "planning", "proof")
 """Whose functions are compiled."""
 
 WARM_UP = "workbench.app.runtime.warm_up"
@@ -75,6 +75,7 @@ def make_ready(report: Report, uses: Sequence[Use] = USES) -> bool:
     shares: dict[Use, float] = dict.fromkeys(missing, 0.0)
     running = set(missing)
     try:
+        _forget_the_old()
         with contextlib.ExitStack() as stack:
             for use in missing:
                 stack.enter_context(_compiling(use, told))
@@ -119,6 +120,30 @@ def end_with_input() -> None:
         os._exit(1)
 
     threading.Thread(target=wait, name="end with input", daemon=True).start()
+
+
+def _forget_the_old() -> None:
+    """Delete what was compiled from other sources, if nothing is ready yet.
+
+    numba looks at the file that a function stands in, not at those of the functions that were
+    compiled into it: after an update some would go on as before.
+    """
+    with only_one("seeing"), only_one("planning"):
+        if not any(is_ready(use) for use in USES):
+            for place in _kept():
+                for file in place.glob("*.nb[ic]"):
+                    file.unlink(missing_ok=True)
+
+
+def _kept() -> Iterator[Path]:
+    """Where numba keeps what it compiles of these sources."""
+    kept = os.environ.get("NUMBA_CACHE_DIR")
+    for folder in sorted({file.parent for file in _sources()}):
+        if kept is None:
+            yield folder / "__pycache__"
+        else:
+            under = caching._CacheLocator.get_suitable_cache_subpath(str(folder / "any.py"))  # pyright: ignore
+            yield Path(kept) / under
 
 
 @contextlib.contextmanager
@@ -168,11 +193,14 @@ def _stamp(use: Use) -> Path:
     return (Path(kept) if kept else package / "__pycache__") / f"workbench-{name}-{use}.ready"
 
 
+def _sources() -> list[Path]:
+    package = _package()
+    return sorted(file for layer in LAYERS for file in (package / layer).rglob("*.py"))
+
+
 def _fingerprint() -> str:
     """Of all that compiled code depends on."""
-    package = _package()
-    files = sorted(file for layer in LAYERS for file in (package / layer).rglob("*.py"))
-    stats = [(file.name, status.st_size, status.st_mtime_ns) for file in files
+    stats = [(file.name, status.st_size, status.st_mtime_ns) for file in _sources()
              for status in [file.stat()]]  # fmt: skip
     processor = (llvm.get_host_cpu_name(), llvm.get_host_cpu_features().flatten())
     version = (sys.version, importlib.metadata.version("numba"))
