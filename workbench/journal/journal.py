@@ -133,6 +133,11 @@ class Journal:
         with self._lock:
             if self._writer is None:
                 self._writer = Writer(self.folder, at)
+                try:
+                    # Whoever had it before may have written until then.
+                    self._count, self._head = _last(self._connection)
+                except sqlite3.Error as error:
+                    raise JournalError(f"{self._path}: cannot be read: {error}") from error
 
     def entries(self, after: int = 0) -> Iterator[Row]:
         """All entries with a higher number than `after`, in order.

@@ -1,6 +1,7 @@
 """A plan: what each arm does, exactly as it will be sent; its proof; and what planning brings."""
 
 import enum
+import math
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -188,6 +189,11 @@ class Plan:
         return sum(
             max(self.arm(arm).leg(leg).seconds for arm, leg in step.runs) for step in self.sequence
         )
+
+
+def at_least(bound: float) -> str:
+    """A distance [m] from below, for people: rounded down, so that no more is said than holds."""
+    return f"at least {math.floor(bound * 1e4 + 1e-6) / 10:.1f} mm"
 
 
 @dataclass(frozen=True, slots=True, eq=False)

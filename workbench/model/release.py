@@ -21,7 +21,7 @@ class Approval:
     """A named person's vote for exactly one plan, until `until` [s since the epoch].
 
     Where a cell wants several people, `before` are the votes of the others.  `is_unwatched`
-    says that the plan was not played before whoever approves it: on a page it has to be.
+    says that the plan was not played before whoever approves it by a page.
     """
 
     plan_digest: str

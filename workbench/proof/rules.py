@@ -17,11 +17,11 @@ IN_HAND, IN_HAND_TURN = 0.001, np.deg2rad(1.0)
 """[m, rad] How far the part in the hand may be from where scan and grasp put it, and the hand from
 its place."""
 
-STRAIGHT, ARC, STRAIGHT_TURN = 0.002, 0.005, np.deg2rad(1.5)
+ASIDE, ARC, TURNED = 0.002, 0.005, np.deg2rad(1.5)
 """[m, m, rad] How far a hand may be off a straight way at waypoints, and anywhere between them,
 where joints that move in proportion lead it in an arc."""
 
-OFTEN = 0.045
+OFTEN = 0.044
 """[rad] The sum of all joints' turns after which a hand is looked at again: within 1.2 m of an axis
 its chord is then less than 0.3 mm off, by L^2 / 8 times that."""
 
@@ -182,7 +182,7 @@ def straight_findings(
     poses = [tcp(tree, tree.rest, arm, q) for q in rows]
     start = poses[0]
     gone = poses[-1].translation - start.translation
-    if way is not None and np.linalg.norm(gone - way) > STRAIGHT:
+    if way is not None and np.linalg.norm(gone - way) > ASIDE:
         yield Finding("does not go the way that the grasp says", arm.name, leg)
     length = float(np.linalg.norm(gone))
     along = gone / length if length > 0 else gone
@@ -194,8 +194,8 @@ def straight_findings(
     turns = np.array([T.rotation for T in poses])
     cosines = (np.einsum("ij,kij->k", start.rotation, turns) - 1.0) / 2.0
     is_waypoint = np.diff(at, prepend=-1).astype(bool)
-    is_off = aside > np.where(is_waypoint, STRAIGHT, ARC)
-    is_off |= (back > STRAIGHT) | (cosines < np.cos(STRAIGHT_TURN))
+    is_off = aside > np.where(is_waypoint, ASIDE, ARC)
+    is_off |= (back > ASIDE) | (cosines < np.cos(TURNED))
     if is_off.any():
         yield Finding("is not straight", arm.name, leg, int(at[is_off.argmax()]))
 

@@ -19,6 +19,9 @@ from workbench.model.release import Approval, Receipt
 
 SHOWN, APPROVAL, ENDED = "Shown", "Approval", "Ended"
 
+CUT_SHORT = "the command was ended"
+"""A problem: whether a message was under way then, nobody knows."""
+
 ATTEMPTS = 5
 """How often an end is written; without it a plan counts as one that went out."""
 
@@ -73,7 +76,7 @@ class ApprovalRecord:
         if not last["at"] <= now < last["at"] + valid:
             raise CommandRefused(
                 f"plan {digest[:SHORTEST]} was shown to {actor} more than {valid / 60:g} minutes "
-                "ago; give the command without --digest, and read again"
+                "ago, or the clock was set back; give the command without --digest, and read again"
             )
         other = [name for name, value in facts.items() if last["facts"].get(name) != value]
         if other:
@@ -122,11 +125,18 @@ class ApprovalRecord:
 
 def _entries(journal: Journal) -> list[tuple[str, dict[str, Any]]]:
     """All entries; refused when somebody has changed one of them."""
+    problems = journal.verify()
     if journal.count == 0:
-        return []
-    if problems := journal.verify():
+        # That there is no entry is one of them; entries that are gone are another.
+        problems = problems[1:]
+    if problems:
         raise CommandRefused(f"the record of approvals was changed: {problems[0]}")
-    return [(row.kind, json.loads(row.body)) for row in journal.entries()]
+    rows = list(journal.entries())
+    if others := {row.kind for row in rows} - {SHOWN, APPROVAL, ENDED}:
+        raise CommandRefused(
+            f"{journal.folder}: is no record of approvals (it holds {min(others)}); see --record"
+        )
+    return [(row.kind, json.loads(row.body)) for row in rows]
 
 
 def _refuse_second(entries: Sequence[tuple[str, dict[str, Any]]], digest: str) -> None:
@@ -137,7 +147,7 @@ def _refuse_second(entries: Sequence[tuple[str, dict[str, Any]]], digest: str) -
             continue
         if kind == APPROVAL:
             taken = body
-        elif kind == ENDED and not body["receipts"]:
+        elif kind == ENDED and not body["receipts"] and body["problem"] != CUT_SHORT:
             taken = None
     if taken is not None:
         raise CommandRefused(

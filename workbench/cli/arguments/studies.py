@@ -88,7 +88,7 @@ class StudyEmptying:
     strategy: str = "auto"
     """Which arms work and how, as in plan --strategy."""
     bound: bool = False
-    """Try all grasps of the tool on what stays: what no grasp takes, no library will."""
+    """Try many grasps of the tool on what stays: where one takes it, a library could."""
     scan_seconds: float = 1.0
     """What a scan takes, for the parts an hour."""
     approval_seconds: float = 0.0

@@ -20,9 +20,13 @@ from workbench.formats.files.whole_files import read_whole
 def fit(typed: arguments.Scanner) -> int:
     """Say what a scan tells of its scanner, and write it into the cell if asked to."""
     cell = read_cell(typed.cell)
-    seen = first_scan(typed.scan, read_whole(typed.scan, LARGEST_FILE), cell)
+    cloud = read_whole(typed.scan, LARGEST_FILE)
+    seen = first_scan(typed.scan, cloud, cell)
     if typed.write:
-        save_cell(cell_path(typed.cell), replace(cell, scanner=seen.mount))
+        cell = replace(cell, scanner=seen.mount)
+        save_cell(cell_path(typed.cell), cell)
+        # What is said from here on is what the written keys do not mend.
+        seen = first_scan(typed.scan, cloud, cell)
     form = _form(seen)
     if typed.json:
         print_json({**form, "written": typed.write})
@@ -34,7 +38,7 @@ def fit(typed: arguments.Scanner) -> int:
             print(f"- {line}")
         if typed.write:
             print(f"written into {cell_path(typed.cell)}")
-    return NO_PLAN if seen.says and not typed.write else SUCCESS
+    return NO_PLAN if seen.says else SUCCESS
 
 
 def _form(seen: FirstScan) -> dict[str, Any]:

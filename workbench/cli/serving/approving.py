@@ -1,4 +1,4 @@
-"""A plan approved at a terminal: its facts, the robot at its start, and a person's word."""
+"""A plan approved at a terminal: its facts, the robot at its start, and a person's vote."""
 
 import sys
 import threading
@@ -7,8 +7,8 @@ from collections.abc import Mapping
 from workbench.app.core.release import moved_away
 from workbench.app.records.approvals import SHORTEST
 from workbench.model.cell import Cell
-from workbench.model.errors import CommandRefused, LinkError
-from workbench.model.plan import Plan, Proof
+from workbench.model.errors import CommandRefused, LinkError, ProtocolError
+from workbench.model.plan import Plan, Proof, at_least
 from workbench.plugins.robot_link import link_named
 
 REPORTS = 2.0
@@ -30,7 +30,7 @@ def facts_of(cell: Cell, plan: Plan, proof: Proof, told: str, start: str) -> dic
         kind = plan.detections[one.detection].part
         facts[f"Arm {one.arm}"] = f"part-{one.detection + 1} ({kind}), grasp {one.grasp}"
     nearest, link = proof.nearest, cell.controller
-    near = f"at least {proof.clearance * 1000:.1f} mm"
+    near = at_least(proof.clearance)
     if nearest is not None and nearest.pair is not None:
         near += f", arm {nearest.arm}, leg {nearest.leg} after waypoint {nearest.waypoint}"
         near += f": {nearest.pair[0]} and {nearest.pair[1]}"
@@ -61,17 +61,24 @@ def start_words(cell: Cell, plan: Plan) -> str:
 
 
 def reported_joints(cell: Cell) -> Mapping[str, float]:
-    """Joints by name [rad or m] as the controller reports them; empty where it reports none."""
+    """Joints by name [rad or m] as the controller reports them; empty where it reports none.
+
+    Raises:
+        CommandRefused: what it reports makes no sense.
+    """
     ended = threading.Event()
     timer = threading.Timer(REPORTS, ended.set)
     timer.start()
     try:
         for report in link_named(cell.controller.link).states(cell, ended.is_set):
-            return {
-                joint: float(value)
-                for arm in cell.arms
-                for joint, value in zip(arm.joints, report.joints.get(arm.name, ()), strict=False)
-            }
+            reported = report.joints
+            told = [(arm, reported[arm.name]) for arm in cell.arms if arm.name in reported]
+            for arm, q in told:
+                if len(q) != len(arm.joints):
+                    raise CommandRefused(f"{len(q)} joints are reported of the {arm.name} arm")
+            return {j: v for arm, q in told for j, v in zip(arm.joints, q, strict=True)}
+    except ProtocolError as error:
+        raise CommandRefused(f"what is reported of the robot makes no sense: {error}") from error
     except LinkError:
         return {}
     finally:

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from workbench.app.core.rules import approve, check_approvable
 from workbench.app.picking.proving import adopted, prove
-from workbench.app.records.approvals import ApprovalRecord
+from workbench.app.records.approvals import CUT_SHORT, ApprovalRecord
 from workbench.app.runtime.readiness import make_ready
 from workbench.cli.arguments import top as arguments
 from workbench.cli.picking.planning import cell_of, detections_from
@@ -18,7 +18,7 @@ from workbench.formats.clouds.scans import read_scan
 from workbench.formats.plans.plan_files import read_plan
 from workbench.model.cell import Cell, Controller
 from workbench.model.digest import canonical
-from workbench.model.errors import FileError, WorkbenchError
+from workbench.model.errors import CommandRefused, FileError, JournalError, WorkbenchError
 from workbench.model.plan import Plan
 from workbench.model.release import Approval, Receipt
 from workbench.plugins.robot_link import controller_by
@@ -51,6 +51,10 @@ def send(typed: arguments.Send) -> int:
         poses = None if typed.poses is None else detections_from(cell, typed.poses, None)
         proof = prove(cell, plan, detections=poses, scan=scan)
     check_approvable(cell, plan, proof, typed.approve_as)
+    if cell.approvers > 1:
+        raise CommandRefused(
+            f"the cell wants {cell.approvers} people to approve a plan; a command is one person's"
+        )
     facts = facts_of(cell, plan, proof, _told(typed), start_words(cell, plan))
     if typed.digest is None:
         record.show(plan.digest, typed.approve_as, time.time(), facts)
@@ -60,7 +64,8 @@ def send(typed: arguments.Send) -> int:
     valid = cell.policy.approval_minutes * 60.0
     record.check_shown(plan.digest, typed.approve_as, time.time(), valid, facts)
     # Reading takes its time.
-    start_words(cell, plan)
+    if start_words(cell, plan) != facts["Robot"]:
+        raise CommandRefused("what is reported of the robot is otherwise now; read again")
     approval = approve(cell, plan, proof, typed.approve_as, time.time(), is_unwatched=True)
     record.take(approval)
     return _sent(typed, plan, approval, cell, record)
@@ -85,7 +90,7 @@ def _sent(
 ) -> int:
     """Send an approved plan, and put on record what became of it."""
     receipts: list[Receipt] = []
-    problem, began = "the command was ended", time.monotonic()
+    problem, began = CUT_SHORT, time.monotonic()
     try:
         with progress("send") as report:
             for receipt in send_plan(plan, approval, cell):
@@ -97,7 +102,10 @@ def _sent(
         problem = str(error)
         raise
     finally:
-        record.end(approval, receipts, problem)
+        try:
+            record.end(approval, receipts, problem)
+        except JournalError as error:
+            print(f"the end of this sending is not on record: {error}", file=sys.stderr)
     seconds = time.monotonic() - began
     sent = Counter(one.arm or "both" for one in receipts if one.sent)
     parts = [one.part for one in receipts if one.part is not None]

@@ -4,6 +4,7 @@ import re
 import shutil
 import sys
 import time
+from contextlib import closing
 from datetime import UTC, datetime
 from pathlib import Path
 
@@ -83,7 +84,11 @@ def prune(typed: SessionPrune) -> int:
             return SUCCESS
     for folder in old:
         try:
-            shutil.rmtree(folder)
+            with closing(Journal(folder)) as journal:
+                journal.claim(time.time())
+                shutil.rmtree(folder)
+        except JournalError as error:
+            raise FileError(folder, f"not removed: {error}") from None
         except OSError as error:
             raise FileError(folder, f"not removed: {error.strerror or error}") from None
     print(f"{len(old)} sessions removed, {total / MEGABYTE:.1f} MB freed")

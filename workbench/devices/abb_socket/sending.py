@@ -86,7 +86,7 @@ class Sending:
         self._points = sum(len(leg.seconds) for leg in program.legs)
         self._waiting: tuple[Frame, Line | None, float] | None = None
         self._said_at = self._heard_at = self._aborted_at = None
-        self._told = set[str]()
+        self._told = set[object]()
         self._parts: dict[str, PartReport] = {}
         self._is_done = False
         self.status = LinkStatus(steps=len(program.steps))
@@ -259,7 +259,7 @@ class Sending:
             self._check_motion(step, points)
         # Each is told once, and before the robot moves each phase: a controller that repeats
         # itself fills no journal.
-        said = frame.rest if self._step else phase
+        said = (phase, step, *sorted(points.items())) if self._step else phase
         if said in self._told:
             return []
         self._told.add(said)

@@ -23,7 +23,7 @@ def approval_line(state: State, now: float, problem: str) -> str:
     approval = state.approval
     text = f"By {' and '.join(approval.people)} until {clock(approval.until)}"
     if approval.is_unwatched:
-        text += ", without having seen it played"
+        text += "; not every one of them has seen it played"
     if now >= approval.until and state.phase is Phase.APPROVED:
         return line(f"{text}, run out", kind="bad", span=2, tip=purpose)
     return line(text, span=2, tip=purpose)

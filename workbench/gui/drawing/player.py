@@ -93,7 +93,8 @@ class Player:
         return self._audience
 
     def _tell_watched(self, digest: str, person: Person) -> None:
-        if person.name in self._bench.state.watched:
+        state = self._bench.state
+        if person.name in state.watched and person.name not in state.told:
             return
         try:
             self._bench.do(WatchPlan(digest), person.name, person.role)

@@ -9,14 +9,14 @@ from workbench.app.core.state import Phase, State
 from workbench.app.picking.facts import nearest_place
 from workbench.formats.plans.certificates import certificate_bytes
 from workbench.gui.scene.measure import clear_way
-from workbench.gui.shared.charts import STRAIGHT
 from workbench.gui.shared.own import Visited
 from workbench.gui.shared.playback import Run, moments, timeline
 from workbench.gui.shared.tables import clickable
 from workbench.gui.shared.views import line, mm, short, table_html
 from workbench.gui.shared.visitor import Visitor
-from workbench.model.plan import Plan, Proof
+from workbench.model.plan import Plan, Proof, at_least
 from workbench.proof.spot import Spot
+from workbench.proof.stages import STRAIGHT
 
 NEAR_BY = 0.45
 """[m] From so far off two bodies are looked at."""
@@ -29,8 +29,8 @@ def nearest_words(state: State, plan: Plan, proof: Proof) -> str:
     """The smallest clearance on free legs with its place: how near, when, which leg, what."""
     finding = proof.nearest
     if finding is None or finding.pair is None:
-        return f"nothing nearer than {mm(proof.clearance)}"
-    words = f"at least {mm(proof.clearance)}, {finding.arm} arm on {finding.leg}"
+        return f"{at_least(proof.clearance)} from everything"
+    words = f"{at_least(proof.clearance)}, {finding.arm} arm on {finding.leg}"
     spot = nearest_place(state.cell, plan, proof)
     if spot is not None:
         run = _run(timeline(plan), finding.arm, finding.leg)
@@ -47,7 +47,7 @@ def straight_words(state: State, plan: Plan, proof: Proof) -> str:
     if not kept:
         return asked
     bound, arm, leg = min(kept)
-    near = "touching" if bound < TOUCH else f"at least {mm(bound)}"
+    near = "touching" if bound < TOUCH else at_least(bound)
     within = f"met to within {mm(proof.resolution)}"
     return f"{near}, {arm} arm on {leg} ({asked}, {within}; not of the part taken and its bed)"
 
@@ -99,7 +99,7 @@ class PlanLinks:
         time = _run(runs, proof.nearest.arm, proof.nearest.leg).start + spot.seconds
         visitor.own.end()
         visitor.look.change(time=time, is_playing=False, candidate=None, by=None)
-        visitor.own.change(visited=Visited(plan, time, spot, f"at least {mm(proof.clearance)}"))
+        visitor.own.change(visited=Visited(plan, time, spot, at_least(proof.clearance)))
         first, second = spot.points
         q = {arm: moment.q for arm, moment in moments(state.cell, runs, time).items()}
         middle = (first + second) / 2

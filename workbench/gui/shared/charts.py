@@ -11,6 +11,7 @@ from workbench.gui.shared.playback import Run, arm_path
 from workbench.model.cell import Arm, Cell
 from workbench.model.geometry import Floats
 from workbench.model.plan import LegName, Proof
+from workbench.proof.stages import STRAIGHT
 
 LEGS: Mapping[LegName, str] = {
     "reach": "#4dabf7",
@@ -21,9 +22,6 @@ LEGS: Mapping[LegName, str] = {
     "home": "#adb5bd",
 }
 """Blue on the way to the part, orange with it, grey home."""
-
-STRAIGHT: frozenset[LegName] = frozenset({"approach", "extract"})
-"""Straight ways, on which hand and part may come near what stands still."""
 
 JOINTS = ("#1c7ed6", "#e8590c", "#2f9e44", "#ae3ec9", "#0ca678", "#f08c00", "#e64980", "#495057")
 

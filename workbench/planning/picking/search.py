@@ -50,7 +50,8 @@ def searched(
 
     `before` (n,) is the waypoint from which the arm comes to the start: the corner there belongs to
     what is checked.  Without it the arm begins at the start.  `deadline` [s] on the clock of
-    `working_time` ends the search wherever it stands.  `planner` takes the place of the policy's.
+    `working_time` ends the search, in compiled code within some hundred edges.  `planner` takes
+    the place of the policy's.
     `edges`, where they are known, answer for straight motions what `check` would.
 
     Returns:

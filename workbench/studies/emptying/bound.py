@@ -50,8 +50,9 @@ class AnyGrasp:
                 f"part, closed to {candidate.grasp.grip * 1e3:.0f} mm"
             )
         why = ", ".join(f"{count} {reason}" for reason, count in self.refused)
-        told = f"no grasp of this tool can take it (of {self.tried} tried, {self.fits} fit"
-        return f"{told}, {self.holds} of these hold it{': ' + why if why else ''})"
+        told = f"no grasp was found that takes it (of {self.tried} tried, {self.fits} fit"
+        looked = f", {MOST} of them looked at by each arm" if self.holds > MOST else ""
+        return f"{told}, {self.holds} of these hold it{looked}{': ' + why if why else ''})"
 
 
 def any_grasp(cell: Cell, lying: Sequence[Detection], number: int, *, seed: int) -> AnyGrasp:

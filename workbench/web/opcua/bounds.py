@@ -5,6 +5,7 @@ import logging
 from asyncua.common.connection import TransportLimits
 from asyncua.server import server
 from asyncua.server.binary_server_asyncio import BinaryServer, OPCUAProtocol
+from asyncua.server.server import Server
 
 log = logging.getLogger(__name__)
 
@@ -39,3 +40,8 @@ def bound() -> None:
     """From now on servers of this process cut off whoever sends more."""
     # The library names its class where it starts and takes no other.
     server.BinaryServer = _Listener  # pyright: ignore[reportPrivateImportUsage]
+
+
+def is_bound(started: Server) -> bool:
+    """Whether a server that has started does so."""
+    return isinstance(started.bserver, _Listener)

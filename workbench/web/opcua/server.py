@@ -29,7 +29,7 @@ from workbench.app.runtime.bench import Bench
 from workbench.model.errors import InputError, WorkbenchError
 from workbench.web.access.lockout import MOST, WHILE
 from workbench.web.http.origins import is_loopback
-from workbench.web.opcua.bounds import LIMITS, bound
+from workbench.web.opcua.bounds import LIMITS, bound, is_bound
 from workbench.web.opcua.methods import METHODS, Method
 from workbench.web.opcua.values import VARIABLES, values_of
 
@@ -146,6 +146,8 @@ class OpcUa:
             )
         await self._tell()
         await server.start()
+        if not is_bound(server):
+            raise InputError("this version of asyncua cannot be kept from keeping what is sent")
         return server, asyncio.create_task(self._go_on_telling())
 
     async def _end(self) -> None:
@@ -216,6 +218,9 @@ class _Door(UserManager):
     ) -> User | None:
         del iserver, certificate
         name, wanted = self._options.operator.name, self._options.password
+        if wanted and not (username and password):
+            # Programs that look around come like this: it is no try.
+            return None
         if len(self._failed) == MOST and self._now() - self._failed[0] < WHILE:
             return None
         is_right = hmac.compare_digest((password or "").encode(), wanted.encode())
@@ -223,6 +228,8 @@ class _Door(UserManager):
             return User(role=UserRole.User, name=name)
         self._failed.append(self._now())
         log.warning("refused a login over OPC UA as %r", username)
+        if len(self._failed) == MOST and self._now() - self._failed[0] < WHILE:
+            log.warning("for %g s nobody logs in over OPC UA: too many wrong passwords", WHILE)
         return None
 
 
