@@ -241,8 +241,8 @@ class Task:
 
     def _main(self) -> None:
         self._go.acquire()
-        assert self.loaded is not None
         try:
+            assert self.loaded is not None
             if not self._is_cancelled:
                 self.loaded.find("main").call([])
                 self.stopped_by = "the program has ended"
@@ -250,10 +250,13 @@ class Task:
             self.stopped_by = self.stopped_by or "the program pointer was moved"
         except (RapidError, RapidStop) as error:
             self.stopped_by = f"nothing handles {error}"
-        if self.stopped_by:
+        except Exception as error:  # the thread's rim: whoever resumes must not wait for ever
+            log.exception("%s: the interpreter failed", self.name)
+            self.stopped_by = f"the interpreter failed: {error!r}"
+        finally:
             log.info("%s: %s", self.name, self.stopped_by)
-        self.is_running, self._thread = False, None
-        self._back.release()
+            self.is_running, self._thread = False, None
+            self._back.release()
 
 
 class Meetings:

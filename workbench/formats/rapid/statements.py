@@ -46,6 +46,17 @@ class Host(Protocol):
         ...
 
 
+def _acted(act: Run, frame: Frame) -> Any:
+    try:
+        return act(frame)
+    except OverflowError:
+        raise RapidError("ERR_NUM_OVERFLOW") from None
+    except RecursionError:
+        raise RapidStop("routines call each other without end") from None
+    except (ArithmeticError, LookupError, TypeError, ValueError) as error:
+        raise RapidStop(f"an argument makes no sense: {error}") from error
+
+
 class Statements(Calls):
     """Compiles the statements of one routine for a host."""
 
@@ -103,7 +114,7 @@ class Statements(Calls):
                 host.step(key)
                 try:
                     try:
-                        return True, act(frame)
+                        return True, _acted(act, frame)
                     except RapidError as error:
                         signal = routine.recover(frame, error)
                 except RapidStop as why:
