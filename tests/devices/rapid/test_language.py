@@ -105,15 +105,20 @@ def test_records_and_arrays_are_copied_and_their_parts_written():
         TPWrite NumToStr(a{2}.y,0)+NumToStr(b{2}.y,0)+NumToStr(j.robax.rax_3,0);
         change a{1}.x;
         take a{1}.x;
-        TPWrite NumToStr(a{1}.x,0);"""
-    rest = """VAR pos a{2}; VAR pos b{2}; VAR jointtarget j;
+        TPWrite NumToStr(a{1}.x,0);
+        fill row;
+        TPWrite NumToStr(row{1},0);"""
+    rest = """VAR pos a{2}; VAR pos b{2}; VAR jointtarget j; CONST num row{2}:=[1,2];
+        PROC fill(num all{*})
+            all{1}:=9;
+        ENDPROC
         PROC change(INOUT num where)
             where:=where+10;
         ENDPROC
         PROC take(num copied)
             copied:=0;
         ENDPROC"""
-    assert written(body, rest) == ["597", "11"]
+    assert written(body, rest) == ["597", "11", "1"]
 
 
 def test_every_control_structure_goes_its_ways():
@@ -226,6 +231,8 @@ def test_errors_are_retried_passed_over_returned_and_raised():
         ("n:=Round(2.5\\Dec:=400);", "nothing handles ERR_NUM_OVERFLOW"),
         ("n:=Trunc(2.5\\Dec:=400);", "nothing handles ERR_NUM_OVERFLOW"),
         ("n:=Dim(row,3);", "an argument makes no sense: "),
+        ("n:=kept(z);", "nothing handles ERR_FNCNORET"),
+        ("FOR k FROM 1 TO 3 STEP z DO ENDFOR", "STEP 0 never ends"),
         ("again;", "routines call each other without end"),
     ],
 )
@@ -238,6 +245,11 @@ def test_what_cannot_go_on_stops_the_task_and_says_why(body, says):
         PROC absent(\\num x)
             TPWrite "x"\\Num:=x;
         ENDPROC
+        FUNC num kept(num k)
+            RETURN 1/k;
+        ERROR
+            TPWrite "taken";
+        ENDFUNC
         PROC again()
             again;
         ENDPROC"""

@@ -22,7 +22,7 @@ from workbench.formats.rapid.setup import Setup
 from workbench.formats.rapid.statements import Key
 from workbench.formats.rapid.texts import NATIVES
 from workbench.model.cell import Cell
-from workbench.model.errors import InputError
+from workbench.model.errors import InputError, WorkbenchError
 from workbench.model.geometry import Floats
 
 log = logging.getLogger(__name__)
@@ -225,13 +225,20 @@ class Controller:
     # -- the loop
 
     def run(self) -> None:
-        """Run the programs until `stop`."""
+        """Run the programs until `stop`.
+
+        Raises:
+            WorkbenchError: the controller failed in itself.
+        """
         self._seen = self.clock()
         for task in self.tasks.values():
             task.start()
         try:
             while not self._over.is_set():
                 self.turn()
+        except Exception as error:
+            log.exception("the controller failed")
+            raise WorkbenchError(f"the controller failed: {error!r}") from error
         finally:
             self._over.set()
             for task in self.tasks.values():
