@@ -7,7 +7,7 @@ import pytest
 from rapid_bench import module
 from waiting import PATIENCE, wait_until
 
-from workbench.devices.rapid.controller import Controller
+from workbench.devices.rapid.controller import KEPT, MOST_HELD, Controller
 from workbench.devices.rapid.sockets import Network
 from workbench.formats.rapid.loading import read_source
 from workbench.formats.rapid.setup import Setup, TaskSetup
@@ -19,9 +19,9 @@ def start(cell):
     """Starts controllers of one task; they end with the test."""
     running = []
 
-    def started(body, rest="", arm=""):
+    def started(body, rest="", arm="", speed=100.0):
         source = read_source("m", module(body, rest))
-        one = Controller(cell, Setup({"T": TaskSetup([source], arm)}, {}), speed=100.0)
+        one = Controller(cell, Setup({"T": TaskSetup([source], arm)}, {}), speed=speed)
         thread = threading.Thread(target=one.run)
         thread.start()
         running.append((one, thread))
@@ -101,3 +101,27 @@ def test_an_interpreter_that_fails_ends_its_task(cell, caplog):
     assert "what nobody foresaw" in one.tasks["T"].stopped_by
     assert not one.tasks["T"].is_alive
     one.network.close()
+
+
+def test_a_program_that_never_waits_does_not_hold_the_robots(start, caplog):
+    body = """here:=CJointT(); here.robax.rax_1:=here.robax.rax_1+10;
+        CONNECT once WITH looks; ITimer\\Single,0.2,once;
+        MoveAbsJ here,v100,fine,tool0;
+        TPWrite "there";"""
+    rest = """VAR intnum once;
+        VAR jointtarget here;
+        TRAP looks
+            WHILE TRUE DO
+            ENDWHILE
+        ENDTRAP"""
+    one = start(body, rest, arm="right", speed=1.0)
+    wait_until(lambda: one._held > MOST_HELD and one.mechanisms["T"].is_standing)
+    assert caplog.text.count("does not wait") == 1
+
+
+def test_only_the_newest_of_what_is_written_is_kept(cell):
+    one = Controller(cell, Setup({"T": TaskSetup([read_source("m", module("WaitTime 9;"))])}, {}))
+    for k in range(KEPT + 5):
+        one._write("T", str(k))
+    one.network.close()
+    assert (len(one.written), one.written[0]) == (KEPT, "5")

@@ -283,5 +283,10 @@ def test_a_single_is_what_numpy_makes_of_it(number):
     assert single(number / 3) == float(np.float32(number / 3))
 
 
+def test_a_text_of_a_number_that_no_num_can_be_is_none():
+    body = 'IF NOT StrToVal("1e999",x) AND NOT StrToVal("-1e39",x) TPWrite "none"\\Num:=x;'
+    assert written(body, "VAR num x:=7;") == ["none7"]
+
+
 def test_numbers_are_written_with_as_many_digits_as_asked_for():
     assert [number_text(2.5, 0, None), number_text(-12.346, 2, None)] == ["2", "-12.35"]

@@ -34,7 +34,7 @@ class Calls(Expressions):
     def _of_argument(self, node: Node, name: str, args: Node) -> Ex:
         given = parts(args)
         if len(given) != (1 if name == "present" else 2):
-            return self.wrong(node, f"{name} has {'one argument' if name == 'present' else 'two'}")
+            return self.wrong(node, f"this is not how many arguments {name} has")
         found = self.expression(given[0])
         if found.variable is None or (name == "dim" and not found.kind.dims):
             what = "an argument" if name == "present" else "an array"
