@@ -19,6 +19,8 @@ def the_older_protocol(stage):
         ("startR#", "goR#" + stars(HOME["R"])),
         ("startR#", "inR#" + "*1.00" * 3 + "*****"),
         ("startR#", "x" * 90),
+        ("#********",),
+        ("startR#", "R#********"),
         ("startR#", "inR#" + stars(HOME["R"]).replace("40.00", "4x.00")),
     ]:
         old(stage, *messages, ends=True)

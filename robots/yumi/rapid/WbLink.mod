@@ -529,6 +529,10 @@ MODULE WbLink
         WHILE is_connected AND trouble="" DO
             text:=whole_request(text);
             IF trouble<>"" OR NOT is_connected RETURN;
+            IF StrFind(text,1,"#")<3 THEN
+                trouble:="no message";
+                RETURN;
+            ENDIF
             kind:=StrPart(text,1,StrFind(text,1,"#")-2);
             arm:=arm_of(StrPart(text,StrLen(kind)+1,1));
             IF arm=0 OR (kind<>"start" AND arm<>active) OR (kind="start" AND active<>0) THEN

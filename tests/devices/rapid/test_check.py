@@ -1,6 +1,7 @@
 """`workbench rapid check`: what is wrong with modules, with line and column."""
 
-from rapid_bench import problems
+import pytest
+from rapid_bench import Tasks, problems
 from wires import FOLDER
 
 from workbench.formats.rapid.check import check_modules
@@ -37,3 +38,48 @@ def test_what_is_not_executed_here_is_named(tmp_path):
     )
     found = [str(one) for one in check_modules([path])]
     assert found == ["server.mod:8:5: ConfL is not declared or not known here"]
+
+
+def test_a_task_needs_a_main_without_parameters(tmp_path):
+    path = tmp_path / "x.mod"
+    for head, says in [
+        ("PROC other()", "x.mod:1:1: no module of the task has a PROC main"),
+        ("LOCAL PROC main()", "x.mod:1:1: no module of the task has a PROC main"),
+        ("PROC main(num x)", "x.mod:2:1: main cannot have parameters"),
+    ]:
+        path.write_text(f"MODULE x\n{head}\nENDPROC\nENDMODULE\n")
+        assert [str(one) for one in check_modules([path])] == [says]
+
+
+@pytest.mark.parametrize(
+    ("rest", "says"),
+    [
+        ("ALIAS num num;\nVAR num x;", "the type num is declared already"),
+        ("ALIAS b a;\nALIAS a b;", "there is no type b"),
+        ("RECORD r\nr inner;\nENDRECORD\nVAR r x;", "there is no type r"),
+        ("RECORD a\nb x;\nENDRECORD\nRECORD b\na x;\nENDRECORD\nVAR a y;", "there is no type b"),
+        ("VAR num x:=1E999;", "1e999 is larger than a num can be"),
+    ],
+)
+def test_types_and_numbers_that_cannot_be_are_told(rest, says):
+    assert says in [what for _, _, what in problems("", rest)]
+
+
+def test_dim_has_an_array_and_a_number():
+    assert problems("x:=Dim(a);\nx:=Dim(x,1);", "VAR num x; VAR num a{2};") == [
+        (4, 4, "this is not how many arguments dim has"),
+        (5, 4, "dim wants an array"),
+    ]
+
+
+@pytest.mark.parametrize("second", ["PERS bool x;", "PERS num x{2};", "PERS num x{3,3};"])
+def test_a_persistent_is_the_same_in_all_tasks(second):
+    own = "CONST num size:=3;"
+    main = "PROC main()\nENDPROC\nENDMODULE"
+    first = f"MODULE a\nPERS num x{{size}};\n{own}\n{main}"
+    good = Tasks({"A": [first], "B": [first]})
+    assert not good.tasks["B"].loaded.problems
+    bad = Tasks({"A": [first], "B": [f"MODULE b\n{second}\n{main}"]})
+    assert [one.what for one in bad.tasks["B"].loaded.problems] == [
+        "the PERS x has another type or size in another task"
+    ]

@@ -176,3 +176,79 @@ def test_what_makes_no_sense_stops_the_task(body, says):
         TRAP t
         ENDTRAP"""
     assert written(body, rest) == [says]
+
+
+def test_undo_handlers_that_fail_or_never_end_are_left():
+    rest = """VAR num zero:=0;
+        PROC inner()
+            WaitTime 100;
+        UNDO
+            zero:=1/zero;
+            TPWrite "never";
+        ENDPROC
+        PROC middle()
+            inner;
+        UNDO
+            WHILE TRUE DO
+            ENDWHILE
+        ENDPROC
+        PROC outer()
+            middle;
+        UNDO
+            TPWrite "undone";
+            WaitUntil FALSE;
+        ENDPROC"""
+    one = Tasks({"T": [module("outer;", rest)]}).start().run(1)
+    one.tasks["T"].take_pointer()
+    assert one.written == ["undone"] and not one.tasks["T"].is_alive
+    one.start().run(1)
+    assert one.tasks["T"].is_running
+    one.end()
+
+
+def test_an_error_of_a_trap_stops_the_task_and_is_not_the_interrupted_routines():
+    rest = """VAR intnum once;
+        VAR num zero:=0;
+        TRAP fails
+            zero:=1/zero;
+            TPWrite "trapped";
+        ENDTRAP
+        PROC waits()
+            WaitTime 3;
+        ENDPROC
+        PROC calls()
+            CONNECT once WITH fails;
+            ITimer\\Single,1,once;
+            waits;
+            TPWrite "waited";
+        ERROR
+            TPWrite "taken";
+            RETURN;
+        ENDPROC"""
+    one = Tasks({"T": [module("calls;", rest)]}).start().run(10)
+    assert one.tasks["T"].stopped_by == "nothing handles ERR_DIVZERO"
+    holder, at = one.tasks["T"].loaded.globals["zero"].place
+    holder[at] = 1.0
+    one.tasks["T"].start()
+    assert one.run().written == ["trapped", "waited"]
+
+
+def test_an_interrupt_that_is_deleted_leaves_nothing_to_the_next_of_its_number():
+    rest = """VAR intnum old;
+        VAR intnum new;
+        TRAP rings
+            TPWrite "rung";
+        ENDTRAP"""
+    body = """CONNECT old WITH rings;
+        ITimer\\Single,0.1,old;
+        IDisable;
+        WaitTime 0.2;
+        ISleep old;
+        IDelete old;
+        CONNECT new WITH rings;
+        IEnable;
+        WaitTime 0.1;
+        TPWrite "nothing";
+        ITimer\\Single,0.1,new;
+        WaitTime 0.2;"""
+    assert written(body, rest) == ["nothing", "rung"]

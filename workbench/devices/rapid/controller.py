@@ -22,7 +22,7 @@ from workbench.formats.rapid.setup import Setup
 from workbench.formats.rapid.statements import Key
 from workbench.formats.rapid.texts import NATIVES
 from workbench.model.cell import Cell
-from workbench.model.errors import InputError
+from workbench.model.errors import InputError, WorkbenchError
 from workbench.model.geometry import Floats
 
 log = logging.getLogger(__name__)
@@ -35,6 +35,12 @@ IDLE = 0.02
 
 MOST_STEPS = 250
 """Of a robot's time, that are computed at once: between them the link is heard."""
+
+MOST_HELD = 100
+"""Turns in a row, of some hundred statements each, that a robot's program may hold robots' time."""
+
+KEPT = 10_000
+"""Lines of `written`, the newest."""
 
 PART = 15.0
 """[mm] How far a finger is out when it has closed around a part, unless `closes_at` says else."""
@@ -109,6 +115,7 @@ class Controller:
         self._over = threading.Event()
         self._orders: list[tuple[Callable[[], None], threading.Event]] = []
         self._stopped_since: float | None = None
+        self._held, self._warned = 0, ""
         self.signals = Signals(made={n: self._output(*w) for n, w in _low(setup.outputs)})
         self.tasks = {name: Task(name, clock, self.covered) for name in setup.tasks}
         self.mechanisms = {
@@ -151,8 +158,6 @@ class Controller:
             told=task.told,
         )
         task.loaded.check()
-        if task.loaded.find("main") is None:
-            raise InputError(f"the modules of task {name} have no routine main")
 
     @property
     def port(self) -> int:
@@ -220,18 +225,26 @@ class Controller:
 
     def _write(self, task: str, text: str) -> None:
         self.written.append(text)
+        del self.written[:-KEPT]
         log.info("%s: %s", task, text)
 
     # -- the loop
 
     def run(self) -> None:
-        """Run the programs until `stop`."""
+        """Run the programs until `stop`.
+
+        Raises:
+            WorkbenchError: the controller failed in itself.
+        """
         self._seen = self.clock()
         for task in self.tasks.values():
             task.start()
         try:
             while not self._over.is_set():
                 self.turn()
+        except Exception as error:
+            log.exception("the controller failed")
+            raise WorkbenchError(f"the controller failed: {error!r}") from error
         finally:
             self._over.set()
             for task in self.tasks.values():
@@ -251,13 +264,20 @@ class Controller:
         steps = 0
         # A robot's time stands still while its program has something to do: a fast robot must not
         # find its next way missing because this machine was slow.
-        while self._due >= STEP and steps < MOST_STEPS and not self._run_ready(movers):
+        while self._due >= STEP and steps < MOST_STEPS and not self._holds(movers):
             self._due, steps = self._due - STEP, steps + 1
             self._advance()
         self._due = min(self._due, self._speed)
         self._help()
         if not went_on and self._due < STEP:
             self.network.idle(self._rest())
+
+    def _holds(self, movers: Sequence[Task]) -> bool:
+        """Let programs of robots run; whether one still has something to do, but not for ever."""
+        self._held = self._held + 1 if self._run_ready(movers) else 0
+        if self._held == MOST_HELD:
+            log.warning("a program of a robot does not wait: robots go on meanwhile")
+        return 0 < self._held < MOST_HELD
 
     def _run_ready(self, tasks: Sequence[Task]) -> bool:
         ready = [task for task in tasks if task.is_ready()]
@@ -268,8 +288,10 @@ class Controller:
     def _advance(self) -> None:
         self.time += STEP
         wrong = pair(list(self.mechanisms.values()))
+        if wrong != self._warned:
+            self._warned = wrong
+            log.warning("%s", wrong or "synchronised movements go on")
         if wrong:
-            log.warning("%s", wrong)
             for one in self.mechanisms.values():
                 one.stops.add("emergency")
         for one in self.mechanisms.values():

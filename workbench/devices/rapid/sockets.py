@@ -64,9 +64,11 @@ class Network:
         self.waited_for: set[socket.socket] = set()
         self._bound: float | None = None
         self._devices: weakref.WeakSet[Device] = weakref.WeakSet()
+        # Nobody listens here: it only keeps the port while no module does.
+        self._keeper = socket.socket()
         try:
-            # Nobody listens here: it only keeps the port while no module does.
-            self._keeper = socket.socket()
+            if port:
+                _probe(host, port)
             self._keeper.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEPORT, 1)
             self._keeper.bind((host, port))
         except OSError as error:
@@ -178,16 +180,18 @@ class Network:
         most = 80 if text is not None else LONGEST_MESSAGE if data is not None else 0
         if not most or (count is not None and not 1 <= count <= most):
             raise RapidStop(f"SocketReceive: from 1 to {most} bytes can be asked for")
-        least = int(count) if count is not None else 1
+        least, wanted = (1, most) if count is None else (int(count), int(count))
 
         def whole() -> bytes | None:
-            piece = link.recv(int(count or most) - len(device.begun))
-            if not piece:
-                raise ConnectionResetError
-            device.begun += piece
+            # What an earlier one, that timed out, has left may be enough.
+            if len(device.begun) < least:
+                piece = link.recv(wanted - len(device.begun))
+                if not piece:
+                    raise ConnectionResetError
+                device.begun += piece
             if len(device.begun) < least:
                 return None
-            message, device.begun = device.begun, b""
+            message, device.begun = device.begun[:wanted], device.begun[wanted:]
             return message
 
         message = self._when(task, link, whole, time)
@@ -237,6 +241,14 @@ class Network:
             is_gone = isinstance(found, ConnectionError) or found.errno in gone
             raise RapidError("ERR_SOCK_CLOSED" if is_gone else "ERR_SOCK_UNSPEC")
         return found
+
+
+def _probe(host: str, port: int) -> None:
+    # SO_REUSEPORT, with which the keeper and a module share the port, would share it with another
+    # controller as well; this socket cannot be bound beside one that has no SO_REUSEADDR.
+    with socket.socket() as link:
+        link.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        link.bind((host, port))
 
 
 def _device(place: Place) -> Device:

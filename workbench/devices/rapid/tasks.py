@@ -21,6 +21,9 @@ log = logging.getLogger(__name__)
 SLICE = 300
 """Statements after which the next task has its turn."""
 
+MOST_TURNS = 1000
+"""That UNDO handlers have, when a pointer is taken out, before they are broken off."""
+
 FOREVER = 8388608.0
 """[s] WAIT_MAX: waiting without end."""
 
@@ -61,6 +64,9 @@ class Interrupts:
         """IDelete."""
         self._traps.pop(int(number), None)
         self._conditions.pop(int(number), None)
+        # The number may be given anew.
+        self._sleeping.discard(int(number))
+        self._due = [one for one in self._due if one != int(number)]
 
     def sleep(self, number: float, is_asleep: bool) -> None:
         """ISleep and IWatch: what comes while it sleeps is lost."""
@@ -111,7 +117,7 @@ class Task:
         self._condition: Callable[[], Any] | None = None
         self._deadline: float | None = None
         self._found: Any = None
-        self._is_cancelled = self._is_trapped = False
+        self._is_cancelled = self._is_trapped = self._is_leaving = False
 
     # -- from outside
 
@@ -130,12 +136,20 @@ class Task:
         self.is_running, self.stopped_by = True, ""
 
     def take_pointer(self) -> None:
-        """Move the program pointer out: UNDO handlers run, then the task has none."""
-        if self._thread is not None:
-            self._is_cancelled = True
-            while self.is_alive:  # an UNDO handler may have to wait
+        """Move the program pointer out: UNDO handlers run, then the task has none.
+
+        One that fails ends there; one that does not end is broken off.
+        """
+        self._is_leaving, turns = True, MOST_TURNS
+        while self.is_alive:
+            self._is_cancelled, left = True, turns
+            while self.is_alive and left:
                 self.resume()
-        self.is_running = False
+                left -= 1
+            if self.is_alive:
+                log.warning("%s: an UNDO handler does not end and is broken off", self.name)
+                turns = 1
+        self._is_leaving = self.is_running = False
 
     def is_ready(self) -> bool:
         """Whether it has anything to do now."""
@@ -198,6 +212,9 @@ class Task:
 
     def hold(self, why: RapidStop) -> None:
         """An error that nothing takes: the pointer stays; start tries the instruction again."""
+        if self._is_leaving:
+            log.warning("%s: UNDO: %s", self.name, why)
+            raise PointerMoved
         self.stopped_by = str(why)
         log.info("%s: %s", self.name, why)
         self.stop()
@@ -241,8 +258,8 @@ class Task:
 
     def _main(self) -> None:
         self._go.acquire()
-        assert self.loaded is not None
         try:
+            assert self.loaded is not None
             if not self._is_cancelled:
                 self.loaded.find("main").call([])
                 self.stopped_by = "the program has ended"
@@ -250,10 +267,13 @@ class Task:
             self.stopped_by = self.stopped_by or "the program pointer was moved"
         except (RapidError, RapidStop) as error:
             self.stopped_by = f"nothing handles {error}"
-        if self.stopped_by:
+        except Exception as error:  # the thread's rim: whoever resumes must not wait for ever
+            log.exception("%s: the interpreter failed", self.name)
+            self.stopped_by = f"the interpreter failed: {error!r}"
+        finally:
             log.info("%s: %s", self.name, self.stopped_by)
-        self.is_running, self._thread = False, None
-        self._back.release()
+            self.is_running, self._thread = False, None
+            self._back.release()
 
 
 class Meetings:

@@ -32,13 +32,17 @@ class Calls(Expressions):
         return Ex(routine.kind, self.bound(routine, args, node))
 
     def _of_argument(self, node: Node, name: str, args: Node) -> Ex:
-        found = self.expression(parts(args)[0])
-        if found.variable is None:
-            return self.wrong(node, f"{name} wants an argument or data")
+        given = parts(args)
+        if len(given) != (1 if name == "present" else 2):
+            return self.wrong(node, f"this is not how many arguments {name} has")
+        found = self.expression(given[0])
+        if found.variable is None or (name == "dim" and not found.kind.dims):
+            what = "an argument" if name == "present" else "an array"
+            return self.wrong(node, f"{name} wants {what}")
         if name == "present":
             slot = found.variable.slot
             return Ex(BOOL, lambda frame: frame[slot] is not None)
-        which, run = self.value(parts(args)[1], NUM).run, found.run
+        which, run = self.value(given[1], NUM).run, found.run
 
         def size(frame: Frame) -> float:
             array = run(frame)
@@ -96,12 +100,12 @@ class Calls(Expressions):
         if one.mode == "lazy":
             run = self.value(item, one.kind).run
             return lambda frame: ([lambda: run(frame)], 0)
-        if one.mode == "value" and not one.kind.dims:
+        if one.mode == "value":
             run = self.value(item, one.kind).run
             return lambda frame: ([copy(run(frame))], 0)
         found = self.value(item, one.kind)
         variable = found.variable
-        if found.kind == UNKNOWN or one.mode == "value":
+        if found.kind == UNKNOWN:
             run = found.run
             return lambda frame: ([run(frame)], 0)
         wants_write = one.mode in ("var", "inout")

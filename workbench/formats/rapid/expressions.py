@@ -125,7 +125,10 @@ class Expressions:
 
     def _number(self, node: Node) -> Ex:
         text = str(node.children[0]).lower()
-        value = float(int(text, 0)) if text[:2] in ("0x", "0b") else single(float(text))
+        try:
+            value = float(int(text, 0)) if text[:2] in ("0x", "0b") else single(float(text))
+        except RapidError:
+            return self.wrong(node, f"{text} is larger than a num can be")
         return Ex(NUM, lambda frame: value, is_constant=True)
 
     def _string(self, node: Node) -> Ex:

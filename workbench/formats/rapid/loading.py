@@ -98,6 +98,7 @@ class Loaded:
             kind = Kind("signaldo")
             self.globals[signal.lower()] = Variable(signal, kind, (), ([signal], 0), -1, "const")
         self._declare(sources)
+        self._check_main(sources)
 
     def find(self, name: str) -> Any:
         """What a global name stands for."""
@@ -111,6 +112,16 @@ class Loaded:
         """
         if self.problems:
             raise BadModule(sorted(self.problems))
+
+    def _check_main(self, sources: Sequence[Source]) -> None:
+        main = self.find("main")
+        if not isinstance(main, Routine) or main.word != "proc":
+            modules = ", ".join(one.path for one in sources)
+            self.problems.append(Problem(modules, 1, 1, "no module of the task has a PROC main"))
+        elif main.parameters and main.node is not None:
+            at = main.node.meta
+            what = "main cannot have parameters"
+            self.problems.append(Problem(main.module, at.line, at.column, what))
 
     def _declare(self, sources: Sequence[Source]) -> None:
         scopes = [(source, self._scope(source)) for source in sources]
@@ -150,14 +161,21 @@ class Loaded:
             if isinstance(node, Tree) and node.data == "record":
                 *_, name = (one for one in parts(node) if isinstance(one, Token))
                 rows = [parts(one) for one in parts(node) if isinstance(one, Tree)]
-                fields = {part.lower(): kind.lower() for kind, part in rows}
-                self.types.records[name.lower()] = fields
-                for kind, _ in rows:
-                    self._kind(scope, kind)
+                # It has no name yet: a record cannot contain itself.
+                known = [(kind, part) for kind, part in rows if self._kind(scope, kind) != UNKNOWN]
+                if self._is_new_type(scope, name):
+                    fields = {part.lower(): kind.lower() for kind, part in known}
+                    self.types.records[name.lower()] = fields
             elif isinstance(node, Tree) and node.data == "alias":
                 of, name = parts(node)[-2:]
-                self._kind(scope, of)
-                self.types.aliases[name.lower()] = of.lower()
+                if self._kind(scope, of) != UNKNOWN and self._is_new_type(scope, name):
+                    self.types.aliases[name.lower()] = of.lower()
+
+    def _is_new_type(self, scope: Statements, name: Token) -> bool:
+        if self.types.exists(name.lower()):
+            scope.wrong(name, f"the type {name} is declared already")
+            return False
+        return True
 
     def _kind(self, scope: Statements, name: Token, dims: int = 0) -> Kind:
         if not self.types.exists(name.lower()):
@@ -186,6 +204,7 @@ class Loaded:
             waiting = left
 
     def _variable(self, scope: "_Scope", node: Node) -> Variable:
+        before = len(self.problems)
         type_, name, dims, value = parts(node)[-4:]
         storage = next(word for word in ("const", "var", "pers") if word in words(node))
         sizes = self._sizes(scope, dims)
@@ -193,7 +212,10 @@ class Loaded:
         variable = Variable(str(name), kind, sizes, None, -1, storage)
         is_shared = storage == "pers" and not words(node) & {"local", "task"}
         if is_shared and name.lower() in self._shared and not self._native:
-            variable.place = (self._shared[name.lower()], 0)
+            cell = self._shared[name.lower()]
+            if isinstance(cell, Persistent) and cell.shape != (self.types.shape(kind), sizes):
+                scope.wrong(name, f"the PERS {name} has another type or size in another task")
+            variable.place = (cell, 0)
             return variable
         content = self.types.default(kind, sizes, name.lower())
         if value is not None:
@@ -209,9 +231,10 @@ class Loaded:
                     scope.wrong(value, str(error))
         elif storage == "const":
             scope.wrong(name, f"the constant {name} has no value")
-        cell = [content]
+        cell = Persistent([content])
+        cell.shape = (self.types.shape(kind), sizes)
         variable.place = (cell, 0)
-        if is_shared:
+        if is_shared and len(self.problems) == before:
             self._shared[name.lower()] = cell
         return variable
 
@@ -287,6 +310,12 @@ class Loaded:
                 own.wrong(error, f"nothing in {routine.name} can get here")
         if undo is not None:
             routine.undo = own.block(parts(undo)[-1])
+
+
+class Persistent(list[Any]):
+    """Where the value of a persistent is, for all tasks, and of what type and sizes it is."""
+
+    shape: Any = None
 
 
 class _Scope(Statements):

@@ -46,6 +46,17 @@ class Host(Protocol):
         ...
 
 
+def _acted(act: Run, frame: Frame) -> Any:
+    try:
+        return act(frame)
+    except OverflowError:
+        raise RapidError("ERR_NUM_OVERFLOW") from None
+    except RecursionError:
+        raise RapidStop("routines call each other without end") from None
+    except (ArithmeticError, LookupError, TypeError, ValueError) as error:
+        raise RapidStop(f"an argument makes no sense: {error}") from error
+
+
 class Statements(Calls):
     """Compiles the statements of one routine for a host."""
 
@@ -103,7 +114,7 @@ class Statements(Calls):
                 host.step(key)
                 try:
                     try:
-                        return True, act(frame)
+                        return True, _acted(act, frame)
                     except RapidError as error:
                         signal = routine.recover(frame, error)
                 except RapidStop as why:
@@ -261,8 +272,14 @@ class Statements(Calls):
             self.locals[str(name).lower()] = before
         slot = variable.slot
 
-        def begin(frame: Frame) -> list[float | None]:
-            return [run(frame) if run is not None else None for run in runs]
+        def begin(frame: Frame) -> tuple[float, float, float]:
+            given: list[Any] = [run(frame) if run is not None else None for run in runs]
+            value, last, step = given
+            if step is None:
+                step = 1.0 if last >= value else -1.0
+            if step == 0:
+                raise RapidStop("STEP 0 never ends")
+            return value, last, step
 
         guarded = self._guard(node, begin)
 
@@ -271,10 +288,6 @@ class Statements(Calls):
             if not is_done:
                 return found
             value, last, step = found
-            if step is None:
-                step = 1.0 if last >= value else -1.0
-            if step == 0:
-                raise RapidStop("STEP 0 never ends")
             while value <= last if step > 0 else value >= last:
                 frame[slot] = ([value], 0)
                 signal = block(frame)

@@ -19,6 +19,7 @@ class Frame(list[Any]):
     result: Any = None
     error: RapidError | None = None
     has_handler: bool = False
+    is_trap: bool = False
 
 
 Run = Callable[[Frame], Any]
@@ -90,17 +91,17 @@ class Routine:
         for slot, value in self.locals:
             frame[slot] = ([value(frame)], 0)
         assert self.body is not None
-        frame.has_handler = self.handler is not None
+        frame.has_handler, frame.is_trap = self.handler is not None, self.word == "trap"
         self.calls.append(frame)
         try:
-            signal = self.body(frame)
+            self.body(frame)
         except PointerMoved:
             if self.undo is not None:
                 self.undo(frame)
             raise
         finally:
             self.calls.pop()
-        if signal is not RETURN and self.kind is not None:
+        if self.kind is not None and frame.result is None:
             raise RapidError("ERR_FNCNORET")
         return frame.result
 
@@ -112,7 +113,9 @@ class Routine:
             RapidStop: no routine that has called this one has a handler, either.
         """
         if self.handler is None or frame.error is not None:
-            if any(one.has_handler and one.error is None for one in self.calls[:-1]):
+            # Who is interrupted takes no errors of a trap.
+            begin = max((k for k, one in enumerate(self.calls) if one.is_trap), default=0)
+            if any(one.has_handler and one.error is None for one in self.calls[begin:-1]):
                 raise error
             raise RapidStop(f"nothing handles {error}")
         self.told(error)

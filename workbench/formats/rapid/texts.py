@@ -28,7 +28,10 @@ def number_of(text: str, place: Place) -> bool:
     if not NUMBER.fullmatch(text):
         return False
     holder, at = place
-    holder[at] = single(float(text))
+    try:
+        holder[at] = single(float(text))
+    except RapidError:  # larger than a num can be
+        return False
     return True
 
 

@@ -5,6 +5,7 @@ records and arrays are lists of what they consist of.  A place that can be writt
 list and an index in it, whether it belongs to a variable, an array or a record.
 """
 
+import math
 import struct
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -45,6 +46,8 @@ def single(value: float) -> float:
     Raises:
         RapidError: it is too large.
     """
+    if math.isinf(value):
+        raise RapidError("ERR_NUM_OVERFLOW")
     if -EXACT <= value <= EXACT and value == int(value):
         return value
     try:
@@ -77,6 +80,13 @@ class Types:
         while name in self.aliases:
             name = self.aliases[name]
         return Kind(name, kind.dims)
+
+    def shape(self, kind: Kind) -> Any:
+        """What a type consists of, however it and its components are called."""
+        base = self.base(kind)
+        record = self.records.get(base.name)
+        inner = [self.shape(Kind(part)) for part in record.values()] if record else base.name
+        return inner, base.dims
 
     def fit(self, one: Kind, other: Kind) -> bool:
         """Whether a value of one type can be used as the other."""
