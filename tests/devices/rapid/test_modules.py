@@ -28,6 +28,14 @@ NOT_EXECUTED = {
 }
 """Statements that no scene reaches, each with its reason."""
 
+BY_CHANCE = {
+    (
+        "WbMove.mod",
+        "width:=2*Hand_GetActualPos();\nIF width<wb_width{my_arm} wb_width{my_arm}:=width;",
+    )
+}
+"""A part is lost between two looks at the hand: whether one falls there, a busy machine decides."""
+
 
 @pytest.fixture
 def stage(cell):
@@ -51,4 +59,4 @@ def test_every_statement_of_the_modules_is_executed(stage):
         (module, "\n".join(text.strip() for text in stage.lines(module)[line - 2 : line]))
         for module, line, _ in left
     }
-    assert told == set(NOT_EXECUTED)
+    assert told - BY_CHANCE == set(NOT_EXECUTED)

@@ -38,9 +38,9 @@ def block(part):
     return replace(part, name="block", mesh=Mesh(np.asarray(mesh.vertices), np.asarray(mesh.faces)))
 
 
-def test_parts_that_lie_flush_are_both_found(cell, block):
+def test_parts_a_millimetre_apart_are_both_found(cell, block):
     cell = replace(cell, parts=(block,))
-    places = [(-0.0302, 0.0, 0.01), (0.0302, 0.0, 0.01)]
+    places = [(-0.0305, 0.0, 0.01), (0.0305, 0.0, 0.01)]
     truth = tuple(
         Detection("block", cell.bin.T_world_bin * pose_from_rpy(place)) for place in places
     )
