@@ -14,7 +14,7 @@ SLOW := browser cli examples packaging perception plugins portable studies testi
 	test_new_part.py test_new_robot.py test_site.py test_skips.py \
 	app/core/test_any_sequence.py app/picking/test_calibration.py app/picking/test_part_import.py \
 	app/runtime/test_killed.py app/runtime/test_link_faults.py app/runtime/test_readiness.py \
-	devices/abb_socket/test_abb_program_link.py formats/cells/test_cell_edits.py \
+	devices/abb_socket/test_abb_program_link.py devices/rapid formats/cells/test_cell_edits.py \
 	formats/klampt/test_klampt_robot.py formats/parts/test_part_import.py \
 	gui/drawing/test_watching.py gui/page/test_renderer.py gui/scene/test_gizmo_drag.py \
 	planning/collision/test_motion.py planning/grasps/test_part_rays.py \
