@@ -31,7 +31,7 @@ ARGS :=
 
 export PYTHON
 
-.PHONY: help run test test-fast test-portable lint docs everything bench pictures constraints clean
+.PHONY: help run test test-fast test-portable lint docs everything bench pictures bundle constraints clean
 
 help:
 	@echo "make run       start the workbench on the simulated YuMi cell and print its link"
@@ -42,6 +42,7 @@ help:
 	@echo "make docs      make the documents a site in build/site, without a network"
 	@echo "make bench     measure what the README promises"
 	@echo "make pictures  make the pictures of the documents anew"
+	@echo "make bundle    make one file that installs the workbench without a network"
 	@echo "make everything  install what lint, docs and test need, in one go"
 	@echo "make clean     remove everything that make made"
 	@echo "ARGS=... is handed on: make run ARGS='--port 9000', make test ARGS='-k proof'"
@@ -72,6 +73,7 @@ lint: $(VENV)/.lint $(VENV)/.test
 	$(BIN)/ruff format --check .
 	$(BIN)/pyright
 	$(BIN)/lint-imports
+	PYTHONPATH=$(CURDIR) $(BIN)/python setup/licences.py
 
 # Examples are run for it, so what is compiled has to be there.
 docs: $(VENV)/.docs $(VENV)/.compiled
@@ -91,7 +93,10 @@ bench: $(VENV)/.test $(VENV)/.compiled
 # ARGS="grasps cell" makes only those; `docs/more_stories.py` has the names.
 pictures: $(VENV)/.test $(VENV)/.compiled
 	@bash setup/debian.sh $(BROWSER)
-	PYTHONPATH=$(CURDIR)/tests:$(CURDIR)/tests/browser $(BIN)/python docs/make_pictures.py $(ARGS)
+	PYTHONPATH=$(CURDIR)/tests/browser:$(CURDIR)/tests $(BIN)/python docs/make_pictures.py $(ARGS)
+
+bundle: $(VENV)/.test $(VENV)/.compiled
+	$(BIN)/python setup/bundle.py $(ARGS)
 
 # After a dependency was changed and the tests pass with the newest versions.
 constraints: $(VENV)/.lint $(VENV)/.test $(VENV)/.docs

@@ -15,7 +15,7 @@ from workbench.app.picking.pipeline import plan_pick
 from workbench.app.picking.proving import prove
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.meshes.triangles import triangles_of
-from workbench.gui.shared.charts import clearance_curves
+from workbench.gui.plan.curves import clearance_curves
 from workbench.gui.shared.playback import Run, part_poses, timeline
 from workbench.model.cell import Cell
 from workbench.model.geometry import Floats, pose_from_rpy
@@ -28,7 +28,7 @@ from workbench.proof.bodies import bodies_of
 from workbench.proof.motion import moved
 from workbench.proof.robot import tree_of
 from workbench.proof.space import Space
-from workbench.proof.stages import carried, situation_of, steps_of
+from workbench.proof.stages import STRAIGHT, carried, situation_of, steps_of
 from workbench.proof.table import Table
 
 PICTURES = Path(__file__).with_name("pictures")
@@ -172,9 +172,9 @@ def controller(cell: Cell, plan: Plan, proof: Proof) -> None:
     room = 0.1 * (high - low)
     x, y = zip(low - room, high + room, strict=True)
     sketch = Sketch("What a controller may make of waypoints", x, y)
-    for each in moved(np.arange(2), path, MotionModel("any", corners="blend"), 0.2)[1:]:
-        for triangle in each.corners:
-            sketch.way(triangle, "area", closed=True)
+    sets = moved(np.arange(2), path, MotionModel("any", corners="blend"), 0.2)
+    for triangle in sets.corners[sets.sizes == 3]:
+        sketch.way(triangle, "area", closed=True)
     sketch.way(close, "warm")
     sketch.axes(_marks(*x), _marks(*y), "two neighbouring joints [deg]")
     sketch.note(0, f"a corner of leg {leg.name}: the polyline,", "warm")
@@ -272,42 +272,45 @@ def bounds(cell: Cell, plan: Plan, proof: Proof) -> None:
     """The bounds of the free legs, and what dense samples show."""
     runs = timeline(plan)
     times, free, _, _ = clearance_curves(runs, proof)
-    top = 1.35 * float(np.nanmax(free))
+    top = 2.0 * float(np.nanmax(free))
     sketch = Sketch("Clearances are bounds", (0.0, times[-1]), (0.0, top))
     marks = range(0, int(times[-1]) + 1, 2)
     sketch.axes(marks, _marks(0.0, 0.8 * top), "kept on free legs [mm] over time [s]")
     for stretch in _whole(np.stack([times, free], axis=1)):
         sketch.way(stretch, "good")
-    for stretch in _sampled(cell, plan, runs):
+    for stretch in _sampled(cell, plan, runs, 0.75 * top):
         sketch.way(stretch, "warm")
     sketch.note(0, f"what the proof tells: {proof.clearance * 1e3:.1f} mm or more", "good")
     sketch.note(0, "measured, at every 40th of a segment", "warm", LEFT + 260)
     sketch.write("bounds")
 
 
-def _sampled(cell: Cell, plan: Plan, runs: tuple[Run, ...]) -> list[Floats]:
-    """Distances of what moves from all else, up to 100 mm, on each free leg: (n, 2) [s, mm]."""
+def _sampled(cell: Cell, plan: Plan, runs: tuple[Run, ...], most: float) -> list[Floats]:
+    """Distances of what moves from all else, up to `most` [mm], on free legs: (n, 2) [s, mm]."""
     tree = tree_of(cell)
     bodies = bodies_of(cell, tree, plan.scene)
     table = Table(cell, tree, bodies)
     space = Space(tree, bodies, table)
     found: list[Floats] = []
     for step in steps_of(cell, tree, plan):
-        (one,) = step.moving
-        if one.leg.name not in ("reach", "return", "place"):
+        if any(one.leg.name in STRAIGHT for one in step.moving):
             continue
         space.put_parts(plan, carried(cell, tree, step))
-        pairs = table.pairs(situation_of(tree, step, one), space.joints)
-        rows = pairs.rows[pairs.shown]
-        start = next(r.start for r in runs if (r.arm, r.leg) == (one.arm.name, one.leg))
+        pairs = table.pairs(situation_of(tree, step, *step.moving), space.joints)
+        rows = pairs.rows[pairs.shown & ~pairs.left]
+        named = {(one.arm.name, one.leg) for one in step.moving}
+        start = next(run.start for run in runs if (run.arm, run.leg) in named)
         line: list[tuple[float, float]] = []
-        for t in np.linspace(0.0, one.leg.seconds, 40 * (len(one.path) - 1)):
+        segments = sum(len(one.path) - 1 for one in step.moving)
+        for t in np.linspace(0.0, max(one.leg.seconds for one in step.moving), 40 * segments):
             q = step.base.copy()
-            q[tree.columns[one.arm.name]] = [np.interp(t, one.leg.t, c) for c in one.path.T]
+            for one in step.moving:
+                values = [np.interp(t, one.leg.t, column) for column in one.path.T]
+                q[tree.columns[one.arm.name]] = values
             space.look(q)
             nearest = min(space.distance(int(row)) for row in rows)
-            line.append((start + t, min(1e3 * nearest, 100.0)))
-        found.append(np.array(line))
+            line.append((start + t, 1e3 * nearest if 1e3 * nearest < most else np.nan))
+        found += _whole(np.array(line))
     return found
 
 

@@ -1,12 +1,29 @@
-// The frame around the scene: goes to the login when the login has ended, comes back when the
-// server does, and is light or dark as the scene is.
+// The frame around the scene: its bar says what is looked at, what the robot does, and stops it.
+// It goes to the login when the login has ended, comes back when the server does, and is light or
+// dark as the scene is.
 "use strict";
 
 const RETRY_MS = 1000;
 const OVER = 4401;  // close code: the login has ended
 
+const SILENT_MS = 6000;  // the server says something every 2 s: after this it is out of reach
+
+const LOOK_MS = 200;  // between two looks at what the scene says of itself
+const AWAY = "No connection: Stop may not reach the robot. Trying again.";
+
+const NOT_STOPPED = "Not stopped: ";
+
+const stop = document.getElementById("stop");
 const line = document.getElementById("link");
 const scene = document.getElementById("scene");
+
+const SILENT = "the server does not answer. Use the emergency stop.";
+
+let presence = null;  // the websocket that the bar hears by
+let stopped = null;   // what is done when it answers a stop
+let isHere = false;   // whether what the bar says is news
+let hasRobot = true;  // until the server says otherwise
+let stood = "";       // what the robot did when the bar was last told of it
 
 function leave() {
   // Without what is on screen: whoever comes next may be somebody else.
@@ -16,14 +33,16 @@ function leave() {
 
 async function again() {
   try {
-    const answer = await fetch("/who", { cache: "no-store" });
+    const signal = AbortSignal.timeout(SILENT_MS);
+    const answer = await fetch("/who", { cache: "no-store", signal });
     if (answer.status === 401) {
       leave();
       return;
     }
     if (answer.ok) {
       const who = await answer.json();
-      if (who.name !== document.getElementById("name").textContent) {
+      const shown = document.querySelector(".role").textContent;
+      if (who.name !== document.getElementById("name").textContent || who.role !== shown) {
         location.reload();
         return;
       }
@@ -38,16 +57,116 @@ async function again() {
 
 function stay() {
   const scheme = location.protocol === "https:" ? "wss:" : "ws:";
-  const presence = new WebSocket(`${scheme}//${location.host}/presence`);
-  presence.onopen = () => { line.textContent = ""; };
-  presence.onclose = (event) => {
-    if (event.code === OVER) {
-      leave();
+  const socket = presence = new WebSocket(`${scheme}//${location.host}/presence`);
+  let late = setTimeout(gone, SILENT_MS);
+  // A cut cable closes nothing: silence ends it, and what is said later does not count.
+  let isOver = false;
+  function gone() {
+    if (isOver) return;
+    isOver = true;
+    clearTimeout(late);
+    socket.close();
+    away();
+    setTimeout(again, RETRY_MS);
+  }
+  socket.onmessage = (event) => {
+    if (isOver) return;
+    clearTimeout(late);
+    late = setTimeout(gone, SILENT_MS);
+    isHere = true;
+    if (line.textContent === AWAY) line.textContent = "";
+    const said = JSON.parse(event.data);
+    if ("stopped" in said) stopped?.(said);
+    else say(said);
+  };
+  socket.onclose = (event) => {
+    if (event.code === OVER) leave();
+    else gone();
+  };
+}
+
+function away() {
+  isHere = false;
+  line.textContent = AWAY;
+  put("robot", "", "off");
+  put("mode", "", "off");
+  // Nobody knows whether the robot moves: it may be tried.
+  stop.hidden = stop.disabled = !hasRobot;
+}
+
+function put(name, text, kind) {
+  const place = document.getElementById(name);
+  if (place.textContent !== text) place.textContent = text;
+  place.title = text;
+  place.dataset.kind = kind;
+}
+
+function say(bar) {
+  put("robot", bar.robot, bar.kind);
+  put("fault", bar.fault ? `Fault: ${bar.fault}` : "", "bad");
+  // What was said of a stop belongs to that sending, or to the robot as it stood then.
+  const stands = bar.can_stop ? "can be stopped" : bar.robot;
+  if (stands !== stood && line.textContent.startsWith(NOT_STOPPED)) line.textContent = "";
+  stood = stands;
+  hasRobot = bar.has_robot;
+  stop.hidden = !hasRobot;
+  stop.disabled = !bar.can_stop;
+  stop.title = bar.can_stop
+    ? "Asks the controller to stop and closes the link. Not a safety function: in danger use the emergency stop."
+    : bar.why;
+}
+
+async function halt() {
+  // Not by the scene: it may hang.  And by two ways at once: on a poor network one is late.
+  line.textContent = "Stopping";
+  const ways = [stopByRequest(), stopByPresence()];
+  try {
+    await Promise.any(ways);
+    line.textContent = "";
+  } catch (none) {
+    // An answer says more than that there was none.
+    const why = none.errors.map((error) => error.message).find((text) => text !== SILENT);
+    line.textContent = NOT_STOPPED + (why ?? SILENT);
+  }
+}
+
+async function stopByRequest() {
+  let answer;
+  try {
+    answer = await fetch("/api/v1/stop", { method: "POST", signal: AbortSignal.timeout(SILENT_MS) });
+  } catch {
+    throw new Error(SILENT);
+  }
+  if (!answer.ok) throw new Error(detail(await answer.text()));
+}
+
+function stopByPresence() {
+  return new Promise((resolve, reject) => {
+    if (presence?.readyState !== WebSocket.OPEN) {
+      reject(new Error(SILENT));
       return;
     }
-    line.textContent = "No connection. Trying again.";
-    setTimeout(again, RETRY_MS);
-  };
+    stopped = (said) => (said.stopped ? resolve() : reject(new Error(said.why)));
+    setTimeout(() => reject(new Error(SILENT)), SILENT_MS);
+    presence.send("stop");
+  });
+}
+
+function detail(text) {
+  try {
+    return JSON.parse(text).detail;
+  } catch {
+    return text.trim();
+  }
+}
+
+function look() {
+  // The mode is the scene's: what one moves by hand there, only that page knows.
+  const shown = scene.contentDocument?.querySelector(".wb-mode");
+  if (shown) {
+    if (isHere) put("mode", shown.querySelector("b").textContent, shown.dataset.mode);
+    document.getElementById("wait").hidden = true;
+  }
 }
 
 function follow() {
@@ -66,6 +185,8 @@ function follow() {
 if (matchMedia("(prefers-color-scheme: dark)").matches) {
   document.documentElement.dataset.scheme = "dark";
 }
+stop.addEventListener("click", halt);
+setInterval(look, LOOK_MS);
 scene.addEventListener("load", follow);
 if (scene.contentDocument?.readyState === "complete") follow();
 stay();

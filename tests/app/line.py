@@ -3,12 +3,22 @@
 from collections.abc import Mapping
 from typing import Any
 
-from workbench.app.core.commands import Command, Entry, JobEnded
+import pytest
+
+from workbench.app.core.commands import (
+    Command,
+    Entry,
+    FindParts,
+    JobEnded,
+    MakePlan,
+    TakeScan,
+)
 from workbench.app.core.decide import decide
 from workbench.app.core.effects import Effect
 from workbench.app.core.rights import RIGHTS, ROBOT_LINK, WORKER
 from workbench.app.core.rules import allowed
 from workbench.app.core.state import State
+from workbench.model.errors import CommandRefused
 
 NOW = 1_000_000.0
 
@@ -33,3 +43,26 @@ class Line:
         """The running job brings this."""
         assert self.state.job is not None
         return self.do(JobEnded(self.state.job.number, result))
+
+
+def planned_line(samples: Any, cell: Any) -> Line:
+    line = Line(cell)
+    make_plan(samples, line)
+    return line
+
+
+def make_plan(samples: Any, line: Line) -> None:
+    """From a scan to its plan, by what samples there are of each."""
+    line.do(TakeScan())
+    scan = samples.scan()
+    line.ended(scan)
+    line.do(FindParts())
+    line.ended(samples.detections())
+    line.do(MakePlan(threshold=0.2))
+    line.ended(samples.planned(scan.digest))
+
+
+def refused(line: Line, command: Command, actor: str = "ada") -> str:
+    with pytest.raises(CommandRefused) as caught:
+        line.do(command, actor)
+    return str(caught.value)

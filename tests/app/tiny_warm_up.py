@@ -5,7 +5,8 @@ import sys
 import time
 from pathlib import Path
 
-from workbench.app.runtime.readiness import end_with_input, is_ready, mark_ready, only_one
+from workbench.app.runtime.compiled_code import is_ready, mark_ready, only_one
+from workbench.app.runtime.readiness import end_with_input
 
 use = sys.argv[1]
 folder = Path(os.environ["TINY_FOLDER"])

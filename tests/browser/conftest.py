@@ -1,5 +1,6 @@
 """A real browser, a bench with its worker, and a controller in a process of its own."""
 
+import functools
 import json
 import os
 import shutil
@@ -10,17 +11,22 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import pytest
+from patient import PATIENT
 from playwright.sync_api import Browser, BrowserContext, Locator, Page, expect, sync_playwright
 from waiting import PATIENCE, wait_until
 
 from workbench.app.core.state import State
 from workbench.app.runtime.bench import Bench
+from workbench.app.runtime.effect_runner import EffectRunner
 from workbench.formats.cells.reading import read_cell
 from workbench.gui.page.server import serve
 from workbench.journal.journal import Journal
 from workbench.model.cell import Controller
 
 ROOT = Path(__file__).resolve().parents[2]
+
+IMPORTED_FROM = (ROOT, ROOT / "tests", ROOT / "tests" / "devices")
+"""By processes beside this one."""
 
 # Otherwise what is expected has to be so within five seconds.
 expect.set_options(timeout=PATIENCE * 1000)
@@ -34,6 +40,8 @@ FLAGS = [
     "--disable-dev-shm-usage",
     # Text and boxes drawn by WebGL's stand-in take twice the time.
     "--disable-gpu-rasterization",
+    # A busy machine draws slowly: that is no reason to end what draws.
+    "--disable-gpu-watchdog",
 ]
 """WebGL drawn by the processor."""
 
@@ -152,16 +160,15 @@ def speed() -> float:
 @pytest.fixture
 def robot(tmp_path: Path, speed: float) -> Iterator[Robot]:
     record = tmp_path / "arrived.jsonl"
-    arguments = ["--port", "0", "--state-port", "0", "--speed", str(speed), "--until-eof", "--json"]
     process = subprocess.Popen(
-        [sys.executable, "-m", "workbench", "controller", *arguments, "--record", str(record)],
+        [sys.executable, Path(__file__).with_name("patient_robot.py"), str(speed), str(record)],
         cwd=ROOT,
+        env=os.environ | {"PYTHONPATH": os.pathsep.join(map(str, IMPORTED_FROM))},
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
         text=True,
     )
-    ports = json.loads(process.stdout.readline())
-    yield Robot(process, ports["port"], ports["state_port"], record)
+    yield Robot(process, *json.loads(process.stdout.readline()), record)
     process.stdin.close()
     process.wait(timeout=PATIENCE)
     process.stdout.close()
@@ -174,7 +181,9 @@ def bench(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[Bench]:
     if "robot" in request.fixturenames:
         robot = request.getfixturevalue("robot")
         cell = replace(cell, controller=robot.controller(cell.controller))
-    bench = Bench(cell, Journal(tmp_path / "session"))
+    # Only what really never comes is missed: others compute here as well.
+    effects = functools.partial(EffectRunner, patience=PATIENT)
+    bench = Bench(cell, Journal(tmp_path / "session"), effects=effects)
     yield bench
     bench.close()
 
@@ -217,7 +226,7 @@ def open_screen(
         )
         screen.page.on("pageerror", lambda error: screen.errors.append(str(error)))
         screen.page.goto(url)
-        screen.button("Scan").wait_for(timeout=PATIENCE * 1000)
+        screen.page.locator(".wb-strip").wait_for(timeout=PATIENCE * 1000)
         # viser warns about slow drawing; the warning covers what is to be pressed.
         # It may go by itself meanwhile, so it is not waited for.
         close = "document.querySelector('.mantine-Notification-closeButton')?.click()"

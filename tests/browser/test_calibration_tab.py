@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from hands import field
+from playwright.sync_api import expect
 
 from workbench.app.core.commands import ChangeCell, UseScan
 from workbench.app.picking.facts import bin_check_of
@@ -36,7 +37,7 @@ def test_a_scanner_that_hangs_elsewhere_is_found_and_put_right(screen, bench, wa
     said = screen.page.get_by_text("from where the cell has it").first
     wait(lambda: 20 < float(said.inner_text().split(" mm")[0]) < 22, "how far the scanner is off")
     rows = screen.page.locator(".wb-poses tbody tr")
-    assert rows.count() == 5
+    expect(rows).to_have_count(5)
     rows.nth(1).click()
     screen.wait_for("Points near the robot: in the middle")
     screen.page.wait_for_timeout(1500)

@@ -5,6 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from hands import first_look, settle
+from playwright.sync_api import expect
 
 import workbench.gui.page.renderer
 import workbench.gui.shared.visitor
@@ -51,7 +52,7 @@ def test_control_is_asked_for_handed_over_and_taken_back(next_to_come, open_scre
     bob = open_screen()
     bob.wait_for("You are in control.")
     assert bench.state.control == "Bob"
-    assert bob.button("Scan").is_enabled()
+    expect(bob.button("Scan")).to_be_enabled()
 
     bench.do(AskForControl(), "Ada", ADA.role)
     bob.wait_for("Ada asks for control")
@@ -59,7 +60,7 @@ def test_control_is_asked_for_handed_over_and_taken_back(next_to_come, open_scre
     bob.press("Hand over to Ada")
     bob.wait_for("Ada is in control.")
     assert bench.state.control == "Ada"
-    assert bob.button("Scan").is_disabled()
+    expect(bob.button("Scan")).to_be_disabled()
     assert not bob.button("Take over").is_visible(), "only engineers take over"
     bench.do(ReleaseControl(), "Ada", ADA.role)
     bob.press("Take control")
@@ -74,21 +75,21 @@ def test_a_viewer_looks_and_a_watcher_sees_what_is_dragged(
 ):
     ada = open_screen()
     ada.wait_for("You are in control.")
-    assert ada.page.get_by_role("tab", name="Grasps").count() == 1
+    expect(ada.page.get_by_role("tab", name="Grasps")).to_have_count(1)
     next_to_come.person = VIC
     vic = open_screen()
     vic.wait_for("Ada is in control.")
-    assert vic.button("Scan").is_disabled()
+    expect(vic.button("Scan")).to_be_disabled()
     assert not vic.button("Take over").is_visible()
     for tab in ("Grasps", "Calibration"):
-        assert vic.page.get_by_role("tab", name=tab).count() == 0
+        expect(vic.page.get_by_role("tab", name=tab)).to_have_count(0)
     assert not vic.button("Ask").is_visible()
     ada.tab("Cell")
     ada.press("Show gizmo")
     ada.shoot("control-gizmo")
     vic.tab("Cell")
     for name in ("Show gizmo", "Jog"):
-        assert vic.button(name).is_disabled()
+        expect(vic.button(name)).to_be_disabled()
     camera = first_look(ada.page, bench.state.cell)
     origin = bench.state.cell.bin.T_world_bin.translation
     along = origin + np.array([0.0, GIZMO * 0.9, 0.0])

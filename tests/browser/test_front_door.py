@@ -5,10 +5,14 @@ from urllib.parse import urlsplit
 import pytest
 from playwright.sync_api import expect
 
+from workbench.app.core.commands import Approve, FindParts, MakePlan, SendPlan, TakeScan, WatchPlan
 from workbench.app.core.people import Role
 from workbench.gui.page.server import serve
+from workbench.web.access.identity import identify
 from workbench.web.access.store import Store
 from workbench.web.access.users import Users
+from workbench.web.api.routes import api_routes
+from workbench.web.page.bar import bar_of, stop_of
 from workbench.web.page.relay import Upstream
 from workbench.web.server import Options, serve_front
 
@@ -39,7 +43,13 @@ def start(bench, file):
     def one(port=0):
         page = serve(bench, port=0, most_points=4000, secret=SECRET)
         front = serve_front(
-            Upstream(page.url, SECRET), file, Options(port=port), title="Cell tested"
+            Upstream(page.url, SECRET),
+            file,
+            Options(port=port),
+            title="Cell tested",
+            routes=api_routes(bench, identify),
+            bar=bar_of(bench),
+            stop=stop_of(bench),
         )
         ends.extend([front.close, page.close])
         return front
@@ -158,3 +168,55 @@ def test_the_frame_is_dark_when_the_scene_is(users, start, window):
     expect(root).to_have_attribute("data-scheme", "light")
     window.page.keyboard.press("l")
     expect(root).to_have_attribute("data-scheme", "dark")
+
+
+TABS = ("Cycle", "Candidates", "Plan", "Robot")
+SIZES = ((1280, 720), (1920, 1080), (1024, 700))
+
+
+def sent(bench, reaches):
+    """A plan on its way to the robot."""
+    for command, phase in ((TakeScan(), "scanned"), (FindParts(), "localized")):
+        bench.do(command, "Otto")
+        reaches(phase)
+    bench.do(MakePlan(), "Otto")
+    digest = reaches("planned").plan.digest
+    for command in (WatchPlan(digest), Approve(digest), SendPlan(digest)):
+        bench.do(command, "Otto")
+
+
+@pytest.mark.parametrize("speed", [0.1])
+def test_stop_robot_fault_and_mode_are_at_the_same_place_on_every_tab_and_at_every_size(
+    users, start, window, bench, robot, reaches, wait, shots
+):
+    """At 1280 x 720 the Stop of the Cycle tab was out of sight on all other tabs."""
+    front = start[0]()
+    window.log_in(front.url, "Otto", PASSWORD)
+    window.sees_the_scene()
+    page, stop = window.page, window.page.locator("#stop")
+    expect(stop).to_be_disabled()
+    expect(page.locator("#robot")).to_have_text("Robot: stands")
+    expect(page.locator("#mode")).to_have_text("Live")
+    sent(bench, reaches)
+    wait(lambda: bench.live.link.step > 0, "the robot to move")
+    expect(page.locator("#mode")).to_have_text("Robot moves")
+    for width, height in SIZES:
+        page.set_viewport_size({"width": width, "height": height})
+        for tab in TABS:
+            window.scene.get_by_role("tab", name=tab).click()
+            box = stop.bounding_box()
+            assert box["y"] + box["height"] <= 40 and width - box["x"] - box["width"] < 20
+            expect(stop).to_be_enabled()
+            # Steps and tabs stay, too, however far one scrolls.
+            assert window.scene.locator(".wb-strip").bounding_box()["y"] < 120
+    page.set_viewport_size({"width": 1280, "height": 720})
+    stop.click()
+    assert "the controller acknowledged the stop" in reaches("fault").fault
+    expect(page.locator("#fault")).to_contain_text("the controller acknowledged the stop")
+    expect(stop).to_be_disabled()
+    window.scene.get_by_role("tab", name="Cycle").click()
+    for name in ("Send", "Approve"):
+        box = window.scene.get_by_role("button", name=name, exact=True).bounding_box()
+        assert box["y"] + box["height"] <= 720, f"{name} is below the fold"
+    page.screenshot(path=shots / "stopped-in-the-bar.png")
+    assert window.errors == []

@@ -3,6 +3,7 @@
 from functools import partial
 
 import pytest
+from playwright.sync_api import expect
 
 from workbench.app.runtime.bench import Bench
 from workbench.app.runtime.effect_runner import EffectRunner
@@ -27,7 +28,7 @@ def test_the_page_says_that_it_gets_ready_and_what_is_pressed_runs_afterwards(
     screen.wait_for("40 %")
     screen.tab("Cell")
     screen.button("Jog").wait_for()
-    assert screen.button("Jog").is_disabled()
+    expect(screen.button("Jog")).to_be_disabled()
     screen.tab("Cycle")
     screen.press("Scan")
     screen.wait_for("then: ")

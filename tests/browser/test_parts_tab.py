@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from hands import drag, first_look, settle
+from playwright.sync_api import expect
 
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.clouds.scans import write_cloud
@@ -34,7 +35,7 @@ def test_an_uploaded_scan_gives_parts_to_veto_and_correct(screen, bench, wait, r
     screen.tab("Parts")
     rows = screen.page.locator(".wb-parts tbody tr")
     rows.nth(2).wait_for()
-    assert rows.count() == 3
+    expect(rows).to_have_count(3)
     screen.shoot("parts")
     screen.page.locator(".wb-discarded summary").click()
     screen.page.locator(".wb-discarded li").first.wait_for()

@@ -36,7 +36,7 @@ def planned(screen, reaches):
 def shared_link(served, cell):
     """Where the robot's last link is for everybody."""
     scene = served._renderer._server.scene
-    return np.array(scene.get_handle_by_name(f"/robot/{cell.arms[0].flange}").position)
+    return np.array(scene.get_handle_by_name(f"/planned/{cell.arms[0].flange}").position)
 
 
 def patches(client):
@@ -112,7 +112,9 @@ def test_a_jogged_robot_is_drawn_over_the_shared_one_and_gives_it_back(served, s
     visitor.own.change(jog={**visitor.own.now.jog, "right": home + 0.5})
     wait(lambda: changed(patches(client), before) > 20, "the jogged robot")
     assert np.array_equal(shared_link(served, bench.state.cell), stood)
+    screen.page.locator('.wb-mode[data-mode="jog"]').wait_for()
     screen.shoot("own-jog")
     screen.press("End jogging")
+    screen.page.locator('.wb-mode[data-mode="jog"]').wait_for(state="detached")
     wait(lambda: changed(patches(client), before) == 0, "the robot that all see, where it was")
     assert screen.errors == []

@@ -371,11 +371,14 @@ def sends_garbage(link: socket.socket) -> None:
         (sends_garbage, "abb-socket/2"),
     ],
 )
-def test_a_controller_that_breaks_off(line, send, talks, protocol):
+def test_a_controller_that_breaks_off(line, say, send, tmp_path, talks, protocol):
+    one_arm = tmp_path / "one_arm.json"
+    words = ("--poses", line.poses, "--out", one_arm, "--strategy", "right")
+    assert say("plan", "yumi", *words).code == 0
     server, thread = one_that(talks)
     port = server.getsockname()[1]
     address = ["--host", "127.0.0.1", "--port", port, "--protocol", protocol]
-    said = send(line.plan, *address)
+    said = send(one_arm, *address)
     thread.join(120)
     assert said.code == 4
     assert said.problem

@@ -1,6 +1,5 @@
 """A plan, its approval, and simulated controllers on free ports."""
 
-import threading
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import replace
@@ -8,8 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from patient import PATIENT
-from waiting import PATIENCE
+from patient import PATIENT, in_threads
 
 from workbench.app.picking.pipeline import plan_pick
 from workbench.devices.abb_simulated.controller import SimulatedController
@@ -29,12 +27,15 @@ def cell() -> Cell:
 
 @pytest.fixture(scope="session")
 def plan(cell: Cell) -> Plan:
+    """For two arms of which one moves at a time, so that every protocol can say it."""
     floor = cell.bin.T_world_bin.translation
     detections = tuple(
         Detection("keyed_cylinder", pose_from_rpy(floor + [0.0, y, 0.019], (np.pi / 2, 0.0, yaw)))
         for y, yaw in ((-0.07, 0.4), (0.07, -0.6))
     )
-    made = plan_pick(cell, detections, "scan", seed=0).plan
+    motion = replace(cell.controller.motion, arms_at_once=1)
+    in_turn = replace(cell, controller=replace(cell.controller, motion=motion))
+    made = plan_pick(in_turn, detections, "scan", seed=0).plan
     assert made is not None
     return made
 
@@ -59,24 +60,9 @@ def approval(cell: Cell, plan: Plan) -> Approval:
 @pytest.fixture
 def controller(cell: Cell, tmp_path: Path) -> Iterator[Callable[..., SimulatedController]]:
     """Starts controllers that end with the test; they record to `arrived.jsonl`."""
-    running: list[tuple[SimulatedController, threading.Thread]] = []
-
-    def start(**options) -> SimulatedController:
-        one = SimulatedController(
-            cell,
-            record=tmp_path / "arrived.jsonl",
-            **({"speed": 1000.0, "patience": PATIENT} | options),
-        )
-        thread = threading.Thread(target=one.run)
-        thread.start()
-        running.append((one, thread))
-        return one
-
-    yield start
-    for one, thread in running:
-        one.stop()
-        thread.join(PATIENCE)
-        assert not thread.is_alive()
+    usual = {"record": tmp_path / "arrived.jsonl", "speed": 1000.0, "patience": PATIENT}
+    with in_threads() as started:
+        yield lambda **options: started(SimulatedController(cell, **(usual | options)))
 
 
 @pytest.fixture

@@ -1,7 +1,11 @@
 """A robot link on a machine that does much else: only what really never comes is missed."""
 
 import functools
+import threading
 import time
+from collections.abc import Callable, Generator
+from contextlib import contextmanager
+from typing import Protocol, TypeVar
 
 from waiting import PATIENCE
 
@@ -13,6 +17,35 @@ PATIENT = LinkPatience(
 )
 
 send = functools.partial(robot_link.send, patience=PATIENT)
+
+
+class Runs(Protocol):
+    """A controller."""
+
+    def run(self) -> None: ...
+
+    def stop(self) -> None: ...
+
+
+Controller = TypeVar("Controller", bound=Runs)
+
+
+@contextmanager
+def in_threads() -> Generator[Callable[[Controller], Controller]]:
+    """Runs controllers, each in a thread of its own, until the block ends."""
+    running: list[tuple[Controller, threading.Thread]] = []
+
+    def started(one: Controller) -> Controller:
+        thread = threading.Thread(target=one.run)
+        thread.start()
+        running.append((one, thread))
+        return one
+
+    yield started
+    for one, thread in running:
+        one.stop()
+        thread.join(PATIENCE)
+        assert not thread.is_alive()
 
 
 class Hurried:

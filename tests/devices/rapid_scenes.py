@@ -14,12 +14,14 @@ from rapid_old_scenes import (
     the_older_protocol,
     the_older_protocol_while_an_arm_moves,
 )
-from rapid_stage import HOME, MID, NEAR, old, stars, step
+from rapid_stage import FORTH, HOME, LONG, MID, NEAR, old, stars, step
+from rapid_step_scenes import (
+    each_step_waits_for_its_word,
+    stop_silence_and_faults_while_a_step_waits,
+    words_that_let_no_step_run,
+)
 from waiting import wait_until
 from wires import TASKS, Talk
-
-FORTH = step(1, "R", "alone", NEAR["R"], HOME["R"])
-LONG = step(1, "R", "alone", NEAR["R"], HOME["R"], ms=20000)
 
 
 def parts_are_picked_and_lost(stage):
@@ -362,6 +364,9 @@ SCENES = (
     an_arm_that_does_not_come_to_synchronise,
     a_report_while_an_arm_is_a_step_behind,
     an_address_that_cannot_be_had,
+    each_step_waits_for_its_word,
+    words_that_let_no_step_run,
+    stop_silence_and_faults_while_a_step_waits,
     clients_that_leave_at_once,
     a_pointer_set_to_main_in_a_synchronised_step,
     a_move_that_cannot_be_ends_the_step,

@@ -38,14 +38,14 @@ class Stage:
         assert talk.say("hello abb-socket/2")[0] == "hello"
         return talk
 
-    def load(self, talk, *steps, stands=HOME, counts=None):
+    def load(self, talk, *steps, stands=HOME, counts=None, manner=""):
         """Tell a program; the last answer, and its ticket."""
         self.tickets += 1
         ticket = f"{self.tickets:016d}"
         legs = sum(step.startswith("leg") for step in steps)
         points = sum(step.startswith("to") for step in steps)
         legs, points = counts or (legs, points)
-        lines = [f"plan {'a' * 64}", f"ticket {ticket} {legs:03d} {points:03d}"]
+        lines = [f"plan {'a' * 64}", f"ticket {ticket} {legs:03d} {points:03d}{manner}"]
         lines += [f"start {arm} {stands[arm]}" for arm in TASKS]
         for line in [*lines, *steps]:
             answer = talk.say(line)
@@ -53,14 +53,25 @@ class Stage:
                 return answer, ticket
         return talk.say(f"end {points:03d} {talk.crc:04X}"), ticket
 
-    def begin(self, *steps, stands=HOME):
+    def begin(self, *steps, stands=HOME, manner=""):
         """A program that runs."""
         talk = self.talk()
-        answer, ticket = self.load(talk, *steps, stands=stands)
+        answer, ticket = self.load(talk, *steps, stands=stands, manner=manner)
         assert answer[0] == "ok", answer
         answer = talk.say(f"run {ticket}")
         assert answer[0] == "ok", answer
         return talk
+
+    def stepped(self, *steps):
+        """A program that waits before its first step."""
+        talk = self.begin(*steps, manner=" stepped")
+        self.waits(talk, 1)
+        return talk
+
+    def waits(self, talk, number):
+        """Until the robot waits before this step."""
+        while talk.until("state").rest != f"waiting {number:02d} R00 L00":
+            pass
 
     def refused(self, *lines):
         """A conversation that ends in a refusal; the reason."""
@@ -96,6 +107,11 @@ class Stage:
 def step(number, arm, mode, *points, hand="keep", opening=30.0, zone=0.2, ms=400, name="reach"):
     head = f"leg {number:02d} {arm} {name} {len(points):03d} {zone:.3f} {hand} {opening:.1f} {mode}"
     return [head, *(f"to {k:03d} {where} {ms:05d}" for k, where in enumerate(points, start=1))]
+
+
+FORTH = step(1, "R", "alone", NEAR["R"], HOME["R"])
+# To and fro for 4 s of real time: a busy machine must not come too late to break it off.
+LONG = step(1, "R", "alone", *(NEAR["R"], HOME["R"]) * 20, ms=20000)
 
 
 def stars(where):

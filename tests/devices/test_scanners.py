@@ -66,6 +66,21 @@ def test_a_file_is_read_when_it_is_complete(tmp_path):
     assert taken(made(FolderScanner, tmp_path), *pieces).digest == SCAN.digest
 
 
+def test_a_file_that_was_being_written_when_the_scan_was_asked_for_is_not_taken(tmp_path):
+    write_cloud(tmp_path / "whole.bin", SCAN)
+    content = (tmp_path / "whole.bin").read_bytes()
+    (tmp_path / "scan.ply").write_bytes(content[:2000])
+    newer = Scan(SCAN.points + 0.01, T, "newer")
+
+    def rest() -> None:
+        with (tmp_path / "scan.ply").open("ab") as file:
+            file.write(content[2000:])
+
+    # Each report is a tenth of a second after the one before, at least.
+    then = [rest, *[lambda: None] * 10, lambda: write_cloud(tmp_path / "scan.ply", newer)]
+    assert taken(made(FolderScanner, tmp_path), *then).digest == newer.digest
+
+
 def test_a_file_that_is_renamed_into_place_counts(tmp_path):
     write_cloud(tmp_path / "scan.part", SCAN)
     scanner = made(FolderScanner, tmp_path)

@@ -1,7 +1,7 @@
 """One conversation on two controllers: random programs, good and bad, and what is said to them.
 
 `python tests/devices/wires.py 200` runs so many on the simulated controller and on the RAPID
-modules, and compares message by message.
+modules, and compares message by message.  Some of them are run step by step.
 """
 
 import itertools
@@ -202,6 +202,20 @@ def spoil(rng, lines):
     return lines
 
 
+def step_by_step(talk, lines):
+    """Let each step of a program run when the robot waits before it; what was said, and states."""
+    said, states = [], []
+    steps = max(int(line.split()[1]) for line in lines if line.startswith("leg"))
+    for step in range(1, steps + 1):
+        while not states or states[-1] != f"waiting {step:02d} R00 L00":
+            states.append(talk.until("state").rest)
+        said.append(("waits", states[-1]))
+        # Its number says how often was asked before.
+        word, rest = talk.say(f"next {step:02d}")
+        said.append((word, "" if word == "ok" else rest[:4]))
+    return said, states
+
+
 def transcript(port, lines, points, ticket):
     """All that a controller answers to a program, but for when reports come; and how it ends."""
     talk, said = Talk(port), []
@@ -214,6 +228,10 @@ def transcript(port, lines, points, ticket):
             said.append((word, rest[:4] if word == "no" else rest))
             if word == "no":
                 return said, talk.closed(), ()
+        waited = []
+        if lines[1].endswith(" stepped"):
+            told, waited = step_by_step(talk, lines)
+            said += told
         done = talk.until("done", "fault")
         said.append((done.word, done.rest if done.word == "done" else ""))
         at = []
@@ -221,7 +239,7 @@ def transcript(port, lines, points, ticket):
             talk.others = [one for one in talk.others if one.word != "at"]
             at.append(next(f for f in iter(lambda: talk.until("at"), None) if f.rest[0] == letter))
         parts = sorted(f.rest for f in talk.others if f.word == "part")
-        states = [f.rest for f in talk.others if f.word == "state"]
+        states = waited + [f.rest for f in talk.others if f.word == "state"]
         said += [("part", part) for part in parts]
         said.append(("states", check_states(states, lines)))
         said += [("at", frame.rest) for frame in at]
@@ -237,6 +255,12 @@ def check_states(states, lines):
     last = 0
     for state in states:
         phase, step, *arms = state.split()
+        if phase == "waiting":
+            assert lines[1].endswith(" stepped"), state
+            assert last <= int(step) <= int(legs[-1][0]), state
+            assert [int(one[1:]) for one in arms] == [0, 0], state
+            last = int(step)
+            continue
         if phase != "running":
             assert [int(step), *(int(one[1:]) for one in arms)] == [0, 0, 0], state
             continue
@@ -298,11 +322,11 @@ def same(one, other):
             assert rest[0] == rest_[0] and np.abs(a - b).max() < 0.0101, (rest, rest_)
 
 
-def compare(cell, seeds, share_spoilt=0.4):
+def compare(cell, seeds, share_spoilt=0.4, share_stepped=0.25):
     """Run programs on both; how many there were of each end, and how many messages."""
     both = Both(cell)
     stands = {arm.controller_id: np.asarray(arm.home) for arm in cell.arms}
-    ends, messages = {"done": 0, "no": 0}, 0
+    ends, messages = {"done": 0, "no": 0, "stepped": 0}, 0
     try:
         for seed in seeds:
             rng = np.random.default_rng(seed)
@@ -310,6 +334,8 @@ def compare(cell, seeds, share_spoilt=0.4):
             lines, points, after = lines_of(rng, cell, stands, ticket)
             if rng.random() < share_spoilt:
                 lines = spoil(rng, lines)
+            is_stepped = rng.random() < share_stepped and lines[1].startswith("ticket")
+            lines[1] += " stepped" * is_stepped
             try:
                 told = [
                     transcript(one.port, lines, points, ticket)
@@ -322,6 +348,7 @@ def compare(cell, seeds, share_spoilt=0.4):
                 raise AssertionError(f"seed {seed}: {error!r}\n{text}") from error
             end = "no" if told[0][0][-1][0] == "no" else "done"
             ends[end] += 1
+            ends["stepped"] += is_stepped and end == "done"
             messages += len(told[0][0])
             if end == "done":
                 stands = after
@@ -335,8 +362,9 @@ def main():
     began, used = time.monotonic(), time.process_time()
     ends, messages, _ = compare(read_cell("yumi"), itertools.islice(itertools.count(1000), count))
     print(
-        f"{count} programs, {messages} messages the same: {ends['done']} run, {ends['no']} refused "
-        f"by both; {time.monotonic() - began:.0f} s, {time.process_time() - used:.0f} s of the "
+        f"{count} programs, {messages} messages the same: {ends['done']} run, "
+        f"{ends['stepped']} of them step by step, {ends['no']} refused by both; "
+        f"{time.monotonic() - began:.0f} s, {time.process_time() - used:.0f} s of the "
         "processor"
     )
 

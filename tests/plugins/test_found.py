@@ -9,6 +9,7 @@ from workbench.formats.cells.reading import read_cell
 from workbench.model.errors import FileError, InputError
 from workbench.plugins.found import GROUPS, load, names, plugins
 from workbench.plugins.planner import planner_named
+from workbench.plugins.tool import made_tool
 
 PLANNERS = "workbench.planners"
 FUNCTION = "def straight(start, goal, *others, **more):\n    return None, 0\n"
@@ -73,8 +74,30 @@ def test_an_unknown_name_is_refused_with_the_known_ones(tmp_path):
         (folder / other.name).symlink_to(other)
     (folder / "cell.toml").unlink()
     (folder / "cell.toml").write_text(text)
-    with pytest.raises(FileError, match=r"controller.protocol: 'kuka' is not one of abb-socket"):
+    with pytest.raises(FileError, match=r"controller.protocol: 'kuka' is not one of .*abb-socket"):
         read_cell(folder)
+
+
+BARE = """
+from dataclasses import dataclass
+import pinocchio as pin
+from workbench.model.cell import Tool
+
+@dataclass
+class Nothing:
+    pass
+
+class Bare:
+    Options = Nothing
+    def make(self, name, options):
+        return Tool(name, pin.SE3.Identity(), ())
+"""
+
+
+def test_a_kind_of_tool_makes_one_with_a_body_or_fingers(plugged):
+    plugged.install("bare", BARE, {"workbench.tools": {"bare": "Bare"}})
+    with pytest.raises(InputError, match="'bare' has made a tool without body and fingers"):
+        made_tool("bare", "nothing", {})
 
 
 def test_the_command_lists_ours_and_theirs_and_what_is_broken(plugged, capsys):

@@ -36,6 +36,8 @@ def test_values_are_taken_and_the_others_are_the_usual():
         ({"address": 4}, "address: a text is expected, 4 is given"),
         ({"address": "a", "gain": 11.0}, "gain: 11.0 is not between 0 and 10"),
         ({"address": "a", "gain": float("nan")}, "gain: nan is not between"),
+        ({"address": "a", "gain": 10**400}, "is not between 0 and 10"),
+        ({"address": "a", "tries": 10**400}, "is not between 1 and inf"),
         ({"address": "a", "gain": True}, "gain: a number is expected"),
         ({"address": "a", "tries": 1.5}, "tries: a whole number is expected"),
         ({"address": "a", "mode": "slow"}, "mode: 'slow' is not one of fast, fine"),

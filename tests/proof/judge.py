@@ -27,6 +27,9 @@ from judged_motion import (
 from judged_rules import STRAIGHT, is_off, leaves_straight, rule_broken
 from judged_scene import Scene
 
+Kind = tuple[str, str]
+"""What a geom is part of, and the arm that carries it or ""."""
+
 
 class Judge:
     """Of plans for one cell; remembers what it has looked at, which bends do not change."""
@@ -74,6 +77,7 @@ class _Run:
                 )
             )
             + repr((files.cell["policy"], files.cell["tool"], kinds_of(plan))).encode()
+            + files.corners.encode()
         )
 
     def refusal(self) -> Refusal | None:
@@ -138,17 +142,27 @@ class _Run:
 
         path = np.asarray(leg.q)
         chords = [(whole(a, leg.opening), whole(b, leg.opening)) for a, b in pairwise(path)]
-        if not self.files.stops:
-            zone = self.files.policy("zone")
-            for before, corner, behind in zip(path, path[1:], path[2:], strict=False):
-                start, end = corner + zone * (before - corner), corner + zone * (behind - corner)
-                u = np.linspace(0.0, 1.0, 9)[:, None]
-                bow = (1 - u) ** 2 * start + 2 * u * (1 - u) * corner + u**2 * end
-                chords += [(whole(a, leg.opening), whole(b, leg.opening)) for a, b in pairwise(bow)]
+        for bow in self._bows(path):
+            chords += [(whole(a, leg.opening), whole(b, leg.opening)) for a, b in pairwise(bow)]
         fingers = None
         if after != leg.opening and len(slides):
             fingers = whole(path[-1], leg.opening), whole(path[-1], after)
         return Way(one, leg, one.arm, chords, fingers)
+
+    def _bows(self, path):
+        """What the controller may make of corners of a path (m, n), as polylines (k, n)."""
+        corners, zone = self.files.corners, self.files.policy("zone")
+        if corners == "stop":
+            return
+        for before, corner, behind in zip(path, path[1:], path[2:], strict=False):
+            if corners == "blend":
+                start, end = corner + zone * (before - corner), corner + zone * (behind - corner)
+                u = np.linspace(0.0, 1.0, 9)[:, None]
+                yield (1 - u) ** 2 * start + 2 * u * (1 - u) * corner + u**2 * end
+                continue
+            for share in ((0.49, 0.49), (0.25, 0.49), (0.49, 0.25), (0.25, 0.25)):
+                ends = (before, share[0]), (behind, share[1])
+                yield np.array([corner + part * (end - corner) for end, part in ends])
 
     def _after(self, ways) -> None:
         for way in ways:
@@ -177,15 +191,17 @@ class _Run:
 
     # -- one arm ------------------------------------------------------------------------------
 
-    def _carriers(self) -> list[str]:
+    def _kinds(self) -> list[tuple[str, str]]:
+        """What each geom is part of, and the arm that carries it now."""
         holders = {f"part {number}": one.arm for number, one in self.held.items()}
-        return [
-            holders.get(group, carrier)
-            for group, carrier in zip(self.scene.group, self.scene.carrier, strict=True)
-        ]
+        both = zip(self.scene.group, self.scene.carrier, strict=True)
+        return [(group, holders.get(group, carrier)) for group, carrier in both]
 
     def _asked(self, moving, need) -> Asked:
-        """Pairs of which one is moved by some values (nq,), with what `need` says they keep."""
+        """Pairs of which one is moved by some values (nq,), with what `need` says they keep.
+
+        It is asked for two kinds, each (group, carrier).
+        """
         scene = self.scene
         moves, levers = scene.moves.copy(), scene.levers.copy()
         for number, _, name in scene.pieces:
@@ -198,30 +214,34 @@ class _Run:
                 levers[g, columns] = levers[tool, columns] + 0.3
         first, second = np.triu_indices(scene.model.ngeom, 1)
         differ = (moves[first] ^ moves[second]) & moving
+        differ &= ~(scene.turns[first] | scene.turns[second])
         chosen = np.flatnonzero(differ.any(axis=1))
-        pairs, needs, far = [], [], []
-        for k in chosen.tolist():
-            a, b = int(first[k]), int(second[k])
-            least = need(a, b)
-            if least is not None:
-                pairs.append((a, b))
-                needs.append(least)
-                far.append(np.where(differ[k], levers[a] + levers[b], 0.0))
-        return Asked(np.array(pairs).reshape(-1, 2), np.array(needs), np.array(far))
+        pairs = np.stack([first[chosen], second[chosen]], axis=1)
+        kinds, known = self._kinds(), {}
+        least = np.full(len(chosen), np.nan)
+        for k, (a, b) in enumerate(pairs.tolist()):
+            pair = kinds[a], kinds[b]
+            if pair not in known:
+                known[pair] = need(*pair)
+            if known[pair] is not None:
+                least[k] = known[pair]
+        counts = ~np.isnan(least)
+        chosen, pairs = chosen[counts], pairs[counts]
+        both = np.where(moves, levers, 0.0)[pairs].sum(axis=1)
+        return Asked(pairs, least[counts], np.where(differ[chosen], both, 0.0))
 
     def _alone(self, way: Way, others) -> Refusal | None:
         scene, name, arm = self.scene, way.leg.name, way.arm
         columns = scene.columns[arm]
-        carriers, groups = self._carriers(), scene.group
         policy, tool = self.files.policy, f"tool {arm}"
         margin, near = policy("margin_mm"), policy("near_margin_mm")
         is_straight = name in STRAIGHT
         target = f"part {way.one.detection}"
         press = 0.0 if len(scene.fingers[arm]) else self.files.tool(arm).get("press_mm", 1.5) / 1000
-        starts: set[tuple[int, int]] = set()
+        starts: set[tuple[Kind, Kind]] = set()
 
-        def need(a: int, b: int) -> float | None:
-            pair, arms = {groups[a], groups[b]}, {carriers[a], carriers[b]}
+        def need(a: Kind, b: Kind) -> float | None:
+            pair, arms = {a[0], b[0]}, {a[1], b[1]}
             if len(pair) == 1 or self._never(pair) or arms & set(others):
                 return None
             if name == "approach" and pair == {target, tool}:
@@ -233,9 +253,9 @@ class _Run:
             if name == "home" and target in pair and arms == {arm, ""}:
                 starts.add((a, b))
                 return margin
-            works = [k for k in (a, b) if carriers[k] == arm and groups[k] in (tool, target)]
+            works = [k[0] for k in (a, b) if k[1] == arm and k[0] in (tool, target)]
             if is_straight and "" in arms and works:
-                if name == "extract" and any(groups[k] == target for k in works):
+                if name == "extract" and target in works:
                     starts.add((a, b))
                 return near
             return margin
@@ -246,7 +266,8 @@ class _Run:
         base = self.q.copy()
         base[scene.fingers[arm]] = way.chords[0][0][scene.fingers[arm]]
         chords = [(onto(base, a, columns), onto(base, b, columns)) for a, b in way.chords]
-        may = np.array([tuple(pair) in starts for pair in asked.pairs.tolist()], bool)
+        kinds = self._kinds()
+        may = np.array([(kinds[a], kinds[b]) in starts for a, b in asked.pairs.tolist()], bool)
         free = asked.only(~may)
         found = self._sampler.along(chords, free, way)
         if found is None and may.any():
@@ -259,10 +280,9 @@ class _Run:
         """What fingers would touch, but for the part that they take or let go."""
         moving, columns = np.zeros(self.scene.model.nq, bool), self.scene.fingers[way.arm]
         moving[columns] = True
-        groups = self.scene.group
 
-        def other(a: int, b: int) -> float | None:
-            return None if {groups[a], groups[b]} == {target, tool} else need(a, b)
+        def other(a: Kind, b: Kind) -> float | None:
+            return None if {a[0], b[0]} == {target, tool} else need(a, b)
 
         base = onto(base, way.fingers[0], self.scene.columns[way.arm])
         ends = [onto(base, values, columns) for values in way.fingers]
@@ -275,12 +295,12 @@ class _Run:
         begin = np.array([self.scene.distance(a, b, 0.02) for a, b in asked.pairs.tolist()])
         if extract:
             deepest = int(begin.argmin())
-            if begin[deepest] < -self.files.policy("sink_mm") - ALIKE:
+            if begin[deepest] < -self.files.policy("sink_mm") - min(ALIKE, self.judge.beyond):
                 return self._sampler.refused(
                     way, asked, deepest, begin[deepest], 0.0, "lies too deep: "
                 )
         count = len(way.leg.q) - 1
-        before = Asked(asked.pairs, np.minimum(near, begin - SLACK), asked.levers)
+        before = asked.keeping(np.minimum(near, begin - SLACK))
         if extract:
             release = self.files.policy("release_mm")
             start = self._tcp(way.arm, way.leg.q[0])[:3, 3]
@@ -296,6 +316,8 @@ class _Run:
                 parts[0] = [*parts[0], (chords[k][0], mix(*chords[k], cut))]
                 # From a little later on, as the two find this point by other means.
                 parts[1] = [(mix(*chords[k], min(cut + 0.02, 1.0)), chords[k][1]), *parts[1]]
+            bows = chords[count:]
+            parts[1] += [bow for bow in bows if min(map(far, bow)) > release + SLACK]
             found = self._sampler.along(parts[0], before, way)
             return found or self._sampler.along(parts[1], asked, way)
         left = count + 1
@@ -311,18 +333,19 @@ class _Run:
         if len(out) > 1 and not leaves_straight(out, lambda q: self._tcp(way.arm, q)):
             return Refusal("the hand does not leave straight", (way.arm,), (way.leg.name,))
         found = self._sampler.along(chords[: min(left, count)], before, way)
-        return found or self._sampler.along(chords[left:count], asked, way)
+        # A corner is rounded after the waypoint at which the hand has left.
+        bows = chords[count:]
+        first = len(bows) * left // max(count - 1, 1)
+        return found or self._sampler.along([*chords[left:count], *bows[first:]], asked, way)
 
     # -- two arms -----------------------------------------------------------------------------
 
     def _together(self, one: Way, other: Way) -> Refusal | None:
         scene, margin = self.scene, self.files.policy("margin_mm")
-        carriers, groups = self._carriers(), scene.group
         arms = {one.arm, other.arm}
 
-        def need(a: int, b: int) -> float | None:
-            pair = {groups[a], groups[b]}
-            is_between = {carriers[a], carriers[b]} == arms and not self._never(pair)
+        def need(a: Kind, b: Kind) -> float | None:
+            is_between = {a[1], b[1]} == arms and not self._never({a[0], b[0]})
             return margin if is_between else None
 
         sides = []

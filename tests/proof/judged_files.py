@@ -89,9 +89,10 @@ class Files:
         return poses
 
     @property
-    def stops(self) -> bool:
-        """Whether the robot comes to rest at each waypoint."""
-        return self.cell["controller"]["protocol"] == "abb-socket"
+    def corners(self) -> str:
+        """Whether the robot comes to rest at each waypoint, rounds corners, or is streamed."""
+        known = {"abb-socket": "stop", "abb-socket/2": "blend", "streamed": "streamed"}
+        return known[self.cell["controller"]["protocol"]]
 
 
 def read(folder: Path, parts: Path) -> Files:

@@ -47,7 +47,10 @@ class Way:
 
 @dataclass(eq=False)
 class Asked:
-    """Pairs of geoms (p, 2), what they keep (p,) [m] now, and what each value moves them."""
+    """Pairs of geoms (p, 2), and what they keep (p,) [m] now.
+
+    `levers` (p, nq) [m/rad, m/m]: how far a value moves one of a pair against the other at most.
+    """
 
     pairs: np.ndarray
     needs: np.ndarray
@@ -55,6 +58,9 @@ class Asked:
 
     def only(self, chosen) -> "Asked":
         return Asked(self.pairs[chosen], self.needs[chosen], self.levers[chosen])
+
+    def keeping(self, needs) -> "Asked":
+        return Asked(self.pairs, needs, self.levers)
 
 
 class Sampler:
@@ -75,15 +81,14 @@ class Sampler:
             looks += 1
             q = onto(mix(*first, 0.5), mix(*second, 0.5), columns)
             spans = [np.abs(end - start) / 2 for start, end in (first, second)]
-            moves = [open_.levers @ span for span in spans]
-            found, stays = self._look(q, open_, moves[0] + moves[1], ways)
+            found, stays = self._look(q, open_, spans[0] + spans[1], FINE_OF_TWO, ways)
             if found is not None:
                 return found
-            stays &= moves[0] + moves[1] > FINE_OF_TWO
             if not stays.any():
                 continue
             left = open_.only(stays)
-            if moves[0][stays].max() >= moves[1][stays].max():
+            moves = [(left.levers @ span).max() for span in spans]
+            if moves[0] >= moves[1]:
                 nodes.extend((half, second, left) for half in halves(*first))
             else:
                 nodes.extend((first, half, left) for half in halves(*second))
@@ -98,32 +103,37 @@ class Sampler:
         while nodes and looks < MOST:
             start, end, open_ = nodes.popleft()
             looks += 1
-            moves = open_.levers @ (np.abs(end - start) / 2)
-            found, stays = self._look(mix(start, end, 0.5), open_, moves, ways)
+            span = np.abs(end - start) / 2
+            found, stays = self._look(mix(start, end, 0.5), open_, span, FINE, ways)
             if found is not None:
                 return found
-            stays &= moves > FINE
             if stays.any():
                 left = open_.only(stays)
                 nodes.extend((*half, left) for half in halves(start, end))
         return None
 
-    def _look(self, q, asked: Asked, moves, ways):
-        """A refusal, or which pairs (p,) have to be looked at more finely around `q`."""
+    def _look(self, q, asked: Asked, span, fine: float, ways):
+        """A refusal, or which pairs (p,) have to be looked at more finely around `q`.
+
+        `span` (nq,) is how far each value is from `q` at most; where a pair moves less than `fine`
+        [m] this look stands for all of that.
+        """
         scene = self.scene
         scene.at(q)
         a, b = asked.pairs.T
-        at, radii = scene.data.geom_xpos, scene.model.geom_rbound
-        wanted = asked.needs + moves
-        room = np.linalg.norm(at[a] - at[b], axis=1) - radii[a] - radii[b]
+        way, radii = scene.data.geom_xpos[a], scene.model.geom_rbound
+        way -= scene.data.geom_xpos[b]
+        wanted = asked.levers @ span
+        wanted += asked.needs + max(-self.beyond, 0.0)
+        room = np.sqrt(np.einsum("ij,ij->i", way, way)) - radii[a] - radii[b]
         stays = np.zeros(len(a), bool)
         for k in np.flatnonzero(room < wanted).tolist():
-            distance = scene.distance(int(a[k]), int(b[k]), float(wanted[k]) + 0.001)
-            if distance < asked.needs[k] - self.beyond:
-                return self.refused(
-                    ways[0], asked, k, distance, asked.needs[k], "", *ways[1:]
-                ), stays
-            stays[k] = distance < wanted[k]
+            most = float(wanted[k])
+            distance = scene.distance(int(a[k]), int(b[k]), most + 0.001)
+            need = float(asked.needs[k])
+            if distance < need - self.beyond:
+                return self.refused(ways[0], asked, k, distance, need, "", *ways[1:]), stays
+            stays[k] = distance < most and most - need > fine
         return None, stays
 
     def refused(self, way, asked: Asked, k, distance, need, said, *others) -> Refusal:

@@ -71,7 +71,14 @@ def _sequence(files: Files, plan) -> str:
     by_arm = [arm for arm, _ in runs] == [arm for arm in names for _ in LEGS]
     if guarantee == "one-at-a-time" and not (is_one and by_arm):
         return "not one arm after the other"
-    if guarantee != "one-at-a-time" and strategy != "coordinated":
+    if strategy != "coordinated" and guarantee != "one-at-a-time" and is_one:
+        return "no two arms at once, and called otherwise"
+    pairs = [[leg for _, leg in step.runs] for step in plan.sequence if len(step.runs) == 2]
+    if strategy != "coordinated" and (
+        guarantee == "synchronised"
+        or not by_arm
+        or any(pair != ["home", "reach"] for pair in pairs)
+    ):
         return "arms at once where they take turns"
     return ""
 

@@ -9,6 +9,8 @@ from judged_files import Files, pose_of, unit
 SPARE = 6
 """Boxes that stand for what a scan shows and for fixtures that come later."""
 
+ROUND = (int(mujoco.mjtGeom.mjGEOM_CYLINDER), int(mujoco.mjtGeom.mjGEOM_CAPSULE))
+
 AWAY = np.array([0.0, 0.0, -100.0])
 """[m] Where a box is that is not there."""
 
@@ -17,7 +19,8 @@ class Scene:
     """A model of a cell with parts of some kinds; `set` puts everything where a case has it.
 
     `group`, `carrier` (g,): what each geom is part of, and the arm that carries it or "".
-    `moves` (g, nq): which values move it; `levers` (g, nq) [m/rad, m/m]: and how far at most.
+    `moves` (g, nq): which values move it; `turns` (g, nq): which of these only turn it about an
+    axis about which it is round; `levers` (g, nq) [m/rad, m/m]: how far each moves it at most.
     """
 
     def __init__(self, files: Files, kinds: tuple[str, ...]) -> None:
@@ -83,6 +86,7 @@ class Scene:
         of_joint = {joint: arm for arm, chain in files.chains.items() for joint in chain}
         self.group, self.carrier = [], []
         self.moves = np.zeros((model.ngeom, model.nq), bool)
+        self.turns = np.zeros((model.ngeom, model.nq), bool)
         self.levers = np.zeros((model.ngeom, model.nq))
         self.geom_of: dict[str, int] = {}
         for g in range(model.ngeom):
@@ -105,12 +109,22 @@ class Scene:
                 column = int(model.jnt_qposadr[first])
                 is_slide = model.jnt_type[first] == mujoco.mjtJoint.mjJNT_SLIDE
                 self.moves[g, column] = True
+                self.turns[g, column] = not joints and self._is_turned_alike(g, first)
                 self.levers[g, column] = 1.0 if is_slide else reach
                 reach += 0.1 if is_slide else 0.0
                 joints.append(model.joint(first).name)
             reach += float(np.linalg.norm(model.body_pos[body]))
             body = int(model.body_parentid[body])
         return joints
+
+    def _is_turned_alike(self, g: int, joint: int) -> bool:
+        """Whether a geom fills the same space however a joint with nothing behind it is turned."""
+        model, data = self.model, self.data
+        if model.jnt_type[joint] != mujoco.mjtJoint.mjJNT_HINGE or model.geom_type[g] not in ROUND:
+            return False
+        off, axis = data.geom_xpos[g] - data.xanchor[joint], data.xaxis[joint]
+        along = data.geom_xmat[g].reshape(3, 3)[:, 2]
+        return bool(abs(along @ axis) > 1 - 1e-9 and np.linalg.norm(np.cross(off, axis)) < 1e-6)
 
     def set(self, files: Files, boxes, parts: list[np.ndarray]) -> None:
         """Everything at its place that stands or lies: boxes (pose, size [m]), parts (4, 4)."""

@@ -40,7 +40,7 @@ def spike(world, base, arm: str, q, pair: tuple[str, str], among=None):
     behind the contact.
     """
     chain, columns = world.chains[arm], world.kinematics.columns[arm]
-    rng, alone = np.random.default_rng(0), world.alone(arm)
+    rng, alone = np.random.default_rng(0), world.pairs.alone(arm)
     for _ in range(4000):
         goal = q + rng.normal(0.0, 1.0, len(q))
         if np.any(goal < chain.lower) or np.any(goal > chain.upper):
@@ -118,7 +118,7 @@ def test_arms_that_meet_at_a_sharp_corner_only_are_found(cell, coordinated, prot
     post = np.asarray(legs[1].q[number])
     base[world.kinematics.columns[second[0]]] = post
     q = np.asarray(legs[0].q[number])
-    deep = spike(world, base, first[0], q, ("right", "left"), world.between())
+    deep = spike(world, base, first[0], q, ("right", "left"), world.pairs.between())
     bent = with_spike(coordinated, first[0], "home", number, deep)
     if guarantee is Guarantee.SYNCHRONISED:
         # The other arm stands meanwhile, and passes its waypoints at the same times.
@@ -142,8 +142,10 @@ def test_a_plan_for_a_controller_that_stops_takes_the_time_of_the_stops(cell, de
             np.testing.assert_allclose(leg.t, stops)
 
 
-def test_what_was_proven_with_stops_is_not_approved_for_a_controller_that_rounds(cell, result):
+def test_what_was_proven_with_stops_is_not_approved_for_a_controller_that_rounds(cell, detections):
     stopping, rounding = (spoken_to_by(cell, protocol) for protocol in PROTOCOLS)
+    # A controller that stops moves one arm at a time.
+    result = plan_pick(stopping, detections, "scan", strategy="alternated", seed=0)
     with_stops, rounded = prove(stopping, result.plan), prove(rounding, result.plan)
     assert with_stops.holds and rounded.holds
     with pytest.raises(CommandRefused, match=r"rounds corners by 0\.2"):

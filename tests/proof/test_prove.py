@@ -173,3 +173,16 @@ def test_a_part_that_is_elsewhere_fails(cell, result, moved):
     proof = prove(cell, replace(result.plan, detections=tuple(detections)))
     assert not proof.holds
     assert "not where the hand closes" in text(proof)
+
+
+def test_two_arms_with_very_many_waypoints_are_refused_before_all_pairs_are_looked_at(cell, result):
+    """Each way for itself may be as long as it likes; beside another one it would take hours."""
+    plan = result.plan
+    first, second = plan.arms
+    for one, name in ((first, "home"), (second, "reach")):
+        q = np.asarray(one.leg(name).q)
+        rows = np.vstack([q[0], *[q[[0, 1]]] * 150, q[1:]])
+        plan = with_leg(plan, one.arm, name, q=rows, t=np.arange(len(rows)) * 50.0)
+    assert any(len(step.runs) == 2 for step in plan.sequence)
+    proof = prove(cell, plan)
+    assert "too many waypoints beside leg reach" in "; ".join(map(str, proof.findings))

@@ -8,7 +8,7 @@ from bending import with_grasps, with_leg
 
 from workbench.app.picking.proving import prove
 from workbench.model.geometry import pose_from_rpy
-from workbench.model.plan import Strategy
+from workbench.model.plan import Guarantee, Strategy
 from workbench.model.scan import Obstacle, Scene
 from workbench.proof import search
 from workbench.proof.bodies import bodies_of
@@ -46,7 +46,7 @@ def test_grasps_are_asked_again(cell, result, change, says):
 def test_the_strategy_is_what_the_plan_does(cell, result):
     alone = replace(result.plan, strategy=Strategy.single("left"))
     assert "strategy left is not what the plan does" in problems(prove(cell, alone))
-    at_once = replace(result.plan, guarantee="time-independent")
+    at_once = replace(result.plan, guarantee=Guarantee.SYNCHRONISED)
     assert "move one after the other" in problems(prove(cell, at_once))
 
 
@@ -128,7 +128,7 @@ def test_parts_are_the_same_in_whatever_order_they_are_known(cell, result):
 
 
 def test_a_search_that_gives_up_is_no_proof(cell, result, monkeypatch):
-    monkeypatch.setattr(search, "MOST_LOOKS", 5)
+    monkeypatch.setattr(search, "MOST_HALVES", 5)
     assert "for too long to be proven" in problems(prove(cell, result.plan))
 
 

@@ -1,11 +1,18 @@
 """Robots that nobody here wrote: from their URDF to a proven pick, without a line of Python."""
 
 import json
+import re
 import sysconfig
+import time
+from contextlib import contextmanager, nullcontext
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from twins import PATIENT, own_host, twin_of
+from waiting import wait_until
 
+import workbench
 from workbench.app.picking.pipeline import plan_pick
 from workbench.cli.main import main
 from workbench.formats.cells.reading import read_cell
@@ -25,11 +32,23 @@ TOLERANCE_MM = 60
 """Wide: dividing meshes takes a while, and one robot here has it done."""
 
 
-@pytest.fixture(scope="module", autouse=True)
-def own_cache(tmp_path_factory):
+SEED = 1
+"""Of a pile in whose scan the UR5 finds a part that it can take."""
+
+CONTROLLER = """[controller]
+protocol = "ur-rtde-blend"
+host = "127.0.0.1"
+port = 30002
+state_port = 30004
+
+"""
+
+
+@contextmanager
+def empty_cache(folder):
     """Pieces are cut here, not found in the home of whoever runs the tests."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("XDG_CACHE_HOME", str(tmp_path_factory.mktemp("cache")))
+        patch.setenv("XDG_CACHE_HOME", str(folder))
         cache_folder.cache_clear()
         yield
     cache_folder.cache_clear()
@@ -42,7 +61,10 @@ def made(request, tmp_path_factory):
     urdf = SHARE / ROBOTS[request.param][0]
     tolerance = 20 if request.param == "ur5" else TOLERANCE_MM
     words = ("cell", "new", request.param, "--urdf", urdf, "--out", folder)
-    assert main([*map(str, words), "--tolerance-mm", str(tolerance)]) == 0
+    # Of one robot alone all pieces are cut: those of the others take half a minute and more.
+    cut = empty_cache(folder.parent / "cache") if request.param == "ur5" else nullcontext()
+    with cut:
+        assert main([*map(str, words), "--tolerance-mm", str(tolerance)]) == 0
     return request.param, folder / "cell.toml"
 
 
@@ -90,6 +112,82 @@ def test_the_same_robot_gives_the_same_cell(tmp_path):
     digests = []
     for name in ("a", "b"):
         words = ["cell", "new", "panda", "--urdf", str(urdf), "--out", str(tmp_path / name)]
-        assert main(words) == 0
+        with empty_cache(tmp_path / f"cache-{name}"):
+            assert main(words) == 0
         digests.append(read_cell(tmp_path / name).digest)
     assert digests[0] == digests[1]
+
+
+@pytest.fixture(scope="module")
+def released(made):
+    """The UR5's cell by the link that blends: a scan searched, a plan proven and approved."""
+    pytest.importorskip(
+        "rtde_receive", reason="ur-rtde is not installed: pip install 'workbench[ur-rtde]'"
+    )
+    path = made[1].with_name("blends.toml")
+    text = re.sub(r"(?s)\[controller\]\n.*?\n\n", CONTROLLER, made[1].read_text())
+    path.write_text(text)
+    cell = workbench.read_cell(path)
+    scan = workbench.simulate_scan(
+        cell, workbench.drop_parts(cell.parts[:1] * 2, cell.bin, seed=SEED)
+    )
+    found = workbench.localize(cell, scan)
+    result = workbench.plan(cell, found.detections, scan=scan)
+    assert result.plan is not None and result.proof.holds, result.verdict
+    return cell, result.plan, workbench.approve(cell, result.plan, result.proof, "tester")
+
+
+def sent(released, patience=PATIENT, **twin):
+    """What is received of the plan, by a twin of the controller; and the twin."""
+    cell, plan, approval = released
+    receipts = []
+    with twin_of(cell, own_host(), **twin) as (one, there):
+        try:
+            receipts += workbench.send(plan, approval, there, patience=patience)
+        except workbench.LinkError as error:
+            return receipts, one, str(error)
+    return receipts, one, ""
+
+
+only_ur5 = pytest.mark.parametrize("made", ["ur5"], indirect=True)
+
+
+@only_ur5
+def test_a_ur5_goes_the_whole_line_by_the_foreign_client(made, released):
+    cell, plan, _ = released
+    receipts, twin, problem = sent(released)
+    assert problem == "" and receipts[-1].kind == "end"
+    assert [one.kind for one in receipts[1:-1]] == [
+        leg for step in plan.sequence for _, leg in step.runs
+    ]
+    assert ", r=" in receipts[0].sent and len(twin.programs) == 1
+    end = plan.arms[0].legs[-1].q[-1]
+    assert abs(cell.arms[0].from_axes(twin.q) - end).max() < 1e-6
+
+
+@only_ur5
+@pytest.mark.parametrize(
+    ("fault", "says"), [("protective-stop@3", "protective stop"), ("cut@2", "")]
+)
+def test_a_fault_of_its_controller_ends_the_sending(made, released, fault, says):
+    patience = replace(PATIENT, silence=1.0)
+    receipts, twin, problem = sent(released, patience, faults=[fault], speed=20.0)
+    assert problem and says in problem
+    assert receipts[-1].kind != "end" and len(twin.programs) >= 1
+    stood = twin.q
+    time.sleep(0.05)
+    assert twin.q == stood
+
+
+@only_ur5
+def test_a_client_that_is_too_slow_is_stopped_by_its_controller(made, released):
+    cell, plan, approval = released
+    with twin_of(cell, own_host(), speed=0.05) as (twin, there):
+        patience = replace(PATIENT, silence=0.5)
+        sending = workbench.send(plan, approval, there, patience=patience)
+        next(sending)
+        wait_until(lambda: twin.is_protective)
+        stood = twin.q
+        with pytest.raises(workbench.LinkError, match=r"protective stop|was silent"):
+            list(sending)
+        assert twin.q == stood

@@ -8,7 +8,7 @@ import pytest
 
 from workbench.formats.cells.reading import read_cell
 from workbench.model.errors import InputError
-from workbench.studies.klampt import attempts_by_klampt
+from workbench.studies.klampt import attempts_by_klampt, paths_by_klampt
 from workbench.studies.planners import Course, compare, summary
 from workbench.studies.targets import TILT, drawn_poses
 
@@ -91,5 +91,12 @@ def test_klampt_solves_the_same_course(course):
     pytest.importorskip("klampt")
     attempts = attempts_by_klampt(course, ["sbl"], seconds=5.0, report=quiet)
     assert [one.target for one in attempts] == [number for number, _ in course.goals]
-    assert all(one.is_possible for one in attempts), "Klamp't sees a collision at an end"
     assert sum(one.tool_way is not None for one in attempts) >= 0.8 * len(attempts)
+
+
+def test_klampt_sees_no_collision_at_the_ends_of_the_course(course):
+    pytest.importorskip("klampt")
+    ends = [q for _, q in course.goals]
+    world, joints = course.world, course.arm.joints
+    found = paths_by_klampt(world, joints, course.start, ends, ["sbl"], seconds=1e-6, report=quiet)
+    assert [one.is_possible for one in found] == [True] * len(ends)

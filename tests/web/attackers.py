@@ -36,7 +36,7 @@ async def at_the_page(front, name):
 
 async def cookie_of(browser):
     """The cookie that a browser has, to be shown elsewhere."""
-    (cookie,) = browser.session.cookie_jar
+    (cookie,) = (one for one in browser.session.cookie_jar if not one.key.endswith("_known"))
     return f"{cookie.key}={cookie.value}"
 
 

@@ -169,10 +169,16 @@ class _DistanceRequests:
 
 class DistanceResult:
     min_distance: float
+    def getNearestPoint1(self) -> _Floats: ...
+    def getNearestPoint2(self) -> _Floats: ...
+
+class _DistanceResults:
+    def __getitem__(self, number: int, /) -> DistanceResult: ...
 
 class GeometryData:
     oMg: _Poses
     distanceRequests: _DistanceRequests
+    distanceResults: _DistanceResults
     collisionRequests: _CollisionRequests
     collisionResults: _CollisionResults
     def __init__(self, model: GeometryModel, /) -> None: ...

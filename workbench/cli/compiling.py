@@ -7,11 +7,12 @@ and keeps them on disk: tens of seconds once on a machine, and after a change of
 import time
 
 from workbench.app.runtime.readiness import make_ready
+from workbench.cli.arguments.upkeep import Compile
 from workbench.cli.exits import FAILURE, SUCCESS
 from workbench.cli.terminal import progress
 
 
-def compile_ahead() -> int:
+def compile_ahead(typed: Compile) -> int:
     """Compile what is not ready, and tell how long it took."""
     began = time.perf_counter()
     with progress("compile") as report:

@@ -1,13 +1,13 @@
 """From what was typed to a command, and from what it raised to an exit code."""
 
+import importlib
 import os
 import sys
-from collections.abc import Sequence
-from typing import assert_never
+from collections.abc import Mapping, Sequence
 
 import tyro
 
-from workbench.cli.arguments import top as arguments
+from workbench.cli.arguments import nested, part, studies, top
 from workbench.cli.exits import BAD_INPUT, FAILURE, INTERRUPTED, NO_LINK, OUTPUT_CLOSED
 from workbench.model.errors import InputError, LinkError, WorkbenchError
 
@@ -48,10 +48,10 @@ def main(args: Sequence[str] | None = None) -> int:
         return _complain(error, FAILURE)
 
 
-def parse(args: Sequence[str] | None = None) -> arguments.Arguments:
+def parse(args: Sequence[str] | None = None) -> top.Arguments:
     """The command that was typed; ends the process after `--help`, and with 2 when it is none."""
     return tyro.cli(  # type: ignore[return-value]
-        arguments.Arguments,  # type: ignore[arg-type]
+        top.Arguments,  # type: ignore[arg-type]
         prog="workbench",
         description=DESCRIPTION,
         args=args,
@@ -64,119 +64,65 @@ def parse(args: Sequence[str] | None = None) -> arguments.Arguments:
     )
 
 
-def run(typed: arguments.Arguments) -> int:
-    """Carry a command out and give its exit code."""
-    match typed:
-        case arguments.Serve():
-            from workbench.cli.serving.serve import serve
+HOW: Mapping[type, str] = {
+    top.Serve: "serving.serve:serve",
+    top.Demo: "serving.demo:demo",
+    top.Plugins: "authoring.plugins:plugins",
+    top.Scan: "picking.look:scan",
+    top.Localize: "picking.look:localize",
+    top.Calibrate: "authoring.calibrate:calibrate",
+    top.Scanner: "authoring.scanner:fit",
+    top.Plan: "picking.planning:plan",
+    top.Explain: "picking.explain:explain",
+    top.Prove: "picking.proving:prove",
+    top.Verify: "picking.proving:verify",
+    top.Send: "serving.send:send",
+    top.Controller: "serving.controller:controller",
+    top.RapidCommands: "authoring.rapid:rapid",
+    top.ExportWorld: "picking.world:export_world",
+    nested.BenchPlanners: "measuring.studies:bench_planners",
+    nested.BenchMotion: "measuring.motion:motion",
+    nested.BenchPick: "measuring.studies:bench_pick",
+    nested.BenchSoak: "measuring.soak:soak",
+    nested.BenchPage: "measuring.page_load:page_load",
+    nested.BenchShort: "measuring.short:short",
+    studies.StudyLocalization: "measuring.studies:study_localization",
+    studies.StudyThreshold: "measuring.studies:study_threshold",
+    studies.StudyEmptying: "measuring.emptying:emptying",
+    nested.CellNew: "authoring.new_cell:new_cell",
+    nested.CellCheck: "authoring.cell:check_cell",
+    nested.CellShow: "authoring.cell:show_cell",
+    nested.CellSchema: "authoring.cell:print_schema",
+    part.PartImport: "authoring.part:import_part",
+    part.PartCheck: "authoring.part_check:check_part",
+    part.PartList: "authoring.part:list_parts",
+    top.Grasps: "authoring.grasps:grasps",
+    top.Import: "authoring.new_cell:import_world",
+    nested.SessionList: "sessions.inspecting:list_sessions",
+    nested.SessionShow: "sessions.inspecting:show_session",
+    nested.SessionVerify: "sessions.inspecting:verify_session",
+    nested.SessionReplay: "sessions.inspecting:replay_session",
+    nested.SessionOpen: "serving.open_session:open_session",
+    nested.SessionExport: "sessions.files:export",
+    nested.SessionImport: "sessions.files:import_",
+    nested.SessionPrune: "sessions.files:prune",
+    top.UserCommands: "serving.user:user",
+    top.OpcUaCommands: "serving.certificates:certificates",
+    top.Statistics: "sessions.statistics:tell_statistics",
+    top.Evidence: "sessions.evidence:evidence",
+    top.Backup: "serving.backup:backup",
+    top.Restore: "serving.backup:restore",
+    top.Compile: "compiling:compile_ahead",
+    top.Doctor: "doctor:doctor",
+}
+"""The function in `cli` that carries a command out, loaded when it is typed: that takes a while."""
 
-            return serve(typed)
-        case arguments.Demo():
-            from workbench.cli.serving.demo import demo
 
-            return demo(typed)
-        case arguments.Plugins():
-            from workbench.cli.authoring.plugins import plugins
-
-            return plugins(typed)
-        case arguments.Scan():
-            from workbench.cli.picking.look import scan
-
-            return scan(typed)
-        case arguments.Localize():
-            from workbench.cli.picking.look import localize
-
-            return localize(typed)
-        case arguments.Calibrate():
-            from workbench.cli.authoring.calibrate import calibrate
-
-            return calibrate(typed)
-        case arguments.Scanner():
-            from workbench.cli.authoring.scanner import fit
-
-            return fit(typed)
-        case arguments.Plan():
-            from workbench.cli.picking.planning import plan
-
-            return plan(typed)
-        case arguments.Explain():
-            from workbench.cli.picking.explain import explain
-
-            return explain(typed)
-        case arguments.Prove():
-            from workbench.cli.picking.proving import prove
-
-            return prove(typed)
-        case arguments.Verify():
-            from workbench.cli.picking.proving import verify
-
-            return verify(typed)
-        case arguments.Send():
-            from workbench.cli.serving.send import send
-
-            return send(typed)
-        case arguments.Controller():
-            from workbench.cli.serving.controller import controller
-
-            return controller(typed)
-        case arguments.ExportWorld():
-            from workbench.cli.picking.world import export_world
-
-            return export_world(typed)
-        case arguments.Bench():
-            from workbench.cli.measuring.studies import bench
-
-            return bench(typed)
-        case arguments.Study():
-            from workbench.cli.measuring.studies import study
-
-            return study(typed)
-        case arguments.CellCommands():
-            from workbench.cli.authoring.cell import cell
-
-            return cell(typed)
-        case arguments.PartCommands():
-            from workbench.cli.authoring.part import part
-
-            return part(typed)
-        case arguments.RapidCommands():
-            from workbench.cli.authoring.rapid import rapid
-
-            return rapid(typed)
-        case arguments.Grasps():
-            from workbench.cli.authoring.grasps import grasps
-
-            return grasps(typed)
-        case arguments.SessionCommands():
-            from workbench.cli.sessions.inspecting import session
-
-            return session(typed)
-        case arguments.UserCommands():
-            from workbench.cli.serving.user import user
-
-            return user(typed)
-        case arguments.Statistics():
-            from workbench.cli.sessions.statistics import tell_statistics
-
-            return tell_statistics(typed)
-        case arguments.Backup():
-            from workbench.cli.serving.backup import backup
-
-            return backup(typed)
-        case arguments.Restore():
-            from workbench.cli.serving.backup import restore
-
-            return restore(typed)
-        case arguments.Import():
-            from workbench.cli.authoring.new_cell import import_world
-
-            return import_world(typed)
-        case arguments.Compile():
-            from workbench.cli.compiling import compile_ahead
-
-            return compile_ahead()
-        case _:
-            assert_never(typed)
+def run(typed: top.Arguments) -> int:
+    """Carry a command out and give its exit code; of nested ones the inner one is carried out."""
+    command: object = typed if type(typed) in HOW else getattr(typed, "what", None)
+    module, _, name = HOW[type(command)].partition(":")
+    return getattr(importlib.import_module(f"workbench.cli.{module}"), name)(command)
 
 
 def _complain(error: WorkbenchError, code: int) -> int:

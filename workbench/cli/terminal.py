@@ -4,7 +4,7 @@ import json
 import math
 import os
 import time
-from collections.abc import Callable, Generator, Iterable
+from collections.abc import Generator, Iterable
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -14,12 +14,10 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
 from workbench.model.errors import InputError
+from workbench.plugins.progress import Report
 
 WIDE = 120
 """Columns of a table that goes into a file or a pipe."""
-
-Report = Callable[[float, str], None]
-"""Called with the share done, 0..1, and what is being done."""
 
 
 @contextmanager

@@ -3,12 +3,14 @@
 from collections.abc import Callable, Iterator
 
 from workbench.devices.abb_socket.link import send_messages, send_program
+from workbench.devices.abb_socket.program import LONGEST_WAY
 from workbench.devices.abb_socket.reports import watch_state
 from workbench.model.cell import Cell
 from workbench.model.errors import InputError
 from workbench.model.motion import MotionModel
 from workbench.model.release import RobotState
 from workbench.plugins.options import NoOptions
+from workbench.plugins.progress import Cancelled
 from workbench.plugins.robot_link import Running, Simulation
 
 
@@ -22,7 +24,7 @@ class AbbSocket:
     def check(self, cell: Cell) -> None:
         """Any cell."""
 
-    def states(self, cell: Cell, cancelled: Callable[[], bool]) -> Iterator[RobotState]:
+    def states(self, cell: Cell, cancelled: Cancelled) -> Iterator[RobotState]:
         """What comes from the port beside the one for motion."""
         return watch_state(cell.controller.host, cell.controller.state_port, cancelled)
 
@@ -38,21 +40,22 @@ class AbbSocket:
             serve_modules(cell, simulation, ready)
             return
         # Every cell that is read loads this module; only the simulation needs so much.
-        from workbench.devices.abb_simulated import controller
+        from workbench.devices.abb_simulated.controller import SimulatedController
         from workbench.devices.abb_simulated.faults import parse_fault
 
-        controller.serve(
+        controller = SimulatedController(
             cell,
-            host=simulation.host,
-            port=simulation.port,
-            state_port=simulation.state_port,
+            simulation.host,
+            simulation.port,
+            simulation.state_port,
             speed=simulation.speed,
             record=simulation.record,
             trace=simulation.trace,
             faults=[parse_fault(text) for text in simulation.faults],
             home_after=simulation.home_after,
-            ready=ready,
         )
+        ready(controller)
+        controller.run()
 
 
 class AbbProgram(AbbSocket):
@@ -65,5 +68,8 @@ class AbbProgram(AbbSocket):
         decimals=2,
         arms_at_once=2,
         reports_progress=True,
+        takes_share=True,
+        takes_steps=True,
+        longest=LONGEST_WAY,
     )
     send = staticmethod(send_program)

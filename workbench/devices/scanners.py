@@ -11,7 +11,8 @@ from workbench.model.cell import Cell
 from workbench.model.errors import JobCancelled, LinkError
 from workbench.model.scan import Scan
 from workbench.plugins.options import NoOptions
-from workbench.plugins.scanner import Cancelled, Report, ScanRequest
+from workbench.plugins.progress import Cancelled, Report
+from workbench.plugins.scanner import ScanRequest
 
 KINDS = frozenset({".ply", ".pcd"})
 STILL = 0.3
@@ -28,8 +29,9 @@ WAITS = 10.0
 class FolderScanner:
     """The next complete PLY or PCD file that somebody puts into a folder.
 
-    A file counts when it was written after the scan was asked for: one from before may show a bin
-    that is not like that any more.  It is complete when it has stopped growing.
+    A file counts when it was begun after the scan was asked for: one from before may show a bin
+    that is not like that any more.  So one that was there counts when it has come to rest and is
+    written again.  It is complete when it has stopped growing.
     """
 
     Options = NoOptions
@@ -42,8 +44,10 @@ class FolderScanner:
         """Wait for the next file; see `Scanner`."""
         if not self._folder.is_dir():
             raise LinkError(f"scanner: there is no folder {self._folder}")
-        before, began = self._files(), time.monotonic()
-        seen: dict[Path, tuple[tuple[int, int], float]] = {}
+        began = time.monotonic()
+        seen = {path: (stamp, began) for path, stamp in self._files().items()}
+        # Those may be written just now; what they are once they rest is from before, too.
+        unsettled, before = set(seen), dict[Path, Stamp]()
         while (waited := time.monotonic() - began) < self._mount.patience:
             if cancelled():
                 raise JobCancelled("the scan was cancelled")
@@ -54,6 +58,9 @@ class FolderScanner:
                 known, since = seen.get(path, (None, 0.0))
                 if known != stamp:
                     seen[path] = (stamp, time.monotonic())
+                elif time.monotonic() - since >= STILL and path in unsettled:
+                    unsettled.discard(path)
+                    before[path] = stamp
                 elif time.monotonic() - since >= STILL and stamp[1] > 0:
                     return read_scan(path, self._mount)
             time.sleep(GLANCE)

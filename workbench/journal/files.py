@@ -7,6 +7,7 @@ import re
 import tempfile
 from pathlib import Path
 
+from workbench.formats.files.whole_files import sync_folder
 from workbench.model.errors import JournalError
 
 DIGEST = re.compile(r"[0-9a-f]{64}")
@@ -40,7 +41,7 @@ def write_file(folder: Path, digest: str, content: bytes) -> None:
         _write_durably(path, content)
         # The new names count only once the folders that hold them are on the disk too.
         for holder in (path.parent, folder, folder.parent):
-            _sync(holder)
+            sync_folder(holder)
     except OSError as error:
         raise JournalError(f"{path}: cannot be written: {error.strerror}") from error
 
@@ -73,11 +74,3 @@ def _write_durably(path: Path, content: bytes) -> None:
         with contextlib.suppress(OSError):
             os.unlink(name)
         raise
-
-
-def _sync(folder: Path) -> None:
-    number = os.open(folder, os.O_RDONLY)
-    try:
-        os.fsync(number)
-    finally:
-        os.close(number)

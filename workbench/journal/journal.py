@@ -6,7 +6,10 @@ exclude that, keep `head` somewhere else.
 """
 
 import hashlib
+import os
+import shutil
 import sqlite3
+import tempfile
 import threading
 from collections.abc import Iterator, Mapping
 from contextlib import closing
@@ -21,6 +24,8 @@ from workbench.model.errors import JournalError
 
 FIRST = "0" * 64
 """What stands before the first entry."""
+
+DATABASE = "journal.sqlite"
 
 NO_FILES: Mapping[str, bytes] = MappingProxyType({})
 
@@ -62,12 +67,16 @@ class Journal:
         self.folder = folder
         self._lock = threading.Lock()
         self._writer: Writer | None = None
+        self._copy: tempfile.TemporaryDirectory[str] | None = None
         try:
             folder.mkdir(parents=True, exist_ok=True)
+            self._path = self._found()
             self._connection = sqlite3.connect(
                 self._path, timeout=patience, isolation_level=None, check_same_thread=False
             )
-        except (OSError, sqlite3.Error) as error:
+        except (OSError, sqlite3.Error, ValueError) as error:
+            if self._copy is not None:
+                self._copy.cleanup()
             raise JournalError(f"{folder}: cannot hold a journal: {error}") from error
         try:
             self._connection.execute("PRAGMA journal_mode = WAL")
@@ -76,8 +85,8 @@ class Journal:
             migrate(self._connection)
             self._count, self._head = _last(self._connection)
         except (JournalError, sqlite3.Error) as error:
-            self._connection.close()
-            raise JournalError(f"{self._path}: {error}") from error
+            self.close()
+            raise JournalError(f"{folder / DATABASE}: {error}") from error
 
     @property
     def count(self) -> int:
@@ -104,6 +113,8 @@ class Journal:
             JournalError: nothing was appended.
         """
         with self._lock:
+            if self._copy is not None:
+                raise JournalError(f"{self.folder}: nothing can be written there")
             for digest, content in files.items():
                 write_file(self.folder / "files", digest, content)
             number = self._count + 1
@@ -145,18 +156,17 @@ class Journal:
         Raises:
             JournalError: the journal cannot be read.
         """
-        try:
-            # closing: sqlite3's own `with` ends a transaction but leaves the connection open.
-            with closing(self._reader()) as reader:
-                rows = reader.execute(
-                    "SELECT number, kind, body, previous, hash FROM entries"
-                    " WHERE number > ? ORDER BY number",
-                    (after,),
-                )
-                for number, kind, body, previous, entry_hash in rows:
-                    yield Row(number, kind, body, _files_of(reader, number), previous, entry_hash)
-        except sqlite3.Error as error:
-            raise JournalError(f"{self._path}: cannot be read: {error}") from error
+        yield from self._rows("WHERE number > ? ORDER BY number", after)
+
+    def last(self, kind: str = "") -> Row | None:
+        """The last entry, or the last of one kind; None when there is none.
+
+        Raises:
+            JournalError: the journal cannot be read.
+        """
+        return next(
+            self._rows("WHERE kind = ? OR ? = '' ORDER BY number DESC LIMIT 1", kind, kind), None
+        )
 
     def read(self, digest: str) -> bytes:
         """The content of a file of this journal, checked against its digest.
@@ -212,16 +222,38 @@ class Journal:
         """End writing; closing twice does no harm."""
         with self._lock:
             self._connection.close()
+            if self._copy is not None:
+                self._copy.cleanup()
             if self._writer is not None:
                 self._writer.close()
                 self._writer = None
 
-    @property
-    def _path(self) -> Path:
-        return self.folder / "journal.sqlite"
+    def _found(self) -> Path:
+        """Where the database is opened: SQLite has to write beside it even to read it."""
+        path = self.folder / DATABASE
+        if not path.exists() or os.access(self.folder, os.W_OK):
+            return path
+        self._copy = tempfile.TemporaryDirectory(prefix="workbench-journal-")
+        for kept in (path, path.with_name(f"{DATABASE}-wal")):
+            if kept.exists():
+                shutil.copyfile(kept, Path(self._copy.name) / kept.name)
+        return Path(self._copy.name) / DATABASE
 
     def _reader(self) -> sqlite3.Connection:
         return sqlite3.connect(f"{self._path.absolute().as_uri()}?mode=ro", uri=True)
+
+    def _rows(self, which: str, *values: int | str) -> Iterator[Row]:
+        """The entries that the end of a query, with its values, picks out."""
+        try:
+            # closing: sqlite3's own `with` ends a transaction but leaves the connection open.
+            with closing(self._reader()) as reader:
+                rows = reader.execute(
+                    f"SELECT number, kind, body, previous, hash FROM entries {which}", values
+                )
+                for number, kind, body, previous, entry_hash in rows:
+                    yield Row(number, kind, body, _files_of(reader, number), previous, entry_hash)
+        except sqlite3.Error as error:
+            raise JournalError(f"{self._path}: cannot be read: {error}") from error
 
     def _insert(self, row: Row, files: Mapping[str, bytes]) -> None:
         execute = self._connection.execute

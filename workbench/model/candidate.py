@@ -17,6 +17,7 @@ class Reason(enum.StrEnum):
     DISABLED = "disabled"
     ARM_NOT_ALLOWED = "arm not allowed"
     TOOL_COLLISION = "tool collision"
+    ROLL_UNKNOWN = "roll unknown"
     OUT_OF_REACH = "out of reach"
     IN_COLLISION = "in collision"
     APPROACH_BLOCKED = "approach blocked"
@@ -43,9 +44,9 @@ class Verdict:
     """A reason with its evidence.
 
     `pair` names the two bodies that come too close, `distance` [m] how close (negative:
-    penetration depth) or, when out of reach, how far the TCP stays away; `q` (n,)
-    [rad] is the configuration (of the candidate's arm) where it happened, so that the page can draw
-    it.
+    penetration depth), None where nobody has measured it, or, when out of reach, how far the TCP
+    stays away; `q` (n,) [rad] is the configuration (of the candidate's arm) where it happened, so
+    that the page can draw it.
     """
 
     reason: Reason
@@ -62,6 +63,11 @@ class Verdict:
     def is_ok(self) -> bool:
         """Whether it admits."""
         return self.reason is Reason.OK
+
+    @property
+    def progress(self) -> tuple[int, float]:
+        """How far it got: number of the stage, and distance [m]; the larger the further."""
+        return list(Stage).index(self.stage), self.distance or 0.0
 
     def __str__(self) -> str:
         text = str(self.reason)

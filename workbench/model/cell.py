@@ -80,6 +80,7 @@ class Arm:
     place in the chain of the controller's k-th axis and `axis_signs` its sense.  `home` (n,)
     [rad], chain order.  `places` are TCP poses where a part may be released, tried in order;
     where the arm `keeps_parts` they stay there, as on a pallet, and the next one goes elsewhere.
+    Where it `needs_roll`, no part is put there whose roll about its axis the scan does not show.
     `controller_id` is what the controller calls the arm.  `tool` is what it carries, `tools` all
     that it can carry.
     """
@@ -96,6 +97,7 @@ class Arm:
     Ts_world_place: tuple[pin.SE3, ...] = ()
     keeps_parts: bool = False
     tools: tuple[Tool, ...] = ()
+    needs_roll: bool = field(default_factory=lambda: False, metadata=LATER)
 
     def __post_init__(self) -> None:
         put(
@@ -104,6 +106,16 @@ class Arm:
             acceleration=frozen(self.acceleration),
             Ts_world_place=tuple(copied(T) for T in self.Ts_world_place),
         )
+
+    def to_axes(self, q: Floats) -> Floats:
+        """A configuration (n,) [rad], chain order, as the controller counts its axes."""
+        return np.asarray(q)[list(self.axis_order)] * np.array(self.axis_signs)
+
+    def from_axes(self, axes: Floats) -> Floats:
+        """The configuration (n,) [rad], chain order, of axes as the controller counts them."""
+        q = np.empty(len(self.joints))
+        q[list(self.axis_order)] = np.asarray(axes) * np.array(self.axis_signs)
+        return q
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -162,12 +174,12 @@ class ScannerMount:
     """Where the scanner hangs and what it sees: camera frame z forward, x right, y down.
 
     `resolution` (columns, rows), `field_of_view` [rad] along the columns, `depth_noise` [m]
-    standard deviation at 1 m, `near` and `far` [m] the range it measures in.  `source` names
-    the driver (`plugins.scanner`), `address` is where it finds the scanner, in its own way, `unit`
-    that of files, `patience` [s] how long to wait for a scan, `options` are the driver's own keys.
-    `calibration` says who has measured the pose and when, None when nobody has; after
-    `calibration_days` it counts as old.  `cloud_axes` names the axes of the points in files, see
-    `formats.clouds.scans.CLOUD_AXES`.
+    standard deviation at 1 m of a simulated pixel before any averaging, `near` and `far` [m] the
+    range it measures in.  `source` names the driver (`plugins.scanner`), `address` is where it
+    finds the scanner, in its own way, `unit` that of files, `patience` [s] how long to wait for a
+    scan, `options` are the driver's own keys.  `calibration` says who has measured the pose and
+    when, None when nobody has; after `calibration_days` it counts as old.  `cloud_axes` names the
+    axes of the points in files, see `formats.clouds.scans.CLOUD_AXES`.
     """
 
     T_world_scanner: pin.SE3
@@ -334,6 +346,15 @@ class Cell:
     def moves_both_arms(self) -> bool:
         """Whether there are two arms or more, and a controller that can move two at once."""
         return len(self.arms) > 1 and self.controller.motion.arms_at_once > 1
+
+    def joint_values(self, q: Mapping[str, Floats]) -> dict[str, float]:
+        """The value [rad or m] of each joint by its name, of the named arms at `q` (n,)."""
+        return {
+            joint: float(value)
+            for arm in self.arms
+            if arm.name in q
+            for joint, value in zip(arm.joints, q[arm.name], strict=True)
+        }
 
     def arm(self, name: str) -> Arm:
         """The arm of that name.

@@ -76,7 +76,10 @@ def _is_silent(field: "dataclasses.Field[Any]", owner: Any) -> bool:
         return True
     if not field.metadata.get("later"):
         return False
-    return bool(getattr(owner, field.name) == field.default_factory())  # type: ignore[misc]
+    value = getattr(owner, field.name)
+    return not isinstance(value, np.ndarray) and bool(
+        value == field.default_factory()  # type: ignore[misc]
+    )
 
 
 def digest_of(value: Any, *, without: frozenset[str] = frozenset()) -> str:

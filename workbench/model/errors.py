@@ -47,6 +47,10 @@ class NotAllowed(CommandRefused):
     """A command that is for people of another role, whatever the state."""
 
 
+class NotRecorded(CommandRefused):
+    """A command that was in order, and was not carried out since it cannot be written down."""
+
+
 class LinkError(WorkbenchError):
     """A device cannot be reached, did not answer in time, or broke off."""
 

@@ -40,6 +40,20 @@ def copied(T: pin.SE3) -> pin.SE3:
     return pin.SE3(T)
 
 
+def shift_and_turn(T: pin.SE3) -> tuple[float, float]:
+    """How far a motion shifts [m], and by how much it turns [rad]."""
+    return float(np.linalg.norm(T.translation)), float(np.linalg.norm(pin.log3(T.rotation)))
+
+
+def spread_directions(count: int) -> Floats:
+    """Unit vectors (count, 3) spread evenly: a Fibonacci spiral on the sphere."""
+    k = np.arange(count) + 0.5
+    z = 1 - 2 * k / count
+    angle = np.pi * (1 + np.sqrt(5)) * k
+    radius = np.sqrt(1 - z * z)
+    return np.stack([radius * np.cos(angle), radius * np.sin(angle), z], axis=1)
+
+
 def pose_from_matrix(matrix: ArrayLike) -> pin.SE3:
     """A pose from a matrix (3, 4) or (4, 4), which is [R | t]: R has no unit, t is in m.
 

@@ -1,10 +1,12 @@
 """What planning and proof need to know of how a controller moves, whoever has built it."""
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, field
 from typing import Literal
 
 import numpy as np
 
+from workbench.model.digest import LATER
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats
 
@@ -24,6 +26,10 @@ class MotionModel:
     (`streamed`).  `arms_at_once` is how many arms it moves at the same time.  `reports_progress`:
     the link itself acknowledges what is sent, a stop and the end, and says what became of each
     part; otherwise all that is known comes from the states that the controller reports beside it.
+
+    `takes_share`: it can be told to move slower than was planned, along the same way; at most
+    `longest` [s] from one waypoint to the next.  `takes_steps`: it can wait for a word before each
+    step (`plugins.robot_link.SteppedLink`).
     """
 
     link: str
@@ -33,6 +39,9 @@ class MotionModel:
     period: float = 0.0
     arms_at_once: int = 1
     reports_progress: bool = False
+    takes_share: bool = field(default_factory=bool, metadata=LATER)
+    takes_steps: bool = field(default_factory=bool, metadata=LATER)
+    longest: float = field(default_factory=lambda: math.inf, metadata=LATER)
 
     def __post_init__(self) -> None:
         if self.corners == "streamed" and not self.period > 0:

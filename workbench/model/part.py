@@ -141,17 +141,19 @@ class GraspLibrary:
         """Whether two arms may take parts by these grasps, the first one going first."""
         if not self.pairs:
             return True
-        one, other = self._entry_name(first), self._entry_name(second)
+        one, other = (
+            None if entry is None else entry.name for entry in map(self.entry_of, (first, second))
+        )
         return any(
             (pair.first, pair.second) == (one, other)
             or (not pair.is_ordered and (pair.second, pair.first) == (one, other))
             for pair in self.pairs
         )
 
-    def _entry_name(self, grasp: str) -> str:
-        """The entry that a grasp, or what a symmetry makes of one, comes from."""
+    def entry_of(self, grasp: str) -> Entry | None:
+        """The entry that a grasp, or what a symmetry makes of one, comes from; None: of none."""
         authored = grasp.split(TURNED)[0]
-        return next((e.name for e in self.entries for g in grasps_of(e) if g.name == authored), "")
+        return next((e for e in self.entries for g in grasps_of(e) if g.name == authored), None)
 
 
 TURNED = "@"

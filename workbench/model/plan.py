@@ -12,7 +12,7 @@ import pinocchio as pin
 
 from workbench.model.candidate import Candidate, Verdict
 from workbench.model.cell import ARM_NAME
-from workbench.model.digest import digest_of
+from workbench.model.digest import LATER, digest_of
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats, copied, frozen, put
 from workbench.model.scan import Detection, Obstacle, Scene
@@ -143,6 +143,11 @@ class Step:
 
     runs: tuple[tuple[str, LegName], ...]
 
+    @property
+    def words(self) -> str:
+        """What moves, for people: `right extract and left home`."""
+        return " and ".join(f"{arm} {leg}" for arm, leg in self.runs)
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Plan:
@@ -194,6 +199,11 @@ class Plan:
 def at_least(bound: float) -> str:
     """A distance [m] from below, for people: rounded down, so that no more is said than holds."""
     return f"at least {math.floor(bound * 1e4 + 1e-6) / 10:.1f} mm"
+
+
+def cycle_words(seconds: float, bound: float) -> str:
+    """How long a plan takes [s], for people, and how that compares with its bound, where known."""
+    return f"{seconds:.1f} s" + (f", {seconds / bound:.1f} times the bound" if bound > 0 else "")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -277,7 +287,9 @@ class Proof:
 class PlanResult:
     """What a planning job brings: every candidate judged, and the plan or why there is none.
 
-    `beside` is what the other strategy brought, where both were asked for.
+    `bound` [s] is what no plan for the same parts can be quicker than, by the candidates that work;
+    0 where it was not asked.  `beside` is what the other strategy brought, where both were asked
+    for.
     """
 
     candidates: tuple[Candidate, ...]
@@ -288,3 +300,4 @@ class PlanResult:
     obstacles: tuple[Obstacle, ...] = ()
     planner: str = "rrtconnect"
     beside: "tuple[PlanResult, ...]" = ()
+    bound: float = field(default_factory=float, metadata=LATER)

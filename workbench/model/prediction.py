@@ -5,10 +5,10 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True)
 class Forecast:
-    """What to expect where parts at least `threshold` [m] apart are taken by both arms at once.
+    """What to expect where both arms may take parts at least `threshold` [m] apart at once.
 
-    Shares are 0..1, None where nothing was counted: of the pairs taken at once, and of the pairs
-    with a proven plan.  `planning` and `cycle` [s]: the median and the mean for a pair.
+    Shares are 0..1, None where nothing was counted: of the pairs that may be taken at once, and of
+    the pairs with a proven plan.  `planning` and `cycle` [s]: the median and the mean for a pair.
     """
 
     threshold: float

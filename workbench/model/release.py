@@ -4,16 +4,46 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from workbench.model.digest import LATER, digest_of
+from workbench.model.errors import InputError
 from workbench.model.geometry import Floats, put
+
+SLOWEST = 0.05
+"""The least share of the planned speed at which a plan is sent."""
+
+
+Manner = tuple[float, bool]
+"""How a plan goes out: at which share of its speed, and whether step by step."""
+
+AS_PLANNED: Manner = (1.0, False)
+
+
+def _full_speed() -> float:
+    return 1.0
+
+
+def manner_words(speed_share: float, is_stepped: bool) -> str:
+    """How a plan is to be executed, for people; empty where it is in one go and as planned."""
+    speed = f"at {speed_share * 100:g} % of the planned speed" if speed_share < 1.0 else ""
+    return ", ".join(words for words in (speed, "step by step" if is_stepped else "") if words)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Vote:
-    """One person's agreement to a plan, `at` [s since the epoch]; a cell may want several."""
+    """One person's agreement to a plan, `at` [s since the epoch]; a cell may want several.
+
+    It is for one manner of sending: `speed_share` and `is_stepped` as in `Approval`.
+    """
 
     plan_digest: str
     actor: str
     at: float
+    speed_share: float = field(default_factory=_full_speed, metadata=LATER)
+    is_stepped: bool = field(default_factory=bool, metadata=LATER)
+
+    @property
+    def manner(self) -> Manner:
+        """What a vote has to share with another one to count beside it."""
+        return self.speed_share, self.is_stepped
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -21,7 +51,12 @@ class Approval:
     """A named person's vote for exactly one plan, until `until` [s since the epoch].
 
     Where a cell wants several people, `before` are the votes of the others.  `is_unwatched`
-    says that the plan was not played before whoever approves it by a page.
+    says that the plan was not played before whoever approves it by a page.  `ran` is the digest of
+    the inventory of what ran there (`app.provenance`), empty where none was recorded.
+
+    The plan goes out at `speed_share` (`SLOWEST`..1) of the speed at which it was planned: every
+    motion takes so many times longer.  `is_stepped`: the robot waits before each step until a
+    person lets that one run.
     """
 
     plan_digest: str
@@ -33,10 +68,22 @@ class Approval:
     until: float
     before: tuple[Vote, ...] = ()
     is_unwatched: bool = field(default_factory=bool, metadata=LATER)
+    ran: str = field(default_factory=str, metadata=LATER)
+    speed_share: float = field(default_factory=_full_speed, metadata=LATER)
+    is_stepped: bool = field(default_factory=bool, metadata=LATER)
     digest: str = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
+        if not SLOWEST <= self.speed_share <= 1.0:
+            raise InputError(
+                f"a plan is sent at {SLOWEST:g} to 1 of its speed, not at {self.speed_share!r}"
+            )
         put(self, digest=digest_of(self))
+
+    @property
+    def manner(self) -> Manner:
+        """How the plan goes out."""
+        return self.speed_share, self.is_stepped
 
     @property
     def people(self) -> tuple[str, ...]:
@@ -65,7 +112,8 @@ class Receipt:
     `at` [s since the epoch]; `kind` is a word of the link's own; `sent` the text without padding,
     empty when the controller spoke unasked; `heard` its answer, empty where the protocol has none
     or none came.  `done`, `total` count messages of the whole plan.  `part` is set when it reported
-    what became of a part.
+    what became of a part, `waits` when it reported that it stands before that step of the plan,
+    counted from 1, and waits for a person's word.
     """
 
     at: float
@@ -76,6 +124,7 @@ class Receipt:
     total: int
     heard: str = ""
     part: PartReport | None = None
+    waits: int = field(default_factory=int, metadata=LATER)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

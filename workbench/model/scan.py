@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 import pinocchio as pin
 
-from workbench.model.digest import digest_of
+from workbench.model.digest import LATER, digest_of
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats, copied, frozen, put
 
@@ -62,7 +62,11 @@ class Detection:
     `score` 0..1; `visible` 0..1, the fraction of the surface facing the scanner that was
     seen; `gap` the score by which it beats the second-best different pose of the same object
     (None when there was no other, or for poses from outside).  `roll_known` False: the scan
-    does not show the angle about the part's near-symmetry axis.
+    does not show the angle about the part's near-symmetry axis, and `roll_axis` (2, 3), a point
+    [m] and a unit direction in the part's frame, is that axis; None: the one that the part's
+    symmetry states.  `covariance` (6, 6) [m, rad] is that of shifts of the part's origin, then of
+    turns about it, along the world's axes; `probability` the chance that it is right; both None
+    for poses from outside.
     """
 
     part: str
@@ -72,8 +76,20 @@ class Detection:
     gap: float | None = None
     residual: float | None = None
     roll_known: bool = True
+    covariance: Floats | None = field(default_factory=lambda: None, metadata=LATER)
+    probability: float | None = field(default_factory=lambda: None, metadata=LATER)
+    roll_axis: Floats | None = field(default_factory=lambda: None, metadata=LATER)
 
     def __post_init__(self) -> None:
+        if self.covariance is not None and np.shape(self.covariance) != (6, 6):
+            raise InputError("the covariance of a pose has six rows of six numbers")
+        if self.roll_axis is not None:
+            axis = np.asarray(self.roll_axis, float)
+            # Not `>`: what is no number has no length.
+            if axis.shape != (2, 3) or not abs(np.linalg.norm(axis[1]) - 1) <= 1e-6:
+                raise InputError("the axis of a roll is a point and a direction of length 1")
+            if not np.isfinite(axis).all():
+                raise InputError("the axis of a roll goes through a point with finite coordinates")
         put(
             self,
             T_world_part=copied(self.T_world_part),
@@ -81,7 +97,19 @@ class Detection:
             visible=float(self.visible),
             gap=None if self.gap is None else float(self.gap),
             residual=None if self.residual is None else float(self.residual),
+            covariance=None if self.covariance is None else frozen(self.covariance),
+            probability=None if self.probability is None else float(self.probability),
+            roll_axis=None if self.roll_axis is None else frozen(self.roll_axis),
         )
+
+    @property
+    def deviations(self) -> tuple[float, float] | None:
+        """Standard deviation of the place [m] and of the turn [rad], in the direction of most."""
+        if self.covariance is None:
+            return None
+        place, turn = self.covariance[:3, :3], self.covariance[3:, 3:]
+        largest = (float(np.linalg.eigvalsh(one)[-1]) for one in (place, turn))
+        return tuple(np.sqrt(np.maximum(list(largest), 0.0)).tolist())  # type: ignore[return-value]
 
 
 class Objection(enum.StrEnum):
@@ -90,11 +118,13 @@ class Objection(enum.StrEnum):
     OUTSIDE = "outside the bin"
     TOO_LITTLE = "explains too little of the visible surface"
     FREE_SPACE = "free space violated"
+    UNKNOWN = "something unknown explains it better"
     GOES_ON = "its surface goes on where the part would end"
     NOT_HELD = "a small shift would be explained as well"
     CLAIMED = "surface claimed by"
     TWIN = "a twin with a worse score of"
     REACHES_INTO = "reaches into"
+    RIVAL_FELL = "lost to a pose that does not stand either"
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -3,21 +3,32 @@
 Every cell that is read loads this, so what they need (1.5 s of imports) is imported at work.
 """
 
-from collections.abc import Callable
+from dataclasses import dataclass
 
 from workbench.model.cell import Cell
 from workbench.model.errors import JobCancelled
 from workbench.model.scan import LocalizationResult, Scan
-from workbench.plugins.options import NoOptions
-from workbench.plugins.scanner import Cancelled, Report, ScanRequest
+from workbench.perception.simulation.noise_models import NOISE_MODELS
+from workbench.plugins.options import NoOptions, option
+from workbench.plugins.progress import Cancelled, Report
+from workbench.plugins.scanner import ScanRequest
+
+
+@dataclass(frozen=True, slots=True)
+class SimulatedOptions:
+    """Keys of the simulated scanner in `[scanner.options]`."""
+
+    like: str = option(
+        "fine", among=tuple(NOISE_MODELS), says="the build of scanner whose errors are simulated"
+    )
 
 
 class SimulatedScanner:
     """Drops parts by physics and computes what would have been measured; see `Scanner`."""
 
-    Options = NoOptions
+    Options = SimulatedOptions
 
-    def __init__(self, cell: Cell, options: NoOptions):
+    def __init__(self, cell: Cell, options: SimulatedOptions):
         self._cell = cell
 
     def scan(self, request: ScanRequest, report: Report, cancelled: Cancelled) -> Scan:
@@ -48,8 +59,8 @@ class PointPairs:
         *,
         seed: int,
         detail: float,
-        report: Callable[[float, str], None],
-        cancelled: Callable[[], bool],
+        report: Report,
+        cancelled: Cancelled,
     ) -> LocalizationResult:
         """All parts of all kinds that the cell picks."""
         from workbench.perception.localization.kinds import all_kinds

@@ -1,23 +1,15 @@
 """The seam of localizers: which parts lie where in a scan."""
 
-from collections.abc import Callable
 from typing import Any, Protocol
 
 from workbench.model.cell import Cell
 from workbench.model.errors import InputError
 from workbench.model.scan import LocalizationResult, Scan
-from workbench.plugins.found import USUAL, Group, load, names
+from workbench.plugins.found import USUAL, Group, load
 from workbench.plugins.options import options_of
+from workbench.plugins.progress import Cancelled, Report, never, silent
 
 GROUP: Group = "workbench.localizers"
-
-
-def _silent(done: float, note: str) -> None:
-    pass
-
-
-def _never() -> bool:
-    return False
 
 
 class Localizer(Protocol):
@@ -41,8 +33,8 @@ class Localizer(Protocol):
         *,
         seed: int,
         detail: float,
-        report: Callable[[float, str], None],
-        cancelled: Callable[[], bool],
+        report: Report,
+        cancelled: Cancelled,
     ) -> LocalizationResult:
         """All instances of all parts of the cell that the scan shows in its bin.
 
@@ -67,19 +59,14 @@ class Localizer(Protocol):
         ...
 
 
-def localizer_names() -> tuple[str, ...]:
-    """All localizers there are."""
-    return names(GROUP)
-
-
 def find_parts(
     scan: Scan,
     cell: Cell,
     *,
     seed: int,
     detail: float = 1.0,
-    report: Callable[[float, str], None] = _silent,
-    cancelled: Callable[[], bool] = _never,
+    report: Report = silent,
+    cancelled: Cancelled = never,
 ) -> LocalizationResult:
     """The parts in a scan, by the cell's localizer; see `Localizer.find`.
 

@@ -95,6 +95,13 @@ def _limits(field: "dataclasses.Field[Any]") -> tuple[float, float]:
     return field.metadata.get("low", -math.inf), field.metadata.get("high", math.inf)
 
 
+def _is_finite(value: float) -> bool:
+    try:
+        return math.isfinite(value)
+    except OverflowError:  # a whole number beyond all others
+        return False
+
+
 def _checked(field: "dataclasses.Field[Any]", kind: type, value: Any) -> Any:
     expected = KINDS[kind][1]
     is_right = isinstance(value, (int, float) if kind is float else kind)
@@ -102,7 +109,7 @@ def _checked(field: "dataclasses.Field[Any]", kind: type, value: Any) -> Any:
         raise InputError(f"{field.name}: {expected} is expected, {value!r} is given")
     if kind in (int, float):
         low, high = _limits(field)
-        if not (math.isfinite(value) and low <= value <= high):
+        if not (_is_finite(value) and low <= value <= high):
             raise InputError(f"{field.name}: {value!r} is not between {low:g} and {high:g}")
     among = field.metadata.get("among", ())
     if among and value not in among:

@@ -6,14 +6,24 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Protocol
 
+import numpy as np
+
 from workbench.model.cell import Cell, Controller
 from workbench.model.errors import CommandRefused, InputError
 from workbench.model.motion import MotionModel
 from workbench.model.plan import Plan
-from workbench.model.release import Approval, LinkStatus, Receipt, RobotState
+from workbench.model.release import (
+    AS_PLANNED,
+    Approval,
+    LinkStatus,
+    Manner,
+    Receipt,
+    RobotState,
+)
 from workbench.plugins.found import USUAL as USUAL_NAME
-from workbench.plugins.found import Group, load, names
+from workbench.plugins.found import Group, load
 from workbench.plugins.options import Options, options_of
+from workbench.plugins.progress import Cancelled, never
 
 GROUP: Group = "workbench.robot_links"
 
@@ -44,6 +54,11 @@ class LinkPatience:
 
 
 USUAL = LinkPatience()
+
+
+def none_let() -> int:
+    """Nobody has let a step run."""
+    return 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,7 +130,7 @@ class RobotLink(Protocol):
         cell: Cell,
         *,
         now: Callable[[], float],
-        cancelled: Callable[[], bool],
+        cancelled: Cancelled,
         show: Callable[[LinkStatus], None],
         patience: LinkPatience,
     ) -> Iterator[Receipt]:
@@ -142,7 +157,7 @@ class RobotLink(Protocol):
         """
         ...
 
-    def states(self, cell: Cell, cancelled: Callable[[], bool]) -> Iterator[RobotState]:
+    def states(self, cell: Cell, cancelled: Cancelled) -> Iterator[RobotState]:
         """What the controller reports of itself, as it comes, also while nothing is sent.
 
         An iterator that ends at once says that this controller reports nothing.
@@ -161,9 +176,39 @@ class RobotLink(Protocol):
         ...
 
 
-def link_names() -> tuple[str, ...]:
-    """All robot links there are."""
-    return names(GROUP)
+class SteppedLink(RobotLink, Protocol):
+    """A link that can also have a plan run step by step: its motion model `takes_steps`."""
+
+    def send(
+        self,
+        plan: Plan,
+        approval: Approval,
+        cell: Cell,
+        *,
+        now: Callable[[], float],
+        cancelled: Cancelled,
+        show: Callable[[LinkStatus], None],
+        patience: LinkPatience,
+        let: Callable[[], int] = none_let,
+    ) -> Iterator[Receipt]:
+        """As `RobotLink.send`; of an approval that `is_stepped` each step waits for a word.
+
+        The controller waits before each step of `plan.sequence`, the first one too, and a receipt
+        says once before which (`Receipt.waits`, from 1 on).  That step runs when `let` gives its
+        number, once; another number lets nothing run.  Stop, silence and faults count while it
+        waits as they do in motion.
+
+        Args:
+            plan: as there.
+            approval: as there.
+            cell: as there.
+            now: as there.
+            cancelled: as there.
+            show: as there.
+            patience: as there.
+            let: the number of the step that a person has let run last, 0 before the first.
+        """
+        ...
 
 
 def usual_link() -> str:
@@ -233,8 +278,8 @@ def check_approval(plan: Plan, approval: Approval, cell: Cell, now: float) -> No
         raise CommandRefused(f"the approval ran out {now - approval.until:.0f} s ago")
 
 
-def misfit(plan: Plan, cell: Cell) -> str:
-    """Why the controller of a cell cannot run a plan as it was proven; empty when it can.
+def misfit(plan: Plan, cell: Cell, manner: Manner = AS_PLANNED) -> str:
+    """Why the controller of a cell cannot run a plan as it was proven, in this manner; else empty.
 
     The controller is not in the cell's digest: a plan may have been made for another one.
     """
@@ -249,11 +294,18 @@ def misfit(plan: Plan, cell: Cell) -> str:
             f"the plan was made for finer steps than the robot link {motion.link} can send, so "
             "what is sent would not be what was proven; make a new plan"
         )
+    share, is_stepped = manner
+    if share < 1.0 and not motion.takes_share:
+        return f"the robot link {motion.link} cannot send a plan at a share of its speed"
+    if is_stepped and not motion.takes_steps:
+        return f"the robot link {motion.link} cannot send a plan step by step"
+    longest = max(float(np.diff(leg.t).max()) for arm in plan.arms for leg in arm.legs) / share
+    if longest > motion.longest:
+        return (
+            f"at {share * 100:g} % of its speed the plan takes {longest:.0f} s from one waypoint "
+            f"to the next; the robot link {motion.link} can say {motion.longest:.0f} s"
+        )
     return ""
-
-
-def _never() -> bool:
-    return False
 
 
 def _unseen(status: LinkStatus) -> None:
@@ -266,19 +318,25 @@ def send(
     cell: Cell,
     *,
     now: Callable[[], float] = time.time,
-    cancelled: Callable[[], bool] = _never,
+    cancelled: Cancelled = never,
     show: Callable[[LinkStatus], None] = _unseen,
     patience: LinkPatience = USUAL,
+    let: Callable[[], int] = none_let,
 ) -> Iterator[Receipt]:
-    """Send a plan to the controller of the cell, by the link of the cell; see `RobotLink.send`.
+    """Send a plan to the controller of the cell, by the link of the cell; see `SteppedLink.send`.
 
     Raises:
         CommandRefused: also where the controller cannot run the plan as it was proven.
     """
     check_approval(plan, approval, cell, now())
-    if problem := misfit(plan, cell):
+    if problem := misfit(plan, cell, approval.manner):
         raise CommandRefused(problem)
     link = link_named(cell.controller.motion.link)
+    words: dict[str, Any] = {}
+    if approval.is_stepped:
+        if not link.motion.takes_steps:
+            raise CommandRefused(f"the robot link {link.motion.link} cannot send step by step")
+        words["let"] = let
     yield from link.send(
-        plan, approval, cell, now=now, cancelled=cancelled, show=show, patience=patience
+        plan, approval, cell, now=now, cancelled=cancelled, show=show, patience=patience, **words
     )

@@ -1,20 +1,16 @@
 """The seam of scanners: where scans come from."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Protocol
 
 from workbench.model.cell import Cell
 from workbench.model.scan import Scan
-from workbench.plugins.found import Group, load, names
+from workbench.plugins.found import Group, load
 from workbench.plugins.options import options_of
+from workbench.plugins.progress import Cancelled as Cancelled
+from workbench.plugins.progress import Report as Report
 
 GROUP: Group = "workbench.scanners"
-
-Report = Callable[[float, str], None]
-"""Takes the share done, 0..1, and what is being done."""
-
-Cancelled = Callable[[], bool]
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,11 +52,6 @@ class Scanner(Protocol):
             JobCancelled: `cancelled`, asked at least every 0.1 s, said so.
         """
         ...
-
-
-def scanner_names() -> tuple[str, ...]:
-    """All scanners there are."""
-    return names(GROUP)
 
 
 def scanner_of(cell: Cell) -> Scanner:

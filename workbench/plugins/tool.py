@@ -4,7 +4,7 @@ from typing import Any, Protocol
 
 from workbench.model.cell import Tool
 from workbench.model.errors import InputError
-from workbench.plugins.found import Group, load, names
+from workbench.plugins.found import Group, load
 from workbench.plugins.options import Options, options_of
 
 GROUP: Group = "workbench.tools"
@@ -36,20 +36,6 @@ class ToolKind(Protocol):
         ...
 
 
-def tool_kinds() -> tuple[str, ...]:
-    """All kinds of tools there are."""
-    return names(GROUP)
-
-
-def options_class(kind: str) -> type:
-    """The dataclass of the keys that a kind of tool has of its own.
-
-    Raises:
-        InputError: there is no such kind.
-    """
-    return load(GROUP, kind).Options
-
-
 def made_tool(kind: str, name: str, given: Options) -> Tool:
     """A tool of a kind, made of the options that a cell file gives.
 
@@ -60,4 +46,6 @@ def made_tool(kind: str, name: str, given: Options) -> Tool:
     tool = found().make(name, options_of(found.Options, given))
     if not isinstance(tool, Tool) or tool.name != name:
         raise InputError(f"the tool kind {kind!r} has not made a tool {name!r}")
+    if not tool.body and not tool.fingers:
+        raise InputError(f"the tool kind {kind!r} has made a tool without body and fingers")
     return tool

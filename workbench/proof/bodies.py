@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache
+from itertools import product
 from typing import Literal
 
 import coal
@@ -11,8 +12,13 @@ import pinocchio as pin
 
 from workbench.model.cell import Arm, Cell
 from workbench.model.geometry import Box, Capsule, Cylinder, Floats, Mesh, Shape, Solid, Sphere
-from workbench.model.scan import Scene
+from workbench.model.part import Part
+from workbench.model.scan import Detection, Scene
 from workbench.proof.robot import Tree
+
+TURNS, ALIKE = 24, 3e-4
+"""Turns by which a part is looked at whose roll is not known; and how much more room [m] a cylinder
+about the axis may need at all of them."""
 
 Kind = Literal["link", "tool", "still", "part"]
 
@@ -24,6 +30,7 @@ class Body:
     `label` is what people read, `name` what it is part of: two bodies of one name are never
     compared.  `arm` carries it, empty where none does.  `part` is the number of the detection, -1
     for what is none.  `joint` and `T_joint_body`: where it hangs as long as no hand holds it.
+    `is_rolled`: it is the room of a piece of a part at every turn, since its roll is not known.
     """
 
     kind: Kind
@@ -35,11 +42,12 @@ class Body:
     T_joint_body: pin.SE3
     shape: Shape
     is_finger: bool = False
+    is_rolled: bool = False
 
 
 def bodies_of(cell: Cell, tree: Tree, scene: Scene) -> tuple[Body, ...]:
     """Links, tools, fixtures, the bin, the parts of the scene, and what else the scan shows."""
-    return (*_links(cell, tree), *_tools(cell, tree), *_still(cell, scene))
+    return (*_links(cell, tree), *_tools(cell, tree), *still_of(cell, scene), *_parts(cell, scene))
 
 
 def _links(cell: Cell, tree: Tree) -> Iterator[Body]:
@@ -71,7 +79,9 @@ def _tool(arm: Arm) -> str:
     return f"{arm.name}_tool"
 
 
-def _still(cell: Cell, scene: Scene) -> Iterator[Body]:
+def still_of(cell: Cell, scene: Scene) -> Iterator[Body]:
+    """Fixtures, the bin, and what the scan shows beside the parts."""
+
     def still(label: str, T: pin.SE3, solid: Solid) -> Body:
         return Body("still", label, "still", "", -1, 0, T * solid.T_owner_shape, solid.shape)
 
@@ -83,11 +93,71 @@ def _still(cell: Cell, scene: Scene) -> Iterator[Body]:
     for number, seen in enumerate(scene.obstacles):
         shape = Box(seen.size)
         yield Body("still", f"seen-{number + 1}", "still", "", -1, 0, seen.T_world_box, shape)
+
+
+def _parts(cell: Cell, scene: Scene) -> Iterator[Body]:
     for number, one in enumerate(scene.detections):
-        label = f"part-{number + 1}"
-        for piece in cell.part(one.part).pieces:
-            T = one.T_world_part * piece.T_owner_shape
-            yield Body("part", label, label, "", number, 0, T, piece.shape)
+        label, part = f"part-{number + 1}", cell.part(one.part)
+        for piece in part.pieces:
+            shape, T = piece.shape, one.T_world_part * piece.T_owner_shape
+            if not one.roll_known:
+                room, T_part_room = room_of(piece, roll_axis(part, one))
+                shape, T = room, one.T_world_part * T_part_room
+            yield Body("part", label, label, "", number, 0, T, shape, is_rolled=not one.roll_known)
+
+
+def roll_axis(part: Part, found: Detection) -> Floats:
+    """The axis (2, 3) of a part about which its roll is not known: a point [m] and a direction.
+
+    It is the detection's own; where that says none, the one that the part's symmetry is about.
+    """
+    axis = found.roll_axis
+    return np.vstack([part.symmetry.point, part.symmetry.axis]) if axis is None else axis
+
+
+def room_of(piece: Solid, axis: Floats) -> tuple[Cylinder, pin.SE3]:
+    """The cylinder about an axis (2, 3) [m] that holds a piece however it is turned about it.
+
+    Returns:
+        It, and where it is in the frame of the part.
+    """
+    point, direction = axis
+    shape, T = hull(piece.shape), piece.T_owner_shape
+    points, box = shape.centre + shape.points, shape.box
+    if isinstance(piece.shape, Mesh):
+        points, box = np.asarray(piece.shape.points), np.zeros(3)
+    corners = np.array(list(product((-1.0, 1.0), repeat=3))) * box
+    points = (points[:, None] + corners).reshape(-1, 3) @ T.rotation.T + T.translation
+    high = (points - point) @ direction
+    away = np.linalg.norm(points - point - np.outer(high, direction), axis=1)
+    lean = np.linalg.norm(np.cross(T.rotation[:, 2], direction))
+    rise = shape.disc * lean + shape.ball
+    low, top = float(high.min() - rise), float(high.max() + rise)
+    radius = float(away.max()) + shape.disc + shape.ball
+    R = pin.Quaternion.FromTwoVectors(np.array([0.0, 0.0, 1.0]), np.array(direction)).matrix()
+    return Cylinder(radius, top - low), pin.SE3(R, point + direction * (low + top) / 2)
+
+
+def turned_pieces(part: Part, found: Detection) -> list[list[tuple[Shape, pin.SE3]]]:
+    """Each piece of a part as it may lie in the world: once, or at each of `TURNS` turns.
+
+    These are of a part whose roll is not known, and whose piece is not the same at all of them.
+    """
+    axis = roll_axis(part, found)
+    angles = np.arange(1 if found.roll_known else TURNS) * (2 * np.pi / TURNS)
+    every: list[list[tuple[Shape, pin.SE3]]] = []
+    for piece in part.pieces:
+        room, _ = room_of(piece, axis)
+        is_same = isinstance(piece.shape, Cylinder) and max(
+            room.radius - piece.shape.radius, room.length - piece.shape.length
+        ) < ALIKE  # fmt: skip
+        places: list[tuple[Shape, pin.SE3]] = []
+        for angle in angles[: 1 if is_same else len(angles)]:
+            R = pin.exp3(axis[1] * angle)
+            turn = pin.SE3(R, axis[0] - R @ axis[0])
+            places.append((piece.shape, found.T_world_part * turn * piece.T_owner_shape))
+        every.append(places)
+    return every
 
 
 def is_round(body: Body, tree: Tree) -> bool:
@@ -104,40 +174,48 @@ def is_round(body: Body, tree: Tree) -> bool:
     return bool(is_alike and np.linalg.norm(np.cross(joint.axis, at)) < 1e-9)
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Hull:
+    """A shape as a hull of points (m, 3) [m], seen from `centre` (3,) [m] in the shape's frame.
+
+    Each point has a box of half lengths `box` (3,) [m], a disc across z of radius `disc` [m] and a
+    ball of radius `ball` [m].  Around it all are a box of half lengths `half` (3,) [m] and a ball
+    of a `radius` [m].
+    """
+
+    centre: Floats
+    half: Floats
+    radius: float
+    points: Floats
+    box: Floats
+    disc: float = 0.0
+    ball: float = 0.0
+
+
 @lru_cache(maxsize=4096)
-def ball(shape: Shape) -> tuple[Floats, float]:
-    """Centre (3,) [m] in the shape's frame, and radius [m], of a ball around it."""
-    zero = np.zeros(3)
+def hull(shape: Shape) -> Hull:
+    """The hull of a shape."""
+    zero, none = np.zeros(3), np.zeros((1, 3))
     match shape:
         case Box(size=size):
-            return zero, float(np.linalg.norm(size)) / 2
+            half = np.asarray(size) / 2
+            return Hull(zero, half, float(np.linalg.norm(half)), none, half)
         case Sphere(radius=radius):
-            return zero, radius
+            return Hull(zero, np.full(3, radius), radius, none, zero, ball=radius)
         case Cylinder(radius=radius, length=length):
-            return zero, float(np.hypot(radius, length / 2))
+            half = np.array([radius, radius, length / 2])
+            box, far = np.array([0.0, 0.0, length / 2]), float(np.hypot(radius, length / 2))
+            return Hull(zero, half, far, none, box, disc=radius)
         case Capsule(radius=radius, length=length):
-            return zero, radius + length / 2
-        case Mesh(points=points):
+            half = np.array([radius, radius, length / 2 + radius])
+            box = np.array([0.0, 0.0, length / 2])
+            return Hull(zero, half, radius + length / 2, none, box, ball=radius)
+        case Mesh(points=points, is_convex=is_convex):
             centre = (points.max(axis=0) + points.min(axis=0)) / 2
-            return centre, float(np.linalg.norm(points - centre, axis=1).max())
-
-
-@lru_cache(maxsize=4096)
-def box(shape: Shape) -> tuple[Floats, Floats]:
-    """Centre (3,) and half lengths (3,) [m] of the box around a shape, along its own axes."""
-    zero = np.zeros(3)
-    match shape:
-        case Box(size=size):
-            return zero, np.asarray(size) / 2
-        case Sphere(radius=radius):
-            return zero, np.full(3, radius)
-        case Cylinder(radius=radius, length=length):
-            return zero, np.array([radius, radius, length / 2])
-        case Capsule(radius=radius, length=length):
-            return zero, np.array([radius, radius, length / 2 + radius])
-        case Mesh(points=points):
-            high, low = points.max(axis=0), points.min(axis=0)
-            return (high + low) / 2, (high - low) / 2
+            off = points - centre
+            half, far = np.abs(off).max(axis=0), float(np.linalg.norm(off, axis=1).max())
+            # What is hollow would hardly be told apart by its hull, whose points are many.
+            return Hull(centre, half, far, *((off, zero) if is_convex else (none, half)))
 
 
 @lru_cache(maxsize=4096)
@@ -153,6 +231,11 @@ def coal_shape(shape: Shape) -> coal.CollisionGeometry:
         case Capsule(radius=radius, length=length):
             return coal.Capsule(radius, length)
         case Mesh(points=points, triangles=triangles, is_convex=is_convex):
+            if is_convex:
+                # Coal walks along edges: no edge leads from one of two equal corners to the other.
+                places, number = np.unique(points, axis=0, return_inverse=True)
+                if len(places) < len(points):
+                    points, triangles = places, number.ravel()[triangles]
             corners, faces = coal.StdVec_Vec3s(), coal.StdVec_Triangle()
             for point in points:
                 corners.append(np.array(point))

@@ -60,8 +60,11 @@ def _scene(scene: Scene, plan: Plan) -> Iterator[Finding]:
         if not any(_same_part(known, said) for said in plan.detections):
             yield Finding(f"the plan leaves out part-{number + 1} of the scan, or moves it")
     for number, said in enumerate(plan.detections):
-        if not any(_same_part(said, known) for known in scene.detections):
+        meant = [known for known in scene.detections if _same_part(said, known)]
+        if not meant:
             yield Finding(f"part-{number + 1} of the plan is not in the scan")
+        elif not any(_no_surer(said, known) for known in meant):
+            yield Finding(f"the plan says of part-{number + 1} a roll that the scan does not show")
     for number, seen in enumerate(scene.obstacles):
         if not any(_same_box(seen, said) for said in plan.obstacles):
             yield Finding(f"the plan leaves out obstacle seen-{number + 1} of the scan")
@@ -70,6 +73,14 @@ def _scene(scene: Scene, plan: Plan) -> Iterator[Finding]:
 def _same_part(one: Detection, other: Detection) -> bool:
     is_alike = one.part == other.part
     return is_alike and one.T_world_part.isApprox(other.T_world_part, 1e-9)
+
+
+def _no_surer(said: Detection, known: Detection) -> bool:
+    """Whether a plan takes the roll of a part for known only where it is."""
+    if known.roll_known or said.roll_known:
+        return known.roll_known
+    axes = [axis for axis in (said.roll_axis, known.roll_axis) if axis is not None]
+    return len(axes) == 0 or (len(axes) == 2 and np.allclose(axes[0], axes[1], rtol=0, atol=1e-9))
 
 
 def _same_box(one: Obstacle, other: Obstacle) -> bool:
@@ -91,22 +102,29 @@ def _sequence(plan: Plan) -> Iterator[Finding]:
             yield Finding("a step of the sequence moves no arm")
         if len(set(arms)) != len(arms) or len(arms) > 2:
             yield Finding("a step of the sequence moves an arm twice, or more than two arms")
-    if plan.guarantee is Guarantee.ONE_AT_A_TIME and (
-        any(len(step.runs) != 1 for step in plan.sequence)
-        or [name for name, _ in runs] != [arm.arm for arm in plan.arms for _ in arm.legs]
-    ):
+    in_turn = plan.strategy != Strategy.COORDINATED
+    is_single = plan.guarantee is Guarantee.ONE_AT_A_TIME
+    turns = [arm.arm for arm in plan.arms for _ in arm.legs]
+    at_once = [tuple(leg for _, leg in step.runs) for step in plan.sequence if len(step.runs) > 1]
+    if (is_single and at_once) or ((is_single or in_turn) and [name for name, _ in runs] != turns):
         yield Finding("the sequence does not move one arm after the other")
     alone = plan.strategy.arm
     if (alone and names != [alone]) or (not alone and len(names) != 2):
         yield Finding(f"strategy {plan.strategy} is not what the plan does: it moves {names}")
-    is_at_once = plan.guarantee is not Guarantee.ONE_AT_A_TIME
-    if is_at_once and plan.strategy != Strategy.COORDINATED:
-        yield Finding(f"the arms of a plan that is {plan.strategy} move one after the other")
+    if in_turn and not (is_single or at_once):
+        yield Finding(f"the plan is called {plan.guarantee}, and never moves two arms at once")
+    is_in_step = plan.guarantee is Guarantee.SYNCHRONISED
+    if in_turn and (is_in_step or any(legs != ("home", "reach") for legs in at_once)):
+        yield Finding(
+            f"the arms of a plan that is {plan.strategy} move one after the other, but for the "
+            "second's reach while the first goes home"
+        )
 
 
 def _legs(cell: Cell, arm: Arm, one: ArmPlan) -> Iterator[Finding]:
     if one.joints != arm.joints:
-        yield Finding(f"joints are {one.joints}, those of the arm {arm.joints}", arm.name)
+        known = ", ".join(arm.joints)
+        yield Finding(f"joints are not those of the arm, in their order: {known}", arm.name)
         return
     if tuple(leg.name for leg in one.legs) != LEG_NAMES:
         yield Finding(f"the legs are not {', '.join(LEG_NAMES)}", arm.name)

@@ -24,59 +24,53 @@ TWICE = 1
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Sets:
-    """Sets of configurations (k,), each the hull of its `corners` (k, m, n) [rad, m].
+    """Sets of configurations (k,), each the hull of the first `sizes` (k,) of its `corners`.
 
-    `columns` (n,) are the places of these values in a whole configuration; `at` (k,) counts the
-    waypoint before each set.
+    `corners` (k, 3, n) [rad, m] are of the values whose places in a whole configuration are
+    `columns` (n,).  Sets that follow each other are a group, `groups` (k,) ascending from 0: they
+    come after waypoint `at` (g,) and lie in the hull of `around` (g, 3, n) [rad, m].
     """
 
     columns: Ints
     corners: Floats
+    sizes: Ints
+    groups: Ints
+    around: Floats
     at: Ints
 
-    @property
-    def middles(self) -> Floats:
-        """A configuration (k, n) within each set."""
-        return self.corners.mean(axis=1)
+    def only(self, chosen: Bools) -> "Sets":
+        """Those that are chosen (k,)."""
+        kept, groups = np.unique(self.groups[chosen], return_inverse=True)
+        corners, sizes = self.corners[chosen], self.sizes[chosen]
+        return Sets(self.columns, corners, sizes, groups, self.around[kept], self.at[kept])
 
-    @property
-    def spans(self) -> Floats:
-        """How far each value (k, n) in a set is from that of its middle at most."""
-        return np.abs(self.corners - self.middles[:, None]).max(axis=1)
+    def after(self, waypoints: Bools) -> "Sets":
+        """Those that come after the waypoints (w,) that are chosen."""
+        return self.only(waypoints[self.at[self.groups]])
 
-    def only(self, chosen: Ints | Bools) -> "Sets":
-        """Some of them."""
-        return Sets(self.columns, self.corners[chosen], self.at[chosen])
+    def runs(self, most: int) -> Iterator["Sets"]:
+        """All of them, so many groups at once."""
+        for start in range(0, len(self.at), most):
+            ends = slice(start, start + most)
+            k = slice(*np.searchsorted(self.groups, (start, start + most)).tolist())
+            corners, sizes, groups = self.corners[k], self.sizes[k], self.groups[k] - start
+            yield Sets(self.columns, corners, sizes, groups, self.around[ends], self.at[ends])
 
-    def halves(self, weights: Floats) -> "Sets":
-        """Every set cut in two through its longest edge, the halves of each after each other.
-
-        Args:
-            weights: (n,) how much each value counts in the length.
-        """
-        count, m, n = self.corners.shape
-        i, j = EDGES[m]
-        edges = (np.abs(self.corners[:, i] - self.corners[:, j]) * weights).sum(axis=2)
-        longest = edges.argmax(axis=1)
-        rows, first, second = np.arange(count), i[longest], j[longest]
-        middle = (self.corners[rows, first] + self.corners[rows, second]) / 2
-        one, other = self.corners.copy(), self.corners.copy()
-        one[rows, second] = middle
-        other[rows, first] = middle
-        corners = np.stack([one, other], axis=1).reshape(2 * count, m, n)
-        return Sets(self.columns, corners, np.repeat(self.at, 2))
+    def with_others(self, other: "Sets") -> "Sets":
+        """These, and others of the same columns after them."""
+        groups = np.concatenate([self.groups, other.groups + len(self.at)])
+        return Sets(
+            self.columns,
+            np.concatenate([self.corners, other.corners]),
+            np.concatenate([self.sizes, other.sizes]),
+            groups,
+            np.concatenate([self.around, other.around]),
+            np.concatenate([self.at, other.at]),
+        )
 
 
-EDGES = {
-    1: (np.zeros(1, int), np.zeros(1, int)),
-    2: (np.array([0]), np.array([1])),
-    3: (np.array([0, 0, 1]), np.array([1, 2, 2])),
-}
-"""For a number of corners, the two ends of every edge."""
-
-
-def moved(columns: Ints, path: Floats, motion: MotionModel, zone: float) -> tuple[Sets, ...]:
-    """Everything that a controller may make of waypoints.
+def moved(columns: Ints, path: Floats, motion: MotionModel, zone: float) -> Sets:
+    """Everything that a controller may make of waypoints: a group after each of them.
 
     Args:
         columns: (n,) of the values in a whole configuration.
@@ -84,19 +78,22 @@ def moved(columns: Ints, path: Floats, motion: MotionModel, zone: float) -> tupl
         motion: how the controller moves.
         zone: the widest blend, as a share of a segment.
     """
-    count = len(path) - 1
-    segments = Sets(columns, np.stack([path[:-1], path[1:]], axis=1), np.arange(count))
+    start, end, after = path[:-1], path[1:], path[1:].copy()
+    pieces = [np.stack([start, end, end], axis=1)]
     wide = {"stop": 0.0, "blend": zone, "streamed": STREAMED_ZONE}[motion.corners]
-    if count < 2 or wide == 0.0:
-        return (segments,)
-    steps = np.diff(path, axis=0)
-    before, after = path[1:-1] - wide * steps[:-1], path[1:-1] + wide * steps[1:]
-    if motion.corners == "streamed":
-        corners = [np.stack([before, path[1:-1], after], axis=1)]
-    else:
-        corners = list(_blended(before, path[1:-1], after, TWICE))
-    at = np.tile(np.arange(count - 1), len(corners))
-    return (segments, Sets(columns, np.concatenate(corners), at))
+    if len(path) > 2 and wide > 0.0:
+        steps = np.diff(path, axis=0)
+        after[:-1] += wide * steps[1:]
+        corner = path[1:-1] - wide * steps[:-1], path[1:-1], after[:-1]
+        if motion.corners == "streamed":
+            pieces.append(np.stack(corner, axis=1))
+        else:
+            pieces += _blended(*corner, TWICE)
+    groups = np.concatenate([np.arange(len(piece)) for piece in pieces])
+    sizes = np.where(np.arange(len(groups)) < len(start), 2, 3)
+    order = np.argsort(groups, kind="stable")
+    around, at = np.stack([start, end, after], axis=1), np.arange(len(start))
+    return Sets(columns, np.concatenate(pieces)[order], sizes[order], groups[order], around, at)
 
 
 def _blended(start: Floats, corner: Floats, end: Floats, times: int) -> Iterator[Floats]:
@@ -117,4 +114,5 @@ def _blended(start: Floats, corner: Floats, end: Floats, times: int) -> Iterator
 
 def changed(columns: Ints, start: Floats, end: Floats, at: int) -> Sets:
     """The segment between two configurations (n,) [rad, m], at a waypoint."""
-    return Sets(columns, np.stack([start, end])[None], np.array([at]))
+    corners = np.stack([start, end, end])[None]
+    return Sets(columns, corners, np.array([2]), np.array([0]), corners, np.array([at]))

@@ -1,135 +1,122 @@
-"""Compiled: how much nearer two convex bodies may come, seen along the line between them.
+"""Compiled: how far two bodies are apart at least, seen along one direction.
 
-Where the nearest points of two convex bodies are `d` apart, two planes across the line between
-these points are `d` apart, with one body behind each.  What moves along the planes brings nothing
-nearer, so that only motion along their normal counts.
+Two planes across any direction, one touching each body, with both bodies behind them: how far these
+planes are apart is a lower bound of the distance, however the direction was found.  What moves
+along the planes brings nothing nearer, so that only motion along the direction counts.
 """
 
 import numpy as np
 from numba import njit
 
 from workbench.model.geometry import Floats
-from workbench.proof.sieve import Boxes, Chain, World
+from workbench.proof.frames import Bodies, Chain, Spread, World, away
 
-LOST = 1e-5
-"""[m] By so much the nearest points that Coal tells may not be the nearest."""
+ROUNDING = 1e-9
+"""[m] What sums of floats may be off by."""
 
 
 @njit(cache=True)
-def nearer(
+def apart(
     normal: Floats,
-    k: int,
-    first: int,
-    second: int,
+    ka: int,
+    a: int,
+    kb: int,
+    b: int,
     common: int,
     chain: Chain,
-    boxes: Boxes,
+    bodies: Bodies,
     world: World,
-    spans: Floats,
-    corners: Floats,
+    spread: Spread,
 ) -> float:  # pragma: no cover (compiled)
-    """How much nearer [m] two convex bodies may come within a set of configurations.
+    """How far [m] two bodies stay apart along a direction, each in a whole set of configurations.
 
     Args:
-        normal: (3,) unit vector in the world, from the nearest point of the first to that of the
-            second, at the middle of the set.
-        k: which of the sets, an index.
-        first: the one body, an index.
-        second: the other one.
+        normal: (3,) unit vector in the world, from the one towards the other.
+        ka: in which of the sets the one is, an index.
+        a: the one body, an index.
+        kb: in which of the sets the other is.
+        b: the other body.
         common: the joint next to both that moves both, an index.
         chain: the joints.
-        boxes: around all bodies.
+        bodies: all bodies.
         world: where things are at the middles, see `poses`.
-        spans: (k, nq) [rad, m] how far each value is from that of its middle at most.
-        corners: (k, p, m, nq) [rad, m]: the set is all sums of one point of each of p hulls of m
-            corners, as differences from the middle.
+        spread: the sets.
     """
-    _, blocks, count, _ = corners.shape
-    total = LOST + _bent(normal, k, first, common, chain, boxes, world, spans)
-    total += _bent(normal, k, second, common, chain, boxes, world, spans)
-    for p in range(blocks):
-        most = 0.0
-        for m in range(count):
-            change = corners[k, p, m]
-            comes = _comes(normal, 1.0, k, first, common, chain, boxes, world, change)
-            comes += _comes(normal, -1.0, k, second, common, chain, boxes, world, change)
-            most = max(most, comes)
-        total += most
-    return float(total)
+    reach = _reach(normal, ka, a, common, chain, bodies, world, spread)
+    reach += _reach(-normal, kb, b, common, chain, bodies, world, spread)
+    return -reach - ROUNDING
 
 
 @njit(cache=True)
-def _comes(
-    normal: Floats,
-    sign: float,
-    k: int,
-    b: int,
-    common: int,
-    chain: Chain,
-    boxes: Boxes,
-    world: World,
-    change: Floats,
-) -> float:  # pragma: no cover (compiled)
-    """To first order, how far [m] the foremost point of the box around a body goes along a normal.
-
-    A point x that joint j turns about its axis a through o goes d (a x (x - o)) n = d (x - o) c
-    along n, with c = n x a: a linear function of x, whose largest value in a box is at a corner.
-    """
-    x, y, z, shift = 0.0, 0.0, 0.0, 0.0
-    j = boxes.joints[b]
-    while j != common and j != 0:
-        d = sign * change[chain.columns[j]]
-        a, o = world.axes[k, j], world.places[k, j]
-        if chain.slides[j]:
-            shift += d * (normal[0] * a[0] + normal[1] * a[1] + normal[2] * a[2])
-        else:
-            cx = d * (normal[1] * a[2] - normal[2] * a[1])
-            cy = d * (normal[2] * a[0] - normal[0] * a[2])
-            cz = d * (normal[0] * a[1] - normal[1] * a[0])
-            x, y, z = x + cx, y + cy, z + cz
-            shift -= cx * o[0] + cy * o[1] + cz * o[2]
-        j = chain.parents[j]
-    R, centre, half = world.turns[k, b], world.centres[k, b], boxes.halves[b]
-    reach = 0.0
-    for i in range(3):
-        reach += half[i] * abs(x * R[0, i] + y * R[1, i] + z * R[2, i])
-    return float(shift + x * centre[0] + y * centre[1] + z * centre[2] + reach)
-
-
-@njit(cache=True)
-def _bent(
+def _reach(
     normal: Floats,
     k: int,
     b: int,
     common: int,
     chain: Chain,
-    boxes: Boxes,
+    bodies: Bodies,
     world: World,
-    spans: Floats,
+    spread: Spread,
 ) -> float:  # pragma: no cover (compiled)
-    """How far [m] a body goes along a normal beyond the first order.
+    """How far [m] along a normal no point of a body gets.
 
-    The joints are turned one after the other, that nearest to the body first, each about its axis
-    in the middle: then the body is within `moved` of where it was, which changes the first order
-    by d |c| moved, and a turn by d leaves its tangent by d^2 / 2 times the distance from the axis.
+    A point x that joint j turns by d about its axis a through o goes d (a x (x - o)) n =
+    d (x - o) c along n, with c = n x a: to first order, where the body reaches in a direction that
+    is a little off n, linear in d, so that the most is at a corner of the set.
+
+    The rest: joints are turned one after the other, that nearest to the body first, each about its
+    axis in the middle.  Then the body is within `far` of where it was, which changes the first
+    order by d |c| far, and a turn by d leaves its tangent by d^2 / 2 times the distance from the
+    axis.
     """
-    moved, bent = 0.0, 0.0
-    j = boxes.joints[b]
+    best = -np.inf
+    R, centre = world.turns[k, b], world.centres[k, b]
+    for m in range(spread.counts[k] if world.moves[k, b] > 0.0 else 1):
+        x, y, z, shift = normal[0], normal[1], normal[2], 0.0
+        j = int(bodies.joints[b])
+        while j != common and j != 0:
+            d = spread.changes[k, m, chain.columns[j]]
+            a, o = world.axes[k, j], world.places[k, j]
+            if chain.slides[j]:
+                shift += d * (normal[0] * a[0] + normal[1] * a[1] + normal[2] * a[2])
+            else:
+                cx = d * (normal[1] * a[2] - normal[2] * a[1])
+                cy = d * (normal[2] * a[0] - normal[0] * a[2])
+                cz = d * (normal[0] * a[1] - normal[1] * a[0])
+                x, y, z = x + cx, y + cy, z + cz
+                shift -= cx * o[0] + cy * o[1] + cz * o[2]
+            j = int(chain.parents[j])
+        shift += x * centre[0] + y * centre[1] + z * centre[2]
+        best = max(best, shift + _support(x, y, z, R, b, bodies))
+    far, bent, j = 0.0, 0.0, int(bodies.joints[b])
     while j != common and j != 0:
-        d = spans[k, chain.columns[j]]
+        d = spread.spans[k, chain.columns[j]]
         if chain.slides[j]:
-            moved += d
+            far += d
         elif d > 0.0:
-            a = world.axes[k, j]
-            square, along, across = 0.0, 0.0, 0.0
+            a, across = world.axes[k, j], 0.0
             for i in range(3):
-                off = world.centres[k, b, i] - world.places[k, j, i]
-                square += off * off
-                along += off * a[i]
                 across += normal[i] * a[i]
-            away = np.sqrt(max(square - along * along, 0.0)) + boxes.radii[b]
             tilt = np.sqrt(max(1.0 - across * across, 0.0))
-            bent += d * tilt * moved + d * d / 2 * (away + moved)
-            moved += d * (away + moved)
-        j = chain.parents[j]
-    return bent
+            off = away(k, b, j, bodies, world)
+            bent += d * tilt * far + d * d / 2 * (off + far)
+            far += d * (off + far)
+        j = int(chain.parents[j])
+    return float(best + bent)
+
+
+@njit(cache=True)
+def _support(
+    x: float, y: float, z: float, R: Floats, b: int, bodies: Bodies
+) -> float:  # pragma: no cover (compiled)
+    """How far [m] a body, seen from its centre, reaches along a vector, times its length."""
+    u = R[0, 0] * x + R[1, 0] * y + R[2, 0] * z
+    v = R[0, 1] * x + R[1, 1] * y + R[2, 1] * z
+    w = R[0, 2] * x + R[1, 2] * y + R[2, 2] * z
+    most = -np.inf
+    for n in range(bodies.starts[b], bodies.starts[b + 1]):
+        p = bodies.points[n]
+        most = max(most, p[0] * u + p[1] * v + p[2] * w)
+    box, disc, ball = bodies.boxes[b], bodies.discs[b], bodies.balls[b]
+    most += box[0] * abs(u) + box[1] * abs(v) + box[2] * abs(w)
+    return float(most + disc * np.sqrt(u * u + v * v) + ball * np.sqrt(u * u + v * v + w * w))

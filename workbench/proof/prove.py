@@ -5,7 +5,13 @@ from workbench.model.plan import Plan, Proof
 from workbench.model.scan import Scene
 from workbench.proof.form import form_findings
 from workbench.proof.robot import tree_of
-from workbench.proof.rules import grasp_findings, limit_findings, pair_findings
+from workbench.proof.rules import (
+    grasp_findings,
+    limit_findings,
+    pair_findings,
+    range_findings,
+    roll_findings,
+)
 from workbench.proof.search import SIGHT
 from workbench.proof.walk import Walk
 
@@ -37,12 +43,15 @@ def prove(
     """
     findings = list(form_findings(cell, scene, plan))
     walked = None
+    arms = [(cell.arm(one.arm), one) for one in plan.arms] if not findings else []
+    legs = [(arm, leg) for arm, one in arms for leg in one.legs]
+    # Joints that turn a hundred times would be followed for hours.
+    findings += [f for arm, leg in legs for f in range_findings(cell, arm, leg)]
     if not findings:
         tree = tree_of(cell)
-        arms = [(cell.arm(one.arm), one) for one in plan.arms]
-        legs = [(arm, leg) for arm, one in arms for leg in one.legs]
         findings += [f for arm, leg in legs for f in limit_findings(cell, arm, leg)]
         findings += [f for _, one in arms for f in grasp_findings(cell, tree, plan, one)]
+        findings += [f for _, one in arms for f in roll_findings(cell, tree, plan, one)]
         findings += pair_findings(cell, plan)
         walked = Walk(cell, tree, plan, resolution, stated).result()
         findings += walked.findings

@@ -1,9 +1,8 @@
-"""The cell's robot with its fingers as Pinocchio sees it, and how far its joints can move a point.
+"""The cell's robot with its fingers as Pinocchio sees it: joints, what they carry, what moves what.
 
 Fingers are prismatic joints here: they close and open as the arms move, and are proven alike.
 """
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -38,34 +37,6 @@ class Tree:
     def flange(self, arm: Arm) -> tuple[int, pin.SE3]:
         """The joint that carries an arm's flange, and `T_joint_flange`."""
         return self.frames[arm.flange]
-
-    def travel(self, joint: int, centre: Floats, radius: float) -> Floats:
-        """How far each value of `q` moves a ball at most [m/rad, m/m], as (nq,).
-
-        Args:
-            joint: that carries the ball.
-            centre: (3,) [m] of the ball, in the joint's frame.
-            radius: [m] of the ball.
-
-        Whatever the configuration: a point is never farther from the axis of a joint than all
-        offsets between that joint and the point are long, the first one measured off the axis.
-        """
-        most = np.zeros(self.model.nq)
-        beyond = radius
-        offset = centre
-        j = joint
-        while j != 0:
-            column = int(self.model.joints[j].idx_q)
-            joint_of = self.joints[j]
-            if joint_of.kind == "prismatic":
-                most[column] = 1.0
-                beyond += max(abs(joint_of.lower), abs(joint_of.upper))
-            else:
-                most[column] = _off_axis(joint_of.axis, offset) + beyond
-            beyond += float(np.linalg.norm(offset))
-            offset = np.asarray(self.model.jointPlacements[j].translation)
-            j = int(self.model.parents[j])
-        return most
 
 
 def tree_of(cell: Cell) -> Tree:
@@ -102,12 +73,6 @@ def tree_of(cell: Cell) -> Tree:
     return Tree(
         model, joints, frames, fingers, columns, *_ancestors(model), rest, model.createData()
     )
-
-
-def _off_axis(axis: Floats, point: Floats) -> float:
-    """How far [m] a point (3,) is from an axis (3,) through the origin."""
-    along = float(axis @ point)
-    return math.sqrt(max(float(point @ point) - along * along, 0.0))
 
 
 def _finger(arm: Arm, number: int, direction: Floats) -> Joint:

@@ -1,20 +1,23 @@
 """Every configuration of some sets is looked at, by halving: none is too near, and how near it is.
 
 At the middle of a set two bodies are `d` apart.  Nothing in the set brings them nearer by more than
-`m`, the sum of what each joint may move them.  So `d - m` is a lower bound for the whole set.
-Where it is not enough, the set is halved; where `m` is below the resolution, the middle stands for
-the set, and `d - m` still is what is said of it.
+`m`, the sum of what each joint may move them.  So `d - m` is a lower bound for the whole set, and
+so is how far they stay apart along any direction.  Where neither is enough, the set is halved;
+where `m` is below the resolution, the middle stands for the set, and the better of both still is
+what is said of it.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
 
 from workbench.model.geometry import Floats, Ints
+from workbench.proof.batch import Batch, around, firsts, inside, spread
+from workbench.proof.frames import Spread, World, poses
 from workbench.proof.motion import Sets
-from workbench.proof.sieve import World, lower_to
+from workbench.proof.sieve import Asked, Open, foremost, planes, reachable, sieve
 from workbench.proof.space import Space
 from workbench.proof.table import Pairs
 
@@ -24,11 +27,14 @@ SIGHT = 0.1
 SHARE, LEAST = 0.3, 0.002
 """A lower bound is good enough that is short by this share of the distance, or by so much [m]."""
 
-MOST_LOOKS = 50_000
-"""After so many looks at one motion nothing is said of it: it is near something for too long."""
+MOST_HALVES = 100_000
+"""After so many halves of one motion nothing is said of it: it is near something for too long."""
 
-BATCH = 64
-"""Sets that are looked at together."""
+RUN = 16
+"""Groups of sets, of each arm, that are looked at together at first."""
+
+HALVES = 4096
+"""Sets that are looked at together: what is worked out of them takes some kB for each."""
 
 TIGHT = 0.0002
 """[m] How well the smallest distance of all is wanted."""
@@ -48,7 +54,7 @@ class Nearest:
     distance: float
     margin: float
     q: Floats
-    at: tuple[int, ...]
+    at: int
 
 
 @dataclass(slots=True, eq=False)
@@ -94,213 +100,231 @@ def search(
         stated: (w,) [m] bounds that are only looked whether they hold; None: they are wanted.
         sight: [m] up to here distances are told.
     """
-    wanted = _Wanted(np.full(waypoints, sight), within, stated)
-    found = Found(np.full(waypoints, sight))
-    pending = [
-        (some, *(each.ravel() for each in np.mgrid[: len(some), : len(pairs.rows)]))
-        for blocks in sets
-        for some in combined(blocks)
-    ]
-    before = space.looks
-    while pending:
-        some, items, which = pending.pop(0)
-        close = _close(space, base, some, pairs, wanted, found, items, which)
-        left = _measured(space, base, some, pairs, resolution, wanted, found, close)
-        if found.violation is not None or found.is_less_than(stated):
-            return found
-        if space.looks - before > MOST_LOOKS:
-            found.gave_up = True
-            return found
-        if len(left):
-            pending.append(some.halved(close.items[left], close.which[left], space.levers))
-    return found
+    one = _Search(space, base, pairs, resolution, _Wanted(waypoints, sight, within, stated))
+    for blocks in sets:
+        for some in product(*(block.runs(RUN) for block in blocks)):
+            one.look(some)
+            if one.is_over():
+                return one.found
+    return one.found
 
 
-@dataclass(slots=True, eq=False)
 class _Wanted:
-    """How well distances after each waypoint are wanted: `nearest` (w,) [m] measured so far."""
+    """How well distances after each waypoint are wanted.
 
-    nearest: Floats
-    within: float | None
-    stated: Floats | None
-
-    def goal(self, at: Ints) -> Floats:
-        """A bound (n,) [m] above this is good enough, after these waypoints (n,)."""
-        if self.stated is not None:
-            return self.stated[at]
-        if self.within is not None:
-            return np.full(len(at), min(self.within, float(self.nearest.min())) - TIGHT)
-        nearest = self.nearest[at]
-        return nearest - np.maximum(SHARE * nearest, LEAST)
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _Combined:
-    """One set of each of some blocks, combined: (k,) sets of whole configurations."""
-
-    blocks: tuple[Sets, ...]
-
-    def __len__(self) -> int:
-        return len(self.blocks[0].at)
-
-    @property
-    def at(self) -> Ints:
-        """The waypoint (k,) after which the first of them is."""
-        return self.blocks[0].at
-
-    def middles(self, base: Floats) -> Floats:
-        """Whole configurations (k, nq) within the sets."""
-        q = np.tile(base, (len(self), 1))
-        for block in self.blocks:
-            q[:, block.columns] = block.middles
-        return q
-
-    def spans(self, size: int) -> Floats:
-        """How far each value (k, nq) is from that of the middle at most."""
-        d = np.zeros((len(self), size))
-        for block in self.blocks:
-            d[:, block.columns] = block.spans
-        return d
-
-    def corners(self, base: Floats, middles: Floats) -> Floats:
-        """What each corner of each block adds to the middle, as (k, blocks, m, nq)."""
-        most = max(block.corners.shape[1] for block in self.blocks)
-        change = np.zeros((len(self), len(self.blocks), most, len(base)))
-        for p, block in enumerate(self.blocks):
-            off = block.corners - middles[:, None, block.columns]
-            change[:, p, : off.shape[1], block.columns] = np.moveaxis(off, 2, 0)
-        return change
-
-    def halved(self, items: Ints, which: Ints, weights: Floats) -> "tuple[_Combined, Ints, Ints]":
-        """The halves of some sets, and which pairs are still open in each.
-
-        Of blocks, the one is halved in which joints have farther to go.
-        """
-        open_sets, places = np.unique(items, return_inverse=True)
-        blocks = tuple(block.only(open_sets) for block in self.blocks)
-        moves = np.stack([(b.spans * weights[b.columns]).sum(axis=1) for b in blocks])
-        longer = moves.argmax(axis=0)
-        halves: list[Sets] = []
-        for number, block in enumerate(blocks):
-            both = block.halves(weights[block.columns])
-            twice = np.repeat(block.corners, 2, axis=0)
-            is_cut = np.repeat(longer == number, 2)[:, None, None]
-            halves.append(Sets(block.columns, np.where(is_cut, both.corners, twice), both.at))
-        return (
-            _Combined(tuple(halves)),
-            np.concatenate([2 * places, 2 * places + 1]),
-            np.tile(which, 2),
-        )
-
-
-def combined(blocks: tuple[Sets, ...]) -> Iterator[_Combined]:
-    """One set of each block with one of every other, in batches."""
-    sizes = [range(len(block.at)) for block in blocks]
-    grid = np.array(list(product(*sizes)), dtype=np.int64)
-    for start in range(0, len(grid), BATCH):
-        some = grid[start : start + BATCH]
-        yield _Combined(tuple(block.only(some[:, k]) for k, block in enumerate(blocks)))
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _Close:
-    """Pairs that bounds alone could not tell apart, each (n,) in one of the sets.
-
-    `lower` [m] is a bound at the middle `q` (k, nq) of the set, `moves` [m] what to take off it.
-    `world` is where everything is at the middles, `spans` are how far sets go.
+    `nearest` (w,) [m] is what was measured so far; a bound above `goals` (w,) [m] is good enough.
+    Goals are `by_waypoint` unless the nearest of all is wanted.
     """
 
-    q: Floats
-    spans: Floats
-    world: World
-    items: Ints
-    which: Ints
-    lower: Floats
-    moves: Floats
+    def __init__(
+        self, waypoints: int, sight: float, within: float | None, stated: Floats | None
+    ) -> None:
+        self._within, self.stated = within, stated
+        self.by_waypoint = within is None
+        self.nearest = [sight] * waypoints
+        if stated is not None:
+            self.goals: list[float] = stated.tolist()
+        elif within is not None:
+            self.goals = [min(within, sight) - TIGHT] * waypoints
+        else:
+            self.goals = [_enough(sight)] * waypoints
+
+    def measured(self, at: int, distance: float) -> None:
+        """Something is so near [m] after a waypoint, nearer than all else that was measured."""
+        self.nearest[at] = distance
+        if self._within is not None:
+            self.goals[:] = [min(self.goals[0], distance - TIGHT)] * len(self.goals)
+        elif self.stated is None:
+            self.goals[at] = _enough(distance)
 
 
-def _close(
-    space: Space,
-    base: Floats,
-    some: _Combined,
-    pairs: Pairs,
-    wanted: _Wanted,
-    found: Found,
-    items: Ints,
-    which: Ints,
-) -> _Close:
-    """Pairs in sets that the boxes around bodies do not tell apart."""
-    q = some.middles(base)
-    is_shown, at = pairs.shown[which], some.at[items]
-    goals = np.where(is_shown, wanted.goal(some.at)[items], -np.inf)
-    needs = np.maximum(pairs.margins[which], goals)
-    rows, commons = pairs.rows[which], pairs.commons[which]
-    spans = some.spans(len(base))
-    lower, moves, world = space.bounds(q, spans, items, rows, commons, needs)
-    is_close = lower - moves < needs
-    lower_to(found.bounds, at, lower - moves, is_shown & ~is_close)
-    order = np.flatnonzero(is_close)
-    order = order[np.lexsort((lower[order], items[order]))]
-    return _Close(q, spans, world, items[order], which[order], lower[order], moves[order])
+def _enough(distance: float) -> float:
+    return distance - max(SHARE * distance, LEAST)
 
 
-def _measured(
-    space: Space,
-    base: Floats,
-    some: _Combined,
-    pairs: Pairs,
-    resolution: float,
-    wanted: _Wanted,
-    found: Found,
-    close: _Close,
-) -> list[int]:
-    """Measure what is close, nearest first; which of it has to be looked at in halves."""
-    is_shown, margins = pairs.shown[close.which], pairs.margins[close.which]
-    at, goals = some.at.tolist(), wanted.goal(some.at)
-    needs = np.where(is_shown, np.maximum(margins, goals[close.items]), margins)
-    # Where it will be halved anyway, measuring would hardly save that.
-    is_hopeless = close.moves > np.maximum(resolution, LOOSE)
-    is_hopeless &= (close.lower + LOOSE < needs + close.moves) & (close.lower >= margins.clip(0.0))
-    left: list[int] = np.flatnonzero(is_hopeless).tolist()
-    corners: Floats | None = None
-    looked, goals = -1, goals.tolist()
-    rest = np.flatnonzero(~is_hopeless)
-    columns = (rest, close.items, close.which, margins, close.moves, close.lower, is_shown)
-    rows = zip(
-        *(c[rest].tolist() if c is not rest else rest.tolist() for c in columns), strict=True
-    )
-    for number, item, which, margin, move, lower, counts in rows:
-        told = lower - move
-        need = max(margin, goals[item]) if counts else margin
-        if told < need:
-            if looked != item:
-                space.look(close.q[item])
-                looked = item
-            row = int(pairs.rows[which])
+class _Search:
+    """What is asked of all sets alike, and what was `found`."""
+
+    def __init__(
+        self, space: Space, base: Floats, pairs: Pairs, resolution: float, wanted: _Wanted
+    ) -> None:
+        self._space, self._base, self._pairs, self._resolution = space, base, pairs, resolution
+        self._wanted, self._halves = wanted, 0
+        first, second = space.table.first[pairs.rows], space.table.second[pairs.rows]
+        self._asked = Asked(first, second, pairs.commons, pairs.margins, pairs.shown)
+        self.found, self._sight = Found(np.array(wanted.nearest)), wanted.nearest[0]
+
+    def is_over(self) -> bool:
+        """Whether nothing more can change what comes of the search."""
+        found = self.found
+        is_worse = found.is_less_than(self._wanted.stated)
+        return found.gave_up or found.violation is not None or is_worse
+
+    def look(self, blocks: tuple[Sets, ...]) -> None:
+        """Look at every set of one block, with every one of another: first at what holds many."""
+        batch, split = around(self._base, blocks), len(blocks[0].at)
+        sides: Ints = np.zeros(len(self._space.joints), np.int64)
+        if len(blocks) > 1:
+            moved = self._space.tree.ancestors[self._space.joints][:, blocks[1].columns]
+            sides[moved.any(axis=1)] = 1
+        _, spreads, world = self._world(batch, self._asked.first, self._asked.second, False)
+        arrays = self._space.arrays
+        items = reachable(self._asked, self._sight, sides, split, arrays, world)
+        sets = firsts(self._base, blocks)
+        q, around_q, there = self._world(sets, self._asked.first, self._asked.second, True)
+        compiled = self._space.normals, self._space.chain, arrays, there, around_q
+        if self._wanted.by_waypoint:
+            # What seems nearest after each waypoint tells what is far enough; where that was
+            # stated, the way from one to the other shows it for many sets.
+            count = len(self.found.bounds)
+            seem = items[foremost(items, self._asked, sets.at, count, arrays, there)]
+            planes(seem, self._ways(sets, q, seem), self._asked, *compiled)
+        close = self._sifted(batch, items, world, spreads)
+        if len(close.items) and not self.is_over():
+            # The direction in which a pair is apart in one set often is good for others.
+            order = np.argsort(close.told, kind="stable")
+            once = close.items[order[np.unique(close.items[order, 2], return_index=True)[1]]]
+            rows = self._pairs.rows[once[:, 2]].tolist()
+            once = once[[not self._space.is_known(row) for row in rows]]
+            planes(once, self._ways(sets, q, once), self._asked, *compiled)
+            items = self._sifted(batch, close.items, world, spreads).items
+            if len(items) and not self.is_over():
+                self._exhaust(*inside(self._base, blocks, items))
+
+    def _ways(self, batch: Batch, q: Floats, items: Ints) -> Floats:
+        """Measure pairs in the middles `q` (k, nq) of sets: ways (n, 3) [m] from one to other."""
+        space, asked, ways = self._space, self._asked, np.zeros((len(items), 3))
+        looked = (-1, -1)
+        for n in np.lexsort(items.T[1::-1]).tolist():
+            one, other, pair = items[n].tolist()
+            if looked != (one, other):
+                looked = (one, other)
+                space.look(self._both(q[one], q[other]))
+            row, place = int(self._pairs.rows[pair]), int(batch.at[[one, other]].max())
+            distance, shown = space.distance(row), bool(asked.shown[pair])
+            self._noted(row, distance, float(asked.margins[pair]), place, shown)
+            ways[n] = space.way(row)
+        return ways
+
+    def _exhaust(self, batch: Batch, items: Ints) -> None:
+        """Look at pairs in sets (n, 3), see `Batch`, and in halves of these where needed."""
+        waiting = [(batch, items)]
+        while waiting:
+            batch, items = waiting.pop()
+            if len(batch) > HALVES:
+                middle = len(items) // 2
+                waiting += [batch.only(some) for some in (items[middle:], items[:middle])]
+                continue
+            items = self._left(batch, items)
+            if self.is_over():
+                return
+            if len(items):
+                # Twice, since a half is seldom enough.
+                for _ in range(2):
+                    batch, items = batch.halved(items, self._space.levers)
+                waiting.append((batch, items))
+                self._halves += len(batch)
+                if self._halves > MOST_HALVES:
+                    self.found.gave_up = True
+                    return
+
+    def _world(
+        self, batch: Batch, first: Ints, second: Ints, is_motion: bool
+    ) -> tuple[Floats, Spread, World]:
+        """The middles (k, nq) of sets, how they lie around these, and where bodies are there."""
+        space = self._space
+        needed = np.zeros(len(space.joints), bool)
+        needed[first] = needed[second] = True
+        q, spreads = spread(batch.corners, batch.sizes, is_motion)
+        return q, spreads, poses(space.chain, space.arrays, q, spreads.spans, needed)
+
+    def _sifted(self, batch: Batch, items: Ints, world: World, spreads: Spread) -> Open:
+        space, goals = self._space, np.array(self._wanted.goals)
+        return sieve(
+            items, self._asked, goals, batch.at, self.found.bounds, space.normals,
+            space.chain, space.arrays, world, spreads,
+        )  # fmt: skip
+
+    def _left(self, batch: Batch, items: Ints) -> Ints:
+        """Look at pairs in sets (n, 3), see `Batch`; those of which halves have to be looked at."""
+        pairs = np.unique(items[:, 2])
+        first, second = self._asked.first[pairs], self._asked.second[pairs]
+        q, spreads, world = self._world(batch, first, second, True)
+        close = self._sifted(batch, items, world, spreads)
+        if not len(close.items):
+            return close.items
+        asked, space, told, which = self._asked, self._space, close.told, close.items[:, 2]
+        at = batch.at[close.items[:, :2]].max(axis=1)
+        ways = self._measured(q, close, at)
+        if ways:
+            n, way = np.array(list(ways)), np.array(list(ways.values()))
+            compiled = space.normals, space.chain, space.arrays, world, spreads
+            told[n] = np.fmax(told[n], planes(close.items[n], way, asked, *compiled))
+        # What is no number is not far enough, here and below.
+        is_left = ~(told >= self._needs(which, at)) & (close.moves > self._resolution)
+        is_told = asked.shown[which] & ~is_left
+        np.minimum.at(self.found.bounds, at[is_told], told[is_told])
+        return close.items[is_left]
+
+    def _needs(self, which: Ints, at: Ints) -> Floats:
+        """Bounds (n,) [m] that are enough for pairs (n,) after waypoints (n,)."""
+        margins, goals = self._asked.margins[which], np.array(self._wanted.goals)[at]
+        return np.where(self._asked.shown[which], np.maximum(margins, goals), margins)
+
+    def _measured(self, q: Floats, close: Open, at: Ints) -> dict[int, Floats]:
+        """Measure pairs in the middles `q` (k, nq) of sets after waypoints (n,), nearest first.
+
+        Better bounds are put into `close`.
+
+        Returns:
+            For those for which these are not enough, the way (3,) [m] from the one to the other.
+        """
+        space, wanted, found = self._space, self._wanted, self.found
+        first, second, which = close.items.T
+        margins = self._asked.margins[which]
+        # Where it will be halved anyway, measuring would hardly save that.
+        is_hopeless = close.moves > max(self._resolution, LOOSE)
+        is_hopeless &= close.told + LOOSE < self._needs(which, at)
+        is_hopeless &= close.lower >= margins.clip(0.0)
+        order = np.lexsort((close.told, second, first))
+        order = order[~is_hopeless[order]]
+        columns = first, second, at, self._pairs.rows[which], close.told, close.moves, margins
+        columns = order, *(column[order] for column in (*columns, self._asked.shown[which]))
+        ways: dict[int, Floats] = {}
+        looked, goals = (-1, -1), wanted.goals
+        for n, one, other, place, row, told, moves, margin, counts in zip(
+            *(column.tolist() for column in columns), strict=True
+        ):
+            if told >= margin and not (counts and told < goals[place]):
+                continue
+            if looked != (one, other):
+                looked = (one, other)
+                space.look(self._both(q[one], q[other]))
             distance = space.distance(row)
-            told = distance - move
-            if counts and wanted.stated is not None and distance < goals[item] - SAME:
-                found.bounds[at[item]] = distance
-                return []
-            if distance < margin or (counts and distance < wanted.nearest[at[item]]):
-                places = tuple(int(block.at[item]) for block in some.blocks)
-                state = Nearest(row, distance, margin, close.q[item], places)
-                if distance < margin:
-                    found.violation = state
-                    return []
-                wanted.nearest[at[item]] = distance
-                goals = wanted.goal(some.at).tolist()
-                if found.nearest is None or distance < found.nearest.distance:
-                    found.nearest = state
-            need = max(margin, goals[item]) if counts else margin
-            if told < need <= distance and move > resolution:
-                if corners is None:
-                    corners = some.corners(base, close.q)
-                common = int(pairs.commons[which])
-                within = space.within(row, common, item, close.world, close.spans, corners)
-                told = max(told, within)
-        if told < need and move > resolution:
-            left.append(number)
-        elif counts:
-            found.bounds[at[item]] = min(found.bounds[at[item]], told)
-    return left
+            if counts and wanted.stated is not None and distance < goals[place] - SAME:
+                found.bounds[place] = distance
+                return {}
+            self._noted(row, distance, margin, place, counts)
+            if found.violation is not None:
+                return {}
+            told = max(told, distance - moves)
+            close.told[n] = told
+            if told < margin or (counts and told < goals[place]) or not space.is_known(row):
+                ways[n] = space.way(row)
+        return ways
+
+    def _noted(self, row: int, distance: float, margin: float, place: int, counts: bool) -> None:
+        """Note what was measured of a pair after a waypoint, where that is too near or nearest."""
+        is_near = not distance >= margin
+        if is_near or (counts and distance < self._wanted.nearest[place]):
+            state, found = Nearest(row, distance, margin, self._space.at, place), self.found
+            if is_near:
+                found.violation = state
+                return
+            self._wanted.measured(place, distance)
+            if found.nearest is None or distance < found.nearest.distance:
+                found.nearest = state
+
+    def _both(self, one: Floats, other: Floats) -> Floats:
+        """The whole configuration (nq,) of two in each of which another arm has moved."""
+        return np.where(other != self._base, other, one)

@@ -1,4 +1,4 @@
-"""Compiled: where the boxes around bodies are, and which pairs these alone do not tell apart."""
+"""Compiled: which pairs of bodies are told apart without measuring them."""
 
 from typing import NamedTuple
 
@@ -6,247 +6,357 @@ import numpy as np
 from numba import njit
 
 from workbench.model.geometry import Bools, Floats, Ints
-
-ROUNDING = 1e-9
-"""[m] What sums of floats may be off by."""
+from workbench.proof.frames import Bodies, Chain, Spread, World, moved
+from workbench.proof.plane import ROUNDING, apart
 
 PARALLEL = 1e-3
 """Sine of an angle below which two edges count as parallel: their normal is badly known."""
 
 
-class Chain(NamedTuple):
-    """Joints as arrays, joint 0 being the world; parents come before children.
+class Asked(NamedTuple):
+    """Pairs (p,) of bodies `first` and `second`, and what they are asked.
 
-    `parents` (j,), `turns` (j, 3, 3) and `places` (j, 3) [m] of each joint in the one before,
-    `axes` (j, 3), `slides` (j,): whether it is prismatic, `columns` (j,): its place in `q`.
+    `commons` is the joint next to both that moves both, `margins` [m] what they have to keep;
+    `shown`: how near they come is told, too.
     """
 
-    parents: Ints
-    turns: Floats
-    places: Floats
-    axes: Floats
-    slides: Bools
-    columns: Ints
+    first: Ints
+    second: Ints
+    commons: Ints
+    margins: Floats
+    shown: Bools
 
 
-class World(NamedTuple):
-    """Where things are at configurations (k,).
+class Open(NamedTuple):
+    """Pairs that are not told apart: `items` (n, 3) as `Batch` says.
 
-    `turns` (k, b, 3, 3) and `centres` (k, b, 3) [m] are those of boxes, `places` (k, j, 3) [m] and
-    `axes` (k, j, 3) those of joints.
+    `lower` [m] is a bound in the middles of the sets, `moves` [m] how much nearer they may come in
+    them, `told` [m] a bound for the whole of them.
     """
 
-    turns: Floats
-    centres: Floats
-    places: Floats
-    axes: Floats
-
-
-class Boxes(NamedTuple):
-    """Boxes around bodies: the joints (b,) that carry them, turns and centres in those.
-
-    `turns` (b, 3, 3), `centres` (b, 3) [m], `halves` (b, 3) [m] half lengths, `radii` (b,) [m] of
-    the balls around the bodies, which have the same centres.  `rounds` (b,) tells that a body fills
-    the same space however its own joint is turned.
-    """
-
-    joints: Ints
-    turns: Floats
-    centres: Floats
-    halves: Floats
-    radii: Floats
-    rounds: Bools
+    items: Ints
+    lower: Floats
+    moves: Floats
+    told: Floats
 
 
 @njit(cache=True)
-def poses(chain: Chain, boxes: Boxes, q: Floats) -> World:  # pragma: no cover (compiled)
-    """Where everything is at configurations (k, nq) [rad, m].
+def reachable(
+    asked: Asked, sight: float, sides: Ints, split: int, bodies: Bodies, world: World
+) -> Ints:  # pragma: no cover (compiled)
+    """What is asked (n, 3), but of pairs that are farther apart than can be told.
 
-    What Pinocchio's `forwardKinematics` gives, for many at once.
+    Around all that a body passes in all sets there is a box along the axes of the world.  What is
+    no number is not far apart: such pairs are looked at.
+
+    Args:
+        asked: the pairs.
+        sight: [m] up to here distances are told.
+        sides: (b,) 1 where a second arm carries a body.
+        split: so many sets are the first arm's, all others the second's.
+        bodies: all bodies.
+        world: where those of the pairs are at the middles of the sets.
     """
-    count, joints, bodies = len(q), len(chain.parents), len(boxes.joints)
-    turns, centres = np.empty((count, bodies, 3, 3)), np.empty((count, bodies, 3))
-    places, axes = np.zeros((count, joints, 3)), np.zeros((count, joints, 3))
-    R, p = np.zeros((joints, 3, 3)), np.zeros((joints, 3))
-    own, before = np.empty((3, 3)), np.empty((3, 3))
-    for i in range(3):
-        R[0, i, i] = 1.0
-    for k in range(count):
-        for j in range(1, joints):
-            u, value = chain.parents[j], q[k, chain.columns[j]]
-            x, y, z = chain.axes[j]
-            _product(R[u], chain.turns[j], before)
+    count = len(world.moves)
+    low, high = np.full((len(bodies.joints), 3), np.inf), np.full((len(bodies.joints), 3), -np.inf)
+    needed = np.zeros(len(bodies.joints), np.bool_)
+    for pair in range(len(asked.first)):
+        needed[asked.first[pair]] = needed[asked.second[pair]] = True
+    for b in np.flatnonzero(needed):
+        for k in range(split if sides[b] else 0, count if sides[b] else split):
+            far = world.moves[k, b] + bodies.radii[b]
             for i in range(3):
-                p[j, i] = p[u, i]
-                for m in range(3):
-                    p[j, i] += R[u, i, m] * chain.places[j, m]
-                axes[k, j, i] = before[i, 0] * x + before[i, 1] * y + before[i, 2] * z
-                places[k, j, i] = p[j, i]
-            if chain.slides[j]:
-                for i in range(3):
-                    p[j, i] += axes[k, j, i] * value
-                    for m in range(3):
-                        R[j, i, m] = before[i, m]
-                continue
-            sin, cos = np.sin(value), np.cos(value)  # Rodrigues
-            rest = 1.0 - cos
-            own[0, 0], own[0, 1], own[0, 2] = (
-                cos + x * x * rest,
-                x * y * rest - z * sin,
-                x * z * rest + y * sin,
-            )
-            own[1, 0], own[1, 1], own[1, 2] = (
-                y * x * rest + z * sin,
-                cos + y * y * rest,
-                y * z * rest - x * sin,
-            )
-            own[2, 0], own[2, 1], own[2, 2] = (
-                z * x * rest - y * sin,
-                z * y * rest + x * sin,
-                cos + z * z * rest,
-            )
-            _product(before, own, R[j])
-        for b in range(bodies):
-            j = boxes.joints[b]
-            _product(R[j], boxes.turns[b], turns[k, b])
-            for i in range(3):
-                centres[k, b, i] = p[j, i]
-                for m in range(3):
-                    centres[k, b, i] += R[j, i, m] * boxes.centres[b, m]
-    return World(turns, centres, places, axes)
+                # These pass on what is no number; `min` and `max` may lose it.
+                low[b, i] = np.minimum(low[b, i], world.centres[k, b, i] - far)
+                high[b, i] = np.maximum(high[b, i], world.centres[k, b, i] + far)
+    chosen, found = np.empty(len(asked.first), np.int64), 0
+    for pair in range(len(asked.first)):
+        a, b, square = asked.first[pair], asked.second[pair], 0.0
+        for i in range(3):
+            off = np.maximum(np.maximum(low[a, i] - high[b, i], low[b, i] - high[a, i]), 0.0)
+            square += off * off
+        need = asked.margins[pair]
+        if asked.shown[pair]:
+            need = np.maximum(need, sight)
+        # Boxes that overlap say nothing of bodies, which may be in each other as deep as `need`.
+        if not (square > 0.0 and np.sqrt(square) - ROUNDING >= need):
+            chosen[found] = pair
+            found += 1
+    others = max(count - split, 1)
+    items, n = np.empty((split * others * found, 3), np.int64), 0
+    for one in range(split):
+        for other in range(others):
+            for pair in chosen[:found]:
+                second = one if count == split else split + other
+                items[n, 0] = second if sides[asked.first[pair]] else one
+                items[n, 1] = second if sides[asked.second[pair]] else one
+                items[n, 2] = pair
+                n += 1
+    return items
 
 
 @njit(cache=True)
-def _product(A: Floats, B: Floats, C: Floats) -> None:  # pragma: no cover (compiled)
-    """Write A B into C, all (3, 3)."""
-    for i in range(3):
-        for j in range(3):
-            C[i, j] = A[i, 0] * B[0, j] + A[i, 1] * B[1, j] + A[i, 2] * B[2, j]
+def foremost(
+    items: Ints, asked: Asked, at: Ints, waypoints: int, bodies: Bodies, world: World
+) -> Ints:  # pragma: no cover (compiled)
+    """What of all that is asked and shown seems nearest after each waypoint (n,), by index.
 
-
-@njit(cache=True)
-def gap(
-    Ra: Floats, ca: Floats, ha: Floats, Rb: Floats, cb: Floats, hb: Floats
-) -> float:  # pragma: no cover (compiled)
-    """A lower bound [m] of the distance of two boxes, negative when they may overlap.
-
-    They are `R` (3, 3), `c` (3,) [m], `h` (3,) [m].  It is the largest gap along the axes of both
-    and the nine normals to two of them: boxes that are apart are apart along one of these.
+    Args:
+        items: (n, 3) in which two of the sets, and which of the pairs, see `Batch`.
+        asked: the pairs.
+        at: (k,) the waypoint before each set, see `Batch`.
+        waypoints: how many there are.
+        bodies: all bodies.
+        world: where those of the pairs are at the middles of the sets.
     """
-    between = cb - ca
-    best = -np.inf
-    for i in range(3):
-        for own in range(2):
-            R = Ra if own == 0 else Rb
-            x, y, z = R[0, i], R[1, i], R[2, i]
-            best = max(best, _along(x, y, z, between, Ra, ha, Rb, hb))
-    for i in range(3):
-        for j in range(3):
-            x = Ra[1, i] * Rb[2, j] - Ra[2, i] * Rb[1, j]
-            y = Ra[2, i] * Rb[0, j] - Ra[0, i] * Rb[2, j]
-            z = Ra[0, i] * Rb[1, j] - Ra[1, i] * Rb[0, j]
-            norm = np.sqrt(x * x + y * y + z * z)
-            if norm > PARALLEL:
-                x, y, z = x / norm, y / norm, z / norm
-                best = max(best, _along(x, y, z, between, Ra, ha, Rb, hb))
-    return float(best)
-
-
-@njit(cache=True)
-def _along(
-    x: float, y: float, z: float, between: Floats, Ra: Floats, ha: Floats, Rb: Floats, hb: Floats
-) -> float:  # pragma: no cover (compiled)
-    """The gap of two boxes along a unit direction."""
-    reach = 0.0
-    for i in range(3):
-        reach += abs(x * Ra[0, i] + y * Ra[1, i] + z * Ra[2, i]) * ha[i]
-        reach += abs(x * Rb[0, i] + y * Rb[1, i] + z * Rb[2, i]) * hb[i]
-    return float(abs(x * between[0] + y * between[1] + z * between[2]) - reach)
-
-
-@njit(cache=True)
-def _moved(
-    k: int, b: int, common: int, chain: Chain, boxes: Boxes, world: World, spans: Floats
-) -> float:  # pragma: no cover (compiled)
-    """How far [m] no point of a body gets from where it is, against joint `common`.
-
-    The joints between are turned one after the other, that nearest to the body first, each by up to
-    `spans` (k, nq): its axis is still where it was, and the body within `moved` of where it was.
-    """
-    moved = 0.0
-    j = boxes.joints[b]
-    while j != common and j != 0:
-        span = spans[k, chain.columns[j]]
-        if chain.slides[j]:
-            moved += span
-        elif span > 0.0 and not (boxes.rounds[b] and j == boxes.joints[b]):
-            square, along = 0.0, 0.0
-            for i in range(3):
-                off = world.centres[k, b, i] - world.places[k, j, i]
-                square += off * off
-                along += off * world.axes[k, j, i]
-            away = np.sqrt(max(square - along * along, 0.0)) + boxes.radii[b]
-            moved += span * (away + moved)
-        j = chain.parents[j]
-    return moved
-
-
-@njit(cache=True)
-def lower_to(
-    bounds: Floats, at: Ints, values: Floats, counts: Bools
-) -> None:  # pragma: no cover (compiled)
-    """Lower bounds (w,) [m] to those of the values (n,) [m] at places (n,) that count (n,)."""
-    for n in range(len(at)):
-        if counts[n] and values[n] < bounds[at[n]]:
-            bounds[at[n]] = values[n]
+    lowest, best = np.full(waypoints, np.inf), np.full(waypoints, -1)
+    axis, scratch = np.empty(3), np.empty((4, 3))
+    for n in range(len(items)):
+        ka, kb, pair = int(items[n, 0]), int(items[n, 1]), int(items[n, 2])
+        a, b, place = int(asked.first[pair]), int(asked.second[pair]), max(at[ka], at[kb])
+        if not asked.shown[pair]:
+            continue
+        square = 0.0
+        for i in range(3):
+            off = world.centres[ka, a, i] - world.centres[kb, b, i]
+            square += off * off
+        low = np.sqrt(square) - bodies.radii[a] - bodies.radii[b]
+        if low < lowest[place]:
+            low = max(low, gap(ka, a, kb, b, bodies, world, float(lowest[place]), axis, scratch))
+            if low < lowest[place]:
+                lowest[place], best[place] = low, n
+    return best[best >= 0]
 
 
 @njit(cache=True)
 def sieve(
     items: Ints,
-    first: Ints,
-    second: Ints,
-    commons: Ints,
-    needs: Floats,
-    spans: Floats,
+    asked: Asked,
+    goals: Floats,
+    at: Ints,
+    bounds: Floats,
+    normals: Floats,
     chain: Chain,
-    boxes: Boxes,
+    bodies: Bodies,
     world: World,
-) -> tuple[Floats, Floats]:  # pragma: no cover (compiled)
-    """How far pairs are apart at least, and how much nearer they may come: (n,) [m] each.
+    spread: Spread,
+) -> Open:  # pragma: no cover (compiled)
+    """Pairs that are not told apart without measuring them.
 
     Args:
-        items: (n,) at which of the configurations, an index.
-        first: (n,) the one body, an index.
-        second: (n,) the other one.
-        commons: (n,) the joint next to both that moves both, an index.
-        needs: (n,) [m] what is enough when nearness is taken off; then boxes are not looked at.
-        spans: (k, nq) [rad, m] how far each value is from that of its configuration.
+        items: (n, 3) in which two of the sets, and which of the pairs, see `Batch`.
+        asked: the pairs.
+        goals: (w,) [m] how far apart is far enough after each waypoint, where that is shown.
+        at: (k,) the waypoint before each set, see `Batch`.
+        bounds: (w,) [m] after each waypoint; lowered to those of pairs that are told apart.
+        normals: (b, b, 2, 3) directions from the one to the other that were good before, as the
+            one and as the other sees them; zero where none is known.
         chain: the joints.
-        boxes: around all bodies.
-        world: see `poses`.
+        bodies: all bodies.
+        world: where those of the pairs are at the middles of the sets.
+        spread: the sets.
     """
-    lower, moves = np.empty(len(items)), np.empty(len(items))
-    most = np.empty((len(spans), len(boxes.joints)))
-    for k in range(len(spans)):
-        for b in range(len(boxes.joints)):
-            most[k, b] = _moved(k, b, 0, chain, boxes, world, spans)
+    lower, moves, told = np.empty(len(items)), np.empty(len(items)), np.empty(len(items))
+    left, count = np.empty(len(items), np.int64), 0
+    most, normal, scratch = world.moves, np.empty(3), np.empty((4, 3))
     for n in range(len(items)):
-        k, a, b = items[n], first[n], second[n]
-        if commons[n] == 0:
-            moves[n] = most[k, a] + most[k, b]
-        else:
-            moves[n] = _moved(k, a, commons[n], chain, boxes, world, spans)
-            moves[n] += _moved(k, b, commons[n], chain, boxes, world, spans)
+        ka, kb, pair = int(items[n, 0]), int(items[n, 1]), int(items[n, 2])
+        a, b = int(asked.first[pair]), int(asked.second[pair])
+        common, need = int(asked.commons[pair]), float(asked.margins[pair])
+        place = max(at[ka], at[kb])
+        if asked.shown[pair]:
+            need = max(need, float(goals[place]))
         square = 0.0
         for i in range(3):
-            off = world.centres[k, a, i] - world.centres[k, b, i]
+            off = world.centres[ka, a, i] - world.centres[kb, b, i]
             square += off * off
-        lower[n] = np.sqrt(square) - boxes.radii[a] - boxes.radii[b] - ROUNDING
-        if lower[n] - moves[n] < needs[n]:
-            apart = gap(
-                world.turns[k, a], world.centres[k, a], boxes.halves[a],
-                world.turns[k, b], world.centres[k, b], boxes.halves[b],
-            )  # fmt: skip
-            lower[n] = max(lower[n], apart - ROUNDING)
-    return lower, moves
+        low, far = (
+            np.sqrt(square) - bodies.radii[a] - bodies.radii[b] - ROUNDING,
+            most[ka, a] + most[kb, b],
+        )
+        bound = low - far
+        if bound < need:
+            off = max(_off(ka, a, kb, b, bodies, world), _off(kb, b, ka, a, bodies, world))
+            low = max(low, off - ROUNDING)
+            bound = low - far
+        if bound < need:
+            if common != 0:
+                far = moved(ka, a, common, chain, bodies, world, spread.spans)
+                far += moved(kb, b, common, chain, bodies, world, spread.spans)
+            wide = gap(ka, a, kb, b, bodies, world, need + far, normal, scratch)
+            low = max(low, wide - ROUNDING)
+            bound = low - far
+            if bound < need and low > 0.0 and not normals[a, b].any():
+                _note(normals[a, b], normal, ka, a, kb, b, world)
+        for side in range(2):
+            if bound < need and normals[a, b, side].any():
+                seen, R = normals[a, b, side], world.turns[ka, a]
+                if side == 1:
+                    R = world.turns[kb, b]
+                for i in range(3):
+                    normal[i] = R[i, 0] * seen[0] + R[i, 1] * seen[1] + R[i, 2] * seen[2]
+                along = apart(normal, ka, a, kb, b, common, chain, bodies, world, spread)
+                bound = max(bound, along)
+        if not bound >= need:
+            left[count], lower[count], moves[count], told[count] = n, low, far, bound
+            count += 1
+        elif asked.shown[pair]:
+            bounds[place] = min(bounds[place], bound)
+    return Open(items[left[:count]], lower[:count], moves[:count], told[:count])
+
+
+@njit(cache=True)
+def _note(
+    known: Floats, normal: Floats, ka: int, a: int, kb: int, b: int, world: World
+) -> None:  # pragma: no cover (compiled)
+    """Note a direction (3,) as both bodies see it (2, 3)."""
+    for i in range(3):
+        known[0, i], known[1, i] = 0.0, 0.0
+        for j in range(3):
+            known[0, i] += world.turns[ka, a, j, i] * normal[j]
+            known[1, i] += world.turns[kb, b, j, i] * normal[j]
+
+
+@njit(cache=True)
+def planes(
+    items: Ints,
+    ways: Floats,
+    asked: Asked,
+    normals: Floats,
+    chain: Chain,
+    bodies: Bodies,
+    world: World,
+    spread: Spread,
+) -> Floats:  # pragma: no cover (compiled)
+    """How far pairs are apart at least (n,) [m] in whole sets, seen along directions.
+
+    Args:
+        items: (n, 3) in which two of the sets, and which of the pairs, see `Batch`.
+        ways: (n, 3) [m] from the nearest point of the one to that of the other, at the middle.
+        asked: the pairs.
+        normals: see `sieve`; the directions are noted in it.
+        chain: the joints.
+        bodies: all bodies.
+        world: where everything is at the middles of the sets.
+        spread: the sets.
+    """
+    told = np.full(len(items), -np.inf)
+    for n in range(len(items)):
+        ka, kb, pair = int(items[n, 0]), int(items[n, 1]), int(items[n, 2])
+        a, b = int(asked.first[pair]), int(asked.second[pair])
+        length = np.sqrt((ways[n] ** 2).sum())
+        # Of bodies that just touch, Coal may not know it.
+        if not 0.0 < length < np.inf:
+            continue
+        normal = ways[n] / length
+        _note(normals[a, b], normal, ka, a, kb, b, world)
+        common = int(asked.commons[pair])
+        told[n] = apart(normal, ka, a, kb, b, common, chain, bodies, world, spread)
+    return told
+
+
+@njit(cache=True)
+def _off(
+    ka: int, a: int, kb: int, b: int, bodies: Bodies, world: World
+) -> float:  # pragma: no cover (compiled)
+    """How far [m] the ball around a body is from the box around another one, or how deep in it."""
+    R, square, deep = world.turns[kb, b], 0.0, np.inf
+    for i in range(3):
+        along = 0.0
+        for m in range(3):
+            along += R[m, i] * (world.centres[ka, a, m] - world.centres[kb, b, m])
+        beyond = abs(along) - bodies.halves[b, i]
+        square += max(beyond, 0.0) ** 2
+        deep = min(deep, -beyond)
+    return float((np.sqrt(square) if square > 0.0 else -deep) - bodies.radii[a])
+
+
+@njit(cache=True)
+def gap(
+    ka: int,
+    a: int,
+    kb: int,
+    b: int,
+    bodies: Bodies,
+    world: World,
+    enough: float,
+    axis: Floats,
+    scratch: Floats,
+) -> float:  # pragma: no cover (compiled)
+    """A lower bound [m] of the distance of the boxes around two bodies; negative: may overlap.
+
+    It is the largest gap along the axes of both and the nine normals to two of them: boxes that
+    are apart are apart along one of these.
+
+    Args:
+        ka: at which configuration the one is, an index.
+        a: the one body.
+        kb: at which configuration the other is.
+        b: the other body.
+        bodies: all bodies.
+        world: where they are.
+        enough: [m] nothing larger is looked for.
+        axis: (3,) becomes the direction of the gap in the world, from the one to the other.
+        scratch: (4, 3) is written to: the axes of the other and the way to it, as the one sees
+            them.
+    """
+    Ra, Rb = world.turns[ka, a], world.turns[kb, b]
+    ha, hb = bodies.halves[a], bodies.halves[b]
+    best, first, second = -np.inf, 0, 0
+    for i in range(3):
+        for j in range(3):
+            scratch[j, i] = Ra[0, i] * Rb[0, j] + Ra[1, i] * Rb[1, j] + Ra[2, i] * Rb[2, j]
+        scratch[3, i] = 0.0
+        for m in range(3):
+            scratch[3, i] += Ra[m, i] * (world.centres[kb, b, m] - world.centres[ka, a, m])
+    way = scratch[3]
+    for i in range(3):
+        far = abs(way[i]) - ha[i]
+        for j in range(3):
+            far -= hb[j] * abs(scratch[j, i])
+        if far > best:
+            best, first, second = far, i, 3
+    for j in range(3):
+        other, along = scratch[j], 0.0
+        far = -hb[j]
+        for i in range(3):
+            along += way[i] * other[i]
+            far -= ha[i] * abs(other[i])
+        far += abs(along)
+        if far > best:
+            best, first, second = far, 3, j
+    for i in range(3 if best < enough else 0):
+        u, v = (i + 1) % 3, (i + 2) % 3
+        for j in range(3):
+            other = scratch[j]
+            norm = np.sqrt(other[u] * other[u] + other[v] * other[v])
+            if norm > PARALLEL:
+                far = abs(way[v] * other[u] - way[u] * other[v])
+                far -= ha[u] * abs(other[v]) + ha[v] * abs(other[u])
+                far -= hb[(j + 1) % 3] * abs(scratch[(j + 2) % 3, i])
+                far -= hb[(j + 2) % 3] * abs(scratch[(j + 1) % 3, i])
+                if far / norm > best:
+                    best, first, second = far / norm, i, j
+    _towards(Ra, Rb, first, second, way, axis)
+    return float(best)
+
+
+@njit(cache=True)
+def _towards(
+    Ra: Floats, Rb: Floats, first: int, second: int, way: Floats, axis: Floats
+) -> None:  # pragma: no cover (compiled)
+    """Write the unit vector along one axis of both, or across two, from the one to the other."""
+    if second == 3:
+        axis[:] = Ra[:, first]
+    elif first == 3:
+        axis[:] = Rb[:, second]
+    else:
+        for i in range(3):
+            u, v = (i + 1) % 3, (i + 2) % 3
+            axis[i] = Ra[u, first] * Rb[v, second] - Ra[v, first] * Rb[u, second]
+    along, square = 0.0, 0.0
+    for i in range(3):
+        square += axis[i] * axis[i]
+        for m in range(3):
+            along += axis[m] * Ra[m, i] * way[i]
+    axis *= (1.0 if along > 0.0 else -1.0) / np.sqrt(square)

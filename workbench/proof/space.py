@@ -1,27 +1,24 @@
-"""Where all bodies are, for many configurations at once, and how near they are to each other."""
+"""Where all bodies are, and how near they are to each other."""
 
-import math
 from collections.abc import Mapping
 
 import numpy as np
 import pinocchio as pin
 
-from workbench.model.geometry import Floats, Ints
+from workbench.model.geometry import Floats
 from workbench.model.plan import Plan
-from workbench.proof.bodies import Body, ball, box, coal_shape
-from workbench.proof.plane import nearer
+from workbench.proof.bodies import Body, coal_shape, hull
+from workbench.proof.frames import Bodies, Chain, levers, poses
 from workbench.proof.robot import Tree
-from workbench.proof.sieve import Boxes, Chain, World, poses, sieve
 from workbench.proof.table import Table
-
-TOUCHING = 1e-4
-"""[m] Nearer than this, the line between the nearest points is badly known."""
 
 
 class Space:
     """The bodies of a scene, which `put` moves from joint to joint.
 
-    `levers` (nq,) [m/rad, m/m]: no point of an empty robot is moved further by a value than that.
+    `chain` and `arrays` are its joints and bodies for what is compiled, `levers` (nq,) [m/rad, m/m]
+    about how far each value moves the farthest body.  `normals` (b, b, 2, 3) are directions in
+    which pairs were once apart, see `sieve`.
     Coal measures at the configuration that was given to `look` last, which is `at` (nq,).
     Concurrency: one thread at a time.
     """
@@ -29,35 +26,26 @@ class Space:
     def __init__(self, tree: Tree, bodies: tuple[Body, ...], table: Table) -> None:
         self.tree, self.bodies, self.table = tree, bodies, table
         self.looks, self.at = 0, tree.rest
-        self.joints = np.array([body.joint for body in bodies])
-        boxes, at = [box(body.shape) for body in bodies], [body.T_joint_body for body in bodies]
-        self._chain = _chain_of(tree)
-        self._boxes = Boxes(
-            self.joints,
-            np.array([T.rotation for T in at]),
-            np.array([T.act(c) for T, (c, _) in zip(at, boxes, strict=True)]),
-            np.array([half for _, half in boxes]),
-            np.array([ball(body.shape)[1] for body in bodies]),
-            table.rounds,
-        )
-        balls = [(b.joint, b.T_joint_body.act(ball(b.shape)[0]), ball(b.shape)[1]) for b in bodies]
-        self.levers = np.max([tree.travel(*one) for one in balls], axis=0)
+        self.chain, self.arrays = _chain_of(tree), _arrays_of(bodies, table)
+        self.joints = self.arrays.joints
+        rest, every = tree.rest[None], np.ones(len(bodies), bool)
+        world = poses(self.chain, self.arrays, rest, np.zeros_like(rest), every)
+        self.levers = levers(self.chain, self.arrays, world)
+        self.normals = np.zeros((len(bodies), len(bodies), 2, 3))
         self._geometry = pin.GeometryModel()
         for number, body in enumerate(bodies):
             shape = coal_shape(body.shape)
             self._geometry.addGeometryObject(
                 pin.GeometryObject(str(number), body.joint, body.T_joint_body, shape)
             )
-        is_convex = np.array([getattr(body.shape, "is_convex", True) for body in bodies])
-        self._are_convex = is_convex[table.first] & is_convex[table.second]
         self._geometry.setCollisionPairs(table.counts, True)
         self._measured = pin.GeometryData(self._geometry)
 
     def put(self, number: int, joint: int, T_joint_body: pin.SE3) -> None:
         """Hang a body on a joint."""
         self.joints[number] = joint
-        self._boxes.turns[number] = T_joint_body.rotation
-        self._boxes.centres[number] = T_joint_body.act(box(self.bodies[number].shape)[0])
+        self.arrays.turns[number] = T_joint_body.rotation
+        self.arrays.centres[number] = T_joint_body.act(hull(self.bodies[number].shape).centre)
         shape = self._geometry.geometryObjects[number]
         shape.parentJoint, shape.placement = joint, T_joint_body
 
@@ -91,57 +79,35 @@ class Space:
         result = self._measured.distanceResults[row]
         return np.array([result.getNearestPoint1(), result.getNearestPoint2()])
 
+    def way(self, row: int) -> Floats:
+        """From the nearest point of the one to that of the other (3,) [m], as measured last."""
+        result = self._measured.distanceResults[row]
+        return result.getNearestPoint2() - result.getNearestPoint1()
+
+    def is_known(self, row: int) -> bool:
+        """Whether a direction is known in which the two of a pair were once apart."""
+        return bool(self.normals[self.table.first[row], self.table.second[row], 0].any())
+
     def pose(self, number: int) -> pin.SE3:
         """`T_world_body` of a body at the configuration that is looked at."""
         return self._measured.oMg[number]
 
-    def within(
-        self, row: int, common: int, k: int, world: World, spans: Floats, corners: Floats
-    ) -> float:
-        """How near [m] the two of a pair come at least, in the set around what was looked at.
 
-        Args:
-            row: which pair, one that was measured since.
-            common: the joint next to both that moves both, an index.
-            k: which of the sets that follow, an index.
-            world: where everything is in the middles of sets.
-            spans: see `nearer`.
-            corners: see `nearer`.
-
-        Returns:
-            A lower bound, minus infinity where nothing can be said.
-        """
-        result = self._measured.distanceResults[row]
-        distance = float(result.min_distance)
-        if distance < TOUCHING or not self._are_convex[row]:
-            return -np.inf
-        way = result.getNearestPoint2() - result.getNearestPoint1()
-        normal, chain, boxes = way / math.sqrt(way @ way), self._chain, self._boxes
-        first, second = self.table.first[row], self.table.second[row]
-        return distance - nearer(
-            normal, k, first, second, common, chain, boxes, world, spans, corners
-        )
-
-    def bounds(
-        self, q: Floats, spans: Floats, items: Ints, rows: Ints, commons: Ints, needs: Floats
-    ) -> tuple[Floats, Floats, World]:
-        """How far pairs are apart at least, quickly, and how much nearer they may come.
-
-        Args:
-            q: whole configurations (k, nq) [rad, m].
-            spans: (k, nq) [rad, m] how far each value may be from them.
-            items: (n,) at which of them, an index.
-            rows: (n,) which pairs, as rows of the table.
-            commons: (n,) the joint next to both that moves both, an index.
-            needs: (n,) [m] what is enough when the second is taken off the first.
-
-        Returns:
-            Both as (n,) [m], and where everything is at the configurations.
-        """
-        world = poses(self._chain, self._boxes, q)
-        first, second = self.table.first[rows], self.table.second[rows]
-        chain, boxes = self._chain, self._boxes
-        return *sieve(items, first, second, commons, needs, spans, chain, boxes, world), world
+def _arrays_of(bodies: tuple[Body, ...], table: Table) -> Bodies:
+    at, hulls = [body.T_joint_body for body in bodies], [hull(body.shape) for body in bodies]
+    return Bodies(
+        np.array([body.joint for body in bodies]),
+        np.array([T.rotation for T in at]),
+        np.array([T.act(one.centre) for T, one in zip(at, hulls, strict=True)]),
+        np.array([one.half for one in hulls]),
+        np.array([one.radius for one in hulls]),
+        table.rounds,
+        np.concatenate([one.points for one in hulls]),
+        np.cumsum([0, *(len(one.points) for one in hulls)]),
+        np.array([one.box for one in hulls]),
+        np.array([one.disc for one in hulls]),
+        np.array([one.ball for one in hulls]),
+    )
 
 
 def _chain_of(tree: Tree) -> Chain:

@@ -30,7 +30,7 @@ class Stage:
     in touch with the part that it has let go of.
     """
 
-    sets: tuple[Sets, ...]
+    sets: Sets
     now: Situation
     comes_off: bool = False
     leaves: bool = False
@@ -108,15 +108,16 @@ def stages_of(cell: Cell, tree: Tree, step: Step, one: Moving, left_at: int) -> 
         yield Stage(first, now, comes_off=True)
         yield Stage(rest, now)
     elif name == "home":
-        yield Stage(tuple(s.only(s.at < left_at) for s in sets), now, leaves=True)
-        yield Stage(tuple(s.only(s.at >= left_at) for s in sets), now)
+        is_left = np.arange(len(one.path)) >= left_at
+        yield Stage(sets.after(~is_left), now, leaves=True)
+        yield Stage(sets.after(is_left), now)
     else:
         yield Stage(sets, now)
     if name in ("approach", "place") and one.arm.tool.fingers:
         fingers = np.zeros(tree.model.nq, bool)
         fingers[tree.columns[one.arm.name][len(one.arm.joints) :]] = True
         lets_go = replace(now, moves=fingers, lets_go=one.plan.detection)
-        yield Stage((fingers_of(tree, one),), lets_go)
+        yield Stage(fingers_of(tree, one), lets_go)
 
 
 def situation_of(tree: Tree, step: Step, *ones: Moving) -> Situation:
@@ -139,10 +140,12 @@ def situation_of(tree: Tree, step: Step, *ones: Moving) -> Situation:
     )
 
 
-def course_of(cell: Cell, tree: Tree, one: Moving) -> tuple[Sets, ...]:
+def course_of(cell: Cell, tree: Tree, one: Moving) -> Sets:
     """All configurations of a leg, fingers included, for what does not depend on its stages."""
     sets = moved(tree.columns[one.arm.name], one.path, cell.controller.motion, cell.policy.zone)
-    return sets if one.fingers_after == one.leg.opening else (*sets, fingers_of(tree, one))
+    if one.fingers_after == one.leg.opening:
+        return sets
+    return sets.with_others(fingers_of(tree, one))
 
 
 def fingers_of(tree: Tree, one: Moving) -> Sets:
@@ -163,19 +166,17 @@ def _released(tree: Tree, step: Step, one: Moving, least: float) -> tuple[int, F
     return k, one.path[k] + share * (one.path[k + 1] - one.path[k])
 
 
-def _cut(
-    sets: tuple[Sets, ...], segment: int, q: Floats
-) -> tuple[tuple[Sets, ...], tuple[Sets, ...]]:
+def _cut(sets: Sets, segment: int, q: Floats) -> tuple[Sets, Sets]:
     """Sets of a leg up to a configuration (n,) in one of its segments, and from there on."""
-    before = [s.only(s.at < segment) for s in sets]
-    after = [s.only(s.at >= segment) for s in sets]
-    if len(after[0].at):
-        corners = after[0].corners.copy()
+    is_later = np.arange(len(sets.at)) >= segment
+    before, after = sets.after(~is_later), sets.after(is_later)
+    if len(after.at):
+        corners = after.corners.copy()
         start = corners[0, 0].copy()
         corners[0, 0] = q
-        after[0] = replace(after[0], corners=corners)
-        before.append(changed(sets[0].columns, start, q, segment))
-    return tuple(before), tuple(after)
+        after = replace(after, corners=corners)
+        before = before.with_others(changed(sets.columns, start, q, segment))
+    return before, after
 
 
 def tcp(tree: Tree, base: Floats, arm: Arm, values: Floats) -> pin.SE3:

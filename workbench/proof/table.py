@@ -10,6 +10,7 @@
 | tool and the part it takes, as it arrives | 0; a cup may press into it by `press` |
 | closing or opening fingers and the part they take or let go | is not compared |
 | lifted part and what it lies on, over the first `release` | not nearer than at the start |
+| the same, at every turn of a part whose roll is not known | see `rules.roll_findings` |
 | hand and the part it has let go of, until it has left it once | not nearer than at the start |
 | everything else | `margin` |
 
@@ -133,8 +134,8 @@ class Table:
             placer[self._part == number] = self._arm_numbers[arm]
         above, alike = self._tree.ancestors[joints][:, now.moves], self._turns_alike[:, now.moves]
         a, b = self.first, self.second
-        turned, rests = above & ~alike, ~above
-        counts = ((turned[a] & rests[b]) | (turned[b] & rests[a])).any(axis=1)
+        against = (above & ~alike).astype(float) @ (~above.T).astype(float) > 0.0
+        counts = (against | against.T)[a, b]
         if now.lets_go >= 0:
             part = self._part == now.lets_go
             counts &= ~((part[a] & self._finger[b]) | (part[b] & self._finger[a]))
@@ -178,6 +179,13 @@ class Table:
         both_low = is_low[self.first[pairs.rows]] & is_low[self.second[pairs.rows]]
         one, other = pairs.arms.T
         return (one >= 0) & (other >= 0) & (one != other) & ~both_low
+
+    def is_rolled(self, row: int) -> bool:
+        """Whether one of a pair is the room of all turns: how deep it is says nothing of the part.
+
+        `rules.roll_findings` asks that.
+        """
+        return any(self._bodies[int(k[row])].is_rolled for k in (self.first, self.second))
 
     def labels(self, row: int) -> tuple[str, str]:
         """What people call the two bodies of a pair."""

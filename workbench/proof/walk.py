@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from itertools import product
+from math import prod
 
 import numpy as np
 
@@ -31,6 +31,10 @@ from workbench.proof.table import SLACK, Pairs, Situation, Table
 
 ROOM = 0.0005
 """[m] So much more than its margin away, a hand has left a part."""
+
+MOST_TOGETHER = 1_000_000
+"""Pairs of places on the ways of two arms, before they are halved: two of 120 waypoints have so
+many."""
 
 FAR_SIGHT = 0.4
 """[m] Distances between arms are told up to here."""
@@ -129,7 +133,7 @@ class Walk:
             pairs = all_pairs.hiding(all_pairs.left)
             if stage.comes_off or stage.leaves:
                 pairs = self._as_it_begins(step, one, stage, pairs)
-            self._ask(step, one, tuple((sets,) for sets in stage.sets), pairs)
+            self._ask(step, one, ((stage.sets,),), pairs)
 
     def _pairs(self, now: Situation) -> Pairs:
         return self._table.pairs(now, self._space.joints)
@@ -142,8 +146,12 @@ class Walk:
         for k in np.flatnonzero(may_touch).tolist():
             distance = self._space.distance(int(pairs.rows[k]))
             margins[k] = min(margins[k], near, distance - SLACK)
-            if stage.comes_off and distance < -sink:
-                state = Nearest(int(pairs.rows[k]), distance, -sink, self._space.at, (0,))
+            if (
+                stage.comes_off
+                and distance < -sink
+                and not self._table.is_rolled(int(pairs.rows[k]))
+            ):
+                state = Nearest(int(pairs.rows[k]), distance, -sink, self._space.at, 0)
                 problem = "a part lies too deep in what it lies on: its pose is wrong"
                 self._findings.append(self._finding(one, state, problem))
         kept = pairs.keeping(margins)
@@ -176,14 +184,16 @@ class Walk:
             both = [self._tree.columns[one.arm.name] for one in step.moving]
             path = np.hstack([first.path, second.path])
             motion, zone = self._cell.controller.motion, self._cell.policy.zone
-            sets: list[tuple[Sets, ...]] = [
-                (s,) for s in moved(np.concatenate(both), path, motion, zone)
-            ]
+            sets: list[tuple[Sets, ...]] = [(moved(np.concatenate(both), path, motion, zone),)]
             # At its end the fingers of both move, in any order.
             sets.append(tuple(fingers_of(self._tree, one) for one in step.moving))
         else:
-            ways = (course_of(self._cell, self._tree, one) for one in step.moving)
-            sets = list(product(*ways))
+            sets = [tuple(course_of(self._cell, self._tree, one) for one in step.moving)]
+        if sum(prod(len(each.sizes) for each in blocks) for blocks in sets) > MOST_TOGETHER:
+            problem = f"has too many waypoints beside leg {second.leg.name} of arm "
+            problem += f"{second.arm.name} to be proven"
+            self._findings.append(Finding(problem, first.arm.name, first.leg.name))
+            return
         self._ask(step, first, tuple(sets), pairs, second)
 
     def _apart(self, step: Step) -> Iterator[tuple[str, str, Floats]]:
@@ -200,8 +210,7 @@ class Walk:
         columns = [self._tree.columns[one.arm.name] for one in step.moving]
         path = np.hstack([_passed(one, times) for one in step.moving])
         motion, zone = self._cell.controller.motion, self._cell.policy.zone
-        sets = moved(np.concatenate(columns), path, motion, zone)
-        asked = tuple((each,) for each in sets)
+        asked = ((moved(np.concatenate(columns), path, motion, zone),),)
         found = search(
             self._space, step.base, asked, pairs, self._resolution, len(times), sight=FAR_SIGHT
         )
@@ -266,13 +275,11 @@ class Walk:
         state, where = min(measured, key=lambda one: one[0].distance)
         within = state.distance
         for asked in free:
-            close = np.flatnonzero(asked.found.bounds < within - TIGHT)
-            if len(close) == 0 or asked.found.violation is not None or asked.found.gave_up:
+            close = asked.found.bounds < within - TIGHT
+            if not close.any() or asked.found.violation is not None or asked.found.gave_up:
                 continue
             self._put(asked.step)
-            sets = tuple(
-                (blocks[0].only(np.isin(blocks[0].at, close)), *blocks[1:]) for blocks in asked.sets
-            )
+            sets = tuple((blocks[0].after(close), *blocks[1:]) for blocks in asked.sets)
             # How near, not whether too near: that has been answered.
             shown = asked.pairs.among(asked.pairs.shown)
             pairs = shown.keeping(np.full(len(shown.rows), -np.inf))
@@ -293,7 +300,7 @@ class Walk:
     def _finding(self, one: Moving, state: Nearest, problem: str) -> Finding:
         columns = self._tree.columns[one.arm.name][: len(one.arm.joints)]
         labels, q = self._table.labels(state.row), state.q[columns]
-        return Finding(problem, one.arm.name, one.leg.name, state.at[0], labels, state.distance, q)
+        return Finding(problem, one.arm.name, one.leg.name, state.at, labels, state.distance, q)
 
 
 def _passed(one: Moving, times: Floats) -> Floats:

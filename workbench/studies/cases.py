@@ -8,16 +8,24 @@ from collections.abc import Callable, Generator, Sequence
 from contextlib import contextmanager
 from typing import Any, TypeVar
 
+import numpy as np
+
 from workbench.model.errors import InputError
+from workbench.plugins.progress import Report, silent
 
 Case = TypeVar("Case")
 Result = TypeVar("Result")
 
-Report = Callable[[float, str], None]
-"""As in `app.picking.pipeline`; not imported: workers that need no planning start faster."""
-
 RETRIES = 5
 """How often a case is tried again when its worker is lost."""
+
+
+def percentiles(values: Sequence[float], **wanted: float) -> dict[str, float] | None:
+    """Percentiles of values by name, in their unit; None where there are no values."""
+    if not values:
+        return None
+    found = np.percentile(values, list(wanted.values()))
+    return dict(zip(wanted, map(float, found), strict=True))
 
 
 def run_cases(
@@ -26,7 +34,8 @@ def run_cases(
     *,
     workers: int = 1,
     scheduler: str | None = None,
-    report: Report = lambda done, note: None,
+    report: Report = silent,
+    keep: Callable[[Case, Result], None] = lambda case, result: None,
 ) -> list[Result]:
     """The result of every case, in the order of the cases.
 
@@ -36,6 +45,7 @@ def run_cases(
         workers: processes on this machine; 1 runs all in this process.
         scheduler: address of an existing cluster (`tcp://...`), whose workers do it instead.
         report: progress.
+        keep: called with each case and its result as soon as that is there, in this process.
 
     Raises:
         InputError: Dask is needed and not installed, or the cluster cannot be reached.
@@ -45,13 +55,16 @@ def run_cases(
         for case in cases:
             report(len(results) / len(cases), f"{len(results)} of {len(cases)} cases")
             results.append(function(case))
+            keep(case, results[-1])
         return results
     with _client(workers, scheduler) as client:
         from distributed import as_completed
 
         futures = client.map(function, cases, pure=False, retries=RETRIES)
-        for done, _ in enumerate(as_completed(futures)):
+        numbers = {future.key: number for number, future in enumerate(futures)}
+        for done, future in enumerate(as_completed(futures)):
             report(done / len(cases), f"{done} of {len(cases)} cases")
+            keep(cases[numbers[future.key]], future.result())
         return client.gather(futures)
 
 

@@ -12,26 +12,15 @@ from typing import Any
 
 import numpy as np
 
-from workbench.app.picking.pipeline import Report
 from workbench.formats.klampt.worlds import Snapshot, robot_with_tools, write_world
 from workbench.formats.robots.urdf_writer import depth_first
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats
 from workbench.planning.collision.world import World
-from workbench.studies.planners import Course
+from workbench.plugins.progress import Report
+from workbench.studies.planners import Attempt, Course
 
 KLAMPT_PLANNERS = ("rrt", "birrt", "sbl")
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class KlamptAttempt:
-    """One planner of Klamp't at one goal; `is_possible` is False when it refuses an end."""
-
-    planner: str
-    target: int
-    is_possible: bool
-    seconds: float
-    tool_way: float | None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -51,7 +40,7 @@ class KlamptPath:
 
 def attempts_by_klampt(
     course: Course, planners: Sequence[str], *, seconds: float, report: Report
-) -> list[KlamptAttempt]:
+) -> list[Attempt]:
     """Plan from the course's start to all its goals with Klamp't.
 
     Args:
@@ -64,21 +53,24 @@ def attempts_by_klampt(
         InputError: Klamp't is not installed, or ends before it is done.
     """
     goals = course.goals
+    ends = [q for _, q in goals]
     found = paths_by_klampt(
         course.world,
         course.arm.joints,
         course.start,
-        [q for _, q in goals],
+        ends,
         planners,
         seconds=seconds,
         report=report,
     )
     return [
-        KlamptAttempt(
-            one.planner,
+        Attempt(
+            f"Klamp't {one.planner}",
             goals[one.goal][0],
-            one.is_possible,
+            None,
+            None,
             one.seconds,
+            0.0,
             None if one.path is None else course.tool_way(one.path),
         )
         for one in found
@@ -179,28 +171,3 @@ def _reason(told: str) -> str:
     if "No module named 'klampt'" in told:
         return "it is not installed; pip install 'workbench[bench]'"
     return told.strip().splitlines()[-1] if told.strip() else "it ended without a word"
-
-
-def summary(attempts: Sequence[KlamptAttempt]) -> list[dict[str, Any]]:
-    """One row a planner, with the keys of `planners.summary`; times in s."""
-    groups: dict[str, list[KlamptAttempt]] = {}
-    for one in attempts:
-        groups.setdefault(one.planner, []).append(one)
-    return [_row(planner, group) for planner, group in groups.items()]
-
-
-def _row(planner: str, group: Sequence[KlamptAttempt]) -> dict[str, Any]:
-    seconds = np.array([one.seconds for one in group])
-    ways = [one.tool_way for one in group if one.tool_way is not None]
-    return {
-        "planner": f"Klamp't {planner}",
-        "allowed": None,
-        "attempts": len(group),
-        "success": len(ways) / len(group),
-        "search_mean": float(seconds.mean()),
-        "mean": float(seconds.mean()),
-        "median": float(np.median(seconds)),
-        "p95": float(np.percentile(seconds, 95)),
-        "iterations_mean": None,
-        "tool_way_mean": float(np.mean(ways)) if ways else None,
-    }

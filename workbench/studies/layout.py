@@ -166,7 +166,7 @@ def _share_reached(cell: Cell) -> float:
     for arm in cell.arms:
         moving = frozenset({arm.name})
         world.enter(Phase(moving, {arm.name: arm.tool.stroke[1]}, straight=moving))
-        found = judged(world, arm, poses, 0, among=world.alone(arm.name))
+        found = judged(world, arm, poses, 0, among=world.pairs.alone(arm.name))
         shares.append(sum(target.q is not None for target in found) / len(found))
     return min(shares)
 
@@ -231,7 +231,7 @@ def _homes(cell: Cell, away: float, up: float) -> list[Floats] | None:
             found, residuals = chain.solve(T, starts)
             answers += list(found[is_solution(residuals)])
         answers.sort(key=lambda q: _awkwardness(chain, q))
-        among = world.alone(arm.name) if len(homes) + 1 < len(cell.arms) else None
+        among = world.pairs.alone(arm.name) if len(homes) + 1 < len(cell.arms) else None
         for q in map(world.motion.rounded, answers):
             whole = world.configuration({**homes, arm.name: q})
             if world.contact(whole, among) is None:

@@ -15,11 +15,14 @@ from workbench.model.cell import Cell
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.part import Part
 from workbench.model.scan import ALL_KINDS, Detection
-from workbench.perception.localization.pose_error import mssd, pose_error
+from workbench.perception.localization.pose_error import mssd, pose_error, squared_error
+from workbench.perception.simulation.noise_models import NOISE_MODELS, NoiseModel
 from workbench.perception.simulation.piles import pile_of
-from workbench.perception.simulation.scan_noise import FINE, ROUGH, NoiseModel
 from workbench.perception.simulation.synthesize import synthesize, visible_shares
 from workbench.planning.planners.clock import working_time
+from workbench.plugins.progress import never, silent
+from workbench.studies.cases import percentiles
+from workbench.studies.sureness import sureness
 
 NEAR, TURNED = 0.002, float(np.deg2rad(3.0))
 """[m], [rad] A detection that is further from a true pose is wrong."""
@@ -33,16 +36,28 @@ BEST = 2
 
 @dataclass(frozen=True, slots=True)
 class Build:
-    """A scanner: the noise that its mount declares [m], None for the cell's own, and the rest."""
+    """A scanner: the noise that its mount declares [m], None for the cell's own, and the rest.
+
+    It is that of a pixel by itself: what builds that average leave of it is less (`NoiseModel`).
+    """
 
     deviation: float | None
     noise: NoiseModel
 
 
-BUILDS: Mapping[str, Build] = MappingProxyType(
-    {"fine": Build(None, FINE), "rough": Build(0.0006, ROUGH)}
+DEVIATIONS: Mapping[str, float] = MappingProxyType(
+    {
+        "rough": 0.0006,
+        "structured_light": 0.0004,
+        "stereo": 0.0012,
+        "time_of_flight": 0.0025,
+        "laser_line": 0.00015,
+    }
 )
 
+BUILDS: Mapping[str, Build] = MappingProxyType(
+    {name: Build(DEVIATIONS.get(name), noise) for name, noise in NOISE_MODELS.items()}
+)
 
 TOGETHER = "+"
 """Joins the names of parts that fall into one pile."""
@@ -73,7 +88,9 @@ class Found:
 
     `distance` [m] of the part's middle and `turn` [rad] from the nearest true pose that no better
     detection has taken; None when none is left.  Where the roll is said to be unknown it does not
-    count.  `is_right`: both are within the limits.  `mssd` [m] see there.
+    count.  `is_right`: both are within the limits.  `mssd` [m] see there.  `probability` is the
+    chance that it states, `squared_error` that of a right one over its covariance with its degrees
+    of freedom.
     """
 
     distance: float | None
@@ -81,6 +98,8 @@ class Found:
     roll_known: bool
     is_right: bool
     mssd: float | None = None
+    probability: float | None = None
+    squared_error: tuple[float, int] | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -106,7 +125,7 @@ def localized_scene(task: Task) -> Scene:
     truth = tuple(replace(one, T_world_part=off * one.T_world_part) for one in fallen)
     scan = replace(scan, T_world_scanner=off * scan.T_world_scanner)
     began = working_time()
-    detections = find_parts(cell, {"scan": scan, "seed": task.seed}, _silent, _never).detections
+    detections = find_parts(cell, {"scan": scan, "seed": task.seed}, silent, never).detections
     seconds = working_time() - began
     names = {part.name for part in cell.parts}
     is_searched = [one.part in names for one in truth]
@@ -130,16 +149,8 @@ def _warm(name: str, parts: str, build: str) -> Cell:
     scanner = cell.scanner if deviation is None else replace(cell.scanner, depth_noise=deviation)
     cell = replace(cell, parts=kinds, scanner=scanner)
     scan = synthesize(cell, pile_of(cell, ALL_KINDS, len(kinds), seed=0), seed=0)
-    find_parts(cell, {"scan": scan, "seed": 0}, _silent, _never)
+    find_parts(cell, {"scan": scan, "seed": 0}, silent, never)
     return cell
-
-
-def _silent(done: float, note: str) -> None:
-    pass
-
-
-def _never() -> bool:
-    return False
 
 
 def compare(
@@ -163,16 +174,47 @@ def compare(
             if truth[k].part == kind.name
         }
         if not errors:
-            found.append(Found(None, None, detection.roll_known, False))
+            found.append(
+                Found(None, None, detection.roll_known, False, None, detection.probability)
+            )
             continue
         fits = {k: d <= NEAR and turn <= TURNED for k, (d, turn) in errors.items()}
         best = min(errors, key=lambda k: (not fits[k], errors[k]))
         surface = mssd(kind, truth[best].T_world_part, detection.T_world_part)
-        found.append(Found(*errors[best], detection.roll_known, fits[best], surface))
+        found.append(
+            Found(
+                *errors[best],
+                detection.roll_known,
+                fits[best],
+                surface,
+                detection.probability,
+                _squared_error(kind, truth[best], detection) if fits[best] else None,
+            )
+        )
         if fits[best]:
             right.add(best)
             left.remove(best)
     return tuple(found), tuple(k in right for k in range(len(truth)))
+
+
+def _squared_error(part: Part, true: Detection, found: Detection) -> tuple[float, int] | None:
+    if found.covariance is None:
+        return None
+    return squared_error(
+        part,
+        true.T_world_part,
+        found.T_world_part,
+        found.covariance,
+        roll_known=found.roll_known,
+    )
+
+
+def how_sure(scenes: Sequence[Scene]) -> dict[str, Any]:
+    """Over all scenes, how well holds what detections state of themselves; see `sureness`."""
+    found = [one for scene in scenes for one in scene.found]
+    stated = [(one.probability, one.is_right) for one in found if one.probability is not None]
+    errors = [one.squared_error for one in found if one.is_right and one.squared_error is not None]
+    return sureness(stated, errors)
 
 
 def summary(scenes: Sequence[Scene]) -> list[dict[str, Any]]:
@@ -225,7 +267,4 @@ def _share(flags: Sequence[bool]) -> float | None:
 
 
 def _percentiles(values: Sequence[float]) -> dict[str, float] | None:
-    if not values:
-        return None
-    median, p90, worst = np.percentile(values, [50, 90, 100])
-    return {"median": float(median), "p90": float(p90), "worst": float(worst)}
+    return percentiles(values, median=50, p90=90, worst=100)

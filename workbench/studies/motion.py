@@ -10,7 +10,6 @@ from typing import Any
 
 import numpy as np
 
-from workbench.app.picking.pipeline import Report
 from workbench.model.candidate import Verdict
 from workbench.model.geometry import Floats
 from workbench.planning.collision.contact import Contact
@@ -19,6 +18,7 @@ from workbench.planning.picking.route import free_path
 from workbench.planning.picking.search import joint_weights, searched
 from workbench.planning.planners.clock import working_time
 from workbench.planning.planners.ompl_planners import RRT_CONNECT
+from workbench.plugins.progress import Report, silent
 from workbench.studies.klampt import paths_by_klampt
 from workbench.studies.motion_cases import ARM, Case
 
@@ -89,7 +89,7 @@ def compare_with_klampt(cases: Sequence[Case], *, seconds: float, report: Report
         report(number / len(valid), f"Klamp't, {case.name}")
         joints, goals = case.world.arm(ARM).joints, [case.goal]
         (one,) = paths_by_klampt(
-            case.world, joints, case.start, goals, ["sbl"], seconds=seconds, report=_unheard
+            case.world, joints, case.start, goals, ["sbl"], seconds=seconds, report=silent
         )
         attempts.append(
             Attempt(
@@ -97,10 +97,6 @@ def compare_with_klampt(cases: Sequence[Case], *, seconds: float, report: Report
             )
         )
     return attempts
-
-
-def _unheard(done: float, note: str) -> None:
-    """Progress within one plan."""
 
 
 def attempt(case: Case, planner: str, seed: int, seconds: float) -> Attempt:

@@ -5,13 +5,13 @@ Localization is left out on purpose: its own study tells how good it is.
 
 from typing import Any
 
-import numpy as np
-
-from workbench.app.picking.pipeline import Report, plan_pick
+from workbench.app.picking.pipeline import plan_pick
 from workbench.formats.cells.reading import read_cell
 from workbench.model.cell import Wishes
 from workbench.perception.simulation.piles import drop_parts
 from workbench.planning.planners.clock import working_time
+from workbench.plugins.progress import Report, silent
+from workbench.studies.cases import percentiles
 
 STAGES = ("propose", "resolve", "route", "prove")
 
@@ -24,7 +24,7 @@ def measure(
     seed: int = 0,
     strategy: str = "auto",
     planner: str | None = None,
-    report: Report = lambda done, note: None,
+    report: Report = silent,
 ) -> dict[str, Any]:
     """Plan every pile once; times [s] per stage, and what came of it.
 
@@ -66,17 +66,8 @@ def measure(
 
 def rows(measured: dict[str, Any]) -> list[dict[str, Any]]:
     """Median and tail of each stage, and of the whole by what came out [s]."""
-    found: list[dict[str, Any]] = []
-    for stage, values in measured["seconds"].items():
-        if values:
-            median, tail, largest = np.percentile(values, [50, 90, 100])
-            found.append(
-                {
-                    "stage": stage,
-                    "median": float(median),
-                    "p90": float(tail),
-                    "largest": float(largest),
-                    "count": len(values),
-                }
-            )
-    return found
+    return [
+        {"stage": stage, **found, "count": len(values)}
+        for stage, values in measured["seconds"].items()
+        if (found := percentiles(values, median=50, p90=90, largest=100)) is not None
+    ]

@@ -11,7 +11,6 @@ from typing import Any
 
 import numpy as np
 
-from workbench.app.picking.pipeline import Report
 from workbench.model.cell import Arm, Cell
 from workbench.model.geometry import Floats
 from workbench.planning.collision.contact import Contact
@@ -21,6 +20,7 @@ from workbench.planning.collision.world import World
 from workbench.planning.picking.search import TRIES, as_sent, edge_check, joint_weights
 from workbench.planning.planners.clock import working_time
 from workbench.plugins.planner import planner_named
+from workbench.plugins.progress import Report
 from workbench.studies.targets import Target, drawn_poses, judged
 
 STEPS = 20
@@ -29,7 +29,7 @@ STEPS = 20
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Attempt:
-    """One planner, one target, so many iterations allowed.
+    """One planner, one target, so many iterations allowed and used; None for another program.
 
     `search` [s] finds a path; `finish` [s] shortens it, divides it into the waypoints that are
     sent, and checks those.  `tool_way` [m] is of what is sent, None when nothing is.
@@ -37,8 +37,8 @@ class Attempt:
 
     planner: str
     target: int
-    allowed: int
-    iterations: int
+    allowed: int | None
+    iterations: int | None
     search: float
     finish: float
     tool_way: float | None
@@ -148,14 +148,15 @@ def compare(
 
 def summary(attempts: Sequence[Attempt]) -> list[dict[str, Any]]:
     """One row a planner and number of iterations; times in s, of all attempts."""
-    groups: dict[tuple[str, int], list[Attempt]] = {}
+    groups: dict[tuple[str, int | None], list[Attempt]] = {}
     for one in attempts:
         groups.setdefault((one.planner, one.allowed), []).append(one)
     return [_row(planner, allowed, group) for (planner, allowed), group in groups.items()]
 
 
-def _row(planner: str, allowed: int, group: Sequence[Attempt]) -> dict[str, Any]:
+def _row(planner: str, allowed: int | None, group: Sequence[Attempt]) -> dict[str, Any]:
     whole = np.array([one.search + one.finish for one in group])
+    used = [one.iterations for one in group if one.iterations is not None]
     ways = [one.tool_way for one in group if one.tool_way is not None]
     return {
         "planner": planner,
@@ -166,6 +167,6 @@ def _row(planner: str, allowed: int, group: Sequence[Attempt]) -> dict[str, Any]
         "mean": float(whole.mean()),
         "median": float(np.median(whole)),
         "p95": float(np.percentile(whole, 95)),
-        "iterations_mean": float(np.mean([one.iterations for one in group])),
+        "iterations_mean": float(np.mean(used)) if used else None,
         "tool_way_mean": float(np.mean(ways)) if ways else None,
     }

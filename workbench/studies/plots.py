@@ -60,10 +60,10 @@ def draw_threshold(path: Path, cases: Sequence[Case], rows: Rows) -> None:
     Raises:
         FileError: the file cannot be written.
     """
-    titles = ("Coordinated [% of piles]", "Parts an hour", "Planning time of each pile [ms]")
+    titles = ("Far enough apart [% of piles]", "Parts an hour", "Planning time of each pile [ms]")
     figure = make_subplots(1, 3, subplot_titles=titles)
     x = [row["threshold"] * 1000 for row in rows]
-    shares = [None if (v := row["coordinated_share"]) is None else 100 * v for row in rows]
+    shares = [None if (v := row["allowed_share"]) is None else 100 * v for row in rows]
     figure.add_trace(go.Scatter(x=x, y=shares, name="share", line={"color": COLOURS[0]}), 1, 1)
     hourly = [row["parts_per_hour"] for row in rows]
     figure.add_trace(go.Scatter(x=x, y=hourly, name="parts", line={"color": COLOURS[2]}), 1, 2)
@@ -90,14 +90,20 @@ def draw_threshold(path: Path, cases: Sequence[Case], rows: Rows) -> None:
     write_plot(path, figure, "Two parts at random: the distance from which both arms work at once")
 
 
-def draw_localization(path: Path, rows: Rows) -> None:
-    """What is right of the best two and of all, what is found, and how long it takes.
+def draw_localization(path: Path, rows: Rows, sure: Mapping[str, Any]) -> None:
+    """What is right of the best two and of all, what is found, how long it takes, how sure it is.
 
     Raises:
         FileError: the file cannot be written.
     """
-    titles = ("Right or found [%]", "Time of a search [ms]")
-    figure = make_subplots(2, 1, subplot_titles=titles, vertical_spacing=0.2)
+    error = sure["calibration_error"]
+    titles = (
+        "Right or found [%]",
+        "Time of a search [ms]",
+        "Share that is right [%] over the chance stated [%]"
+        + ("" if error is None else f", {100 * error:.1f} apart"),
+    )
+    figure = make_subplots(3, 1, subplot_titles=titles, vertical_spacing=0.15)
     x = [f"{row['part']}<br>{row['count']} parts<br>{row['build']}" for row in rows]
     kinds = (("best_right", "best two right"), ("precision", "precision"), ("recall", "recall"))
     for number, (key, name) in enumerate(kinds):
@@ -118,6 +124,20 @@ def draw_localization(path: Path, rows: Rows) -> None:
         colour = COLOURS[3 + number]
         figure.add_trace(go.Bar(x=x, y=times, name=name, marker={"color": colour}), 2, 1)
     figure.update_yaxes(rangemode="tozero", row=2, col=1)
+    figure.add_trace(
+        go.Scatter(
+            x=[100 * one["stated"] for one in sure["bins"]],
+            y=[100 * one["right"] for one in sure["bins"]],
+            text=[f"{one['count']} detections" for one in sure["bins"]],
+            name="chance",
+            mode="markers",
+            marker={"size": 13, "color": COLOURS[5]},
+        ),
+        3,
+        1,
+    )
+    line = {"dash": "dot", "color": COLOURS[-1], "width": 1}
+    figure.add_shape(type="line", x0=0, y0=0, x1=100, y1=100, line=line, row=3, col=1)  # type: ignore[arg-type]
     write_plot(path, figure, "Parts in seeded piles: how many are found, and found rightly")
 
 

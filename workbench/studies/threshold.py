@@ -1,8 +1,8 @@
 """The thesis' last table: two parts at random in the bin, and the distance that decides.
 
-Every pile is planned twice, with the arms one after the other and with both at once.  From that
-follows what any threshold would have given: parts that lie at least so far apart are taken by
-both arms at once, others one after the other.
+Every pile is planned with the arms one after the other, with both at once, and by `auto` where both
+are allowed, which takes the quicker.  From that follows what any threshold would have given: both
+are allowed for parts that lie at least so far apart, for others only one after the other.
 """
 
 from collections.abc import Mapping, Sequence
@@ -19,15 +19,20 @@ from workbench.model.plan import PlanResult, Strategy
 from workbench.model.prediction import Forecast, Predictions
 from workbench.model.scan import Detection
 from workbench.perception.simulation.piles import drop_parts
+from workbench.studies.cases import percentiles
 
 
 @dataclass(frozen=True, slots=True)
 class Way:
-    """What came of one strategy: whether it is proven, what it took and how long it runs [s]."""
+    """What came of one strategy: whether it is proven, what it took and how long it runs [s].
+
+    `bound` [s] is what no plan for these parts can be quicker than.
+    """
 
     is_proven: bool
     planning: float
     cycle: float | None
+    bound: float | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,7 +40,8 @@ class Case:
     """One pile of two parts.
 
     `distance` [m] between them; `is_reachable`: each arm can take a part of its own, so that
-    any strategy with both arms is possible at all.
+    any strategy with both arms is possible at all.  `allowed` is what comes of `auto` where the
+    distance allows both.
     """
 
     seed: int
@@ -43,10 +49,11 @@ class Case:
     is_reachable: bool
     alternated: Way
     coordinated: Way
+    allowed: Way
 
 
 def planned_case(task: tuple[str, int]) -> Case:
-    """Drop two parts by a seed and plan both ways.
+    """Drop two parts by a seed and plan all ways.
 
     Args:
         task: name or path of the cell, and the seed.
@@ -56,6 +63,7 @@ def planned_case(task: tuple[str, int]) -> Case:
     detections = _pile(cell, seed)
     alternated = plan_pick(cell, detections, "study", strategy="alternated", seed=seed)
     coordinated = plan_pick(cell, detections, "study", strategy="coordinated", seed=seed)
+    allowed = plan_pick(cell, detections, "study", threshold=0.0, seed=seed)
     first, second = (detection.T_world_part.translation for detection in detections)
     return Case(
         seed,
@@ -63,6 +71,7 @@ def planned_case(task: tuple[str, int]) -> Case:
         _two_can(alternated),
         _way(alternated, Strategy.ALTERNATED),
         _way(coordinated, Strategy.COORDINATED),
+        _way(allowed, Strategy.ALTERNATED, Strategy.COORDINATED),
     )
 
 
@@ -85,17 +94,21 @@ def _two_can(result: PlanResult) -> bool:
     return any(a != b and i != j for a, i in able for b, j in able)
 
 
-def _way(result: PlanResult, strategy: Strategy) -> Way:
-    plan, proof = result.plan, result.proof
-    is_proven = plan is not None and plan.strategy == strategy and proof is not None and proof.holds
-    cycle = plan.cycle_seconds if plan is not None and is_proven else None
-    return Way(is_proven, sum(result.seconds.values()), cycle)
+def _way(result: PlanResult, *strategies: Strategy) -> Way:
+    plan, proof, planning = result.plan, result.proof, sum(result.seconds.values())
+    if plan is None or plan.strategy not in strategies or proof is None or not proof.holds:
+        return Way(False, planning, None)
+    return Way(True, planning, plan.cycle_seconds, result.bound)
 
 
 def summary(cases: Sequence[Case], thresholds: Sequence[float]) -> list[dict[str, Any]]:
     """One row a threshold [m]; only piles that two arms can work on count.
 
-    `parts_per_hour` counts the planning as if it were not hidden behind the motion before.
+    `allowed_share` of them lie so far apart that both arms are allowed at once: `allowed_success`
+    and `allowed_planning` are what `auto` makes of those, which plans both at once and in turn and
+    takes the quicker; `coordinated_...` are both at once alone, `alternated_...` the other piles.
+    `parts_per_hour` counts all planning, also that which came to nothing, as if it were not hidden
+    behind the motion before; `of_bound` is the median of cycle times as shares of their bounds.
     """
     able = [case for case in cases if case.is_reachable]
     return [_row(able, len(cases), threshold) for threshold in thresholds]
@@ -106,7 +119,7 @@ def predictions(cell: Cell, rows: Sequence[Mapping[str, Any]]) -> Predictions:
     forecasts = [
         Forecast(
             row["threshold"],
-            row["coordinated_share"],
+            row["allowed_share"],
             row["success"],
             row["planning_median"],
             row["cycle_mean"],
@@ -118,25 +131,29 @@ def predictions(cell: Cell, rows: Sequence[Mapping[str, Any]]) -> Predictions:
 
 
 def _row(cases: Sequence[Case], piles: int, threshold: float) -> dict[str, Any]:
-    both = [case.coordinated for case in cases if case.distance >= threshold]
+    far = [case for case in cases if case.distance >= threshold]
+    allowed, both = [case.allowed for case in far], [case.coordinated for case in far]
     one = [case.alternated for case in cases if case.distance < threshold]
-    taken = both + one
-    seconds = [way.planning + way.cycle for way in taken if way.cycle is not None]
+    taken = allowed + one
+    shares = [w.cycle / w.bound for w in taken if w.cycle is not None and w.bound]
+    cycles = [way.cycle for way in taken if way.cycle is not None]
+    seconds = sum(way.planning for way in taken) + sum(cycles)
     return {
         "threshold": threshold,
         "piles": piles,
         "reachable": len(cases),
-        "coordinated_share": len(both) / len(cases) if cases else None,
+        "allowed_share": len(far) / len(cases) if cases else None,
+        "allowed_success": _success(allowed),
+        "allowed_planning": _times(allowed),
         "coordinated_success": _success(both),
         "coordinated_planning": _times(both),
         "alternated_success": _success(one),
         "alternated_planning": _times(one),
         "success": _success(taken),
         "planning_median": float(np.median([way.planning for way in taken])) if taken else None,
-        "cycle_mean": float(np.mean([w.cycle for w in taken if w.cycle is not None]))
-        if seconds
-        else None,
-        "parts_per_hour": 2 * 3600 * len(seconds) / sum(seconds) if seconds else None,
+        "cycle_mean": float(np.mean(cycles)) if cycles else None,
+        "of_bound": float(np.median(shares)) if shares else None,
+        "parts_per_hour": 2 * 3600 * len(cycles) / seconds if seconds else None,
     }
 
 
@@ -145,8 +162,6 @@ def _success(ways: Sequence[Way]) -> float | None:
 
 
 def _times(ways: Sequence[Way]) -> dict[str, float] | None:
-    if not ways:
-        return None
-    seconds = np.array([way.planning for way in ways])
-    median, p95 = np.percentile(seconds, [50, 95])
-    return {"mean": float(seconds.mean()), "median": float(median), "p95": float(p95)}
+    seconds = [way.planning for way in ways]
+    found = percentiles(seconds, median=50, p95=95)
+    return None if found is None else {"mean": float(np.mean(seconds)), **found}

@@ -9,6 +9,7 @@ from workbench.model.scan import LocalizationResult
 from workbench.perception.simulation.piles import pile_of
 from workbench.perception.simulation.synthesize import synthesize
 from workbench.plugins.localizer import Localizer
+from workbench.plugins.progress import never, silent
 from workbench.testing.options import check_options
 
 NEAR = 0.01
@@ -39,8 +40,8 @@ def check_localizer(
             cell,
             seed=seed,
             detail=1.0,
-            report=lambda done, note: None,
-            cancelled=lambda: False,
+            report=silent,
+            cancelled=never,
         )
 
     found = find()
@@ -65,7 +66,7 @@ def check_localizer(
             cell,
             seed=seed,
             detail=1.0,
-            report=lambda done, note: None,
+            report=silent,
             cancelled=lambda: True,
         )
     except JobCancelled:

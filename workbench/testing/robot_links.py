@@ -10,6 +10,7 @@ from workbench.model.cell import Cell
 from workbench.model.errors import CommandRefused, JobCancelled, LinkError
 from workbench.model.plan import Plan
 from workbench.model.release import Approval, LinkStatus, Receipt
+from workbench.plugins.progress import never
 from workbench.plugins.robot_link import LinkPatience, RobotLink, Running, Simulation, send
 from workbench.testing.options import check_options
 
@@ -18,7 +19,9 @@ PATIENCE = 120.0
 
 
 @contextmanager
-def simulated(link: RobotLink, cell: Cell, speed: float) -> Generator[Cell]:
+def simulated(
+    link: RobotLink, cell: Cell, speed: float, host: str = "127.0.0.1"
+) -> Generator[Cell]:
     """The cell with its controller where the link's simulated controller runs, in a thread."""
     began, running = threading.Event(), list[Running]()
 
@@ -26,13 +29,13 @@ def simulated(link: RobotLink, cell: Cell, speed: float) -> Generator[Cell]:
         running.append(one)
         began.set()
 
-    wanted = Simulation("127.0.0.1", 0, 0, speed, None, None, (), float("inf"))
+    wanted = Simulation(host, 0, 0, speed, None, None, (), float("inf"))
     thread = threading.Thread(target=link.serve, args=(cell, wanted, ready), daemon=True)
     thread.start()
     assert began.wait(PATIENCE), "the simulated controller did not start"
     at = replace(
         cell.controller,
-        host="127.0.0.1",
+        host=host,
         port=running[0].port,
         state_port=running[0].state_port,
     )
@@ -44,7 +47,9 @@ def simulated(link: RobotLink, cell: Cell, speed: float) -> Generator[Cell]:
         assert not thread.is_alive(), "the simulated controller did not stop"
 
 
-def check_robot_link(link: RobotLink, cell: Cell, plan: Plan, approval: Approval) -> None:
+def check_robot_link(
+    link: RobotLink, cell: Cell, plan: Plan, approval: Approval, host: str = "127.0.0.1"
+) -> None:
     """A link sends what was approved, all of it, once; stops when it is told to; and says so.
 
     Args:
@@ -52,12 +57,14 @@ def check_robot_link(link: RobotLink, cell: Cell, plan: Plan, approval: Approval
         cell: spoken to by this link.
         plan: with a proof that holds, made for this cell.
         approval: that lets it out, valid now.
+        host: where the simulated controller listens; one whose ports cannot be chosen has an
+            address of its own, 127.x.y.z, where several run at a time.
     """
     assert cell.controller.motion == link.motion, "the cell has to be spoken to by this link"
     check_options(link.Options, cell.controller.options)
     link.check(cell)
     patience = LinkPatience(PATIENCE, PATIENCE, PATIENCE, PATIENCE, PATIENCE)
-    with simulated(link, cell, speed=100.0) as there:
+    with simulated(link, cell, 100.0, host) as there:
         shown: list[LinkStatus] = []
         receipts = list(send(plan, approval, there, show=shown.append, patience=patience))
         _check_receipts(link, plan, receipts)
@@ -70,7 +77,8 @@ def check_robot_link(link: RobotLink, cell: Cell, plan: Plan, approval: Approval
             except CommandRefused:
                 continue
             raise AssertionError(f"the link itself took an approval with another {change}")
-    with simulated(link, cell, speed=0.2) as there:
+    _check_steps(link, cell, plan, replace(approval, is_stepped=True), host, patience)
+    with simulated(link, cell, 0.2, host) as there:
         began, taken = time.monotonic(), list[Receipt]()
 
         def is_enough() -> bool:
@@ -102,6 +110,21 @@ def _check_receipts(link: RobotLink, plan: Plan, receipts: list[Receipt]) -> Non
         assert set(parts) == {arm.arm for arm in plan.arms}, "each part of the plan is told of"
 
 
+def _check_steps(
+    link: RobotLink, cell: Cell, plan: Plan, approval: Approval, host: str, patience: LinkPatience
+) -> None:
+    if not link.motion.takes_steps:
+        assert _refused(plan, approval, cell), "a link that cannot wait was given a stepped plan"
+        return
+    with simulated(link, cell, 100.0, host) as there:
+        waited = [0]
+        for receipt in send(plan, approval, there, patience=patience, let=lambda: waited[-1]):
+            if receipt.waits:
+                waited.append(receipt.waits)
+        steps = list(range(len(plan.sequence) + 1))
+        assert waited == steps, "the robot waits once before each step, the first one too"
+
+
 def _refused(plan: Plan, approval: Approval, cell: Cell) -> bool:
     try:
         list(send(plan, approval, cell))
@@ -118,7 +141,7 @@ def _straight(
         approval,
         cell,
         now=time.time,
-        cancelled=lambda: False,
+        cancelled=never,
         show=lambda status: None,
         patience=patience,
     )

@@ -5,6 +5,7 @@ import numpy as np
 from workbench.model.cell import Cell
 from workbench.model.errors import JobCancelled
 from workbench.model.scan import Scan
+from workbench.plugins.progress import never
 from workbench.plugins.scanner import Scanner, ScanRequest
 from workbench.testing.options import check_options
 
@@ -31,7 +32,7 @@ def check_scanner(kind: type[Scanner], cell: Cell, *, parts: int = 1) -> Scan:
         told.append(done)
 
     request = ScanRequest(seed=1, parts=parts)
-    scan = kind(cell, options).scan(request, report, lambda: False)
+    scan = kind(cell, options).scan(request, report, never)
     points = np.asarray(scan.points)
     assert points.ndim == 2 and points.shape[1] == 3, f"points are (n, 3), not {points.shape}"
     assert len(points) > 0, "a scan without points is a LinkError"

@@ -25,9 +25,12 @@ from workbench.web.http.gate import Gate, descriptors
 from workbench.web.http.listening import Certificate, listen
 from workbench.web.http.origins import WILDCARDS, Origins, is_loopback
 from workbench.web.http.sparing import sparing
+from workbench.web.page.bar import Bar, Stopper, stop_nothing, without_robot
 from workbench.web.page.connections import Connections
 from workbench.web.page.logins import Logins
 from workbench.web.page.pages import Pages
+from workbench.web.page.pieces import PATH
+from workbench.web.page.presence import Presence
 from workbench.web.page.relay import Relay, Upstream
 from workbench.web.page.shell import Shell
 
@@ -90,7 +93,14 @@ class Front:
 
 
 def serve_front(
-    upstream: Upstream, users: Path, options: Options, *, title: str, routes: Routes = ()
+    upstream: Upstream,
+    users: Path,
+    options: Options,
+    *,
+    title: str,
+    routes: Routes = (),
+    bar: Bar = without_robot,
+    stop: Stopper = stop_nothing,
 ) -> Front:
     """Serve viser's page to those who have logged in.
 
@@ -103,6 +113,8 @@ def serve_front(
         title: of the page.
         routes: more of them.  Who may use one is for its handler to say (`identity.identify`);
             that it comes from a page of ours, or shows a token, is checked before.
+        bar: what the bar above the scene says of the robot.
+        stop: what its button does.
 
     Raises:
         InputError: the address cannot be had.
@@ -127,13 +139,15 @@ def serve_front(
         limits = ConnectionLimits(_is_login, time.monotonic, room_for(descriptors()))
         relay = Relay(upstream, connections)
         logins = Logins(pages, Lockout(store), first, connections, title)
+        presence = Presence(connections, bar, stop)
         app = web.Application(
             middlewares=[limits.note, guard(Origins(scheme, options.host, options.names))],
             client_max_size=MOST_BODY,
         )
         app[ACCESS] = access
         app.on_response_prepare.append(strictly)
-        app.add_routes([*_own_routes(pages, logins, relay, Shell(pages, title)), *routes])
+        own = _own_routes(pages, logins, relay, Shell(pages, title), presence)
+        app.add_routes([*own, *routes])
         running = _Running(app, bound, tls, relay, connections, limits)
         running.start()
         undo.pop_all()
@@ -151,7 +165,9 @@ def _written(host: str) -> str:
     return f"[{shown}]" if ":" in shown else shown
 
 
-def _own_routes(pages: Pages, logins: Logins, relay: Relay, shell: Shell) -> list[web.RouteDef]:
+def _own_routes(
+    pages: Pages, logins: Logins, relay: Relay, shell: Shell, presence: Presence
+) -> list[web.RouteDef]:
     return [
         web.get("/", shell.page),
         web.get("/who", shell.who),
@@ -160,9 +176,10 @@ def _own_routes(pages: Pages, logins: Logins, relay: Relay, shell: Shell) -> lis
         web.post("/login", logins.login),
         web.get("/first", logins.by_link),
         web.post("/logout", logins.logout),
-        web.get("/presence", logins.presence),
+        web.get("/presence", presence.socket),
         web.get("/scene", relay.socket),
         web.get("/scene/", relay.page),
+        web.get(f"{PATH}/{{name}}", relay.piece),
         web.get("/static/{name}", pages.file),
     ]
 

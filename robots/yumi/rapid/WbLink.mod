@@ -15,8 +15,8 @@ MODULE WbLink
     CONST num WB_START_TOLERANCE:=0.5;
 
     ! State, what comes, state after it: the table of docs/protocol.md.
-    CONST num WB_ROWS:=20;
-    CONST string wb_row{20}:=[
+    CONST num WB_ROWS:=25;
+    CONST string wb_row{25}:=[
         "greeted hello ready",
         "ready plan loading",
         "loading ticket loading",
@@ -27,15 +27,20 @@ MODULE WbLink
         "loaded run running",
         "running done ready",
         "running fault fault",
+        "running wait waiting",
+        "waiting next running",
+        "waiting fault fault",
         "ready ping ready",
         "loading ping loading",
         "loaded ping loaded",
         "running ping running",
+        "waiting ping waiting",
         "fault ping fault",
         "ready abort stopped",
         "loading abort stopped",
         "loaded abort stopped",
         "running abort stopped",
+        "waiting abort stopped",
         "fault abort stopped"];
 
     VAR socketdev server;
@@ -63,6 +68,7 @@ MODULE WbLink
     PERS num wb_tickets:=0;
     VAR num told_legs;
     VAR num told_points;
+    VAR bool is_stepped;
     VAR num open_arm;
     VAR num open_points;
     VAR num started;
@@ -141,7 +147,7 @@ MODULE WbLink
             ELSE
                 WaitTime 0.01;
             ENDIF
-            IF state="running" watch_arms;
+            IF state="running" OR state="waiting" watch_arms;
             IF ClkRead(since_report)>WB_REPORT report;
         ENDWHILE
     ENDPROC
@@ -217,6 +223,8 @@ MODULE WbLink
             end_program;
         CASE "run":
             check_run;
+        CASE "next":
+            let_step;
         CASE "ping":
             ! Nothing but the acknowledgement below.
         CASE "abort":
@@ -248,6 +256,7 @@ MODULE WbLink
             wb_legs{arm}:=0;
             wb_points{arm}:=0;
             wb_step{arm}:=0;
+            wb_asks{arm}:=0;
             wb_at{arm}:=0;
             wb_part{arm}:=WB_UNTOLD;
             part_told{arm}:=FALSE;
@@ -255,10 +264,12 @@ MODULE WbLink
     ENDPROC
 
     PROC take_ticket()
-        IF words<>5 OR StrLen(word{3})<>16 OR ticket<>"" THEN
+        IF words<5 OR words>6 OR StrLen(word{3})<>16 OR ticket<>"" THEN
             refuse "no ticket, or a second one";
             RETURN;
         ENDIF
+        is_stepped:=words=6;
+        IF is_stepped AND word{6}<>"stepped" refuse "no manner in which a program is run";
         ticket:=word{3};
         IF NOT (StrToVal(word{4},told_legs) AND StrToVal(word{5},told_points)) refuse "no counts";
     ENDPROC
@@ -424,9 +435,26 @@ MODULE WbLink
         IF NOT (wb_ready{1} AND wb_ready{2}) refuse "an arm is still on its way home";
         IF wb_ended{1}<>wb_order OR wb_ended{2}<>wb_order refuse "an arm is still busy";
         IF trouble<>"" RETURN;
+        wb_let:=wb_steps;
+        IF is_stepped wb_let:=0;
         wb_tickets:=wb_tickets+1;
         IF wb_tickets>16 wb_tickets:=1;
         wb_ticket{wb_tickets}:=ticket;
+    ENDPROC
+
+    ! One word lets one step run: that which both arms have come to.
+    PROC let_step()
+        VAR num nr;
+
+        IF words<>3 OR StrLen(word{3})<>2 OR NOT StrToVal(word{3},nr) THEN
+            refuse "no number of a step";
+            RETURN;
+        ENDIF
+        IF nr<>wb_let+1 THEN
+            refuse "another step waits";
+            RETURN;
+        ENDIF
+        wb_let:=nr;
     ENDPROC
 
     FUNC bool stands_at_start(num arm)
@@ -461,6 +489,8 @@ MODULE WbLink
         ELSEIF wb_ended{1}=wb_order AND wb_ended{2}=wb_order THEN
             state:=state_after("done");
             say "done "+digits(wb_steps,2);
+        ELSEIF state="running" AND wb_asks{1}=wb_let+1 AND wb_asks{2}=wb_let+1 THEN
+            state:=state_after("wait");
         ENDIF
     ENDPROC
 
@@ -493,7 +523,9 @@ MODULE WbLink
         ClkStart since_report;
         nr:=wb_step{1};
         IF wb_step{2}<nr nr:=wb_step{2};
-        IF state<>"running" THEN
+        IF state="waiting" THEN
+            say "state waiting "+digits(wb_let+1,2)+" R00 L00";
+        ELSEIF state<>"running" THEN
             say "state "+state+" 00 R00 L00";
         ELSE
             say "state "+state+" "+digits(nr,2)+" R"+digits(point_in(1,nr),2)+" L"+digits(point_in(2,nr),2);

@@ -78,13 +78,16 @@ MODULE WbMove
         RETURN off<WB_NEAR_HOME;
     ENDFUNC
 
-    ! abb-socket/2: all steps; both arms stand while hands open and close.
+    ! abb-socket/2: all steps; both arms stand while hands open and close.  Where a step
+    ! waits for a word they stand before that, for as long as it takes.
     PROC run_program()
         VAR num leg;
 
         FOR nr FROM 1 TO wb_steps DO
             WaitSyncTask\InPos,wb_begin,wb_both\TimeOut:=WB_PATIENCE;
             wb_at{my_arm}:=0;
+            wb_asks{my_arm}:=nr;
+            IF wb_let<nr WaitUntil wb_let>=nr\PollRate:=0.02;
             wb_step{my_arm}:=nr;
             leg:=leg_of(nr);
             IF leg>0 move_fingers wb_leg_hand{my_arm,leg},wb_leg_opening{my_arm,leg};

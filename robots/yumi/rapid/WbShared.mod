@@ -30,6 +30,11 @@ MODULE WbShared
     CONST num WB_OPEN:=1;
     CONST num WB_GRIP:=2;
     PERS num wb_steps:=0;
+
+    ! The step up to which the arms may go: all of them, or step by step the last
+    ! one that somebody has let run; and the step that each arm has come to.
+    PERS num wb_let:=0;
+    PERS num wb_asks{2}:=[0,0];
     PERS num wb_legs{2}:=[0,0];
     PERS num wb_points{2}:=[0,0];
     PERS num wb_leg_step{2,24};

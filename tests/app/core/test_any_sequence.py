@@ -240,9 +240,9 @@ class AnySequence(RuleBasedStateMachine):
     def use_scan(self, seed):
         self.attempt(UseScan(self.samples.scan(seed)))
 
-    @rule(seed=SEEDS)
-    def find(self, seed):
-        self.attempt(FindParts(seed))
+    @rule(seed=SEEDS, is_compared=st.booleans())
+    def find(self, seed, is_compared):
+        self.attempt(FindParts(seed, is_compared=is_compared))
 
     @rule(seed=SEEDS)
     def use_detections(self, seed):

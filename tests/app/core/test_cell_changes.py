@@ -28,6 +28,7 @@ from workbench.app.core.state import Phase, State
 from workbench.app.records.forms import large_arrays, restored
 from workbench.app.records.replay import replay
 from workbench.app.runtime.bench import Bench
+from workbench.app.runtime.live import Live
 from workbench.app.runtime.watch import CellWatch
 from workbench.formats.cells.reading import read_cell
 from workbench.journal.journal import Journal
@@ -220,7 +221,7 @@ class Noted:
     """A bench as far as the watch knows it."""
 
     def __init__(self, state: State):
-        self.state = state
+        self.state, self.live = state, Live()
         self.commands: list[CellRead] = []
 
     def do(self, command, actor):

@@ -231,3 +231,28 @@ def test_plannings_for_the_same_parts_are_remembered_until_there_are_others(line
     assert second.cycle == planned.plan.cycle_seconds
     line.do(FindParts())
     assert line.ended(samples.detections()).outlines == ()
+
+
+def test_each_plan_for_the_same_parts_stands_once_and_says_how_it_is_made_again(line, samples):
+    scan = samples.scan()
+    line.do(TakeScan())
+    line.ended(scan)
+    line.do(FindParts())
+    line.ended(samples.detections())
+    one, other = samples.planned(scan.digest), samples.planned(scan.digest, seed=1)
+    line.do(MakePlan("auto", 0.3, 7))
+    # With two arms, both strategies would be asked for.
+    line.state = dataclasses.replace(
+        line.state, job=dataclasses.replace(line.state.job, strategy="both")
+    )
+    state = line.ended(dataclasses.replace(other, beside=(one,)))
+    first, second = state.outlines
+    assert [first.digest, second.digest] == [one.plan.digest, other.plan.digest]
+    assert (first.asked, first.threshold, first.seed) == ("right", 0.3, 7)
+    assert state.plan.digest == second.digest
+    line.do(MakePlan(first.asked, first.threshold, first.seed, first.wishes))
+    state = line.ended(one)
+    assert [outline.digest for outline in state.outlines] == [first.digest, second.digest]
+    assert state.plan.digest == first.digest
+    line.do(MakePlan("auto"))
+    assert [outline.asked for outline in line.ended(other).outlines] == ["right", "auto"]

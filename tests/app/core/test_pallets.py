@@ -12,13 +12,14 @@ from workbench.app.core.decide import decide
 from workbench.app.core.rights import ROBOT_LINK
 from workbench.app.core.rules import allowed
 from workbench.app.core.state import Phase, State
-from workbench.app.picking.facts import with_facts
+from workbench.app.picking.facts import put_down, with_facts
 from workbench.app.picking.pipeline import plan_pick
 from workbench.app.runtime.work import boxes_around
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.files.shipped import find
 from workbench.model.errors import CommandRefused, FileError, InputError
 from workbench.model.geometry import pose_from_rpy
+from workbench.model.part import turned
 from workbench.model.plan import LEG_NAMES
 from workbench.model.scan import Detection
 
@@ -103,6 +104,22 @@ def test_a_person_says_that_the_pallets_are_empty(cell):
     assert after.placed == () and effects == ()
     with pytest.raises(CommandRefused, match="empty already"):
         allowed(after, EmptyPallets(), "ada", 1.0)
+
+
+def test_a_roll_that_nobody_knows_is_not_known_on_the_pallet_either(cell):
+    axis = np.array([[0.004, 0.0, 0.0], [0.0, 0.6, 0.8]])
+    result = plan_pick(cell, in_the_bin(cell), "scan")
+    found = [replace(one, roll_known=False, roll_axis=axis) for one in result.plan.detections]
+    (kept,) = put_down(cell, replace(result.plan, detections=tuple(found)))
+    assert not kept.roll_known and np.array_equal(kept.roll_axis, axis)
+
+    (box,) = boxes_around(cell, (kept,))
+    points = cell.part(kept.part).mesh.points
+    T_box_part = box.T_world_box.inverse() * kept.T_world_part
+    for angle in np.linspace(0.0, 2 * np.pi, 17):
+        T = T_box_part * turned(axis[1], float(angle), axis[0])
+        at = points @ T.rotation.T + T.translation
+        assert np.all(np.abs(at) <= box.size / 2 + 1e-9)
 
 
 def test_a_part_on_a_pallet_that_the_cell_has_lost_is_told_of(cell):

@@ -183,6 +183,10 @@ def test_dropping_a_draft_is_carried_out_by_the_machines(localized):
     assert [type(effect) for effect in effects] == [RemoveDraft]
 
 
+def opening_in(library):
+    return None if library is None else grasp_of(library.entries[0]).opening
+
+
 def test_a_bench_keeps_drafts_and_saves_versions(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     for kind, name in (("robots", "yumi"), ("parts", "keyed_cylinder")):
@@ -196,15 +200,15 @@ def test_a_bench_keeps_drafts_and_saves_versions(tmp_path, monkeypatch):
     bench = Bench(cell, journal, effects=machines)
     try:
         bench.do(edit_of(bench.state, 0.044), "ada")
-        draft = draft_of(folder)
-        assert draft is not None
-        assert grasp_of(draft.entries[0]).opening == pytest.approx(0.044)
+        # Written while nobody waits for it.
+        wait_until(lambda: opening_in(draft_of(folder)) == pytest.approx(0.044))
         moved = replace(bench.state.cell.bin, wall=0.003)
         with pytest.raises(CommandRefused):
             bench.do(ChangeCell(replace(bench.state.cell, bin=moved), "nothing"), "ada")
         bench.do(SaveCell("wider for the new fingers"), "ada")
         wait_until(lambda: bench.state.saved == bench.state.cell.digest)
         assert bench.state.cell_problem == ""
+        assert bench.state.message == "saved: the grasps of keyed_cylinder as version 2"
     finally:
         bench.close()
     assert not (folder / DRAFT).exists()

@@ -5,17 +5,15 @@ from itertools import product
 
 import numpy as np
 import pytest
-from line import NOW, Line
+from line import NOW, Line, planned_line, refused
 
 from workbench.app.core.cell_changes import cell_read
 from workbench.app.core.commands import (
     Approve,
     CellRead,
     ChangeCell,
-    FindParts,
     MakePlan,
     SendPlan,
-    TakeScan,
     UndoCell,
     UseScan,
     WantThreshold,
@@ -31,18 +29,6 @@ from workbench.model.geometry import Box, Capsule, Cylinder, Mesh, Sphere, pose_
 from workbench.planning.kinematics.robot import Kinematics
 
 
-def planned_line(samples, cell) -> Line:
-    line = Line(cell)
-    line.do(TakeScan())
-    scan = samples.scan()
-    line.ended(scan)
-    line.do(FindParts())
-    line.ended(samples.detections())
-    line.do(MakePlan(threshold=0.2))
-    line.ended(samples.planned(scan.digest))
-    return line
-
-
 @pytest.fixture
 def line(samples, cell) -> Line:
     return planned_line(samples, cell)
@@ -54,18 +40,18 @@ def watched(line) -> Line:
     return line
 
 
+@pytest.mark.parametrize("name", ["operator", "Operator", " ｏperator "])
+def test_nobody_approves_as_who_has_no_login(watched, name):
+    said = refused(watched, Approve(watched.state.plan.digest), name)
+    assert "a person approves by a name of their own" in said
+
+
 @pytest.fixture
 def by_two(samples, cell) -> Line:
     """A watched plan in a cell that wants two people; its digest is that of the cell with one."""
     line = planned_line(samples, replace(cell, approvers=2))
     line.do(WatchPlan(line.state.plan.digest), "operator")
     return line
-
-
-def refused(line, command, actor="ada") -> str:
-    with pytest.raises(CommandRefused) as caught:
-        line.do(command, actor)
-    return str(caught.value)
 
 
 def moved(cell, millimetres):

@@ -11,6 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from workbench.app.core.commands import (
+    AcknowledgeChanges,
     AcknowledgeFault,
     Approve,
     CancelJob,
@@ -19,10 +20,12 @@ from workbench.app.core.commands import (
     JobEnded,
     LinkEnded,
     MakePlan,
+    NextStep,
     Opened,
     PosesRefused,
     ReportPick,
     SendPlan,
+    Started,
     Stop,
     TakeScan,
     UseDetections,
@@ -91,8 +94,9 @@ def test_every_obstacle_is_a_sentence_and_no_obstacle_means_the_table_says_so(ce
 def test_nothing_but_reports_passes_beside_a_running_task_except_to_cancel_it(planned):
     busy = dataclasses.replace(planned, job=Job(3, "plan"))
     free = {command for command in RIGHTS if not obstacle(busy, command)}
-    assert free == {CancelJob, JobEnded, Opened, PosesRefused, WantThreshold} | CONTROL
-    assert "'plan' ends or is cancelled" in refusal(busy, Approve(planned.plan.digest))
+    reports = {JobEnded, Opened, PosesRefused, Started}
+    assert free == {AcknowledgeChanges, CancelJob, WantThreshold} | reports | CONTROL
+    assert "the planning ends or is cancelled" in refusal(busy, Approve(planned.plan.digest))
 
 
 def test_a_fault_lets_pass_only_its_acknowledgement_and_late_results(cell):
@@ -103,6 +107,7 @@ def test_a_fault_lets_pass_only_its_acknowledgement_and_late_results(cell):
         Opened,
         PosesRefused,
         ReportPick,
+        Started,
     } | CONTROL
     assert "the controller closed the connection" in refusal(state, TakeScan())
 
@@ -110,7 +115,7 @@ def test_a_fault_lets_pass_only_its_acknowledgement_and_late_results(cell):
 def test_while_sending_only_a_stop_and_reports_pass(approved):
     state = dataclasses.replace(approved, phase=Phase.SENDING)
     people = {c for c in RIGHTS if not obstacle(state, c) and not RIGHTS[c].by_machine}
-    assert people == {Stop, ReportPick} | CONTROL
+    assert people == {Stop, NextStep, ReportPick} | CONTROL
 
 
 @pytest.mark.parametrize(

@@ -10,6 +10,7 @@ from workbench.app.core.commands import (
     ChangeCell,
     FindParts,
     JobEnded,
+    MakePlan,
     TakeScan,
     UseDetections,
     UseScan,
@@ -57,6 +58,39 @@ def test_searches_in_a_scan_are_kept_and_one_is_taken(bench, samples, clock):
     assert state.message == "search 1 is taken, by ben"
     state = bench.do(UseScan(samples.scan(seed=3)), "ada")
     assert state.searches == () and state.remarks == ()
+
+
+def test_a_search_to_be_compared_takes_nothing_until_somebody_does(bench, samples, clock):
+    bench.do(UseScan(samples.scan()), "ada")
+    with pytest.raises(CommandRefused, match="no parts were found yet"):
+        bench.do(FindParts(is_compared=True), "ada")
+    first, second = samples.detections(1), samples.detections(2)
+    found = search(bench, clock, first)
+    number = bench.do(MakePlan(), "ada").number
+    planned = bench.do(JobEnded(number, samples.planned(found.scene_digest)), WORKER)
+    state = search(bench, clock, second, FindParts(4, is_compared=True))
+    assert state.detections is first and state.plan is planned.plan
+    assert state.phase is planned.phase and [one.seed for one in state.searches] == [0, 4]
+    assert "search 2 found 1 part" in state.message
+    state = bench.do(UseDetections(second, "search 2 is taken"), "ada")
+    assert state.detections is second and state.plan is None
+
+
+def test_what_people_do_to_the_parts_is_undone_step_by_step(bench, samples, clock):
+    bench.do(UseScan(samples.scan()), "ada")
+    found = samples.detections(1)
+    state = search(bench, clock, found)
+    assert state.parts_before == ()
+    added, moved = (*found, *samples.detections(2)), (*found, *samples.detections(3))
+    bench.do(UseDetections(added, "a part was added"), "ada")
+    state = bench.do(UseDetections(moved, "it was moved"), "ben")
+    assert state.parts_before == (added, found)
+    for expected, before in ((added, (found,)), (found, ())):
+        state = bench.do(UseDetections(state.parts_before[0], "undone"), "ada")
+        assert state.detections is expected and state.parts_before == before
+    # Parts of a bin that was picked from do not come back.
+    bench.do(UseDetections(added, "a part was added"), "ada")
+    assert search(bench, clock, found).parts_before == ()
 
 
 def test_remarks_gather_until_parts_are_found_anew(bench, samples, clock):

@@ -19,6 +19,7 @@ from workbench.app.core.commands import (
     Sent,
     TakeScan,
     UseDetections,
+    UseScan,
     WatchPlan,
 )
 from workbench.app.records.grasp_use import GraspUse
@@ -32,7 +33,7 @@ from workbench.app.records.statistics import (
     together,
 )
 from workbench.journal.journal import Row
-from workbench.model.errors import JobCancelled, JournalError
+from workbench.model.errors import JobCancelled, JournalError, LinkError
 from workbench.model.release import PartReport, Receipt
 
 
@@ -152,6 +153,20 @@ def test_poses_from_outside_say_of_which_part_a_grasp_is(written, samples):
     assert statistics(written.rows).grasps() == {("peg", "top"): GraspUse(tried=1)}
 
 
+def test_a_search_to_be_compared_finds_nothing_that_counts(written, samples):
+    written.do(UseScan(samples.scan()))
+    written.do(FindParts())
+    written.ended(samples.detections())
+    before = statistics(written.rows).cycles[0].seconds
+    written.do(FindParts(is_compared=True))
+    written.now += 50
+    written.ended((*samples.detections(), *samples.detections(1)))
+    assert statistics(written.rows).cycles[0].seconds == before
+    written.do(MakePlan())
+    written.ended(samples.refused())
+    assert statistics(written.rows).grasps() == {("peg", "top"): GraspUse(tried=1)}
+
+
 def test_a_cancelled_task_takes_no_time(written, samples):
     number = written.do(TakeScan()).number
     written.do(CancelJob())
@@ -253,3 +268,19 @@ def test_ten_thousand_entries_are_counted_as_those_of_their_cycles(written, samp
     one = written.rows
     many = [row for _ in range(10_000 // len(one)) for row in one]
     assert statistics(many).picked == 10_000 // len(one)
+
+
+@pytest.mark.parametrize("way", ["failed", "cancelled"])
+def test_an_outcome_told_after_a_scan_that_brought_nothing_is_that_of_the_cycle_before(
+    cell, samples, way
+):
+    line = Written(cell)
+    line.cycle(samples, LinkEnded("", 0))
+    line.do(TakeScan())
+    if way == "failed":
+        line.ended(LinkError("no new file came"))
+    else:
+        line.do(CancelJob())
+    line.do(ReportPick(0, is_picked=False, why="it slipped"))
+    counted = statistics(line.rows)
+    assert [(pick.result, pick.why) for _, pick in counted.picks] == [("failed", "it slipped")]

@@ -283,6 +283,18 @@ def test_a_closed_bench_refuses_people_and_ends_its_effects(cell, journal, clock
         bench.do(TakeScan(), "ada")
 
 
+def test_stopping_comes_first_and_the_rest_of_the_end_later(bench, noted):
+    bench.stop_sending()
+    assert [type(effect) for effect in noted[0].ran] == [StopSending]
+    assert not noted[0].closed
+    with pytest.raises(CommandRefused, match="is closing"):
+        bench.do(TakeScan(), "ada")
+    bench.close()
+    assert noted[0].closed
+    bench.stop_sending()
+    assert len(noted[0].ran) == 1
+
+
 def test_a_session_goes_on_where_it_ended(cell, journal, clock, samples):
     bench = Bench(cell, journal, now=clock, effects=Noted)
     digest = approved(bench, samples)

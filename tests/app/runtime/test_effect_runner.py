@@ -1,7 +1,6 @@
 """The bench with a real worker process, and a simulated controller spoken to over TCP."""
 
 import dataclasses
-import functools
 import logging
 import multiprocessing
 import os
@@ -13,104 +12,33 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from idle import Idle
-from patient import PATIENT
+from addressed import at
+from full_disk import FullDisk
 from waiting import PATIENCE, wait_until
 
 from workbench.app.core.commands import (
     AcknowledgeFault,
-    Approve,
     CancelJob,
+    DropDraft,
     FindParts,
-    JobEnded,
     MakePlan,
     SendPlan,
     Stop,
     TakeScan,
     UseDetections,
     UseScan,
-    WatchPlan,
+    WantThreshold,
 )
 from workbench.app.core.state import Phase
 from workbench.app.records.replay import replay
+from workbench.app.runtime import effect_runner, insisting
 from workbench.app.runtime.bench import Bench
-from workbench.app.runtime.effect_runner import EffectRunner
-from workbench.devices.abb_simulated.controller import SimulatedController
 from workbench.journal.journal import Journal
 from workbench.model.digest import digest_of
 from workbench.model.errors import CommandRefused
-from workbench.plugins.robot_link import controller_by
 
 HERE = Path(__file__).parents[1]
 MESSAGES = ["startR#", "inR#*30.00*", "outR#*60.00*", "stopR#"]
-
-
-def at(cell, port, state_port):
-    return dataclasses.replace(
-        cell, controller=controller_by("abb-socket", port=port, state_port=state_port)
-    )
-
-
-@pytest.fixture(autouse=True)
-def tiny_work_is_found(monkeypatch):
-    monkeypatch.syspath_prepend(HERE)
-
-
-@pytest.fixture
-def machines():
-    return functools.partial(EffectRunner, module="tiny_work", patience=PATIENT)
-
-
-@pytest.fixture
-def bench_at(tmp_path, machines, samples):
-    """Makes a bench with an approved plan and real machines, for a cell."""
-    benches = []
-
-    def make(cell):
-        folder = tmp_path / "session"
-        first = Bench(cell, Journal(folder), effects=Idle)
-        scan = samples.scan()
-        first.do(UseScan(scan), "ada")
-        first.do(UseDetections(samples.detections()), "ada")
-        state = first.do(MakePlan(), "ada")
-        result = samples.planned(state.scene_digest)
-        first.do(JobEnded(state.number, result), "worker")
-        first.close()
-        # Continued with machines, as a session is after a restart.
-        bench = Bench(cell, Journal(folder, patience=0.1), effects=machines)
-        benches.append(bench)
-        bench.do(WatchPlan(result.plan.digest), "ada")
-        bench.do(Approve(result.plan.digest), "ada")
-        return bench
-
-    yield make
-    for bench in benches:
-        bench.close()
-
-
-@pytest.fixture
-def controller(cell):
-    """Starts simulated controllers; they end with the test."""
-    running = []
-
-    def start(speed, of=cell):
-        simulated = SimulatedController(of, speed=speed, patience=PATIENT)
-        thread = threading.Thread(target=simulated.run)
-        thread.start()
-        running.append((simulated, thread))
-        return simulated
-
-    yield start
-    for simulated, thread in running:
-        simulated.stop()
-        thread.join()
-
-
-@pytest.fixture
-def bench(cell, tmp_path, machines):
-    made = Bench(cell, Journal(tmp_path / "session"), effects=machines)
-    yield made
-    made.close()
 
 
 def test_a_scan_comes_from_the_worker_with_progress(bench):
@@ -235,10 +163,9 @@ def test_sending_ends_when_it_can_no_longer_be_recorded(cell, controller, bench_
     other.close()
     # The third message is out, its record is missing; nothing followed it.
     assert simulated.state()["received"] == 3
-    assert bench.state.phase is Phase.SENDING
-    bench.do(Stop(), "ada")
+    # Nobody has to ask for it: the end is on record as soon as it can be.
     state = bench.wait(lambda state: state.phase is Phase.FAULT, PATIENCE)
-    assert state.fault == "the sending had ended without a record of it"
+    assert "database is locked" in state.fault
 
 
 def test_closing_while_sending_stops_the_robot_and_records_it(cell, controller, bench_at):
@@ -314,3 +241,65 @@ def test_what_a_search_discarded_is_shown_and_not_recorded(cell, tmp_path, machi
         bench.close()
     *_, (_, last) = replay(Journal(tmp_path / "session"), cell)
     assert digest_of(last.detections) == digest_of(findings.detections)
+
+
+def test_a_disk_that_is_slow_to_take_a_draft_holds_nobody_up(bench, cell, monkeypatch):
+    may_go, waits = threading.Event(), threading.Event()
+
+    def slow(*arguments):
+        waits.set()
+        assert may_go.wait(PATIENCE)
+        return {}
+
+    monkeypatch.setattr(effect_runner, "part_folders", slow)
+    monkeypatch.setattr(bench._effects, "_cell_file", Path("cell.toml"))
+    bench.do(DropDraft(cell.parts[0].name), "ada")
+    assert waits.wait(PATIENCE)
+    # The bench takes commands meanwhile.
+    assert bench.do(WantThreshold(0.1), "ada").wanted_threshold == 0.1
+    may_go.set()
+
+
+@pytest.fixture
+def disk(monkeypatch):
+    monkeypatch.setattr(insisting, "RETRY", 0.01)
+    return FullDisk(monkeypatch)
+
+
+def test_a_task_that_ends_while_the_disk_is_full_is_taken_when_it_is_not(bench, samples, disk):
+    bench.do(UseScan(samples.scan()), "ada")
+    disk.fill(after=1)
+    bench.do(FindParts(seed=14), "ada")
+    wait_until(lambda: disk.tries > 2)
+    assert bench.state.job is not None
+    assert "no space left on device" in bench.live.unrecorded
+    disk.free()
+    bench.wait(lambda state: state.job is None, PATIENCE)
+    assert bench.state.detections is not None
+    wait_until(lambda: bench.live.unrecorded == "")
+
+
+def test_a_sending_that_breaks_off_since_the_disk_is_full_is_a_fault_on_record(
+    cell, controller, bench_at, disk
+):
+    simulated = controller(speed=200)
+    bench = bench_at(at(cell, simulated.port, simulated.state_port))
+    disk.fill(after=2)
+    bench.do(SendPlan(bench.state.plan.digest), "ada")
+    wait_until(lambda: disk.tries > 3)
+    assert bench.state.phase is Phase.SENDING
+    assert "no space left on device" in bench.live.unrecorded
+    disk.free()
+    state = bench.wait(lambda state: state.phase is Phase.FAULT, PATIENCE)
+    assert "no space left on device" in state.fault
+    wait_until(lambda: bench.live.unrecorded == "")
+
+
+def test_a_bench_that_closes_waits_for_no_disk(cell, controller, bench_at, disk):
+    simulated = controller(speed=200)
+    bench = bench_at(at(cell, simulated.port, simulated.state_port))
+    disk.fill(after=2)
+    bench.do(SendPlan(bench.state.plan.digest), "ada")
+    wait_until(lambda: disk.tries > 3)
+    bench.close()
+    disk.free()

@@ -12,7 +12,7 @@ import time
 from pathlib import Path
 
 import pytest
-from waiting import PATIENCE
+from waiting import PATIENCE, wait_until
 
 from workbench.app.runtime.jobs import Jobs
 from workbench.app.runtime.worker import packed
@@ -294,3 +294,42 @@ def test_the_worker_ends_when_its_parent_is_killed(cell, tmp_path):
     # The worker holds the pipe too: its end is the end of whatever can still write to it.
     rest, _ = parent.communicate(timeout=PATIENCE)
     assert (rest, parent.returncode) == ("", -signal.SIGKILL)
+
+
+def test_a_task_that_cannot_be_handed_over_ends_and_the_next_one_runs(jobs, listener):
+    jobs.start(1, "echo", {"given": lambda: "functions made here cannot leave the process"})
+    number, error = listener.result()
+    assert number == 1 and isinstance(error, WorkbenchError)
+    assert str(error).startswith("internal error, see the log")
+    jobs.start(2, "echo", {"given": 2})
+    number, result = listener.result()
+    assert (number, result["given"]) == (2, 2)
+
+
+def test_a_worker_that_is_ended_by_a_signal_without_a_name_is_replaced(jobs, listener):
+    process = worker_of(jobs, listener)
+    jobs.start(1, "wait_politely", {})
+    listener.progress.get(timeout=PATIENCE)
+    os.kill(process, signal.SIGRTMIN + 5)
+    number, error = listener.result()
+    assert number == 1 and f"(signal {signal.SIGRTMIN + 5})" in str(error)
+    assert worker_of(jobs, listener) != process
+
+
+def test_a_worker_that_cannot_be_made_for_whatever_reason_refuses_what_waits(
+    jobs, listener, monkeypatch
+):
+    process = worker_of(jobs, listener)
+
+    def fail():
+        raise RuntimeError("can't start new thread")
+
+    make = jobs._make_worker
+    monkeypatch.setattr(jobs, "_make_worker", fail)
+    os.kill(process, signal.SIGKILL)
+    wait_until(lambda: not workers())
+    jobs.start(1, "echo", {})
+    number, error = listener.result()
+    assert number == 1 and "can't start new thread" in str(error)
+    monkeypatch.setattr(jobs, "_make_worker", make)
+    worker_of(jobs, listener, 2)

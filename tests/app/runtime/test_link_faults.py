@@ -44,7 +44,7 @@ from workbench.model.digest import digest_of
 from workbench.model.errors import CommandRefused, InputError
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.scan import Detection
-from workbench.plugins.robot_link import controller_by
+from workbench.plugins.robot_link import controller_by, spoken_to_by
 
 OLD, NEW = "abb-socket", "abb-socket/2"
 
@@ -65,11 +65,15 @@ def found(yumi):
 
 @pytest.fixture(scope="module")
 def planned(yumi, found):
-    """Plans by strategy, made once for all."""
-    return {
-        name: plan_pick(yumi, found, digest_of(found), strategy=name, seed=0)
-        for name in ("alternated", "coordinated")
+    """Plans by protocol and strategy, made once; both arms at once as the newer has them."""
+    made = {
+        (protocol, "alternated"): plan_pick(
+            spoken_to_by(yumi, protocol), found, digest_of(found), strategy="alternated", seed=0
+        )
+        for protocol in (OLD, NEW)
     }
+    both = plan_pick(yumi, found, digest_of(found), strategy="coordinated", seed=0)
+    return made | {(protocol, "coordinated"): both for protocol in (OLD, NEW)}
 
 
 @dataclasses.dataclass
@@ -118,8 +122,8 @@ def rig(tmp_path, yumi, found, planned):
         made.append((bench, one, thread))
         bench.do(UseDetections(found), "ada")
         number = bench.do(MakePlan(), "ada").number
-        bench.do(JobEnded(number, planned[strategy]), "worker")
-        plan = planned[strategy].plan
+        bench.do(JobEnded(number, planned[protocol, strategy]), "worker")
+        plan = planned[protocol, strategy].plan
         bench.do(WatchPlan(plan.digest), "ada")
         bench.do(Approve(plan.digest), "ada")
         wait_until(lambda: bench.live.joints)

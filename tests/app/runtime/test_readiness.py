@@ -14,8 +14,9 @@ import pytest
 from waiting import PATIENCE, wait_until
 
 import workbench
-from workbench.app.runtime import readiness
-from workbench.app.runtime.readiness import NOTE, is_ready, make_ready
+from workbench.app.runtime import compiled_code, readiness
+from workbench.app.runtime.compiled_code import is_ready
+from workbench.app.runtime.readiness import NOTE, make_ready
 
 HERE = Path(__file__).parents[1]
 
@@ -27,6 +28,7 @@ def folder(tmp_path, monkeypatch):
     monkeypatch.setenv("TINY_FOLDER", str(tmp_path))
     monkeypatch.setenv("PYTHONPATH", f"{HERE}:{HERE.parents[1]}")
     monkeypatch.setattr(readiness, "WARM_UP", "tiny_warm_up")
+    monkeypatch.setattr(readiness, "take_shipped", lambda: None)
     return tmp_path
 
 
@@ -61,11 +63,12 @@ def test_other_sources_are_not_ready(folder, monkeypatch, tmp_path):
     make_ready(lambda done, note: None, ("planning",))
     copy = tmp_path / "workbench"
     shutil.copytree(Path(workbench.__file__).parent / "planning", copy / "planning")
-    monkeypatch.setattr(readiness, "_package", lambda: copy)
+    monkeypatch.setattr(compiled_code, "_package", lambda: copy)
     assert not is_ready("planning")
-    readiness.mark_ready("planning")
+    compiled_code.mark_ready("planning")
     assert is_ready("planning")
-    (copy / "planning" / "gjk.py").write_text("# changed\n")
+    with (copy / "planning" / "collision" / "gjk.py").open("a") as file:
+        file.write("# changed\n")
     assert not is_ready("planning")
 
 
@@ -87,12 +90,54 @@ def test_what_was_compiled_of_other_sources_is_forgotten(folder, monkeypatch, tm
         )
         return int(ended.stdout)
 
-    monkeypatch.setattr(readiness, "_package", lambda: package)
+    monkeypatch.setattr(compiled_code, "_package", lambda: package)
     assert said() == 2
     inner.write_text(inner.read_text().replace("return 1", "return 21"))
     assert said() == 2, "numba has learned to see it: then this can go"
     make_ready(lambda done, note: None)
     assert said() == 42
+
+
+@pytest.fixture
+def loop(monkeypatch, tmp_path):
+    """The one compiled file of a package of its own, beside which code is kept."""
+    package = tmp_path / "package"
+    (package / "planning").mkdir(parents=True)
+    (package / "__pycache__").mkdir()
+    monkeypatch.setattr(compiled_code, "_package", lambda: package)
+    monkeypatch.delenv("NUMBA_CACHE_DIR", raising=False)
+    return package / "planning" / "loop.py"
+
+
+def test_what_was_compiled_beside_the_sources_is_taken_from_there(loop, monkeypatch, tmp_path):
+    """So it is with a wheel that somebody else has installed."""
+    loop.write_text("from numba import njit\n@njit(cache=True)\ndef one(): return 1\n")
+    code = "import loop; loop.one(); print(sum(loop.one.stats.cache_hits.values()))"
+
+    def found():
+        about = os.environ | {"PYTHONPATH": str(loop.parent)}
+        return int(subprocess.check_output([sys.executable, "-c", code], env=about))
+
+    assert found() == 0
+    for use in compiled_code.USES:
+        compiled_code.mark_ready(use)
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path / "own"))
+    monkeypatch.setattr(subprocess, "Popen", None)
+    assert not is_ready("seeing")
+    assert make_ready(lambda done, note: None)
+    monkeypatch.undo()
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path / "own"))
+    assert found() == 1
+
+
+def test_what_was_compiled_of_other_sources_is_not_taken(loop, monkeypatch, tmp_path):
+    loop.write_text("from numba import njit\n")
+    for use in compiled_code.USES:
+        compiled_code.mark_ready(use)
+    loop.write_text("from numba import njit\nONE = 1\n")
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path / "own"))
+    compiled_code.take_shipped()
+    assert not is_ready("seeing")
 
 
 def test_what_cannot_be_compiled_ahead_stops_nobody_and_why_is_logged(folder, caplog):
@@ -127,6 +172,7 @@ def test_who_compiles_ends_with_whom_it_compiles_for(folder):
         """
         from workbench.app.runtime import readiness
         readiness.WARM_UP = "tiny_warm_up"
+        readiness.take_shipped = lambda: None
         readiness.make_ready(lambda done, note: print(done, flush=True), ("seeing",))
         """
     )

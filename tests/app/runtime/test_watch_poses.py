@@ -177,3 +177,29 @@ def test_the_folder_may_give_poses_and_nothing_else(cell, samples):
         allowed(state, TakeScan(), POSES_FOLDER, 0.0)
     with pytest.raises(CommandRefused, match="name of a machine"):
         allowed(state, UseDetections(samples.detections()), "worker", 0.0)
+
+
+def test_files_that_are_gone_are_forgotten_and_none_is_taken_twice(bench, tmp_path):
+    folder = tmp_path / "poses"
+    # It looks when it is told to here.
+    watch = PosesWatch(bench, every=PATIENCE, still=0.0)
+    try:
+        (folder / "kept.txt").write_text(halcon((1, 2, 3)))
+        for number in range(3):
+            (folder / f"{number}.txt").write_text(halcon((number, 2, 3)))
+            (folder / f"{number}.json").write_text("not yet")
+            watch._look()
+            (folder / f"{number}.json").unlink()
+            watch._look()
+            (folder / f"{number}.txt").unlink()
+        number = bench.state.number
+        # A share that is not to be reached for a while.
+        folder.rename(tmp_path / "away")
+        watch._look()
+        (tmp_path / "away").rename(folder)
+        for _ in range(3):
+            watch._look()
+        assert set(watch._done) == {folder / "kept.txt"} and watch._seen == {}
+        assert bench.state.number == number, "kept.txt was taken once"
+    finally:
+        watch.close()

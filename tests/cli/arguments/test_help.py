@@ -38,9 +38,11 @@ COMMANDS = (
     "session",
     "user",
     "statistics",
+    "evidence",
     "backup",
     "restore",
     "compile",
+    "doctor",
 )
 
 NESTED = (
@@ -76,6 +78,11 @@ NESTED = (
     ("user", "role"),
     ("user", "remove"),
     ("user", "token"),
+    ("user", "unlock"),
+    ("opcua",),
+    ("opcua", "certificate"),
+    ("opcua", "trust"),
+    ("opcua", "list"),
 )
 
 

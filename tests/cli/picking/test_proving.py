@@ -1,8 +1,11 @@
 """Certificates of proofs, and plans that other programs have made."""
 
 import json
+from pathlib import Path
 
 import pytest
+
+POSES = Path(__file__).resolve().parents[2] / "cells" / "public_yumi" / "Poses.txt"
 
 
 @pytest.fixture
@@ -120,8 +123,17 @@ def test_a_plan_of_another_program_is_proven_like_any_other(say, line, tmp_path)
         (("--check", "no such.json"), "no such.json"),
         (("--check", "PLAN"), "workbench-certificate/1"),
         (("PLAN", "--check", "PLAN"), "--check takes a certificate"),
+        (("--check", "PLAN", "--out", "own.json"), "--check takes a certificate"),
     ],
 )
 def test_what_was_typed_wrongly_is_said_in_a_sentence(say, line, words, says):
     said = say("prove", *(line.plan if word == "PLAN" else word for word in words))
     assert said.code == 2 and says in said.err and "Traceback" not in said.err
+
+
+@pytest.mark.parametrize("command", ["prove", "verify", "send"])
+def test_what_the_poses_of_a_halcon_file_are_of_can_be_said(say, line, command, tmp_path):
+    robot = ("--host", "127.0.0.1", "--port", "1", "--approve-as", "Ada", "--record", tmp_path)
+    words = (line.plan, "--poses", POSES, "--part", "washer")
+    said = say(command, *words, *(robot if command == "send" else ()))
+    assert said.code == 2 and "no part 'washer'" in said.problem

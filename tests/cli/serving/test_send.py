@@ -7,6 +7,7 @@ import socket
 import sqlite3
 import threading
 import time
+from math import floor
 
 import numpy as np
 import pytest
@@ -54,7 +55,7 @@ def test_what_is_approved_is_printed_before(line, say, words, digest, record):
     proof = prove(read_cell("yumi"), plan)
     for fact in (
         digest,
-        f"at least {proof.clearance * 1000:.1f} mm, arm {proof.nearest.arm}",
+        f"at least {floor(proof.clearance * 1e4) / 10:.1f} mm, arm {proof.nearest.arm}",
         " and ".join(proof.nearest.pair),
         f"{plan.cycle_seconds:.1f} s",
         str(plan.strategy),

@@ -1,19 +1,25 @@
 """Sessions that are taken along and brought back, the example that ships, and what is removed."""
 
+import json
 import os
 import shutil
 import sqlite3
+import sys
 import time
 import zipfile
+from contextlib import closing
 from pathlib import Path
 
 import pytest
 
-from workbench.app.records.sessions import new_session
+from workbench.app.picking.proving import check
+from workbench.app.records.certified import certificates
+from workbench.app.records.sessions import cell_of, new_session
 from workbench.app.review.history import History
 from workbench.formats.cells.reading import read_cell
+from workbench.formats.plans.certificates import read_certificate
 from workbench.journal.journal import Journal
-from workbench.model.errors import CommandRefused
+from workbench.model.errors import CommandRefused, FileError
 
 EXAMPLE = Path(__file__).resolve().parents[3] / "sessions" / "example"
 DAY = 86400
@@ -54,6 +60,38 @@ def test_an_exported_session_can_be_read_by_people_and_comes_back(say, example, 
     assert say("session", "show", tmp_path / "there/x").out.count("Sent") > 30
     said = say("session", "import", tmp_path / "x.zip", "--sessions", tmp_path / "there")
     assert said.code == 2 and "is there already" in said.problem
+
+
+def test_what_was_approved_is_exported_with_its_certificate_which_can_be_checked(
+    say, example, tmp_path
+):
+    say("session", "export", example, "--out", tmp_path / "x.zip", "--no-scene")
+    with zipfile.ZipFile(tmp_path / "x.zip") as archive:
+        (name,) = [one for one in archive.namelist() if one.startswith("certificates/")]
+        log = json.loads(archive.read("summary.json"))["log"]
+        assert [(one["kind"], one["certificate"]) for one in log if "certificate" in one] == [
+            ("JobEnded", name)
+        ]
+        assert f"proven: {name}" in archive.read("summary.txt").decode()
+        version = json.loads(archive.read("summary.json"))["workbench"]
+    assert say("session", "import", tmp_path / "x.zip", "--sessions", tmp_path / "there").code == 0
+    certificate = tmp_path / "there" / "x" / name
+    assert json.loads(certificate.read_text())["made_with"] == {"workbench": version}
+    with closing(Journal(example)) as journal:
+        cell = cell_of(journal)
+    assert check(cell, read_certificate(certificate)).holds
+    certificate.write_text(certificate.read_text().replace('"seed": ', '"seed": 1'))
+    with pytest.raises(FileError, match="was changed after"):
+        read_certificate(certificate)
+
+
+def test_a_plan_that_nobody_approved_has_no_certificate(example):
+    """The same session before its approval."""
+    with closing(Journal(example)) as journal:
+        rows = list(journal.entries())
+        first = next(k for k, row in enumerate(rows) if row.kind == "Approve")
+        assert not list(certificates(rows[:first], journal.read, only_approved=True))
+        assert len(list(certificates(rows[: first + 1], journal.read, only_approved=True))) == 1
 
 
 def test_a_zip_file_without_a_name_makes_no_folder(say, example, tmp_path):
@@ -220,3 +258,37 @@ def test_old_scans_are_forgotten_by_the_page(example, monkeypatch):
 
 def test_the_example_is_not_written_to_by_looking():
     assert not list(EXAMPLE.glob("*-wal")), os.listdir(EXAMPLE)
+
+
+def test_a_session_is_written_for_foxglove(say, example, tmp_path):
+    reader = pytest.importorskip("mcap.reader", reason="mcap is not installed")
+    said = say("session", "export", example, "--out", tmp_path / "x.mcap", "--mcap")
+    assert said.code == 0 and said.out.startswith(f"{tmp_path / 'x.mcap'}: 0.")
+    with (tmp_path / "x.mcap").open("rb") as file:
+        read = reader.make_reader(file)
+        summary, described = read.get_summary(), list(read.iter_metadata())
+    assert {"/scan", "/tf", "/joints", "/plan", "/verdicts", "/log"} < {
+        channel.topic for channel in summary.channels.values()
+    }
+    assert described[0].name == "session" and described[0].metadata["cell"] == "yumi"
+    said = say("session", "export", example, "--out", tmp_path / "no/x.mcap", "--mcap")
+    assert said.code == 2 and "No such file" in said.problem
+
+
+def test_a_changed_session_is_not_written_for_foxglove(say, example, tmp_path):
+    pytest.importorskip("mcap", reason="mcap is not installed")
+    victim = max((example / "files").rglob("*"), key=lambda one: one.stat().st_size)
+    content = victim.read_bytes()
+    victim.write_bytes(content[:-1] + bytes([content[-1] ^ 1]))
+    said = say("session", "export", example, "--out", tmp_path / "x.mcap", "--mcap")
+    assert said.code == 1 and "a changed session is not exported" in said.problem
+    assert list(tmp_path.iterdir()) == [example.parent]
+
+
+def test_without_the_library_it_is_named(say, example, tmp_path, monkeypatch):
+    for name in ("mcap", "mcap.writer"):
+        monkeypatch.setitem(sys.modules, name, None)
+    for name in ("workbench.app.records.mcap_session", "workbench.formats.mcap.writing"):
+        monkeypatch.delitem(sys.modules, name, raising=False)
+    said = say("session", "export", example, "--out", tmp_path / "x.mcap", "--mcap")
+    assert said.code == 2 and "pip install 'workbench[mcap]'" in said.problem

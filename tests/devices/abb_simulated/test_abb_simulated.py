@@ -1,10 +1,10 @@
 """What the simulated robot does by itself."""
 
-import threading
 import time
 
 import numpy as np
 import pytest
+from patient import in_threads
 from waiting import wait_until
 
 from workbench.devices.abb_simulated.controller import SimulatedController
@@ -14,22 +14,16 @@ from workbench.formats.cells.reading import read_cell
 @pytest.fixture
 def left_away():
     """Starts a controller whose right arm was left away from home, with a fault; its end."""
-    running: list[tuple[SimulatedController, threading.Thread]] = []
 
     def start(**how) -> SimulatedController:
         controller = SimulatedController(read_cell("yumi"), speed=50.0, **how)
         home = np.asarray(controller._body.cell.arm("right").home)
         controller._body.put({"right": home + 0.5}, "")
         controller._body.halt("stopped by the client")
-        thread = threading.Thread(target=controller.run)
-        thread.start()
-        running.append((controller, thread))
-        return controller
+        return started(controller)
 
-    yield start
-    for controller, thread in running:
-        controller.stop()
-        thread.join()
+    with in_threads() as started:
+        yield start
 
 
 def test_arms_that_were_left_go_home_and_the_fault_is_over(left_away):

@@ -270,6 +270,17 @@ def test_a_state_report_that_is_none(line):
         next(watch_state("127.0.0.1", port))
 
 
+def test_a_fault_that_cannot_be_recorded_is_a_fault_all_the_same():
+    def says(client, got):
+        line = {"joints": {}, "openings": {}, "moving": "\ud800", "received": 0, "placed": 0}
+        client.sendall(json.dumps({**line, "fault": "\ud800" + "x" * 5000}).encode() + b"\n")
+
+    with controller_that(says) as (port, _):
+        state = next(watch_state("127.0.0.1", port))
+    assert state.moving == "?"
+    assert state.fault.startswith("?xxx") and len(state.fault.encode()) == 300
+
+
 def test_watchers_that_have_left_make_room_for_others(controller):
     """Also while nothing changes, and so nothing is told to anybody."""
     one = controller()

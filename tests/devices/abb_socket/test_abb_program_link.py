@@ -12,6 +12,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from patient import PATIENT, Hurried, send
+from rounded import RoundedPolyline
 from waiting import PATIENCE, wait_until
 
 from workbench.app.picking.pipeline import plan_pick
@@ -20,7 +21,6 @@ from workbench.devices.abb_socket.frames import framed
 from workbench.devices.abb_socket.messages import REQUEST
 from workbench.model.errors import JobCancelled, LinkError
 from workbench.model.plan import Guarantee
-from workbench.planning.picking.execution import RoundedPolyline
 from workbench.plugins.robot_link import USUAL
 
 SAMPLES = 200

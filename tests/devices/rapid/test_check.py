@@ -1,7 +1,7 @@
 """`workbench rapid check`: what is wrong with modules, with line and column."""
 
 import pytest
-from rapid_bench import Tasks, problems
+from rapid_bench import Tasks, problems, written
 from wires import FOLDER
 
 from workbench.formats.rapid.check import check_modules
@@ -59,10 +59,93 @@ def test_a_task_needs_a_main_without_parameters(tmp_path):
         ("RECORD r\nr inner;\nENDRECORD\nVAR r x;", "there is no type r"),
         ("RECORD a\nb x;\nENDRECORD\nRECORD b\na x;\nENDRECORD\nVAR a y;", "there is no type b"),
         ("VAR num x:=1E999;", "1e999 is larger than a num can be"),
+        (f"VAR num x:=0x{'F' * 300};", f"0x{'f' * 300} is larger than a num can be"),
+        (f"VAR num x:=0x{'F' * 40};", f"0x{'f' * 40} is larger than a num can be"),
     ],
 )
 def test_types_and_numbers_that_cannot_be_are_told(rest, says):
     assert says in [what for _, _, what in problems("", rest)]
+
+
+def doubled(times: int) -> str:
+    """Records, each of two of the one before: the last one of 2 to the power of `times`."""
+    first = "RECORD r0\nnum a;\nENDRECORD\n"
+    return first + "".join(
+        f"RECORD r{k}\nr{k - 1} a;\nr{k - 1} b;\nENDRECORD\n" for k in range(1, times + 1)
+    )
+
+
+@pytest.mark.parametrize(
+    ("rest", "says"),
+    [
+        ("VAR num x{100000,100000};", "x has more than 200,000 values"),
+        (f"{doubled(12)}VAR r12 x{{50}};", "x has more than 200,000 values"),
+        (f"{doubled(40)}VAR r40 x;", "r14 has more than 10,000 components in all"),
+    ],
+)
+def test_data_that_no_controller_has_memory_for_are_told(rest, says):
+    found = [what for _, _, what in problems("VAR num y{1000000,1000};", rest)]
+    assert says in found
+    assert "y has more than 200,000 values" in found
+
+
+def test_large_arrays_of_large_records_are_allowed():
+    assert problems("", f"VAR num x{{200000}};\n{doubled(10)}VAR r10 y{{190}};") == []
+
+
+@pytest.mark.parametrize(
+    ("expression", "says"),
+    [
+        ("1/0", "ERR_DIVZERO"),
+        ("1 MOD 0", "ERR_DIVZERO"),
+        ("1.5 DIV 1", "DIV of 1.5 and 1: both must be whole numbers"),
+        ("1E38*1E38", "ERR_NUM_OVERFLOW"),
+    ],
+)
+def test_a_constant_that_cannot_be_computed_is_told_wherever_it_stands(expression, says):
+    for body, rest in [
+        ("", f"VAR num a{{{expression}}};"),
+        ("", f"CONST num a:={expression};"),
+        (f"b{{{expression}}}:=1;", "VAR num b{2};"),
+    ]:
+        assert [what for _, _, what in problems(body, rest)] == [says]
+
+
+@pytest.mark.parametrize(
+    "deep",
+    [
+        "x:=" + "+".join(["1"] * 1500) + ";",
+        "flag:=" + "NOT " * 1500 + "TRUE;",
+        "x:=" + "a{" * 1500 + "1" + "}" * 1500 + ";",
+        "IF flag THEN\n" * 1500 + "ENDIF\n" * 1500,
+        "IF flag " * 1500 + "x:=1;",
+    ],
+    ids=["sum", "not", "index", "if", "compact if"],
+)
+def test_what_is_nested_too_deeply_is_told_where(tmp_path, deep):
+    path = tmp_path / "x.mod"
+    path.write_text(
+        f"MODULE x\nVAR num x;VAR num a{{2}};VAR bool flag;\nPROC main()\n{deep}\n"
+        "ENDPROC\nENDMODULE\n"
+    )
+    (found,) = check_modules([path])
+    assert found.what == "is nested too deeply"
+    assert found.line >= 4
+
+
+@pytest.mark.parametrize(
+    "deep",
+    [
+        "x:=" + "+".join(["1"] * 90) + ";",
+        "flag:=" + "NOT " * 90 + "TRUE;",
+        "x:=" + "a{" * 45 + "1" + "}" * 45 + ";",
+        "x:=" + "Abs(" * 45 + "1" + ")" * 45 + ";",
+        "IF flag THEN\n" * 45 + "x:=1;\n" + "ENDIF\n" * 45,
+    ],
+    ids=["sum", "not", "index", "function", "if"],
+)
+def test_what_is_nested_almost_as_deeply_runs(deep):
+    assert written(deep, "VAR num x;VAR num a{2}:=[1,1];VAR bool flag:=TRUE;") == []
 
 
 def test_dim_has_an_array_and_a_number():

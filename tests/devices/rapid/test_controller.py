@@ -1,11 +1,11 @@
 """The loop around tasks, and sockets of modules on real TCP."""
 
 import socket
-import threading
 
 import pytest
+from patient import in_threads
 from rapid_bench import module
-from waiting import PATIENCE, wait_until
+from waiting import wait_until
 
 from workbench.devices.rapid.controller import KEPT, MOST_HELD, Controller
 from workbench.devices.rapid.sockets import Network
@@ -17,21 +17,14 @@ from workbench.model.errors import LinkError, WorkbenchError
 @pytest.fixture
 def start(cell):
     """Starts controllers of one task; they end with the test."""
-    running = []
 
-    def started(body, rest="", arm="", speed=100.0):
+    def made(body, rest="", arm="", speed=100.0):
         source = read_source("m", module(body, rest))
         one = Controller(cell, Setup({"T": TaskSetup([source], arm)}, {}), speed=speed)
-        thread = threading.Thread(target=one.run)
-        thread.start()
-        running.append((one, thread))
-        return one
+        return started(one)
 
-    yield started
-    for one, thread in running:
-        one.stop()
-        thread.join(PATIENCE)
-        assert not thread.is_alive()
+    with in_threads() as started:
+        yield made
 
 
 def connected(one):

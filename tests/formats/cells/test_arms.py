@@ -79,6 +79,58 @@ def test_two_arms_cannot_both_be_called_a(tmp_path: Path) -> None:
     assert "'a' is there beside 'a'" in refused(write_cell(tmp_path / "cell", ("a", "a")))
 
 
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("tool =", "axes = [1, 2, 3, 4, 5, 6.9]\ntool =", "arm[1].axes: 6.9 is not a whole number"),
+        ("rpy_deg = [180, 0, 0]\n\n[[arm]]", "grid = [2.5, 1]\npitch_mm = [9, 9]\n[[arm]]",
+         "arm[1].place[1].grid: 2.5 is not a whole number"),
+        ("field_of_view_deg", "resolution = [640.5, 480]\nfield_of_view_deg",
+         "scanner.resolution: 640.5 is not a whole number"),
+    ],
+)  # fmt: skip
+def test_what_is_counted_is_a_whole_number(tmp_path: Path, old, new, message) -> None:
+    folder = write_cell(tmp_path / "cell")
+    file = folder / "cell.toml"
+    text = file.read_text(encoding="utf-8")
+    assert old in text
+    head, arm = text.split("[[arm]]", 1) if old == "tool =" else ("", text)
+    file.write_text((head + "[[arm]]" if head else "") + arm.replace(old, new, 1), encoding="utf-8")
+    assert message in refused(folder)
+
+
+def on_a_torso(folder: Path, kind: str) -> Path:
+    """A cell with three arms, the first two of them on a torso that a joint of this kind turns."""
+    write_cell(folder)
+    urdf = folder / "arms.urdf"
+    text = urdf.read_text()
+    for k in range(2):
+        joint = f'<joint name="joint_{k}_1" type="revolute"><parent link='
+        assert f'{joint}"world"' in text
+        text = text.replace(f'{joint}"world"', f'{joint}"torso"')
+    torso = (
+        f'<joint name="waist" type="{kind}"><parent link="world"/><child link="torso"/>'
+        '<origin xyz="0 0 0"/><axis xyz="0 0 1"/>'
+        '<limit lower="-1" upper="1" velocity="1" effort="0"/></joint><link name="torso"/>'
+    )
+    urdf.write_text(text.replace("</robot>", f"{torso}</robot>"))
+    return folder
+
+
+def test_arms_on_a_joint_that_moves_both_are_refused(tmp_path: Path) -> None:
+    """Only one of them would be checked against what the joint carries."""
+    folder = on_a_torso(tmp_path / "cell", "revolute")
+    cell = folder / "cell.toml"
+    cell.write_text(cell.read_text().replace("[0, -20, 120, 0, 80, 0]", "[0, 0, 0, 0, 0, 0, 0]", 2))
+    message = refused(folder)
+    assert "cell.toml: key arm.flange: 'north' and 'south-west' both hang on waist" in message
+
+
+def test_arms_on_a_torso_that_stands_still_are_read(tmp_path: Path) -> None:
+    arms = read_cell(on_a_torso(tmp_path / "cell", "fixed")).arms
+    assert [len(arm.joints) for arm in arms] == [6, 6, 6]
+
+
 def test_a_cell_without_an_arm_is_refused(tmp_path: Path) -> None:
     folder = write_cell(tmp_path / "cell", ())
     assert "key arm: is missing; at least one [[arm]] table is expected" in refused(folder)

@@ -44,6 +44,21 @@ def test_a_moved_bin_changes_one_line(path):
     assert read_cell(path).bin.T_world_bin.isApprox(T, 1e-9)
 
 
+@pytest.mark.parametrize(
+    ("change", "line"),
+    [
+        ({"near_margin": 0.0}, "near_margin_mm = 0"),
+        ({"lifts": ("leaning", "up")}, 'lifts = ["leaning", "up"]'),
+    ],
+)
+def test_what_a_fix_changes_of_the_policy_is_written(path, change, line):
+    cell = read_cell(path)
+    changed = replace(cell, policy=replace(cell.policy, **change))
+    save_cell(path, changed)
+    assert line in path.read_text()
+    assert read_cell(path).digest == changed.digest
+
+
 @settings(
     max_examples=15,
     deadline=None,

@@ -9,6 +9,7 @@ import pytest
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.cells.writer import write_cell
 from workbench.formats.robots.urdf import read_urdf
+from workbench.formats.robots.urdf_package import write_package
 from workbench.formats.robots.xacro_files import expanded, is_xacro
 from workbench.model.calibration import CalibrationRecord
 from workbench.model.cell import Fixture, PosesFolder
@@ -76,7 +77,11 @@ def test_what_is_seldom_changed_comes_back_too(tmp_path):
         pair_gap=0.004,
     )
     folder = PosesFolder(str(tmp_path / "poses"), "keyed_cylinder")
-    again = written(tmp_path, replace(cell, scanner=scanner, policy=policy, poses_folder=folder))
+    careful, *others = cell.arms
+    arms = (replace(careful, needs_roll=True), *others)
+    changed = replace(cell, scanner=scanner, policy=policy, poses_folder=folder, arms=arms)
+    again = written(tmp_path, changed)
+    assert [arm.needs_roll for arm in again.arms] == [True, False]
     assert digest_of(again.scanner) == digest_of(scanner)
     assert again.policy == policy
     assert digest_of(again.poses_folder) == digest_of(folder)
@@ -94,6 +99,24 @@ def test_solids_keep_their_names_and_flat_ones_stay_flat(tmp_path):
     assert again.fixtures[0].solids[0].name == "sheet_a"
     assert not again.fixtures[0].solids[0].shape.is_convex
     assert [one.name for one in again.arms[0].tool.body] == [one.name for one in arms[0].tool.body]
+
+
+def test_what_is_seen_and_what_is_checked_of_a_link_are_files_of_their_own(tmp_path):
+    cell = read_cell("yumi")
+    corners = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]) * 0.1
+    seen, checked = (
+        Mesh(corners * size, np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]))
+        for size in (1.0, 2.0)
+    )
+    link = replace(
+        cell.robot.links[0],
+        visual=(Solid("seen", seen, pin.SE3.Identity()),),
+        collision=(Solid("checked", checked, pin.SE3.Identity()),),
+    )
+    write_package(tmp_path / "robot.urdf", replace(cell.robot, links=(link,), joints=()))
+    again = read_urdf(tmp_path / "robot.urdf").link(link.name)
+    assert np.ptp(again.visual[0].shape.points) == pytest.approx(0.1)
+    assert np.ptp(again.collision[0].shape.points) == pytest.approx(0.2)
 
 
 def test_an_arm_may_stand_at_a_limit(tmp_path):

@@ -141,7 +141,8 @@ def test_links_can_go_without_their_geometry(folder: Path) -> None:
         ('parts = ["keyed_cylinder"]', f'parts = ["{"a" * 300}"]', ["parts", "aaa"]),
         (
             "[[arm]]",
-            '[[tool]]\nname = "smart_gripper"\n[tool.tcp]\n\n[[arm]]',
+            '[[tool]]\nname = "smart_gripper"\n[tool.tcp]\n[[tool.body]]\nname = "ball"\n'
+            'shape = "sphere"\nradius_mm = 10\n\n[[arm]]',
             ["tool.name", "'smart_gripper' is there 2 times"],
         ),
         (

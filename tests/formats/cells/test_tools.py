@@ -31,6 +31,14 @@ tools = ["smart_gripper", "cup"]
 """
 
 
+def test_a_tool_has_a_body_or_fingers(path):
+    text = path.read_text()
+    begin, end = text.index('[[tool.body]]\nname = "tube"'), text.index('[[arm]]\nname = "right"')
+    path.write_text(text[:begin] + text[end:])
+    with pytest.raises(FileError, match=r"body: is missing; \[\[tool.body\]\] or \[\[tool.finger"):
+        read_cell(path)
+
+
 @pytest.fixture
 def path(tmp_path):
     shutil.copytree(find("robots", "yumi"), tmp_path / "yumi")

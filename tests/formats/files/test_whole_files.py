@@ -1,10 +1,13 @@
+import errno
 import os
 import re
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor, wait
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
 
+from workbench.formats.files import whole_files
 from workbench.formats.files.whole_files import file_name, read_whole, write_whole
 from workbench.model.errors import FileError
 
@@ -84,3 +87,85 @@ def test_a_place_that_cannot_be_written_is_refused(tmp_path: Path, name: str) ->
     with pytest.raises(FileError):
         write_whole(tmp_path / name, b"x")
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_pipe_that_nobody_writes_to_is_told(tmp_path: Path, monkeypatch) -> None:
+    monkeypatch.setattr(whole_files, "SILENCE", 0.05)
+    os.mkfifo(tmp_path / "pipe")
+    with pytest.raises(FileError, match=r"through which nothing has come for 0\.05 s"):
+        read_whole(tmp_path / "pipe", 100)
+
+
+@pytest.mark.parametrize("length", [10, 100, 101, 300_000])
+def test_what_comes_through_a_pipe_in_pieces_is_read_to_its_end(tmp_path: Path, length) -> None:
+    os.mkfifo(tmp_path / "pipe")
+    content = os.urandom(length)
+
+    def write() -> None:
+        with suppress(BrokenPipeError), open(tmp_path / "pipe", "wb", buffering=0) as pipe:
+            for start in range(0, length, 70_000):
+                pipe.write(content[start : start + 70_000])
+
+    with ThreadPoolExecutor(1) as pool:
+        writing = pool.submit(write)
+        if length > 100:
+            with pytest.raises(FileError, match="is longer than"):
+                read_whole(tmp_path / "pipe", 100)
+        else:
+            assert read_whole(tmp_path / "pipe", 100) == content
+        writing.result()
+
+
+def test_a_file_and_its_name_are_on_the_disk_before_it_is_said(tmp_path: Path, monkeypatch) -> None:
+    done: list[str] = []
+    sync, replace = os.fsync, Path.replace
+
+    def noted(number: int) -> None:
+        done.append("folder" if os.path.isdir(f"/proc/self/fd/{number}") else "file")
+        sync(number)
+
+    def renamed(self: Path, target: Path) -> Path:
+        done.append("rename")
+        return replace(self, target)
+
+    monkeypatch.setattr(os, "fsync", noted)
+    monkeypatch.setattr(Path, "replace", renamed)
+    write_whole(tmp_path / "a", b"x")
+    assert done == ["file", "rename", "folder"]
+
+
+def test_a_folder_is_refused_and_keeps_no_descriptor(tmp_path: Path) -> None:
+    before = len(os.listdir("/proc/self/fd"))
+    for _ in range(20):
+        with pytest.raises(FileError, match="Is a directory"):
+            read_whole(tmp_path, 100)
+    assert len(os.listdir("/proc/self/fd")) < before + 20
+
+
+def test_what_is_typed_at_a_terminal_is_read_to_its_end() -> None:
+    keyboard, terminal = os.openpty()
+    try:
+        with ThreadPoolExecutor(1) as pool:
+            reading = pool.submit(read_whole, Path(os.ttyname(terminal)), 100)
+            # It begins before anything is typed.
+            assert not wait([reading], 0.2).done
+            os.write(keyboard, b"typed\n\x04")
+            assert reading.result() == b"typed\n"
+    finally:
+        os.close(keyboard)
+        os.close(terminal)
+
+
+def test_a_folder_that_cannot_be_synced_holds_the_file_all_the_same(
+    tmp_path: Path, monkeypatch
+) -> None:
+    sync = os.fsync
+
+    def only_files(number: int) -> None:
+        if os.path.isdir(f"/proc/self/fd/{number}"):
+            raise OSError(errno.EINVAL, "Invalid argument")
+        sync(number)
+
+    monkeypatch.setattr(os, "fsync", only_files)
+    write_whole(tmp_path / "a", b"x")
+    assert (tmp_path / "a").read_bytes() == b"x"

@@ -253,6 +253,49 @@ def test_a_broken_robot_says_what_is_wrong(tmp_path, old, new, expected):
         read_rob(path)
 
 
+def with_box(folder: Path, transform: str) -> Path:
+    """A robot whose first link has a box of 1 m from the origin on, moved by a transform."""
+    box = trimesh.creation.box((1, 1, 1))
+    box.apply_translation((0.5, 0.5, 0.5))
+    box.export(folder / "box.stl")
+    path = folder / "robot.rob"
+    path.write_text(
+        rob(0) + f'geometry "box.stl" {"".join(LINKS * [chr(34) * 2 + " "])[3:]}\n'
+        f"geomtransform 0 {transform} 0 0 0 1\n"
+    )
+    return path
+
+
+def test_a_mesh_that_is_mirrored_keeps_its_outside(tmp_path):
+    path = with_box(tmp_path, "-2 0 0 0 0 1 0 0.5 0 0 1 0")
+    mesh = read_rob(path).link("link 0").collision[0].shape
+    seen = trimesh.Trimesh(mesh.points, mesh.triangles)
+    np.testing.assert_allclose(seen.bounds, [[-2, 0.5, 0], [0, 1.5, 1]])
+    assert seen.volume == pytest.approx(2.0)
+
+
+@pytest.mark.parametrize(
+    "transform",
+    ["inf 0 0 0 0 1 0 0 0 0 1 0", "1 0 0 -inf 0 1 0 0 0 0 1 0", "1 0 0 0 0 1 0 0 0 0 0 0",
+     "1 0 0 1e300 0 1 0 0 0 0 1 0"],
+)  # fmt: skip
+def test_a_transform_that_puts_a_mesh_nowhere_is_refused(tmp_path, transform):
+    with pytest.raises(FileError, match=r"geomtransform: .* puts no mesh anywhere"):
+        read_rob(with_box(tmp_path, transform))
+
+
+@pytest.mark.parametrize("item", ["a", "d", "theta"])
+def test_a_table_with_a_number_that_is_not_finite_is_refused(tmp_path, item):
+    path = tmp_path / "robot.rob"
+    lines = [
+        f"{item} inf{' 0' * (LINKS - 1)}" if line.startswith(f"{item} ") else line
+        for line in rob(0, by_table=True).splitlines()
+    ]
+    path.write_text("\n".join(lines) + "\n")
+    with pytest.raises(FileError, match="alpha, theta, a, d: finite numbers are expected"):
+        read_rob(path)
+
+
 def test_an_axis_that_is_no_unit_vector_is_refused(tmp_path):
     """Klamp't would turn the joint by so much more;."""
     path = tmp_path / "robot.rob"

@@ -1,10 +1,14 @@
 import io
+import re
 
 import numpy as np
 import pytest
 import trimesh
+from trimesh.exchange.dae import export_collada
 
+from workbench.formats.meshes.reading import read_mesh
 from workbench.formats.meshes.triangles import stl_of, surface_of, triangles_of
+from workbench.model.errors import FileError
 from workbench.model.geometry import Box, Capsule, Cylinder, Mesh, Solid, Sphere, pose_from_rpy
 
 SIZE = np.array([0.2, 0.4, 0.6])
@@ -40,3 +44,18 @@ def test_an_stl_file_holds_the_same_surface():
     read = trimesh.load_mesh(io.BytesIO(stl_of(surface)), file_type="stl")
     assert len(read.faces) == len(surface.faces)
     np.testing.assert_allclose(read.bounds, surface.bounds, atol=1e-6)
+
+
+def test_a_dae_file_keeps_bodies_whose_material_is_missing(tmp_path):
+    box = trimesh.creation.box((0.1, 0.2, 0.3))
+    text = export_collada(box).decode()
+    broken = re.sub(r'(<instance_material [^>]*target=")[^"]*', r"\1#gone", text)
+    assert broken != text
+    for name, content in (("whole", text), ("broken", broken)):
+        (tmp_path / f"{name}.dae").write_text(content)
+        mesh = read_mesh(tmp_path / f"{name}.dae")
+        assert np.ptp(mesh.points, axis=0) == pytest.approx([0.1, 0.2, 0.3])
+        assert len(mesh.triangles) == 12
+    (tmp_path / "no.dae").write_text("<COLLADA")
+    with pytest.raises(FileError, match="cannot be read as a mesh"):
+        read_mesh(tmp_path / "no.dae")

@@ -87,6 +87,34 @@ def test_what_is_written_comes_back(library, tmp_path_factory):
     assert path.read_bytes() == before, "saving once more changes nothing"
 
 
+def test_tables_in_a_list_are_written_as_tables(tmp_path):
+    path = tmp_path / "grasps.toml"
+    line = (
+        '{{name = "{}", position_mm = [0, 0, 30], points_along = [0, 0, -1], '
+        "closes_along = [0, 1, 0], opening_mm = 40, grip_mm = 30}}"
+    )
+    path.write_text(
+        f"grasp = [{line.format('a')}, {line.format('b')}]\n"
+        'pair = [{first = "a", second = "b"}]\n'
+    )
+    library = read_grasps(path)
+    moved = replace(library.entries[0], grip=0.02)
+    for changed in (
+        replace(library, entries=(moved, library.entries[1])),
+        replace(library, entries=library.entries[:1], pairs=()),
+        replace(library, pairs=(GraspPair("b", "a"),)),
+    ):
+        save_grasps(path, changed)
+        again = read_grasps(path)
+        assert [(one.name, one.grip) for one in again.entries] == [
+            (one.name, one.grip) for one in changed.entries
+        ]
+        assert [(pair.first, pair.second) for pair in again.pairs] == [
+            (pair.first, pair.second) for pair in changed.pairs
+        ]
+    assert "[[grasp]]" in path.read_text()
+
+
 def test_comments_stay_and_only_what_differs_is_written(tmp_path):
     shipped = read_part("keyed_cylinder").library
     path = tmp_path / "grasps.toml"

@@ -52,6 +52,16 @@ def test_a_part_is_found_by_name_by_folder_and_by_file(folder: Path) -> None:
     assert read_part(str(folder / "part.toml")).digest == digest
 
 
+def test_grasps_are_counted_with_the_symmetry(folder: Path) -> None:
+    """Written out they would take minutes, and more memory than there is."""
+    changed(folder / "part.toml", "fold = 1\n", "fold = 60\n")
+    pattern = f"[grasp.pattern]\nangles_deg = [{', '.join(map(str, range(180)))}]\n"
+    (folder / "grasps.toml").write_text(TOP + pattern)
+    expected = "grasps.toml: stands for 10,800 grasps with the symmetry written out; 10,000 are all"
+    with pytest.raises(FileError, match=expected):
+        read_part(folder)
+
+
 def test_a_part_without_grasps_is_a_part(folder: Path) -> None:
     (folder / "grasps.toml").unlink()
     assert read_part(folder).library.grasps == ()

@@ -116,6 +116,32 @@ def test_our_poses_come_back_with_their_digests(
     assert digest_of(read_poses(tmp_path / "poses.json", "any")) == digest_of(detections)
 
 
+def test_how_sure_a_part_is_comes_back_too_and_is_left_out_where_nobody_knows(
+    tmp_path: Path,
+) -> None:
+    plain = Detection("peg", T)
+    sure = Detection(
+        "peg", T, covariance=np.diag([1e-8, 2e-8, 3e-8, 1e-6, 2e-6, 3e-6]), probability=0.9
+    )
+    write_poses(tmp_path / "poses.json", (plain, sure))
+    first, second = read_poses(tmp_path / "poses.json", "any")
+    assert digest_of((first, second)) == digest_of((plain, sure))
+    assert digest_of(first) != digest_of(second)
+    assert first.covariance is first.probability is first.deviations is None
+    assert second.deviations == pytest.approx((np.sqrt(3e-8), np.sqrt(3e-6)))
+    assert (tmp_path / "poses.json").read_text().count("covariance") == 1
+
+
+def test_the_axis_of_an_unknown_roll_comes_back(tmp_path: Path) -> None:
+    axis = np.array([[0.001, 0.0, 0.0], [0.0, 0.6, 0.8]])
+    rolled = (Detection("peg", T, roll_known=False, roll_axis=axis), Detection("peg", T))
+    write_poses(tmp_path / "poses.json", rolled)
+    first, second = read_poses(tmp_path / "poses.json", "any")
+    assert digest_of((first, second)) == digest_of(rolled)
+    assert first.roll_axis is not None and np.array_equal(first.roll_axis, axis)
+    assert second.roll_axis is None
+
+
 def test_part_and_pose_are_enough(tmp_path: Path) -> None:
     pose = {"part": "peg", "T_world_part": T.homogeneous[:3].tolist(), "gap": None}
     path = written(tmp_path, json.dumps({"format": POSES_FORMAT, "detections": [pose]}))
@@ -138,6 +164,14 @@ BAD_JSON = {
     ),
     "unknown key": (ours(scor=1), r"detections\[1\]\.scor: is not known.*did you mean 'score'"),
     "score": (ours(score="high"), r"detections\[1\]\.score: a number is expected, 'high'"),
+    "covariance of five": (ours(covariance=np.eye(6)[:5].tolist()), "covariance: is no covariance"),
+    "crooked covariance": (ours(covariance=np.triu(np.ones((6, 6))).tolist()), "is no covariance"),
+    "negative covariance": (ours(covariance=(-np.eye(6)).tolist()), "is no covariance"),
+    "huge covariance": (ours(covariance=[[1e308, -1e308] * 3] * 6), "covariance: reaches 1e\\+308"),
+    "empty covariance": (ours(covariance=[]), "covariance"),
+    "axis of one row": (ours(roll_axis=[[0, 0, 1]]), "roll_axis: is no axis"),
+    "long axis": (ours(roll_axis=[[0, 0, 0], [0, 0, 2]]), "roll_axis: is no axis"),
+    "probability": (ours(probability=1.5), r"detections\[1\]\.probability"),
     "NaN": (ours(score=float("nan")), "NaN is not a JSON number"),
     "shape": (ours(T_world_part=[[1, 0, 0, 0]]), r"needs a 3 x 4 or 4 x 4 matrix"),
     "short row": (ours(T_world_part=[[1, 0, 0]]), r"T_world_part\[1\]: 4 numbers are expected, 3"),

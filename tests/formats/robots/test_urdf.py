@@ -1,14 +1,17 @@
 """Robot descriptions, good and broken."""
 
+import re
 from pathlib import Path
 
 import numpy as np
 import pinocchio as pin
 import pytest
+import trimesh
 from hypothesis import HealthCheck, given, settings
 from mutations import mutated, only_file_errors
 
 from workbench.formats.files.shipped import find
+from workbench.formats.meshes.reading import MOST_NEIGHBOURS, most_neighbours
 from workbench.formats.meshes.triangles import stl_of, triangles_of
 from workbench.formats.robots.urdf import read_srdf, read_urdf
 from workbench.formats.robots.urdf_writer import depth_first, write_urdf
@@ -77,6 +80,21 @@ def test_a_continuous_joint_turns_two_times(tmp_path: Path) -> None:
     assert (joint.kind, joint.lower, joint.upper) == ("revolute", -2 * np.pi, 2 * np.pi)
 
 
+def test_a_wheel_without_a_limit_stands_still(tmp_path: Path) -> None:
+    text = re.sub(r'(<joint name="turn".*?)<limit [^>]*/>', r"\1", ARM, flags=re.DOTALL)
+    assert text != ARM
+    with pytest.raises(FileError, match="has no <limit> with lower, upper and velocity"):
+        read_urdf(written(tmp_path, text))
+    wheel = text.replace('type="revolute"', 'type="continuous"')
+    assert read_urdf(written(tmp_path, wheel)).joint("turn").kind == "fixed"
+
+
+def test_a_joint_that_mimics_another_is_none_of_its_own(tmp_path: Path) -> None:
+    text = ARM.replace('<axis xyz="0 0 2"/>', '<axis xyz="0 0 2"/><mimic joint="turn"/>')
+    robot = read_urdf(written(tmp_path, text))
+    assert [joint.kind for joint in robot.joints] == ["revolute", "fixed", "fixed"]
+
+
 def test_a_mesh_is_scaled_and_made_convex_when_asked(tmp_path: Path) -> None:
     (tmp_path / "ball.stl").write_bytes(stl_of(triangles_of(Sphere(100.0))))
     path = with_mesh(tmp_path, 'filename="ball.stl" scale="0.001 0.001 0.001"')
@@ -91,6 +109,31 @@ def test_a_mesh_is_scaled_and_made_convex_when_asked(tmp_path: Path) -> None:
     assert not getattr(kept.link("base").collision[0].shape, "is_convex", True)
 
 
+@pytest.mark.parametrize("scale", [(1, -1, 1), (-1, -1, -1), (1, -1, -1), (-0.5, 2, 0.001)])
+def test_a_mirrored_mesh_has_its_outside_outside(tmp_path: Path, scale) -> None:
+    # Longer to one side of each axis, so that a mirrored one is another.
+    points = np.array([[0, 0, 0], [1, 0, 0], [0, 2, 0], [0, 0, 3]], float) * 0.1
+    solid = trimesh.Trimesh(points, [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]], process=False)
+    assert solid.volume > 0
+    (tmp_path / "tip.stl").write_bytes(stl_of(solid))
+    solid.export(tmp_path / "tip.convex.obj")
+    written_so = " ".join(map(str, scale))
+    for file in ("tip.stl", "tip.convex.obj"):
+        robot = read_urdf(with_mesh(tmp_path, f'filename="{file}" scale="{written_so}"'))
+        mesh = robot.link("base").visual[0].shape
+        assert isinstance(mesh, Mesh)
+        seen = trimesh.Trimesh(mesh.points, mesh.triangles)
+        assert seen.volume == pytest.approx(solid.volume * abs(np.prod(scale)), rel=1e-4)
+        ends = np.array(scale) * [0.1, 0.2, 0.3]
+        assert seen.bounds == pytest.approx(np.sort([[0, 0, 0], ends], axis=0), abs=1e-6)
+
+
+def test_a_mesh_without_a_height_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "ball.stl").write_bytes(stl_of(triangles_of(Sphere(0.1))))
+    with pytest.raises(FileError, match=r"scale=1 0 1: would make it flat"):
+        read_urdf(with_mesh(tmp_path, 'filename="ball.stl" scale="1 0 1"'))
+
+
 def test_a_package_is_a_folder_here_or_above(tmp_path: Path) -> None:
     inner = tmp_path / "my_robot" / "urdf"
     inner.mkdir(parents=True)
@@ -99,6 +142,15 @@ def test_a_package_is_a_folder_here_or_above(tmp_path: Path) -> None:
     (meshes / "ball.stl").write_bytes(stl_of(triangles_of(Sphere(0.1))))
     path = with_mesh(inner, 'filename="package://my_robot/meshes/ball.stl"')
     assert isinstance(read_urdf(path).link("base").visual[0].shape, Mesh)
+
+
+def test_a_hull_with_a_corner_of_many_edges_can_be_checked(tmp_path: Path) -> None:
+    trimesh.creation.cone(0.1, 0.2, sections=300).export(tmp_path / "cone.stl")
+    path = with_mesh(tmp_path, 'filename="cone.stl"')
+    path.write_text(path.read_text(encoding="utf-8").replace("visual", "collision"))
+    hull = read_urdf(path, collision="hull").link("base").collision[0].shape
+    assert isinstance(hull, Mesh)
+    assert most_neighbours(hull) <= MOST_NEIGHBOURS
 
 
 def test_a_piece_that_is_not_convex_is_refused(tmp_path: Path) -> None:

@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
+import pinocchio as pin
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -83,6 +84,21 @@ def test_what_is_shown_typed_again_is_the_same(position, rpy):
     again = typed_pose(*shown_pose(T))
     assert np.allclose(T.homogeneous, again.homogeneous, atol=1e-9)
     assert np.allclose(T.translation * 1000, position, atol=0.0051)
+
+
+@pytest.mark.parametrize("pitch", [90.0, -90.0, 89.9999, -89.9999])
+@given(roll=st.floats(-180, 180), yaw=st.floats(-180, 180))
+def test_where_roll_and_yaw_are_one_all_is_told_as_yaw(pitch, roll, yaw):
+    T = typed_pose((0, 0, 0), (roll, pitch, yaw))
+    _, (shown_roll, shown_pitch, shown_yaw) = shown_pose(T)
+    assert shown_roll == 0.0 and abs(shown_pitch) == 90.0 and -180.0 < shown_yaw <= 180.0
+    again = typed_pose((0, 0, 0), (shown_roll, shown_pitch, shown_yaw))
+    assert np.linalg.norm(pin.log3(T.actInv(again).rotation)) < 4e-5
+
+
+def test_near_there_a_pose_is_not_bent_to_read_well():
+    T = typed_pose((0, 0, 0), (20.0, 89.9, 30.0))
+    assert shown_pose(T)[1] == (20.0, 89.9, 30.0)
 
 
 def test_homes_and_places_are_taught():

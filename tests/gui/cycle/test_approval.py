@@ -47,11 +47,17 @@ class QuickHand:
     def add_html(self, html):
         pass
 
-    def add_text(self, label, value):
+    def add_text(self, label, value, hint=None):
         self.field = Widget(value=value)
         if not self.is_held:
             self.type()
         return self.field
+
+    def add_dropdown(self, label, options, initial_value, **said):
+        return Widget(value=initial_value, options=options, **said)
+
+    def add_checkbox(self, label, value, **said):
+        return Widget(value=value, **said)
 
     def add_button(self, label, **said):
         button = Widget(label=label, disabled=said.get("disabled", False))

@@ -3,11 +3,13 @@
 import threading
 from dataclasses import replace
 
-from waiting import PATIENCE
+from waiting import PATIENCE, wait_until
 
 import workbench.gui.drawing.fixes
-from workbench.gui.drawing.fixes import LOOKING, NOTHING, Fixes
+from workbench.gui.drawing.fixes import LOOKING, Fixes
+from workbench.gui.shared.look import NO_HELP
 from workbench.model.candidate import Reason, Stage, Verdict
+from workbench.planning.picking.nearest_fix import fix_words, nearest_fix
 
 
 def test_candidates_of_a_plan_before_are_not_tried_any_more(states, monkeypatch):
@@ -29,6 +31,20 @@ def test_candidates_of_a_plan_before_are_not_tried_any_more(states, monkeypatch)
     go_on.set()
     while fixes.of(new, 0) == LOOKING:
         assert found.acquire(timeout=PATIENCE)
-    assert fixes.of(new, 0) == NOTHING
+    assert fixes.of(new, 0).words == fix_words(None)
     assert tried == [0.0, 9.0]
+    fixes.close()
+
+
+def test_where_nothing_can_be_taken_the_best_help_of_all_is_named(states):
+    """In the words of the command `explain`; with a plan nothing has to help."""
+    fixes = Fixes(lambda: None)
+    refused = [c for c in states.planned.candidates if c.verdict.pair is not None]
+    assert fixes.without_plan(states.planned) is NO_HELP
+    state = replace(states.localized, candidates=tuple(refused))
+    wait_until(lambda: fixes.without_plan(state) not in (NO_HELP, LOOKING), "what helps")
+    fix = nearest_fix(state.cell, state.detections, state.candidates, seed=0)
+    told = fixes.without_plan(state)
+    assert told.words == fix_words(fix)
+    assert (told.fix is None) == (fix is None)
     fixes.close()

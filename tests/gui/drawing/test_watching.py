@@ -71,7 +71,7 @@ class Hands:
     def link(self):
         """Where the robot's last link is in this browser alone, None: where all see it."""
         arm = self.renderer._bench.state.cell.arms[0]
-        node = self.visitor.client.scene.get_handle_by_name(f"/robot/{arm.flange}")
+        node = self.visitor.client.scene.get_handle_by_name(f"/planned/{arm.flange}")
         return None if node is None else np.array(node.position)
 
 
@@ -90,9 +90,9 @@ def sit_down(page):
         yield sit
 
 
-def shared_link(page):
+def shared_link(page, root="/planned"):
     cell = page._renderer._bench.state.cell
-    node = page._renderer._server.scene.get_handle_by_name(f"/robot/{cell.arms[0].flange}")
+    node = page._renderer._server.scene.get_handle_by_name(f"{root}/{cell.arms[0].flange}")
     return np.array(node.position)
 
 
@@ -233,7 +233,9 @@ def test_while_a_plan_is_sent_the_robot_is_drawn_as_it_stands(page, planned, sit
     bench._effects.live = replace(Live(), joints=there)
     page._renderer._woken.set()
     expected = Kinematics(cell).link_poses(there)[cell.arms[0].flange].translation
-    wait_until(lambda: np.linalg.norm(shared_link(page) - expected) < 0.02, "the robot as it is")
+    wait_until(
+        lambda: np.linalg.norm(shared_link(page, "/robot") - expected) < 0.02, "the robot as it is"
+    )
 
 
 def test_points_that_one_measures_between_are_in_that_browser_alone(page, sit_down):

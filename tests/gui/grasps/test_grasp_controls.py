@@ -4,6 +4,7 @@ import logging
 from dataclasses import replace
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
 import workbench.gui.grasps.coverage
@@ -14,16 +15,19 @@ from workbench.app.runtime.bench import Bench
 from workbench.formats.files.shipped import find
 from workbench.formats.parts.reading import read_part
 from workbench.formats.parts.saves import versions, write_draft
-from workbench.gui.grasps.coverage import CoverageControls
+from workbench.gui.grasps.coverage import CoverageControls, axis_words
 from workbench.gui.grasps.editing import Editing
 from workbench.gui.grasps.fields import GraspFields
 from workbench.gui.grasps.ideas import Suggestions
 from workbench.gui.grasps.library import NOW as AS_IT_IS
 from workbench.gui.grasps.library import LibraryControls
 from workbench.gui.grasps.panel import GraspsPanel
+from workbench.gui.grasps.views import check_line
 from workbench.model.errors import InputError
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.part import Grasp, GraspLibrary
+from workbench.model.part_edits import grasp_of
+from workbench.planning.grasps.grasp_check import GraspCheck, GraspFinding
 
 PART = "keyed_cylinder"
 
@@ -56,7 +60,7 @@ HAND = Grasp("side", pose_from_rpy((0, 0, 0.02)), 0.04, 0.03)
 def test_tools_and_arms_of_other_cells_are_left_alone(bench, visitor, grasp):
     with_grasps(bench, grasp)
     fields = GraspFields(visitor, Editing(visitor))
-    fields.show(grasp, is_enabled=True)
+    fields.show(grasp, problem="")
     assert not fields._is_typed()
     fields._priority.value = 5
     fields._take()
@@ -67,7 +71,7 @@ def test_tools_and_arms_of_other_cells_are_left_alone(bench, visitor, grasp):
 def test_boxes_say_which_arms_of_this_cell_may_use_a_grasp(bench, visitor):
     with_grasps(bench, HAND)
     fields = GraspFields(visitor, Editing(visitor))
-    fields.show(HAND, is_enabled=True)
+    fields.show(HAND, problem="")
     fields._arms["left"].value = False
     fields._take()
     assert grasp_now(bench).arms == ("right",)
@@ -123,7 +127,7 @@ def test_coverage_of_a_cell_that_was_changed_meanwhile_is_not_shown(bench, visit
     monkeypatch.setattr(workbench.gui.grasps.coverage, "coverage", slow)
     monkeypatch.setattr(workbench.gui.grasps.coverage, "coverage_words", lambda found: ["90 %"])
     controls._work()
-    controls.show(editing.part, is_enabled=True)
+    controls.show(editing.part, problem="")
     assert "Not looked at since" in controls._line.content
 
 
@@ -170,11 +174,11 @@ def test_versions_that_cannot_be_read_are_told_and_those_of_another_part_are_gon
     line = '{"version": 1, "at": "2026-01-01T00:00:00Z", "by": "Ada", "remark": "first"}\n'
     (tmp_path / "changes.log").write_text(line)
     assert len(versions(tmp_path)) == 1
-    library.show(saved, part, is_enabled=True)
+    library.show(saved, part, problem="")
     assert library._version.options == (AS_IT_IS, "1: first")
 
     (tmp_path / "versions" / "0001.toml").write_text("not [ a file")
-    library.show(replace(saved, saved="other"), part, is_enabled=True)
+    library.show(replace(saved, saved="other"), part, problem="")
     assert "0001.toml" in library._changes.content
     library._version.value = "1: first"
     library._gone_back()
@@ -184,6 +188,68 @@ def test_versions_that_cannot_be_read_are_told_and_those_of_another_part_are_gon
         raise InputError("changes.log cannot be read")
 
     monkeypatch.setattr("workbench.gui.grasps.library.versions", unreadable)
-    library.show(saved, part, is_enabled=True)
+    library.show(saved, part, problem="")
     assert "changes.log cannot be read" in library._draft.content
     assert library._version.options == (AS_IT_IS,)
+
+
+@pytest.mark.parametrize(
+    ("direction", "words"),
+    [
+        ((0.0, 0.0, 1.0), "+z"),
+        ((0.0, -1.0, 0.0), "-y"),
+        ((0.07, -0.17, 0.98), "+z (to within 11 degrees)"),
+    ],
+)
+def test_a_direction_of_a_part_is_said_by_its_nearest_axis(direction, words):
+    assert axis_words(np.array(direction)) == words
+
+
+def test_measure_fills_in_and_applies_nothing(bench, visitor):
+    side = grasp_of(bench.state.cell.part(PART).library.entries[0])
+    tight = replace(side, opening=0.049, grip=0.001)
+    with_grasps(bench, tight)
+    fields = GraspFields(visitor, Editing(visitor))
+    fields.show(tight, problem="")
+    fields._priority.value = 5
+    fields._fit()
+    assert visitor.client.told == []
+    assert grasp_now(bench) is tight and fields._is_typed()
+    assert fields._grip.value > 1.0 and fields._priority.value == 5
+    fields._take()
+    assert grasp_now(bench).priority == 5 and grasp_now(bench).grip > tight.grip
+
+
+def test_every_grasp_is_tried_with_the_tool_that_it_is_for(bench, visitor):
+    cell = bench.state.cell
+    arm = cell.arms[0]
+    wide = replace(arm.tool, name="wide", stroke=(0.0, 0.1))
+    two = replace(cell, arms=(replace(arm, tools=(arm.tool, wide)), *cell.arms[1:]))
+    bench.do(ChangeCell(two, "another tool"), "Ada", Role.ENGINEER)
+    for_wide = replace(HAND, name="wide one", tool="wide", opening=0.09)
+    with_grasps(bench, HAND, for_wide)
+    panel = GraspsPanel(visitor)
+    editing = panel._editing
+    assert editing.entry is not None and editing.entry.name == HAND.name
+    assert editing.checked(HAND).tool == arm.tool.name
+    assert editing.checked(for_wide).tool == "wide"
+    assert not any("opens" in finding.text for finding in editing.checked(for_wide).findings)
+    check = GraspCheck("side", "wide", (GraspFinding("cut", "the jaws touch", 0.001),), None, 0.0)
+    assert "with the wide: the jaws touch" in check_line("side", check)
+
+
+def test_a_remark_goes_once_it_is_saved(bench, visitor):
+    editing = Editing(visitor)
+    library = LibraryControls(visitor, editing)
+    with_grasps(bench, HAND)
+    changed = bench.state
+    library._remark.value = "deeper"
+    library._saved()
+    library.show(changed, editing.part, problem="")
+    assert library._remark.value == "deeper", "it is not in the files yet"
+    saved = replace(changed, saved=changed.cell.digest)
+    library.show(saved, editing.part, problem="")
+    assert library._remark.value == ""
+    library._remark.value = "another one"
+    library.show(saved, editing.part, problem="")
+    assert library._remark.value == "another one"

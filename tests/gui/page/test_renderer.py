@@ -10,11 +10,15 @@ from raw_browser import raw_browser
 from waiting import wait_until
 
 import workbench.gui.page.server
-from workbench.app.core.commands import ChangeCell
+from workbench.app.core.commands import ChangeCell, TakeControl
 from workbench.gui.cell.panel import CellPanel
 from workbench.gui.grasps.panel import GraspsPanel
+from workbench.gui.page.renderer import _needs_other_controls
 from workbench.gui.page.server import serve
+from workbench.gui.shared.colours import NIGHT_GRID, rgb_of
+from workbench.gui.shared.look import Held
 from workbench.gui.shared.viser_server import open_viser
+from workbench.model.geometry import pose_from_rpy
 
 
 @pytest.fixture
@@ -75,6 +79,22 @@ def test_controls_made_anew_take_their_gizmos_and_the_stage_along(page, bench):
     wait_until(lambda: not renderer._visitors, "the end of the browser")
 
 
+def test_a_pose_of_a_calibration_that_is_gone_is_no_longer_chosen(page):
+    renderer = page._renderer
+
+    def choose_and_lose() -> None:
+        wait_until(lambda: renderer._panels, "the controls")
+        ((_, visitor),) = renderer._visitors.items()
+        visitor.own.change(sighting=0)
+        wait_until(lambda: visitor.own.now.sighting is None, "the end of the choice")
+
+    async def sit_there() -> None:
+        async with raw_browser(int(page.url.rpartition(":")[2])):
+            await asyncio.to_thread(choose_and_lose)
+
+    asyncio.run(sit_there())
+
+
 def test_a_page_that_cannot_begin_leaves_its_port_free(bench, monkeypatch):
     ports = []
 
@@ -87,3 +107,69 @@ def test_a_page_that_cannot_begin_leaves_its_port_free(bench, monkeypatch):
         serve(bench, port=0)
     server = open_viser("127.0.0.1", ports[0])
     server.stop()
+
+
+def test_other_tools_and_axes_need_other_controls_and_a_tool_that_is_mounted_does_not(cell):
+    arm = cell.arms[0]
+
+    def with_arm(**fields):
+        return replace(cell, arms=(replace(arm, **fields), *cell.arms[1:]))
+
+    spare = replace(arm.tool, name="spare")
+    two = with_arm(tools=(arm.tool, spare))
+    assert _needs_other_controls(cell, two)
+    assert not _needs_other_controls(two, with_arm(tools=(arm.tool, spare), tool=spare))
+    assert _needs_other_controls(cell, with_arm(axis_order=arm.axis_order[::-1]))
+    assert _needs_other_controls(cell, with_arm(axis_signs=tuple(-s for s in arm.axis_signs)))
+
+
+def test_what_somebody_drags_is_let_go_when_control_is_taken_from_them(page, bench):
+    renderer = page._renderer
+
+    def drag_and_lose_control() -> None:
+        wait_until(lambda: renderer._panels, "the controls")
+        ((number, visitor),) = renderer._visitors.items()
+        held = Held(visitor.person.name, number, bench.state.cell.bin.T_world_bin)
+        visitor.look.change(held=held)
+        assert renderer._look.now.held is held
+        bench.do(TakeControl(), "Ada")
+        wait_until(lambda: renderer._look.now.held is None, "the end of the drag")
+
+    async def sit_there() -> None:
+        async with raw_browser(int(page.url.rpartition(":")[2])):
+            await asyncio.to_thread(drag_and_lose_control)
+
+    asyncio.run(sit_there())
+
+
+def test_a_dark_page_keeps_its_floor_when_the_cell_changes(page, bench):
+    renderer = page._renderer
+
+    def darken_and_change() -> None:
+        wait_until(lambda: renderer._panels, "the controls")
+        ((number, visitor),) = renderer._visitors.items()
+        panels = renderer._panels[number]
+        panels[0]._turn()
+        floor = visitor.client.scene.get_handle_by_name("/floor")
+        cell, aside = bench.state.cell, pose_from_rpy((0.1, 0.0, 0.0))
+        T = aside * cell.bin.T_world_bin
+        moved = replace(cell, bin=replace(cell.bin, T_world_bin=T))
+        bench.do(ChangeCell(moved, "the bin is moved"), "Ada")
+
+        def is_laid_anew() -> bool:
+            now = visitor.client.scene.get_handle_by_name("/floor")
+            return now is not None and now is not floor
+
+        wait_until(is_laid_anew, "the floor of this browser")
+        floor = visitor.client.scene.get_handle_by_name("/floor")
+        assert floor.cell_color == rgb_of(NIGHT_GRID[0])
+        policy = replace(moved.policy, threshold=moved.policy.threshold + 0.01)
+        bench.do(ChangeCell(replace(moved, policy=policy), "another threshold"), "Ada")
+        wait_until(is_laid_anew, "the floor with other controls")
+        assert renderer._visitors[number].is_dark
+
+    async def sit_there() -> None:
+        async with raw_browser(int(page.url.rpartition(":")[2])):
+            await asyncio.to_thread(darken_and_change)
+
+    asyncio.run(sit_there())

@@ -7,13 +7,14 @@ import numpy as np
 import pytest
 
 import workbench.gui.cell.panel
+import workbench.gui.drawing.reach
 from workbench.formats.cells.reading import read_cell
 from workbench.gui.cell.panel import CellPanel
-from workbench.gui.cell.views import measured_line
-from workbench.gui.drawing.reach import NOTHING, Reaches
+from workbench.gui.cell.views import measured_line, reach_line
+from workbench.gui.drawing.reach import Reaches
 from workbench.gui.scene.marks import measured_text
 from workbench.gui.scene.measure import met
-from workbench.gui.shared.look import Look
+from workbench.gui.shared.look import NO_REACH, Look
 from workbench.gui.shared.playback import moments
 from workbench.planning.kinematics.chain import chain_of
 from workbench.planning.kinematics.reach_map import reach_map
@@ -54,7 +55,7 @@ def test_the_robot_is_met_where_it_is_jogged_to():
 def test_the_robot_is_measured_to_as_it_is_drawn(visitor, states, view_of, result, monkeypatch):
     asked = []
     monkeypatch.setattr(
-        workbench.gui.cell.panel,
+        workbench.gui.scene.measure,
         "met",
         lambda origin, direction, cell, q, points: asked.append(q) or origin,
     )
@@ -109,9 +110,30 @@ def test_the_arm_on_the_other_side_reaches_the_other_side(reached):
 def test_a_reach_is_found_once_and_remembered():
     found = threading.Event()
     reaches = Reaches(found.set)
-    assert reaches.of(CELL, "") is NOTHING
-    assert reaches.of(CELL, "right") is NOTHING
+    assert reaches.of(CELL, "") is NO_REACH
+    assert reaches.of(CELL, "right") is NO_REACH
     assert found.wait(60)
     first = reaches.of(CELL, "right")
     assert len(first[0]) > 500 and reaches.of(CELL, "right") is first
     reaches.close()
+
+
+def test_a_reach_that_cannot_be_found_is_told_and_not_awaited_for_ever(monkeypatch, caplog):
+    def broken(cell, arm, *, cancelled):
+        raise ValueError("no limits")
+
+    monkeypatch.setattr(workbench.gui.drawing.reach, "reach_map", broken)
+    found = threading.Event()
+    reaches = Reaches(found.set)
+    reaches.of(CELL, "right")
+    assert found.wait(60)
+    told = reach_line("right", reaches.of(CELL, "right"))
+    assert "could not be worked out" in told and "could not be found" in caplog.text
+    reaches.close()
+
+
+def test_a_reach_says_that_it_is_worked_out_and_what_its_colours_mean(reached):
+    assert reach_line("", NO_REACH) == ""
+    assert "Working out where the right arm reaches" in reach_line("right", NO_REACH)
+    assert "Green: " in reach_line("right", reached)
+    assert "reaches nowhere" in reach_line("right", (np.zeros((0, 3)), np.zeros(0)))

@@ -8,9 +8,11 @@ import pytest
 from raw_browser import raw_browser
 
 from workbench.app.runtime.live import Live
+from workbench.formats.meshes.triangles import triangles_of
+from workbench.gui.scene.cloud import GRID
 from workbench.gui.scene.picture import Scene, is_other_robot
 from workbench.gui.shared.look import Look, Pose
-from workbench.gui.shared.playback import part_poses
+from workbench.gui.shared.playback import joint_values, part_poses
 from workbench.gui.shared.viser_server import close_viser, open_viser
 from workbench.model.geometry import Box, pose_from_rpy
 from workbench.model.scan import Discarded, LocalizationResult, Objection
@@ -49,7 +51,7 @@ def test_the_cell_stands_there_before_anything_has_happened(server, scene, cell,
     ):
         assert node(server, name) is not None, name
     assert node(server, "/scan") is None
-    assert not node(server, "/robot_now").visible
+    assert not node(server, "/planned").visible
 
 
 def test_no_browser_has_to_draw_shadows_not_even_at_first(server, scene):
@@ -86,9 +88,9 @@ def test_scrubbing_moves_arms_and_parts_without_making_them_anew(
 ):
     start = view_of(states.planned)
     scene.draw(None, start)
-    part, arm = node(server, "/parts/part-1"), node(server, "/robot/right_link_3")
+    part, arm = node(server, "/parts/part-1"), node(server, "/planned/right_link_3")
     before = pose_of(part), pose_of(arm)
-    end = view_of(states.planned, Look(time=result.plan.cycle_seconds))
+    end = view_of(states.planned, Look(time=result.plan.cycle_seconds, follows=False))
     scene.draw(start, end)
     assert node(server, "/parts/part-1") is part
     T = part_poses(cell, Kinematics(cell), result.plan, end.runs, end.look.time)[0]
@@ -109,30 +111,76 @@ def test_fingers_open_for_the_reach_and_close_on_the_part(
 
     def gap(look: Look) -> float:
         scene.draw(None, view_of(states.planned, look))
-        tool = f"/robot/{arm.flange}/{arm.tool.name}"
+        tool = f"/planned/{arm.flange}/{arm.tool.name}"
         a, b = (node(server, f"{tool}/{finger.solid.name}") for finger in arm.tool.fingers)
         return float(np.linalg.norm(np.array(a.position) - b.position))
 
-    assert gap(Look(time=0.1)) == pytest.approx(arm_plan.legs[0].opening)
-    assert gap(Look(time=holding.start + 0.01)) == pytest.approx(holding.leg.opening)
+    assert gap(Look(time=0.5, follows=False)) == pytest.approx(arm_plan.legs[0].opening)
+    assert gap(Look(time=holding.start + 0.01, follows=False)) == pytest.approx(holding.leg.opening)
 
 
-def test_the_robot_that_the_controller_reports_is_a_second_one(
+def reported(cell, off=0.0):
+    """A controller that reports all joints, so far [rad] from home."""
+    return Live(
+        joints={j: q + off for arm in cell.arms for j, q in zip(arm.joints, arm.home, strict=True)}
+    )
+
+
+def placed(server, name):
+    return np.array(node(server, name).position)
+
+
+@pytest.mark.parametrize("phase", ["planned", "sending", "fault", "done"])
+@pytest.mark.parametrize("follows", [False, True])
+def test_the_solid_robot_is_the_real_one_and_the_see_through_one_is_planned(
+    server, scene, cell, states, view_of, phase, follows
+):
+    live = reported(cell, 0.1)
+    view = view_of(getattr(states, phase), Look(time=3.0, follows=follows), live)
+    scene.draw(None, view)
+    real = Kinematics(cell).link_poses(live.joints)["right_link_6"].translation
+    planned = Kinematics(cell).link_poses(joint_values(cell, view.moments))["right_link_6"]
+    np.testing.assert_allclose(placed(server, "/robot/right_link_6"), real)
+    np.testing.assert_allclose(placed(server, "/planned/right_link_6"), planned.translation)
+    assert node(server, "/robot").visible and node(server, "/planned").visible
+    assert node(server, "/robot/right_link_6").visible
+
+
+def test_a_planned_robot_that_stands_where_the_real_one_does_is_not_drawn_over_it(
     server, scene, cell, states, view_of
 ):
-    right = cell.arm("right")
-    joints = {joint: 0.1 for joint in right.joints}
-    quiet = view_of(states.sending)
-    heard = replace(quiet, live=Live(joints=joints))
-    scene.draw(None, quiet)
-    scene.draw(quiet, heard)
-    assert node(server, "/robot_now").visible
-    expected = Kinematics(cell).link_poses(joints)["right_link_6"]
-    np.testing.assert_allclose(
-        node(server, "/robot_now/right_link_6").position, expected.translation
+    scene.draw(None, view_of(states.planned, Look(), reported(cell)))
+    assert not node(server, "/planned").visible
+
+
+def test_where_nothing_is_reported_a_preview_is_not_drawn_beside_a_robot_at_home(
+    server, scene, states, view_of
+):
+    still, previewed = (
+        view_of(states.planned, Look(time=time, follows=False)) for time in (0.0, 3.0)
     )
-    scene.draw(heard, quiet)
-    assert not node(server, "/robot_now").visible
+    scene.draw(None, still)
+    arm = node(server, "/robot/right_link_6")
+    assert arm.visible and not node(server, "/planned").visible
+    scene.draw(still, previewed)
+    assert node(server, "/planned").visible and not arm.visible
+    scene.draw(previewed, still)
+    assert arm.visible and not node(server, "/planned").visible
+
+
+def test_the_points_of_a_part_go_where_the_part_goes(server, scene, cell, states, view_of, scan):
+    """What was scanned of a part does not stay in the bin like its shadow."""
+    found = states.localized.detections
+    surface = np.asarray(triangles_of(cell.part(found[0].part).mesh).vertices)[::20]
+    poses = [one.T_world_part for one in found]
+    world = np.concatenate([surface @ T.rotation.T + T.translation for T in poses])
+    T = cell.scanner.T_world_scanner.inverse()
+    seen = replace(scan, points=world @ T.rotation.T + T.translation)
+    scene.draw(None, view_of(replace(states.localized, scan=seen)))
+    for number in (1, 2):
+        own = node(server, f"/parts/part-{number}/points")
+        np.testing.assert_allclose(own.points + np.array(own.position), surface, atol=GRID)
+    assert len(node(server, "/scan").points) == 0
 
 
 def test_discarded_poses_are_drawn_when_asked_for_and_of_this_search_only(

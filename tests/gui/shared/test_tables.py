@@ -1,11 +1,20 @@
 """Which candidates the table shows, and in which order."""
 
+import re
 from collections import Counter
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from workbench.gui.shared.colours import (
+    BUSY,
+    GOOD,
+    KINDS,
+    MARGIN_NOT_KEPT,
+    kind_of,
+    verdict_colour,
+)
 from workbench.gui.shared.tables import (
     COLUMNS,
     PAGE,
@@ -17,7 +26,9 @@ from workbench.gui.shared.tables import (
     ordered,
     pages,
     sort_key,
+    stages_html,
 )
+from workbench.gui.shared.views import verdict_words
 from workbench.model.candidate import Candidate, Reason, Stage, Verdict
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.part import Grasp
@@ -44,7 +55,7 @@ candidates_drawn = st.lists(
 )
 orders = st.builds(
     Order,
-    only=st.none() | st.sampled_from(Reason),
+    only=st.none() | st.sampled_from(KINDS),
     column=st.sampled_from(list(COLUMNS)),
     is_descending=st.booleans(),
 )
@@ -57,7 +68,7 @@ def test_all_pages_together_show_each_wanted_candidate_once(candidates, order):
     wanted = [
         number
         for number, candidate in enumerate(candidates)
-        if order.only is None or candidate.verdict.reason is order.only
+        if order.only is None or kind_of(candidate.verdict) == order.only
     ]
     assert sorted(shown) == wanted
 
@@ -70,10 +81,23 @@ def test_rows_are_sorted_by_the_chosen_column(candidates, order):
 
 @given(candidates_drawn)
 def test_the_counts_of_the_funnel_are_those_of_the_verdicts(candidates):
-    html = funnel_html(candidates, None, dict.fromkeys([None, *Reason], "id"))
+    html = funnel_html(candidates, None, dict.fromkeys([None, *KINDS], "id"))
     assert f"all <b>{len(candidates)}</b>" in html
-    for reason, count in Counter(candidate.verdict.reason for candidate in candidates).items():
-        assert f"{reason} <b>{count}</b>" in html
+    for kind, count in Counter(kind_of(candidate.verdict) for candidate in candidates).items():
+        assert f"{kind} <b>{count}</b>" in html
+
+
+@pytest.mark.parametrize("reason", [Reason.IN_COLLISION, Reason.TOOL_COLLISION])
+def test_a_margin_that_is_not_kept_is_no_collision(reason):
+    """It was told as one in red, with a distance that says that nothing touches."""
+    apart, deep = (
+        Verdict(reason, Stage.GRASP, ("hand", "wall"), distance) for distance in (0.0014, -0.0014)
+    )
+    assert kind_of(apart) == MARGIN_NOT_KEPT and kind_of(deep) == str(reason)
+    assert verdict_words(apart) == "margin not kept: hand and wall, 1.4 mm apart"
+    assert verdict_words(deep) == f"{reason}: hand and wall, 1.4 mm into each other"
+    assert verdict_colour(kind_of(apart)) == BUSY
+    assert verdict_colour(kind_of(deep)) not in (BUSY, GOOD)
 
 
 def test_by_default_what_works_stands_first(result):
@@ -108,3 +132,23 @@ def test_each_row_presses_its_own_button(result):
 def test_the_chosen_row_is_marked_without_writing_the_table_anew():
     assert "nth-child(3)" in chosen_html(2)
     assert "nth-child" not in chosen_html(None)
+
+
+@given(candidates_drawn, st.sampled_from(["", "part-1", "LEFT b", "grasp right", "nothing-of-it"]))
+def test_typed_words_keep_the_rows_that_have_all_of_them(candidates, words):
+    shown = [candidates[number] for number in ordered(candidates, Order(words=words))]
+    for one in candidates:
+        text = f"part-{one.detection + 1} {one.grasp.name} {one.arm} {kind_of(one.verdict)}"
+        text = f"{text} {one.verdict.stage}".casefold()
+        assert (one in shown) == all(word in text for word in words.casefold().split())
+
+
+@given(candidates_drawn)
+def test_the_stages_count_down_to_what_is_left(candidates):
+    html = stages_html(candidates)
+    ok = sum(one.verdict.is_ok for one in candidates)
+    assert html.endswith(f"left <b>{ok}</b></div>")
+    first = re.search(r"<b>(\d+)</b>", html)[1]
+    assert int(first) == (len(candidates) if ok < len(candidates) else ok)
+    refused = sum(int(count) for count in re.findall(r"\u2212(\d+)", html))
+    assert refused == len(candidates) - ok

@@ -7,21 +7,24 @@ from html.parser import HTMLParser
 import numpy as np
 import pytest
 
-from workbench.app.core.state import Avoided, Outcome, Phase
+from workbench.app.core.state import Avoided, Outcome, Outline, Phase
 from workbench.app.runtime.live import Live
 from workbench.app.runtime.worker import GettingReady
 from workbench.gui.cycle.approval_views import approval_line, facts_html
 from workbench.gui.parts.views import avoided_html, discarded_html
+from workbench.gui.plan.curves import lanes_html, now_html
+from workbench.gui.plan.views import outlines_html, plan_html
 from workbench.gui.shared import link_views, views
-from workbench.gui.shared.charts import cursor_html, lanes_html
 from workbench.gui.shared.look import View
 from workbench.gui.shared.tables import COLUMNS, PAGE, Order, candidates_html, funnel_html
 from workbench.model.candidate import Candidate, Reason, Stage, Verdict
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.part import Grasp
+from workbench.model.plan import at_least
 from workbench.model.prediction import Forecast, Predictions
 from workbench.model.release import LinkStatus, PartReport, Vote
 from workbench.model.scan import Discarded, Objection
+from workbench.proof.stages import STRAIGHT
 
 NOW = 1_760_000_000.0
 EVIL = "\"'><img src=x onerror=alert(1)><script>alert(2)</script>&amp;"
@@ -132,14 +135,13 @@ def test_steps_that_have_to_wait_say_for_what(states):
 
 
 def test_results_of_the_steps_carry_units(states):
-    assert "3,600 points (a drawn floor), 08:53:20" in views.scan_line(states.planned)
+    assert "3,600 points (a drawn floor), 08:53:20 UTC" in views.scan_line(states.planned)
     assert "2 parts, score 0.90, 0.90" in views.parts_line(states.planned, 0.2)
     assert "141 mm apart, nearer than the threshold" in views.parts_line(states.planned, 0.2)
     assert "141 mm apart, at least the threshold" in views.parts_line(states.planned, 0.14)
-    assert re.search(
-        r"Alternated, \d+\.\d s, smallest clearance \d+\.\d mm", views.plan_line(states.planned)
-    )
-    assert "3 of 40 messages sent" in views.send_line(states.sending)
+    parts = states.planned.detections
+    three = replace(states.planned, detections=(*parts, parts[0]))
+    assert "0.90, 2 of 3 pairs at least the threshold apart" in views.parts_line(three, 0.14)
 
 
 def test_a_plan_whose_proof_does_not_hold_says_what_was_found(states):
@@ -158,7 +160,7 @@ def test_without_a_plan_the_verdict_stands_in_its_place(states):
 
 def test_an_approval_names_the_person_and_its_end(states, view_of):
     approval = states.approved.approval
-    assert "By Anna until 08:58:20" in approval_line(states.approved, approval.at, "")
+    assert "By Anna until 08:58:20 UTC" in approval_line(states.approved, approval.at, "")
     assert "run out" in approval_line(states.approved, approval.until, "")
 
 
@@ -169,7 +171,7 @@ def test_what_is_approved_is_told_in_full(cell, states):
         plan.digest[:12],
         str(plan.strategy),
         str(plan.guarantee),
-        f"{proof.clearance * 1000:.1f} mm",
+        at_least(proof.clearance),
         *proof.nearest.pair,
         f"{plan.cycle_seconds:.1f} s",
         *(arm.grasp for arm in plan.arms),
@@ -184,7 +186,7 @@ def test_who_is_missing_is_told(states):
     vote = Vote(two.plan.digest, "Anna", 1_760_000_000.0)
     one_more = replace(two, votes=(vote,))
     text = approval_line(one_more, vote.at + 60, "")
-    assert "By Anna until 08:58:20, waiting for another person." in text
+    assert "By Anna until 08:58:20 UTC, waiting for another person." in text
     assert "so far Anna" in facts_html(one_more, two.plan, two.proof, {}, vote.at)
     assert "Waiting for 2 people." in approval_line(one_more, vote.at + 300, "")
 
@@ -298,11 +300,11 @@ def test_nothing_from_outside_becomes_html(cell, states, view_of):
         approval_line(state, view.at, ""),
         views.send_line(state),
         facts_html(state, state.plan, state.proof, {}, view.at),
-        views.plan_html(cell, state.plan, state.seconds),
+        plan_html(cell, state.plan, state.seconds),
         link_views.link_html(view),
         views.joints_html(cell, view.live.joints),
         lanes_html(cell, view.runs, view.plan_seconds),
-        cursor_html(1.0, 2.0, EVIL, 2),
+        now_html(1.0, 2.0, EVIL),
         funnel_html(state.candidates, None, buttons),
         candidates_html(
             state.candidates,
@@ -329,10 +331,13 @@ def test_the_last_study_speaks_for_the_threshold_nearby(states):
     cell = states.idle.cell
     forecasts = (Forecast(0.1, 0.7, 1.0, 0.17, 9.2, 763.2), Forecast(0.2, 0.0, None, None, 9, None))
     said = views.forecast_line(cell, Predictions(cell.digest, 53, forecasts), 0.12)
-    assert "53 pairs at 100 mm: 70% coordinated, 100% planned, in 170 ms, 763 parts an hour" in said
+    assert (
+        "53 simulated pairs at 100 mm: 70% far enough apart, 100% planned, in 170 ms, "
+        "763 parts an hour" in said
+    )
     assert "changed" not in said
     said = views.forecast_line(cell, Predictions("other", 53, forecasts), 0.19)
-    assert "at 200 mm: 0% coordinated; the cell was changed since" in said
+    assert "at 200 mm: 0% far enough apart; the cell was changed since" in said
     assert views.forecast_line(cell, None, 0.2) == ""
 
 
@@ -362,3 +367,29 @@ def test_the_robots_last_word_is_told_from_the_fault_to_be_acknowledged_here(sta
     for state, here in ((states.fault, states.fault.fault), (states.idle, "none to acknowledge")):
         text = Reader(link_views.link_html(view_of(state, live=live))).text
         assert f"Robot's last word{live.robot}Fault here{here}" in text
+
+
+def test_what_has_changed_since_the_start_before_is_listed_and_escaped(states):
+    assert views.changes_html(states.planning) == ""
+    changed = ("numpy 1 is 2 now", "user <b>Eve</b> viewer has come")
+    state = replace(states.planning, changed=changed, changed_since="session x")
+    html = views.changes_html(state)
+    assert "<b>Eve" not in html
+    text = Reader(html).text
+    assert "session x" in text and "numpy 1 is 2 now" in text and "Eve" in text
+
+
+def test_a_plans_clearances_are_two_figures_with_their_names_wherever_they_are_told(
+    states, view_of
+):
+    """A single smallest clearance was contradicted by the curve of the straight ways."""
+    state = replace(states.planned, message="plan ready: alternated, smallest clearance 1.0 mm")
+    free, straight = state.proof.clearance, views.straight_bound(state.proof)
+    least = min(bounds.min() for _, leg, bounds in state.proof.clearances if leg in STRAIGHT)
+    assert straight == least
+    free, straight = (at_least(one).removeprefix("at least ") for one in (free, straight))
+    words = f"clear by {free} on free ways, {straight} on straight ones"
+    for told in (views.status_html(view_of(state)), views.plan_line(state)):
+        assert words in told and "smallest clearance" not in told
+    outlines = (Outline("a", 1.0, "left"), Outline("b", 1.0, "alternated"))
+    assert "Free ways" in outlines_html(outlines, "", ("1", "2"))

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import pytest
 
 import workbench.gui.shared.visitor
-from workbench.app.core.commands import SaveCell, TakeControl, TakeScan
+from workbench.app.core.commands import MakePlan, SaveCell, TakeControl, TakeScan
 from workbench.app.core.people import Person, Role
 from workbench.app.core.rights import NOBODY
 from workbench.gui.shared.look import SharedLook
@@ -65,17 +65,59 @@ def test_whoever_is_not_in_control_plays_the_plan_and_changes_nothing_else(bench
     assert look.now.time == 1.0 and not look.now.shapes
 
 
-def test_a_control_says_why_it_is_not_this_persons(bench, visitor_of):
-    button = SimpleNamespace(disabled=False, hint="Takes a scan.")
+def test_while_a_plan_is_sent_nobody_plays_it(look, visitor_of, states):
+    ada = visitor_of(ADA)
+    ada.bench = SimpleNamespace(state=states.sending)
+    ada.look.change(time=3.0, is_playing=False, by=1)
+    ada.look.change(is_playing=True, by=None, browser=1)
+    assert look.now.time == 0.0 and look.now.follows and not look.now.is_playing
+    ada.look.change(pose=2, by=1)
+    assert look.now.pose == 2, "what has no time is looked at"
+
+
+def a_button(*, disabled: bool) -> SimpleNamespace:
+    impl = SimpleNamespace(uuid="button")
+    return SimpleNamespace(disabled=disabled, hint="Takes a scan.", _impl=impl)
+
+
+def test_a_control_says_why_it_cannot_be_used(bench, visitor_of):
+    button = a_button(disabled=False)
     viewer = visitor_of(VIC)
     viewer.admit(button, bench.state, TakeScan)
-    assert (button.disabled, button.hint) == (True, "a scan is for operators; you are a viewer")
+    assert (button.disabled, button.hint) == (True, "A scan is for operators; you are a viewer")
     operator = visitor_of(BOB)
-    button = SimpleNamespace(disabled=True, hint="Takes a scan.")
+    button = a_button(disabled=True)
     operator.admit(button, bench.state, TakeScan)
     assert (button.disabled, button.hint) == (False, "Takes a scan.")
+    operator.admit(button, bench.state, MakePlan)
+    assert (button.disabled, button.hint) == (
+        True,
+        "Planning is not possible now: take a scan first",
+    )
     state = bench.do(TakeControl(), "Ada")
     operator.admit(button, state, TakeScan)
     assert button.hint == "Ada is in control; ask for control first"
-    operator.admit(button, bench.do(TakeControl(), "Bob"), TakeScan, is_ready=False)
-    assert (button.disabled, button.hint) == (True, "Takes a scan.")
+    operator.admit(button, bench.do(TakeControl(), "Bob"), TakeScan, otherwise="no bin")
+    assert (button.disabled, button.hint) == (True, "No bin")
+
+
+def test_what_a_button_says_stands_in_the_style_sheet_as_plain_text(bench, visitor):
+    evil = 'no "plan"</style><script>alert(1)</script>\\'
+    button = visitor.gui.add_button("Plan", hint="Makes one.")
+    visitor.explain(button, "")
+    visitor.show_told()
+    told = visitor._style.content
+    assert f'[id="{button._impl.uuid}"]' in told and '--wb-told:"Makes one."' in told
+    visitor.explain(button, evil)
+    visitor.show_told()
+    told = visitor._style.content
+    assert told.count("<") == 2 and "script>" not in told.replace("</style>", "")
+    assert told.count('"') == 6 and "Makes one" not in told
+
+
+def test_buttons_that_nothing_is_explained_of_say_what_they_were_made_with(visitor):
+    visitor.gui.add_button("Measure", hint="Two clicks.")
+    visitor.gui.add_button("Play")
+    visitor.show_told()
+    assert visitor._style.content.count("--wb-told") == 1
+    assert '--wb-told:"Two clicks."' in visitor._style.content

@@ -9,7 +9,7 @@ from workbench.model.geometry import pose_from_rpy
 from workbench.model.scan import Detection, Discarded, LocalizationResult, Objection
 from workbench.perception.localization.kinds import merged
 from workbench.perception.localization.localize import Searched
-from workbench.perception.localization.part_surface import prepare
+from workbench.perception.parts.part_surface import prepare
 from workbench.perception.simulation.piles import drop_parts
 from workbench.perception.simulation.synthesize import synthesize
 from workbench.plugins.localizer import find_parts

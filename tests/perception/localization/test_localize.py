@@ -6,16 +6,16 @@ from dataclasses import replace
 import numpy as np
 import pinocchio as pin
 import pytest
+from searching import localize, searched
 
 from workbench.formats.parts.reading import read_part
 from workbench.model.errors import InputError, JobCancelled
 from workbench.model.geometry import Mesh, pose_from_rpy
 from workbench.model.scan import Detection, Objection, Scan
 from workbench.perception.localization import hypotheses
-from workbench.perception.localization.localize import localize, searched
-from workbench.perception.localization.point_pairs import vote
+from workbench.perception.parts.point_pairs import vote
+from workbench.perception.simulation.noise_models import ROUGH
 from workbench.perception.simulation.piles import drop_parts
-from workbench.perception.simulation.scan_noise import ROUGH
 from workbench.perception.simulation.synthesize import synthesize
 from workbench.studies.localization import compare
 
@@ -61,7 +61,7 @@ def test_other_parts_are_found_in_a_rough_scan_too(cell, name):
 
 def test_what_is_discarded_says_why(cell, part):
     truth = drop_parts((part,) * 4, cell.bin, seed=3)
-    findings = searched(synthesize(cell, truth, seed=3), part, cell, seed=0).findings
+    findings = searched(synthesize(cell, truth, seed=3), part, cell, seed=0)
     assert 0 < len(findings.discarded) <= 20
     scores = [one.score for one in findings.discarded]
     assert scores == sorted(scores, reverse=True)
@@ -204,6 +204,11 @@ def test_roll_is_only_claimed_where_it_shows(cell, part):
         (found,) = localize(synthesize(cell, truth, seed=1), part, cell, seed=0)
         assert compared(part, truth, (found,))[0] == []
         down.append(found.roll_known)
+        assert (found.roll_axis is None) == found.roll_known
+        if found.roll_axis is not None:
+            point, direction = found.roll_axis
+            assert abs(direction[2]) > np.cos(np.deg2rad(1.0))
+            assert np.linalg.norm(np.cross(point, direction)) < 5e-4
     assert any(down), "the key is never seen"
     assert not all(down), "the key is claimed to be seen through the part"
 

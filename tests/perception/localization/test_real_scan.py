@@ -9,6 +9,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 from scipy.spatial import KDTree
+from searching import localize
 from stand_ins import TURN, folder_of, make_recording, sources
 
 from workbench.formats.cells.reading import read_cell
@@ -17,7 +18,6 @@ from workbench.formats.parts.reading import read_part
 from workbench.model.cell import Bin
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.scan import Scan
-from workbench.perception.localization.localize import localize
 
 PART = """
 name = "carton"

@@ -6,13 +6,13 @@ import numpy as np
 import pinocchio as pin
 import pytest
 import trimesh
+from searching import localize
 
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.parts.reading import read_part
 from workbench.model.geometry import Mesh, Solid
 from workbench.model.scan import ALL_KINDS
 from workbench.model.symmetry import Symmetry, SymmetryAxis
-from workbench.perception.localization.localize import localize
 from workbench.perception.localization.pose_error import pose_error
 from workbench.perception.simulation.piles import pile_of
 from workbench.perception.simulation.synthesize import synthesize

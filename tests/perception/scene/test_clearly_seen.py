@@ -139,7 +139,7 @@ def test_nothing_clearly_seen_is_lost_and_what_is_red_is_avoided(degrees, resolu
     some = slice(None, None, max(1, len(points) // DRAWN))
     cloud = painted_cloud(cell, points[some], found)
     is_red = np.all(avoided_red(cloud, boxes) == rgb_of(AVOIDED), axis=1)
-    assert np.array_equal(is_red, is_held[some] & ~cloud.is_part), "red is what is avoided"
+    assert np.array_equal(is_red, is_held[some] & (cloud.owners < 0)), "red is what is avoided"
 
     T_bin = cell.bin.T_world_bin
     trees = {

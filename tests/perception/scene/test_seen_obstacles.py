@@ -14,8 +14,8 @@ from workbench.model.geometry import Box, Cylinder, Floats, Solid, pose_from_rpy
 from workbench.model.reach import reach
 from workbench.model.scan import Detection, Obstacle, Scan
 from workbench.perception.scene.unexplained import unexplained
+from workbench.perception.simulation.noise_models import FINE, ROUGH
 from workbench.perception.simulation.piles import drop_parts
-from workbench.perception.simulation.scan_noise import FINE, ROUGH
 from workbench.perception.simulation.synthesize import synthesize
 
 CUBE = 0.002

@@ -8,8 +8,8 @@ import pytest
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.parts.reading import read_part
 from workbench.perception.scene.sensor import sensor_model
+from workbench.perception.simulation.noise_models import FINE, ROUGH
 from workbench.perception.simulation.piles import drop_parts
-from workbench.perception.simulation.scan_noise import FINE, ROUGH
 from workbench.perception.simulation.synthesize import synthesize
 
 

@@ -27,7 +27,7 @@ def test_few_boxes_hold_all_cells_up_to_their_tops_and_down_to_the_floor(cells, 
     assert 1 <= len(boxes) <= MOST
     corners = np.array([(x, y) for x in (0.01, 0.99) for y in (0.01, 0.99)])
     for place, top in zip(index, tops, strict=True):
-        lowest = min(0.0, top - 1e-4)
+        lowest = min(0.0, top)
         points = np.array([(*xy, z) for xy in (place + corners) * EDGE for z in (lowest, top)])
         inside = np.zeros(len(points), bool)
         for one in boxes:

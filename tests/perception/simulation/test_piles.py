@@ -9,7 +9,7 @@ from workbench.model.digest import digest_of
 from workbench.model.errors import InputError
 from workbench.perception.simulation.physics import model_of
 from workbench.perception.simulation.piles import OUTSIDE, drop_parts
-from workbench.perception.views.surfaces import add_surface, surface_of
+from workbench.perception.views.surfaces import add_surface, triangles_of
 
 
 def digests_of(pile) -> list[str]:
@@ -40,7 +40,7 @@ def test_parts_do_not_reach_into_each_other(cell, part):
     points = np.asarray(part.mesh.points)
     for number, T in enumerate(pile):
         scene = o3d.t.geometry.RaycastingScene()
-        add_surface(scene, surface_of(part.mesh), T)
+        add_surface(scene, triangles_of(part.mesh), T)
         for other in pile[number + 1 :]:
             p_world = points @ other.rotation.T + other.translation
             depth = scene.compute_signed_distance(o3d.core.Tensor(p_world.astype(np.float32)))

@@ -9,7 +9,8 @@ from hypothesis import strategies as st
 
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.scan import Detection
-from workbench.perception.simulation.scan_noise import FINE, NOISE_MODELS, ROUGH, NoiseModel, noisy
+from workbench.perception.simulation.noise_models import FINE, NOISE_MODELS, ROUGH, NoiseModel
+from workbench.perception.simulation.scan_noise import noisy
 from workbench.perception.simulation.synthesize import synthesize, visible_shares
 
 PERFECT = NoiseModel(
@@ -92,6 +93,83 @@ def test_the_rough_build_has_more_wrong_with_it(cell, upright):
     assert stray(ROUGH) > stray(FINE) > 0.0
 
 
+def of(depth, **errors):
+    """What a scanner without noise that has these errors measures of depths, met head-on."""
+    model = replace(PERFECT, **errors)
+    return noisy(depth, np.ones_like(depth), 0.0, model, np.random.default_rng(0))
+
+
+@pytest.fixture
+def edge():
+    """A step of 4 mm in the middle."""
+    depth = np.full((40, 60), 0.9)
+    depth[:, 30:] = 0.896
+    return depth
+
+
+def test_low_edges_are_smoothed_and_high_ones_are_not(edge):
+    made = of(edge, blur=1.5, bridged=0.006)
+    assert 0.897 < made[20, 29] < 0.8995
+    assert np.abs(made - edge)[:, :26].max() < 1e-9
+    high = np.where(edge < 0.9, 0.8, 0.9)
+    assert np.abs(of(high, blur=1.5, bridged=0.006) - high).max() < 1e-9
+
+
+def test_what_is_smoothed_shares_its_noise_with_what_is_beside():
+    flat = np.full((80, 80), 1.0)
+    square = np.ones_like(flat)
+    model = replace(PERFECT, blur=1.5, bridged=0.02)
+    made = noisy(flat, square, 0.001, model, np.random.default_rng(0)) - 1.0
+    assert np.corrcoef(made[:, :-1].ravel(), made[:, 1:].ravel())[0, 1] > 0.7
+    assert 0.0001 < made.std() < 0.0004
+
+
+def test_near_things_are_fattened(edge):
+    assert (of(edge, fattened=2)[:, 28:30] == 0.896).all()
+    assert (of(edge, fattened=2)[:, :28] == 0.9).all()
+
+
+def test_depths_come_in_steps_of_the_disparity():
+    made = of(np.linspace(0.8, 0.9, 400)[None], step=0.002)
+    steps = np.unique(np.round(1.0 / made, 9))
+    assert len(steps) == pytest.approx((1 / 0.8 - 1 / 0.9) / 0.002, abs=1)
+    assert np.diff(steps) == pytest.approx(0.002, rel=1e-6)
+
+
+def test_fringes_leave_a_wave_as_high_as_stated():
+    off = of(np.linspace(0.99, 1.01, 400)[None], wave=0.0002, fringe=0.01) - np.linspace(
+        0.99, 1.01, 400
+    )
+    assert off.max() == pytest.approx(0.0002, rel=0.05)
+    assert off.min() == pytest.approx(-0.0002, rel=0.05)
+
+
+def test_concave_corners_are_measured_too_deep():
+    slope = np.abs(np.arange(-30.0, 31.0)) * 0.001
+    depth = np.tile(0.9 - slope, (40, 1))
+    off = of(depth, corners=0.1) - depth
+    assert off[20, 30] > 0.0001
+    assert np.abs(off[20, 15:20]).max() < 1e-9
+
+
+def test_gloss_is_a_hole_and_stripes_are_missing():
+    depth, cosine = np.full((200, 50), 0.9), np.full((200, 50), 0.999)
+    glossy = replace(PERFECT, gloss=0.995, glare=1.0)
+    assert np.isnan(noisy(depth, cosine, 0.0, glossy, np.random.default_rng(0))).all()
+    dull = noisy(depth, 0.99 * cosine, 0.0, glossy, np.random.default_rng(0))
+    assert np.isfinite(dull).all()
+    lost = np.isnan(of(depth, torn=0.1))
+    assert (lost.all(axis=1) == lost.any(axis=1)).all()
+    assert 8 <= lost.all(axis=1).sum() <= 35
+
+
+def test_a_cell_names_the_build_of_its_simulated_scanner(cell, upright):
+    scanner = replace(cell.scanner, options={"like": "stereo"})
+    stereo = synthesize(replace(cell, scanner=scanner), (upright,), seed=0)
+    named = synthesize(cell, (upright,), seed=0, noise=NOISE_MODELS["stereo"])
+    assert stereo.digest == named.digest != synthesize(cell, (upright,), seed=0).digest
+
+
 @pytest.mark.parametrize("name", NOISE_MODELS)
 def test_the_same_seed_gives_the_same_scan(cell, upright, name):
     noise = NOISE_MODELS[name]
@@ -125,3 +203,14 @@ def test_a_part_under_another_is_seen_in_part(cell, part):
     assert above > 0.99
     assert 0.4 < below < 0.8
     assert visible_shares(cell, (low,))[0] > 0.99
+
+
+@pytest.mark.parametrize(
+    ("name", "left"), [("structured_light", 0.36), ("stereo", 0.18), ("time_of_flight", 0.29)]
+)
+def test_averaging_leaves_less_of_a_pixels_noise_as_the_documents_say(name, left):
+    averaging = replace(PERFECT, blur=NOISE_MODELS[name].blur, bridged=NOISE_MODELS[name].bridged)
+    depth = np.ones((200, 200))
+    for deviation in (0.0003, 0.0012):
+        off = noisy(depth, depth, deviation, averaging, np.random.default_rng(0)) - depth
+        assert off[8:-8, 8:-8].std() == pytest.approx(left * deviation, rel=0.03)

@@ -8,7 +8,7 @@ import pytest
 from workbench.model.errors import InputError
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.scan import Detection
-from workbench.perception.simulation.scan_noise import FINE
+from workbench.perception.simulation.noise_models import FINE
 from workbench.perception.simulation.synthesize import synthesize
 
 

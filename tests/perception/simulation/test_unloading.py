@@ -4,6 +4,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
+from workbench.formats.parts.reading import read_part
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.scan import Detection
 from workbench.perception.simulation.piles import drop_parts
@@ -53,7 +54,14 @@ def test_the_last_part_leaves_nothing(cell, pile):
     assert unloaded(cell, pile[:1], 0, up(pile[0].T_world_part)) == ()
 
 
-def test_a_part_beside_the_bin_is_not_in_it(cell):
+def test_a_part_beside_the_bin_is_not_in_it(cell, part):
     beside = pose_from_rpy((0, cell.bin.size[1], 0.02))
-    assert is_in_bin(cell.bin, cell.bin.T_world_bin * pose_from_rpy((0, 0, 0.02)))
-    assert not is_in_bin(cell.bin, cell.bin.T_world_bin * beside)
+    assert is_in_bin(cell.bin, part, cell.bin.T_world_bin * pose_from_rpy((0, 0, 0.02)))
+    assert not is_in_bin(cell.bin, part, cell.bin.T_world_bin * beside)
+
+
+def test_a_part_whose_frame_is_at_its_edge_lies_in_the_bin_where_that_sinks_into_the_floor(cell):
+    bracket = read_part("bracket")
+    sunk = pose_from_rpy((0.01, 0.0, -0.0003))
+    assert is_in_bin(cell.bin, bracket, cell.bin.T_world_bin * sunk)
+    assert not is_in_bin(cell.bin, bracket, cell.bin.T_world_bin * pose_from_rpy((0, 0, -0.2)))

@@ -32,7 +32,7 @@ def all_distances(q: np.ndarray) -> np.ndarray:
     kinematics = WORLD.kinematics
     pin.computeDistances(kinematics.model, kinematics.data, WORLD._geometry, WORLD._data, q)
     distances = np.array([result.min_distance for result in WORLD._data.distanceResults])
-    inactive = np.setdiff1d(np.arange(len(distances)), WORLD._checks.among)
+    inactive = np.setdiff1d(np.arange(len(distances)), WORLD.pairs.among)
     distances[inactive] = np.inf
     return distances
 
@@ -43,7 +43,7 @@ def test_the_nearest_pair_is_that_of_brute_force(seed, phase):
     WORLD.enter(phase)
     q = np.random.default_rng(seed).uniform(LOWER, UPPER)
     distances = all_distances(q)
-    distances[WORLD._checks.own] = np.inf
+    distances[WORLD.pairs.own] = np.inf
     clearance, pair = WORLD.clearance(q, 0.3)
     assert clearance == np.float64(min(distances.min(), 0.3)) or np.isclose(
         clearance, min(distances.min(), 0.3), atol=1e-6
@@ -74,7 +74,7 @@ def test_no_pair_comes_nearer_than_the_motion_bound_allows(seed, phase, size):
     span = rng.uniform(0.0, size, len(q))
     before = all_distances(q)
     pairs, moves, lower = WORLD._close(q, span, 10.0, None)
-    assert set(pairs) == set(WORLD._checks.among)
+    assert set(pairs) == set(WORLD.pairs.among)
     assert np.all(lower <= before[pairs] + 1e-6)
     for _ in range(4):
         after = all_distances(q + span * rng.uniform(-1.0, 1.0, len(q)))

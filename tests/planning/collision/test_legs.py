@@ -77,8 +77,6 @@ def test_the_stretches_a_plan_tell_where_each_part_is(result):
     assert where(seen[second.arm, "reach"]) == {first.arm: first.detection}
     both = {one.arm: one.detection for one in (first, second)}
     assert where(seen[second.arm, "home"]) == both
-    for phase in seen.values():
-        assert not phase.absent
 
 
 def test_a_turned_hand_still_comes_and_leaves_as_authored(cell, detections):
@@ -89,7 +87,7 @@ def test_a_turned_hand_still_comes_and_leaves_as_authored(cell, detections):
     )
     world = World(slanting, detections)
     turned = 0
-    for candidate in propose(slanting, detections):
+    for candidate in propose(world):
         if not candidate.verdict.is_ok:
             continue
         pick = resolve(world, candidate, seed=0)
@@ -115,10 +113,10 @@ def test_a_grasp_that_may_turn_is_tried_turned(cell, detections):
             cell,
             lambda g: replace(g, T_part_tcp=g.T_part_tcp * quarter, free_rotation=free),
         )
-        return [c for c in propose(along, detections) if c.verdict.is_ok]
+        return [c for c in propose(World(along, detections)) if c.verdict.is_ok]
 
     assert not admitted(0.0)
-    plain = [c for c in propose(cell, detections) if c.verdict.is_ok]
+    plain = [c for c in propose(World(cell, detections)) if c.verdict.is_ok]
     assert len(admitted(math.pi / 2)) == len(plain)
 
 

@@ -35,7 +35,7 @@ def ways(world, seed: int, count: int = 4, spread: float = 0.5):
 def between(world, state) -> float:
     """How much room the arms have beyond their margin, measured at one state."""
     q = world.configuration(state)
-    contact = world.nearest(q, world.between())
+    contact = world.nearest(q, world.pairs.between())
     return contact.distance - contact.margin
 
 

@@ -5,11 +5,12 @@ import itertools
 import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from rounded import RoundedPolyline
 
 from workbench.planning.collision.motion import RESOLUTION, chain_contact, curves_of, segment
 from workbench.planning.collision.pairing import Phase
 from workbench.planning.collision.world import World
-from workbench.planning.picking.execution import RoundedPolyline, timed
+from workbench.planning.picking.execution import timed
 
 
 @settings(max_examples=50, deadline=None)

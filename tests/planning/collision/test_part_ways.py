@@ -1,5 +1,7 @@
 """A part alone on its way out of the bin."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -7,7 +9,7 @@ from workbench.formats.cells.reading import read_cell
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.scan import Detection
 from workbench.perception.simulation.piles import drop_parts
-from workbench.planning.collision.part_ways import PartWays, heaps, part_gap
+from workbench.planning.collision.part_ways import kept_on_ways
 from workbench.planning.collision.world import World
 
 UP = np.array([0.0, 0.0, 0.1])
@@ -24,8 +26,8 @@ def lying(cell, y: float, z: float = 0.019) -> Detection:
 
 
 def test_a_part_with_nothing_on_it_goes_up_but_not_through_the_wall(cell):
-    ways = PartWays(cell, (lying(cell, 0.0),))
-    up, through = ways.blocked(0, [UP, np.array([0.0, 0.2, 0.01])])
+    ways = World(cell, (lying(cell, 0.0),)).part_ways
+    up, through = ways.blocked(0, [UP, np.array([0.0, 0.2, 0.02])])
     assert up is None
     assert through is not None
     label, far = through
@@ -33,7 +35,7 @@ def test_a_part_with_nothing_on_it_goes_up_but_not_through_the_wall(cell):
 
 
 def test_what_lies_on_a_part_blocks_the_way_up(cell):
-    ways = PartWays(cell, (lying(cell, 0.0), lying(cell, 0.0, 0.058)))
+    ways = World(cell, (lying(cell, 0.0), lying(cell, 0.0, 0.058))).part_ways
     (below,) = ways.blocked(0, [UP])
     assert below is not None and below[0] == "part-2"
     assert ways.blocked(1, [UP]) == [None]
@@ -42,7 +44,8 @@ def test_what_lies_on_a_part_blocks_the_way_up(cell):
 def test_looking_at_all_places_at_once_finds_what_looking_at_each_finds(cell):
     pile = drop_parts(cell.parts[:1] * 6, cell.bin, seed=77)
     ways = [UP, np.array([0.04, 0.0, 0.09])]
-    found = PartWays(cell, pile)
+    found, keeps = World(cell, pile).part_ways, kept_on_ways(cell)
+    assert 0 < keeps < cell.policy.near_margin
     blocked = 0
     for number, one in enumerate(pile):
         others = [other for other in range(len(pile)) if other != number]
@@ -52,8 +55,8 @@ def test_looking_at_all_places_at_once_finds_what_looking_at_each_finds(cell):
             for far in [*np.arange(cell.policy.release, most, 0.004), most]:
                 T = one.T_world_part.copy()
                 T.translation = T.translation + far * way / most
-                moved = World(cell, (*pile, Detection(one.part, T)))
-                touches |= min(part_gap(moved, len(pile), k) for k in others) < 0
+                moved = World(cell, (*pile, Detection(one.part, T))).part_ways
+                touches |= min(moved.gap(len(pile), k) for k in others) < keeps
             by_parts = met is not None and not met[0].startswith("bin_")
             assert by_parts == touches or (met is not None and not by_parts)
             blocked += touches
@@ -61,16 +64,27 @@ def test_looking_at_all_places_at_once_finds_what_looking_at_each_finds(cell):
 
 
 def test_parts_apart_have_the_gap_between_them(cell):
-    world = World(cell, (lying(cell, -0.03), lying(cell, 0.03)))
+    ways = World(cell, (lying(cell, -0.03), lying(cell, 0.03))).part_ways
     # Two collars of 19 mm.
-    assert part_gap(world, 0, 1) == pytest.approx(0.06 - 0.038, abs=1e-6)
-    assert part_gap(world, 1, 0) == pytest.approx(part_gap(world, 0, 1))
+    assert ways.gap(0, 1) == pytest.approx(0.06 - 0.038, abs=1e-6)
+    assert ways.gap(1, 0) == pytest.approx(ways.gap(0, 1))
 
 
 def test_parts_that_touch_are_of_one_heap_also_through_others(cell):
     row = tuple(lying(cell, y) for y in (-0.1, -0.0605, 0.1, -0.021))
-    world = World(cell, row)
-    assert part_gap(world, 0, 3) > 0.03
-    first, second, alone, third = heaps(world, 0.002)
+    close, none = (
+        World(replace(cell, policy=replace(cell.policy, pair_gap=gap)), row).part_ways
+        for gap in (0.002, 0.0)
+    )
+    assert close.gap(0, 3) > 0.03
+    first, second, alone, third = close.heaps
     assert first == second == third != alone
-    assert len(set(heaps(world, 0.0))) == 4
+    assert len(set(none.heaps)) == 4
+
+
+@pytest.mark.parametrize("length", [0.0, 0.0005])
+def test_a_way_that_ends_before_the_part_has_come_off_meets_nothing(cell, length):
+    assert length < cell.policy.release
+    ways = World(cell, (lying(cell, 0.0), lying(cell, 0.0, 0.057))).part_ways
+    with np.errstate(all="raise"):
+        assert ways.blocked(0, [length * UP / 0.1]) == [None]

@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
+import pinocchio as pin
 import pytest
 
 from workbench.formats.cells.reading import read_cell
@@ -11,7 +12,8 @@ from workbench.model.geometry import Mesh, pose_from_rpy
 from workbench.model.scan import Obstacle
 from workbench.perception.simulation.piles import drop_parts
 from workbench.planning.collision.legs import grips, openings
-from workbench.planning.collision.tool_check import ToolCheck
+from workbench.planning.collision.part_ways import kept_on_ways, steps_along
+from workbench.planning.collision.world import World
 
 
 def met_one_by_one(cell, check, arm, grasp, number, one, *, opening, turn):
@@ -33,7 +35,7 @@ def ways_of(cell, arm, grasp):
 
 def compared(cell, pile, arm, obstacles=()):
     """Fits of every grasp of every part, and what looking at way after way brings."""
-    check = ToolCheck(cell, pile, obstacles)
+    check = World(cell, pile, obstacles).tool_check
     told, by_one = [], []
     for part in cell.parts:
         rows = [
@@ -42,7 +44,7 @@ def compared(cell, pile, arm, obstacles=()):
             if one.part == part.name
             for k in range(len(part.grasps))
         ]
-        for (number, k), fit in zip(rows, check.fits(arm, part, part.grasps, rows), strict=True):
+        for (number, k), fit in zip(rows, check.fits(arm, part.grasps, rows), strict=True):
             grasp, one = part.grasps[k], pile[number]
             if fit.pair is None:
                 told.append((fit.opening if arm.tool.fingers else grasp.opening, fit.turn))
@@ -107,4 +109,41 @@ def test_a_body_that_is_not_convex_is_measured_one_by_one():
 def test_no_hands_meet_nothing():
     cell = read_cell("yumi")
     arm, part = cell.arms[0], cell.parts[0]
-    assert ToolCheck(cell, ()).fits(arm, part, part.grasps, []) == []
+    assert World(cell, ()).tool_check.fits(arm, part.grasps, []) == []
+
+
+def test_a_hand_on_its_way_meets_the_first_thing_that_it_meets_anywhere_on_it():
+    cell = read_cell("yumi")
+    (arm, *_), part = cell.arms, cell.parts[0]
+    pile = drop_parts((part,) * 4, cell.bin, seed=5)
+    check, keeps = World(cell, pile).tool_check, kept_on_ways(cell)
+    near = replace(cell, policy=replace(cell.policy, near_margin=keeps))
+    closer = World(near, pile).tool_check
+    rng, hits = np.random.default_rng(3), 0
+    for k in range(40):
+        x, y = rng.uniform(-0.08, 0.08), rng.uniform(-0.12, 0.12)
+        T = cell.bin.T_world_bin * pose_from_rpy((x, y, rng.uniform(0.03, 0.09)), (np.pi, 0, k))
+        way = rng.normal(0, 0.05, 3)
+        met = check.on_way(arm, T, 0.03, 0, way)
+        far = steps_along(0.0, float(np.linalg.norm(way)))
+        first = None
+        for s in far:
+            at = pin.SE3(T.rotation, T.translation + s * way / np.linalg.norm(way))
+            found = closer.contact(arm, at, 0.03, 0, 1.0)
+            if found is not None:
+                first = s
+                break
+        assert (met is None) == (first is None), k
+        if met is not None:
+            assert met[1] == pytest.approx(first)
+            assert met[0][0].startswith(arm.name)
+            hits += 1
+    assert 5 < hits < 40
+
+
+def test_a_hand_that_goes_nowhere_meets_nothing_on_its_way():
+    cell = read_cell("yumi")
+    arm, pile = cell.arms[0], drop_parts(cell.parts[:1] * 4, cell.bin, seed=5)
+    T = cell.bin.T_world_bin * pose_from_rpy((0, 0, 0.03), (np.pi, 0, 0))
+    with np.errstate(all="raise"):
+        assert World(cell, pile).tool_check.on_way(arm, T, 0.03, 0, np.zeros(3)) is None

@@ -9,9 +9,11 @@ import pytest
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.parts.reading import read_part
 from workbench.model.cell import Cell
+from workbench.model.geometry import spread_directions
 from workbench.model.part import GraspLibrary, Part
 from workbench.model.scan import Detection
-from workbench.planning.grasps.coverage import Coverage, coverage, spread
+from workbench.planning.collision.world import World
+from workbench.planning.grasps.coverage import Coverage, coverage
 from workbench.planning.grasps.grasp_trial import Trial
 from workbench.planning.picking.propose import propose
 
@@ -52,12 +54,12 @@ def test_what_works_is_what_planning_proposes(yumi, part):
     grasps = part.library.grasps
     usable = trial.usable(grasps)
     assert usable.all()
-    for k, up in enumerate(spread(5)):
+    for k, up in enumerate(spread_directions(5)):
         for T in trial.poses(up, k, 1, ((0.0, 0.0),)):
             works = trial.works([T], grasps, usable)[0]
             admitted = {
                 (c.grasp.name, c.arm)
-                for c in propose(yumi, (Detection(part.name, T),))
+                for c in propose(World(yumi, (Detection(part.name, T),)))
                 if c.verdict.is_ok
             }
             found = {(grasps[g].name, yumi.arms[a].name) for g, a in np.argwhere(works).tolist()}
@@ -66,7 +68,7 @@ def test_what_works_is_what_planning_proposes(yumi, part):
 
 def test_the_part_stands_on_the_floor_between_the_walls(yumi, part):
     trial = Trial(yumi, part)
-    for k, up in enumerate(spread(9)):
+    for k, up in enumerate(spread_directions(9)):
         for T in trial.poses(up, k, 2, ((-0.5, -0.5), (0.5, 0.5))):
             points = yumi.bin.T_world_bin.actInv(T)
             inside = np.asarray(part.mesh.points) @ points.rotation.T + points.translation
@@ -110,7 +112,7 @@ def test_it_reports_and_can_be_ended(yumi, part):
 
 
 def test_directions_are_spread_evenly():
-    ups = spread(100)
+    ups = spread_directions(100)
     assert np.linalg.norm(ups, axis=1) == pytest.approx(np.ones(100))
     assert np.linalg.norm(ups.mean(axis=0)) < 0.02
     nearest = np.sort(ups @ ups.T, axis=1)[:, -2]

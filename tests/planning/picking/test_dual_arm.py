@@ -7,16 +7,21 @@ import pytest
 from bending import with_leg
 
 from workbench.app.core.rules import approve
+from workbench.app.picking import pipeline
 from workbench.app.picking.pipeline import plan_pick
 from workbench.app.picking.proving import prove
 from workbench.model.errors import CommandRefused
 from workbench.model.geometry import pose_from_rpy
-from workbench.model.plan import LEG_NAMES, Guarantee, Step, Strategy
+from workbench.model.plan import LEG_NAMES, Finding, Guarantee, Step, Strategy
 from workbench.model.scan import Detection
 from workbench.perception.simulation.piles import drop_parts
+from workbench.planning.collision.contact import Contact
 from workbench.planning.collision.legs import phase_of, stretches
+from workbench.planning.collision.meeting import Meeting
 from workbench.planning.collision.world import World
 from workbench.planning.kinematics.chain import is_solution
+from workbench.planning.picking import dual_arm
+from workbench.planning.picking.dual_arm import overlapped
 from workbench.planning.picking.in_step import in_step
 from workbench.plugins.robot_link import send, spoken_to_by
 
@@ -54,6 +59,33 @@ def test_parts_far_apart_are_taken_side_by_side(coordinated):
 def test_it_is_faster_than_one_after_the_other(cell, apart, coordinated):
     alternated = plan_pick(cell, apart, "scan", strategy="alternated", seed=0).plan
     assert coordinated.plan.cycle_seconds < 0.75 * alternated.cycle_seconds
+
+
+def test_auto_takes_the_quicker_where_the_distance_allows_both(cell, apart, coordinated):
+    """Nearer than the threshold arms work in turn; from there on whichever takes less time."""
+    near = plan_pick(cell, apart, "scan", threshold=0.3, seed=0).plan
+    assert near.strategy is Strategy.ALTERNATED
+    far = plan_pick(cell, apart, "scan", threshold=0.1, seed=0).plan
+    assert far.strategy is Strategy.COORDINATED
+    assert far.cycle_seconds == coordinated.plan.cycle_seconds < near.cycle_seconds
+
+
+SLOW_AT_ONCE = 1
+"""A pile in which one arm has to wait for the other on most legs."""
+
+
+def test_auto_takes_turns_where_both_at_once_take_longer(cell):
+    """A pile in which one arm has to wait for the other so often that it loses time."""
+    pile = drop_parts(cell.parts[:1] * 2, cell.bin, seed=SLOW_AT_ONCE)
+    plans = {
+        strategy: plan_pick(cell, pile, "scan", strategy=strategy, threshold=0.0, seed=SLOW_AT_ONCE)
+        for strategy in ("alternated", "coordinated", "auto")
+    }
+    times = {strategy: result.plan.cycle_seconds for strategy, result in plans.items()}
+    assert times["auto"] == times["alternated"] < times["coordinated"]
+    auto = plans["auto"].plan
+    assert auto.strategy is Strategy.ALTERNATED and plans["auto"].proof.holds
+    assert f"both arms at once would take {times['coordinated']:.1f} s" in auto.note
 
 
 def test_it_holds_at_four_times_finer_resolution(cell, coordinated):
@@ -186,3 +218,105 @@ def test_there_is_no_motion_to_where_the_arms_touch(cell, result):
     before = world.checks
     assert in_step(world, (right, bent), "reach", np.random.default_rng(0)) is None
     assert world.checks - before < 5
+
+
+def refusing(monkeypatch, refuses) -> list[str]:
+    """Have the proof refuse some plans, and note the strategies of all that it is asked for."""
+    asked = []
+
+    def proven(cell, scene, plan):
+        asked.append(str(plan.strategy))
+        proof = pipeline.prove_as_it_is(cell, scene, plan)
+        if refuses(plan):
+            proof = replace(proof, findings=(Finding("refused by the test"),))
+        return proof
+
+    monkeypatch.setattr(pipeline, "prove_as_it_is", pipeline.prove, raising=False)
+    monkeypatch.setattr(pipeline, "prove", proven)
+    return asked
+
+
+def is_at_once(plan) -> bool:
+    return any(len(step.runs) > 1 for step in plan.sequence)
+
+
+@pytest.mark.parametrize(
+    ("strategy", "tried"),
+    [
+        ("alternated", ["alternated"] * 2),
+        ("auto", ["coordinated", "alternated", "alternated"]),
+    ],
+)
+def test_where_the_proof_refuses_arms_at_once_the_plan_in_turns_is_taken(
+    cell, apart, monkeypatch, strategy, tried
+):
+    as_it_is = plan_pick(cell, apart, "scan", strategy=strategy, threshold=0.1, seed=0)
+    assert is_at_once(as_it_is.plan)
+    asked = refusing(monkeypatch, is_at_once)
+    result = plan_pick(cell, apart, "scan", strategy=strategy, threshold=0.1, seed=0)
+    assert asked == tried
+    assert result.proof.holds and result.proof.plan_digest == result.plan.digest
+    assert not is_at_once(result.plan)
+    assert result.plan.strategy == Strategy.ALTERNATED
+    assert result.plan.guarantee is Guarantee.ONE_AT_A_TIME
+    assert result.plan.cycle_seconds > as_it_is.plan.cycle_seconds
+    assert "the proof refuses a quicker one: refused by the test" in result.plan.note
+    assert "refuses" not in as_it_is.plan.note
+
+
+def test_where_every_proof_is_refused_the_first_plan_is_shown(cell, apart, monkeypatch):
+    asked = refusing(monkeypatch, lambda plan: True)
+    result = plan_pick(cell, apart, "scan", strategy="alternated", seed=0)
+    assert len(asked) == 2 and is_at_once(result.plan)
+    assert "refused by the test" in text(result.proof)
+
+
+@pytest.fixture(scope="module")
+def in_turn(cell, apart):
+    """One arm after the other, as it is before the second sets out early."""
+    with pytest.MonkeyPatch.context() as patch:
+        refusing(patch, is_at_once)
+        return plan_pick(cell, apart, "scan", strategy="alternated", seed=0).plan
+
+
+def test_the_second_arm_sets_out_while_the_first_goes_home(cell, apart, in_turn):
+    shorter = overlapped(World(cell, apart), in_turn)
+    assert shorter.guarantee is Guarantee.TIME_INDEPENDENT
+    assert shorter.cycle_seconds < in_turn.cycle_seconds
+    (both,) = [step.runs for step in shorter.sequence if len(step.runs) > 1]
+    assert both == ((in_turn.arms[0].arm, "home"), (in_turn.arms[1].arm, "reach"))
+
+
+def test_where_the_arms_might_meet_they_take_turns(cell, apart, in_turn, monkeypatch):
+    met = Meeting(Contact(("one", "other"), -0.01, 0.005), in_turn.arms[0].legs[0].q[:2], (0, 0))
+    monkeypatch.setattr(dual_arm, "_met", lambda world, pair: met)
+    monkeypatch.setattr(dual_arm, "_around", lambda world, pair, rng: iter(()))
+    assert overlapped(World(cell, apart), in_turn) is in_turn
+    monkeypatch.setattr(dual_arm, "_one_after_the_other", lambda world, pair: None)
+    assert overlapped(World(cell, apart), in_turn) is in_turn
+
+
+def slower(pair, factor: float):
+    """Two tasks, the leg of the second taking another time."""
+    leg = pair[1].leg
+    return pair[0], pair[1].with_leg(replace(leg, t=leg.t * factor))
+
+
+def test_turns_in_another_order_win_nothing_by_a_rounding_error(cell, apart, in_turn, monkeypatch):
+    def turns(world, pair, rng):
+        steps = [Step(((task.plan.arm, task.name),)) for task in pair[::-1]]
+        return slower(pair, 1 - 1e-12), steps, False
+
+    monkeypatch.setattr(dual_arm, "_together", turns)
+    assert overlapped(World(cell, apart), in_turn) is in_turn
+
+
+def test_a_way_around_the_other_arm_that_takes_longer_wins_nothing(
+    cell, apart, in_turn, monkeypatch
+):
+    def around(world, pair, rng):
+        step = Step(tuple((task.plan.arm, task.name) for task in pair))
+        return slower(pair, 100.0), [step], False
+
+    monkeypatch.setattr(dual_arm, "_together", around)
+    assert overlapped(World(cell, apart), in_turn) is in_turn

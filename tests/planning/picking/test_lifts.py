@@ -7,11 +7,13 @@ import pytest
 
 from workbench.app.picking.pipeline import judge, plan_pick
 from workbench.formats.cells.reading import read_cell
+from workbench.model.candidate import Reason, Stage
 from workbench.model.cell import LIFT_NAMES, Cell
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.scan import Detection, Obstacle
 from workbench.perception.simulation.piles import drop_parts
 from workbench.planning.collision.world import World
+from workbench.planning.picking import resolve
 from workbench.planning.picking.lifts import AUTHORED, lifts
 from workbench.proof.prove import prove
 
@@ -90,6 +92,28 @@ def test_more_lifts_take_what_one_takes_and_more(cell, heap):
     assert one < every
 
 
+def test_looking_at_the_hand_alone_refuses_nothing_that_works(cell, heap, monkeypatch):
+    every = by(cell, lifts=LIFT_NAMES)
+    leaning = tuple(
+        replace(one, tilt=np.deg2rad(30.0), name=f"leaning-{one.name}")
+        for one in every.parts[0].grasps[:4]
+    )
+    library = replace(every.parts[0].library, entries=leaning)
+    every = replace(every, parts=(replace(every.parts[0], library=library),))
+
+    def good():
+        return [
+            (one.detection, one.grasp.name, one.arm, one.verdict.note)
+            for one in judge(every, heap)
+            if one.verdict.is_ok
+        ]
+
+    quick = good()
+    monkeypatch.setattr(resolve, "clear_lifts", lambda *args, most=99: (list(lifts(*args)), None))
+    monkeypatch.setattr(resolve, "free_lifts", lambda *args: (list(lifts(*args)), None))
+    assert quick and quick == good()
+
+
 def test_the_verdict_tells_lift_and_opening_and_the_proof_agrees(cell, heap):
     eager = by(cell, lifts=LIFT_NAMES, least_air=0.0015)
     result = plan_pick(eager, heap, "test")
@@ -136,3 +160,24 @@ def test_a_proof_refuses_fingers_less_open_than_the_policy_allows(cell):
     assert opened(0.034).holds
     assert not opened(0.031).holds
     assert not opened(0.045).holds
+
+
+def test_a_blocked_lift_states_no_distance_that_nobody_has_measured(cell, heap):
+    found = [
+        one.verdict
+        for one in judge(by(cell, lifts=LIFT_NAMES), heap)
+        if one.verdict.reason is Reason.EXTRACT_BLOCKED and one.verdict.note.startswith("after")
+    ]
+    assert any("lifts tried" in one.note for one in found)
+    assert all(one.pair is not None and one.distance is None for one in found)
+    assert not any(", 0.0 mm" in str(one) for one in found)
+
+
+@pytest.mark.parametrize("names", [("leaning",), LIFT_NAMES])
+def test_a_lift_of_no_length_is_looked_at_without_a_division_by_zero(cell, names):
+    """It is part of no plan: the part would still touch the floor."""
+    still = by(cell, lifts=names, lift_length=0.0)
+    with np.errstate(all="raise"):
+        judged = judge(still, (lying(still, 0.0, 0.0),))
+    assert {one.verdict.stage for one in judged} >= {Stage.EXTRACT}
+    assert not any(one.verdict.is_ok for one in judged)

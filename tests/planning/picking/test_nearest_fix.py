@@ -70,7 +70,7 @@ def test_what_is_out_of_reach_has_no_small_fix(cell, detections):
 
 def test_where_no_other_grasp_helps_the_margin_is_named(cell, detections, monkeypatch):
     """With a margin of 9 mm to the floor, which its fingers do not have."""
-    for name in ("TURNS", "BACK_OFFS", "SLIDES"):
+    for name in ("TURNS", "BACK_OFFS", "SLIDES", "OPENINGS"):
         monkeypatch.setattr(f"workbench.planning.picking.nearest_fix.{name}", ())
     wide = replace(cell, policy=replace(cell.policy, near_margin=0.009))
     candidates = judge(wide, detections)

@@ -40,7 +40,7 @@ def world() -> World:
 
 @pytest.fixture(scope="module")
 def picks(world) -> list[Pick]:
-    found = [resolve(world, one, seed=0) for one in propose(CELL, DETECTIONS)]
+    found = [resolve(world, one, seed=0) for one in propose(world)]
     return [pick for pick in found if isinstance(pick, Pick)]
 
 

@@ -171,7 +171,7 @@ def test_a_leg_for_which_no_time_was_left_is_not_called_impossible():
         for y in (-0.03, 0.03)
     )
     world = World(CELL, detections)
-    picks = [resolve(world, one, seed=0) for one in propose(CELL, detections)]
+    picks = [resolve(world, one, seed=0) for one in propose(world)]
     picks = [pick for pick in picks if isinstance(pick, Pick)]
     world.deadline = 0.0
     alone = [arm_plan(world, pick, 0) for pick in picks]

@@ -86,3 +86,14 @@ def test_a_tool_that_fits_no_grasp_is_refused_with_the_reason(monkeypatch):
 def test_parts_that_the_cell_does_not_pick_can_be_piled_up():
     cell = empty.cell_of("yumi", "bracket+bolt")
     assert [part.name for part in cell.parts] == ["bracket", "bolt"]
+
+
+def test_a_pile_that_failed_picks_have_ended_says_so(monkeypatch):
+    def missed(cell, task, plan, lying, tally):
+        return [arm.detection for arm in plan.arms]
+
+    monkeypatch.setattr(empty, "_carry_out", missed)
+    monkeypatch.setattr(empty, "_left_alone", lambda detections, failed: {})
+    scene = emptied(PILE)
+    assert {left.kind for left in scene.left} >= {"stopped"}
+    assert not {left.kind for left in scene.left} & {"not found", "no path"}

@@ -7,7 +7,7 @@ from workbench.studies.emptying.scene import Left, Scene, Task
 from workbench.studies.emptying.summary import summary
 
 
-def scene(seed: int, taken: int, left: int, failed=(0, 0)) -> Scene:
+def scene(seed: int, taken: int, left: int, failed=(0, 0, 0)) -> Scene:
     stays = tuple(Left(f"part-{k + 1}", "tool collision", "in the way", "") for k in range(left))
     return Scene(
         task=Task("yumi", "", taken + left, seed),
@@ -39,9 +39,9 @@ def test_shares_and_rates_are_those_of_all_piles_together():
 
 
 def test_failed_picks_are_picks_and_counted_by_kind():
-    found = summary([scene(0, 3, 0, failed=(2, 1))], scan_seconds=0.0, approval_seconds=0.0)
+    found = summary([scene(0, 3, 0, failed=(2, 1, 0))], scan_seconds=0.0, approval_seconds=0.0)
     assert (found["picks"], found["failed_picks"]) == (6, 3)
-    assert found["failed_by_kind"] == {"missed": 2, "crooked": 1}
+    assert found["failed_by_kind"] == {"missed": 2, "crooked": 1, "turned": 0}
 
 
 def test_no_piles_have_no_shares():

@@ -10,7 +10,7 @@ from workbench.app.picking.pipeline import plan_pick
 from workbench.formats.cells.reading import read_cell
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.scan import Detection
-from workbench.studies.emptying.taking import carried_out, in_turn
+from workbench.studies.emptying.taking import carried_out, failure, in_turn
 
 
 @pytest.fixture(scope="module")
@@ -48,6 +48,24 @@ def test_a_part_that_lies_where_it_was_found_is_taken_without_a_touch(cell, lyin
 def test_a_part_a_little_way_off_is_gripped_crooked(cell, lying, arm_plan):
     taking = carried_out(cell, moved(lying, (0.004, 0, 0)), arm_plan, "keyed_cylinder")
     assert (taking.number, taking.is_straight) == (0, False)
+
+
+def test_a_part_that_lies_as_found_but_for_its_roll_is_told_apart(cell, lying, arm_plan):
+    def rolled(degrees: float) -> tuple[Detection, ...]:
+        roll = pose_from_rpy((0, 0, 0), (0, 0, np.deg2rad(degrees)))
+        return (replace(lying[0], T_world_part=lying[0].T_world_part * roll),)
+
+    turned = carried_out(cell, rolled(20), arm_plan, "keyed_cylinder")
+    assert (turned.number, turned.is_straight, turned.is_turned) == (0, False, True)
+    aside = carried_out(cell, moved(rolled(20), (0.004, 0, 0)), arm_plan, "keyed_cylinder")
+    assert (aside.is_straight, aside.is_turned) == (False, False)
+    # Its pads lie beside the key: they hold it so, too.
+    assert turned.is_held and failure(turned, replace(lying[0], roll_known=False)) == ""
+    loose = replace(turned, is_held=False)
+    assert failure(loose, replace(lying[0], roll_known=False)) == "turned"
+    assert failure(turned, lying[0]) == failure(aside, lying[0]) == "crooked"
+    far = carried_out(cell, moved(lying, (0.03, 0, 0)), arm_plan, "keyed_cylinder")
+    assert failure(far, lying[0]) == "missed"
 
 
 def test_fingers_close_on_nothing_where_no_part_of_that_kind_is(cell, lying, arm_plan):

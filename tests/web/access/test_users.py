@@ -1,6 +1,7 @@
 """Users, tokens and logins, in a file that only its owner may read."""
 
 import sqlite3
+from contextlib import closing
 
 import pytest
 
@@ -8,10 +9,11 @@ from workbench.app.core.people import Person, Role
 from workbench.app.core.rights import NOBODY
 from workbench.model.errors import FileError, InputError
 from workbench.web.access import passwords
-from workbench.web.access.lockout import MOST, WHILE, LockedOut, Lockout, network_of
+from workbench.web.access.kept_users import add_users, checked_users, kept_users
+from workbench.web.access.lockout import MOST, WHILE, LockedOut, Lockout
 from workbench.web.access.sessions import Sessions
 from workbench.web.access.store import Store
-from workbench.web.access.users import Users
+from workbench.web.access.users import Users, digest_of
 
 NOW = 1_760_000_000.0
 PASSWORD = "correct horse battery"
@@ -219,6 +221,28 @@ def test_the_first_user_ends_the_login_by_link(store, clock):
     assert sessions.find(sessions.begin(None)) is None
 
 
+def test_users_from_a_backup_end_the_login_by_link_too(tmp_path, store, clock):
+    with closing(Store(tmp_path / "kept.sqlite")) as other:
+        Users(other, clock).add("Bert", Role.ENGINEER, PASSWORD)
+        kept = checked_users(kept_users(other))
+    sessions = Sessions(store, now=clock)
+    cookie = sessions.begin(None)
+    digest = sessions.find(cookie).digest
+    add_users(store, kept)
+    assert sessions.find(cookie) is None
+    assert sessions.over([digest]) == {digest}, "and the windows that are open"
+
+
+def test_a_login_without_a_user_is_nobodys_once_there_are_users(store, users, sessions):
+    # However it came to be there: from a file that another version wrote, say.
+    with store.change() as connection:
+        connection.execute(
+            "INSERT INTO sessions (digest, user, expires_at) VALUES (?, NULL, ?)",
+            (digest_of("cookie"), NOW + 1000),
+        )
+    assert sessions.find("cookie") is None
+
+
 def test_a_login_does_not_begin_for_who_was_kept_out_or_removed_meanwhile(users, sessions):
     anna = users.by_password("Anna Weiß", PASSWORD)
     users.set_disabled("Anna Weiß", True)
@@ -260,18 +284,3 @@ def test_a_refused_attempt_does_not_make_it_longer(store, clock):
     assert lockout.begin("10.0.0.1", "Anna") == LockedOut(10.0)
     clock.now += 10
     assert not isinstance(lockout.begin("10.0.0.1", "Anna"), LockedOut)
-
-
-@pytest.mark.parametrize(
-    ("address", "network"),
-    [
-        ("10.0.0.1", "10.0.0.1"),
-        ("::ffff:10.0.0.1", "10.0.0.1"),
-        ("2001:db8::1", "2001:db8::/64"),
-        ("2001:db8::ffff:2", "2001:db8::/64"),
-        ("fe80::1%eth0", "fe80::/64"),
-        ("", ""),
-    ],
-)
-def test_what_counts_as_one_address(address, network):
-    assert network_of(address) == network

@@ -2,9 +2,13 @@
 
 import io
 import json
+import threading
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
+import requests
+from waiting import PATIENCE
 
 from workbench.app.core.people import Person, Role
 from workbench.app.core.rights import NOBODY
@@ -15,7 +19,7 @@ from workbench.formats.plans.certificates import read_certificate
 from workbench.formats.plans.plan_files import read_plan
 from workbench.web.api.calls import CALLS
 from workbench.web.api.fields import LARGEST_BODY
-from workbench.web.api.reads import READS
+from workbench.web.api.reads import READS, Source
 
 PROBLEM = "application/problem+json"
 
@@ -81,7 +85,7 @@ def test_a_task_is_told_while_it_runs_and_can_be_cancelled(site):
     begun = site.post("/scan").json()
     answer = site.get("/jobs/current").json()["job"]
     assert (answer["number"], answer["name"]) == (begun["job"], "scan")
-    assert "'scan' ends or is cancelled" in detail(site.post("/localize"), 409)
+    assert "the scan ends or is cancelled" in detail(site.post("/localize"), 409)
     assert site.post("/cancel").json()["job"] is None
     assert site.get("/jobs/current").json()["job"] is None
 
@@ -124,7 +128,7 @@ def test_a_role_that_is_not_enough_is_forbidden(site):
 
 
 def _some(field):
-    if field.name == "plan":
+    if field.name in ("plan", "ran"):
         return "0" * 64
     return {"integer": 0, "number": 0.5, "boolean": True, "string": "x"}[field.schema["type"]]
 
@@ -145,6 +149,34 @@ def test_whoever_is_not_in_control_is_told_who_is(site):
     assert site.get("/state").json()["asking"] == ["Ada"]
     assert site.post("/control/give", who="bob", to="Ada").status_code == 200
     assert site.post("/scan").status_code == 202
+
+
+def test_a_stop_waits_for_no_readers(site, monkeypatch):
+    over, begun = threading.Event(), threading.Semaphore(0)
+
+    def counted(source):
+        begun.release()
+        over.wait(PATIENCE)
+        return source.bench.state
+
+    digest = plan(site)
+    site.post("/watch", plan=digest)
+    site.post("/approve", plan=digest)
+    site.effects.hold.set()
+    assert site.post("/send", plan=digest).json()["phase"] == "sending"
+    monkeypatch.setattr(Source, "state", property(counted))
+    # More than the threads that an event loop has on any machine.
+    with ThreadPoolExecutor(40) as readers:
+        for _ in range(40):
+            readers.submit(requests.get, site.url + "/scan", headers=site.token("vic"))
+        begun.acquire(timeout=PATIENCE)
+        try:
+            headers = site.token("bob")
+            answer = requests.post(site.url + "/stop", json={}, headers=headers, timeout=60.0)
+            assert answer.status_code in (200, 202)
+        finally:
+            over.set()
+    site.reach("fault")
 
 
 def test_another_plan_than_the_current_one_is_not_approved(site):

@@ -10,9 +10,9 @@ from workbench.web.http.connection_limits import (
     WORK_SECONDS,
     ConnectionLimits,
     Room,
-    network_of,
     room_for,
 )
+from workbench.web.http.origins import network_of
 
 
 class Connection:

@@ -13,7 +13,8 @@ from workbench.app.core.commands import Approve, TakeControl, WatchPlan
 from workbench.app.core.people import Person, Role
 from workbench.model.errors import InputError
 from workbench.web.access.lockout import MOST, WHILE
-from workbench.web.opcua.server import MOST_CLIENTS, NAMESPACE, OpcUa, Options, _Door
+from workbench.web.opcua.door import Door, Options
+from workbench.web.opcua.server import MOST_CLIENTS, NAMESPACE, OpcUa
 from workbench.web.opcua.values import VARIABLES
 
 PLC = Person("plc", Role.OPERATOR)
@@ -179,7 +180,7 @@ def test_passwords_are_not_tried_one_after_the_other(serve, port):
 
 def test_the_door_opens_again_after_a_while():
     clock = [0.0]
-    door = _Door(Options(0, PLC, password="secret"), now=lambda: clock[0])
+    door = Door(Options(0, PLC, password="secret"), now=lambda: clock[0])
     for _ in range(MOST):
         assert door.get_user(None, "plc", "guess") is None
     assert door.get_user(None, "plc", "secret") is None

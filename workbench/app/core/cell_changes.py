@@ -62,13 +62,13 @@ def cell_read(state: State, command: CellRead) -> Changed:
             says = f"{cell.approvers} different people have to approve a plan now"
             return replace(state, message=says), (UseCell(kept),)
     if cell.digest == state.cell.digest:
-        return replace(state, message="the cell is as in its file"), ()
+        return replace(state, message=command.says or "the cell is as in its file"), ()
     if command.is_saved and command.written not in ("", state.cell.digest):
         message = "the cell is saved, without what was changed meanwhile: save it again"
         return replace(state, message=message), ()
     if command.is_saved:
         # Files hold fewer digits: what is read differs from what was saved by rounding only.
-        return _with_cell(state, cell, "the cell is saved")
+        return _with_cell(state, cell, command.says or "the cell is saved")
     return changed_cell(state, cell, "the cell file was changed, and is read again")
 
 

@@ -12,15 +12,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from workbench.app.core.people import Role
+from workbench.app.core.reports import (
+    CellRead,
+    JobEnded,
+    LinkEnded,
+    Opened,
+    PosesRefused,
+    Sent,
+    Started,
+)
 from workbench.model.calibration import BallPlate, PlateSighting
 from workbench.model.cell import Cell, Wishes
 from workbench.model.digest import LATER
-from workbench.model.errors import WorkbenchError
 from workbench.model.geometry import Floats, frozen, put
 from workbench.model.part import Entry as GraspEntry
-from workbench.model.part import GraspPair, Part
-from workbench.model.plan import PlanResult
-from workbench.model.release import PartReport, Receipt
+from workbench.model.part import GraspPair
 from workbench.model.scan import Detection, Scan, SearchWishes
 from workbench.model.symmetry import Symmetry
 
@@ -49,10 +55,15 @@ class UseScan:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FindParts:
-    """Localize parts in the current scan."""
+    """Localize parts in the current scan.
+
+    `is_compared`: what is found stands beside the parts that were found before, until somebody
+    takes it.
+    """
 
     seed: int = 0
     wishes: SearchWishes = field(default_factory=SearchWishes)
+    is_compared: bool = field(default_factory=bool, metadata=LATER)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -126,9 +137,11 @@ class WatchPlan:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Approve:
-    """A person's vote for the plan with this digest."""
+    """A person's vote for the plan with this digest, sent in this manner; see `Approval`."""
 
     plan_digest: str
+    speed_share: float = field(default_factory=lambda: 1.0, metadata=LATER)
+    is_stepped: bool = field(default_factory=bool, metadata=LATER)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -136,6 +149,13 @@ class SendPlan:
     """Send the approved plan with this digest to the robot."""
 
     plan_digest: str
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class NextStep:
+    """Let the step of the plan run that the robot waits before, which is `number`, from 1 on."""
+
+    number: int
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -168,6 +188,16 @@ class CancelJob:
 @dataclass(frozen=True, slots=True, eq=False)
 class AcknowledgeFault:
     """A person has seen the fault and cleared the cell."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class AcknowledgeChanges:
+    """An engineer has seen how software, machine or people differ from the start before.
+
+    `ran` is the digest of the inventory that was seen.
+    """
+
+    ran: str
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -279,68 +309,6 @@ class ReleaseControl:
     of: str = ""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Opened:
-    """A bench goes on with this session: by a new start, or with a copy of it elsewhere.
-
-    Words and approvals belong to one start of one bench: those given before have ended.
-    """
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class CellRead:
-    """The cell file was read: what it holds now, or why that cannot be used.
-
-    `is_saved`: this session had written it before, from the cell with the digest `written` (empty
-    in older sessions, which did not record it).
-    """
-
-    cell: Cell | None = None
-    problem: str = ""
-    is_saved: bool = False
-    written: str = ""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class PosesRefused:
-    """A file that came into the watched folder cannot be used; `problem` says why."""
-
-    problem: str
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class JobEnded:
-    """The worker finished job `number`.
-
-    `result` is a `Scan`, a tuple of `Detection`, a `PlanResult`, a `PlateSighting`, a `Part`, or
-    the error that ended it.
-    """
-
-    number: int
-    result: "Scan | tuple[Detection, ...] | PlanResult | PlateSighting | Part | WorkbenchError"
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Sent:
-    """The robot link reports one message that went out."""
-
-    receipt: Receipt
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class LinkEnded:
-    """The robot link is closed.  `fault` is empty when the controller reported the end.
-
-    `parts` says of each part of the plan what the controller told of it; `placed` are the parts
-    that lie on pallets now, or may lie there, None as long as nobody has worked that out.
-    """
-
-    fault: str = ""
-    parts_placed: int = 0
-    parts: tuple[PartReport, ...] = ()
-    placed: tuple[Detection, ...] | None = None
-
-
 Command = (
     TakeScan
     | UseScan
@@ -353,6 +321,7 @@ Command = (
     | WatchPlan
     | Approve
     | SendPlan
+    | NextStep
     | Stop
     | ReportPick
     | ForgetAvoided
@@ -371,6 +340,8 @@ Command = (
     | GiveControl
     | DenyControl
     | ReleaseControl
+    | AcknowledgeChanges
+    | Started
     | Opened
     | CellRead
     | PosesRefused

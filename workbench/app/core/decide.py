@@ -10,48 +10,12 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any, assert_never
 
+from workbench.app.core import commands
 from workbench.app.core.cell_changes import cell_read, changed_cell, edited_cell, redone, undone
-from workbench.app.core.commands import (
-    AcknowledgeFault,
-    Approve,
-    AskForControl,
-    CancelJob,
-    CellRead,
-    ChangeCell,
-    DenyControl,
-    DropDraft,
-    EditPart,
-    EmptyPallets,
-    Entry,
-    FindParts,
-    ForgetAvoided,
-    GiveControl,
-    ImportPart,
-    JobEnded,
-    LinkEnded,
-    MakePlan,
-    Opened,
-    PosesRefused,
-    RedoCell,
-    ReleaseControl,
-    ReportPick,
-    SaveCell,
-    SendPlan,
-    Sent,
-    SightPlate,
-    Stop,
-    TakeControl,
-    TakeScan,
-    UndoCell,
-    UseDetections,
-    UseScan,
-    UseSightings,
-    WantThreshold,
-    WatchPlan,
-)
 from workbench.app.core.control import with_control
 from workbench.app.core.effects import (
     Effect,
+    LetStep,
     RemoveDraft,
     Send,
     StartJob,
@@ -59,42 +23,49 @@ from workbench.app.core.effects import (
     StopSending,
     WriteCell,
 )
-from workbench.app.core.outcomes import after_one_more_scan, avoided_parts, with_outcome
-from workbench.app.core.planned import with_plan
+from workbench.app.core.outcomes import (
+    after_one_more_scan,
+    after_sending,
+    avoided_parts,
+    with_outcome,
+    with_receipt,
+    with_step,
+)
 from workbench.app.core.release import (
+    acknowledged,
     has_seen,
     opened_again,
+    started,
     votes_of_others,
     without_approval,
 )
+from workbench.app.core.results import (
+    compared,
+    with_detections,
+    with_outside_detections,
+    with_plan,
+)
 from workbench.app.core.rules import approve
-from workbench.app.core.sent import after_sending, with_receipt
 from workbench.app.core.state import (
     Job,
-    PartsState,
     Phase,
     RunState,
     ScanState,
     State,
     begun,
-    counted,
     stale_by,
 )
 from workbench.model.calibration import PlateSighting
-from workbench.model.digest import digest_of
 from workbench.model.errors import CommandRefused, JobCancelled, WorkbenchError
 from workbench.model.part import Part
 from workbench.model.plan import PlanResult
-from workbench.model.release import Vote
-from workbench.model.scan import Remark, Scan, Search
+from workbench.model.release import Vote, manner_words
+from workbench.model.scan import Scan, Search
 
 Outcome = tuple[State, tuple[Effect, ...]]
 
-MOST_SEARCHES, MOST_REMARKS = 6, 30
-"""In one scan, that are remembered."""
 
-
-def decide(state: State, entry: Entry) -> Outcome:
+def decide(state: State, entry: commands.Entry) -> Outcome:
     """The state after an entry, and what has to be set in motion.
 
     Args:
@@ -106,76 +77,86 @@ def decide(state: State, entry: Entry) -> Outcome:
     """
     state = replace(state, number=entry.number)
     match entry.command:
-        case TakeScan(seed=seed, parts=parts, part=part):
+        case commands.TakeScan(seed=seed, parts=parts, part=part):
             arguments = {"seed": seed, "parts": parts, "part": part}
             return _begin(state, entry, "scan", arguments, "scanning")
-        case UseScan(scan=scan):
+        case commands.UseScan(scan=scan):
             return _with_scan(state, scan, entry.at), ()
-        case FindParts() as command:
+        case commands.FindParts() as command:
             return _find_parts(state, entry, command)
-        case UseDetections() as command:
-            return _with_outside_detections(state, entry, command), ()
-        case SightPlate() as command:
+        case commands.UseDetections() as command:
+            return with_outside_detections(state, entry, command), ()
+        case commands.SightPlate() as command:
             return _sight_plate(state, entry, command)
-        case UseSightings(sightings=sightings, says=says):
+        case commands.UseSightings(sightings=sightings, says=says):
             return replace(state, sightings=sightings, message=says), ()
-        case MakePlan() as command:
+        case commands.MakePlan() as command:
             return _make_plan(state, entry, command)
-        case WantThreshold(threshold=threshold):
+        case commands.WantThreshold(threshold=threshold):
             return replace(state, wanted_threshold=threshold), ()
-        case WatchPlan(is_told=is_told):
+        case commands.WatchPlan(is_told=is_told):
             return _watched(state, entry.actor, is_told=is_told), ()
-        case Approve():
-            return _approved(state, entry), ()
-        case SendPlan():
+        case commands.Approve() as vote:
+            return _approved(state, entry, vote), ()
+        case commands.SendPlan():
             return _send(state, entry)
-        case Stop():
+        case commands.NextStep(number=number):
+            return with_step(state, number, entry.actor, entry.at), (LetStep(number),)
+        case commands.Stop():
             return replace(state, message=f"{entry.actor} stops the sending"), (StopSending(),)
-        case CancelJob():
+        case commands.CancelJob():
             return _cancel(state, entry)
-        case AcknowledgeFault():
+        case commands.AcknowledgeFault():
             # Nobody knows how the bin looks after a fault: only a new scan can tell.
             message = f"fault acknowledged by {entry.actor}; take a new scan"
             return begun(replace(state, failures=0), ScanState, message=message), ()
-        case ReportPick() as command:
+        case commands.ReportPick() as command:
             return with_outcome(state, command, entry.actor, entry.at), ()
-        case ForgetAvoided():
+        case commands.ForgetAvoided():
             return replace(state, avoided=(), message="no part is avoided any more"), ()
-        case ChangeCell(cell=cell, says=says):
+        case commands.ChangeCell(cell=cell, says=says):
             return changed_cell(state, cell, says)
-        case UndoCell():
+        case commands.UndoCell():
             return undone(state)
-        case RedoCell():
+        case commands.RedoCell():
             return redone(state)
-        case EditPart() as edit:
+        case commands.EditPart() as edit:
             return edited_cell(state, edit)
-        case ImportPart(name=name) as command:
+        case commands.ImportPart(name=name) as command:
             says = f"making the part {name} of {command.file}"
             return _begin(state, entry, "import", {"command": command}, says)
-        case DropDraft(part=part):
+        case commands.DropDraft(part=part):
             return replace(state, message=f"the draft of {part} is dropped"), (RemoveDraft(part),)
-        case EmptyPallets():
+        case commands.EmptyPallets():
             return replace(state, placed=(), message="the pallets are empty"), ()
-        case SaveCell(remark=remark):
+        case commands.SaveCell(remark=remark):
             write = WriteCell(state.cell, remark, entry.actor, entry.at)
             return replace(state, message=f"{entry.actor} saves the cell"), (write,)
         case (
-            AskForControl() | TakeControl() | GiveControl() | DenyControl() | ReleaseControl()
+            commands.AskForControl()
+            | commands.TakeControl()
+            | commands.GiveControl()
+            | commands.DenyControl()
+            | commands.ReleaseControl()
         ) as about:
             return with_control(state, about, entry.actor), ()
-        case Opened():
+        case commands.AcknowledgeChanges():
+            return acknowledged(state, entry.actor), ()
+        case commands.Started() as start:
+            return started(state, start), ()
+        case commands.Opened():
             return opened_again(state), ()
-        case CellRead():
+        case commands.CellRead():
             return cell_read(state, entry.command)
-        case PosesRefused(problem=problem):
+        case commands.PosesRefused(problem=problem):
             return replace(state, message=f"poses from outside cannot be used: {problem}"), ()
-        case JobEnded(result=Part() as part) as ended:
+        case commands.JobEnded(result=Part() as part) as ended:
             return _part_made(state, ended, part)
-        case JobEnded():
+        case commands.JobEnded():
             return _job_ended(state, entry.command, entry.at), ()
-        case Sent(receipt=receipt):
+        case commands.Sent(receipt=receipt):
             return with_receipt(state, receipt), ()
-        case LinkEnded():
+        case commands.LinkEnded():
             return after_sending(state, entry.command, entry.at), ()
         case _:
             assert_never(entry.command)
@@ -183,7 +164,7 @@ def decide(state: State, entry: Entry) -> Outcome:
 
 def _begin(
     state: State,
-    entry: Entry,
+    entry: commands.Entry,
     name: str,
     arguments: Mapping[str, Any],
     message: str,
@@ -207,15 +188,15 @@ def _watched(state: State, actor: str, *, is_told: bool) -> State:
     return replace(state, watched=watched, told=told, message=message)
 
 
-def _find_parts(state: State, entry: Entry, command: FindParts) -> Outcome:
+def _find_parts(state: State, entry: commands.Entry, command: commands.FindParts) -> Outcome:
     if state.scan is None:
         raise CommandRefused("there is no scan to find parts in")
     arguments = {"scan": state.scan, "seed": command.seed, "wishes": command.wishes}
-    about = {"seed": command.seed, "wishes": command.wishes}
+    about = {"seed": command.seed, "wishes": command.wishes, "is_compared": command.is_compared}
     return _begin(state, entry, "localize", arguments, "finding parts", **about)
 
 
-def _sight_plate(state: State, entry: Entry, command: SightPlate) -> Outcome:
+def _sight_plate(state: State, entry: commands.Entry, command: commands.SightPlate) -> Outcome:
     numbers = (one.name.rpartition(" ")[2] for one in state.sightings)
     last = max((int(number) for number in numbers if number.isdecimal()), default=0)
     arguments = {
@@ -228,7 +209,7 @@ def _sight_plate(state: State, entry: Entry, command: SightPlate) -> Outcome:
     return _begin(state, entry, "sight", arguments, "looking at the plate")
 
 
-def _make_plan(state: State, entry: Entry, command: MakePlan) -> Outcome:
+def _make_plan(state: State, entry: commands.Entry, command: commands.MakePlan) -> Outcome:
     if not state.detections:
         raise CommandRefused("there are no parts to plan for")
     arguments = {
@@ -243,18 +224,25 @@ def _make_plan(state: State, entry: Entry, command: MakePlan) -> Outcome:
         "seed": command.seed,
     }
     state = replace(state, wanted_threshold=command.threshold)
-    about = {"threshold": command.threshold}
+    about = {
+        "strategy": command.strategy,
+        "threshold": command.threshold,
+        "seed": command.seed,
+        "planning": command.wishes,
+    }
     return _begin(state, entry, "plan", arguments, "planning", **about)
 
 
-def _approved(state: State, entry: Entry) -> State:
+def _approved(state: State, entry: commands.Entry, vote: commands.Approve) -> State:
     if state.plan is None or state.proof is None:
         raise CommandRefused("there is no proven plan to approve")
-    before = votes_of_others(state, entry.actor, entry.at)
-    votes = (*before, Vote(state.plan.digest, entry.actor, entry.at))
-    wanted = state.cell.approvers
+    manner = vote.speed_share, vote.is_stepped
+    before = votes_of_others(state, entry.actor, entry.at, manner)
+    votes = (*before, Vote(state.plan.digest, entry.actor, entry.at, *manner))
+    wanted, words = state.cell.approvers, manner_words(*manner)
+    how = f", to be sent {words}" if words else ""
     if len(votes) < wanted:
-        message = f"approved by {_names(votes)}, {len(votes)} of {wanted} people"
+        message = f"approved by {_names(votes)}, {len(votes)} of {wanted} people{how}"
         state = replace(state, phase=Phase.PLANNED, approval=None)
     else:
         unseen = [vote.actor for vote in votes if not has_seen(state, vote.actor)]
@@ -266,8 +254,10 @@ def _approved(state: State, entry: Entry) -> State:
             entry.at,
             before,
             is_unwatched=bool(unseen),
+            ran="" if state.ran is None else state.ran.digest,
+            manner=manner,
         )
-        message = f"plan {state.plan.digest[:12]} approved by {_names(votes)}"
+        message = f"plan {state.plan.digest[:12]} approved by {_names(votes)}{how}"
         if unseen:
             message += f"; no page has shown it to {' and '.join(unseen)}"
         state = replace(state, phase=Phase.APPROVED, approval=approval)
@@ -278,15 +268,16 @@ def _names(votes: tuple[Vote, ...]) -> str:
     return " and ".join(vote.actor for vote in votes)
 
 
-def _send(state: State, entry: Entry) -> Outcome:
+def _send(state: State, entry: commands.Entry) -> Outcome:
     if state.plan is None or state.approval is None:
         raise CommandRefused("there is no approved plan to send")
     message = f"{entry.actor} sends plan {state.plan.digest[:12]}"
-    after = begun(state, RunState, phase=Phase.SENDING, message=message)
+    until = state.approval.until
+    after = begun(state, RunState, phase=Phase.SENDING, message=message, let_until=until)
     return after, (Send(state.plan, state.approval),)
 
 
-def _cancel(state: State, entry: Entry) -> Outcome:
+def _cancel(state: State, entry: commands.Entry) -> Outcome:
     if state.job is None:
         return state, ()
     # The job leaves the state at once; whatever it still brings is recorded and not used.
@@ -294,7 +285,7 @@ def _cancel(state: State, entry: Entry) -> Outcome:
     return replace(state, job=None, message=message), (StopJob(state.job.number),)
 
 
-def _job_ended(state: State, ended: JobEnded, at: float) -> State:
+def _job_ended(state: State, ended: commands.JobEnded, at: float) -> State:
     job, result = state.job, ended.result
     if job is None or job.number != ended.number:
         return state
@@ -308,19 +299,19 @@ def _job_ended(state: State, ended: JobEnded, at: float) -> State:
             return _with_scan(state, result, at)
         case ("localize", tuple()):
             search = Search(job.number, job.seed, job.wishes, result, max(0.0, at - job.at))
-            return _with_detections(state, search)
+            return (compared if job.is_compared else with_detections)(state, search)
         case ("sight", PlateSighting()):
             sightings = (*state.sightings, result)
             message = f"{result.name}: the plate is seen, {len(sightings)} so far"
             return replace(state, sightings=sightings, message=message)
         case ("plan", PlanResult()):
-            return with_plan(state, result, job.threshold)
+            return with_plan(state, result, job)
         case _:
             wrong = type(result).__name__
             return replace(state, message=f"task {job.name!r} failed: it brought a {wrong}")
 
 
-def _part_made(state: State, ended: JobEnded, part: Part) -> Outcome:
+def _part_made(state: State, ended: commands.JobEnded, part: Part) -> Outcome:
     """The cell picks a new part too, as long as it was still wanted."""
     job = state.job
     if job is None or job.number != ended.number or job.name != "import":
@@ -338,36 +329,4 @@ def _with_scan(state: State, scan: Scan, at: float) -> State:
         scene_digest=scan.digest,
         stale="" if state.phase is Phase.DONE else stale_by(state, "there is a newer scan"),
         message=f"scan with {len(scan.points):,} points",
-    )
-
-
-def _with_detections(state: State, search: Search) -> State:
-    detections = search.detections
-    return begun(
-        state,
-        PartsState,
-        phase=Phase.LOCALIZED if detections else Phase.SCANNED,
-        searches=(*state.searches, search)[-MOST_SEARCHES:],
-        detections=detections,
-        scene_digest=state.scan.digest if state.scan is not None else "",
-        stale=stale_by(state, "parts were looked for again"),
-        message=f"{counted(len(detections), 'part')} found",
-    )
-
-
-def _with_outside_detections(state: State, entry: Entry, command: UseDetections) -> State:
-    detections = command.detections
-    says = command.says or f"{counted(len(detections), 'pose')} taken from outside"
-    remark = Remark(entry.at, entry.actor, says)
-    # Poses from another matcher usually belong to this scan, but never to a picked bin.
-    is_picked = state.phase is Phase.DONE
-    return begun(
-        state,
-        ScanState if is_picked else PartsState,
-        phase=Phase.LOCALIZED,
-        remarks=(*(() if is_picked else state.remarks), remark)[-MOST_REMARKS:],
-        detections=detections,
-        scene_digest=digest_of(detections),
-        stale="" if is_picked else stale_by(state, "the parts are others"),
-        message=f"{says}, by {entry.actor}",
     )

@@ -9,6 +9,7 @@ import pinocchio as pin
 from workbench.formats.parts.grasp_words import changes_in_words
 from workbench.model.cell import Arm, Cell
 from workbench.model.digest import digest_of
+from workbench.model.geometry import shift_and_turn
 from workbench.model.part import Part
 
 MOST_NAMED = 3
@@ -49,9 +50,8 @@ def _differences(before: Cell, after: Cell) -> Iterator[str]:
 
 
 def _moved(what: str, before: pin.SE3, after: pin.SE3) -> Iterator[str]:
-    way = before.actInv(after)
-    far = float(np.linalg.norm(way.translation)) * 1000
-    turned = float(np.rad2deg(np.linalg.norm(pin.log3(way.rotation))))
+    shift, turn = shift_and_turn(before.actInv(after))
+    far, turned = shift * 1000, float(np.rad2deg(turn))
     if far > 1e-3 and turned > 1e-3:
         yield f"{what} was moved by {far:.1f} mm and turned by {turned:.1f} degrees"
     elif far > 1e-3:

@@ -38,6 +38,13 @@ class Send:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class LetStep:
+    """Let the robot run this step of the plan that is being sent, and none after it."""
+
+    number: int
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class StopSending:
     """Send nothing more and close the link; answered by the `LinkEnded` of the sending."""
 
@@ -73,4 +80,14 @@ class RemoveDraft:
     part: str
 
 
-Effect = StartJob | StopJob | Send | StopSending | UseCell | WriteCell | KeepDrafts | RemoveDraft
+Effect = (
+    StartJob
+    | StopJob
+    | Send
+    | LetStep
+    | StopSending
+    | UseCell
+    | WriteCell
+    | KeepDrafts
+    | RemoveDraft
+)

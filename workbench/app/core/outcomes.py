@@ -1,11 +1,14 @@
-"""What became of the parts of a plan, and which are left alone for a while after that."""
+"""What a sending brings, what became of the parts, and which are left alone for a while after."""
 
 import math
 from dataclasses import replace
 
-from workbench.app.core.commands import ReportPick
-from workbench.app.core.state import Avoided, Outcome, Phase, State
+from workbench.app.core.commands import LinkEnded, ReportPick
+from workbench.app.core.rights import ROBOT_LINK
+from workbench.app.core.state import Avoided, Outcome, Phase, State, counted
 from workbench.model.cell import Cell
+from workbench.model.plan import Plan
+from workbench.model.release import Receipt
 from workbench.model.scan import Detection
 
 AVOID_SCANS = 3
@@ -18,6 +21,78 @@ SAME_PLACE = 0.015
 
 MOST_FAILURES = 3
 """So many failed picks in a row stop the cycle until somebody has looked."""
+
+
+def with_receipt(state: State, receipt: Receipt) -> State:
+    """The state after one more message went out."""
+    state = replace(state, receipts=(*state.receipts, receipt))
+    steps = () if state.plan is None else state.plan.sequence
+    if state.plan is not None and 0 < receipt.waits == state.let + 1 <= len(steps):
+        message = f"the robot waits before {step_said(state.plan, receipt.waits)}"
+        return replace(state, waits=receipt.waits, message=message)
+    if state.let:
+        # What is told of a step is who has let it run.
+        return state
+    return replace(state, message=f"{receipt.done} of {receipt.total} messages sent")
+
+
+def step_said(plan: Plan, number: int) -> str:
+    """A step of a plan, counted from 1, for people."""
+    return f"step {number} of {len(plan.sequence)}, {plan.sequence[number - 1].words}"
+
+
+def step_problem(state: State, number: int, now: float) -> str:
+    """Why a step may not run now; empty when it may."""
+    if state.approval is None or not state.approval.is_stepped:
+        return "the plan is not sent step by step"
+    if not state.waits:
+        return "the robot waits before no step now; wait until it stands"
+    if number != state.waits:
+        return f"the robot waits before step {state.waits}, not {number!r}: look and decide again"
+    if not state.approval.at <= now < state.let_until:
+        minutes = state.cell.policy.approval_minutes
+        return (
+            f"nobody has let a step run for {minutes:g} minutes, or the clock was set back: the "
+            "approval holds no longer; stop, and begin with a new scan"
+        )
+    return ""
+
+
+def with_step(state: State, number: int, actor: str, at: float) -> State:
+    """The state after a person has let a step run, at [s since the epoch]."""
+    if state.plan is None:
+        return state
+    message = f"{step_said(state.plan, number)}, let run by {actor}"
+    until = at + state.cell.policy.approval_minutes * 60.0
+    return replace(state, waits=0, let=number, let_until=until, message=message)
+
+
+def after_sending(state: State, ended: LinkEnded, at: float) -> State:
+    """The state after the robot link was closed.
+
+    Args:
+        state: while something was sent.
+        ended: what the link says.
+        at: when [s since the epoch].
+    """
+    # After a fault nobody knows: no other part is put where one may lie.
+    state = replace(state, placed=(*state.placed, *(ended.placed or ())))
+    for part in ended.parts:
+        if part.is_picked is not None:
+            said = ReportPick(part.detection, part.is_picked, part.why)
+            # What somebody has reported meanwhile is not counted a second time.
+            if not outcome_problem(state, said):
+                state = with_outcome(state, said, ROBOT_LINK, at)
+    state = replace(state, parts_placed=ended.parts_placed, part_reports=ended.parts, waits=0)
+    if ended.fault:
+        message = f"fault while sending: {ended.fault}"
+        return replace(state, phase=Phase.FAULT, fault=ended.fault, message=message)
+    expected = len(state.plan.arms) if state.plan is not None else 0
+    message = f"cycle finished, {ended.parts_placed} of {counted(expected, 'part')} reported placed"
+    for part in ended.parts:
+        if part.is_picked is False:
+            message += f"; {part.arm} arm failed: {part.why}"
+    return escalated(replace(state, phase=Phase.DONE, message=message))
 
 
 def outcome_problem(state: State, command: ReportPick) -> str:

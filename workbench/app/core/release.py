@@ -12,12 +12,13 @@ from functools import lru_cache
 
 import numpy as np
 
-from workbench.app.core.rights import NOBODY
+from workbench.app.core.commands import Started
+from workbench.app.core.rights import NOBODY, changes_said
 from workbench.app.core.state import Phase, State
 from workbench.model.cell import Arm, Cell
 from workbench.model.geometry import Floats
 from workbench.model.plan import Plan
-from workbench.model.release import Approval, Vote
+from workbench.model.release import Approval, Manner, Vote
 
 LEAST_MOVED = 0.001
 """[m] So far the robot may be from where a plan starts also where no margin is kept: it rounds."""
@@ -46,9 +47,16 @@ def standing_votes(state: State, now: float) -> tuple[Vote, ...]:
     )
 
 
-def votes_of_others(state: State, actor: str, now: float) -> tuple[Vote, ...]:
-    """Those of the standing votes that count beside the vote of `actor`, the latest last."""
-    others = [vote for vote in standing_votes(state, now) if not is_same_person(vote.actor, actor)]
+def votes_of_others(state: State, actor: str, now: float, manner: Manner) -> tuple[Vote, ...]:
+    """Those of the standing votes that count beside the vote of `actor`, the latest last.
+
+    Votes for another manner of sending (speed share, whether step by step) do not.
+    """
+    others = [
+        vote
+        for vote in standing_votes(state, now)
+        if not is_same_person(vote.actor, actor) and vote.manner == manner
+    ]
     wanted = state.cell.approvers - 1
     return tuple(others[-wanted:]) if wanted else ()
 
@@ -70,6 +78,32 @@ def opened_again(state: State) -> State:
     return replace(without_approval(state), watched=(), told=(), message=message)
 
 
+def started(state: State, start: Started) -> State:
+    """The state after a start: what had changed by then stays until it is acknowledged."""
+    changed = tuple(dict.fromkeys((*state.changed, *start.changes)))
+    since = state.changed_since or start.since
+    after = replace(state, ran=start.ran, changed=changed, changed_since=since if changed else "")
+    return replace(after, message=changes_said(after)) if start.changes else after
+
+
+def changes_problem(state: State, ran: str) -> str:
+    """Why changes cannot be acknowledged by who has seen the inventory `ran`; else empty."""
+    if not state.changed or state.ran is None:
+        return "nothing has changed that nobody has acknowledged"
+    if state.ran.digest != ran:
+        return (
+            f"what runs now has the digest {state.ran.digest[:12]}, not {ran[:12]!r}: look at "
+            "the current changes and decide again"
+        )
+    return ""
+
+
+def acknowledged(state: State, actor: str) -> State:
+    """The state after somebody has acknowledged what has changed."""
+    message = f"{actor} has acknowledged what has changed since {state.changed_since}"
+    return replace(state, changed=(), changed_since="", message=message)
+
+
 def lacks_people(cell: Cell, approval: Approval) -> str:
     """Why an approval is by too few people for the cell; empty when it is not."""
     different = {_plain(name) for name in approval.people}
@@ -81,11 +115,14 @@ def lacks_people(cell: Cell, approval: Approval) -> str:
     )
 
 
-def said_already(state: State, actor: str, now: float) -> str:
+def said_already(state: State, actor: str, now: float, manner: Manner) -> str:
     """Why a person need not approve again while somebody else's vote is missing; else empty."""
     wanted = state.cell.approvers
-    mine = any(is_same_person(vote.actor, actor) for vote in standing_votes(state, now))
-    if not mine or len(votes_of_others(state, actor, now)) + 1 >= wanted:
+    mine = any(
+        is_same_person(vote.actor, actor) and vote.manner == manner
+        for vote in standing_votes(state, now)
+    )
+    if not mine or len(votes_of_others(state, actor, now, manner)) + 1 >= wanted:
         return ""
     return f"{actor} has approved already; {wanted} different people have to"
 

@@ -3,43 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from workbench.app.core.commands import (
-    AcknowledgeFault,
-    Approve,
-    AskForControl,
-    CancelJob,
-    CellRead,
-    ChangeCell,
-    DenyControl,
-    DropDraft,
-    EditPart,
-    EmptyPallets,
-    FindParts,
-    ForgetAvoided,
-    GiveControl,
-    ImportPart,
-    JobEnded,
-    LinkEnded,
-    MakePlan,
-    Opened,
-    PosesRefused,
-    RedoCell,
-    ReleaseControl,
-    ReportPick,
-    SaveCell,
-    SendPlan,
-    Sent,
-    SightPlate,
-    Stop,
-    TakeControl,
-    TakeScan,
-    UndoCell,
-    UseDetections,
-    UseScan,
-    UseSightings,
-    WantThreshold,
-    WatchPlan,
-)
+from workbench.app.core import commands
 from workbench.app.core.people import Role
 from workbench.app.core.state import Phase, State
 
@@ -55,8 +19,21 @@ MACHINES = frozenset({WORKER, ROBOT_LINK, CELL_FILE, POSES_FOLDER, FRONT_DOOR, S
 NOBODY = "operator"
 """Who acts in a browser without a login; an approval always has a name of its own."""
 
+MOST_SAID = 3
+"""So many changes are told in a sentence; the page has the whole list."""
+
 EVERY = frozenset(Phase)
 SAFE = EVERY - {Phase.SENDING, Phase.FAULT}
+
+
+JOBS: Mapping[str, str] = {
+    "scan": "the scan",
+    "localize": "the search for parts",
+    "plan": "the planning",
+    "sight": "the scan of the plate",
+    "import": "the new part",
+}
+"""What people call the tasks of the worker."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,53 +58,71 @@ class Right:
 
 
 RIGHTS: Mapping[type, Right] = {
-    TakeScan: Right("a scan", SAFE),
-    UseScan: Right("using a scan from a file", SAFE),
-    FindParts: Right("finding parts", SAFE - {Phase.IDLE, Phase.DONE}),
-    UseDetections: Right("using poses from outside", SAFE, also_by=POSES_FOLDER),
-    MakePlan: Right("planning", frozenset({Phase.LOCALIZED, Phase.PLANNED, Phase.APPROVED})),
-    WantThreshold: Right("another threshold", SAFE, beside_job=True),
+    commands.TakeScan: Right("a scan", SAFE),
+    commands.UseScan: Right("using a scan from a file", SAFE),
+    commands.FindParts: Right("finding parts", SAFE - {Phase.IDLE, Phase.DONE}),
+    commands.UseDetections: Right("using poses from outside", SAFE, also_by=POSES_FOLDER),
+    commands.MakePlan: Right(
+        "planning", frozenset({Phase.LOCALIZED, Phase.PLANNED, Phase.APPROVED})
+    ),
+    commands.WantThreshold: Right("another threshold", SAFE, beside_job=True),
     # Several people may have to approve, each of whom has to see the plan: only one is in control.
-    WatchPlan: Right("a preview", frozenset({Phase.PLANNED, Phase.APPROVED}), without_control=True),
-    Approve: Right("an approval", frozenset({Phase.PLANNED, Phase.APPROVED}), without_control=True),
-    SendPlan: Right("sending", frozenset({Phase.APPROVED})),
+    commands.WatchPlan: Right(
+        "a preview", frozenset({Phase.PLANNED, Phase.APPROVED}), without_control=True
+    ),
+    commands.Approve: Right(
+        "an approval", frozenset({Phase.PLANNED, Phase.APPROVED}), without_control=True
+    ),
+    commands.SendPlan: Right("sending", frozenset({Phase.APPROVED})),
+    commands.NextStep: Right("a step", frozenset({Phase.SENDING}), "nothing is being sent"),
     # Nobody who sees that something goes wrong has to ask first.
-    Stop: Right(
+    commands.Stop: Right(
         "a stop", frozenset({Phase.SENDING}), "nothing is being sent", without_control=True
     ),
-    ReportPick: Right(
+    commands.ReportPick: Right(
         "the outcome of a pick",
         frozenset({Phase.SENDING, Phase.DONE, Phase.FAULT}),
         "nothing was sent",
         by_anybody=True,
         without_control=True,
     ),
-    ForgetAvoided: Right("forgetting what is avoided", SAFE),
-    CancelJob: Right("cancelling", EVERY, beside_job=True),
-    AcknowledgeFault: Right("acknowledging", frozenset({Phase.FAULT}), "there is no fault"),
-    EmptyPallets: Right("emptying the pallets", SAFE),
-    SightPlate: Right("a scan of the plate", SAFE, role=Role.ENGINEER),
-    UseSightings: Right("a change of the calibration's poses", SAFE, role=Role.ENGINEER),
-    ChangeCell: Right("a change of the cell", SAFE, role=Role.ENGINEER),
-    UndoCell: Right("an undo", SAFE, role=Role.ENGINEER),
-    RedoCell: Right("a redo", SAFE, role=Role.ENGINEER),
-    EditPart: Right("a change of grasps", SAFE, role=Role.ENGINEER),
-    ImportPart: Right("a new part", SAFE, role=Role.ENGINEER),
-    DropDraft: Right("dropping a draft", SAFE, role=Role.ENGINEER),
-    SaveCell: Right("saving the cell", SAFE, role=Role.ENGINEER),
-    AskForControl: Right("asking for control", EVERY, beside_job=True, without_control=True),
-    TakeControl: Right("taking control", EVERY, beside_job=True, without_control=True),
-    GiveControl: Right("handing control over", EVERY, beside_job=True),
-    DenyControl: Right("keeping control", EVERY, beside_job=True),
-    ReleaseControl: Right("giving control back", EVERY, beside_job=True, also_by=FRONT_DOOR),
-    Opened: Right("going on with a session", EVERY, beside_job=True, by_machine=True),
-    CellRead: Right("a new cell file", SAFE, by_machine=True),
-    PosesRefused: Right("a problem with poses", EVERY, beside_job=True, by_machine=True),
-    JobEnded: Right("the end of a task", EVERY, beside_job=True, by_machine=True),
-    Sent: Right(
+    commands.ForgetAvoided: Right("forgetting what is avoided", SAFE),
+    commands.CancelJob: Right("cancelling", EVERY, beside_job=True),
+    commands.AcknowledgeFault: Right(
+        "acknowledging", frozenset({Phase.FAULT}), "there is no fault"
+    ),
+    # While nothing moves, by whoever answers for the machine; a task that runs is not held up.
+    commands.AcknowledgeChanges: Right(
+        "acknowledging changes", SAFE, beside_job=True, role=Role.ENGINEER, without_control=True
+    ),
+    commands.EmptyPallets: Right("emptying the pallets", SAFE),
+    commands.SightPlate: Right("a scan of the plate", SAFE, role=Role.ENGINEER),
+    commands.UseSightings: Right("a change of the calibration's poses", SAFE, role=Role.ENGINEER),
+    commands.ChangeCell: Right("a change of the cell", SAFE, role=Role.ENGINEER),
+    commands.UndoCell: Right("an undo", SAFE, role=Role.ENGINEER),
+    commands.RedoCell: Right("a redo", SAFE, role=Role.ENGINEER),
+    commands.EditPart: Right("a change of grasps", SAFE, role=Role.ENGINEER),
+    commands.ImportPart: Right("a new part", SAFE, role=Role.ENGINEER),
+    commands.DropDraft: Right("dropping a draft", SAFE, role=Role.ENGINEER),
+    commands.SaveCell: Right("saving the cell", SAFE, role=Role.ENGINEER),
+    commands.AskForControl: Right(
+        "asking for control", EVERY, beside_job=True, without_control=True
+    ),
+    commands.TakeControl: Right("taking control", EVERY, beside_job=True, without_control=True),
+    commands.GiveControl: Right("handing control over", EVERY, beside_job=True),
+    commands.DenyControl: Right("keeping control", EVERY, beside_job=True),
+    commands.ReleaseControl: Right(
+        "giving control back", EVERY, beside_job=True, also_by=FRONT_DOOR
+    ),
+    commands.Started: Right("a start", EVERY, beside_job=True, by_machine=True),
+    commands.Opened: Right("going on with a session", EVERY, beside_job=True, by_machine=True),
+    commands.CellRead: Right("a new cell file", SAFE, by_machine=True),
+    commands.PosesRefused: Right("a problem with poses", EVERY, beside_job=True, by_machine=True),
+    commands.JobEnded: Right("the end of a task", EVERY, beside_job=True, by_machine=True),
+    commands.Sent: Right(
         "a message sent", frozenset({Phase.SENDING}), "nothing is being sent", by_machine=True
     ),
-    LinkEnded: Right(
+    commands.LinkEnded: Right(
         "the end of sending", frozenset({Phase.SENDING}), "nothing is being sent", by_machine=True
     ),
 }
@@ -148,15 +143,26 @@ NEXT: Mapping[Phase, str] = {
 def obstacle(state: State, command: type) -> str:
     """Why a command of this type is not in order now; empty when it is.
 
-    It looks at phase and running task only, so the page can ask it for every button.
+    It looks at phase, running task and changes since the start before only, so the page can ask
+    it for every button.
     """
     right = RIGHTS[command]
     if state.job is not None and not right.beside_job:
-        return f"{right.says} has to wait until the task {state.job.name!r} ends or is cancelled"
-    if command is CancelJob and state.job is None:
+        job = JOBS.get(state.job.name, f"the task {state.job.name!r}")
+        return f"{right.says} has to wait until {job} ends or is cancelled"
+    if command is commands.CancelJob and state.job is None:
         return "no task is running"
+    if command is commands.SendPlan and state.changed:
+        return f"sending has to wait until an engineer acknowledges: {changes_said(state)}"
     missing = what_is_missing(state, command)
     return f"{right.says} is not possible now: {missing}" if missing else ""
+
+
+def changes_said(state: State) -> str:
+    """What has changed since the start before and nobody has acknowledged, in one sentence."""
+    first, more = state.changed[:MOST_SAID], len(state.changed) - MOST_SAID
+    rest = f"; and {more} more" if more > 0 else ""
+    return f"the software has changed since {state.changed_since}: {'; '.join(first)}{rest}"
 
 
 def what_is_missing(state: State, command: type) -> str:

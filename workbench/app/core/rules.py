@@ -4,50 +4,20 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import assert_never
 
-from workbench.app.core.commands import (
-    AcknowledgeFault,
-    Approve,
-    AskForControl,
-    CancelJob,
-    CellRead,
-    ChangeCell,
-    Command,
-    DenyControl,
-    DropDraft,
-    EditPart,
-    EmptyPallets,
-    FindParts,
-    ForgetAvoided,
-    GiveControl,
-    ImportPart,
-    JobEnded,
-    LinkEnded,
-    MakePlan,
-    Opened,
-    PosesRefused,
-    RedoCell,
-    ReleaseControl,
-    ReportPick,
-    SaveCell,
-    SendPlan,
-    Sent,
-    SightPlate,
-    Stop,
-    TakeControl,
-    TakeScan,
-    UndoCell,
-    UseDetections,
-    UseScan,
-    UseSightings,
-    WantThreshold,
-    WatchPlan,
-)
+from workbench.app.core import commands
 from workbench.app.core.control import control_problem
-from workbench.app.core.outcomes import outcome_problem
+from workbench.app.core.outcomes import outcome_problem, step_problem
 from workbench.app.core.part_rules import check_edit, check_import, part_of
 from workbench.app.core.people import Role
-from workbench.app.core.release import lacks_people, said_already, stale_because, unwatched
-from workbench.app.core.rights import MACHINES, RIGHTS, lacks_right, lacks_role, obstacle
+from workbench.app.core.release import (
+    changes_problem,
+    is_same_person,
+    lacks_people,
+    said_already,
+    stale_because,
+    unwatched,
+)
+from workbench.app.core.rights import MACHINES, NOBODY, RIGHTS, lacks_right, lacks_role, obstacle
 from workbench.app.core.state import State
 from workbench.app.core.value_checks import (
     DETAIL,
@@ -68,7 +38,7 @@ from workbench.model.cell import Cell
 from workbench.model.digest import digest_of
 from workbench.model.errors import CommandRefused, NotAllowed
 from workbench.model.plan import UNSIGNED, Plan, Proof
-from workbench.model.release import Approval, Vote
+from workbench.model.release import AS_PLANNED, SLOWEST, Approval, Manner, Vote
 from workbench.model.scan import ALL_KINDS
 from workbench.plugins.robot_link import misfit
 
@@ -90,7 +60,7 @@ NOT_REPORTED: Mapping[str, float] = MappingProxyType({})
 
 def allowed(
     state: State,
-    command: Command,
+    command: commands.Command,
     actor: str,
     now: float,
     joints: Mapping[str, float] = NOT_REPORTED,
@@ -117,95 +87,120 @@ def allowed(
     if problem := obstacle(state, type(command)):
         raise CommandRefused(problem)
     match command:
-        case TakeScan(seed=seed, parts=parts, part=part):
+        case commands.TakeScan(seed=seed, parts=parts, part=part):
             check_among("part", part, ("", ALL_KINDS, *(one.name for one in state.cell.parts)))
             check_integer("seed", seed, 0, SEED_LIMIT - 1)
             check_integer("parts", parts, 1, MOST_PARTS)
-        case FindParts(seed=seed, wishes=wishes):
+        case commands.FindParts(seed=seed, wishes=wishes) as command:
             check_integer("seed", seed, 0, SEED_LIMIT - 1)
             check_number("detail", wishes.detail, *DETAIL, "of the usual")
             check_number("least score", wishes.least_score, 0.0, 1.0, "")
             if state.scan is None:
                 raise CommandRefused("finding parts is not possible now: take a scan first")
-        case UseDetections(detections=detections, says=says):
+            if command.is_compared and not state.detections:
+                raise CommandRefused("no parts were found yet that another search compares with")
+        case commands.UseDetections(detections=detections, says=says):
             check_text("says", says)
             check_detections(state.cell, detections)
-        case SightPlate(arm=arm, q=q, seed=seed):
+        case commands.SightPlate(arm=arm, q=q, seed=seed):
             check_integer("seed", seed, 0, SEED_LIMIT - 1)
             check_configuration(state.cell, arm, q)
             if len(state.sightings) >= MOST_SIGHTINGS:
                 raise CommandRefused(
                     f"up to {MOST_SIGHTINGS} poses are taken; remove one of them first"
                 )
-        case UseSightings(sightings=sightings, says=says):
+        case commands.UseSightings(sightings=sightings, says=says):
             check_text("says", says)
             if len(sightings) > MOST_SIGHTINGS:
                 raise CommandRefused(f"up to {MOST_SIGHTINGS} poses are taken")
             for one in sightings:
                 check_text("name", one.name)
                 check_configuration(state.cell, one.arm, one.q)
-        case MakePlan(strategy=strategy, threshold=threshold, seed=seed, wishes=wishes):
+        case commands.MakePlan(strategy=strategy, threshold=threshold, seed=seed, wishes=wishes):
             check_integer("seed", seed, 0, SEED_LIMIT - 1)
             check_wishes(state.cell, wishes)
             check_number("threshold", threshold, 0.0, 1.0, "m")
             check_among("strategy", strategy, strategies_of(state.cell))
-        case Approve(plan_digest=digest):
+        case commands.Approve(plan_digest=digest, speed_share=share, is_stepped=is_stepped):
             plan = _named_plan(state, digest)
+            check_number("speed share", share, SLOWEST, 1.0, "of the planned speed")
+            if is_stepped not in (True, False):
+                raise CommandRefused(f"step by step is either so or not, {is_stepped!r} is neither")
             _check_scene(state, plan)
             if state.proof is None:
                 raise CommandRefused("the plan has no proof, so it cannot be approved")
-            check_approvable(state.cell, plan, state.proof, actor)
+            check_approvable(state.cell, plan, state.proof, actor, (share, is_stepped))
             _refuse(stale_because(state, plan, joints))
-            _refuse(unwatched(state, actor) or said_already(state, actor, now))
-        case SendPlan(plan_digest=digest):
+            _refuse(unwatched(state, actor))
+            _refuse(said_already(state, actor, now, (share, is_stepped)))
+        case commands.SendPlan(plan_digest=digest):
             plan = _named_plan(state, digest)
             _refuse(staleness(state.approval, plan, state.cell, state.scene_digest, now))
-            _refuse(unwalked(state.cell, state.proof) or misfit(plan, state.cell))
+            _refuse(unwalked(state.cell, state.proof))
+            if state.approval is not None:
+                _refuse(misfit(plan, state.cell, state.approval.manner))
             _refuse(stale_because(state, plan, joints))
-        case WatchPlan(plan_digest=digest):
+        case commands.NextStep(number=number):
+            check_integer("number", number, 1, SEED_LIMIT - 1)
+            _refuse(step_problem(state, number, now))
+        case commands.AcknowledgeChanges(ran=ran):
+            check_text("ran", ran)
+            _refuse(changes_problem(state, ran))
+        case commands.WatchPlan(plan_digest=digest):
             _named_plan(state, digest)
-        case WantThreshold(threshold=threshold):
+        case commands.WantThreshold(threshold=threshold):
             check_number("threshold", threshold, 0.0, 1.0, "m")
-        case ReportPick():
+        case commands.ReportPick():
             check_text("why", command.why)
             _refuse(outcome_problem(state, command))
-        case ForgetAvoided():
+        case commands.ForgetAvoided():
             if not state.avoided:
                 raise CommandRefused("nothing is avoided")
-        case ChangeCell(cell=cell, says=says):
+        case commands.ChangeCell(cell=cell, says=says):
             check_text("says", says)
             check_cell(cell)
             if cell.digest == state.cell.digest:
                 raise CommandRefused("nothing of the cell was changed")
-        case UndoCell():
+        case commands.UndoCell():
             if not state.before:
                 raise CommandRefused("there is no change of the cell to undo")
-        case RedoCell():
+        case commands.RedoCell():
             if not state.undone:
                 raise CommandRefused("there is no change of the cell to redo")
-        case EditPart() as edit:
+        case commands.EditPart() as edit:
             check_text("says", edit.says)
             check_edit(state.cell, edit)
-        case ImportPart() as command:
+        case commands.ImportPart() as command:
             check_import(state.cell, command)
-        case DropDraft(part=part):
+        case commands.DropDraft(part=part):
             part_of(state.cell, part)
-        case EmptyPallets():
+        case commands.EmptyPallets():
             if not state.placed:
                 raise CommandRefused("the pallets are empty already")
-        case SaveCell(remark=remark):
+        case commands.SaveCell(remark=remark):
             check_text("remark", remark)
             if state.saved == state.cell.digest:
                 raise CommandRefused("the cell is saved already")
         case (
-            AskForControl() | TakeControl() | GiveControl() | DenyControl() | ReleaseControl()
+            commands.AskForControl()
+            | commands.TakeControl()
+            | commands.GiveControl()
+            | commands.DenyControl()
+            | commands.ReleaseControl()
         ) as about:
             _refuse(control_problem(state, about, actor, role))
-        case LinkEnded(parts_placed=parts_placed):
+        case commands.LinkEnded(parts_placed=parts_placed):
             check_integer("parts_placed", parts_placed, 0, SEED_LIMIT - 1)
-        case UseScan() | Stop() | CancelJob() | AcknowledgeFault() | JobEnded() | Sent():
+        case (
+            commands.UseScan()
+            | commands.Stop()
+            | commands.CancelJob()
+            | commands.AcknowledgeFault()
+            | commands.JobEnded()
+            | commands.Sent()
+        ):
             pass
-        case Opened() | CellRead() | PosesRefused():
+        case commands.Started() | commands.Opened() | commands.CellRead() | commands.PosesRefused():
             pass
         case _:
             assert_never(command)
@@ -220,6 +215,8 @@ def approve(
     before: tuple[Vote, ...] = (),
     *,
     is_unwatched: bool = False,
+    ran: str = "",
+    manner: Manner = AS_PLANNED,
 ) -> Approval:
     """A person's vote for exactly this plan, valid as long as the cell's policy says.
 
@@ -231,12 +228,14 @@ def approve(
         now: seconds since the epoch.
         before: the votes of others that count along; the first of all votes decides the end.
         is_unwatched: the plan was not played to its end before who approves it; on record.
+        ran: digest of the inventory of what runs here; on record.
+        manner: at which share of the planned speed it is sent, and whether step by step.
 
     Raises:
         CommandRefused: nobody is named, the proof does not hold, plan, proof and cell do not
             belong together, or too few people have given a vote.
     """
-    check_approvable(cell, plan, proof, actor)
+    check_approvable(cell, plan, proof, actor, manner)
     approval = Approval(
         plan_digest=plan.digest,
         proof_digest=proof.digest,
@@ -247,18 +246,27 @@ def approve(
         until=min((now, *(vote.at for vote in before))) + cell.policy.approval_minutes * 60.0,
         before=before,
         is_unwatched=is_unwatched,
+        ran=ran,
+        speed_share=manner[0],
+        is_stepped=manner[1],
     )
     _refuse(lacks_people(cell, approval))
     return approval
 
 
-def check_approvable(cell: Cell, plan: Plan, proof: Proof, actor: str) -> None:
-    """Look whether a person may give a vote for a plan in this cell.
+def check_approvable(
+    cell: Cell, plan: Plan, proof: Proof, actor: str, manner: Manner = AS_PLANNED
+) -> None:
+    """Look whether a person may give a vote for a plan in this cell, sent in this manner.
 
     Raises:
         CommandRefused: see `approve`, which asks this, too.
     """
     check_person(actor)
+    if is_same_person(actor, NOBODY):
+        raise CommandRefused(
+            f"{actor!r} is who acts without a login; a person approves by a name of their own"
+        )
     if digest_of(plan, without=UNSIGNED) != plan.digest:
         raise CommandRefused("the plan was changed after it was made; make a new one")
     if plan.cell_digest != cell.digest:
@@ -269,7 +277,7 @@ def check_approvable(cell: Cell, plan: Plan, proof: Proof, actor: str) -> None:
         raise CommandRefused("the proof was made for another cell or scan; make a new plan")
     if not proof.holds:
         raise CommandRefused(f"the proof does not hold: {proof.findings[0]}")
-    _refuse(unwalked(cell, proof) or misfit(plan, cell))
+    _refuse(unwalked(cell, proof) or misfit(plan, cell, manner))
 
 
 def unwalked(cell: Cell, proof: Proof | None) -> str:
@@ -315,7 +323,7 @@ def _refuse(problem: str) -> None:
         raise CommandRefused(problem)
 
 
-def _check_actor(command: Command, actor: str) -> None:
+def _check_actor(command: commands.Command, actor: str) -> None:
     right = RIGHTS[type(command)]
     if right.by_machine and actor not in MACHINES:
         raise CommandRefused(f"{right.says} is reported by a machine, not by {actor!r}")

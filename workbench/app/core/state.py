@@ -5,9 +5,10 @@ import enum
 from dataclasses import dataclass, field
 from typing import Any, cast
 
+from workbench.app.provenance.inventory import Inventory
 from workbench.model.calibration import PlateSighting
 from workbench.model.candidate import Candidate, Verdict
-from workbench.model.cell import Cell
+from workbench.model.cell import Cell, Wishes
 from workbench.model.digest import LATER
 from workbench.model.plan import Plan, Proof
 from workbench.model.release import Approval, PartReport, Receipt, Vote
@@ -31,8 +32,9 @@ class Phase(enum.StrEnum):
 class Job:
     """Long work under way in the worker process.
 
-    `number` is that of the entry that began it, `at` [s since the epoch] when; `threshold` [m] is
-    that of a planning.  A search for parts has its `seed` and `wishes`.
+    `number` is that of the entry that began it, `at` [s since the epoch] when.  A planning has its
+    `strategy`, `threshold` [m], `seed`, and as `planning` what it wants otherwise than the cell; a
+    search for parts its `seed` and `wishes`, and `is_compared`: what it finds is not taken at once.
     """
 
     number: int
@@ -41,6 +43,9 @@ class Job:
     threshold: float | None = None
     seed: int = 0
     wishes: SearchWishes = field(default_factory=SearchWishes)
+    strategy: str = ""
+    planning: Wishes = field(default_factory=Wishes)
+    is_compared: bool = False
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -48,7 +53,8 @@ class Outline:
     """What came of one planning, to be compared with the next.
 
     `planning` and `cycle` [s]; `apart` [m] the smallest distance between the arms; `verdict` says
-    why there is no plan, or what speaks against it.
+    why there is no plan, or what speaks against it.  Who asks for it again by the strategy
+    `asked`, with `threshold` [m], `seed` and `wishes`, gets the same plan.
     """
 
     planner: str
@@ -61,6 +67,10 @@ class Outline:
     apart: float | None = None
     digest: str = ""
     verdict: str = ""
+    asked: str = ""
+    threshold: float = 0.0
+    seed: int = 0
+    wishes: Wishes = field(default_factory=Wishes)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -98,6 +108,8 @@ class SessionState:
     `placed` are parts on pallets, or where they may be since a fault.  `failures` counts failed
     picks in a row, over all cycles, and `avoided` says where.
     `sightings` are those of a calibration that is being made.
+    `ran` is what runs since the last start; `changed` says how that differs from the start before,
+    the session `changed_since`, until somebody has acknowledged it.
     `control` is the name of who is in control, empty while nobody is; `asking` are those who have
     asked for it, the first one first.
     """
@@ -112,6 +124,9 @@ class SessionState:
     failures: int = 0
     avoided: tuple[Avoided, ...] = ()
     sightings: tuple[PlateSighting, ...] = ()
+    ran: Inventory | None = None
+    changed: tuple[str, ...] = ()
+    changed_since: str = ""
     control: str = ""
     asking: tuple[str, ...] = ()
 
@@ -129,12 +144,14 @@ class PartsState(ScanState):
     """What other parts found make void.
 
     `scene_digest` is what a plan must have been made from: that of the scan, or of the detections
-    when they came from outside.  `remarks` say what people have done to what was found.
+    when they came from outside.  `remarks` say what people have done to what was found, and
+    `parts_before` are the parts that an undo of that goes back to, the last ones first.
     """
 
     detections: tuple[Detection, ...] | None = None
     scene_digest: str = ""
     remarks: tuple[Remark, ...] = ()
+    parts_before: tuple[tuple[Detection, ...], ...] = ()
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
@@ -143,7 +160,8 @@ class PlanState(PartsState):
 
     `stale` says what the last plan was overtaken by.  `planned_threshold` [m] is that of the plan,
     `wanted_threshold` the one that is wanted now.  `outlines` are of all plannings for these
-    parts, the latest last.
+    parts, the latest last; each plan stands there once, where it was made first.  `bound` [s] is
+    what no plan for the parts of this one can be quicker than, 0 where nobody has asked.
     """
 
     candidates: tuple[Candidate, ...] | None = None
@@ -156,6 +174,7 @@ class PlanState(PartsState):
     planned_threshold: float | None = None
     wanted_threshold: float | None = None
     stale: str = ""
+    bound: float = 0.0
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
@@ -177,13 +196,18 @@ class RunState(ReleaseState):
     """What a new sending makes void: what the robot did with the plan.
 
     `part_reports` say what the controller told of each part, `outcomes` what people or grippers
-    said became of it.
+    said became of it.  Of a plan sent step by step: `waits` is the step that the robot stands
+    before, 0 while it moves, `let` the last one that a person has let run, and `let_until` [s since
+    the epoch] when nobody may let one run any more.
     """
 
     receipts: tuple[Receipt, ...] = ()
     parts_placed: int = 0
     part_reports: tuple[PartReport, ...] = ()
     outcomes: tuple[Outcome, ...] = ()
+    waits: int = 0
+    let: int = 0
+    let_until: float = 0.0
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)

@@ -9,7 +9,7 @@ import pinocchio as pin
 from workbench.model.calibration import Calibration, PlateSighting
 from workbench.model.cell import Arm, Cell
 from workbench.model.errors import InputError
-from workbench.model.geometry import Floats
+from workbench.model.geometry import Floats, shift_and_turn
 from workbench.perception.calibration.calibrate import PlatePose, calibrate
 from workbench.planning.kinematics.robot import Kinematics
 
@@ -57,11 +57,6 @@ def moved_by(cell: Cell, calibration: Calibration) -> tuple[float, float, float]
         is moved by it [m], which is what matters to a grasp.
     """
     before, after = cell.scanner.T_world_scanner, calibration.T_world_scanner
-    between = before.actInv(after)
     middle = cell.bin.T_world_bin.translation
     shift = after.act(before.inverse().act(middle)) - middle
-    return (
-        float(np.linalg.norm(between.translation)),
-        float(np.linalg.norm(pin.log3(between.rotation))),
-        float(np.linalg.norm(shift)),
-    )
+    return (*shift_and_turn(before.actInv(after)), float(np.linalg.norm(shift)))

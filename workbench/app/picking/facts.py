@@ -70,12 +70,12 @@ def check_installed(state: State, command: Command) -> None:
 def put_down(cell: Cell, plan: Plan) -> tuple[Detection, ...]:
     """The parts of a plan where its arms put them, for arms whose places keep them."""
     kinematics = Kinematics(cell)
-    return tuple(
-        Detection(
-            plan.detections[one.detection].part,
-            kinematics.tcp_pose(cell.arm(one.arm), np.asarray(one.leg("place").q[-1]))
-            * one.T_tcp_part,
-        )
-        for one in plan.arms
-        if cell.arm(one.arm).keeps_parts
-    )
+    placed: list[Detection] = []
+    for one in plan.arms:
+        arm, found = cell.arm(one.arm), plan.detections[one.detection]
+        if arm.keeps_parts:
+            T = kinematics.tcp_pose(arm, np.asarray(one.leg("place").q[-1])) * one.T_tcp_part
+            # A roll that the scan did not show is not known on the pallet, either.
+            kept = Detection(found.part, T, roll_known=found.roll_known, roll_axis=found.roll_axis)
+            placed.append(kept)
+    return tuple(placed)

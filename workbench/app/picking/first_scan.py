@@ -5,13 +5,12 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-import pinocchio as pin
 
 from workbench.formats.clouds.scans import CLOUD_AXES, points_of, turned_to_camera
 from workbench.formats.files.units import UNITS
 from workbench.model.cell import Bin, Cell, ScannerMount
 from workbench.model.errors import InputError
-from workbench.model.geometry import Floats, pose_from_rpy
+from workbench.model.geometry import Floats, pose_from_rpy, shift_and_turn
 from workbench.model.scan import Scan
 from workbench.perception.scene.bin_fit import fit_bin
 from workbench.perception.scene.bin_search import FoundBin, find_bin
@@ -82,8 +81,8 @@ def first_scan(path: Path, content: bytes, cell: Cell) -> FirstScan:
             * found.T_scanner_bin.inverse()
             for k in range(count)
         ]
-        T_world_scanner = min(Ts, key=lambda T: _apart(T, mount.T_world_scanner)[1])
-    shift, turn = _apart(T_world_scanner, mount.T_world_scanner)
+        T_world_scanner = min(Ts, key=lambda T: shift_and_turn(T.actInv(mount.T_world_scanner))[1])
+    shift, turn = shift_and_turn(T_world_scanner.actInv(mount.T_world_scanner))
     proposed = replace(mount, unit=unit, cloud_axes=axes)
     if mount.calibration is None:
         proposed = replace(proposed, T_world_scanner=T_world_scanner)
@@ -103,11 +102,6 @@ def _guessed(points: Floats, mount: ScannerMount) -> tuple[str, str, float]:
             if share > best[2] + 0.05:
                 best = unit, axes, share
     return best
-
-
-def _apart(one: pin.SE3, other: pin.SE3) -> tuple[float, float]:
-    T = one.actInv(other)
-    return float(np.linalg.norm(T.translation)), float(np.linalg.norm(pin.log3(T.rotation)))
 
 
 def _says(

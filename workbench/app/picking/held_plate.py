@@ -25,7 +25,7 @@ def simulated_sight(
     T_world_scanner: pin.SE3 | None = None,
 ) -> Scan:
     """What the simulated scanner sees of an arm at `q` (n,) [rad] that holds the plate."""
-    links = Kinematics(cell).link_poses(dict(zip(arm.joints, map(float, q), strict=True)))
+    links = Kinematics(cell).link_poses(cell.joint_values({arm.name: q}))
     return scan_held_plate(cell, links, arm.name, plate, seed=seed, T_world_scanner=T_world_scanner)
 
 
@@ -39,7 +39,7 @@ def suggested_poses(
     T_tcp_middle = held_pose(plate) * pin.SE3(np.eye(3), plate.centres.mean(axis=0))
     kinematics, seen = Kinematics(cell), list[Floats]()
     for q in poses_in_view(cell, arm, T_tcp_middle, SPARE * count, seed=seed):
-        links = kinematics.link_poses(dict(zip(arm.joints, map(float, q), strict=True)))
+        links = kinematics.link_poses(cell.joint_values({arm.name: q}))
         if is_plate_in_sight(cell, links, arm.name, plate):
             seen.append(q)
         if len(seen) == count:

@@ -1,7 +1,6 @@
 """From a CAD file to a part with its folder: the steps that page and command line share."""
 
 import tempfile
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 
@@ -20,13 +19,12 @@ from workbench.model.errors import JobCancelled
 from workbench.model.geometry import Floats
 from workbench.model.part import Part
 from workbench.planning.grasps.part_symmetry import FoundSymmetry, proposed_symmetry
+from workbench.plugins.progress import Cancelled, Report, silent
 
 LONGEST_FILE_NAME = 60
 
 PARTS = Path("parts")
 """Where new parts go: beside those of the working directory."""
-
-Report = Callable[[float, str], None]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -48,7 +46,7 @@ def make_part(
     mass: float | None = None,
     repair: bool = False,
     is_symmetric: bool = False,
-    report: Report = lambda done, note: None,
+    report: Report = silent,
 ) -> MadePart:
     """Read a CAD file and make the folder of a part.
 
@@ -102,7 +100,7 @@ def _numbers(values: Floats) -> str:
     return f"[{', '.join(f'{value + 0.0:g}' for value in np.round(values, 4))}]"
 
 
-def imported_part(command: ImportPart, report: Report, cancelled: Callable[[], bool]) -> Part:
+def imported_part(command: ImportPart, report: Report, cancelled: Cancelled) -> Part:
     """The part that a command asks for, its folder written.
 
     Raises:

@@ -1,9 +1,8 @@
 """The line from detections to a proven plan: one function for page, command line and studies."""
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import replace
-from itertools import islice
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 
 import numpy as np
@@ -12,36 +11,24 @@ from workbench.app.core.rules import strategies_of
 from workbench.model.candidate import Candidate, Pick, Reason, Stage, Verdict
 from workbench.model.cell import Cell, Wishes
 from workbench.model.errors import InputError, JobCancelled
-from workbench.model.plan import Plan, PlanResult, Strategy
+from workbench.model.plan import Plan, PlanResult, Proof
 from workbench.model.scan import Detection, Obstacle, Scene
-from workbench.planning.collision.part_ways import heaps
 from workbench.planning.collision.world import World
-from workbench.planning.picking.dual_arm import OFFSETS, coordinate, pairs_of, side_by_side
-from workbench.planning.picking.order import Cost, cost_of
+from workbench.planning.picking.assign import BOTH, is_enough, planned
+from workbench.planning.picking.least_time import least_cycle
 from workbench.planning.picking.propose import propose
 from workbench.planning.picking.resolve import resolve
-from workbench.planning.picking.route import route
 from workbench.planning.planners.clock import working_time
+from workbench.plugins.progress import Cancelled, Report, never, silent
 from workbench.plugins.robot_link import misfit
 from workbench.proof.prove import prove
-
-Report = Callable[[float, str], None]
-"""Called with the share done, 0..1, and what is being done."""
-
-BOTH = (Strategy.ALTERNATED, Strategy.COORDINATED)
 
 AS_THE_CELL = Wishes()
 
 NOTHING: Mapping[int, str] = MappingProxyType({})
 
-SIDE_BY_SIDE = 3
-"""Pairs of picks that are planned side by side before one arm follows the other."""
-
 ENOUGH = 2
 """Grasps of a priority below 0 that work for an arm and a part, before the others are left out."""
-
-ATTEMPTS = 6
-"""Assignments of parts to arms that are planned before giving up."""
 
 
 def plan_pick(
@@ -55,10 +42,14 @@ def plan_pick(
     obstacles: tuple[Obstacle, ...] = (),
     avoided: Mapping[int, str] = NOTHING,
     seed: int = 0,
-    report: Report = lambda done, note: None,
-    cancelled: Callable[[], bool] = lambda: False,
+    report: Report = silent,
+    cancelled: Cancelled = never,
 ) -> PlanResult:
-    """Judge every candidate, choose, plan, and prove.
+    """Judge candidates, choose, plan, and prove.
+
+    Grasps of a priority below 0 are spares: they are looked at, one priority after the other, only
+    when no plan comes out of those before them, or one for fewer arms than could work; where one
+    arm has work already, they get no more than half of the time.
 
     Args:
         cell: with its parts and policy.
@@ -80,38 +71,85 @@ def plan_pick(
     if not detections:
         raise InputError("no parts were given, so there is nothing to plan")
     check_strategy(cell, strategy)
+    policy = wishes.on(cell.policy)
     began = working_time()
-    seconds: dict[str, float] = {}
+    seconds: dict[str, float] = dict.fromkeys(("propose", "resolve"), 0.0)
 
     def lap(stage: str) -> None:
         nonlocal began
         now = working_time()
-        seconds[stage], began = now - began, now
+        seconds[stage], began = seconds[stage] + now - began, now
 
-    proposed = _without(avoided, propose(cell, detections, obstacles))
-    lap("propose")
-    policy = wishes.on(cell.policy)
     world = World(cell, detections, obstacles, policy)
-    world.deadline = working_time() + policy.seconds
-    judged, picks = _judged(world, proposed, seed, report, cancelled)
-    lap("resolve")
+    world.deadline, half = began + policy.seconds, began + policy.seconds / 2
     threshold = cell.policy.threshold if threshold is None else threshold
     wanted = BOTH if strategy == "both" else (strategy,)
+    looked = _Looked()
     results: list[PlanResult] = []
-    for one in wanted:
-        took = dict(seconds)
-        began = working_time()
-        plan, verdict, proof = None, _summary(judged), None
-        if picks:
-            plan, verdict = _planned(world, picks, one, threshold, scan_digest, seed, cancelled)
-            took["route"], began = working_time() - began, working_time()
-        if plan is not None:
-            report(0.9, "proving the plan")
-            proof = prove(cell, Scene(scan_digest, detections, obstacles), plan)
-            took["prove"] = working_time() - began
-            plan = replace(plan, seconds=took)
-        results.append(PlanResult(judged, plan, proof, verdict, took, obstacles, policy.planner))
+    levels = _levels(cell)
+    for number, level in enumerate(levels):
+        found = propose(world, priorities=level)
+        lap("propose")
+        share = (number / len(levels), (number + 1) / len(levels))
+        # One arm alone would do: what is left of the time is for its plan.
+        until = half if looked.picks and strategy == "auto" else world.deadline
+        within = _within(report, *share)
+        _judge(world, _without(avoided, found), looked, seed, within, cancelled, until)
+        lap("resolve")
+        is_last = number == len(levels) - 1 or working_time() > until
+        if not is_last and not is_enough(world, looked.picks, strategy, threshold, avoided):
+            continue
+        results = []
+        for one in wanted:
+            took = dict(seconds)
+            began = working_time()
+            plan, verdict, proof, bound = None, _summary(looked.candidates), None, 0.0
+            plans: tuple[Plan, ...] = ()
+            if looked.picks:
+                plans, verdict = planned(
+                    world, looked.picks, one, threshold, scan_digest, seed, cancelled
+                )
+                took["route"], began = working_time() - began, working_time()
+            if plans:
+                report(0.9, "proving the plan")
+                plan, proof = _proven(cell, Scene(scan_digest, detections, obstacles), plans)
+                took["prove"], began = working_time() - began, working_time()
+                bound = least_cycle(world, plan, looked.picks)
+                took["route"] += working_time() - began
+                plan = replace(plan, seconds=took)
+            candidates = tuple(looked.candidates)
+            result = PlanResult(candidates, plan, proof, verdict, took, obstacles, policy.planner)
+            results.append(replace(result, bound=bound))
+        if any(result.plan is not None for result in results):
+            break
+        lap("resolve")
     return _best(cell, results)
+
+
+def _proven(cell: Cell, scene: Scene, plans: Sequence[Plan]) -> tuple[Plan, Proof]:
+    """The first of some plans whose proof holds, with that; where none does, the first of all.
+
+    Of another than the first the note says why that was refused.
+    """
+    first = prove(cell, scene, plans[0])
+    for plan in plans[1:] if not first.holds else ():
+        why = f"the proof refuses a quicker one: {first.findings[0]}"
+        noted = replace(plan, note="; ".join(filter(None, (plan.note, why))))
+        proof = prove(cell, scene, noted)
+        if proof.holds:
+            return noted, proof
+    return plans[0], first
+
+
+def _levels(cell: Cell) -> list[frozenset[int]]:
+    """Priorities of grasps that are looked at together: spares only when nothing before them does.
+
+    Those below 0 are spares, each priority by itself.
+    """
+    every = {grasp.priority for part in cell.parts for grasp in part.grasps}
+    usual = frozenset(priority for priority in every if priority >= 0)
+    spares = [frozenset({one}) for one in sorted(every, reverse=True) if one < 0]
+    return [usual, *spares] if usual or not spares else spares
 
 
 def check_strategy(cell: Cell, strategy: str) -> None:
@@ -160,53 +198,66 @@ def judge(
     *,
     obstacles: tuple[Obstacle, ...] = (),
     seed: int = 0,
-    report: Report = lambda done, note: None,
-    cancelled: Callable[[], bool] = lambda: False,
+    report: Report = silent,
+    cancelled: Cancelled = never,
 ) -> tuple[Candidate, ...]:
     """Every candidate with its verdict, up to the place; see `plan_pick`."""
-    world = World(cell, detections, obstacles)
-    return _judged(world, propose(cell, detections, obstacles), seed, report, cancelled)[0]
+    world, looked = World(cell, detections, obstacles), _Looked()
+    _judge(world, propose(world), looked, seed, report, cancelled, world.deadline)
+    return tuple(looked.candidates)
 
 
-def _judged(
+@dataclass(slots=True)
+class _Looked:
+    """What was looked at so far: candidates with their final verdicts, picks of those that work."""
+
+    candidates: list[Candidate] = field(default_factory=list[Candidate])
+    picks: list[Pick] = field(default_factory=list[Pick])
+    working: dict[tuple[str, int], list[Candidate]] = field(
+        default_factory=dict[tuple[str, int], list[Candidate]]
+    )
+
+
+def _within(report: Report, begin: float, end: float) -> Report:
+    """Progress of a part of the work."""
+    return lambda done, note: report(begin + (end - begin) * done, note)
+
+
+def _judge(
     world: World,
     candidates: tuple[Candidate, ...],
+    looked: _Looked,
     seed: int,
     report: Report,
-    cancelled: Callable[[], bool],
-) -> tuple[tuple[Candidate, ...], list[Pick]]:
-    """Every candidate with its final verdict, and the picks of those that work."""
-    judged: list[Candidate] = []
-    picks: list[Pick] = []
-    working: dict[tuple[str, int], list[Candidate]] = {}
+    cancelled: Cancelled,
+    until: float,
+) -> None:
+    """Give every candidate its final verdict; after `until` [s] of working time: out of time."""
     for number, candidate in enumerate(candidates):
         if cancelled():
             raise JobCancelled("planning was cancelled")
         report(
             0.05 + 0.6 * number / len(candidates), f"candidate {number + 1} of {len(candidates)}"
         )
-        if working_time() > world.deadline:
-            if candidate.verdict.is_ok:
-                late = Verdict(Reason.OUT_OF_TIME, candidate.verdict.stage)
-                judged.append(replace(candidate, verdict=late))
+        verdict = candidate.verdict
+        if verdict.is_ok:
+            others = looked.working.setdefault((candidate.arm, candidate.detection), [])
+            if working_time() > until:
+                verdict = Verdict(Reason.OUT_OF_TIME, verdict.stage)
+            elif _is_spare(candidate, others):
+                note = f"a spare: {others[0].grasp.name} works and goes first"
+                verdict = Verdict(Reason.DISABLED, verdict.stage, note=note)
             else:
-                judged.append(candidate)
-            continue
-        others = working.setdefault((candidate.arm, candidate.detection), [])
-        if candidate.verdict.is_ok and _is_spare(candidate, others):
-            note = f"a spare: {others[0].grasp.name} works and goes first"
-            spare = Verdict(Reason.DISABLED, candidate.verdict.stage, note=note)
-            judged.append(replace(candidate, verdict=spare))
-            continue
-        result = resolve(world, candidate, seed=seed)
-        if isinstance(result, Pick):
-            picks.append(result)
-            others.append(candidate)
-            verdict = Verdict(Reason.OK, Stage.PLACE, note=_told(world, result))
-            judged.append(replace(candidate, verdict=verdict))
-        else:
-            judged.append(replace(candidate, verdict=result))
-    return tuple(judged), picks
+                result = resolve(world, candidate, seed=seed)
+                if isinstance(result, Pick):
+                    looked.picks.append(result)
+                    others.append(candidate)
+                    verdict = Verdict(Reason.OK, Stage.PLACE, note=_told(world, result))
+                else:
+                    verdict = result
+        if verdict is not candidate.verdict:
+            candidate = replace(candidate, verdict=verdict)
+        looked.candidates.append(candidate)
 
 
 def _is_spare(candidate: Candidate, working: Sequence[Candidate]) -> bool:
@@ -232,7 +283,7 @@ def _told(world: World, pick: Pick) -> str:
     return note
 
 
-def _summary(candidates: tuple[Candidate, ...]) -> Verdict:
+def _summary(candidates: Sequence[Candidate]) -> Verdict:
     """Why nothing works: the refusal of the candidate that got furthest."""
     if not candidates:
         note = "the parts found have no grasp for any arm; author one first"
@@ -240,133 +291,3 @@ def _summary(candidates: tuple[Candidate, ...]) -> Verdict:
     stages = list(Stage)
     late = next((c.verdict for c in candidates if c.verdict.reason is Reason.OUT_OF_TIME), None)
     return late or max((c.verdict for c in candidates), key=lambda v: stages.index(v.stage))
-
-
-def _assignments(
-    world: World, picks: list[Pick], strategy: str, cost: Cost
-) -> Iterator[tuple[Strategy, tuple[Pick, ...]]]:
-    """Ways to give parts to arms, best first: two arms where possible, then one.
-
-    Of more arms any two may work, while the others stand at home.  For each arm and part the pick
-    with the least joint travel stands, or all of them where the grasps of a part go by pairs;
-    pairs are ordered by the sum of their costs, and the arm with the less goes first.
-    """
-    best: dict[tuple[str, int], Pick] = {}
-    for pick in picks:
-        key = (pick.candidate.arm, pick.candidate.detection)
-        priority = pick.candidate.grasp.priority
-        if key not in best or (-priority, pick.travel) < (
-            -best[key].candidate.grasp.priority,
-            best[key].travel,
-        ):
-            best[key] = pick
-    ordered = sorted(best.values(), key=lambda pick: (cost(pick), pick.travel))
-    if strategy in ("auto", *BOTH):
-        has_pairs = any(part.library.pairs for part in world.cell.parts)
-        pairs = pairs_of(world, picks if has_pairs else ordered, cost)
-        for pair in filter(_of_several_heaps(world), pairs):
-            yield Strategy.ALTERNATED, pair
-    for pick in ordered:
-        alone = Strategy.single(pick.candidate.arm)
-        if strategy in ("auto", alone):
-            yield alone, (pick,)
-
-
-def _planned(
-    world: World,
-    picks: list[Pick],
-    strategy: str,
-    threshold: float,
-    scan_digest: str,
-    seed: int,
-    cancelled: Callable[[], bool],
-) -> tuple[Plan | None, Verdict]:
-    """The first assignment for which a plan comes out; coordinated ones fall back to alternated.
-
-    `auto` lets both arms work at once on parts that lie at least `threshold` [m] apart, where the
-    controller can move them so.
-    """
-    verdict = Verdict(Reason.NO_PATH, Stage.ROUTE, note=_nobody_for(picks, strategy))
-    refused, cost = "", cost_of(world, world.policy.order)
-    is_auto = strategy == "auto"
-    if strategy == Strategy.COORDINATED or (is_auto and world.cell.moves_both_arms):
-        for offsets, pair in _side_by_side_or_behind(world, picks, cost):
-            if cancelled():
-                raise JobCancelled("planning was cancelled")
-            if is_auto and _apart(world, pair) < threshold:
-                continue
-            result = coordinate(world, pair, scan_digest=scan_digest, seed=seed, offsets=offsets)
-            if isinstance(result, Plan):
-                if is_auto:
-                    note = f"{_note(world, pair, threshold)}: {result.note}"
-                    result = replace(result, note=note)
-                return result, Verdict(Reason.OK, Stage.ROUTE)
-            refused = f"the arms cannot work at once: {result}"
-    for chosen, assigned in islice(_assignments(world, picks, strategy, cost), ATTEMPTS):
-        if cancelled():
-            raise JobCancelled("planning was cancelled")
-        note = _note(world, assigned, threshold) if is_auto else refused
-        result = route(world, assigned, chosen, scan_digest=scan_digest, seed=seed, note=note)
-        if isinstance(result, Plan):
-            return result, Verdict(Reason.OK, Stage.ROUTE)
-        verdict = result
-        if verdict.reason is Reason.OUT_OF_TIME:
-            break
-    return None, verdict
-
-
-def _nobody_for(picks: Sequence[Pick], strategy: str) -> str:
-    """Why a strategy has nothing to do, though there are picks."""
-    arms: dict[int, set[str]] = {}
-    for pick in picks:
-        arms.setdefault(pick.candidate.detection, set()).add(pick.candidate.arm)
-    can = "; ".join(f"part-{k + 1} by the {' or '.join(sorted(arms[k]))} arm" for k in sorted(arms))
-    needs = "a part for that arm"
-    if strategy in BOTH:
-        needs = "a part for each of two arms; one arm alone would do"
-    return f"strategy {strategy} needs {needs}: what can be taken is {can}"
-
-
-def _side_by_side_or_behind(
-    world: World, picks: list[Pick], cost: Cost
-) -> Iterator[tuple[Sequence[int], tuple[Pick, ...]]]:
-    """Pairs for coordinated plans, with the offsets to try: side by side first."""
-    apart = filter(_of_several_heaps(world), side_by_side(world, picks, cost))
-    for pair in islice(apart, SIDE_BY_SIDE):
-        yield (0,), pair
-    for _, pair in islice(_assignments(world, picks, Strategy.COORDINATED, cost), ATTEMPTS):
-        yield OFFSETS[1:], pair
-
-
-def _of_several_heaps(world: World) -> Callable[[Sequence[Pick]], bool]:
-    """Whether parts lie apart, so that none moves as another is lifted: else the scan is not true.
-
-    Parts nearer to each other than the policy's `pair_gap` are of one heap.
-    """
-    if world.policy.pair_gap <= 0:
-        return lambda picks: True
-    heap = heaps(world, world.policy.pair_gap)
-    return lambda picks: len({heap[p.candidate.detection] for p in picks}) == len(picks)
-
-
-def _apart(world: World, picks: Sequence[Pick]) -> float:
-    """How far two parts lie from each other [m]."""
-    first, second = (
-        world.detections[pick.candidate.detection].T_world_part.translation for pick in picks
-    )
-    return float(np.linalg.norm(first - second))
-
-
-def _note(world: World, picks: Sequence[Pick], threshold: float) -> str:
-    """Why this strategy was taken, for people."""
-    if len(world.cell.arms) < 2:
-        return ""
-    if len(picks) < 2:
-        other = "the other" if len(world.cell.arms) == 2 else "another"
-        return f"one arm: no second part can be taken by {other} arm"
-    distance = _apart(world, picks)
-    relation = "nearer than" if distance < threshold else "at least"
-    return (
-        f"the parts lie {distance * 1000:.0f} mm apart, {relation} the threshold of "
-        f"{threshold * 1000:.0f} mm"
-    )

@@ -8,7 +8,6 @@ from workbench.model.cell import Cell
 from workbench.model.digest import digest_of
 from workbench.model.plan import Plan, Proof
 from workbench.model.scan import Detection, Scan, Scene
-from workbench.perception.scene.unexplained import unexplained
 from workbench.proof import prove as layer
 
 
@@ -60,7 +59,12 @@ def scene_of(
         digest = scan.digest
     elif detections is None:
         digest = plan.scan_digest
-    obstacles = plan.obstacles if scan is None else unexplained(cell, scan, found)
+    obstacles = plan.obstacles
+    if scan is not None:
+        # Brings Open3D along, which takes longer to load than a proof takes.
+        from workbench.perception.scene.unexplained import unexplained
+
+        obstacles = unexplained(cell, scan, found)
     return Scene(digest, found, obstacles)
 
 

@@ -5,8 +5,8 @@ journal of its own, with the same chain of hashes; two commands at once cannot b
 """
 
 import json
-from collections.abc import Generator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Mapping, Sequence
+from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -114,13 +114,8 @@ class ApprovalRecord:
                 if not left:
                     raise
 
-    @contextmanager
-    def _opened(self) -> Generator[Journal]:
-        journal = Journal(self.folder)
-        try:
-            yield journal
-        finally:
-            journal.close()
+    def _opened(self) -> closing[Journal]:
+        return closing(Journal(self.folder))
 
 
 def _entries(journal: Journal) -> list[tuple[str, dict[str, Any]]]:

@@ -18,7 +18,7 @@ import numpy as np
 import pinocchio as pin
 
 from workbench.model.cell import Controller
-from workbench.model.digest import LARGE, canonical
+from workbench.model.digest import LARGE, canonical, digest_of
 from workbench.model.plan import Strategy
 from workbench.plugins.robot_link import link_named
 
@@ -55,7 +55,7 @@ def restored(kind: Any, form: Any, read: ReadFile) -> Any:
     if np.ndarray in (kind, origin):
         return _restored_array(form, read)
     if isinstance(kind, type) and dataclasses.is_dataclass(kind):
-        form = _newer(form) if kind is Controller else form
+        recorded, form = form, _newer(form) if kind is Controller else form
         # A field that was renamed since is on record by its first name: `digest.called`.
         now = {field.metadata.get("called"): field.name for field in dataclasses.fields(kind)}
         form = {now.get(name, name): value for name, value in form.items()}
@@ -67,7 +67,11 @@ def restored(kind: Any, form: Any, read: ReadFile) -> Any:
             raise ValueError(f"fields {sorted(form)} where {sorted(names)} were expected")
         hints = _hints(kind)
         known = names & set(form)
-        return kind(**{name: restored(hints[name], form[name], read) for name in known})
+        value = kind(**{name: restored(hints[name], form[name], read) for name in known})
+        if "digest" in made and _has_grown(kind, known):
+            # What an older version wrote keeps the digest under which it is on record.
+            object.__setattr__(value, "digest", digest_of(recorded))
+        return value
     if isinstance(kind, type) and issubclass(kind, (enum.Enum, Strategy)):
         return kind(form)
     if origin is types.UnionType or origin is typing.Union:
@@ -112,6 +116,14 @@ def _kind_of(kinds: Sequence[Any], form: Any) -> Any:
 def _is_needed(field: "dataclasses.Field[Any]") -> bool:
     has_default = field.default is not MISSING or field.default_factory is not MISSING
     return field.init and not has_default
+
+
+def _has_grown(kind: type, known: set[str]) -> bool:
+    """Whether a field has come that enters digests even at its default, and is not in a form."""
+    return any(
+        field.init and field.name not in known and not field.metadata.get("later")
+        for field in dataclasses.fields(kind)
+    )
 
 
 @functools.cache

@@ -126,6 +126,8 @@ def summary(state: State) -> Mapping[str, Any]:
         "avoided": len(state.avoided),
         # Nobody is written as nothing at all: sessions from before there was control say as much.
         "control": state.control or None,
+        "ran": None if state.ran is None else state.ran.digest,
+        "changed": list(state.changed) or None,
         "asking": list(state.asking) or None,
     }
 

@@ -5,22 +5,25 @@ import re
 import tempfile
 import time
 from collections.abc import Mapping
+from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
+from workbench.app.records.certified import certificates
 from workbench.app.records.record import SESSION
 from workbench.app.records.statistics import csv_text, statistics
 from workbench.formats.files.archives import unpacked_beside, write_archive
+from workbench.formats.files.whole_files import is_file, plain_name
 from workbench.journal.files import file_path
-from workbench.journal.journal import Journal
+from workbench.journal.journal import DATABASE, Journal
 from workbench.journal.schema import is_foreign
 from workbench.model.errors import FileError, InputError, JournalError
 
-DATABASE = "journal.sqlite"
-
 KNOWN = re.compile(
     r"journal\.sqlite|files/[0-9a-f]{2}/[0-9a-f]{64}|summary\.(txt|json)|statistics\.csv|scene\.html"
+    r"|certificates/certificate-[0-9a-f]{12}\.json"
 )
 """What may be in the zip file of a session."""
 
@@ -39,13 +42,17 @@ def opened(folder: Path) -> Journal:
     Raises:
         InputError: the folder holds none.
     """
-    if not (folder / DATABASE).exists():
+    if not is_file(folder / DATABASE):
         raise InputError(f"{folder}: is not the folder of a session (there is no {DATABASE})")
     return Journal(folder)
 
 
-def told(journal: Journal) -> Told:
+def told(journal: Journal, certified: Mapping[int, str] = MappingProxyType({})) -> Told:
     """Each entry in a few words.
+
+    Args:
+        journal: of the session.
+        certified: number of an entry -> the file of what was proven there.
 
     Raises:
         JournalError: the journal cannot be read.
@@ -73,6 +80,8 @@ def told(journal: Journal) -> Told:
                 "files": len(row.files),
             }
         )
+        if row.number in certified:
+            entries[-1]["certificate"] = certified[row.number]
     return Told(head, tuple(entries))
 
 
@@ -93,12 +102,9 @@ def export_session(journal: Journal, path: Path, scene: bytes | None) -> None:
     with tempfile.TemporaryDirectory() as folder:
         copy = Path(folder) / DATABASE
         journal.save_copy(copy)
-        still = Journal(Path(folder))
-        try:
+        with closing(Journal(Path(folder))) as still:
             files = sorted({digest for row in still.entries() for digest in row.files})
             content: dict[str, Path | bytes] = _readable(journal, still)
-        finally:
-            still.close()
         content[DATABASE] = copy
         for digest in files:
             content[f"files/{digest[:2]}/{digest}"] = file_path(journal.folder / "files", digest)
@@ -108,13 +114,17 @@ def export_session(journal: Journal, path: Path, scene: bytes | None) -> None:
 
 
 def _readable(journal: Journal, still: Journal) -> dict[str, Path | bytes]:
-    counted, said = statistics(still.entries()), told(still)
+    proven = tuple(certificates(still.entries(), journal.read, only_approved=True))
+    names = {one.number: f"certificates/certificate-{one.digest[:12]}.json" for one in proven}
+    counted = statistics(still.entries())
+    said = told(still, names)
     head = {**said.head, "session": journal.folder.name, "entries": still.count}
     head |= {"cycles": len(counted.cycles), "picked": counted.picked}
     return {
         "summary.txt": _text(head, said).encode(),
         "summary.json": json.dumps({**head, "log": said.entries}, indent=1).encode(),
         "statistics.csv": csv_text(counted).encode(),
+        **{names[one.number]: one.certificate for one in proven},
     }
 
 
@@ -124,6 +134,8 @@ def _text(head: Mapping[str, Any], said: Told) -> str:
     for one in said.entries:
         at = time.strftime("%Y-%m-%d %H:%M:%S", time.gmtime(one["at"] or 0))
         lines.append(f"{at}  {one['actor']:<15}  {one['kind']:<15}  {one['message']}")
+        if "certificate" in one:
+            lines.append(f"{'':<54}proven: {one['certificate']}")
     return "\n".join(lines) + "\n"
 
 
@@ -141,7 +153,7 @@ def import_session(path: Path, root: Path) -> Path:
         FileError: the zip file is not one of a session, or the folder is there already.
         JournalError: the journal is not whole.
     """
-    name = re.sub(r"[^\w.-]", "_", path.stem).lstrip(".")
+    name = plain_name(path.stem).lstrip(".")
     if not name:
         raise FileError(path, "has no name that a folder could have; rename the zip file")
     target = root / name
@@ -167,14 +179,14 @@ def check_journal(path: Path, folder: Path) -> None:
             `path`.
         JournalError: the journal is not whole.
     """
-    if not (folder / DATABASE).is_file() or is_foreign(folder / DATABASE):
-        raise FileError(path, "does not hold the journal of a session")
-    journal = Journal(folder)
     try:
+        if not (folder / DATABASE).is_file() or is_foreign(folder / DATABASE):
+            raise FileError(path, "does not hold the journal of a session")
+    except JournalError:
+        raise FileError(path, f"its {DATABASE} is no journal") from None
+    with closing(Journal(folder)) as journal:
         if problems := journal.verify():
             raise JournalError(f"{path}: {problems[0]}")
         first = next(journal.entries(), None)
         if first is None or first.kind != SESSION:
             raise FileError(path, "does not hold the journal of a session")
-    finally:
-        journal.close()

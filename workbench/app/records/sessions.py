@@ -1,13 +1,13 @@
 """Where sessions lie: one folder each, `<time>-<cell>`, holding a journal and its files."""
 
 import json
-import re
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
 from workbench.app.records.forms import restored
 from workbench.app.records.record import SESSION, session_record
+from workbench.formats.files.whole_files import plain_name
 from workbench.journal.journal import Journal
 from workbench.model.cell import Cell
 from workbench.model.errors import JournalError, WorkbenchError
@@ -29,7 +29,7 @@ def new_session(root: Path, cell: Cell, at: float, after: Journal | None = None)
         JournalError: the folder cannot be made or written.
     """
     time = datetime.fromtimestamp(at, UTC).strftime("%Y%m%d-%H%M%S")
-    name = re.sub(r"[^\w.-]", "_", f"{time}-{cell.name}")
+    name = plain_name(f"{time}-{cell.name}")
     journal = Journal(_new_folder(root, name))
     begin(journal, cell, at, after)
     return journal

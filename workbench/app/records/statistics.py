@@ -214,6 +214,9 @@ class Count:
             # Poses from outside, without a scan.
             self._cycles.append(CycleRecord(number, at, at))
         match kind:
+            case FindParts.__name__ if command.get("is_compared"):
+                # What it finds is not taken by that: who takes it says so.
+                self._begun = NOTHING_BEGUN
             case FindParts.__name__:
                 self._begun = ("find parts", at, number)
             case UseDetections.__name__:
@@ -292,13 +295,24 @@ class Count:
 
     def _reported(self, report: Any) -> None:
         result: Result = "picked" if report["is_picked"] else "failed"
+        sent = self._sent_last()
+        if sent is None:
+            return
         picks = tuple(
             replace(pick, result=result, why=report["why"])
             if pick.detection == report["detection"] and pick.result != result
             else pick
-            for pick in self._cycles[-1].picks
+            for pick in self._cycles[sent].picks
         )
-        self._change(picks=picks)
+        self._cycles[sent] = replace(self._cycles[sent], picks=picks)
+
+    def _sent_last(self) -> int | None:
+        """Which cycle the robot has carried out, or does: a scan that failed may come after it."""
+        last = len(self._cycles) - 1
+        if self._begun[0] == "send" and self._cycles[last].picks:
+            return last
+        ended = (n for n in range(last, -1, -1) if self._cycles[n].end in ("done", "fault"))
+        return next(ended, None)
 
     def _took(self, stage: str, began: float, at: float) -> None:
         seconds = {**self._cycles[-1].seconds, stage: max(0.0, at - began)}

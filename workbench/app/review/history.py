@@ -2,7 +2,7 @@
 
 import threading
 from collections import deque
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Never
 
@@ -56,6 +56,11 @@ class History:
     def count(self) -> int:
         """How many moments there are."""
         return len(self._moments)
+
+    @property
+    def moments(self) -> Sequence[tuple[Moment | None, State]]:
+        """All of them in order, each with the state that it led to; the first is the beginning."""
+        return self._moments
 
     @property
     def number(self) -> int:

@@ -15,6 +15,7 @@ from workbench.journal.journal import Journal
 from workbench.model.cell import Cell
 from workbench.model.errors import WorkbenchError
 from workbench.model.scan import LocalizationResult
+from workbench.plugins.progress import never, silent
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,7 +61,7 @@ def _compared(cell: Cell, job: StartJob, kept: object) -> Comparison | None:
     ):
         return None
     try:
-        again = JOBS[job.name](cell, job.arguments, lambda done, note: None, lambda: False)
+        again = JOBS[job.name](cell, job.arguments, silent, never)
     except WorkbenchError as error:
         return Comparison(job.number, job.name, Likeness.OTHER, f"failed: {error}")
     if isinstance(again, LocalizationResult):

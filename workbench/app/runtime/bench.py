@@ -14,10 +14,11 @@ from workbench.app.core.commands import (
     LinkEnded,
     Opened,
     SendPlan,
+    Started,
     Stop,
 )
 from workbench.app.core.decide import decide
-from workbench.app.core.effects import Effect
+from workbench.app.core.effects import Effect, StopSending
 from workbench.app.core.people import Role
 from workbench.app.core.rights import MACHINES, ROBOT_LINK, SESSION_START, WORKER
 from workbench.app.core.rules import NOT_REPORTED, allowed
@@ -33,7 +34,7 @@ from workbench.app.runtime.robot_link import Clock, Do
 from workbench.app.runtime.vote_ages import VoteAges
 from workbench.journal.journal import Journal, Row
 from workbench.model.cell import Cell
-from workbench.model.errors import CommandRefused, JournalError, WorkbenchError
+from workbench.model.errors import CommandRefused, JournalError, NotRecorded, WorkbenchError
 
 
 class Effects(Protocol):
@@ -75,6 +76,7 @@ class Bench:
         now: Clock = time.time,
         steady: Clock = time.monotonic,
         effects: Callable[[Cell, Do, Clock], Effects] = EffectRunner,
+        start: Started | None = None,
     ) -> None:
         """Begin or continue a session.
 
@@ -84,6 +86,7 @@ class Bench:
             now: seconds since the epoch; with the actor, the only input besides commands.
             steady: seconds that only go on; a vote lapses by them, too.
             effects: makes what carries out effects.
+            start: tells what runs here, and is recorded first; None: nothing is said of it.
 
         Raises:
             JournalError: the journal cannot be written, another program writes to it, or its
@@ -95,7 +98,8 @@ class Bench:
         self._now = now
         self._changed = threading.Condition()
         self._observers: list[ObserverThread] = []
-        self._closing = False
+        self._is_ending = False
+        self._is_closed = False
         self._ages = VoteAges(steady)
         journal.claim(now())
         if journal.count == 0:
@@ -104,6 +108,8 @@ class Bench:
         for _, state in replay(journal, cell):
             self._state = state
         self._end_what_was_interrupted()
+        if start is not None:
+            self.do(start, SESSION_START)
         self._effects = effects(self._state.cell, self.do, now)
 
     @property
@@ -133,7 +139,7 @@ class Bench:
             The state right after it.
 
         Raises:
-            CommandRefused: the rules do not admit it, or it could not be recorded.
+            CommandRefused: the rules do not admit it, or it could not be recorded (`NotRecorded`).
         """
         # How the robot stands counts where a plan is let out, and is on record there.
         joints = self.live.joints if isinstance(command, Approve | SendPlan) else NOT_REPORTED
@@ -144,7 +150,7 @@ class Bench:
         # A scan takes a while to become bytes: nobody else should wait for that.
         form = command_form(command)
         with self._changed:
-            if self._closing and actor not in MACHINES:
+            if self._is_ending and actor not in MACHINES:
                 raise CommandRefused("the workbench is closing")
             before, now = self._state, self._now()
             allowed(before, command, actor, now, joints, role)
@@ -163,12 +169,18 @@ class Bench:
                     raise CommandRefused(
                         f"the stop is carried out, but it cannot be recorded: {error}"
                     ) from error
-                raise CommandRefused(
+                raise NotRecorded(
                     f"the journal cannot be written, so nothing was done: {error}"
                 ) from error
             self._publish(after)
             self._run(effects)
         return after
+
+    @property
+    def head(self) -> tuple[int, str]:
+        """Number and hash of the last entry on record."""
+        with self._changed:
+            return self._journal.count, self._journal.head
 
     def entries(self, after: int = 0) -> Iterator[Row]:
         """What is on record after the entry with that number, in order.
@@ -204,12 +216,22 @@ class Bench:
 
         return unsubscribe
 
+    def stop_sending(self) -> None:
+        """Stop the robot and take nothing more from people: the first step of an end.
+
+        Returns at once.  What else ends may take its time after that.
+        """
+        with self._changed:
+            self._is_ending = True
+            if not self._is_closed:
+                self._run((StopSending(),))
+
     def close(self) -> None:
         """Stop the robot and the worker, record that, and end; twice does no harm."""
         with self._changed:
-            if self._closing:
+            if self._is_closed:
                 return
-            self._closing = True
+            self._is_ending = self._is_closed = True
         self._effects.close()
         with self._changed:
             observers, self._observers = self._observers, []

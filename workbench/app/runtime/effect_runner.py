@@ -3,6 +3,7 @@
 import logging
 import threading
 from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, assert_never
@@ -11,6 +12,7 @@ from workbench.app.core.commands import CellRead, JobEnded
 from workbench.app.core.effects import (
     Effect,
     KeepDrafts,
+    LetStep,
     RemoveDraft,
     Send,
     StartJob,
@@ -20,16 +22,19 @@ from workbench.app.core.effects import (
     WriteCell,
 )
 from workbench.app.core.rights import CELL_FILE, WORKER
+from workbench.app.runtime.insisting import insist
 from workbench.app.runtime.jobs import WORK, Jobs
 from workbench.app.runtime.live import Live
 from workbench.app.runtime.robot_link import Clock, Do, LinkRunner
 from workbench.app.runtime.worker import GettingReady
-from workbench.formats.cells.edits import log_change, save_cell
+from workbench.formats.cells.edits import log_change, save_cell, written_cell
 from workbench.formats.cells.reading import part_folders, read_cell
+from workbench.formats.files.toml_keys import LARGEST_FILE
+from workbench.formats.files.whole_files import read_whole
 from workbench.formats.parts.reading import read_part
 from workbench.formats.parts.saves import drop_draft, save_part, write_draft
 from workbench.model.cell import Cell
-from workbench.model.errors import CommandRefused, InputError, WorkbenchError
+from workbench.model.errors import InputError, WorkbenchError
 from workbench.model.scan import LocalizationResult
 from workbench.plugins.robot_link import USUAL, LinkPatience
 
@@ -70,7 +75,9 @@ class EffectRunner:
         self._now = now
         self._cell_file = cell_file
         self._lock = threading.Lock()
-        self._saving = threading.Lock()
+        # One after the other, and not while others wait for the bench: a disk may be slow.
+        self._files = ThreadPoolExecutor(1, "files")
+        self._closing = threading.Event()
         self._live = Live()
         self._robot = LinkRunner(cell, do, now, self._show, patience=patience)
         self._jobs = Jobs(
@@ -92,15 +99,16 @@ class EffectRunner:
                 self._jobs.cancel(number)
             case Send(plan=plan, approval=approval):
                 self._robot.send(plan, approval)
+            case LetStep(number=number):
+                self._robot.let(number)
             case StopSending():
                 self._robot.stop()
             case UseCell(cell=cell):
                 self._jobs.use(cell)
                 self._robot.use(cell)
             case WriteCell():
-                threading.Thread(
-                    target=self._write_cell, args=(effect,), name="cell file", daemon=True
-                ).start()
+                self._show(is_saving=True)
+                self._to_files(lambda: self._write_cell(effect))
             case KeepDrafts(parts=parts):
                 self._drafts(
                     [part.name for part in parts],
@@ -115,32 +123,60 @@ class EffectRunner:
 
     def close(self) -> None:
         """End the sending first, then the worker; waits until both are gone."""
+        self._closing.set()
         self._robot.close()
         self._jobs.close()
+        self._files.shutdown()
 
     def _drafts(self, parts: Sequence[str], change: Callable[[Mapping[str, Path]], object]) -> None:
         """Change drafts beside the parts; a draft that cannot be kept stops nobody."""
         if self._cell_file is None:
             return
-        try:
-            change(part_folders(self._cell_file, parts))
-        except InputError as error:
-            log.warning("a draft could not be changed: %s", error)
+        cell_file = self._cell_file
+
+        def write() -> None:
+            try:
+                change(part_folders(cell_file, parts))
+            except InputError as error:
+                log.warning("a draft could not be changed: %s", error)
+
+        self._to_files(write)
+
+    def _to_files(self, work: Callable[[], None]) -> None:
+        """Have files changed; whatever fails is in the log, since nobody looks at the result."""
+
+        def logged() -> None:
+            try:
+                work()
+            except Exception:
+                log.exception("files of the cell could not be changed")
+
+        self._files.submit(logged)
 
     def _write_cell(self, effect: WriteCell) -> None:
         try:
-            with self._saving:
-                cell = self._saved(effect)
-            command = CellRead(cell, is_saved=True, written=effect.cell.digest)
+            cell, says = self._saved(effect)
+            command = CellRead(cell, is_saved=True, written=effect.cell.digest, says=says)
         except InputError as error:
             command = CellRead(problem=str(error))
-        try:
-            self._do(command, CELL_FILE)
-        except CommandRefused as error:
-            log.error("the cell file was written, but that is not recorded: %s", error)
+        except Exception as error:
+            log.exception("the cell could not be written")
+            problem = f"internal error, see the log: {type(error).__name__}: {error}"
+            command = CellRead(problem=problem)
+        # A task may have begun meanwhile: what became of saving is told when it has ended.
+        insist(
+            self._do,
+            command,
+            CELL_FILE,
+            giving_up=self._closing,
+            tell=self._tell_unrecorded,
+            is_waiting=True,
+        )
+        if command.cell is not None:
+            self._show(is_saving=False)
 
-    def _saved(self, effect: WriteCell) -> Cell:
-        """Write the cell and its parts, and read back what the files hold now.
+    def _saved(self, effect: WriteCell) -> tuple[Cell, str]:
+        """Write the cell and its parts, and read back what the files hold now; tell what was new.
 
         Raises:
             InputError: something cannot be written or read.
@@ -148,19 +184,26 @@ class EffectRunner:
         if self._cell_file is None:
             raise InputError("this session has no cell file")
         folders = part_folders(self._cell_file, [part.name for part in effect.cell.parts])
-        for part in effect.cell.parts:
-            folder = folders[part.name]
-            save_part(
-                folder,
-                read_part(folder),
+        told, before = list[str](), read_whole(self._cell_file, LARGEST_FILE)
+        filed = tuple(read_part(folders[part.name]) for part in effect.cell.parts)
+        # Asked before anything is written: half of it would look like a change from outside.
+        written_cell(self._cell_file, replace(effect.cell, parts=filed))
+        for old, part in zip(filed, effect.cell.parts, strict=True):
+            version = save_part(
+                folders[part.name],
+                old,
                 part,
                 actor=effect.actor,
                 at=effect.at,
                 remark=effect.remark,
             )
+            if version is not None:
+                told.append(f"the grasps of {part.name} as version {version}")
         save_cell(self._cell_file, effect.cell)
+        if not told or read_whole(self._cell_file, LARGEST_FILE) != before:
+            told.append("the cell")
         log_change(self._cell_file, effect.cell, effect.actor, effect.at, effect.remark)
-        return read_cell(self._cell_file)
+        return read_cell(self._cell_file), f"saved: {', '.join(told)}"
 
     def _show(self, **changes: Any) -> None:
         with self._lock:
@@ -180,11 +223,15 @@ class EffectRunner:
             self._show(findings=result)
             result = result.detections
         try:
-            self._do(JobEnded(number, result), WORKER)
-        except CommandRefused as error:
-            log.error("the end of task %d is not recorded: %s", number, error)
+            self._insist(JobEnded(number, result))
         except Exception as error:
             # A result that has no canonical form, say: the task must not seem to run for ever.
             log.exception("the result of task %d cannot be taken", number)
             problem = f"internal error, see the log: {type(error).__name__}: {error}"
-            self._do(JobEnded(number, WorkbenchError(problem)), WORKER)
+            self._insist(JobEnded(number, WorkbenchError(problem)))
+
+    def _insist(self, ended: JobEnded) -> None:
+        insist(self._do, ended, WORKER, giving_up=self._closing, tell=self._tell_unrecorded)
+
+    def _tell_unrecorded(self, problem: str) -> None:
+        self._show(unrecorded=problem)

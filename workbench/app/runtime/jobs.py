@@ -13,6 +13,7 @@ import threading
 import time
 from collections import deque
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from multiprocessing.connection import wait
 from multiprocessing.context import SpawnContext
 from typing import Any, assert_never
@@ -136,13 +137,30 @@ class Jobs:
     def _run(self) -> None:
         self._replace_worker()
         while not self._closing:
-            self._follow_cancels()
-            self._begin_next()
-            self._wait_and_listen()
-            if self._kill_at is not None and time.monotonic() >= self._kill_at:
-                self._bury()
+            try:
+                self._follow_cancels()
+                self._begin_next()
+                self._wait_and_listen()
+                if self._kill_at is not None and time.monotonic() >= self._kill_at:
+                    self._bury()
+            except Exception as error:
+                # No memory to pack a task, say: the tasks after it have to run all the same.
+                log.exception("the thread of tasks has failed")
+                self._begin_anew(error)
         if self._worker is not None:
             self._worker.kill()
+
+    def _begin_anew(self, error: Exception) -> None:
+        """End what runs, or all that waits if nothing does; the next task gets a new worker."""
+        problem = WorkbenchError(f"internal error, see the log: {type(error).__name__}: {error}")
+        worker, self._worker = self._worker, None
+        if self._running is not None:
+            self._running_ended(problem)
+        else:
+            self._refuse_waiting(problem)
+        with suppress(Exception):
+            if worker is not None:
+                worker.kill()
 
     def _replace_worker(self) -> None:
         self._unable = None
@@ -303,4 +321,8 @@ class _Worker:
         self._process.join()
         self.connection.close()
         code = self._process.exitcode or 0
-        return signal.Signals(-code).name if code < 0 else f"exit code {code}"
+        if code >= 0:
+            return f"exit code {code}"
+        # Most of the signals for real time have no name.
+        names = {int(one): one.name for one in signal.Signals}
+        return names.get(-code, f"signal {-code}")

@@ -22,7 +22,9 @@ class Live:
     last, `robot` its own word for what it does; both are empty while it reports nothing.  `link`
     is how the last connection for motion stands, or how it ended.
     `findings` are of the last search for parts, with what it discarded: the journal keeps the
-    parts alone, since the rest decides nothing and can be computed again.
+    parts alone, since the rest decides nothing and can be computed again.  `unrecorded` says why
+    the end of a task or of a sending is not on record yet; empty otherwise.  `is_saving`: the
+    cell is being written, or the last time it could not be.
     """
 
     job: int = 0
@@ -34,6 +36,8 @@ class Live:
     link: LinkStatus = field(default_factory=LinkStatus)
     findings: LocalizationResult | None = None
     getting_ready: GettingReady | None = None
+    unrecorded: str = ""
+    is_saving: bool = False
 
     def told_of(self, job: int) -> tuple[float, str]:
         """Share done and note of the job with that number, or of what it waits for."""

@@ -1,16 +1,18 @@
 """The threads that speak with the robot: one sends a plan, one listens to what it reports."""
 
 import logging
+import queue
 import threading
 import time
 from collections.abc import Callable, Generator, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass, field, replace
-from typing import Any, cast
+from typing import cast
 
 from workbench.app.core.commands import Command, LinkEnded, Sent
 from workbench.app.core.rights import ROBOT_LINK
 from workbench.app.core.state import State
+from workbench.app.runtime.insisting import insist
 from workbench.model.cell import Cell
 from workbench.model.errors import CommandRefused, JobCancelled, LinkError, WorkbenchError
 from workbench.model.geometry import Floats
@@ -36,6 +38,7 @@ class Run:
 
     `before` is what the controller reported last before it, `receipts` what has gone out since.
     `doubt` says why the sending must not go on from the time `doubted_at` [s] of `clock` on.
+    `let` is the last step of the plan that a person has let run, where each waits for that.
     """
 
     plan: Plan
@@ -45,6 +48,7 @@ class Run:
     receipts: list[Receipt] = field(default_factory=list[Receipt])
     doubt: str = ""
     doubted_at: float = 0.0
+    let: int = 0
 
     def is_to_stop(self) -> bool:
         """Whether somebody stops it, or what is reported does not fit what was sent."""
@@ -56,6 +60,8 @@ class LinkRunner:
 
     Lifetime: the controller's reports are listened to from construction until `close`, again
     and again where there are none; a connection for motion exists only while a plan is sent.
+    Both threads are there from the beginning: where none can be had, nothing begins that could
+    not be ended.
 
     Concurrency: `send` and `stop` return at once; `close` waits until the end of a sending is
     reported.  `do` is called from the sending's thread, `show` from the listening one.
@@ -76,7 +82,7 @@ class LinkRunner:
             cell: whose controller it is.
             do: takes `Sent` and `LinkEnded`.
             now: seconds since the epoch.
-            show: takes `joints`, `robot` and `link` of `Live` as keywords.
+            show: takes `joints`, `robot`, `link` and `unrecorded` of `Live` as keywords.
             patience: how long the controller is waited for.
         """
         self._cell = cell
@@ -86,12 +92,18 @@ class LinkRunner:
         self._patience = patience
         self._stopped = threading.Event()
         self._closing = threading.Event()
+        self._giving_up = threading.Event()
         self._reports = threading.Condition()
         self._report: RobotState | None = None
-        self._sender: threading.Thread | None = None
+        # Connections for reports that were wanted, and the one that the report came by.
+        self._wanted = self._told = 0
+        self._runs: queue.SimpleQueue[tuple[Run, Approval] | None] = queue.SimpleQueue()
         self._run: Run | None = None
+        self._current: Run | None = None
         self._used: set[str] = set()
         self._status = LinkStatus()
+        self._sender = threading.Thread(target=self._send_all, name="robot link", daemon=True)
+        self._sender.start()
         self._listener = threading.Thread(target=self._listen, name="robot state", daemon=True)
         self._listener.start()
 
@@ -103,31 +115,47 @@ class LinkRunner:
         """Begin to send; each message and the end are given to `do`."""
         self._stopped = threading.Event()
         run = Run(plan, self._report, self._stopped, self._patience.clock)
-        self._start_sender(self._send, run, approval)
+        self._current = run
+        self._runs.put((run, approval))
+
+    def let(self, number: int) -> None:
+        """Let this step of the plan that is being sent run, once the robot waits before it."""
+        if self._current is not None:
+            self._current.let = number
 
     def stop(self) -> None:
         """Send nothing more, and close the link."""
         self._stopped.set()
-        if self._sender is None or not self._sender.is_alive():
-            # The end of the sending could not be recorded when it came; perhaps now it can.
-            self._start_sender(self._end, "the sending had ended without a record of it")
 
     def close(self) -> None:
         """Stop, and wait until that is reported."""
+        self._giving_up.set()
         self._stopped.set()
-        if self._sender is not None:
-            self._sender.join()
+        self._runs.put(None)
+        self._sender.join()
         self._closing.set()
         self._listener.join()
 
-    def _start_sender(self, target: Callable[..., None], *arguments: Any) -> None:
-        self._sender = threading.Thread(
-            target=target, args=arguments, name="robot link", daemon=True
-        )
-        self._sender.start()
+    def _send_all(self) -> None:
+        while (wanted := self._runs.get()) is not None:
+            self._send(*wanted)
 
     def _send(self, run: Run, approval: Approval) -> None:
-        fault, is_silent = "", not self._cell.controller.motion.reports_progress
+        fault = ""
+        try:
+            fault = self._spoken(run, approval)
+            self._end(fault, *self._outcome(run, fault))
+        except Exception as error:
+            # Whatever it is, the sending must not seem to go on for ever.
+            log.exception("the end of a sending cannot be told as it was")
+            self._run = None
+            # A text that no journal can hold may have been the reason.
+            self._end((fault or _internal(error)).encode("ascii", "backslashreplace").decode())
+            self._show_link(replace(self._status, phase="closed"))
+
+    def _spoken(self, run: Run, approval: Approval) -> str:
+        """Send the plan, message by message; what ended that early, if anything did."""
+        fault, is_silent = "", self._is_silent()
         self._show_link(LinkStatus(phase="connecting"))
         try:
             self._spend(approval)
@@ -141,6 +169,7 @@ class LinkRunner:
                 cancelled=run.is_to_stop,
                 show=self._show_link,
                 patience=self._patience,
+                let=lambda: run.let,
             )
             # Closing the generator closes the link, whoever breaks off.
             with closing(cast(Generator[Receipt, None, None], receipts)):
@@ -148,8 +177,9 @@ class LinkRunner:
                     run.receipts.append(receipt)
                     self._do(Sent(receipt), ROBOT_LINK)
         except JobCancelled as error:
-            if is_silent:
-                self._see_it_stand()
+            # A link that has nothing but its end says nothing of the robot.
+            if is_silent and self._status.stopped is None:
+                self._see_it_stand(run)
             fault = str(error) if run.stopped.is_set() else f"{run.doubt}; {error}"
         except CommandRefused as error:
             fault = str(error)
@@ -157,15 +187,22 @@ class LinkRunner:
             fault = self._explained(str(error)) if is_silent else str(error)
         except Exception as error:
             log.exception("sending failed")
-            fault = f"internal error, see the log: {type(error).__name__}: {error}"
+            fault = _internal(error)
+        return fault
+
+    def _outcome(self, run: Run, fault: str) -> tuple[int, tuple[PartReport, ...]]:
+        """How many parts were put down, and what is known of each."""
         self._run = None
         self._show_link(replace(self._status, phase="closed"))
         parts = self._parts(run)
         placed = sum(part.is_picked is True for part in parts)
-        if is_silent:
+        if self._is_silent():
             since = self._placed_since(run.before, 0 if fault else len(run.receipts))
             placed = min(since, len(run.plan.arms))
-        self._end(fault, placed, parts)
+        return placed, parts
+
+    def _is_silent(self) -> bool:
+        return not self._cell.controller.motion.reports_progress
 
     def _spend(self, approval: Approval) -> None:
         """One approval, one sending.
@@ -187,17 +224,29 @@ class LinkRunner:
         )
 
     def _end(self, fault: str, placed: int = 0, parts: tuple[PartReport, ...] = ()) -> None:
-        try:
-            self._do(LinkEnded(fault, placed, parts), ROBOT_LINK)
-        except CommandRefused as error:
-            log.error("the end of the sending (%s) is not recorded: %s", fault or "good", error)
+        ended = LinkEnded(fault, placed, parts)
+        how = fault or "it went well"
 
-    def _see_it_stand(self) -> None:
+        def tell(problem: str) -> None:
+            self._show(unrecorded=f"{how}; {problem}" if problem else "")
+
+        insist(self._do, ended, ROBOT_LINK, giving_up=self._giving_up, tell=tell)
+
+    def _see_it_stand(self, run: Run) -> None:
         """After a stop by closing the link, which nobody acknowledges: what the reports say."""
         began = time.monotonic()
-        report = self._awaited(lambda report: not report.moving)
+        # What was told before says nothing of now, and who stands may have no news: it is asked.
+        self._wanted += 1
+        arrived = len(run.receipts) + (run.before.received if run.before else 0)
+
+        def stands(report: RobotState) -> bool:
+            # A message on its way would make it move once more.
+            is_new = self._told == self._wanted
+            return is_new and not report.moving and report.received >= arrived
+
+        report = self._awaited(stands)
         took = time.monotonic() - began
-        if report is None or report.moving:
+        if report is None or not stands(report):
             words = "nobody has reported that the robot stands: use the emergency stop"
             self._show_link(replace(self._status, stop=words))
         else:
@@ -207,12 +256,12 @@ class LinkRunner:
     def _show_link(self, status: LinkStatus) -> None:
         self._status = status
         self._show(link=status)
-        if self._report is not None or not status.joints:
+        if self._report is not None:
             return
         if status.phase == "closed":
             # From now on nobody reports where the robot is moved to.
             self._show(joints={}, robot="")
-        else:
+        elif status.joints:
             words = f"{status.phase}, step {status.step} of {status.steps}"
             self._show(joints=self._by_joint(status.joints), robot=words)
 
@@ -238,21 +287,26 @@ class LinkRunner:
 
     def _listen(self) -> None:
         while not self._closing.is_set():
-            cell = self._cell
+            cell, wanted = self._cell, self._wanted
+
+            def is_over(wanted: int = wanted) -> bool:
+                return self._closing.is_set() or self._wanted != wanted
+
             try:
                 link = link_named(cell.controller.link)
-                for report in link.states(cell, self._closing.is_set):
-                    self._take(report)
+                for report in link.states(cell, is_over):
+                    self._take(report, wanted)
             except LinkError as error:
                 log.debug("no report from the robot: %s", error)
             except Exception:
                 log.exception("listening to the robot failed")
-            self._take(None)
-            self._closing.wait(RETRY)
+            if self._wanted == wanted:
+                self._take(None, wanted)
+                self._closing.wait(RETRY)
 
-    def _take(self, report: RobotState | None) -> None:
+    def _take(self, report: RobotState | None, told: int) -> None:
         with self._reports:
-            before, self._report = self._report, report
+            before, self._report, self._told = self._report, report, told
             self._reports.notify_all()
         if report is not None:
             self._compare(report)
@@ -280,6 +334,10 @@ class LinkRunner:
             for arm in self._cell.arms
             for joint, angle in zip(arm.joints, joints.get(arm.name, ()), strict=False)
         }
+
+
+def _internal(error: Exception) -> str:
+    return f"internal error, see the log: {type(error).__name__}: {error}"
 
 
 def _words(report: RobotState) -> str:

@@ -15,7 +15,8 @@ import numpy as np
 from numba.core import event
 
 from workbench.app.picking.pipeline import plan_pick
-from workbench.app.runtime.readiness import Use, end_with_input, is_ready, mark_ready, only_one
+from workbench.app.runtime.compiled_code import Use, is_ready, mark_ready, only_one
+from workbench.app.runtime.readiness import end_with_input
 from workbench.app.runtime.work import find_parts
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.clouds.scans import read_cloud
@@ -27,6 +28,7 @@ from workbench.planning.grasps.grasp_suggestions import suggest
 from workbench.planning.grasps.grasp_trial import Trial
 from workbench.planning.grasps.part_rays import nearest_points
 from workbench.plugins.planner import planner_named
+from workbench.plugins.progress import never, silent
 
 
 def main(use: Use) -> int:
@@ -44,7 +46,7 @@ def see() -> None:
     """Find parts in a scan."""
     cell = read_cell("yumi")
     scan = synthesize(cell, drop_parts(cell.parts[:1] * 2, cell.bin, seed=28), seed=28)
-    find_parts(cell, {"scan": scan, "seed": 0}, lambda done, note: None, lambda: False)
+    find_parts(cell, {"scan": scan, "seed": 0}, silent, never)
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "scan.pcd"
         file.write_bytes(COMPRESSED)

@@ -80,11 +80,15 @@ class PosesWatch:
             self._folder = None
             return
         try:
-            files = stamps(Path(folder.path), KINDS)
-        except OSError:  # it is not there yet
-            files = dict[Path, Stamp]()
+            files, is_there = stamps(Path(folder.path), KINDS), True
+        except OSError:  # it is not there yet, or not just now
+            files, is_there = dict[Path, Stamp](), False
         if self._folder is None or folder.path != self._folder.path:
             self._done, self._seen = files, {}
+        elif is_there:
+            # Those that were taken away again are forgotten: a folder may see millions.
+            self._done = {path: self._done[path] for path in files if path in self._done}
+            self._seen = {path: self._seen[path] for path in files if path in self._seen}
         self._folder = folder
         now = time.monotonic()
         # The newest one last, so that what is older does not take its place.

@@ -11,7 +11,7 @@ from workbench.app.picking.held_plate import simulated_sight
 from workbench.app.picking.part_import import imported_part
 from workbench.app.picking.pipeline import plan_pick
 from workbench.app.runtime.readiness import make_ready
-from workbench.app.runtime.worker import Cancelled, JobFunction, Report
+from workbench.app.runtime.worker import JobFunction
 from workbench.model.calibration import PlateSighting
 from workbench.model.cell import Cell
 from workbench.model.errors import InputError, JobCancelled
@@ -20,7 +20,9 @@ from workbench.model.plan import PlanResult
 from workbench.model.scan import Detection, LocalizationResult, Obstacle, Scan, SearchWishes
 from workbench.perception.calibration.balls import sight_plate
 from workbench.perception.scene.unexplained import unexplained
+from workbench.planning.collision.rolled import axis_of
 from workbench.plugins.localizer import find_parts as localized
+from workbench.plugins.progress import Cancelled, Report
 from workbench.plugins.scanner import ScanRequest, scanner_of
 
 
@@ -84,11 +86,28 @@ def boxes_around(cell: Cell, placed: Sequence[Detection]) -> tuple[Obstacle, ...
                 f"a part {one.part} lies on a pallet and the cell does not know that part any "
                 "more; take it away and empty the pallets"
             )
-        points = cell.part(one.part).mesh.points
-        low, high = points.min(axis=0), points.max(axis=0)
-        T_part_box = pin.SE3(np.eye(3), (low + high) / 2)
-        boxes.append(Obstacle(one.T_world_part * T_part_box, high - low))
+        boxes.append(_box_around(cell.part(one.part), one))
     return tuple(boxes)
+
+
+def _box_around(part: Part, placed: Detection) -> Obstacle:
+    """A box that holds a part; of one whose roll is unknown, at every turn about its axis."""
+    points = part.mesh.points
+    T_part_box = pin.SE3.Identity()
+    if placed.roll_known:
+        low, high = points.min(axis=0), points.max(axis=0)
+    else:
+        point, direction = axis_of(part, placed)
+        T_part_box.rotation = pin.Quaternion.FromTwoVectors(
+            np.array([0, 0, 1.0]), direction
+        ).matrix()
+        T_part_box.translation = point
+        seen = (points - point) @ T_part_box.rotation
+        radius = float(np.linalg.norm(seen[:, :2], axis=1).max())
+        low = np.array([-radius, -radius, seen[:, 2].min()])
+        high = np.array([radius, radius, seen[:, 2].max()])
+    T_part_box = T_part_box * pin.SE3(np.eye(3), (low + high) / 2)
+    return Obstacle(placed.T_world_part * T_part_box, high - low)
 
 
 def plan(

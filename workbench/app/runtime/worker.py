@@ -21,9 +21,8 @@ from typing import Any, Protocol
 
 from workbench.model.cell import Cell
 from workbench.model.errors import WorkbenchError
+from workbench.plugins.progress import Cancelled, Report
 
-Report = Callable[[float, str], None]
-Cancelled = Callable[[], bool]
 JobFunction = Callable[[Cell, Mapping[str, Any], Report, Cancelled], Any]
 
 REPORT_EVERY = 0.05

@@ -105,6 +105,16 @@ class UserToken:
 
 
 @dataclass(frozen=True, slots=True)
+class UserUnlock:
+    """Let logins be tried again after too many have failed: of one name, or of everybody."""
+
+    name: Positional[str | None] = None
+    """Name that was tried too often; every name and address when not given."""
+    users: Path = USERS
+    """File of users and logins."""
+
+
+@dataclass(frozen=True, slots=True)
 class UserCommands:
     """Say who may log in to the page, as what, and which programs act for them."""
 
@@ -117,4 +127,5 @@ class UserCommands:
         | Annotated[UserRole, subcommand("role")]
         | Annotated[UserRemove, subcommand("remove")]
         | Annotated[UserToken, subcommand("token")]
+        | Annotated[UserUnlock, subcommand("unlock")]
     )

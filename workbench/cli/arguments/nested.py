@@ -106,6 +106,11 @@ class BenchSoak:
     """Speed of the simulated robot: 1 is real time."""
     seed: int = 0
     """Seed of the first pile; the others follow."""
+    recall: bool = False
+    """Run each task once and take its result from memory when it is asked again: very many cycles
+    of rules, journal and robot link in a short time."""
+    rapid: Path | None = None
+    """Folder of RAPID modules that the controller runs, as robots/yumi/rapid."""
     sessions: Path = Path("sessions")
     """Folder for the folder of this session."""
     json: bool = False
@@ -264,6 +269,8 @@ class SessionVerify:
 
     session: Positional[Path]
     """Folder of the session."""
+    anchors: Path | None = None
+    """File of anchors that were kept elsewhere: the journal must be the one that they are of."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -288,9 +295,11 @@ class SessionExport:
     session: Positional[Path]
     """Folder of the session; it may still be going on."""
     out: Path
-    """Zip file to write."""
+    """File to write."""
     no_scene: bool = False
     """Leave the page out: it takes a few seconds."""
+    mcap: bool = False
+    """Write an MCAP file instead, for Foxglove and tools of ROS; cannot be imported again."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -19,7 +19,9 @@ class Prove:
     scan: Path | None = None
     """PLY or PCD file of the scan that it was made for."""
     poses: Path | None = None
-    """CSV or JSON file of all parts known to be in the bin."""
+    """Our JSON or a HALCON tuple file of all parts known to be in the bin."""
+    part: str | None = None
+    """What the poses of a HALCON file are of, when the cell has several parts."""
     certificate: Path | None = None
     """Write the certificate to this file, when the proof holds."""
     check: Path | None = None
@@ -45,7 +47,9 @@ class Verify:
     scan: Path | None = None
     """PLY or PCD file of the scan that it was made for."""
     poses: Path | None = None
-    """CSV or JSON file of all parts known to be in the bin."""
+    """Our JSON or a HALCON tuple file of all parts known to be in the bin."""
+    part: str | None = None
+    """What the poses of a HALCON file are of, when the cell has several parts."""
     cell: str | None = None
     """Name under robots/, or path of a cell.toml; the name in the plan when not given."""
     json: bool = False

@@ -19,8 +19,10 @@ class StudyLocalization:
     """Names under parts/, or paths, one after the other; a+b for both in one pile."""
     counts: tuple[int, ...] = (2, 8)
     """Parts in a pile."""
-    noise: tuple[Literal["fine", "rough"], ...] = ("fine", "rough")
-    """Builds of scanner: that of the cell, and one with twice its noise and many flaws."""
+    noise: tuple[
+        Literal["fine", "rough", "structured_light", "stereo", "time_of_flight", "laser_line"], ...
+    ] = ("fine", "rough")
+    """Builds of scanner: that of the cell, one with twice its noise and many flaws, other kinds."""
     raised: float = 0.0
     """All that is seen lies this much higher than it does [mm]: a scanner calibrated badly."""
     tilted: float = 0.0
@@ -67,7 +69,7 @@ class StudyEmptying:
     """Empty full bins: what is taken, how fast, and what stays in the corners and why.
 
     Parts fall into the bin by physics; plan after plan is made, carried out and the bin looked at
-    again, until three looks in a row bring no plan.
+    again, until three looks in a row bring no plan, or three picks in a row have failed.
     """
 
     cell: Positional[str] = "yumi"
@@ -89,6 +91,12 @@ class StudyEmptying:
     """Which arms work and how, as in plan --strategy."""
     bound: bool = False
     """Try many grasps of the tool on what stays: where one takes it, a library could."""
+    what_if: str = ""
+    """Empty the same piles with single changes, too, and rank them: `all`, or some of fingers,
+    grasps, lifts, margins, bin, arms, order and tool, joined by +."""
+    resume: Path | None = None
+    """Folder in which each pile is kept as soon as it is done; what is there already is not done
+    again, so that a study that was stopped goes on."""
     scan_seconds: float = 1.0
     """What a scan takes, for the parts an hour."""
     approval_seconds: float = 0.0

@@ -13,9 +13,11 @@ from workbench.cli.arguments.access import USERS, UserCommands
 from workbench.cli.arguments.names import OrderName
 from workbench.cli.arguments.nested import Bench, CellCommands, SessionCommands
 from workbench.cli.arguments.part import Grasps, PartCommands
+from workbench.cli.arguments.plc import CERTIFICATES, OpcUaCommands
 from workbench.cli.arguments.proving import Prove, Verify
 from workbench.cli.arguments.rapid import RapidCommands
 from workbench.cli.arguments.studies import Study
+from workbench.cli.arguments.upkeep import Compile, Doctor, Evidence, Statistics
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,11 +39,21 @@ class Serve:
     that another program writes to is only looked at."""
     after: Path | None = None
     """Folder of a session that the new one names as the one before it."""
+    anchor: tuple[str, ...] = ()
+    """Where the head of the journal goes at every approval: a file, better on another disk, or an
+    address to post to."""
     opcua: int | None = None
     """Serve OPC UA on this port, too; with a password from WORKBENCH_OPCUA_PASSWORD, or on this
     machine only."""
     opcua_operator: str = "plc"
     """Name of the operator that whoever calls over OPC UA acts as."""
+    opcua_certificates: Path = CERTIFICATES
+    """Folder of certificates. With one of the server in it (`workbench opcua certificate`) channels
+    are signed or encrypted, and users may come by their own names and passwords."""
+    opcua_plain: bool = False
+    """Take channels that are neither signed nor encrypted all the same."""
+    log: Path | None = None
+    """Write the log to this file, too, an object of JSON a line; turned at 10 MB, five are kept."""
     users: Path = USERS
     """File of users and logins."""
     certificate: Path | None = None
@@ -108,7 +120,7 @@ class Localize:
     cell: Positional[str]
     """Name under robots/, or path of a cell.toml."""
     scan: Path
-    """PLY file, points in metres in the scanner's frame."""
+    """PLY or PCD file in the scanner's frame, with the cell's unit and axes of clouds."""
     out: Path
     """JSON file of poses to write."""
     discarded: bool = False
@@ -159,7 +171,7 @@ class Plan:
     out: Path
     """JSON file of the plan to write."""
     scan: Path | None = None
-    """PLY file that the poses were found in: what it shows beside the parts is kept clear of."""
+    """PLY or PCD file the poses were found in: what it shows beside the parts is kept clear of."""
     strategy: str = "auto"
     """Which arms work: auto, alternated, coordinated, both, or one arm by its name."""
     threshold: float | None = None
@@ -192,13 +204,13 @@ class Explain:
     poses: Path
     """Our JSON, or a HALCON tuple file (rows of [R|t] in the world frame, millimetres)."""
     scan: Path | None = None
-    """PLY file that the poses were found in: what it shows beside the parts is in the way, too."""
+    """PLY or PCD file the poses were found in: what it shows beside the parts is in the way."""
     seed: int = 0
     """Seed of everything random."""
     part: str | None = None
     """What the poses of a HALCON file are of, when the cell has several parts."""
     json: bool = False
-    """Print one JSON object and nothing else."""
+    """Print one JSON object and nothing else: in it `detection` counts from 0, `parts` from 1."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -222,7 +234,9 @@ class Send:
     scan: Path | None = None
     """PLY or PCD file of the scan that the plan was made for, for the proof."""
     poses: Path | None = None
-    """CSV or JSON file of all parts known to be in the bin, for the proof."""
+    """Our JSON or a HALCON tuple file of all parts known to be in the bin, for the proof."""
+    part: str | None = None
+    """What the poses of a HALCON file are of, when the cell has several parts."""
     state_port: int | None = None
     """Port on which the controller reports its state; the next one when not given."""
     record: Path = Path("approvals")
@@ -275,18 +289,6 @@ class ExportWorld:
     """Folder to write to; made when missing."""
     plan: Path | None = None
     """JSON file of a plan, for its parts and phases; the bare cell when not given."""
-
-
-@dataclass(frozen=True, slots=True)
-class Statistics:
-    """Tell what sessions have brought: parts per hour, success, times, causes of refusal."""
-
-    sessions: Positional[tuple[Path, ...]] = ()
-    """Folders of sessions; all of those in sessions/ when none is given."""
-    csv: Path | None = None
-    """CSV file to write, a row for each part that was sent for."""
-    json: bool = False
-    """Print one JSON object and nothing else."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -364,11 +366,6 @@ class Scanner:
     """Print one JSON object and nothing else."""
 
 
-@dataclass(frozen=True, slots=True)
-class Compile:
-    """Compile now, once on a machine, what is otherwise compiled at its first use."""
-
-
 Arguments = (
     Annotated[Serve, subcommand("serve")]
     | Annotated[Demo, subcommand("demo")]
@@ -393,8 +390,11 @@ Arguments = (
     | Annotated[Import, subcommand("import")]
     | Annotated[SessionCommands, subcommand("session")]
     | Annotated[UserCommands, subcommand("user")]
+    | Annotated[OpcUaCommands, subcommand("opcua")]
     | Annotated[Statistics, subcommand("statistics")]
+    | Annotated[Evidence, subcommand("evidence")]
     | Annotated[Backup, subcommand("backup")]
     | Annotated[Restore, subcommand("restore")]
     | Annotated[Compile, subcommand("compile")]
+    | Annotated[Doctor, subcommand("doctor")]
 )

@@ -27,7 +27,7 @@ from workbench.formats.files.whole_files import make_folder
 from workbench.model.calibration import BallPlate, Calibration, PlateSighting
 from workbench.model.cell import Cell
 from workbench.model.errors import InputError
-from workbench.model.geometry import Floats, pose_from_rpy
+from workbench.model.geometry import Floats, pose_from_rpy, shift_and_turn
 from workbench.perception.calibration.balls import sight_plate
 
 WRONG = pose_from_rpy((0.012, -0.008, 0.015), np.deg2rad((1.2, -0.8, 1.5)))
@@ -173,7 +173,7 @@ def _form(cell: Cell, calibration: Calibration, missed: list[str]) -> dict[str, 
 
 
 def _between(T: pin.SE3) -> str:
-    distance, angle = np.linalg.norm(T.translation), np.linalg.norm(pin.log3(T.rotation))
+    distance, angle = shift_and_turn(T)
     return f"{distance * 1000:.2f} mm and {np.rad2deg(angle):.3f} degrees"
 
 

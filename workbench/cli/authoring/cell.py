@@ -3,13 +3,11 @@
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import fields
-from typing import assert_never
 
 import numpy as np
 
 from workbench.app.runtime.readiness import make_ready
-from workbench.cli.arguments.nested import CellCheck, CellCommands, CellNew, CellSchema, CellShow
-from workbench.cli.authoring.new_cell import new_cell
+from workbench.cli.arguments.nested import CellCheck, CellSchema, CellShow
 from workbench.cli.exits import NO_PLAN, SUCCESS
 from workbench.cli.terminal import print_json, print_table, progress
 from workbench.formats.cells.reading import read_cell
@@ -29,23 +27,13 @@ WIDE = 4 * np.pi
 """[rad] A joint whose range is wider has probably no limits."""
 
 
-def cell(typed: CellCommands) -> int:
-    """Carry out a command about a cell."""
-    match typed.what:
-        case CellCheck():
-            return _check(typed.what)
-        case CellShow():
-            return _show(typed.what)
-        case CellSchema():
-            print(schema_text(), end="")
-            return SUCCESS
-        case CellNew():
-            return new_cell(typed.what)
-        case _:
-            assert_never(typed.what)
+def print_schema(typed: CellSchema) -> int:
+    """Print the schema of cell files."""
+    print(schema_text(), end="")
+    return SUCCESS
 
 
-def _show(typed: CellShow) -> int:
+def show_cell(typed: CellShow) -> int:
     """Print names and values."""
     cell = read_cell(typed.cell)
     bin, scanner, policy = cell.bin, cell.scanner, cell.policy
@@ -98,7 +86,7 @@ def _mm(lengths: Floats) -> str:
     return ", ".join(f"{value * 1000:.0f}" for value in lengths)
 
 
-def _check(typed: CellCheck) -> int:
+def check_cell(typed: CellCheck) -> int:
     """Print what was found; the exit code is 0 only when nothing speaks against the cell."""
     cell = read_cell(typed.cell)
     reaches: list[Reach] = []

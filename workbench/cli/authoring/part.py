@@ -1,14 +1,14 @@
 """`workbench part`: from a CAD file to a part, and whether it is fit for picking."""
 
-from typing import Any, assert_never
+from typing import Any
 
 import numpy as np
 
 from workbench.app.core.part_rules import DENSITIES
 from workbench.app.picking.part_import import make_part, symmetry_words
 from workbench.app.runtime.readiness import make_ready
-from workbench.cli.arguments.part import PartCheck, PartCommands, PartImport, PartList
-from workbench.cli.authoring.part_check import check, counted, millimetres
+from workbench.cli.arguments.part import PartImport, PartList
+from workbench.cli.authoring.part_check import counted, millimetres
 from workbench.cli.exits import SUCCESS
 from workbench.cli.terminal import check_number, print_json, print_table, progress
 from workbench.formats.files.shipped import folders
@@ -18,20 +18,7 @@ from workbench.model.errors import FileError
 from workbench.planning.grasps.part_symmetry import FoundSymmetry
 
 
-def part(typed: PartCommands) -> int:
-    """Carry out a command about parts."""
-    match typed.what:
-        case PartImport():
-            return _import(typed.what)
-        case PartCheck():
-            return check(typed.what)
-        case PartList():
-            return _list(typed.what)
-        case _:
-            assert_never(typed.what)
-
-
-def _import(typed: PartImport) -> int:
+def import_part(typed: PartImport) -> int:
     """Make the folder of a part and tell what was found."""
     check_name(typed.name)
     check_number("--density", typed.density, *DENSITIES)
@@ -104,7 +91,7 @@ def _print_import(
     print(f"written to {written.folder}")
 
 
-def _list(typed: PartList) -> int:
+def list_parts(typed: PartList) -> int:
     """Print name, size and grasps of every part that is found by name."""
     rows: list[dict[str, Any]] = []
     seen: set[str] = set()

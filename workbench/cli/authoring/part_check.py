@@ -25,7 +25,7 @@ from workbench.planning.grasps.part_symmetry import (
 )
 
 
-def check(typed: PartCheck) -> int:
+def check_part(typed: PartCheck) -> int:
     """Print what was found; the exit code is 0 only when nothing speaks against the part."""
     part, cell = read_part(typed.part), read_cell(typed.cell)
     with progress("check") as report:

@@ -9,11 +9,12 @@ from workbench.cli.arguments.studies import StudyEmptying
 from workbench.cli.exits import SUCCESS
 from workbench.cli.terminal import check_number, check_whole, print_json, print_table, progress
 from workbench.formats.cells.reading import read_cell
-from workbench.studies.cases import run_cases
-from workbench.studies.emptying.empty import check_task, emptied
+from workbench.studies.emptying.empty import cell_of, check_task
+from workbench.studies.emptying.kept import emptied_all
 from workbench.studies.emptying.plot import draw_emptying
 from workbench.studies.emptying.scene import Task
 from workbench.studies.emptying.summary import summary
+from workbench.studies.emptying.what_if import kinds_of, ranked, tasks_with_changes
 
 MOST_PILES = 1_000_000
 LONGEST = 3600.0
@@ -47,14 +48,22 @@ def emptying(typed: StudyEmptying) -> int:
     cell = read_cell(typed.cell)
     check_strategy(cell, typed.strategy)
     check_task(tasks[0])
+    kinds = kinds_of(typed.what_if) if typed.what_if else frozenset[str]()
+    if kinds:
+        tasks = tasks_with_changes(cell_of(typed.cell, typed.part), tasks, kinds)
     with progress("emptying") as report:
         make_ready(report, ("planning", "seeing") if typed.seen == "scan" else ("planning",))
-        scenes = run_cases(
-            emptied, tasks, workers=typed.workers, scheduler=typed.scheduler, report=report
+        scenes = emptied_all(
+            tasks,
+            folder=typed.resume,
+            workers=typed.workers,
+            scheduler=typed.scheduler,
+            report=report,
         )
-    found = summary(
-        scenes, scan_seconds=typed.scan_seconds, approval_seconds=typed.approval_seconds
-    )
+    seconds = {"scan_seconds": typed.scan_seconds, "approval_seconds": typed.approval_seconds}
+    found = summary([one for one in scenes if not one.task.change], **seconds)
+    if kinds:
+        found["what_if"] = ranked(scenes, **seconds)
     title = f"{cell.name}: {typed.scenes} piles of {typed.parts}, {found['taken_share']:.0%} taken"
     if typed.plot is not None:
         draw_emptying(typed.plot, found, title)
@@ -62,7 +71,28 @@ def emptying(typed: StudyEmptying) -> int:
         print_json(found)
         return SUCCESS
     _print(found, title)
+    if kinds:
+        _print_changes(found)
     return SUCCESS
+
+
+def _print_changes(found: dict[str, Any]) -> None:
+    print_table(
+        "what if: single changes, the best first",
+        ("change", "taken", "before", "parts", "failed", "touches", "motion s"),
+        [
+            (
+                row["change"],
+                f"{row['taken_share']:.1%}",
+                f"{row['taken_share_before']:.1%}",
+                f"{row['parts_gained']:+d}",
+                str(row["failed_picks"]),
+                str(row["touches"]),
+                f"{row['motion_seconds']:.1f}",
+            )
+            for row in found["what_if"]
+        ],
+    )
 
 
 def _print(found: dict[str, Any], title: str) -> None:
@@ -79,8 +109,10 @@ def _print(found: dict[str, Any], title: str) -> None:
         ],
     )
     kinds = ", ".join(f"{count} {kind}" for kind, count in found["failed_by_kind"].items())
+    rolled = found["taken_rolled"]
+    otherwise = f", {rolled} of them rolled otherwise than found" if rolled else ""
     print(
-        f"{found['taken']} of {found['parts']} parts taken, {found['taken_share']:.1%}; "
+        f"{found['taken']} of {found['parts']} parts taken, {found['taken_share']:.1%}{otherwise}; "
         f"{found['picks']} picks, {found['failed_picks']} failed ({kinds}), "
         f"{found['touches']} touches, {found['knocked_out']} knocked out of the bin"
     )

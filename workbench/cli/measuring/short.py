@@ -50,7 +50,7 @@ def _of_planners(said: Any) -> Figures:
 def _of_threshold(said: Any) -> Figures:
     figures: dict[str, float] = {}
     for row in said["thresholds"]:
-        for kind in ("coordinated", "alternated"):
+        for kind in ("allowed", "coordinated", "alternated"):
             if row[f"{kind}_planning"] is not None:
                 name = f"{kind} at {row['threshold'] * 1000:.0f} mm"
                 figures[f"{name}, success %"] = row[f"{kind}_success"] * 100

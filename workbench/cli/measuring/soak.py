@@ -1,7 +1,6 @@
 """`workbench bench soak`: very many cycles of the demo in a row; none may be lost, nothing grow."""
 
 import contextlib
-import os
 import time
 from collections import Counter
 from dataclasses import dataclass, replace
@@ -16,9 +15,12 @@ from workbench.app.core.state import Phase
 from workbench.app.core.value_checks import SEED_LIMIT
 from workbench.app.records.sessions import new_session
 from workbench.app.runtime.bench import Bench
+from workbench.app.runtime.effect_runner import EffectRunner
 from workbench.app.runtime.readiness import make_ready
 from workbench.cli.arguments.nested import BenchSoak
 from workbench.cli.exits import FAILURE, SUCCESS
+from workbench.cli.measuring.footprint import MEGABYTE, Footprint, footprint
+from workbench.cli.measuring.recalled import Recalled
 from workbench.cli.serving.demo import ACTOR, Cycle, NoPlan, StageRow
 from workbench.cli.serving.simulation import simulated_controller
 from workbench.cli.terminal import (
@@ -32,24 +34,22 @@ from workbench.cli.terminal import (
 from workbench.formats.cells.reading import read_cell
 from workbench.journal.journal import Journal
 from workbench.model.errors import WorkbenchError
+from workbench.plugins.progress import silent
 
 SETTLED = 0.2
 """Share of the cycles after which memory is expected to grow no more."""
 
-MEGABYTE = 2**20
+ROW = 1000
+"""Cycles between two rows of what was taken of the machine."""
 
 
 @dataclass(frozen=True, slots=True)
 class Sample:
-    """One cycle: what became of it, how long it took [s], and memory afterwards [bytes].
-
-    `own` is that of this process, `others` that of the worker and the controller.
-    """
+    """One cycle: what became of it, how long it took [s], and what was taken afterwards."""
 
     end: str
     seconds: float
-    own: int
-    others: int
+    after: Footprint
 
 
 def soak(typed: BenchSoak) -> int:
@@ -64,19 +64,21 @@ def soak(typed: BenchSoak) -> int:
     cell = read_cell(typed.cell)
     samples: list[Sample] = []
     lost: list[str] = []
-    with simulated_controller(typed.cell, cell.controller, speed=typed.speed) as controller:
+    with simulated_controller(
+        typed.cell, cell.controller, speed=typed.speed, rapid=typed.rapid
+    ) as controller:
         cell = replace(cell, controller=controller)
         with progress("soak") as report:
             make_ready(report)
         journal = new_session(typed.sessions, cell, time.time())
-        bench = Bench(cell, journal)
+        bench = Bench(cell, journal, effects=Recalled if typed.recall else EffectRunner)
         try:
             with progress("soak") as report:
                 for number in range(typed.cycles):
                     began = time.perf_counter()
                     end = _cycle(bench, number, typed.seed + number % typed.piles, lost)
                     seconds = time.perf_counter() - began
-                    samples.append(Sample(end, seconds, *_memory()))
+                    samples.append(Sample(end, seconds, footprint(journal.folder)))
                     report((number + 1) / typed.cycles, f"cycle {number + 1}, {end}")
         except KeyboardInterrupt:
             # What has been so far is worth telling, provided that something has.
@@ -96,7 +98,7 @@ def _cycle(bench: Bench, number: int, seed: int, lost: list[str]) -> str:
     """Run one cycle and tell in a word what became of it; why it was lost is added to `lost`."""
     rows: list[StageRow] = []
     try:
-        Cycle(bench, number + 1, rows, lambda done, note: None).run(seed)
+        Cycle(bench, number + 1, rows, silent).run(seed)
     except NoPlan:
         return "no plan"
     except WorkbenchError as error:
@@ -107,31 +109,10 @@ def _cycle(bench: Bench, number: int, seed: int, lost: list[str]) -> str:
     return "done"
 
 
-def _memory() -> tuple[int, int]:
-    """Resident memory [bytes] of this process and of those that it has started (Linux)."""
-    children: set[int] = set()
-    for task in Path("/proc/self/task").iterdir():
-        # A thread may have ended since it was listed.
-        with contextlib.suppress(OSError):
-            children.update(map(int, (task / "children").read_text().split()))
-    return _resident(os.getpid()), sum(_resident(child) for child in children)
-
-
-def _resident(process: int) -> int:
-    try:
-        pages = int(Path(f"/proc/{process}/statm").read_text().split()[1])
-    except (OSError, IndexError):
-        return 0
-    return pages * os.sysconf("SC_PAGE_SIZE")
-
-
 def _summary(samples: list[Sample], lost: list[str], folder: Path) -> dict[str, Any]:
     settled = samples[int(len(samples) * SETTLED) :]
-    journal = Journal(folder)
-    try:
+    with contextlib.closing(Journal(folder)) as journal:
         entries, problems = journal.count, journal.verify()
-    finally:
-        journal.close()
     seconds = sorted(sample.seconds for sample in samples)
     return {
         "cycles": len(samples),
@@ -148,6 +129,7 @@ def _summary(samples: list[Sample], lost: list[str], folder: Path) -> dict[str, 
             }
             for name in ("own", "others")
         },
+        "every_1000_cycles": [_row(number, samples) for number in _row_ends(len(samples))],
         "entries": entries,
         "session": str(folder),
         "session_mb": _size(folder),
@@ -156,14 +138,34 @@ def _summary(samples: list[Sample], lost: list[str], folder: Path) -> dict[str, 
 
 
 def _megabytes(sample: Sample, name: str) -> float:
-    return round(getattr(sample, name) / MEGABYTE, 1)
+    return round(getattr(sample.after, name) / MEGABYTE, 1)
+
+
+def _row_ends(cycles: int) -> list[int]:
+    """After how many cycles there is a row; the last one also where it is no round number."""
+    return sorted({min(10, cycles), *range(ROW, cycles + 1, ROW), cycles})
+
+
+def _row(cycles: int, samples: list[Sample]) -> dict[str, Any]:
+    """What was taken after so many cycles, and the median of those since the row before."""
+    after = samples[cycles - 1].after
+    since = samples[(cycles - 1) // ROW * ROW : cycles]
+    return {
+        "cycles": cycles,
+        "median_ms": milliseconds(median(sample.seconds for sample in since)),
+        "own_mb": _megabytes(samples[cycles - 1], "own"),
+        "others_mb": _megabytes(samples[cycles - 1], "others"),
+        "files": after.files,
+        "threads": after.threads,
+        "journal_mb": _megabytes(samples[cycles - 1], "journal"),
+    }
 
 
 def _growth(samples: list[Sample], name: str) -> float | None:
     """Slope of a straight line through the memory of the cycles, in MB for 1,000 cycles."""
     if len(samples) < 2:
         return None
-    memory = [getattr(sample, name) / MEGABYTE for sample in samples]
+    memory = [getattr(sample.after, name) / MEGABYTE for sample in samples]
     return round(float(np.polyfit(np.arange(len(memory)), memory, 1)[0]) * 1000, 2)
 
 
@@ -187,6 +189,12 @@ def _print(form: dict[str, Any]) -> None:
             for name, who in (("own", "this process"), ("others", "worker and controller"))
         ],
     )  # fmt: skip
+    rows = form["every_1000_cycles"]
+    print_table(
+        "What was taken",
+        ("cycles", "median ms", "own MB", "others MB", "files", "threads", "journal MB"),
+        [tuple(f"{value:,}" for value in row.values()) for row in rows],
+    )
     whole = "; ".join(form["problems"]) or "the journal is whole"
     print(
         f"session: {form['session']}, {form['entries']:,} entries, {form['session_mb']} MB; {whole}"

@@ -2,27 +2,14 @@
 
 from collections import Counter
 from dataclasses import asdict, replace
-from typing import Any, assert_never
+from typing import Any
 
 import numpy as np
 
 from workbench.app.core.value_checks import MOST_PARTS, SEED_LIMIT
 from workbench.app.runtime.readiness import make_ready
-from workbench.cli.arguments.nested import (
-    Bench,
-    BenchMotion,
-    BenchPage,
-    BenchPick,
-    BenchPlanners,
-    BenchShort,
-    BenchSoak,
-)
-from workbench.cli.arguments.studies import (
-    Study,
-    StudyEmptying,
-    StudyLocalization,
-    StudyThreshold,
-)
+from workbench.cli.arguments.nested import BenchPick, BenchPlanners
+from workbench.cli.arguments.studies import StudyLocalization, StudyThreshold
 from workbench.cli.exits import SUCCESS
 from workbench.cli.terminal import check_number, check_whole, print_json, print_table, progress
 from workbench.formats.cells.predictions import predictions_path, write_predictions
@@ -35,49 +22,8 @@ from workbench.studies.cases import run_cases
 MOST = 1_000_000
 
 
-def bench(typed: Bench) -> int:
-    """Carry out one of the benchmarks."""
-    match typed.what:
-        case BenchPlanners():
-            return _planners(typed.what)
-        case BenchMotion():
-            from workbench.cli.measuring.motion import motion
-
-            return motion(typed.what)
-        case BenchPick():
-            return _pick(typed.what)
-        case BenchSoak():
-            from workbench.cli.measuring.soak import soak
-
-            return soak(typed.what)
-        case BenchPage():
-            from workbench.cli.measuring.page_load import page_load
-
-            return page_load(typed.what)
-        case BenchShort():
-            from workbench.cli.measuring.short import short
-
-            return short(typed.what)
-        case _:
-            assert_never(typed.what)
-
-
-def study(typed: Study) -> int:
-    """Carry out one of the studies."""
-    match typed.what:
-        case StudyLocalization():
-            return _localization(typed.what)
-        case StudyThreshold():
-            return _threshold(typed.what)
-        case StudyEmptying():
-            from workbench.cli.measuring.emptying import emptying
-
-            return emptying(typed.what)
-        case _:
-            assert_never(typed.what)
-
-
-def _planners(typed: BenchPlanners) -> int:
+def bench_planners(typed: BenchPlanners) -> int:
+    """Compare the planners."""
     check_whole("--targets", typed.targets, 1, MOST)
     check_number("--seconds", typed.seconds, 0.01, 600)
     check_whole("--seed", typed.seed, 0, SEED_LIMIT - 1)
@@ -91,7 +37,7 @@ def _planners(typed: BenchPlanners) -> int:
     if typed.start == "zero":
         arm = cell.arms[0]
         cell = replace(cell, arms=(replace(arm, home=np.zeros(len(arm.home))), *cell.arms[1:]))
-    by_klampt: list[klampt.KlamptAttempt] = []
+    by_klampt: list[planners.Attempt] = []
     with progress("planners") as report:
         make_ready(report, ("planning",))
         report(0.0, "judging the targets")
@@ -104,7 +50,7 @@ def _planners(typed: BenchPlanners) -> int:
                 course, klampt.KLAMPT_PLANNERS, seconds=typed.seconds, report=report
             )
     outcomes = Counter(target.outcome for target in course.targets)
-    ours, theirs = planners.summary(attempts), klampt.summary(by_klampt)
+    ours, theirs = planners.summary(attempts), planners.summary(by_klampt)
     if typed.plot is not None:
         plots.draw_planners(typed.plot, ours, theirs)
     ratio = _ratio(ours, theirs)
@@ -145,7 +91,8 @@ def _planner_words(row: dict[str, Any]) -> tuple[str, ...]:
     )
 
 
-def _pick(typed: BenchPick) -> int:
+def bench_pick(typed: BenchPick) -> int:
+    """Time the stages of planning."""
     check_whole("--scenes", typed.scenes, 1, MOST)
     check_whole("--parts", typed.parts, 1, MOST_PARTS)
     check_whole("--seed", typed.seed, 0, SEED_LIMIT - typed.scenes)
@@ -180,7 +127,8 @@ def _pick(typed: BenchPick) -> int:
     return SUCCESS
 
 
-def _localization(typed: StudyLocalization) -> int:
+def study_localization(typed: StudyLocalization) -> int:
+    """Find parts whose poses are known, and compare."""
     check_whole("--scenes", typed.scenes, 1, MOST)
     check_whole("--seed", typed.seed, 0, SEED_LIMIT - typed.scenes)
     if not typed.parts or not typed.counts or not typed.noise:
@@ -201,10 +149,12 @@ def _localization(typed: StudyLocalization) -> int:
         make_ready(report, ("seeing",))
         scenes = run_cases(localization.localized_scene, tasks, report=report)
     rows = localization.summary(scenes)
+    sure = localization.how_sure(scenes)
     if typed.plot is not None:
-        plots.draw_localization(typed.plot, rows)
+        plots.draw_localization(typed.plot, rows, sure)
     if typed.json:
-        print_json({"scenes": [asdict(scene) for scene in scenes], "rows": rows})
+        form = {"scenes": [asdict(scene) for scene in scenes], "rows": rows, "sureness": sure}
+        print_json(form)
         return SUCCESS
     columns = ("part", "noise", "count", "best two", "precision", "recall", "no roll")
     print_table(
@@ -212,6 +162,17 @@ def _localization(typed: StudyLocalization) -> int:
         (*columns, "mm", "degrees", "ms"),
         [_localization_words(row) for row in rows],
     )
+    if sure["calibration_error"] is not None:
+        count = sum(one["count"] for one in sure["bins"])
+        print(
+            f"chances stated and shares right are {sure['calibration_error']:.3f} apart ({count} "
+            "detections)"
+        )
+    if sure["within"] is not None:
+        print(
+            f"{sure['within']:.1%} of {sure['errors']} errors of right ones lie within the 99 % "
+            "ellipsoids of their covariances"
+        )
     return SUCCESS
 
 
@@ -233,7 +194,8 @@ def _localization_words(row: dict[str, Any]) -> tuple[str, ...]:
     )
 
 
-def _threshold(typed: StudyThreshold) -> int:
+def study_threshold(typed: StudyThreshold) -> int:
+    """Plan piles of two parts both ways, and compare."""
     check_whole("--cycles", typed.cycles, 1, MOST)
     check_whole("--seed", typed.seed, 0, SEED_LIMIT - typed.cycles)
     check_whole("--workers", typed.workers, 1, 1024)
@@ -262,25 +224,30 @@ def _threshold(typed: StudyThreshold) -> int:
         return SUCCESS
     reachable = sum(case.is_reachable for case in cases)
     print(f"{len(cases)} piles; in {reachable} each arm can take a part of its own")
-    columns = ("threshold mm", "at once", "success", "mean ms", "median ms", "95 % ms")
+    columns = ("threshold mm", "both allowed", "success", "mean ms", "median ms", "95 % ms")
     print_table(
-        "Coordinated at that distance or more, alternated below it",
-        (*columns, "one by one", "mean ms", "median ms", "cycle s", "parts an hour"),
+        "At that distance or more the quicker of coordinated and alternated, below it alternated",
+        (*columns, "one by one", "mean ms", "median ms", "cycle s", "of bound", "parts an hour"),
         [_threshold_words(row) for row in rows],
     )
     return SUCCESS
 
 
 def _threshold_words(row: dict[str, Any]) -> tuple[str, ...]:
-    both, one = row["coordinated_planning"], row["alternated_planning"]
+    allowed, one = row["allowed_planning"], row["alternated_planning"]
     return (
         f"{row['threshold'] * 1000:.0f}",
-        _percent(row["coordinated_share"]),
-        _percent(row["coordinated_success"]),
-        *(("", "", "") if both is None else (_ms(both[k]) for k in ("mean", "median", "p95"))),
+        _percent(row["allowed_share"]),
+        _percent(row["allowed_success"]),
+        *(
+            ("", "", "")
+            if allowed is None
+            else (_ms(allowed[k]) for k in ("mean", "median", "p95"))
+        ),
         _percent(row["alternated_success"]),
         *(("", "") if one is None else (_ms(one[k]) for k in ("mean", "median"))),
         "" if row["cycle_mean"] is None else f"{row['cycle_mean']:.1f}",
+        "" if row["of_bound"] is None else f"{row['of_bound']:.2f}",
         "" if row["parts_per_hour"] is None else f"{row['parts_per_hour']:.0f}",
     )
 

@@ -1,6 +1,7 @@
 """`workbench explain`: the verdict of every candidate, where they fell, and what would help."""
 
 from collections import Counter
+from collections.abc import Sequence
 
 from workbench.app.core.value_checks import SEED_LIMIT
 from workbench.app.picking.pipeline import judge
@@ -13,7 +14,8 @@ from workbench.cli.terminal import check_whole, print_json, print_table, progres
 from workbench.formats.cells.reading import read_cell
 from workbench.model.candidate import Candidate, Stage
 from workbench.model.errors import InputError
-from workbench.planning.picking.nearest_fix import Fix, nearest_fix
+from workbench.planning.picking.nearest_fix import Fix, fix_words, nearest_fix
+from workbench.planning.picking.whole_bin import Blocker, blockers, common_fixes
 
 JUDGED = (Stage.PROPOSE, Stage.GRASP, Stage.APPROACH, Stage.EXTRACT, Stage.PLACE)
 """Stages of a single candidate, in the order of the line."""
@@ -32,6 +34,14 @@ def explain(typed: arguments.Explain) -> int:
         candidates = judge(cell, detections, obstacles=obstacles, seed=typed.seed, report=report)
         report(0.9, "looking for the nearest fix")
         fix = nearest_fix(cell, detections, candidates, seed=typed.seed, obstacles=obstacles)
+        fixes = common_fixes(
+            cell,
+            detections,
+            candidates,
+            seed=typed.seed,
+            obstacles=obstacles,
+            report=lambda done, note: report(0.9 + 0.1 * done, note),
+        )
     admitted = sum(candidate.verdict.is_ok for candidate in candidates)
     if typed.json:
         print_json(
@@ -41,6 +51,11 @@ def explain(typed: arguments.Explain) -> int:
                 "funnel": [
                     {"stage": str(stage), "entered": entered, "refused": refused}
                     for stage, entered, refused in funnel(candidates)
+                ],
+                "blockers": [_blocker_form(one) for one in blockers(cell, candidates)],
+                "fixes": [
+                    {"change": change, "parts": [number + 1 for number in parts]}
+                    for change, parts in fixes
                 ],
                 "nearest_fix": None if fix is None else _fix_form(fix),
             }
@@ -52,8 +67,38 @@ def explain(typed: arguments.Explain) -> int:
             for stage, entered, refused in funnel(candidates)
         )
         print_table("where they fell", ("stage", "entered", "refused", "why"), rows)
-        print(f"nearest fix: {'none of the small changes tried' if fix is None else _words(fix)}")
+        for one in blockers(cell, candidates)[:MOST_BLOCKERS]:
+            print(_blocker_words(one))
+        for change, parts in fixes[:MOST_FIXES]:
+            print(f"would take {_parts(parts)} that nothing takes: {change}")
+        print(fix_words(fix))
     return SUCCESS if admitted else NO_PLAN
+
+
+MOST_BLOCKERS, MOST_FIXES = 8, 5
+"""Lines that are printed; --json tells all."""
+
+
+def _parts(numbers: Sequence[int]) -> str:
+    """A few parts by name, of many how many they are."""
+    if len(numbers) > 4:
+        return f"{len(numbers)} parts"
+    return ", ".join(f"part-{number + 1}" for number in numbers)
+
+
+def _blocker_words(one: Blocker) -> str:
+    reasons = ", ".join(f"{count} {reason}" for reason, count in one.reasons)
+    candidates = "1 candidate" if one.candidates == 1 else f"{one.candidates} candidates"
+    return f"{one.label} blocks {candidates} of {_parts(one.parts)} ({reasons})"
+
+
+def _blocker_form(one: Blocker) -> dict[str, object]:
+    return {
+        "blocker": one.label,
+        "candidates": one.candidates,
+        "parts": [number + 1 for number in one.parts],
+        "reasons": {str(reason): count for reason, count in one.reasons},
+    }
 
 
 def funnel(candidates: tuple[Candidate, ...]) -> list[tuple[Stage, int, int]]:
@@ -74,14 +119,6 @@ def _reasons(candidates: tuple[Candidate, ...], stage: Stage) -> str:
         if c.verdict.stage is stage and not c.verdict.is_ok
     )
     return ", ".join(f"{count} {reason}" for reason, count in counts.most_common())
-
-
-def _words(fix: Fix) -> str:
-    candidate = fix.candidate
-    return (
-        f"{candidate.arm} part-{candidate.detection + 1} by {candidate.grasp.name} "
-        f"({candidate.verdict}): {fix.change}; reach and collisions were tried, the grip was not"
-    )
 
 
 def _fix_form(fix: Fix) -> dict[str, object]:

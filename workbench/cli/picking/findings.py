@@ -6,7 +6,7 @@ from typing import Any
 
 from workbench.cli.terminal import milliseconds, print_table
 from workbench.model.candidate import Candidate, Verdict
-from workbench.model.plan import Finding, Plan, Proof
+from workbench.model.plan import Finding, Plan, Proof, cycle_words
 
 
 def verdict_form(verdict: Verdict) -> dict[str, Any]:
@@ -30,8 +30,8 @@ def candidate_form(candidate: Candidate) -> dict[str, Any]:
     }
 
 
-def plan_form(plan: Plan) -> dict[str, Any]:
-    """What a plan does, without its configurations."""
+def plan_form(plan: Plan, bound: float) -> dict[str, Any]:
+    """What a plan does, without its configurations, and what none can be quicker than [s]."""
     return {
         "digest": plan.digest,
         "strategy": str(plan.strategy),
@@ -40,6 +40,7 @@ def plan_form(plan: Plan) -> dict[str, Any]:
             {"arm": arm.arm, "detection": arm.detection, "grasp": arm.grasp} for arm in plan.arms
         ],
         "cycle_s": round(plan.cycle_seconds, 3),
+        "bound_s": round(bound, 3),
         "note": plan.note,
     }
 
@@ -56,10 +57,11 @@ def proof_form(proof: Proof) -> dict[str, Any]:
     }
 
 
-def plan_words(plan: Plan) -> str:
-    """A plan in a sentence."""
+def plan_words(plan: Plan, bound: float) -> str:
+    """A plan in a sentence, beside what none can be quicker than [s]."""
     taken = ", ".join(f"{arm.arm} part-{arm.detection + 1} by {arm.grasp}" for arm in plan.arms)
-    words = f"{plan.strategy}, {plan.guarantee}: {taken}; {plan.cycle_seconds:.1f} s of motion"
+    motion = f"motion of {cycle_words(plan.cycle_seconds, bound)}"
+    words = f"{plan.strategy}, {plan.guarantee}: {taken}; {motion}"
     return f"{words} ({plan.note})" if plan.note else words
 
 

@@ -1,5 +1,7 @@
 """`workbench scan` and `workbench localize`: from a bin to a cloud, from a cloud to poses."""
 
+import numpy as np
+
 from workbench.app.core.value_checks import DETAIL, MOST_PARTS, SEED_LIMIT
 from workbench.app.runtime.readiness import make_ready
 from workbench.app.runtime.work import find_parts
@@ -8,11 +10,12 @@ from workbench.cli.terminal import check_number, check_whole, print_table, progr
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.clouds.scans import read_scan, write_cloud
 from workbench.formats.plans.pose_files import write_poses
-from workbench.model.scan import Discarded, SearchWishes
+from workbench.model.scan import Detection, Discarded, SearchWishes
 from workbench.perception.scene.bin_check import check_bin
 from workbench.perception.scene.sensor import sensor_model
 from workbench.perception.simulation.piles import pile_of
 from workbench.perception.simulation.synthesize import synthesize
+from workbench.plugins.progress import never
 
 
 def scan(typed: arguments.Scan) -> int:
@@ -43,7 +46,7 @@ def localize(typed: arguments.Localize) -> int:
         make_ready(report, ("seeing",))
         cloud = read_scan(typed.scan, cell.scanner)
         given = {"scan": cloud, "seed": typed.seed, "wishes": wishes}
-        findings = find_parts(cell, given, report, cancelled=lambda: False)
+        findings = find_parts(cell, given, report, cancelled=never)
     found = findings.detections
     write_poses(typed.out, found)
     rows = (
@@ -53,10 +56,11 @@ def localize(typed: arguments.Localize) -> int:
             *(f"{p * 1000:.1f}" for p in detection.T_world_part.translation),
             f"{detection.score:.2f}",
             f"{detection.visible:.2f}",
+            *_sureness(detection),
         )
         for number, detection in enumerate(found, start=1)
     )
-    columns = ("#", "part", "x mm", "y mm", "z mm", "score", "visible")
+    columns = ("#", "part", "x mm", "y mm", "z mm", "score", "visible", "sure", "± mm", "± degrees")
     print_table(f"{typed.out}: {len(found)} found", columns, rows)
     if typed.discarded:
         columns = ("part", "x mm", "y mm", "z mm", "score", "why it is none")
@@ -67,6 +71,14 @@ def localize(typed: arguments.Localize) -> int:
     check = check_bin(cloud, cell.bin)
     print(f"bin, {check.light}: {check.says}")
     return 0
+
+
+def _sureness(one: Detection) -> tuple[str, str, str]:
+    """How likely it is right, and the standard deviations of its place and turn."""
+    if one.probability is None or one.deviations is None:
+        return "", "", ""
+    place, turn = one.deviations
+    return f"{one.probability:.0%}", f"{place * 1000:.2f}", f"{np.rad2deg(turn):.2f}"
 
 
 def _discarded_words(one: Discarded) -> tuple[str, ...]:

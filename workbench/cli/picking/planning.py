@@ -37,7 +37,6 @@ from workbench.model.errors import InputError
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.plan import Plan, PlanResult
 from workbench.model.scan import Detection, Obstacle
-from workbench.perception.scene.unexplained import unexplained
 from workbench.plugins.planner import planner_named
 
 
@@ -139,6 +138,9 @@ def obstacles_in(
     """What a scan in a file shows beside the parts; nothing without a scan."""
     if scan is None:
         return ()
+    # Brings Open3D along, which takes longer to load than a plan takes.
+    from workbench.perception.scene.unexplained import unexplained
+
     return unexplained(cell, read_scan(scan, cell.scanner), detections)
 
 
@@ -150,8 +152,12 @@ def _print_form(
             "ok": is_good,
             "file": str(out) if is_good else None,
             "verdict": str(result.verdict),
-            "plan": None if result.plan is None else plan_form(result.plan),
+            "plan": None if result.plan is None else plan_form(result.plan, result.bound),
             "proof": None if result.proof is None else proof_form(result.proof),
+            "beside": [
+                None if other.plan is None else plan_form(other.plan, other.bound)
+                for other in result.beside
+            ],
             "obstacles": len(result.obstacles),
             "candidates": [candidate_form(candidate) for candidate in result.candidates],
             "start_ms": milliseconds(ready),
@@ -172,8 +178,17 @@ def _print_words(
     if result.plan is None:
         print(f"no plan: {result.verdict}")
     else:
-        print(f"{out if is_good else 'not written'}: {plan_words(result.plan)}")
+        print(f"{out if is_good else 'not written'}: {plan_words(result.plan, result.bound)}")
     if result.proof is not None:
         print(proof_words(result.proof))
+    for other in result.beside:
+        print(f"beside it: {_beside_words(other)}")
     print(f"start {milliseconds(ready)} ms: interpreter, libraries, cell, compiled kernels")
     print(f"planning {milliseconds(planning)} ms: {stages_words(result.seconds)}")
+
+
+def _beside_words(other: PlanResult) -> str:
+    if other.plan is None:
+        return f"no plan: {other.verdict}"
+    holds = other.proof is not None and other.proof.holds
+    return plan_words(other.plan, other.bound) + ("" if holds else "; its proof does not hold")

@@ -13,8 +13,10 @@ from workbench.cli.terminal import print_json, progress
 from workbench.formats.clouds.scans import read_scan
 from workbench.formats.plans.certificates import read_certificate, versions, write_certificate
 from workbench.formats.plans.plan_files import read_plan, write_plan
+from workbench.model.cell import Cell
 from workbench.model.errors import InputError
-from workbench.model.plan import Finding
+from workbench.model.plan import Finding, Plan, Proof
+from workbench.plugins.robot_link import misfit
 
 
 def verify(typed: arguments.Verify) -> int:
@@ -25,7 +27,8 @@ def verify(typed: arguments.Verify) -> int:
 def prove(typed: arguments.Prove) -> int:
     """Prove a plan and certify it, or check a certificate."""
     if typed.check is not None:
-        if typed.plan is not None or typed.poses is not None or typed.certificate is not None:
+        besides = (typed.plan, typed.poses, typed.part, typed.certificate, typed.out)
+        if any(one is not None for one in besides):
             raise InputError("--check takes a certificate, and --scan beside it; nothing else")
         return _checked(typed.check, typed)
     if typed.plan is None:
@@ -45,7 +48,7 @@ def _proven(
         make_ready(report, ("planning",))
         report(0.0, "proving the plan")
         scan = None if typed.scan is None else read_scan(typed.scan, cell.scanner)
-        poses = None if typed.poses is None else detections_from(cell, typed.poses, None)
+        poses = None if typed.poses is None else detections_from(cell, typed.poses, typed.part)
         if not stated:
             plan = proving.adopted(cell, plan, scan)
         proof = proving.prove(cell, plan, detections=poses, scan=scan)
@@ -55,6 +58,7 @@ def _proven(
             f"its content has {plan.digest[:12]}"
         )
         proof = replace(proof, findings=(edited, *proof.findings))
+    proof = _for_controller(cell, plan, proof)
     if proof.holds and certificate is not None:
         scene = proving.scene_of(cell, plan, detections=poses, scan=scan)
         write_certificate(certificate, plan, scene, proof)
@@ -77,6 +81,7 @@ def _checked(path: Path, typed: arguments.Prove) -> int:
         report(0.0, "checking the certificate")
         scan = None if typed.scan is None else read_scan(typed.scan, cell.scanner)
         proof = proving.check(cell, found, scan)
+    proof = _for_controller(cell, found.plan, proof)
     here = versions()
     other = {name: one for name, one in found.made_with.items() if here.get(name) != one}
     if typed.json:
@@ -92,3 +97,9 @@ def _checked(path: Path, typed: arguments.Prove) -> int:
         if other:
             print(f"  checked with {', '.join(f'{name} {here.get(name)}' for name in other)}")
     return SUCCESS if proof.holds else NO_PLAN
+
+
+def _for_controller(cell: Cell, plan: Plan, proof: Proof) -> Proof:
+    """The proof with what the cell's controller cannot do: what holds may be run there."""
+    problem = misfit(plan, cell) if proof.holds else ""
+    return replace(proof, findings=(Finding(problem),)) if problem else proof

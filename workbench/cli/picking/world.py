@@ -50,7 +50,7 @@ def _snapshots(cell: Cell, plan: Plan) -> Iterator[tuple[str, Snapshot]]:
             arm: PlacedPart(placed[detection].name, placed[detection].part, T_tcp_part)
             for arm, (detection, T_tcp_part) in phase.held.items()
         }
-        away = phase.absent | {detection for detection, _ in phase.held.values()}
+        away = {detection for detection, _ in phase.held.values()}
         put = {
             detection: chain_of(cell, cell.arm(arm)).pose(q) * T_tcp_part
             for arm, (detection, T_tcp_part, q) in phase.placed.items()

@@ -86,7 +86,7 @@ def reported_joints(cell: Cell) -> Mapping[str, float]:
     return {}
 
 
-def typed_digest(plan: Plan, actor: str) -> str:
+def typed_digest(actor: str) -> str:
     """What a person types who has read the facts.
 
     Raises:

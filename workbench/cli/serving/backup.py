@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from workbench import __version__
-from workbench.app.records.session_archive import DATABASE, check_journal
+from workbench.app.records.session_archive import check_journal
 from workbench.cli.arguments import top as arguments
 from workbench.cli.exits import SUCCESS
 from workbench.cli.terminal import print_table
@@ -18,7 +18,7 @@ from workbench.formats.cells.reading import read_cell
 from workbench.formats.files.archives import unpacked_beside, write_archive
 from workbench.formats.files.whole_files import read_whole
 from workbench.formats.parts.reading import read_part
-from workbench.journal.journal import Journal
+from workbench.journal.journal import DATABASE, Journal
 from workbench.model.errors import FileError, InputError
 from workbench.web.access.kept_users import add_users, checked_users, kept_users, new_users
 from workbench.web.access.store import OWNER_ONLY, Store
@@ -78,11 +78,8 @@ def _session(folder: Path, stack: contextlib.ExitStack) -> dict[str, Path | byte
     if not (folder / DATABASE).is_file():
         return {}
     place = Path(stack.enter_context(tempfile.TemporaryDirectory()))
-    journal = Journal(folder)
-    try:
+    with contextlib.closing(Journal(folder)) as journal:
         journal.save_copy(place / DATABASE)
-    finally:
-        journal.close()
     root = folder.parents[1]
     files = {_name(root, file): file for file in _files(folder / "files")}
     return {f"sessions/{folder.name}/{DATABASE}": place / DATABASE, **files}

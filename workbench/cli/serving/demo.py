@@ -13,16 +13,19 @@ from workbench.app.core.commands import (
     TakeScan,
     WatchPlan,
 )
+from workbench.app.core.reports import Started
 from workbench.app.core.state import Phase, State
 from workbench.app.core.value_checks import SEED_LIMIT
+from workbench.app.provenance.gathering import inventory
 from workbench.app.records.sessions import new_session
 from workbench.app.runtime.bench import Bench
 from workbench.cli.arguments import top as arguments
+from workbench.cli.arguments.access import USERS
 from workbench.cli.exits import NO_PLAN, SUCCESS
 from workbench.cli.picking.findings import candidate_form, plan_form, print_candidates, proof_form
+from workbench.cli.serving.people import roles
 from workbench.cli.serving.simulation import simulated_controller
 from workbench.cli.terminal import (
-    Report,
     check_number,
     check_whole,
     milliseconds,
@@ -32,6 +35,8 @@ from workbench.cli.terminal import (
 )
 from workbench.formats.cells.reading import read_cell
 from workbench.model.errors import LinkError, WorkbenchError
+from workbench.plugins.progress import Report
+from workbench.plugins.robot_link import link_named
 
 ACTOR = "demo"
 PARTS = 2
@@ -66,7 +71,7 @@ def demo(typed: arguments.Demo) -> int:
     with simulated_controller(typed.cell, cell.controller, speed=typed.speed) as controller:
         cell = replace(cell, controller=controller)
         journal = new_session(typed.sessions, cell, time.time())
-        bench = Bench(cell, journal)
+        bench = Bench(cell, journal, start=Started(inventory(cell, roles(USERS)), is_trial=True))
         try:
             with progress("demo") as report:
                 for number in range(typed.cycles):
@@ -145,8 +150,13 @@ class Cycle:
         state = self._stage("send", SendPlan(plan.digest), Phase.DONE, Phase.FAULT)
         if state.phase is Phase.FAULT:
             raise LinkError(state.fault)
-        if state.parts_placed != len(plan.arms):
+        if self._are_parts_told(state) and state.parts_placed != len(plan.arms):
             raise LinkError(state.message)
+
+    def _are_parts_told(self, state: State) -> bool:
+        """Whether the controller says what became of parts; of some only the end is known."""
+        link = link_named(state.cell.controller.link)
+        return getattr(link, "tells_of_parts", True)
 
     def _stage(self, name: str, command: Command, *expected: Phase) -> State:
         began = time.time()
@@ -180,6 +190,6 @@ def _cycle_form(seed: int, state: State) -> dict[str, Any]:
     return {
         "seed": seed,
         "parts_placed": state.parts_placed,
-        "plan": None if state.plan is None else plan_form(state.plan),
+        "plan": None if state.plan is None else plan_form(state.plan, state.bound),
         "proof": None if state.proof is None else proof_form(state.proof),
     }

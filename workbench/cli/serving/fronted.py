@@ -16,6 +16,7 @@ from workbench.cli.terminal import check_number, check_whole
 from workbench.model.errors import InputError
 from workbench.model.prediction import Predictions
 from workbench.web.http.listening import Certificate
+from workbench.web.page.bar import bar_of, stop_of
 from workbench.web.page.relay import Upstream
 from workbench.web.server import Front, Options, Routes, serve_front
 
@@ -67,7 +68,15 @@ def fronted(
     page = serve(bench, port=0, predictions=predictions, folders=folders, secret=secret)
     try:
         title = f"Cell {bench.cell.name}"
-        front = serve_front(Upstream(page.url, secret), users, options, title=title, routes=routes)
+        front = serve_front(
+            Upstream(page.url, secret),
+            users,
+            options,
+            title=title,
+            routes=routes,
+            bar=bar_of(bench),
+            stop=stop_of(bench),
+        )
         try:
             yield front
         finally:

@@ -3,16 +3,22 @@
 import logging
 import os
 from collections.abc import Generator
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 
 from workbench.app.core.people import Person, Role
 from workbench.app.runtime.bench import Bench
 from workbench.cli.arguments.top import Serve
 from workbench.cli.terminal import check_whole
 from workbench.model.errors import InputError
+from workbench.web.access.lockout import Lockout
+from workbench.web.access.store import Store
+from workbench.web.access.users import Users
 
 PASSWORD = "WORKBENCH_OPCUA_PASSWORD"
 """Variable of the environment: what is typed can be read by everybody on the machine."""
+
+
+NEEDED = "the library asyncua: pip install 'workbench[opcua]'"
 
 
 @contextmanager
@@ -22,24 +28,36 @@ def plc(bench: Bench, typed: Serve) -> Generator[None]:
     Raises:
         InputError: the library is missing, the address cannot be had, or others could come without
             a password.
+        FileError: the certificate or its key cannot be read.
     """
     if typed.opcua is None:
         yield
         return
     check_whole("--opcua", typed.opcua, 1, 65535)
     try:
-        from workbench.web.opcua.server import OpcUa, Options
+        from workbench.web.opcua.certificates import CERTIFICATE
+        from workbench.web.opcua.door import Logins, Options
+        from workbench.web.opcua.server import OpcUa
     except ModuleNotFoundError as error:
-        raise InputError(
-            "--opcua needs the library asyncua: pip install 'workbench[opcua]'"
-        ) from error
+        raise InputError(f"--opcua needs {NEEDED}") from error
     # It warns that nothing is encrypted, as docs/opcua.md does.
     logging.getLogger("asyncua").setLevel(logging.ERROR)
     operator = Person(typed.opcua_operator, Role.OPERATOR)
-    password = os.environ.get(PASSWORD, "")
-    server = OpcUa(bench, Options(typed.opcua, operator, typed.host, password))
-    print(f"OPC UA: opc.tcp://{typed.host}:{typed.opcua}/workbench, as {operator.name}")
-    try:
-        yield
-    finally:
-        server.close()
+    has_certificate = (typed.opcua_certificates / CERTIFICATE).is_file()
+    with closing(Store(typed.users)) as store:
+        options = Options(
+            typed.opcua,
+            operator,
+            typed.host,
+            os.environ.get(PASSWORD, ""),
+            typed.opcua_certificates if has_certificate else None,
+            is_plain=typed.opcua_plain,
+            logins=Logins(Users(store), Lockout(store)),
+        )
+        server = OpcUa(bench, options)
+        how = "" if has_certificate else ", not encrypted: see workbench opcua certificate"
+        print(f"OPC UA: {server.url}, as {operator.name}{how}")
+        try:
+            yield
+        finally:
+            server.close()

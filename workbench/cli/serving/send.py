@@ -48,7 +48,7 @@ def send(typed: arguments.Send) -> int:
         make_ready(report, ("planning",))
         report(0.0, "proving the plan")
         scan = None if typed.scan is None else read_scan(typed.scan, cell.scanner)
-        poses = None if typed.poses is None else detections_from(cell, typed.poses, None)
+        poses = None if typed.poses is None else detections_from(cell, typed.poses, typed.part)
         proof = prove(cell, plan, detections=poses, scan=scan)
     check_approvable(cell, plan, proof, typed.approve_as)
     if cell.approvers > 1:
@@ -60,7 +60,7 @@ def send(typed: arguments.Send) -> int:
         record.show(plan.digest, typed.approve_as, time.time(), facts)
         for name, value in facts.items():
             print(f"{name:>20}  {value}", file=sys.stderr if typed.json else sys.stdout, flush=True)
-        check_digest(plan, typed_digest(plan, typed.approve_as))
+        check_digest(plan, typed_digest(typed.approve_as))
     valid = cell.policy.approval_minutes * 60.0
     record.check_shown(plan.digest, typed.approve_as, time.time(), valid, facts)
     # Reading takes its time.

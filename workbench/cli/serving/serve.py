@@ -1,6 +1,5 @@
 """`workbench serve`: the page of a cell, its session, and a robot to talk to."""
 
-import logging
 import socket
 import time
 from contextlib import ExitStack, closing
@@ -8,15 +7,21 @@ from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
+from workbench.app.core.rights import changes_said
+from workbench.app.provenance.gathering import inventory
 from workbench.app.records.session_archive import opened
 from workbench.app.records.sessions import cell_of, new_session
+from workbench.app.records.starts import start, start_before
+from workbench.app.runtime.anchors import Anchors, place
 from workbench.app.runtime.bench import Bench
 from workbench.app.runtime.effect_runner import EffectRunner
 from workbench.app.runtime.watch import CellWatch
 from workbench.app.runtime.watch_poses import PosesWatch
 from workbench.cli.arguments import top as arguments
 from workbench.cli.serving.fronted import front_options, fronted, wait_for_the_end
+from workbench.cli.serving.logs import begin_log
 from workbench.cli.serving.open_session import look_at
+from workbench.cli.serving.people import roles
 from workbench.cli.serving.plc import plc
 from workbench.cli.serving.simulation import simulated_controller
 from workbench.cli.terminal import progress
@@ -37,7 +42,8 @@ CONNECT_SECONDS = 0.5
 def serve(typed: arguments.Serve) -> int:
     """Serve the page until SIGINT or SIGTERM."""
     options = front_options(typed)
-    logging.basicConfig(level=logging.WARNING, format="%(asctime)s %(name)s: %(message)s")
+    places = {one: place(one) for one in typed.anchor}
+    begin_log(typed.log)
     cell, goes_on = read_cell(typed.cell), None
     if typed.session is not None:
         if typed.after is not None:
@@ -58,11 +64,18 @@ def serve(typed: arguments.Serve) -> int:
             robot = f"robot controller: simulated, {_address(cell.controller)}"
         journal = goes_on or _begun(cell, typed.after)
         path = cell_path(typed.cell)
-        bench = Bench(cell, journal, effects=partial(EffectRunner, cell_file=path))
+        # Asked before this session has a start of its own, which would be the last one then.
+        before = start_before(journal.folder.parent, cell.name)
+        started = start(inventory(cell, roles(typed.users)), before)
+        effects = partial(EffectRunner, cell_file=path)
+        bench = Bench(cell, journal, effects=effects, start=started)
+        if bench.state.changed:
+            print(changes_said(bench.state))
         stack.callback(bench.close)
         # The file may have been changed since the session ended.
         stack.callback(CellWatch(path, bench, is_read=goes_on is None).close)
         stack.callback(PosesWatch(bench).close)
+        stack.callback(Anchors(bench, places, time.time).close)
         stack.enter_context(plc(bench, typed))
         page = fronted(
             bench,
@@ -73,6 +86,8 @@ def serve(typed: arguments.Serve) -> int:
             routes=api_routes(bench, identify),
         )
         front = stack.enter_context(page)
+        # Comes first at the end: an address of anchors that does not answer holds the rest up.
+        stack.callback(bench.stop_sending)
         link = f"Workbench, cell {cell.name}: {front.link}"
         wait_for_the_end(link, robot, f"session: {journal.folder}")
     return 0

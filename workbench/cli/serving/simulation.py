@@ -6,6 +6,7 @@ import sys
 from collections.abc import Generator
 from contextlib import contextmanager
 from dataclasses import replace
+from pathlib import Path
 
 from workbench.model.cell import Controller
 from workbench.model.errors import LinkError
@@ -19,7 +20,7 @@ HOME_AFTER = 3.0
 
 @contextmanager
 def simulated_controller(
-    cell: str, controller: Controller, *, speed: float = 1.0
+    cell: str, controller: Controller, *, speed: float = 1.0, rapid: Path | None = None
 ) -> Generator[Controller]:
     """Run `workbench controller` on free ports of this machine for as long as the block runs.
 
@@ -30,12 +31,14 @@ def simulated_controller(
         cell: name or path, as typed.
         controller: the cell's; it says how this one is spoken to.
         speed: 1 is real time.
+        rapid: a folder of RAPID modules that run in its place.
 
     Raises:
         LinkError: it did not start.
     """
     command = [sys.executable, "-m", "workbench", "controller", "--cell", cell, "--port", "0"]
     command += ["--speed", str(speed), "--home-after", str(HOME_AFTER), "--until-eof", "--json"]
+    command += [] if rapid is None else ["--rapid", str(rapid)]
     with subprocess.Popen(
         command,
         stdin=subprocess.PIPE,

@@ -17,10 +17,12 @@ from workbench.cli.arguments.access import (
     UserRemove,
     UserRole,
     UserToken,
+    UserUnlock,
 )
 from workbench.cli.exits import SUCCESS
 from workbench.cli.terminal import print_json, print_table
 from workbench.model.errors import InputError
+from workbench.web.access.lockout import Lockout
 from workbench.web.access.store import Store
 from workbench.web.access.users import User, Users, key_of
 
@@ -57,6 +59,9 @@ def user(typed: UserCommands) -> int:
                 print(f"the token {what.called!r} of {what.name} is worthless now")
             case UserToken():
                 print(users.make_token(what.name, what.called))
+            case UserUnlock():
+                count = Lockout(store).forget(what.name)
+                print(f"{count} failed logins are forgotten")
             case _:
                 assert_never(what)
     return SUCCESS

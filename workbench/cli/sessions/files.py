@@ -10,12 +10,12 @@ from pathlib import Path
 
 from workbench.app.core.state import State
 from workbench.app.records.replay import replay
-from workbench.app.records.session_archive import DATABASE, export_session, import_session, opened
+from workbench.app.records.session_archive import export_session, import_session, opened
 from workbench.app.records.sessions import cell_of
 from workbench.cli.arguments.nested import SessionExport, SessionImport, SessionPrune
 from workbench.cli.exits import SUCCESS
 from workbench.cli.terminal import check_number, check_whole
-from workbench.journal.journal import Journal
+from workbench.journal.journal import DATABASE, Journal
 from workbench.model.errors import FileError, InputError, JournalError
 
 BY_TIME = re.compile(r"(\d{8}-\d{6})-.+", re.ASCII)
@@ -25,9 +25,11 @@ MEGABYTE = 2**20
 
 
 def export(typed: SessionExport) -> int:
-    """Write the zip file."""
-    journal = opened(typed.session)
-    try:
+    """Write the zip file, or the one for Foxglove."""
+    with closing(opened(typed.session)) as journal:
+        if typed.mcap:
+            _as_mcap(journal, typed.out)
+            return _written(typed.out)
         scene = None
         if not typed.no_scene and (state := _worth_seeing(journal)) is not None:
             # The page takes its time to import.
@@ -35,9 +37,19 @@ def export(typed: SessionExport) -> int:
 
             scene = scene_html(state)
         export_session(journal, typed.out, scene)
-    finally:
-        journal.close()
-    print(f"{typed.out}: {typed.out.stat().st_size / MEGABYTE:.1f} MB")
+    return _written(typed.out)
+
+
+def _as_mcap(journal: Journal, out: Path) -> None:
+    try:
+        from workbench.app.records.mcap_session import export_mcap
+    except ModuleNotFoundError as error:
+        raise InputError("this needs the library mcap: pip install 'workbench[mcap]'") from error
+    export_mcap(journal, out)
+
+
+def _written(out: Path) -> int:
+    print(f"{out}: {out.stat().st_size / MEGABYTE:.1f} MB")
     return SUCCESS
 
 

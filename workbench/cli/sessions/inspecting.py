@@ -3,63 +3,28 @@
 import json
 import time
 from collections import Counter
+from contextlib import closing
 from pathlib import Path
-from typing import Any, assert_never
+from typing import Any
 
-from workbench.app.records.session_archive import DATABASE, opened, told
+from workbench.app.evidence import verify
+from workbench.app.records.session_archive import opened, told
 from workbench.app.review.likeness import Likeness
 from workbench.app.review.recompute import recomputed
-from workbench.cli.arguments.nested import (
-    SessionCommands,
-    SessionExport,
-    SessionImport,
-    SessionList,
-    SessionOpen,
-    SessionPrune,
-    SessionReplay,
-    SessionShow,
-    SessionVerify,
-)
+from workbench.cli.arguments.nested import SessionList, SessionReplay, SessionShow, SessionVerify
 from workbench.cli.exits import NO_PLAN, SUCCESS
 from workbench.cli.terminal import print_json, print_table
-from workbench.journal.journal import Journal
-from workbench.model.errors import JournalError
+from workbench.formats.files.whole_files import MB, is_folder, read_whole
+from workbench.journal.journal import DATABASE, Journal
+from workbench.model.errors import FileError, JournalError
+
+LARGEST_ANCHORS = 64 * MB
 
 
-def session(typed: SessionCommands) -> int:
-    """Carry out a command about sessions."""
-    match typed.what:
-        case SessionList():
-            return _list(typed.what)
-        case SessionShow():
-            return _show(typed.what)
-        case SessionVerify():
-            return _verify(typed.what)
-        case SessionReplay():
-            return _replay(typed.what)
-        case SessionOpen():
-            from workbench.cli.serving.open_session import open_session
-
-            return open_session(typed.what)
-        case SessionExport():
-            from workbench.cli.sessions.files import export
-
-            return export(typed.what)
-        case SessionImport():
-            from workbench.cli.sessions.files import import_
-
-            return import_(typed.what)
-        case SessionPrune():
-            from workbench.cli.sessions.files import prune
-
-            return prune(typed.what)
-        case _:
-            assert_never(typed.what)
-
-
-def _list(typed: SessionList) -> int:
+def list_sessions(typed: SessionList) -> int:
+    """List them, each with how it ended."""
     rows: list[tuple[str, ...]] = []
-    if typed.sessions.is_dir():
+    if is_folder(typed.sessions):
         for folder in sorted(typed.sessions.iterdir()):
             if (folder / DATABASE).exists():
                 rows.append(_summary(folder))
@@ -95,12 +60,10 @@ def _summary(folder: Path) -> tuple[str, ...]:
         journal.close()
 
 
-def _show(typed: SessionShow) -> int:
-    journal = opened(typed.session)
-    try:
+def show_session(typed: SessionShow) -> int:
+    """Tell what happened, entry by entry."""
+    with closing(opened(typed.session)) as journal:
         entries = told(journal).entries
-    finally:
-        journal.close()
     if typed.json:
         print_json({"entries": entries})
         return SUCCESS
@@ -122,13 +85,13 @@ def _show(typed: SessionShow) -> int:
     return SUCCESS
 
 
-def _verify(typed: SessionVerify) -> int:
-    journal = opened(typed.session)
-    try:
+def verify_session(typed: SessionVerify) -> int:
+    """Tell whether it was changed."""
+    with closing(opened(typed.session)) as journal:
         problems = journal.verify()
+        if typed.anchors is not None:
+            problems = (*problems, *_unlike(journal, typed.anchors))
         head, count = journal.head, journal.count
-    finally:
-        journal.close()
     for problem in problems:
         print(problem)
     if not problems:
@@ -136,15 +99,28 @@ def _verify(typed: SessionVerify) -> int:
     return NO_PLAN if problems else SUCCESS
 
 
-def _replay(typed: SessionReplay) -> int:
-    journal = opened(typed.session)
-    found: Counter[Likeness] = Counter()
+def _unlike(journal: Journal, path: Path) -> tuple[str, ...]:
+    """Where a journal is not the one whose heads were kept elsewhere."""
     try:
+        anchors, torn = verify.anchors_from(read_whole(path, LARGEST_ANCHORS).decode())
+    except (TypeError, ValueError):
+        raise FileError(path, "holds no anchors: a JSON object a line was expected") from None
+    for remark in torn:
+        print(remark)
+    entries = [
+        verify.Entry(row.number, row.kind, row.body, row.files, row.previous, row.hash)
+        for row in journal.entries()
+    ]
+    return tuple(verify.anchor_problems(entries, journal.folder.resolve().name, anchors))
+
+
+def replay_session(typed: SessionReplay) -> int:
+    """Compute it again and compare."""
+    found: Counter[Likeness] = Counter()
+    with closing(opened(typed.session)) as journal:
         for one in recomputed(journal):
             found[one.likeness] += 1
             print(f"entry {one.number}, {one.task}: {one.says}", flush=True)
-    finally:
-        journal.close()
     if not found:
         said = "nothing that could be computed again"
     elif found[Likeness.OTHER]:

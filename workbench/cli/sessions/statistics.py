@@ -1,9 +1,10 @@
 """`workbench statistics`: what recorded sessions have brought, as tables, JSON or CSV."""
 
+from contextlib import closing
 from pathlib import Path
 from typing import Any
 
-from workbench.app.records.session_archive import DATABASE, opened
+from workbench.app.records.session_archive import opened
 from workbench.app.records.statistics import (
     GROUPS,
     Statistics,
@@ -15,6 +16,7 @@ from workbench.cli.arguments import top as arguments
 from workbench.cli.exits import SUCCESS
 from workbench.cli.terminal import milliseconds, print_json, print_table
 from workbench.formats.files.whole_files import write_whole
+from workbench.journal.journal import DATABASE
 from workbench.model.errors import InputError
 
 
@@ -41,11 +43,8 @@ def _below(root: Path) -> tuple[Path, ...]:
 
 
 def _counted(folder: Path) -> Statistics:
-    journal = opened(folder)
-    try:
+    with closing(opened(folder)) as journal:
         return statistics(journal.entries())
-    finally:
-        journal.close()
 
 
 def _form(counted: Statistics, sessions: int) -> dict[str, Any]:

@@ -7,7 +7,7 @@ import select
 import socket
 import threading
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
@@ -205,35 +205,3 @@ def _listening(host: str, port: int) -> socket.socket:
         return socket.create_server((host, port))
     except OSError as error:
         raise LinkError(f"cannot listen on {host}:{port}: {error.strerror or error}") from None
-
-
-def serve(
-    cell: Cell,
-    *,
-    host: str = "127.0.0.1",
-    port: int = 0,
-    state_port: int = 0,
-    speed: float = 1.0,
-    record: Path | None = None,
-    trace: Path | None = None,
-    faults: Sequence[Fault] = (),
-    home_after: float = math.inf,
-    ready: Callable[[SimulatedController], None] = lambda controller: None,
-) -> None:
-    """Run a simulated controller in this thread until it is stopped; see `SimulatedController`.
-
-    `ready` is called once the ports are open.
-    """
-    controller = SimulatedController(
-        cell,
-        host,
-        port,
-        state_port,
-        speed=speed,
-        record=record,
-        trace=trace,
-        faults=faults,
-        home_after=home_after,
-    )
-    ready(controller)
-    controller.run()

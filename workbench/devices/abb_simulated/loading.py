@@ -42,6 +42,7 @@ class Loading:
         self._cell = cell
         self._crc = FIRST_CRC
         self._digest = self._ticket = ""
+        self._is_stepped = False
         self._legs_told = self._points_told = 0
         self._starts: dict[str, Floats] = {}
         self._steps: list[tuple[Mode, list[ProgramLeg]]] = []
@@ -60,7 +61,7 @@ class Loading:
         match frame.word, len(words):
             case "plan", 1:
                 self._plan(words[0])
-            case "ticket", 3:
+            case "ticket", 3 | 4:
                 self._take_ticket(words)
             case "start", count if count > 1:
                 self._start(words)
@@ -83,8 +84,10 @@ class Loading:
     def _take_ticket(self, words: list[str]) -> None:
         if self._ticket or not re.fullmatch(rf"[0-9a-f]{{{TICKET}}}", words[0]):
             raise ProtocolError(f"{words[0]!r} is no ticket, or a second one")
+        if words[3:] not in ([], ["stepped"]):
+            raise ProtocolError(f"{words[3]!r} is not a manner in which a program is run")
         most = len(self._arms)
-        self._ticket = words[0]
+        self._ticket, self._is_stepped = words[0], len(words) == 4
         self._legs_told = _whole(words[1], 1, MOST_LEGS * most, "legs")
         self._points_told = _whole(words[2], 1, MOST_POINTS * most, "waypoints")
 
@@ -145,7 +148,7 @@ class Loading:
         self._close_leg()
         self._check_step()
         steps = tuple(ProgramStep(mode, tuple(legs)) for mode, legs in self._steps)
-        program = Program(self._digest, self._ticket, self._starts, steps)
+        program = Program(self._digest, self._ticket, self._starts, steps, self._is_stepped)
         points = sum(len(leg.seconds) for leg in program.legs)
         told = _whole(words[0], 1, MOST_POINTS * len(self._arms), "waypoints")
         if (len(program.legs), points, points) != (self._legs_told, self._points_told, told):

@@ -53,19 +53,28 @@ class Motion:
             program: what is run.
             body: that moves.
             paces: of arms that run slower than told, or faster; 1 for those not named.
+
+        `waits` is the step of a stepped program that it stands before, 0 while none waits.
         """
         self._program, self._body, self._paces = program, body, paces
         self._letters = {arm.name: arm.controller_id for arm in body.cell.arms}
         self._time = self._due = self._began = 0.0
-        self._step = 0
+        self._step = self._let = 0
         self._wrong = ""
+        self.waits = 0
         self._points = dict.fromkeys(self._letters, 0)
 
     @property
     def report(self) -> str:
-        """Step and waypoints, as they are reported."""
+        """Step and waypoints, as they are reported; the step before which it waits, if it does."""
+        if self.waits:
+            return f"{self.waits:02d} " + " ".join(f"{one}00" for one in self._letters.values())
         points = " ".join(f"{self._letters[arm]}{k:02d}" for arm, k in self._points.items())
         return f"{self._step:02d} {points}"
+
+    def let(self) -> None:
+        """Run the step that it waits before."""
+        self._let, self.waits = self.waits, 0
 
     def advance(self, seconds: float) -> Iterator[str]:
         """Go on for so many seconds of the robot's time; what there is to tell.
@@ -84,6 +93,14 @@ class Motion:
                 if self._step == len(steps):
                     self._body.put({}, "")
                     yield f"done {self._step:02d}"
+                    return
+                if self._program.is_stepped and self._let == self._step:
+                    # While it waits its clock stands.
+                    self._due = self._time
+                    if not self.waits:
+                        self.waits = self._step + 1
+                        self._body.put({}, "")
+                        yield "wait"
                     return
                 yield from self._begin()
             self._time += MOMENT

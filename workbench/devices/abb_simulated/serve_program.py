@@ -123,6 +123,9 @@ class ProgramClient:
                 raise LinkError("an arm is 12.3 degrees from its start")
             self._motion = Motion(program, self._body, self._station.paces)
             self._moved_at, self._behind = self._clock(), 0.0
+        if frame.word == "next" and self._motion is not None:
+            self._motion.let()
+            self._moved_at, self._behind = self._clock(), 0.0
         if frame.word == "abort":
             self._motion = None
             self._body.halt("stopped by the client")
@@ -157,7 +160,11 @@ class ProgramClient:
         seconds, self._moved_at = min(due, SLICE), now
         self._behind = due - seconds
         try:
-            for event in self._motion.advance(seconds):
+            motion = self._motion
+            for event in motion.advance(seconds):
+                if event == "wait":
+                    self._serving.note(event, motion.waits)
+                    continue
                 if event.startswith("done"):
                     self._serving.note("done")
                     self._motion = None

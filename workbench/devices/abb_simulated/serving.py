@@ -49,7 +49,7 @@ class Serving:
         self._cell, self._standing, self._tickets = cell, standing, tickets
         self._frames = Frames()
         self._loading = Loading(cell)
-        self._number = 0
+        self._number = self._waits = 0
 
     def hear(self, data: bytes) -> Iterator[tuple[Frame, str]]:
         """Take what arrived: each message that is in order, and the answer to it.
@@ -60,7 +60,7 @@ class Serving:
         """
         for frame in self._frames.hear(data):
             after = NEXT.get((self.phase, frame.word))
-            if after is None or frame.word in ("done", "fault"):
+            if after is None or frame.word in ("done", "fault", "wait"):
                 raise ProtocolError(f"{frame.word} is not in order when {self.phase}")
             answer = self._answer(frame)
             self.phase = after
@@ -76,9 +76,9 @@ class Serving:
         heard = re.sub(r"[^ -~]", "?", str(error))[:LONGEST_WORDS]
         return f"no {self._frames.number:04d} {heard}"
 
-    def note(self, event: str) -> None:
-        """What the robot did: `done` or `fault`."""
-        self.phase = NEXT[self.phase, event]
+    def note(self, event: str, waits: int = 0) -> None:
+        """What the robot did: `done`, `fault`, or `wait` before the step `waits`."""
+        self.phase, self._waits = NEXT[self.phase, event], waits
 
     def _answer(self, frame: Frame) -> str:
         match frame.word:
@@ -93,6 +93,9 @@ class Serving:
                 self.program = self._loading.take(frame)
             case "run":
                 self._check_run(frame)
+            case "next":
+                if frame.rest != f"{self._waits:02d}":
+                    raise ProtocolError(f"step {self._waits:02d} waits, not {frame.rest!r}")
             case "abort":
                 return "stopped"
             case _:

@@ -1,10 +1,15 @@
 """TCP connections to a controller: for motion, and for what it reports."""
 
 import socket
+import time
 
 from workbench.model.errors import LinkError
 
 CONNECT_SECONDS = 3.0
+
+AGAIN_SECONDS = (0.1, 0.3)
+"""A port that refuses is tried again after these: a program in RAPID that listens for one link at a
+time closes it between two of them."""
 
 POLL_SECONDS = 0.05
 """How long reading waits for bytes before it gives up with `TimeoutError`."""
@@ -20,7 +25,7 @@ def connected(host: str, port: int, does: str) -> socket.socket:
         LinkError: nobody answers.
     """
     try:
-        link = socket.create_connection((host, port), CONNECT_SECONDS)
+        link = _opened(host, port)
     except (OSError, UnicodeError) as error:  # UnicodeError: a name that no host can have
         reason = getattr(error, "strerror", None) or error
         raise LinkError(f"no controller {does} at {host}:{port} ({reason})") from None
@@ -31,3 +36,12 @@ def connected(host: str, port: int, does: str) -> socket.socket:
             link.setsockopt(socket.IPPROTO_TCP, getattr(socket, option), value)
     link.settimeout(POLL_SECONDS)
     return link
+
+
+def _opened(host: str, port: int) -> socket.socket:
+    for pause in AGAIN_SECONDS:
+        try:
+            return socket.create_connection((host, port), CONNECT_SECONDS)
+        except ConnectionRefusedError:
+            time.sleep(pause)
+    return socket.create_connection((host, port), CONNECT_SECONDS)

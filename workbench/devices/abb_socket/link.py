@@ -12,7 +12,8 @@ from workbench.model.cell import Cell
 from workbench.model.errors import JobCancelled, LinkError, WorkbenchError
 from workbench.model.plan import Plan
 from workbench.model.release import Approval, LinkStatus, Receipt
-from workbench.plugins.robot_link import LinkPatience, check_approval
+from workbench.plugins.progress import Cancelled
+from workbench.plugins.robot_link import LinkPatience, check_approval, none_let
 
 MOST_HEARD = 65536
 """Bytes taken at once: many times what a controller says within the longest silence."""
@@ -24,9 +25,10 @@ def send_program(
     cell: Cell,
     *,
     now: Callable[[], float],
-    cancelled: Callable[[], bool],
+    cancelled: Cancelled,
     show: Callable[[LinkStatus], None],
     patience: LinkPatience,
+    let: Callable[[], int] = none_let,
 ) -> Iterator[Receipt]:
     """Send a plan by `abb-socket/2`, which loads it as a program and then runs it.
 
@@ -34,7 +36,7 @@ def send_program(
     sent twice: after any error the link is closed, and what was sent stands in the receipts.  The
     iterator ends when the controller has reported the end of the last motion.
 
-    Arguments and errors are those of `plugins.robot_link.RobotLink.send`; in addition:
+    Arguments and errors are those of `plugins.robot_link.SteppedLink.send`; in addition:
 
     Raises:
         ProtocolError: the controller said or does something that cannot be.
@@ -45,7 +47,7 @@ def send_program(
 
     check()
     program = program_of(cell, plan, approval)
-    talk = Sending(cell, plan, program, now=now, released=check, silence=patience.silence)
+    talk = Sending(cell, plan, program, now=now, released=check, let=let, silence=patience.silence)
     with connected(cell.controller.host, cell.controller.port, "answers") as link:
         yield from _converse(link, talk, cancelled, show, patience)
 
@@ -56,7 +58,7 @@ def send_messages(
     cell: Cell,
     *,
     now: Callable[[], float],
-    cancelled: Callable[[], bool],
+    cancelled: Cancelled,
     show: Callable[[LinkStatus], None],
     patience: LinkPatience,
 ) -> Iterator[Receipt]:
@@ -83,7 +85,7 @@ def send_messages(
 def _converse(
     link: socket.socket,
     talk: Sending,
-    cancelled: Callable[[], bool],
+    cancelled: Cancelled,
     show: Callable[[LinkStatus], None],
     patience: LinkPatience,
 ) -> Iterator[Receipt]:
@@ -161,7 +163,7 @@ def _await_request(
     link: socket.socket,
     requests: Requests,
     where: str,
-    cancelled: Callable[[], bool],
+    cancelled: Cancelled,
     patience: LinkPatience,
 ) -> None:
     until = patience.clock() + patience.answer

@@ -75,7 +75,7 @@ def encode(arm: Arm, kind: Kind, q: Floats | None = None) -> Message:
 
 def in_degrees(arm: Arm, q: Floats) -> list[str]:
     """A configuration (n,) [rad], chain order, as it travels: axes 1 to n in degrees."""
-    degrees = np.rad2deg(np.asarray(q)[list(arm.axis_order)]) * np.array(arm.axis_signs)
+    degrees = np.rad2deg(arm.to_axes(q))
     return [f"{value + 0.0:.2f}" for value in np.round(degrees, 2)]
 
 
@@ -90,10 +90,7 @@ def angles_of(arm: Arm, words: Sequence[str]) -> Floats:
     for word in words:
         if not NUMBER.fullmatch(word):
             raise ProtocolError(f"{word!r} is not a number with two decimals")
-    degrees = np.array([float(word) for word in words]) * np.array(arm.axis_signs)
-    q = np.empty(len(degrees))
-    q[list(arm.axis_order)] = np.deg2rad(degrees)
-    return q
+    return arm.from_axes(np.deg2rad([float(word) for word in words]))
 
 
 def angles_within_limits(cell: Cell, arm: Arm, words: Sequence[str]) -> Floats:

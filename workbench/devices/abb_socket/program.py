@@ -70,12 +70,14 @@ class Program:
 
     `digest` is the plan's, `ticket` the beginning of the approval's: a controller runs each
     ticket once.  `starts` (arm -> (n,) [rad]) is where every arm has to stand before.
+    `is_stepped`: it waits before each step until that one may run.
     """
 
     digest: str
     ticket: str
     starts: Mapping[str, Floats]
     steps: tuple[ProgramStep, ...]
+    is_stepped: bool = False
 
     @property
     def legs(self) -> list[ProgramLeg]:
@@ -93,7 +95,7 @@ class Line:
 
 
 def program_of(cell: Cell, plan: Plan, approval: Approval) -> Program:
-    """A plan as a program.
+    """A plan as a program, slower than planned where the approval says so.
 
     Raises:
         InputError: it is too long or too slow for a controller, outside the limits of a joint, or
@@ -102,8 +104,9 @@ def program_of(cell: Cell, plan: Plan, approval: Approval) -> Program:
     starts = {arm.name: np.asarray(arm.home) for arm in cell.arms}
     starts |= {one.arm: np.asarray(one.legs[0].q[0]) for one in plan.arms}
     before: dict[str, Leg] = {}
-    steps = tuple(_step(cell, plan, step, before) for step in plan.sequence)
-    program = Program(plan.digest, approval.digest[:TICKET], starts, steps)
+    share, ticket = approval.speed_share, approval.digest[:TICKET]
+    steps = tuple(_step(cell, plan, step, before, share) for step in plan.sequence)
+    program = Program(plan.digest, ticket, starts, steps, approval.is_stepped)
     for arm in cell.arms:
         legs = [leg for leg in program.legs if leg.arm == arm.name]
         points = sum(len(leg.seconds) for leg in legs)
@@ -123,12 +126,12 @@ def program_of(cell: Cell, plan: Plan, approval: Approval) -> Program:
     return program
 
 
-def _step(cell: Cell, plan: Plan, step: Step, before: dict[str, Leg]) -> ProgramStep:
+def _step(cell: Cell, plan: Plan, step: Step, before: dict[str, Leg], share: float) -> ProgramStep:
     legs: list[ProgramLeg] = []
     for name, leg_name in step.runs:
         leg = plan.arm(name).leg(leg_name)
         hand, zone = _hand(leg, before.get(name)), cell.zone
-        seconds = np.maximum(np.round(np.diff(leg.t), 3), 0.001)
+        seconds = np.maximum(np.round(np.diff(leg.t) / share, 3), 0.001)
         legs.append(ProgramLeg(name, leg_name, zone, hand, leg.opening, leg.q, seconds))
         before[name] = leg
     if len(legs) == 1:
@@ -161,7 +164,9 @@ def _lines(cell: Cell, program: Program) -> Iterator[Line]:
     letters = {arm.name: arm.controller_id for arm in cell.arms}
     points = sum(len(leg.seconds) for leg in program.legs)
     yield Line("", "plan", program.digest)
-    yield Line("", "ticket", f"{program.ticket} {len(program.legs):03d} {points:03d}")
+    # A controller that cannot wait refuses a ticket of four words, and nothing has moved.
+    stepped = " stepped" if program.is_stepped else ""
+    yield Line("", "ticket", f"{program.ticket} {len(program.legs):03d} {points:03d}{stepped}")
     for arm in cell.arms:
         where = " ".join(in_degrees(arm, program.starts[arm.name]))
         yield Line(arm.name, "start", f"{arm.controller_id} {where}")

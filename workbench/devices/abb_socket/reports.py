@@ -2,22 +2,24 @@
 
 import json
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from typing import Any
 
 from workbench.devices.abb_socket.connecting import connected
 from workbench.model.errors import LinkError, ProtocolError
 from workbench.model.release import RobotState
+from workbench.plugins.progress import Cancelled, never
 
 LONGEST_LINE = 64 * 1024
+
+LONGEST_TEXT = 300
+"""Characters of a fault that are told."""
 
 MOST_COUNTED = 2**23
 """RAPID counts in numbers of 32 bits with a point: above this some are left out."""
 
 
-def watch_state(
-    host: str, port: int, cancelled: Callable[[], bool] = lambda: False
-) -> Iterator[RobotState]:
+def watch_state(host: str, port: int, cancelled: Cancelled = never) -> Iterator[RobotState]:
     """The states that a controller reports, as they come: one JSON object a line.
 
     Raises:
@@ -47,17 +49,22 @@ def _state(line: bytes) -> RobotState:
     try:
         report: dict[str, Any] = json.loads(line)
         return RobotState(
-            joints={str(a): tuple(map(_finite, q)) for a, q in report["joints"].items()},
-            openings={str(a): _finite(v) for a, v in report["openings"].items()},
-            moving=str(report["moving"]),
+            joints={_text(a): tuple(map(_finite, q)) for a, q in report["joints"].items()},
+            openings={_text(a): _finite(v) for a, v in report["openings"].items()},
+            moving=_text(report["moving"]),
             received=_count(report["received"]),
             placed=_count(report["placed"]),
-            fault=str(report["fault"]),
+            fault=_text(report["fault"]),
         )
     except (ValueError, LookupError, TypeError, AttributeError, OverflowError) as error:
         raise ProtocolError(f"{line[:60]!r} is no state report ({error})") from None
     except RecursionError:
         raise ProtocolError(f"{line[:60]!r} is no state report: nested too deeply") from None
+
+
+def _text(value: Any) -> str:
+    """A text that can be recorded; a fault is one, whatever letters it comes with."""
+    return "".join(one if one.isprintable() else "?" for one in str(value)[:LONGEST_TEXT])
 
 
 def _count(value: Any) -> int:

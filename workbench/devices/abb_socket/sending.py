@@ -6,6 +6,7 @@
     we          plan, ticket, start..., leg, to...    each is acknowledged before the next goes out
     we          end, run                        from here on the robot moves
     controller  state, at                       again and again
+    we          next                            only of a plan sent step by step: a step may run
     controller  part                            once for each hand that lets go
     controller  done
 
@@ -32,7 +33,7 @@ from workbench.model.cell import Cell
 from workbench.model.errors import LinkError, ProtocolError
 from workbench.model.plan import Plan
 from workbench.model.release import LinkStatus, PartReport, Receipt
-from workbench.plugins.robot_link import USUAL
+from workbench.plugins.robot_link import USUAL, none_let
 
 VERSION = "abb-socket/2"
 
@@ -59,6 +60,7 @@ class Sending:
         *,
         now: Callable[[], float],
         released: Callable[[], None],
+        let: Callable[[], int] = none_let,
         silence: float = USUAL.silence,
     ) -> None:
         """Get ready to send.
@@ -69,10 +71,11 @@ class Sending:
             program: what is sent.
             now: seconds since the epoch, for the receipts.
             released: called before the robot moves; raises when the approval does not hold.
+            let: the step that a person has let run last, counted from 1.
             silence: [s] without a word after which the controller counts as gone.
         """
         self._cell, self._plan, self._program = cell, plan, program
-        self._now, self._released, self._silence = now, released, silence
+        self._now, self._released, self._let, self._silence = now, released, let, silence
         self._lines = (
             Line("", "hello", VERSION),
             *lines_of(cell, program),
@@ -82,6 +85,9 @@ class Sending:
         self._frames = Frames()
         self._greeting = b""
         self._number = self._acknowledged = self._step = 0
+        # The step that the controller waits before, and the last one that we have said may run.
+        self._waits = 0
+        self._may = 0 if program.is_stepped else len(program.steps)
         self._crc = FIRST_CRC
         self._points = sum(len(leg.seconds) for leg in program.legs)
         self._waiting: tuple[Frame, Line | None, float] | None = None
@@ -107,6 +113,10 @@ class Sending:
                 line = replace(line, rest=f"{self._points:03d} {self._crc:04X}")
             if line.word == "run":
                 self._released()
+            return self._frame(line.word, line.rest, line, at)
+        if self._waits and self._let() == self._waits:
+            self._may, self._waits = self._waits, 0
+            line = Line("", "next", f"{self._may:02d}")
             return self._frame(line.word, line.rest, line, at)
         if at - (self._said_at or 0.0) >= PING:
             return self._frame("ping", "", None, at)
@@ -150,6 +160,14 @@ class Sending:
         if self._acknowledged < len(self._lines):
             return f"message {self._acknowledged + 1} of {len(self._lines)}"
         return f"step {self._step} of {len(self._program.steps)}"
+
+    @property
+    def _hint(self) -> str:
+        """What a refusal may come from."""
+        is_ticket = self._waiting is not None and self._waiting[0].word == "ticket"
+        if self._program.is_stepped and is_ticket:
+            return "; perhaps it cannot wait before steps: its program is older"
+        return ""
 
     def check(self, at: float) -> None:
         """Notice that the other side has fallen silent; call it after all was heard.
@@ -209,7 +227,9 @@ class Sending:
                 yield from self._take_acknowledgement(frame)
             case "no":
                 yield self._heard(frame)
-                raise LinkError(f"the controller refuses {self.where}: {frame.rest[5:]}")
+                raise LinkError(
+                    f"the controller refuses {self.where}: {frame.rest[5:]}{self._hint}"
+                )
             case "fault":
                 yield self._heard(frame)
                 raise LinkError(f"the controller reports a fault at {self.where}: {frame.rest}")
@@ -237,7 +257,7 @@ class Sending:
         self.status = replace(self.status, acknowledged=frame.text, acknowledged_at=now)
         if line is None:
             return []
-        self._acknowledged += 1
+        self._acknowledged += line.word != "next"
         return [self._receipt(line, ours, frame.text)]
 
     def _check_hello(self, frame: Frame) -> None:
@@ -253,17 +273,39 @@ class Sending:
     def _take_state(self, frame: Frame) -> list[Receipt]:
         phase, step, points = self._state_words(frame)
         self.status = replace(self.status, phase=phase, step=step, reported_at=self._now())
+        waits = 0
         if self._acknowledged == len(self._lines):
-            if phase != "running":
+            if phase == "waiting":
+                waits = self._check_wait(frame, step, points)
+            elif phase != "running":
                 raise ProtocolError(f"the controller says it is {phase}, it should be running")
-            self._check_motion(step, points)
+            else:
+                self._check_motion(step, points)
         # Each is told once, and before the robot moves each phase: a controller that repeats
         # itself fills no journal.
-        said = (phase, step, *sorted(points.items())) if self._step else phase
+        is_told_whole = self._step or phase == "waiting"
+        said = (phase, step, *sorted(points.items())) if is_told_whole else phase
         if said in self._told:
             return []
         self._told.add(said)
-        return [self._heard(frame)]
+        return [replace(self._heard(frame), waits=waits)]
+
+    def _check_wait(self, frame: Frame, step: int, points: Mapping[str, int]) -> int:
+        """The step that it waits before; 0 as long as our word that this one may run is on its way.
+
+        Raises:
+            ProtocolError: it is not the next one, or something moves.
+        """
+        is_under_way = self._waiting is not None and self._waiting[0].word == "next"
+        if is_under_way and step == self._may:
+            return 0
+        if step != self._may + 1 or step > len(self._program.steps) or any(points.values()):
+            raise ProtocolError(
+                f"the controller says {frame.text!r}, after step {self._may} of "
+                f"{len(self._program.steps)} may run"
+            )
+        self._waits = step
+        return step
 
     def _state_words(self, frame: Frame) -> tuple[str, int, dict[str, int]]:
         letters = {arm.controller_id: arm.name for arm in self._cell.arms}
@@ -284,6 +326,8 @@ class Sending:
         steps = self._program.steps
         if not self._step <= step <= len(steps):
             raise ProtocolError(f"the controller is in step {step} after step {self._step}")
+        if step > self._may:
+            raise ProtocolError(f"the controller runs step {step}, which nobody has let run")
         self._step = step
         told = {leg.arm: len(leg.seconds) for leg in steps[step - 1].legs} if step else {}
         for arm, point in points.items():
@@ -318,7 +362,8 @@ class Sending:
 
     def _take_done(self, frame: Frame) -> list[Receipt]:
         steps, is_told = len(self._program.steps), len(self._parts) == len(self._plan.arms)
-        if self._acknowledged < len(self._lines) or frame.words != [f"{steps:02d}"] or not is_told:
+        is_early = self._acknowledged < len(self._lines) or self._may < steps
+        if is_early or frame.words != [f"{steps:02d}"] or not is_told:
             raise ProtocolError(
                 f"the controller said {frame.text!r} at {self.where}, with {len(self._parts)} of "
                 f"{len(self._plan.arms)} parts reported"

@@ -7,7 +7,9 @@ The simulated controller looks the next state up here, the RAPID module carries 
 from collections.abc import Mapping
 from typing import Literal, get_args
 
-ControllerPhase = Literal["greeted", "ready", "loading", "loaded", "running", "fault", "stopped"]
+ControllerPhase = Literal[
+    "greeted", "ready", "loading", "loaded", "running", "waiting", "fault", "stopped"
+]
 
 PHASES = frozenset(get_args(ControllerPhase))
 
@@ -22,19 +24,24 @@ NEXT: Mapping[tuple[ControllerPhase, str], ControllerPhase] = {
     ("loaded", "run"): "running",
     ("running", "done"): "ready",
     ("running", "fault"): "fault",
+    ("running", "wait"): "waiting",
+    ("waiting", "next"): "running",
+    ("waiting", "fault"): "fault",
     ("ready", "ping"): "ready",
     ("loading", "ping"): "loading",
     ("loaded", "ping"): "loaded",
     ("running", "ping"): "running",
+    ("waiting", "ping"): "waiting",
     ("fault", "ping"): "fault",
     ("ready", "abort"): "stopped",
     ("loading", "abort"): "stopped",
     ("loaded", "abort"): "stopped",
     ("running", "abort"): "stopped",
+    ("waiting", "abort"): "stopped",
     ("fault", "abort"): "stopped",
 }
 """State and what comes, to the state after it.
 
-`done` and `fault` come from the robot, all else from the workbench.  What has no row is refused,
-the robot stops if it moves, and the link is closed.
+`done`, `fault` and `wait` come from the robot, all else from the workbench.  What has no row is
+refused, the robot stops if it moves, and the link is closed.
 """

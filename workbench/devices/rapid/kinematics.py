@@ -19,24 +19,22 @@ class Axes:
     """
 
     def __init__(self, cell: Cell, arm: Arm) -> None:
-        self._order, self._signs = list(arm.axis_order), np.array(arm.axis_signs)
-        lower, upper, velocity = (np.rad2deg(one) for one in cell.robot.limits(arm.joints))
-        ends = np.array([lower[self._order] * self._signs, upper[self._order] * self._signs])
+        self._arm = arm
+        lower, upper, velocity = cell.robot.limits(arm.joints)
+        ends = np.array([self.from_chain(lower), self.from_chain(upper)])
         self.lower, self.upper = ends.min(axis=0), ends.max(axis=0)
-        self.velocity = velocity[self._order]
+        self.velocity = np.abs(self.from_chain(velocity))
         self.home = self.from_chain(np.asarray(arm.home))
         self._chain = cell.robot.chain(arm.flange)
         self._places = {name: k for k, name in enumerate(arm.joints)}
 
     def from_chain(self, q: Floats) -> Floats:
         """Axes (n,) [deg] of a configuration (n,) [rad] in chain order."""
-        return np.rad2deg(q[self._order]) * self._signs
+        return np.rad2deg(self._arm.to_axes(q))
 
     def to_chain(self, axes: Floats) -> Floats:
         """The configuration (n,) [rad] in chain order of axes (n,) [deg]."""
-        q = np.empty(len(axes))
-        q[self._order] = np.deg2rad(axes * self._signs)
-        return q
+        return self._arm.from_axes(np.deg2rad(axes))
 
     def flange(self, axes: Floats) -> pin.SE3:
         """`T_world_flange` [m] at axes (n,) [deg]."""

@@ -83,7 +83,7 @@ class Mechanism:
     def add(self, way: Way) -> None:
         """Append a way."""
         if self._ways and not self.is_in_step:
-            self.join(self._ways[-1], way, self.zone(self._ways[-1], way))
+            self.join(self._ways[-1], self.zone(self._ways[-1], way))
         self._ways.append(way)
 
     def clear(self) -> None:
@@ -107,8 +107,8 @@ class Mechanism:
         is_past = before is self.head and self._time > before.seconds - zone
         return 0.0 if is_past else zone
 
-    def join(self, before: Way, after: Way, zone: float) -> None:
-        """Round the corner between two ways, or stop in it where the zone is too short."""
+    def join(self, before: Way, zone: float) -> None:
+        """Round the corner after a way, or stop in it where the zone is too short."""
         if before.share and zone < STEP:
             log.warning("%s: %s", self.name, CORNER_PATH)
         before.ends = zone if zone >= STEP else 0.0
@@ -181,7 +181,7 @@ def pair(mechanisms: Sequence[Mechanism]) -> str:
             if before:
                 corners = list(zip(together, before, column, strict=False))
                 zone = min(one.zone(first, then) for one, first, then in corners)
-                for one, first, then in corners:
-                    one.join(first, then, zone)
+                for one, first, _ in corners:
+                    one.join(first, zone)
         before = column
     return ""

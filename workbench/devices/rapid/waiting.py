@@ -6,7 +6,6 @@ Source: Technical reference manual: RAPID instructions, functions and data types
 # The prelude gives the types of what natives take, and every call is checked against it.
 # pyright: reportUnknownLambdaType=false
 
-import logging
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
@@ -15,8 +14,6 @@ from workbench.devices.rapid.tasks import FOREVER, Meetings, Task, TimedOut
 from workbench.formats.rapid.problems import RapidError, RapidStop
 from workbench.formats.rapid.texts import check_length
 from workbench.formats.rapid.values import Place, single
-
-log = logging.getLogger(__name__)
 
 SHORTEST_POLL = 0.004
 """[s] Between two looks of WaitUntil; the longest, which holds without \\PollRate, is 0.1."""

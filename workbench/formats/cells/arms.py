@@ -47,6 +47,16 @@ def read_arms(table: Table, robot: Robot) -> tuple[Arm, ...]:
                 "are expected",
             )
         known[arm.name.lower()] = arm.name
+    carries: dict[str, str] = {}
+    for arm in arms:
+        for joint in arm.joints:
+            if (other := carries.get(joint)) is not None:
+                raise table.error(
+                    "arm.flange",
+                    f"{other!r} and {arm.name!r} both hang on {joint}: arms that share a joint "
+                    "cannot move apart; make it fixed in the URDF",
+                )
+            carries[joint] = arm.name
     # Messages to the controller call an arm by this alone.
     table.once("arm.controller_id", (arm.controller_id for arm in arms))
     return arms
@@ -66,8 +76,8 @@ def _arm(table: Table, robot: Robot, tools: dict[str, Tool]) -> Arm:
     count = len(joints)
     if count == 0:
         raise table.error("flange", f"no movable joint leads to {flange!r}")
-    axes = table.numbers("axes", count, list(range(1, count + 1))).astype(int)
-    if sorted(axes.tolist()) != list(range(1, count + 1)):
+    axes = table.wholes("axes", count, list(range(1, count + 1)))
+    if sorted(axes) != list(range(1, count + 1)):
         raise table.error("axes", f"must hold each of 1 to {count} once: the axis of each joint")
     axis_order = np.argsort(axes)
     signs = table.numbers("signs", count, [1] * count)
@@ -89,6 +99,7 @@ def _arm(table: Table, robot: Robot, tools: dict[str, Tool]) -> Arm:
         tool=mounted,
         Ts_world_place=tuple(T for place in table.tables("place") for T in _places(place)),
         keeps_parts=table.flag("keeps_parts", False),
+        needs_roll=table.flag("needs_roll", False),
         tools=tuple(_known_tool(table, "tools", one, tools) for one in names),
     )
     table.finish()
@@ -120,7 +131,7 @@ def _known_tool(table: Table, key: str, name: str, tools: dict[str, Tool]) -> To
 def _places(table: Table) -> tuple[pin.SE3, ...]:
     """One pose, or those of a `grid` of columns along its x and rows along its y."""
     T = read_pose(table)
-    columns, rows = table.numbers("grid", 2, [1, 1], low=1, high=100).astype(int).tolist()
+    columns, rows = table.wholes("grid", 2, [1, 1], low=1, high=100)
     pitch = table.numbers("pitch_mm", 2, [0, 0], low=-5000, high=5000) / 1000
     table.finish()
     if columns * rows > MOST_PLACES:

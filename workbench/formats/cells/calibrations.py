@@ -1,6 +1,5 @@
 """Calibrations in files: the record in a cell file, and a folder of scans with joint values."""
 
-import json
 from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
@@ -9,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from workbench.formats.files.change_log import utc
+from workbench.formats.files.toml_documents import numbers, text
 from workbench.formats.files.toml_keys import Table, read_toml
 from workbench.formats.files.units import UNITS
 from workbench.formats.files.whole_files import is_file, write_whole
@@ -111,8 +111,7 @@ def _pose(table: Table, cell: Cell, arm: Arm) -> ScannedPose:
     count = len(arm.joints)
     shown = np.deg2rad(table.numbers("joints_deg", count, low=-720, high=720))
     table.finish()
-    q = np.empty(count)
-    q[list(arm.axis_order)] = shown * arm.axis_signs
+    q = arm.from_axes(shown)
     lower, upper, _ = cell.robot.limits(arm.joints)
     if not np.all((q >= lower - 1e-3) & (q <= upper + 1e-3)):
         raise table.error("joints_deg", f"lies outside the limits of the {arm.name} arm")
@@ -127,6 +126,7 @@ def write_scanned_poses(
     Raises:
         FileError: it cannot be written.
     """
+    sides = numbers(np.array(plate.sides) * 1000, 4)
     lines = [
         "# Scans of the reference plate, and where the arm stood for each.",
         f'format = "{POSES_FORMAT}"',
@@ -135,17 +135,9 @@ def write_scanned_poses(
         "",
         "[plate]                   # three balls; any frame that holds them will do",
         f"ball_mm = {plate.radius * 2000:.10g}",
-        f"sides_mm = {_list(np.array(plate.sides) * 1000)}   # 1 to 2, 2 to 3, 3 to 1: centres",
+        f"sides_mm = {sides}   # 1 to 2, 2 to 3, 3 to 1: centres",
     ]
     for pose in poses:
-        shown = np.rad2deg(pose.q[list(arm.axis_order)]) * arm.axis_signs
-        lines += ["", "[[pose]]", f"scan = {_text(pose.scan.name)}", f"joints_deg = {_list(shown)}"]
+        shown = numbers(np.rad2deg(arm.to_axes(pose.q)), 4)
+        lines += ["", "[[pose]]", f"scan = {text(pose.scan.name)}", f"joints_deg = {shown}"]
     write_whole(folder / FILE, ("\n".join(lines) + "\n").encode())
-
-
-def _text(text: str) -> str:
-    return json.dumps(text, ensure_ascii=False)
-
-
-def _list(values: Floats) -> str:
-    return f"[{', '.join(f'{round(float(value), 4) + 0.0:.10g}' for value in values)}]"

@@ -11,25 +11,21 @@ from workbench.formats.files.toml_keys import Table
 from workbench.formats.files.units import UNITS
 from workbench.formats.meshes.solids import read_pose
 from workbench.model.cell import Z_FORWARD, Controller, LocalizerChoice, ScannerMount
-from workbench.plugins.found import load
-from workbench.plugins.localizer import GROUP as LOCALIZERS
-from workbench.plugins.localizer import localizer_names
-from workbench.plugins.robot_link import controller_by, link_named, link_names, usual_link
-from workbench.plugins.scanner import GROUP as SCANNERS
-from workbench.plugins.scanner import scanner_names
+from workbench.plugins.found import load, names
+from workbench.plugins.robot_link import controller_by, link_named, usual_link
 
 
 def read_scanner(table: Table) -> ScannerMount:
     """The table `[scanner]`."""
-    columns, rows = table.numbers("resolution", 2, [640, 480], low=16, high=4096).astype(int)
+    columns, rows = table.wholes("resolution", 2, [640, 480], low=16, high=4096)
     mount = ScannerMount(
         T_world_scanner=read_pose(table),
-        resolution=(int(columns), int(rows)),
+        resolution=(columns, rows),
         field_of_view=float(np.deg2rad(table.number("field_of_view_deg", low=1, high=150))),
         depth_noise=table.number("depth_noise_mm", 0.3, low=0, high=20) / 1000,
         near=table.number("near_mm", 300, low=1, high=20_000) / 1000,
         far=table.number("far_mm", 1500, low=1, high=20_000) / 1000,
-        source=table.text("source", "simulated", among=scanner_names()),
+        source=table.text("source", "simulated", among=names("workbench.scanners")),
         address=_address(table),
         unit=table.text("unit", "m", among=tuple(UNITS)),
         patience=table.number("patience_s", 60, low=0.1, high=3600),
@@ -38,7 +34,7 @@ def read_scanner(table: Table) -> ScannerMount:
         cloud_axes=table.text("cloud_axes", Z_FORWARD, among=tuple(CLOUD_AXES)),
     )
     with refused_at(table, "source"):
-        options = read_options(table, load(SCANNERS, mount.source).Options)
+        options = read_options(table, load("workbench.scanners", mount.source).Options)
         mount = replace(mount, options=options)
     table.finish()
     if mount.source in ("folder", "http") and not mount.address:
@@ -61,7 +57,7 @@ def _address(table: Table) -> str:
 
 def read_controller(table: Table) -> Controller:
     """The table `[controller]`."""
-    name = table.text("protocol", usual_link(), among=link_names())
+    name = table.text("protocol", usual_link(), among=names("workbench.robot_links"))
     port = table.whole("port", 1025, low=1, high=65535)
     host = table.text("host", "127.0.0.1")
     state_port = table.whole("state_port", min(port + 1, 65535), low=1, high=65535)
@@ -75,8 +71,10 @@ def read_controller(table: Table) -> Controller:
 
 def read_localizer(table: Table) -> LocalizerChoice:
     """The table `[localizer]`."""
-    name = table.text("name", among=localizer_names())
+    name = table.text("name", among=names("workbench.localizers"))
     with refused_at(table, "name"):
-        choice = LocalizerChoice(name, read_options(table, load(LOCALIZERS, name).Options))
+        choice = LocalizerChoice(
+            name, read_options(table, load("workbench.localizers", name).Options)
+        )
     table.finish()
     return choice

@@ -14,7 +14,7 @@ from workbench.formats.files.change_log import LOG, add_line, utc
 from workbench.formats.files.toml_documents import read_document, shorts
 from workbench.formats.files.whole_files import write_whole
 from workbench.formats.parts.grasp_files import are_written_alike
-from workbench.model.cell import Cell
+from workbench.model.cell import Cell, Policy
 from workbench.model.digest import digest_of
 from workbench.model.errors import FileError
 from workbench.model.geometry import Floats
@@ -29,8 +29,9 @@ def save_cell(path: Path, cell: Cell) -> None:
     """Write into a cell file what a cell has otherwise than the file.
 
     Which parts it picks, poses of robot, bin, scanner and fixtures, the scanner's calibration, unit
-    and axes, sizes of the bin, homes, places and the tool of the arms can be written; the file is
-    left as it is when anything else differs.
+    and axes, sizes of the bin, homes, places and the tool of the arms, and of the policy the lifts
+    and the margin of straight legs can be written; the file is left as it is when anything else
+    differs.
 
     Args:
         path: of the cell file, which must be readable as a cell.
@@ -38,6 +39,16 @@ def save_cell(path: Path, cell: Cell) -> None:
 
     Raises:
         FileError: the file cannot be read or written, or something else differs.
+    """
+    write_whole(path, written_cell(path, cell))
+
+
+def written_cell(path: Path, cell: Cell) -> bytes:
+    """What `save_cell` would write into the file; nothing is changed yet.
+
+    Raises:
+        FileError: the file cannot be read, nothing can be written beside it, or something differs
+            that cannot be written into it.
     """
     old = read_cell(path)
     if _names(old) != _names(cell):
@@ -55,7 +66,7 @@ def save_cell(path: Path, cell: Cell) -> None:
         trial.unlink(missing_ok=True)
     if not _is_same(again, cell):
         raise FileError(path, UNWRITABLE)
-    write_whole(path, written)
+    return written
 
 
 def log_change(path: Path, cell: Cell, actor: str, at: float, remark: str) -> None:
@@ -132,6 +143,7 @@ def _edit(document: Any, old: Cell, new: Cell) -> None:
     for key in ("unit", "cloud_axes"):
         if getattr(old.scanner, key) != getattr(new.scanner, key):
             document["scanner"][key] = getattr(new.scanner, key)
+    _edit_policy(document, old.policy, new.policy)
     record = new.scanner.calibration
     if record is None:
         document["scanner"].pop("calibration", None)
@@ -145,8 +157,7 @@ def _edit(document: Any, old: Cell, new: Cell) -> None:
         if one.tool.name != other.tool.name:
             table["tool"] = other.tool.name
         if not np.array_equal(one.home, other.home):
-            home = np.rad2deg(other.home[list(other.axis_order)]) * other.axis_signs
-            table["home_deg"] = shorts(home)
+            table["home_deg"] = shorts(np.rad2deg(other.to_axes(other.home)))
         same = [T.homogeneous.tolist() for T in one.Ts_world_place] == [
             T.homogeneous.tolist() for T in other.Ts_world_place
         ]
@@ -162,6 +173,17 @@ def _edit(document: Any, old: Cell, new: Cell) -> None:
             for T in other.Ts_world_place:
                 places.append(_edit_pose(tomlkit.table(), pin.SE3.Identity(), T))
             table["place"] = places
+
+
+def _edit_policy(document: Any, old: Policy, new: Policy) -> None:
+    """Write what the nearest fix of a grasp may change."""
+    changed: dict[str, Any] = {}
+    if old.lifts != new.lifts:
+        changed["lifts"] = list(new.lifts)
+    if old.near_margin != new.near_margin:
+        changed["near_margin_mm"] = shorts([new.near_margin * 1000])[0]
+    if changed:
+        document.setdefault("policy", tomlkit.table()).update(changed)
 
 
 def _edit_parts(document: Any, old: Cell, new: Cell) -> None:

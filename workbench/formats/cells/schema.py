@@ -14,12 +14,7 @@ from workbench.formats.cells.reading import read_cell, read_poses_folder
 from workbench.formats.files.toml_keys import NOTES, Notes, Table
 from workbench.formats.robots.dh import read_dh
 from workbench.plugins.found import Group, load, names
-from workbench.plugins.localizer import GROUP as LOCALIZERS
-from workbench.plugins.localizer import localizer_names
 from workbench.plugins.options import schema_of
-from workbench.plugins.robot_link import GROUP as ROBOT_LINKS
-from workbench.plugins.scanner import GROUP as SCANNERS
-from workbench.plugins.tool import GROUP as TOOLS
 
 NOT_ALWAYS = frozenset(
     ("urdf", "srdf", "dh", "controller", "policy", "size_mm", "radius_mm", "length_mm", "file")
@@ -54,7 +49,7 @@ def cell_schema() -> dict[str, Any]:
         read_dh(Table(file, A_TABLE, "robot.dh."), "robot")
         read_record(Table(file, A_RECORD, "scanner.calibration."))
         read_poses_folder(Table(file, {"path": "poses"}, "detections."))
-        read_localizer(Table(file, {"name": localizer_names()[0]}, "localizer."))
+        read_localizer(Table(file, {"name": names("workbench.localizers")[0]}, "localizer."))
     finally:
         NOTES.reset(token)
     notes = {place: form for place, form in notes.items() if not _is_foreign(place)}
@@ -73,9 +68,9 @@ def _add_options(schema: dict[str, Any]) -> None:
     """The keys that each installed plug-in has of its own, and tools by their kind."""
     tables = schema["properties"]
     seams: tuple[tuple[str, str, Group], ...] = (
-        ("scanner", "source", SCANNERS),
-        ("controller", "protocol", ROBOT_LINKS),
-        ("localizer", "name", LOCALIZERS),
+        ("scanner", "source", "workbench.scanners"),
+        ("controller", "protocol", "workbench.robot_links"),
+        ("localizer", "name", "workbench.localizers"),
     )
     for table, key, group in seams:
         tables[table]["properties"]["options"] = {"type": "object"}
@@ -88,12 +83,12 @@ def _add_options(schema: dict[str, Any]) -> None:
             "properties": {
                 "name": {"type": "string"},
                 "kind": {"const": name},
-                "options": schema_of(load(TOOLS, name).Options),
+                "options": schema_of(load("workbench.tools", name).Options),
             },
             "required": ["kind", "name"],
             "additionalProperties": False,
         }
-        for name in names(TOOLS)
+        for name in names("workbench.tools")
     ]
     tables["tool"]["items"] = {"anyOf": [explicit, *kinds]}
 

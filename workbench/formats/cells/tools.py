@@ -6,15 +6,16 @@ from workbench.formats.cells.options import read_options, refused_at
 from workbench.formats.files.toml_keys import Table
 from workbench.formats.meshes.solids import read_pose, read_solid
 from workbench.model.cell import Finger, Tool
-from workbench.plugins.tool import made_tool, options_class, tool_kinds
+from workbench.plugins.found import load, names
+from workbench.plugins.tool import made_tool
 
 
 def read_tool(table: Table) -> Tool:
     """The table `[[tool]]`; see `plugins.tool` for kinds."""
     if table.has("kind"):
-        kind, name = table.text("kind", among=tool_kinds()), table.text("name")
+        kind, name = table.text("kind", among=names("workbench.tools")), table.text("name")
         with refused_at(table, "kind"):
-            tool = made_tool(kind, name, read_options(table, options_class(kind)))
+            tool = made_tool(kind, name, read_options(table, load("workbench.tools", kind).Options))
         table.finish()
         return tool
     tcp = table.table("tcp")
@@ -38,4 +39,6 @@ def read_tool(table: Table) -> Tool:
         press=table.number("press_mm", 1.5, low=0, high=50) / 1000,
     )
     table.finish()
+    if not tool.body and not tool.fingers:
+        raise table.error("body", "is missing; [[tool.body]] or [[tool.finger]] is expected")
     return tool

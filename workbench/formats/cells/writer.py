@@ -5,13 +5,14 @@ comments stay (`formats/cells/edits.py`).
 """
 
 import json
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 import numpy as np
 import pinocchio as pin
 
 from workbench.formats.cells.calibrations import record_table
+from workbench.formats.files.toml_documents import number, numbers, text
 from workbench.formats.files.whole_files import file_name, make_folder, write_whole
 from workbench.formats.meshes.triangles import stl_of, surface_of
 from workbench.formats.robots.urdf_package import write_package, write_srdf
@@ -44,8 +45,8 @@ def write_cell(folder: Path, cell: Cell, unchecked: Mapping[tuple[str, str], str
 
 def _lines(folder: Path, cell: Cell) -> Iterator[str]:
     yield "# World frame: z up.  Lengths in mm, angles in degrees, rpy about fixed axes x, y, z."
-    yield f"name = {_text(cell.name)}"
-    yield f"parts = [{', '.join(_text(part.name) for part in cell.parts)}]"
+    yield f"name = {text(cell.name)}"
+    yield f"parts = [{', '.join(text(part.name) for part in cell.parts)}]"
     yield from ("", "[robot]", 'urdf = "robot.urdf"')
     yield 'srdf = "robot.srdf"               # pairs of links that need no check'
     yield from _pose(cell.T_world_robot)
@@ -57,21 +58,21 @@ def _lines(folder: Path, cell: Cell) -> Iterator[str]:
     yield from ("", "# Its frame: in the middle of the floor's upper side.", "[bin]")
     yield from _pose(cell.bin.T_world_bin)
     yield f"size_mm = {_mm(cell.bin.size)}          # inside: length, width, height"
-    yield f"wall_mm = {_number(cell.bin.wall * 1000)}"
+    yield f"wall_mm = {number(cell.bin.wall * 1000)}"
     yield from _scanner(cell)
     controller = cell.controller
-    yield from ("", "[controller]", f"protocol = {_text(controller.link)}")
-    yield f"host = {_text(controller.host)}"
+    yield from ("", "[controller]", f"protocol = {text(controller.link)}")
+    yield f"host = {text(controller.host)}"
     yield f"port = {controller.port}"
     yield f"state_port = {controller.state_port}"
     yield from _options(controller.options)
     if cell.localizer.name:
-        yield from ("", "[localizer]", f"name = {_text(cell.localizer.name)}")
+        yield from ("", "[localizer]", f"name = {text(cell.localizer.name)}")
         yield from _options(cell.localizer.options)
     yield from _policy(cell)
     if cell.poses_folder is not None:
-        yield from ("", "[detections]", f"path = {_text(cell.poses_folder.path)}")
-        yield f"part = {_text(cell.poses_folder.part)}"
+        yield from ("", "[detections]", f"path = {text(cell.poses_folder.path)}")
+        yield f"part = {text(cell.poses_folder.part)}"
     for fixture in cell.fixtures:
         yield from _fixture(folder, fixture)
 
@@ -88,30 +89,30 @@ def _options(options: Options) -> Iterator[str]:
 def _policy(cell: Cell) -> Iterator[str]:
     policy = cell.policy
     yield from ("", "[policy]")
-    yield f"margin_mm = {_number(policy.margin * 1000)}      # kept to everything on free legs"
-    yield f"near_margin_mm = {_number(policy.near_margin * 1000)} # by the tool on straight legs"
-    yield f"self_margin_mm = {_number(policy.self_margin * 1000)} # between links of one arm"
-    yield f"lift_length_mm = {_number(policy.lift_length * 1000)}"
-    yield f"lift_lean_deg = {_number(np.rad2deg(policy.lift_lean))}"
-    yield f"speed = {_number(policy.speed)}          # share of the joints' speeds"
-    yield f"zone = {_number(policy.zone)}           # corner rounding, share of a segment"
-    yield f"threshold_mm = {_number(policy.threshold * 1000)}"
-    yield f"planner = {_text(policy.planner)}"
+    yield f"margin_mm = {number(policy.margin * 1000)}      # kept to everything on free legs"
+    yield f"near_margin_mm = {number(policy.near_margin * 1000)} # by the tool on straight legs"
+    yield f"self_margin_mm = {number(policy.self_margin * 1000)} # between links of one arm"
+    yield f"lift_length_mm = {number(policy.lift_length * 1000)}"
+    yield f"lift_lean_deg = {number(np.rad2deg(policy.lift_lean))}"
+    yield f"speed = {number(policy.speed)}          # share of the joints' speeds"
+    yield f"zone = {number(policy.zone)}           # corner rounding, share of a segment"
+    yield f"threshold_mm = {number(policy.threshold * 1000)}"
+    yield f"planner = {text(policy.planner)}"
     yield f"iterations = {policy.iterations}"
-    yield f"order = {_text(policy.order)}"
+    yield f"order = {text(policy.order)}"
     usual = Policy()
     for key in ("sink", "release"):
         if getattr(policy, key) != getattr(usual, key):
-            yield f"{key}_mm = {_number(getattr(policy, key) * 1000)}"
+            yield f"{key}_mm = {number(getattr(policy, key) * 1000)}"
     for key in ("free_points", "straight_points", "seconds", "metric", "approval_minutes"):
         if getattr(policy, key) != getattr(usual, key):
-            yield f"{key} = {_number(getattr(policy, key))}"
+            yield f"{key} = {number(getattr(policy, key))}"
     if policy.lifts != usual.lifts:
-        yield f"lifts = [{', '.join(map(_text, policy.lifts))}]"
+        yield f"lifts = [{', '.join(map(text, policy.lifts))}]"
     if policy.pair_gap != usual.pair_gap:
-        yield f"pair_gap_mm = {_number(policy.pair_gap * 1000)}"
+        yield f"pair_gap_mm = {number(policy.pair_gap * 1000)}"
     if policy.least_air is not None:
-        yield f"least_air_mm = {_number(policy.least_air * 1000)}"
+        yield f"least_air_mm = {number(policy.least_air * 1000)}"
     yield f"approvers = {cell.approvers}             # different people who approve each plan"
 
 
@@ -120,31 +121,29 @@ def _scanner(cell: Cell) -> Iterator[str]:
     yield from ("", "# Its frame is a camera's: z into the picture, x right, y down.", "[scanner]")
     yield from _pose(scanner.T_world_scanner)
     yield f"resolution = [{scanner.resolution[0]}, {scanner.resolution[1]}]"
-    yield f"field_of_view_deg = {_number(np.rad2deg(scanner.field_of_view))}"
-    yield f"depth_noise_mm = {_number(scanner.depth_noise * 1000)}"
-    yield f"near_mm = {_number(scanner.near * 1000)}"
-    yield f"far_mm = {_number(scanner.far * 1000)}"
-    yield f"calibration_days = {_number(scanner.calibration_days)}"
+    yield f"field_of_view_deg = {number(np.rad2deg(scanner.field_of_view))}"
+    yield f"depth_noise_mm = {number(scanner.depth_noise * 1000)}"
+    yield f"near_mm = {number(scanner.near * 1000)}"
+    yield f"far_mm = {number(scanner.far * 1000)}"
+    yield f"calibration_days = {number(scanner.calibration_days)}"
     usual = ScannerMount(scanner.T_world_scanner)
     for key in ("source", "address", "unit", "cloud_axes"):
         if getattr(scanner, key) != getattr(usual, key):
-            yield f"{key} = {_text(getattr(scanner, key))}"
+            yield f"{key} = {text(getattr(scanner, key))}"
     if scanner.patience != usual.patience:
-        yield f"patience_s = {_number(scanner.patience)}"
+        yield f"patience_s = {number(scanner.patience)}"
     yield from _options(scanner.options)
     if scanner.calibration is not None:
         record = record_table(scanner.calibration)
         yield from ("", "[scanner.calibration]")
-        yield from (
-            f"{key} = {json.dumps(value, ensure_ascii=False)}" for key, value in record.items()
-        )
+        yield from (f"{key} = {text(value)}" for key, value in record.items())
 
 
 def _tool(folder: Path, tool: Tool) -> Iterator[str]:
     yield from ("", "# In the flange's frame, z out of the flange.", "[[tool]]")
-    yield f"name = {_text(tool.name)}"
+    yield f"name = {text(tool.name)}"
     yield f"stroke_mm = {_mm(np.array(tool.stroke))}             # smallest, largest opening"
-    yield f"press_mm = {_number(tool.press * 1000)}"
+    yield f"press_mm = {number(tool.press * 1000)}"
     yield from ("", "[tool.tcp]", *_pose(tool.T_flange_tcp))
     for solid in tool.body:
         yield from ("", "[[tool.body]]", *_solid(folder, tool.name, solid.name, solid))
@@ -154,35 +153,37 @@ def _tool(folder: Path, tool: Tool) -> Iterator[str]:
             "[[tool.finger]]",
             *_solid(folder, tool.name, finger.solid.name, finger.solid),
         )
-        yield f"opens_along = {_list(finger.direction)}"
+        yield f"opens_along = {numbers(finger.direction)}"
 
 
 def _arm(arm: Arm) -> Iterator[str]:
     axes = np.argsort(arm.axis_order) + 1
-    home = np.rad2deg(arm.home[list(arm.axis_order)]) * arm.axis_signs
+    home = np.rad2deg(arm.to_axes(arm.home))
     yield from (
         "",
         "[[arm]]",
-        f"name = {_text(arm.name)}",
-        f"controller_id = {_text(arm.controller_id)}",
+        f"name = {text(arm.name)}",
+        f"controller_id = {text(arm.controller_id)}",
     )
-    yield f"flange = {_text(arm.flange)}"
-    yield f"tool = {_text(arm.tool.name)}"
+    yield f"flange = {text(arm.flange)}"
+    yield f"tool = {text(arm.tool.name)}"
     if len(arm.tools) > 1:
-        yield f"tools = [{', '.join(_text(tool.name) for tool in arm.tools)}]"
+        yield f"tools = [{', '.join(text(tool.name) for tool in arm.tools)}]"
     yield "# Which axis of the controller each joint of the chain is, and its sense there."
-    yield f"axes = {_list(axes)}"
-    yield f"signs = {_list(np.array(arm.axis_signs))}"
-    yield f"home_deg = {_list(np.round(home, 4))}   # in the controller's order"
-    yield f"acceleration_deg = {_number(np.rad2deg(arm.acceleration[0]))}"
+    yield f"axes = {numbers(axes)}"
+    yield f"signs = {numbers(np.array(arm.axis_signs))}"
+    yield f"home_deg = {numbers(np.round(home, 4))}   # in the controller's order"
+    yield f"acceleration_deg = {number(np.rad2deg(arm.acceleration[0]))}"
     if arm.keeps_parts:
         yield "keeps_parts = true        # they stay at their places, as on a pallet"
+    if arm.needs_roll:
+        yield "needs_roll = true         # only parts whose roll the scan shows are put there"
     for T in arm.Ts_world_place:
         yield from ("", "[[arm.place]]", *_pose(T))
 
 
 def _fixture(folder: Path, fixture: Fixture) -> Iterator[str]:
-    yield from ("", "[[fixture]]", f"name = {_text(fixture.name)}")
+    yield from ("", "[[fixture]]", f"name = {text(fixture.name)}")
     yield from _pose(fixture.T_world_fixture)
     for solid in fixture.solids:
         # Reading puts the name of the fixture before it again.
@@ -191,24 +192,24 @@ def _fixture(folder: Path, fixture: Fixture) -> Iterator[str]:
 
 
 def _solid(folder: Path, owner: str, name: str, solid: Solid) -> Iterator[str]:
-    yield f"name = {_text(name)}"
-    yield f"shape = {_text(solid.shape.kind)}"
+    yield f"name = {text(name)}"
+    yield f"shape = {text(solid.shape.kind)}"
     match solid.shape:
         case Box(size=size):
             yield f"size_mm = {_mm(size)}"
         case Sphere(radius=radius):
-            yield f"radius_mm = {_number(radius * 1000)}"
+            yield f"radius_mm = {number(radius * 1000)}"
         case Cylinder(radius=radius, length=length) | Capsule(radius=radius, length=length):
-            yield f"radius_mm = {_number(radius * 1000)}"
-            yield f"length_mm = {_number(length * 1000)}"
+            yield f"radius_mm = {number(radius * 1000)}"
+            yield f"length_mm = {number(length * 1000)}"
         case Mesh() as mesh:
             file = f"meshes/{file_name(f'{owner}_{name}')}.stl"
             as_drawn = Solid(name, mesh, pin.SE3.Identity())
             write_whole(folder / file, stl_of(surface_of([as_drawn])))
-            yield f"file = {_text(file)}"
+            yield f"file = {text(file)}"
             yield f'unit = "m"\nconvex = {str(mesh.is_convex).lower()}'
     yield from _pose(solid.T_owner_shape)
-    yield f"colour = {_list(np.round(solid.colour, 3))}"
+    yield f"colour = {numbers(np.round(solid.colour, 3))}"
 
 
 def _pose(T: pin.SE3) -> Iterator[str]:
@@ -216,20 +217,8 @@ def _pose(T: pin.SE3) -> Iterator[str]:
         yield f"position_mm = {_mm(T.translation)}"
     rpy = np.rad2deg(pin.rpy.matrixToRpy(T.rotation))
     if np.abs(rpy).max() > 1e-9:
-        yield f"rpy_deg = {_list(np.round(rpy, 6))}"
+        yield f"rpy_deg = {numbers(np.round(rpy, 6))}"
 
 
 def _mm(lengths: Floats) -> str:
-    return _list(np.round(np.asarray(lengths) * 1000, 4))
-
-
-def _list(values: Floats | Iterable[float]) -> str:
-    return f"[{', '.join(_number(value) for value in values)}]"
-
-
-def _number(value: float) -> str:
-    return f"{round(float(value), 6) + 0.0:.10g}"
-
-
-def _text(value: str | float) -> str:
-    return json.dumps(value, ensure_ascii=False)
+    return numbers(np.round(np.asarray(lengths) * 1000, 4))

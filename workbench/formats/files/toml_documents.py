@@ -1,5 +1,6 @@
 """TOML files that people wrote, to be changed in place: comments and all else stay as they are."""
 
+import json
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
@@ -28,6 +29,21 @@ def short(value: float, digits: int = 4) -> float | int:
     """A number as people write it: no -0, and whole ones without a point."""
     rounded = round(float(value), digits) + 0.0
     return int(rounded) if rounded.is_integer() else rounded
+
+
+def number(value: float, digits: int = 6) -> str:
+    """A number as a line of a file has it that a program writes."""
+    return f"{round(float(value), digits) + 0.0:.10g}"
+
+
+def numbers(values: Iterable[float], digits: int = 6) -> str:
+    """Several numbers, as such a line has them."""
+    return f"[{', '.join(number(value, digits) for value in values)}]"
+
+
+def text(value: object) -> str:
+    """A text or a number as TOML has it; JSON writes them alike."""
+    return json.dumps(value, ensure_ascii=False)
 
 
 def shorts(values: Iterable[float], digits: int = 4) -> list[float | int]:

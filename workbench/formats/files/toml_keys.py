@@ -144,6 +144,25 @@ class Table:
             raise self.error(key, f"{count} numbers are expected, {len(value)} are given")
         return np.array([self._checked(key, item, low, high) for item in value])
 
+    def wholes(
+        self,
+        key: str,
+        count: int,
+        default: Any = MISSING,
+        *,
+        low: float = -math.inf,
+        high: float = math.inf,
+    ) -> list[int]:
+        """A list of so many whole numbers, low <= value <= high."""
+        items = _number_form(low, high) | {"type": "integer"}
+        counted = {"minItems": count, "maxItems": count}
+        self._note(key, default, {"type": "array", "items": items} | counted)
+        values = self.numbers(key, count, default, low=low, high=high)
+        for value in values.tolist():
+            if value != round(value):
+                raise self.error(key, f"{value:g} is not a whole number")
+        return [round(value) for value in values.tolist()]
+
     def rows(self, key: str, columns: int) -> Floats:
         """A list of lists of `columns` finite numbers each, (n, columns), in the key's unit."""
         rows = self._rows(key, columns, "numbers")

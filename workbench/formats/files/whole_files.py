@@ -4,7 +4,9 @@ import contextlib
 import hashlib
 import os
 import re
+import select
 import shutil
+import stat
 import threading
 from collections.abc import Collection
 from pathlib import Path
@@ -12,6 +14,9 @@ from pathlib import Path
 from workbench.model.errors import FileError
 
 MB = 1024 * 1024
+
+SILENCE = 60.0
+"""[s] So long a pipe may be silent: whoever writes to it may have to compute first."""
 
 Stamp = tuple[int, int]
 """When a file was written [ns], and its size [bytes]."""
@@ -23,11 +28,13 @@ def read_whole(path: Path, most: int) -> bytes:
     Devices and pipes have no size to ask for beforehand, so the reading itself is bounded.
 
     Raises:
-        FileError: not there, not to be read, or longer.
+        FileError: not there, not to be read, or longer; or a pipe that nothing comes through.
     """
     try:
-        with path.open("rb") as file:
-            content = file.read(most + 1)
+        # Opening a named pipe would wait until somebody writes to it.
+        with open(path, "rb", opener=_at_once) as file:
+            is_file = stat.S_ISREG(os.fstat(file.fileno()).st_mode)
+            content = file.read(most + 1) if is_file else _through(path, file.fileno(), most)
     except OSError as error:
         raise FileError(path, error.strerror or "cannot be read") from None
     except ValueError:  # a name that no file can have, such as one with a NUL
@@ -35,6 +42,25 @@ def read_whole(path: Path, most: int) -> bytes:
     if len(content) > most:
         raise FileError(path, f"is longer than {most / MB:g} MB, the most that is read")
     return content
+
+
+def _at_once(path: str, flags: int) -> int:
+    # Nor does a terminal that is read become the one that ends this process when it closes.
+    return os.open(path, flags | os.O_NONBLOCK | os.O_NOCTTY)
+
+
+def _through(path: Path, pipe: int, most: int) -> bytes:
+    """What comes through a pipe or from a device until its end, or one byte more than `most`."""
+    content = bytearray()
+    while len(content) <= most:
+        if not select.select([pipe], [], [], SILENCE)[0]:
+            raise FileError(path, f"is a pipe through which nothing has come for {SILENCE:g} s")
+        with contextlib.suppress(BlockingIOError):
+            block = os.read(pipe, min(MB, most + 1 - len(content)))
+            if not block:
+                break
+            content += block
+    return bytes(content)
 
 
 def write_whole(path: Path, content: bytes) -> None:
@@ -53,18 +79,38 @@ def write_whole(path: Path, content: bytes) -> None:
         # A name of its own for each thread: two that write the same file must not mix.
         partial = target.with_name(f".{os.getpid()}-{threading.get_ident()}.partial")
         try:
-            partial.write_bytes(content)
-            if target.exists():
-                shutil.copymode(target, partial)
+            with partial.open("wb") as file:
+                file.write(content)
+                if target.exists():
+                    shutil.copymode(target, partial)
+                # After a power cut there is the old file or the new one, never an empty one.
+                file.flush()
+                os.fsync(file.fileno())
             partial.replace(target)
         except OSError:
             with contextlib.suppress(OSError):
                 partial.unlink()
             raise
+        # There are file systems whose folders cannot be synced; the file is there all the same.
+        with contextlib.suppress(OSError):
+            sync_folder(target.parent)
     except OSError as error:
         raise FileError(path, error.strerror or "cannot be written") from None
     except ValueError:
         raise FileError(repr(str(path)), "is not the name of a file") from None
+
+
+def sync_folder(folder: Path) -> None:
+    """Have the names in a folder on the disk.
+
+    Raises:
+        OSError: the folder cannot be opened or written.
+    """
+    number = os.open(folder, os.O_RDONLY)
+    try:
+        os.fsync(number)
+    finally:
+        os.close(number)
 
 
 def make_folder(folder: Path) -> None:
@@ -94,12 +140,25 @@ def stamps(folder: Path, kinds: Collection[str]) -> dict[Path, Stamp]:
     return found
 
 
+def is_folder(path: Path) -> bool:
+    """Whether there is a folder; also for names that none can have."""
+    try:
+        return path.is_dir()
+    except (OSError, ValueError):
+        return False
+
+
 def is_file(path: Path) -> bool:
     """Whether there is a file; also for names that no file can have."""
     try:
         return path.is_file()
     except (OSError, ValueError):
         return False
+
+
+def plain_name(name: str) -> str:
+    """A name with `_` for everything but letters, digits, `_`, `.` and `-`: it is never a path."""
+    return re.sub(r"[^\w.-]", "_", name)
 
 
 def file_name(name: str) -> str:

@@ -19,7 +19,7 @@ import pinocchio as pin
 
 from workbench.formats.files.toml_keys import shown
 from workbench.formats.files.whole_files import MB, read_whole
-from workbench.formats.meshes.reading import read_mesh
+from workbench.formats.meshes.reading import LARGEST_EXTENT, read_mesh
 from workbench.formats.robots.urdf import read_urdf
 from workbench.model.errors import FileError, InputError
 from workbench.model.geometry import Floats, Mesh, Solid, frozen, pose_from_matrix
@@ -203,6 +203,8 @@ def _denavit_hartenberg(path: Path, words: Words, count: int, scale: float) -> l
     a, d = (_numbers(path, words, item, count, [0.0] * count) * scale for item in ("a", "d"))
     if not any(item in words for item in ("alpha", "alphadeg", "a", "d", "theta", "thetadeg")):
         raise FileError(path, "has neither a line `tparent` nor Denavit-Hartenberg parameters")
+    if not np.isfinite([alpha, theta, a, d]).all():
+        raise FileError(path, "alpha, theta, a, d: finite numbers are expected")
     return [
         pin.SE3(pin.rpy.rpyToMatrix(alpha[k], 0.0, 0.0), np.array([a[k], 0.0, 0.0]))
         * pin.SE3(pin.rpy.rpyToMatrix(0.0, 0.0, theta[k]), np.array([0.0, 0.0, d[k]]))
@@ -250,11 +252,21 @@ def _links(path: Path, words: Words, names: list[str], scale: float) -> list[Lin
             raise FileError(path, f"geomscale: {scales[k]:g} must be positive")
         mesh = read_mesh(path.parent / file, float(scales[k]))
         if k in turned:
-            points = mesh.points @ turned[k][:3, :3].T + turned[k][:3, 3] * scale
-            mesh = Mesh(points, mesh.triangles)
+            mesh = _placed(path, mesh, turned[k], scale)
         solid = Solid(f"{name}_0", mesh, pin.SE3.Identity(), GREY)
         links.append(Link(name, (solid,), (solid,)))
     return links
+
+
+def _placed(path: Path, mesh: Mesh, T: Floats, scale: float) -> Mesh:
+    """A mesh moved by a transform (4, 4), which may also stretch and mirror it."""
+    R, shift = T[:3, :3], T[:3, 3] * scale
+    largest = max(np.abs(R).max(), np.abs(shift).max())
+    if not largest < LARGEST_EXTENT or abs(np.linalg.det(R)) < 1e-9:
+        raise FileError(path, f"geomtransform: {shown(T.tolist())} puts no mesh anywhere")
+    is_mirrored = np.linalg.det(R) < 0
+    triangles = mesh.triangles[:, ::-1] if is_mirrored else mesh.triangles
+    return Mesh(mesh.points @ R.T + shift, triangles)
 
 
 def _geometry_transforms(path: Path, words: Words, names: list[str]) -> dict[int, Floats]:

@@ -24,7 +24,7 @@ import trimesh
 from scipy.spatial import ConvexHull, HalfspaceIntersection, KDTree, QhullError
 
 from workbench.formats.files.whole_files import MB, make_folder, read_whole, write_whole
-from workbench.formats.meshes.reading import convex_hull
+from workbench.formats.meshes.reading import MOST_NEIGHBOURS, convex_hull, most_neighbours
 from workbench.model.errors import FileError
 from workbench.model.geometry import Floats, Mesh
 
@@ -77,6 +77,17 @@ def pieces_of(mesh: Mesh, *, tolerance: float, most: int = 8) -> Pieces | None:
     pieces = tuple(_bounded(piece) for piece in _covering(mesh, _divided(mesh, most)))
     divided = _excess(mesh, pieces)
     return Pieces(pieces, divided) if divided < excess else Pieces((whole,), excess)
+
+
+def hull_of(mesh: Mesh) -> Mesh | None:
+    """The convex hull of a mesh, or one around it where that has too many edges at one corner.
+
+    None when all points lie in one plane.
+    """
+    hull = convex_hull(mesh)
+    if hull is None or most_neighbours(hull) <= MOST_NEIGHBOURS:
+        return hull
+    return _bounded(hull)
 
 
 def _excess(mesh: Mesh, pieces: tuple[Mesh, ...]) -> float:

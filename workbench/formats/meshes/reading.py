@@ -1,5 +1,7 @@
 """Triangle meshes from files, in metres."""
 
+import xml.etree.ElementTree as ElementTree
+from io import BytesIO
 from pathlib import Path
 
 import numpy as np
@@ -9,9 +11,12 @@ from scipy.spatial import QhullError
 from workbench.formats.clouds.pcd import read_pcd
 from workbench.formats.files.toml_keys import shown
 from workbench.formats.files.whole_files import MB, is_file, read_whole
+from workbench.formats.meshes.repair import examined
 from workbench.model.errors import FileError
 from workbench.model.geometry import Floats, Mesh
 
+KINDS = (".stl", ".obj", ".ply", ".glb", ".dae", ".off", ".pcd")
+"""Of mesh files.  Among what else trimesh reads are archives, and these may hold any amount."""
 LARGEST_MESH = 100 * MB
 MOST_TRIANGLES = 1_000_000
 MOST_FACES = 4_000
@@ -22,28 +27,36 @@ SLIVER = 5e-5
 """[m] A triangle with less height than this has no plane of its own."""
 FLATNESS = 1e-4
 """[m] How far a corner of a convex piece may stand beyond the plane of one of its faces."""
+THINNEST = 1e-6
+"""[m] What is no thicker is flat: so far rounding carries the corners of a plane out of it."""
+MOST_NEIGHBOURS = 254
+"""Of one corner of a convex mesh: Coal counts them in one byte."""
 
 
 def read_mesh(path: Path, scale: Floats | float = 1.0) -> Mesh:
-    """The triangles of an STL, OBJ, PLY, GLB or DAE file, multiplied by `scale`, no unit.
+    """The triangles of an STL, OBJ, PLY, GLB, DAE or OFF file, multiplied by `scale`, no unit.
 
-    One number, or (3,) for the axes, makes metres of the file's lengths.
+    One number, or (3,) for the axes, makes metres of the file's lengths.  Numbers below zero mirror
+    it; what was outside stays outside.
 
     A PCD file is a part taught by scanning it: its convex hull, in a frame in the middle of its
     points.
 
     Raises:
-        FileError: not there, too large, not a mesh, empty, not finite, or of a size that
-            speaks for another unit.
+        FileError: not there, of another kind, too large, not a mesh, empty, not finite, or of a
+            size that speaks for another unit.
     """
     if not is_file(path):
         raise FileError(path, "there is no such mesh file")
+    if path.suffix.lower() not in KINDS:
+        raise FileError(path, f"is no mesh that can be read: one of {', '.join(KINDS)} is expected")
     if path.stat().st_size > LARGEST_MESH:
         raise FileError(path, f"is larger than {LARGEST_MESH / MB:g} MB")
     if path.suffix.lower() == ".pcd":
         return _taught(path, scale)
     try:
-        loaded = trimesh.load_mesh(path, process=False)
+        source = _bare_collada(path) if path.suffix.lower() == ".dae" else path
+        loaded = trimesh.load_mesh(source, file_type=path.suffix[1:].lower(), process=False)
     except Exception as error:  # the loaders behind trimesh raise whatever they like
         raise FileError(path, f"cannot be read as a mesh: {shown(str(error))}") from None
     triangles = np.asarray(loaded.faces)
@@ -61,7 +74,24 @@ def read_mesh(path: Path, scale: Floats | float = 1.0) -> Mesh:
         raise FileError(
             path, f"would be {size:.0f} m large; if it is in millimetres, scale it by 0.001"
         )
-    return Mesh(points, triangles)
+    is_mirrored = np.prod(np.broadcast_to(scale, 3)) < 0
+    return Mesh(points, triangles[:, ::-1] if is_mirrored else triangles)
+
+
+MATERIALS = ("bind_material", "library_images", "library_effects", "library_materials")
+
+
+def _bare_collada(path: Path) -> BytesIO:
+    """A DAE file without what it says of colours.
+
+    Its reader leaves out the bodies whose picture is missing: the robot would have a hole.
+    """
+    root = ElementTree.parse(path).getroot()
+    for parent in root.iter():
+        for child in list(parent):
+            if child.tag.rpartition("}")[2] in MATERIALS:
+                parent.remove(child)
+    return BytesIO(ElementTree.tostring(root))
 
 
 def _taught(path: Path, scale: Floats | float) -> Mesh:
@@ -81,6 +111,8 @@ def _taught(path: Path, scale: Floats | float) -> Mesh:
 
 def convex_hull(mesh: Mesh) -> Mesh | None:
     """The convex hull as a solid convex mesh; None when all points lie in one plane."""
+    if _is_flat(np.asarray(mesh.points)):
+        return None
     try:
         hull = trimesh.Trimesh(mesh.points, mesh.triangles, process=False).convex_hull
     except QhullError:
@@ -88,13 +120,27 @@ def convex_hull(mesh: Mesh) -> Mesh | None:
     return Mesh(hull.vertices, hull.faces, is_convex=True)
 
 
+def _is_flat(points: Floats) -> bool:
+    if len(points) < 4:
+        return True
+    off = points - points.mean(axis=0)
+    _, _, axes = np.linalg.svd(off, full_matrices=False)
+    return bool(np.ptp(off @ axes[2]) < THINNEST)
+
+
+def most_neighbours(mesh: Mesh) -> int:
+    """To how many others an edge leads from the corner of a mesh that has most of them."""
+    ends = np.sort(mesh.triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
+    return int(np.bincount(np.unique(ends, axis=0).ravel()).max())
+
+
 def as_convex(path: Path, mesh: Mesh) -> Mesh:
     """A mesh that its file calls convex, as a solid convex one.
 
     Raises:
         FileError: it is not: a corner lies outside of a face, or a face looks inwards.  The
-            collision checker would believe it, and overlook what sticks out.  Or it has
-            too many faces.
+            collision checker would believe it, and overlook what sticks out.  Or it is flat, or
+            has too many faces, in all or at one corner.
     """
     if len(mesh.triangles) > MOST_FACES:
         raise FileError(
@@ -116,4 +162,15 @@ def as_convex(path: Path, mesh: Mesh) -> Mesh:
             path,
             f"is called convex, but a corner lies {beyond.max() * 1000:.2f} mm outside of a face",
         )
-    return Mesh(mesh.points, mesh.triangles, is_convex=True)
+    # Coal walks from corner to corner along the edges: in a surface in pieces, as files have it
+    # that give each face a normal of its own, it would not get far.
+    surface, corners = examined(mesh), len(np.unique(mesh.triangles))
+    is_whole = surface.is_watertight and surface.components == 1 and corners == len(mesh.points)
+    solid = Mesh(mesh.points, mesh.triangles, is_convex=True) if is_whole else convex_hull(mesh)
+    if solid is None or _is_flat(np.asarray(mesh.points)):
+        raise FileError(path, "is called convex, but lies in one plane")
+    if most_neighbours(solid) > MOST_NEIGHBOURS:
+        raise FileError(
+            path, f"has more than {MOST_NEIGHBOURS} edges at one corner; give it fewer faces"
+        )
+    return solid

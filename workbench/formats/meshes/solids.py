@@ -5,7 +5,8 @@ import pinocchio as pin
 
 from workbench.formats.files.toml_keys import Table
 from workbench.formats.files.units import UNITS
-from workbench.formats.meshes.reading import convex_hull, read_mesh
+from workbench.formats.meshes.convex_pieces import hull_of
+from workbench.formats.meshes.reading import read_mesh
 from workbench.model.geometry import (
     Box,
     Capsule,
@@ -67,7 +68,7 @@ def read_mesh_entry(table: Table, *, convex: bool) -> Mesh:
     mesh = read_mesh(table.path.parent / table.text("file"), unit)
     if not convex:
         return mesh
-    hull = convex_hull(mesh)
+    hull = hull_of(mesh)
     if hull is None:
         raise table.error("file", "its mesh is flat and has no convex hull")
     return hull

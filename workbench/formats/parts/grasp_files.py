@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import tomlkit
+from tomlkit.items import AoT
 
 from workbench.formats.files.toml_documents import read_document, short, shorts
 from workbench.formats.files.toml_keys import Table
@@ -41,8 +42,11 @@ def save_grasps(path: Path, library: GraspLibrary) -> None:
         old, document = GraspLibrary(), tomlkit.document()
         document.add(tomlkit.comment(HEAD))
         document.add(tomlkit.nl())
-    tables = dict(zip((e.name for e in old.entries), document.get("grasp", []), strict=True))
-    before = {entry.name: keys_of(entry) for entry in old.entries}
+    # Tables in one line, as they may stand in a list, cannot be edited key by key.
+    is_in_lines = isinstance(document.get("grasp"), AoT)
+    kept = old.entries if is_in_lines else ()
+    tables = dict(zip((e.name for e in kept), document["grasp"] if kept else (), strict=True))
+    before = {entry.name: keys_of(entry) for entry in kept}
     grasps = tomlkit.aot()
     for entry in library.entries:
         table = tables.get(entry.name)
@@ -174,6 +178,9 @@ def _edited(table: Any, before: dict[str, Any], now: dict[str, Any]) -> Any:
 
 
 def _put(document: Any, key: str, tables: Any) -> None:
+    if not isinstance(document.get(key), AoT):
+        # Where a list stood, other keys may follow, which must not get into the last table.
+        document.pop(key, None)
     if len(tables):
         document[key] = tables
     else:

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from workbench.formats.parts.grasp_files import keys_of
+from workbench.model.geometry import shift_and_turn
 from workbench.model.part import Entry, GraspLibrary, GraspPair, GraspPattern
 
 WORDS = {
@@ -71,13 +72,11 @@ def _changes(old: Entry, new: Entry) -> Iterator[str]:
 
 def _moved(old: Entry, new: Entry) -> Iterator[str]:
     one, other = (e.grasp if isinstance(e, GraspPattern) else e for e in (old, new))
-    T = one.T_part_tcp.actInv(other.T_part_tcp)
-    way = float(np.linalg.norm(T.translation)) * 1000
-    turn = float(np.rad2deg(np.arccos(np.clip((np.trace(T.rotation) - 1) / 2, -1, 1))))
-    if way >= 0.005:
-        yield f"moved by {way:.2f} mm"
-    if turn >= 0.005:
-        yield f"turned by {turn:.2f}°"
+    shift, turn = shift_and_turn(one.T_part_tcp.actInv(other.T_part_tcp))
+    if shift * 1000 >= 0.005:
+        yield f"moved by {shift * 1000:.2f} mm"
+    if np.rad2deg(turn) >= 0.005:
+        yield f"turned by {np.rad2deg(turn):.2f}°"
 
 
 def _paired(pair: GraspPair) -> str:

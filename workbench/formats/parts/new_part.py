@@ -5,12 +5,13 @@ import os
 import re
 import shutil
 import tempfile
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
+from workbench.formats.files.toml_documents import numbers
 from workbench.formats.files.whole_files import write_whole
 from workbench.formats.meshes.cad_files import CadMesh, read_cad
 from workbench.formats.meshes.convex_pieces import pieces_of
@@ -18,9 +19,10 @@ from workbench.formats.meshes.repair import Surface, examined, joined_corners, r
 from workbench.formats.meshes.triangles import stl_of, triangles_of
 from workbench.formats.parts.reading import MOST_PIECES, read_part
 from workbench.model.errors import FileError, InputError
-from workbench.model.geometry import Floats, Mesh
+from workbench.model.geometry import Mesh
 from workbench.model.part import Part
 from workbench.model.symmetry import Symmetry
+from workbench.plugins.progress import Report, silent
 
 NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,59}")
 
@@ -107,7 +109,7 @@ def write_part(
     mass: float,
     symmetry: Symmetry | None = None,
     proposal: str = "",
-    report: Callable[[float, str], None] = lambda done, note: None,
+    report: Report = silent,
 ) -> WrittenPart:
     """Make the folder of a new part, all of it or nothing.
 
@@ -153,10 +155,6 @@ def write_part(
     return WrittenPart(folder, part, 0.0 if pieces is None else pieces.excess)
 
 
-def _numbers(values: Floats) -> str:
-    return f"[{', '.join(f'{round(float(value), 6) + 0.0:.10g}' for value in values)}]"
-
-
 def _lines(
     name: str, imported: Imported, mass: float, symmetry: Symmetry | None, proposal: str
 ) -> Iterator[str]:
@@ -176,9 +174,9 @@ def _lines(
     if proposal:
         yield f"# Found in the mesh: {proposal}"
     stated = symmetry or Symmetry()
-    yield from ("[symmetry]", f"axis = {_numbers(stated.axis)}", f"fold = {stated.fold}")
+    yield from ("[symmetry]", f"axis = {numbers(stated.axis)}", f"fold = {stated.fold}")
     if any(stated.point):
-        yield f"point_mm = {_numbers(1000 * np.array(stated.point))}"
+        yield f"point_mm = {numbers(1000 * np.array(stated.point))}"
     if stated.also:
-        each = (f"{{axis = {_numbers(one.axis)}, fold = {one.fold}}}" for one in stated.also)
+        each = (f"{{axis = {numbers(one.axis)}, fold = {one.fold}}}" for one in stated.also)
         yield f"also = [{', '.join(each)}]"

@@ -19,7 +19,7 @@ MOST_PIECES = 16
 """That a mesh is divided into."""
 
 MOST_GRASPS = 10_000
-"""In one library, patterns written out."""
+"""Of one part, patterns and symmetry written out."""
 
 LONGEST_NAME = 60
 """Characters in the name of a grasp."""
@@ -53,6 +53,13 @@ def read_part(name: str | Path) -> Part:
     table.finish()
     grasps = path.parent / "grasps.toml"
     library = read_grasps(grasps) if grasps.is_file() else GraspLibrary()
+    count = len(library.grasps) * (1 + len(symmetry.turns))
+    if count > MOST_GRASPS:
+        raise FileError(
+            grasps,
+            f"stands for {count:,} grasps with the symmetry written out; {MOST_GRASPS:,} are "
+            "allowed",
+        )
     return Part(part_name, mesh, pieces, mass, symmetry, library)
 
 

@@ -50,7 +50,9 @@ class Version:
         return read_grasps(self.file)
 
 
-def save_part(folder: Path, old: Part, new: Part, *, actor: str, at: float, remark: str) -> None:
+def save_part(
+    folder: Path, old: Part, new: Part, *, actor: str, at: float, remark: str
+) -> int | None:
     """Write what a part has otherwise than its files: grasps and symmetry.
 
     Args:
@@ -61,21 +63,26 @@ def save_part(folder: Path, old: Part, new: Part, *, actor: str, at: float, rema
         at: when [s since the epoch].
         remark: why.
 
+    Returns:
+        The number of the version that was made; None where the grasps are as they were.
+
     Raises:
         FileError: a file cannot be read or written.
     """
+    version = None
     if digest_of(old.symmetry) != digest_of(new.symmetry):
         _save_symmetry(folder / "part.toml", new.symmetry)
     if digest_of(old.library) != digest_of(as_written(new.library)):
         if not versions(folder):
             _keep(folder, old.library, actor="", at=at, remark="as it was before")
         save_grasps(folder / GRASPS, new.library)
-        _keep(folder, new.library, actor=actor, at=at, remark=remark)
+        version = _keep(folder, new.library, actor=actor, at=at, remark=remark)
     drop_draft(folder)
+    return version
 
 
-def _keep(folder: Path, library: GraspLibrary, *, actor: str, at: float, remark: str) -> None:
-    """Add a version."""
+def _keep(folder: Path, library: GraspLibrary, *, actor: str, at: float, remark: str) -> int:
+    """Add a version; its number."""
     kept = versions(folder)
     make_folder(folder / VERSIONS)
     number = 1 + max((version.number for version in kept), default=0)
@@ -91,6 +98,7 @@ def _keep(folder: Path, library: GraspLibrary, *, actor: str, at: float, remark:
         "changes": list(changes_in_words(before, library)) if kept else [],
     }
     add_line(folder / LOG, entry)
+    return number
 
 
 def versions(folder: Path) -> tuple[Version, ...]:

@@ -64,8 +64,16 @@ def write_certificate(path: str | Path, plan: Plan, scene: Scene, proof: Proof) 
     write_whole(Path(path), json_text(Path(path), certificate_content(plan, scene, proof)))
 
 
-def certificate_content(plan: Plan, scene: Scene, proof: Proof) -> dict[str, Any]:
+def certificate_content(
+    plan: Plan, scene: Scene, proof: Proof, made_with: dict[str, str] | None = None
+) -> dict[str, Any]:
     """What a certificate holds of a plan that was proven in a scene.
+
+    Args:
+        plan: that was proven.
+        scene: what was known to be in the bin.
+        proof: of the plan; it holds.
+        made_with: the software that it was proven with; None: that of here.
 
     Raises:
         InputError: the proof does not hold, or is of another plan.
@@ -74,13 +82,15 @@ def certificate_content(plan: Plan, scene: Scene, proof: Proof) -> dict[str, Any
         raise InputError("the proof does not hold, so there is nothing to certify")
     if proof.plan_digest != plan.digest:
         raise InputError("the proof is that of another plan")
-    content = _content(plan, scene, proof, versions())
+    content = _content(plan, scene, proof, versions() if made_with is None else made_with)
     return {**content, "digest": digest_of(content)}
 
 
-def certificate_bytes(plan: Plan, scene: Scene, proof: Proof) -> bytes:
-    """A certificate as its file is, for who takes it from a page; see `certificate_content`."""
-    return json_text(Path("certificate"), certificate_content(plan, scene, proof))
+def certificate_bytes(
+    plan: Plan, scene: Scene, proof: Proof, made_with: dict[str, str] | None = None
+) -> bytes:
+    """A certificate as its file is, for who takes it elsewhere; see `certificate_content`."""
+    return json_text(Path("certificate"), certificate_content(plan, scene, proof, made_with))
 
 
 def read_certificate(path: str | Path) -> Certificate:

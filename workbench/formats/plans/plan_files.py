@@ -23,9 +23,9 @@ from typing import Any
 import numpy as np
 
 from workbench.formats.files.json_keys import json_text, read_json
-from workbench.formats.files.toml_keys import MISSING, Table
+from workbench.formats.files.toml_keys import MISSING, Table, shown
 from workbench.formats.files.whole_files import write_whole
-from workbench.formats.plans.pose_files import MOST_PARTS, read_detection, read_pose_rows
+from workbench.formats.plans.pose_files import MOST_PARTS, name_in, read_detection, read_pose_rows
 from workbench.model.digest import LARGE, canonical
 from workbench.model.errors import FileError, InputError
 from workbench.model.geometry import Floats
@@ -119,7 +119,7 @@ def plan_from(table: Table) -> tuple[Plan, str]:
     arms = tuple(_arm(arm, len(detections)) for arm in _few(table, "arms"))
     table.once("arms", (arm.arm for arm in arms))
     plan = Plan(
-        cell=table.text("cell"),
+        cell=name_in(table, "cell"),
         cell_digest=table.text("cell_digest", optional(""), empty=is_foreign),
         scan_digest=table.text("scan_digest", optional(""), empty=is_foreign),
         seed=table.whole("seed", optional(0), low=0, high=2**63 - 1),
@@ -174,9 +174,9 @@ def _arm(table: Table, detections: int) -> ArmPlan:
     if detections == 0:
         raise table.error("detection", "the plan has no detections for it to be one of")
     arm = ArmPlan(
-        arm=table.text("arm"),
+        arm=name_in(table, "arm"),
         detection=table.whole("detection", low=0, high=detections - 1),
-        grasp=table.text("grasp"),
+        grasp=name_in(table, "grasp"),
         T_tcp_part=read_pose_rows(table, "T_tcp_part"),
         joints=joints,
         legs=legs,
@@ -192,7 +192,7 @@ def _leg(table: Table, joints: int) -> Leg:
     if np.abs(q).max() > FARTHEST:
         raise table.error("q", f"joint values reach {np.abs(q).max():.3g}, no joint turns so far")
     leg = Leg(
-        name=_leg_name(table, "name"),
+        name=_leg_name(table),
         motion="linear" if table.text("motion", among=("joint", "linear")) == "linear" else "joint",
         holding=table.flag("holding"),
         opening=table.number("opening", low=0, high=1),
@@ -203,8 +203,8 @@ def _leg(table: Table, joints: int) -> Leg:
     return leg
 
 
-def _leg_name(table: Table, key: str) -> LegName:
-    name = table.text(key, among=LEG_NAMES)
+def _leg_name(table: Table) -> LegName:
+    name = table.text("name", among=LEG_NAMES)
     return next(known for known in LEG_NAMES if known == name)
 
 
@@ -223,7 +223,8 @@ def _step(table: Table, arms: tuple[ArmPlan, ...]) -> Step:
     runs: list[tuple[str, LegName]] = []
     for arm, leg in table.text_rows("runs", 2):
         if (arm, leg) not in known:
-            raise table.error("runs", f"there is no leg {leg!r} of an arm {arm!r} in this plan")
+            said = f"there is no leg {shown(leg)} of an arm {shown(arm)} in this plan"
+            raise table.error("runs", said)
         runs.append((arm, known[(arm, leg)]))
     if not runs:
         raise table.error("runs", "is empty; a step runs at least one leg")

@@ -25,6 +25,12 @@ FARTHEST = 20.0
 EXACT = 1e-6
 """A rotation matrix this close to one is kept digit by digit, so that digests survive a file."""
 
+WIDEST = 1e6
+"""[m2, rad2] Of numbers in a covariance: whoever writes more has made a slip."""
+
+LONGEST_NAME = 200
+"""Characters of what something is called in a file."""
+
 NUMBERS_A_PART = 12
 LONGEST_NUMBER = 60
 _COUNT = re.compile(r"[0-9]{1,12}")
@@ -90,18 +96,58 @@ def read_detection(table: Table, *, complete: bool) -> Detection:
             return None
         return table.number(key)
 
+    def later(key: str) -> float | None:
+        return table.number(key, low=0.0, high=1.0) if table.has(key) else None
+
     full, known = (MISSING, MISSING) if complete else (1.0, True)
     detection = Detection(
-        part=table.text("part"),
+        part=name_in(table, "part"),
         T_world_part=read_pose_rows(table, "T_world_part"),
         score=table.number("score", full),
         visible=table.number("visible", full),
         gap=optional("gap"),
         residual=optional("residual"),
         roll_known=table.flag("roll_known", known),
+        covariance=_covariance(table) if table.has("covariance") else None,
+        probability=later("probability"),
+        roll_axis=_roll_axis(table) if table.has("roll_axis") else None,
     )
     table.finish()
     return detection
+
+
+def name_in(table: Table, key: str) -> str:
+    """What something is called: messages say it again, and none is a page long.
+
+    Raises:
+        FileError: it is too long, or as `Table.text` has it.
+    """
+    name = table.text(key)
+    if len(name) > LONGEST_NAME:
+        raise table.error(key, f"has {len(name)} characters, a name at most {LONGEST_NAME}")
+    return name
+
+
+def _covariance(table: Table) -> Floats:
+    """Six rows of six numbers [m, rad] that can be a covariance."""
+    rows = table.rows("covariance", 6)
+    if np.abs(rows).max(initial=0.0) > WIDEST:
+        raise table.error("covariance", f"reaches {np.abs(rows).max():.3g}, at most {WIDEST:g}")
+    small = 1e-9 * float(np.abs(rows).max(initial=0.0))
+    is_one = rows.shape == (6, 6) and np.abs(rows - rows.T).max() <= small
+    if not is_one or np.linalg.eigvalsh(rows).min() < -small:
+        raise table.error(
+            "covariance", "is no covariance: six rows of six, symmetric, none negative"
+        )
+    return rows
+
+
+def _roll_axis(table: Table) -> Floats:
+    """A point [m] and a unit direction, shape (2, 3)."""
+    rows = table.rows("roll_axis", 3)
+    if rows.shape != (2, 3) or abs(float(np.linalg.norm(rows[1])) - 1.0) > EXACT:
+        raise table.error("roll_axis", "is no axis: a point [m] and a direction of length 1")
+    return rows
 
 
 def read_pose_rows(table: Table, key: str) -> pin.SE3:

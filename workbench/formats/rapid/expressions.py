@@ -121,13 +121,21 @@ class Expressions:
             return self._aggregate(node, wanted)
         return getattr(self, f"_{node.data}")(node)
 
+    def known(self, node: Any, found: Ex) -> Any:
+        """The value of a constant expression; None where it has none, which is noted."""
+        try:
+            return found.run(Frame())
+        except (RapidError, RapidStop) as error:
+            self.wrong(node, str(error))
+            return None
+
     # -- literals
 
     def _number(self, node: Node) -> Ex:
         text = str(node.children[0]).lower()
         try:
-            value = float(int(text, 0)) if text[:2] in ("0x", "0b") else single(float(text))
-        except RapidError:
+            value = single(float(int(text, 0) if text[:2] in ("0x", "0b") else text))
+        except (RapidError, OverflowError):
             return self.wrong(node, f"{text} is larger than a num can be")
         return Ex(NUM, lambda frame: value, is_constant=True)
 
@@ -249,8 +257,10 @@ class Expressions:
         if len(found) != ex.kind.dims:
             return self.wrong(node, f"{ex.kind} is indexed with {len(found)} numbers")
         for one, size in zip(found, ex.sizes, strict=False):
-            if one.is_constant and not 1 <= one.run(Frame()) <= size:
-                value = one.run(Frame())
+            value = self.known(index, one) if one.is_constant else 1.0
+            if value is None:
+                return WRONG
+            if not 1 <= value <= size:
                 return self.wrong(index, f"index {value:g} is outside 1 to {size}")
         assert ex.place is not None
         outer, runs, is_constant = ex.place, [one.run for one in found], ex.is_constant

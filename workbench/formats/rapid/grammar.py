@@ -18,6 +18,9 @@ LONGEST_STRING = 80
 
 LONGEST_NAME = 32
 
+DEEPEST = 100
+"""Levels of statements and expressions within each other; each term of a sum is one more."""
+
 RESERVED = frozenset(
     """
     alias and backward case connect const default div do else elseif endfor endfunc endif endmodule
@@ -154,7 +157,7 @@ def parse(text: str, name: str) -> Tree[Token]:
         tree = _parser().parse(text)
     except UnexpectedInput as error:
         raise BadModule([_problem(error, text, name)]) from None
-    problems = list(_lengths(tree, name))
+    problems = list(_too_deep(tree, name)) or list(_lengths(tree, name))
     if problems:
         raise BadModule(problems)
     return tree
@@ -188,6 +191,18 @@ def content_of(token: str) -> str:
         lambda found: "\\" if found[1] == "\\" else chr(int(found[1], 16)),
         inner,
     )
+
+
+def _too_deep(tree: Tree[Token], name: str):
+    """What would have everybody who walks through the tree run out of stack."""
+    level = [tree]
+    for _ in range(DEEPEST):
+        level = [one for node in level for one in node.children if isinstance(one, Tree)]
+    if level:
+        at = level[0].meta
+        yield Problem(
+            name, getattr(at, "line", 1), getattr(at, "column", 1), "is nested too deeply"
+        )
 
 
 def _lengths(tree: Tree[Token], name: str):

@@ -1,5 +1,6 @@
 """Modules loaded into a task: everything declared, checked and compiled before anything runs."""
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
@@ -9,7 +10,7 @@ from lark import Token, Tree
 
 from workbench.formats.rapid.grammar import parse
 from workbench.formats.rapid.prelude import constants, prelude
-from workbench.formats.rapid.problems import BadModule, Problem, RapidError, RapidStop
+from workbench.formats.rapid.problems import BadModule, Problem, RapidError
 from workbench.formats.rapid.statements import Host, Key, Statements
 from workbench.formats.rapid.symbols import (
     Frame,
@@ -23,6 +24,12 @@ from workbench.formats.rapid.symbols import (
     words,
 )  # fmt: skip
 from workbench.formats.rapid.values import NUM, UNKNOWN, Kind, Types, copy
+
+MOST_VALUES = 200_000
+"""Numbers, strings and the like in one array: a controller has no memory for more."""
+
+MOST_COMPONENTS = 10_000
+"""The same of a record, with the components of its components."""
 
 MAY_FAIL = {"call", "late", "function", "index", "raise_", "connect"}
 """What an error can come of, beside computing."""
@@ -163,7 +170,10 @@ class Loaded:
                 rows = [parts(one) for one in parts(node) if isinstance(one, Tree)]
                 # It has no name yet: a record cannot contain itself.
                 known = [(kind, part) for kind, part in rows if self._kind(scope, kind) != UNKNOWN]
-                if self._is_new_type(scope, name):
+                size = sum(self.types.atoms(Kind(kind.lower())) for kind, _ in known)
+                if size > MOST_COMPONENTS:
+                    scope.wrong(name, f"{name} has more than {MOST_COMPONENTS:,} components in all")
+                elif self._is_new_type(scope, name):
                     fields = {part.lower(): kind.lower() for kind, part in known}
                     self.types.records[name.lower()] = fields
             elif isinstance(node, Tree) and node.data == "alias":
@@ -209,6 +219,9 @@ class Loaded:
         storage = next(word for word in ("const", "var", "pers") if word in words(node))
         sizes = self._sizes(scope, dims)
         kind = self._kind(scope, type_, len(sizes))
+        if math.prod(sizes) * self.types.atoms(kind) > MOST_VALUES:
+            scope.wrong(name, f"{name} has more than {MOST_VALUES:,} values")
+            sizes = (1,) * len(sizes)
         variable = Variable(str(name), kind, sizes, None, -1, storage)
         is_shared = storage == "pers" and not words(node) & {"local", "task"}
         if is_shared and name.lower() in self._shared and not self._native:
@@ -225,10 +238,8 @@ class Loaded:
             if not found.is_constant and found.kind != UNKNOWN:
                 scope.wrong(value, "this is not known before the program runs")
             elif found.kind != UNKNOWN:
-                try:
-                    content = found.run(Frame())
-                except (RapidError, RapidStop) as error:
-                    scope.wrong(value, str(error))
+                known = scope.known(value, found)
+                content = content if known is None else known
         elif storage == "const":
             scope.wrong(name, f"the constant {name} has no value")
         cell = Persistent([content])
@@ -242,11 +253,11 @@ class Loaded:
         sizes: list[int] = []
         for one in parts(dims) if dims is not None else ():
             found = scope.value(one, NUM)
-            size = found.run(Frame()) if found.is_constant else 0.0
-            if size < 1 or size != int(size):
+            size = scope.known(one, found) if found.is_constant else 0.0
+            if size is not None and (size < 1 or size != int(size)):
                 scope.wrong(one, "an array has a constant whole number of elements")
-                size = 1.0
-            sizes.append(int(size))
+                size = None
+            sizes.append(int(size or 1))
         return tuple(sizes)
 
     # -- routines

@@ -88,6 +88,11 @@ class Types:
         inner = [self.shape(Kind(part)) for part in record.values()] if record else base.name
         return inner, base.dims
 
+    def atoms(self, kind: Kind) -> int:
+        """Of how many values one element of a type consists."""
+        record = self.records.get(self.base(Kind(kind.name)).name, {})
+        return sum(self.atoms(Kind(part)) for part in record.values()) or 1
+
     def fit(self, one: Kind, other: Kind) -> bool:
         """Whether a value of one type can be used as the other."""
         return UNKNOWN in (one, other) or self.base(one) == self.base(other)

@@ -40,7 +40,7 @@ def read_dh(table: Table, name: str) -> Robot:
         along, across = _row(row)
         child = f"link_{number}"
         before = after if is_standard else after * across
-        joints.append(_joint(row, f"joint_{number}", parent, child, before * _turn(row), along))
+        joints.append(_joint(row, f"joint_{number}", parent, child, before * _turn(row)))
         after = _shift(along) * across if is_standard else _shift(along)
         parent = child
         row.finish()
@@ -73,7 +73,7 @@ def _shift(d: float) -> pin.SE3:
     return pin.SE3(np.eye(3), d * Z)
 
 
-def _joint(row: Table, name: str, parent: str, child: str, T: pin.SE3, d: float) -> Joint:
+def _joint(row: Table, name: str, parent: str, child: str, T: pin.SE3) -> Joint:
     if row.text("kind", "revolute", among=("revolute", "prismatic")) == "revolute":
         low, high = np.deg2rad(row.numbers("range_deg", 2, low=-720, high=720))
         speed = math.radians(row.number("speed_deg", low=0.1, high=5000))

@@ -2,7 +2,8 @@
 
 Beyond the standard, `<capsule radius= length=>` is read (length of the cylinder alone), and a
 mesh named `*.convex.obj` counts as a solid convex piece.  What the standard has for dynamics,
-transmissions and simulators is passed over; a mimic joint counts as a joint of its own.
+transmissions and simulators is passed over.  A mimic joint, and a continuous one without a limit,
+such as a wheel, counts as fixed.
 
 Source: https://wiki.ros.org/urdf/XML
 """
@@ -103,8 +104,11 @@ def _joint(element: Element, links: dict[str, Link]) -> Joint:
     kind = KINDS[declared]
     parent, child = (_end(element, tag, links) for tag in ("parent", "child"))
     T, axis = read_pose(element), np.array([1.0, 0.0, 0.0])
-    if kind == "fixed":
-        return Joint(name, kind, parent, child, T, axis)
+    # A wheel may come without a limit: nobody says how fast it turns, so it is not turned.  Who
+    # mimics another, as the second finger does, cannot be sent anywhere.
+    is_wheel = declared == "continuous" and element.one("limit") is None
+    if kind == "fixed" or is_wheel or element.one("mimic") is not None:
+        return Joint(name, "fixed", parent, child, T, axis)
     given = element.one("axis")
     if given is not None:
         axis = given.numbers("xyz", 3)
@@ -131,7 +135,9 @@ def _limits(element: Element, declared: str) -> tuple[float, float, float]:
         raise element.error("has no <limit> with lower, upper and velocity")
     velocity = limit.number("velocity")
     if velocity <= 0:
-        raise limit.error(f"velocity={velocity:g}: must be positive")
+        raise limit.error(
+            f"velocity={velocity:g}: must be positive; give its speed, or make the joint fixed"
+        )
     turns = declared != "prismatic"
     if turns and FASTEST_TURN < velocity < NO_LIMIT:
         raise limit.error(f"velocity={velocity:g}: rad/s are expected, this looks like degrees")
@@ -139,7 +145,10 @@ def _limits(element: Element, declared: str) -> tuple[float, float, float]:
         return -2 * math.pi, 2 * math.pi, velocity
     lower, upper = limit.number("lower", 0.0), limit.number("upper", 0.0)
     if not lower < upper:
-        raise limit.error(f"lower={lower:g} is not less than upper={upper:g}")
+        raise limit.error(
+            f"lower={lower:g} is not less than upper={upper:g}; "
+            "give its range, or make the joint fixed"
+        )
     widest, unit, other = (
         (WIDEST_TURN, "radians", "degrees") if turns else (LONGEST_SLIDE, "metres", "millimetres")
     )

@@ -8,7 +8,8 @@ import pinocchio as pin
 from workbench.formats.files.toml_keys import shown
 from workbench.formats.files.whole_files import is_file
 from workbench.formats.files.xml_elements import Element
-from workbench.formats.meshes.reading import as_convex, convex_hull, read_mesh
+from workbench.formats.meshes.convex_pieces import hull_of
+from workbench.formats.meshes.reading import as_convex, read_mesh
 from workbench.model.geometry import (
     Box,
     Capsule,
@@ -90,8 +91,8 @@ class Shapes:
     def _mesh(self, element: Element) -> Mesh:
         file = _mesh_file(element, element.text("filename"))
         scale = element.numbers("scale", 3, (1, 1, 1))
-        if np.any(scale <= 0):
-            raise element.error(f"scale={_listed(scale)}: must be positive")
+        if np.any(scale == 0):
+            raise element.error(f"scale={_listed(scale)}: would make it flat")
         key = (file, tuple(scale.tolist()))
         if key not in self._meshes:
             mesh = read_mesh(file, scale * self._mesh_scale)
@@ -101,7 +102,7 @@ class Shapes:
 
     def _hull(self, mesh: Mesh, element: Element) -> Mesh:
         if mesh not in self._hulls:
-            hull = convex_hull(mesh)
+            hull = hull_of(mesh)
             if hull is None:
                 raise element.error("its mesh is flat and has no convex hull")
             self._hulls[mesh] = hull

@@ -1,7 +1,7 @@
 """A robot as a folder of its own: a URDF with convex pieces to check and meshes to look at."""
 
 import xml.etree.ElementTree as ElementTree
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 import pinocchio as pin
@@ -12,6 +12,7 @@ from workbench.formats.meshes.triangles import stl_of, surface_of
 from workbench.formats.robots.urdf_writer import joint_element, numbers, write_xml
 from workbench.model.geometry import Box, Capsule, Cylinder, Mesh, Solid, Sphere
 from workbench.model.robot import Link, Robot
+from workbench.plugins.progress import Report, silent
 
 
 def simplified(
@@ -19,7 +20,7 @@ def simplified(
     *,
     tolerance: float,
     most: int,
-    report: Callable[[float, str], None] = lambda done, note: None,
+    report: Report = silent,
 ) -> tuple[Robot, dict[str, float]]:
     """The robot with convex pieces in place of the meshes that are checked.
 
@@ -67,7 +68,7 @@ def write_package(path: Path, robot: Robot) -> None:
         element = ElementTree.SubElement(root, "link", name=link.name)
         for tag, solids in (("visual", link.visual), ("collision", link.collision)):
             for number, solid in enumerate(solids):
-                element.append(_solid(meshes, tag, f"{link.name}_{number}", solid))
+                element.append(_solid(meshes, tag, f"{link.name}_{tag}_{number}", solid))
     for joint in robot.joints:
         root.append(joint_element(joint))
     write_xml(path, root)

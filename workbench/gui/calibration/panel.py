@@ -9,6 +9,7 @@ import numpy as np
 import viser
 
 from workbench.app.core.commands import ChangeCell, Command, SaveCell, SightPlate, UseSightings
+from workbench.app.core.value_checks import MOST_SIGHTINGS
 from workbench.app.picking.calibration import calibrated, with_calibration
 from workbench.gui.shared.calibration_views import (
     answer_html,
@@ -17,16 +18,20 @@ from workbench.gui.shared.calibration_views import (
     record_line,
 )
 from workbench.gui.shared.look import View
-from workbench.gui.shared.views import line
+from workbench.gui.shared.views import line, not_saved
 from workbench.gui.shared.visitor import Visitor
 from workbench.model.calibration import BallPlate, Calibration, PlateSighting
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats
 
-MOST_ROWS = 30
+MOST_ROWS = MOST_SIGHTINGS
 
 SUGGESTED = 12
 """Poses that are suggested one after the other."""
+
+SUGGEST = "Suggest a pose"
+
+CHOOSE = "choose a pose in the list first"
 
 
 class CalibrationPanel:
@@ -57,6 +62,7 @@ class CalibrationPanel:
                 step=0.01,
                 hint="Centre to centre: ball 1 to 2, 2 to 3, 3 to 1; all different.",
             )
+            visitor.name(self._sides, ("1 to 2", "2 to 3", "3 to 1"))
         with gui.add_folder("2 · Poses"):
             self._where = gui.add_html("")
             names = tuple(arm.name for arm in cell.arms)
@@ -65,7 +71,7 @@ class CalibrationPanel:
             )
             gui.add_html('<div class="wb-buttons wb-two"></div>')
             self._suggest = gui.add_button(
-                "Suggest a pose",
+                SUGGEST,
                 icon=viser.Icon.BULB,
                 color="gray",
                 hint="Jogs the robot on the page to where the scanner should see the plate.",
@@ -117,13 +123,13 @@ class CalibrationPanel:
         admit = self._visitor.admit
         admit(self._take, state, SightPlate)
         for button in (self._leave, self._remove):
-            admit(button, state, UseSightings, is_ready=chosen is not None)
+            admit(button, state, UseSightings, otherwise=CHOOSE if chosen is None else "")
         if chosen is not None and chosen < len(sightings):
             self._leave.label = "Leave out" if sightings[chosen].is_used else "Use again"
         self._after.disabled = not isinstance(found, Calibration)
-        admit(self._apply, state, ChangeCell, is_ready=isinstance(found, Calibration))
-        is_changed = state.saved != state.cell.digest
-        admit(self._save, state, SaveCell, is_ready=is_changed)
+        missing = "" if isinstance(found, Calibration) else found or "scan the plate first"
+        admit(self._apply, state, ChangeCell, otherwise=missing)
+        admit(self._save, state, SaveCell, otherwise=not_saved(state))
 
     def _says_where(self, view: View) -> str:
         if view.state.cell.scanner.source != "simulated":
@@ -177,6 +183,9 @@ class CalibrationPanel:
     def _suggest_next(self) -> None:
         """Jog to the next of the suggested poses; the first time they are worked out."""
         visitor = self._visitor
+        if self._suggest.disabled:
+            return
+        self._suggest.disabled, self._suggest.label = True, "Looking …"
         try:
             # Open3D takes a second to load: the page does not wait for it.
             from workbench.app.picking.held_plate import suggested_poses
@@ -193,6 +202,8 @@ class CalibrationPanel:
         except InputError as error:
             visitor.tell("No suggestion", str(error))
             return
+        finally:
+            self._suggest.disabled, self._suggest.label = False, SUGGEST
         q = left.pop(0)
         jog = {one.name: np.asarray(one.home) for one in cell.arms} | {arm.name: q}
         visitor.turn_away()
@@ -202,7 +213,7 @@ class CalibrationPanel:
     def _chosen(self) -> tuple[int, tuple[PlateSighting, ...]]:
         sightings, number = self._visitor.bench.state.sightings, self._visitor.own.now.sighting
         if number is None or number >= len(sightings):
-            raise InputError("choose a pose in the list first")
+            raise InputError(CHOOSE)
         return number, sightings
 
     def _left_out(self) -> Command:

@@ -8,6 +8,8 @@ from typing import Any
 import viser
 
 from workbench.app.core.commands import TakeScan
+from workbench.gui.scene.fix_inputs import FixInputs
+from workbench.gui.shared.colours import KINDS
 from workbench.gui.shared.look import View
 from workbench.gui.shared.tables import (
     COLUMNS,
@@ -17,13 +19,15 @@ from workbench.gui.shared.tables import (
     candidates_html,
     chosen_html,
     funnel_html,
+    holds,
     on_page,
     ordered,
     pages,
+    stages_html,
 )
 from workbench.gui.shared.views import line, sentence
 from workbench.gui.shared.visitor import Visitor
-from workbench.model.candidate import Candidate, Reason
+from workbench.model.candidate import Candidate
 
 
 class CandidatesPanel:
@@ -46,6 +50,11 @@ class CandidatesPanel:
         self._shown: tuple[int, ...] = ()
         gui = visitor.gui
         self._funnel = gui.add_html("")
+        self._words = gui.add_text(
+            "Only with",
+            "",
+            hint="Words that a row must have: part-2, left, side-1, approach, bin_wall_back.",
+        )
         self._table = gui.add_html("")
         self._mark = gui.add_html(chosen_html(None))
         self._pose = gui.add_slider(
@@ -58,19 +67,22 @@ class CandidatesPanel:
             hint="Through the poses of the chosen candidate; the elbow turns, the tool stays.",
         )
         self._pose_line = gui.add_html("")
+        self._fix_line = gui.add_html("", visible=False)
         gui.add_html('<div class="wb-buttons wb-three"></div>')
         self._foot = gui.add_html("")
         self._back = gui.add_button("Previous", color="gray")
         self._forth = gui.add_button("Next", color="gray")
         self._clear = gui.add_button("Hide in scene", icon=viser.Icon.EYE_OFF, color="gray")
+        self._fix = FixInputs(visitor)
         self._filters = {
-            reason: visitor.unseen(partial(self._filter, reason)) for reason in (None, *Reason)
+            kind: visitor.unseen(partial(self._filter, kind)) for kind in (None, *KINDS)
         }
         self._headings: dict[Column, str] = {
             column: visitor.unseen(partial(self._sort, column)) for column in COLUMNS
         }
         self._rows = [visitor.unseen(partial(self._choose, place)) for place in range(PAGE)]
         visitor.hide([*self._filters.values(), *self._headings.values(), *self._rows])
+        self._words.on_update(lambda _: self._typed())
         self._back.on_click(lambda _: self._turn(-1))
         self._forth.on_click(lambda _: self._turn(1))
         self._clear.on_click(lambda _: visitor.look.change(candidate=None, pose=0))
@@ -90,11 +102,16 @@ class CandidatesPanel:
         chosen = new.look.candidate
         place = self._shown.index(chosen) if chosen in self._shown else None
         self._mark.content = chosen_html(place)
-        follows = bool(self._visitor.lacks(new.state, TakeScan))
-        self._clear.disabled = chosen is None or follows
-        self._pose.disabled = follows
-        if old is None or old.pose is not new.pose or old.fix != new.fix:
+        lacks = self._visitor.lacks(new.state, TakeScan)
+        missing = "no candidate is chosen" if chosen is None else ""
+        self._visitor.allow(self._clear, lacks or missing)
+        self._pose.disabled = bool(lacks)
+        if old is None or old.pose is not new.pose:
             self._draw_pose(old, new)
+        if old is None or old.fix is not new.fix:
+            self._fix_line.content = line(sentence(new.fix.words), kind="warn")
+            self._fix_line.visible = bool(new.fix.words)
+        self._fix.show(old, new, new.fix)
 
     def _draw_pose(self, old: View | None, new: View) -> None:
         count = len(new.poses)
@@ -106,8 +123,7 @@ class CandidatesPanel:
         pose = new.pose
         text = "" if pose is None else f"{pose.label} ({new.look.pose + 1} of {count}): {pose.note}"
         is_bad = pose is not None and bool(pose.meets)
-        told = line(text, kind="bad" if is_bad else "result") if text else ""
-        self._pose_line.content = told + (line(sentence(new.fix)) if new.fix else "")
+        self._pose_line.content = line(text, kind="bad" if is_bad else "result") if text else ""
 
     def _draw(self, candidates: tuple[Candidate, ...], are_others: bool) -> None:
         if are_others:
@@ -131,7 +147,8 @@ class CandidatesPanel:
                 kind="hint",
             )
             return
-        self._funnel.content = funnel_html(candidates, order.only, self._filters)
+        held = [one for one in candidates if holds(one, order.words)]
+        self._funnel.content = funnel_html(held, order.only, self._filters) + stages_html(held)
         self._table.content = candidates_html(
             candidates,
             self._shown,
@@ -140,8 +157,11 @@ class CandidatesPanel:
             rows=self._rows,
         )
 
-    def _filter(self, reason: Reason | None) -> None:
-        self._reorder(replace(self._order, only=reason, page=0))
+    def _filter(self, kind: str | None) -> None:
+        self._reorder(replace(self._order, only=kind, page=0))
+
+    def _typed(self) -> None:
+        self._reorder(replace(self._order, words=self._words.value, page=0))
 
     def _sort(self, column: Column) -> None:
         order = self._order
@@ -156,8 +176,12 @@ class CandidatesPanel:
         self._redraw()
 
     def _choose(self, place: int) -> None:
-        shown = self._shown
-        if place < len(shown):
-            look = self._visitor.look
-            chosen = None if look.now.candidate == shown[place] else shown[place]
-            look.change(candidate=chosen, pose=0, by=None)
+        visitor, shown = self._visitor, self._shown
+        if place >= len(shown):
+            return
+        if problem := visitor.lacks(visitor.bench.state, TakeScan):
+            visitor.tell("Refused", problem)
+            return
+        look = visitor.look
+        chosen = None if look.now.candidate == shown[place] else shown[place]
+        look.change(candidate=chosen, pose=0, by=None)

@@ -105,7 +105,7 @@ class JogControls:
         waits = sentence(new.live.getting_ready.note) if new.live.getting_ready is not None else ""
         self._visitor.explain(self._switch, problem or waits)
         for button in (self._home, self._teach_home, self._teach_place):
-            button.disabled = not is_on or bool(problem)
+            self._visitor.allow(button, problem or ("" if is_on else "press Jog first"))
         self._elbow.disabled = bool(problem)
         for owner, sliders in self._axes.items():
             for slider in sliders:

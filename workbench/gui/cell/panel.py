@@ -8,11 +8,12 @@ import viser
 
 from workbench.app.core.commands import ChangeCell, RedoCell, SaveCell, TakeScan, UndoCell
 from workbench.gui.cell.jogging import JogControls
-from workbench.gui.cell.views import cell_line, measured_line, tree_html
-from workbench.gui.scene.measure import met
+from workbench.gui.cell.views import cell_line, measured_line, reach_line, tree_html
+from workbench.gui.scene.measure import pointed_at
 from workbench.gui.scene.pose_inputs import PoseInputs
 from workbench.gui.shared.look import View
 from workbench.gui.shared.things import moved, pose_of, things, with_tool
+from workbench.gui.shared.views import not_redone, not_saved, not_undone
 from workbench.gui.shared.visitor import Visitor
 from workbench.model.geometry import Floats
 
@@ -33,6 +34,7 @@ class CellPanel:
         self._visitor = visitor
         self._clicked: Any = None
         self._view: View | None = None
+        self._is_saving = False
         gui, cell = visitor.gui, visitor.cell
         with gui.add_folder("What is there", expand_by_default=False):
             self._tree = gui.add_html("")
@@ -55,6 +57,7 @@ class CellPanel:
                 hint="Where an arm gets its tool pointing straight down, whatever stands there: "
                 "green at any turn of the tool, orange at some.",
             )
+            self._reached = gui.add_html("")
             self._measure = gui.add_button(
                 "Measure",
                 icon=viser.Icon.RULER,
@@ -94,17 +97,21 @@ class CellPanel:
                 self._thing.options = names
         if old is None or old.state is not state:
             admit = self._visitor.admit
-            cannot = bool(self._visitor.obstacle(state, ChangeCell))
-            self._inputs.show(pose_of(cell, self._thing.value), is_enabled=not cannot)
-            admit(self._undo, state, UndoCell, is_ready=bool(state.before))
-            admit(self._redo, state, RedoCell, is_ready=bool(state.undone))
-            admit(self._save, state, SaveCell, is_ready=state.saved != cell.digest)
-            follows = bool(self._visitor.lacks(state, TakeScan))
-            for control in (self._shapes, self._frames, self._reach, self._measure):
-                control.disabled = follows
+            cannot = self._visitor.obstacle(state, ChangeCell)
+            self._inputs.show(pose_of(cell, self._thing.value), problem=cannot)
+            admit(self._undo, state, UndoCell, otherwise=not_undone(state))
+            admit(self._redo, state, RedoCell, otherwise=not_redone(state))
+            is_changed = state.saved != cell.digest
+            admit(self._save, state, SaveCell, otherwise=not_saved(state))
+            if self._is_saving and not is_changed:
+                self._is_saving, self._remark.value = False, ""
+            lacks = self._visitor.lacks(state, TakeScan)
+            for control in (self._shapes, self._frames, self._reach):
+                control.disabled = bool(lacks)
+            self._visitor.allow(self._measure, lacks)
             self._line.content = cell_line(state)
             for name, dropdown in self._tools.items():
-                dropdown.disabled = cannot
+                dropdown.disabled = bool(cannot)
                 if dropdown.value != cell.arm(name).tool.name:
                     dropdown.value = cell.arm(name).tool.name
         for box, value in ((self._shapes, new.look.shapes), (self._frames, new.look.frames)):
@@ -114,6 +121,9 @@ class CellPanel:
             self._measured.content = measured_line(new.own.measured)
         if self._reach.value != (new.look.reach or NOT_SHOWN):
             self._reach.value = new.look.reach or NOT_SHOWN
+        is_same_reach = old is not None and old.look.reach == new.look.reach
+        if old is None or not is_same_reach or old.reached is not new.reached:
+            self._reached.content = reach_line(new.look.reach, new.reached)
         self._jog.show(old, new)
 
     def _react(self) -> None:
@@ -121,12 +131,12 @@ class CellPanel:
         self._thing.on_update(
             lambda _: self._inputs.show(
                 pose_of(visitor.cell, self._thing.value),
-                is_enabled=not visitor.obstacle(visitor.bench.state, ChangeCell),
+                problem=visitor.obstacle(visitor.bench.state, ChangeCell),
             )
         )
         visitor.on_press(self._undo, UndoCell)
         visitor.on_press(self._redo, RedoCell)
-        visitor.on_press(self._save, lambda: SaveCell(self._remark.value))
+        self._save.on_click(lambda _: self._saved())
         for name, dropdown in self._tools.items():
             dropdown.on_update(lambda event, name=name: self._mounted(event, name))
         self._measure.on_click(lambda _: self._turn_measuring())
@@ -146,6 +156,11 @@ class CellPanel:
         async def _(event: Any) -> None:
             if event.client is not None:
                 look.change(frames=bool(event.target.value))
+
+    def _saved(self) -> None:
+        """Save with the remark, which goes once it is in the files."""
+        self._is_saving = True
+        self._is_saving = self._visitor.ask(lambda: SaveCell(self._remark.value))
 
     def _turn_measuring(self) -> None:
         """The next two clicks into the scene are points to measure between; or none any more."""
@@ -172,11 +187,7 @@ class CellPanel:
         view, own = self._view, self._visitor.own
         if view is None:
             return
-        scan = view.state.scan
-        points = np.zeros((0, 3)) if scan is None else scan.points_world
-        # The robot as it is drawn, not as it stands at home.
-        q = {arm: moment.q for arm, moment in view.moments.items()}
-        p = met(origin, direction, view.state.cell, q, points)
+        p = pointed_at(view, origin, direction)
         if p is not None:
             own.change(measured=(*own.now.measured, p)[:2])
         if len(own.now.measured) == 2:

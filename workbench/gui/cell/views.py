@@ -4,7 +4,7 @@ from html import escape
 
 from workbench.app.core.state import State
 from workbench.gui.scene.marks import measured_text
-from workbench.gui.shared.look import Jogged
+from workbench.gui.shared.look import NO_REACH, UNKNOWN_REACH, Jogged
 from workbench.gui.shared.views import line, mm
 from workbench.model.cell import Cell
 from workbench.model.geometry import Floats
@@ -85,6 +85,25 @@ def measured_line(points: tuple[Floats, ...]) -> str:
     if len(points) < 2:
         return ""
     return line(measured_text(*points).replace("\n", ": "))
+
+
+def reach_line(arm: str, reached: tuple[Floats, Floats] | None) -> str:
+    """What the colours of an arm's reach mean, or that it is worked out; nothing without an arm.
+
+    Args:
+        arm: whose reach is shown; empty for nobody's.
+        reached: places (n, 3) [m] and the share (n,) of turns there, as far as they are known.
+    """
+    if not arm:
+        return ""
+    if reached is None or reached is NO_REACH:
+        return line(f"Working out where the {arm} arm reaches …", kind="hint")
+    if reached is UNKNOWN_REACH:
+        text = f"Where the {arm} arm reaches could not be worked out; the log says why."
+        return line(text, kind="bad")
+    if not len(reached[0]):
+        return line(f"The {arm} arm reaches nowhere with its tool straight down.", kind="warn")
+    return line("Green: the tool can point straight down at any turn there; orange: at some.")
 
 
 def contacts_html(jogged: Jogged | None) -> str:

@@ -1,5 +1,6 @@
 """The dialog in which a person approves a plan."""
 
+import math
 import threading
 import time
 from collections.abc import Callable
@@ -8,11 +9,19 @@ from typing import Any
 import viser
 
 from workbench.app.core.commands import Approve
+from workbench.app.core.release import standing_votes
+from workbench.app.core.state import State
 from workbench.gui.cycle.approval_views import facts_html
 from workbench.gui.scene.nearest import PlanLinks
 from workbench.gui.shared.look import View
-from workbench.gui.shared.views import line
 from workbench.gui.shared.visitor import Visitor
+from workbench.model.release import AS_PLANNED, Manner, manner_words
+
+SHARES = (1.0, 0.5, 0.25, 0.1)
+"""Of the planned speed, that are offered."""
+
+BESIDE = '<div class="wb-buttons wb-vote"></div>'
+"""A mark that lays the vote beside the way back, see the style sheet: all is seen at 720 lines."""
 
 
 class ApprovalDialog:
@@ -32,6 +41,8 @@ class ApprovalDialog:
         self._lock = threading.Lock()
         self._close: Callable[[], None] | None = None
         self._digest = ""
+        self._chosen: Callable[[], Manner] = lambda: AS_PLANNED
+        self._fields: tuple[viser.GuiDropdownHandle[str] | viser.GuiCheckboxHandle, ...] = ()
 
     def open(self) -> None:
         """Show the facts of the current plan, until `show` finds that it cannot be approved."""
@@ -48,22 +59,57 @@ class ApprovalDialog:
                 with modal:
                     links, joints = PlanLinks(visitor, self.close), visitor.bench.live.joints
                     visitor.gui.add_html(facts_html(state, plan, proof, joints, time.time(), links))
-                    self._add_word(plan.digest)
+                    self._add_word(state, plan.digest)
 
-    def _add_word(self, digest: str) -> None:
-        """The name, the way back and the vote; who is logged in has a name already."""
+    def _add_manner(self, state: State) -> Manner:
+        """Speed and steps as the controller can do them; first as others voted for this plan."""
+        gui, motion = self._visitor.gui, state.cell.controller.motion
+        votes = standing_votes(state, time.time())
+        manner = votes[-1].manner if votes else AS_PLANNED
+        shares = SHARES if motion.takes_share else SHARES[:1]
+        shares = (*shares, manner[0]) if manner[0] not in shares else shares
+        speed = gui.add_dropdown(
+            "Speed",
+            tuple(f"{share * 100:g} %" for share in shares),
+            initial_value=f"{manner[0] * 100:g} %",
+            disabled=len(shares) == 1,
+            hint="Of what was planned; the way stays the same.",
+        )
+        steps = gui.add_checkbox(
+            "Step by step",
+            manner[1],
+            disabled=not motion.takes_steps,
+            hint="The robot waits before each step until somebody lets that one run.",
+        )
+        by_words = {f"{share * 100:g} %": share for share in shares}
+        self._fields = (speed, steps)
+        # Whatever else a browser sends is refused by the rules.
+        self._chosen = lambda: (by_words.get(speed.value, math.nan), bool(steps.value))
+        return manner
+
+    def _add_word(self, state: State, digest: str) -> None:
+        """How it is sent, the name, the way back and the vote; who is logged in has a name."""
         visitor, gui = self._visitor, self._visitor.gui
+        gui.add_html(BESIDE)
+        shown = [visitor.person.name if visitor.is_known else ""]
         name: viser.GuiTextHandle | None = None
         if not visitor.is_known:
-            name = gui.add_text("Your name", "")
-            gui.add_html(line("It is recorded with the plan, the time and the scan.", kind="hint"))
+            recorded = "It is recorded with the plan, the time and the scan."
+            name = gui.add_text("Your name", "", hint=recorded)
+        chosen = self._add_manner(state)
         back = gui.add_button("Back", color="gray")
         confirm = gui.add_button(
-            _word_of(visitor.person.name if visitor.is_known else ""),
+            _word_of(shown[0], chosen),
             icon=viser.Icon.USER_CHECK,
             disabled=name is not None,
         )
         back.on_click(lambda _: self.close())
+
+        def said(_: Any) -> None:
+            confirm.label = _word_of(shown[0], self._chosen())
+
+        for field in self._fields:
+            field.on_update(said)
         if name is None:
             confirm.on_click(lambda _: self._approve(digest, ""))
             return
@@ -74,7 +120,8 @@ class ApprovalDialog:
         async def _(event: Any) -> None:
             typed = str(event.target.value).strip()
             confirm.disabled = not typed
-            confirm.label = _word_of(typed)
+            shown[0] = typed
+            said(event)
 
     def show(self, new: View) -> None:
         """Close when what is shown is no longer what would be approved."""
@@ -82,7 +129,7 @@ class ApprovalDialog:
             is_open = self._close is not None
         if not is_open:
             return
-        command, joints = Approve(self._digest), new.live.joints
+        command, joints = Approve(self._digest, *self._chosen()), new.live.joints
         if problem := self._visitor.refusal(new.state, command, new.at, joints):
             self.close()
             self._visitor.tell("Approval closed", problem)
@@ -95,10 +142,13 @@ class ApprovalDialog:
             take_away()
 
     def _approve(self, digest: str, name: str) -> None:
-        if self._visitor.ask(lambda: Approve(digest), name):
+        manner = self._chosen()
+        if self._visitor.ask(lambda: Approve(digest, *manner), name):
             self.close()
 
 
-def _word_of(name: str) -> str:
+def _word_of(name: str, manner: Manner) -> str:
     """What the button says."""
-    return f"Approve as {name}" if name else "Type your name to approve"
+    words = manner_words(*manner)
+    how = f", {words}" if words else ""
+    return f"Approve as {name}{how}" if name else "Type your name to approve"

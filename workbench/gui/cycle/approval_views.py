@@ -8,7 +8,8 @@ from workbench.gui.scene.nearest import PlanLinks, go_html, nearest_words, strai
 from workbench.gui.shared.views import clock, line, sentence, short, table_html
 from workbench.model.cell import Cell
 from workbench.model.motion import MotionModel
-from workbench.model.plan import Guarantee, Plan, Proof
+from workbench.model.plan import Guarantee, Plan, Proof, cycle_words
+from workbench.model.release import manner_words
 
 
 def approval_line(state: State, now: float, problem: str) -> str:
@@ -22,6 +23,8 @@ def approval_line(state: State, now: float, problem: str) -> str:
         return line(purpose, kind="hint", span=2, tip=purpose)
     approval = state.approval
     text = f"By {' and '.join(approval.people)} until {clock(approval.until)}"
+    if words := manner_words(*approval.manner):
+        text += f", {words}"
     if approval.is_unwatched:
         text += "; not every one of them has seen it played"
     if now >= approval.until and state.phase is Phase.APPROVED:
@@ -65,11 +68,12 @@ def facts_html(
         proof: of it.
         joints: how the robot stands by its own report.
         at: seconds since the epoch.
-        links: what a click on the smallest clearance, and on the certificate, does.
+        links: what a click on the nearest place, and on the certificate, does.
     """
     cell = state.cell
     took = dict(state.seconds).get("prove")
     looked = f"{proof.checks:,} positions measured" + ("" if took is None else f" in {took:.2f} s")
+    cycle = cycle_words(plan.cycle_seconds, state.bound)
     rows = [
         ("Strategy", _strategy(plan)),
     ]
@@ -79,11 +83,11 @@ def facts_html(
             (f"{arm.arm.capitalize()} arm", f"part-{arm.detection + 1} ({part}), grasp {arm.grasp}")
         )
     rows += [
-        ("Smallest clearance", nearest_words(state, plan, proof)),
-        ("Straight ways", straight_words(state, plan, proof)),
+        ("Free ways", nearest_words(state, plan, proof)),
+        ("Straight ways", straight_words(state, proof)),
         ("Proven", f"{_covered(cell, plan)}; {looked}, proof {short(proof.digest)}"),
         ("Kept clear of", _kept_clear(state, plan)),
-        ("Motion", f"{plan.cycle_seconds:.1f} s, up to {cell.policy.speed:.0%} of joint speeds"),
+        ("Motion", f"{cycle}, up to {cell.policy.speed:.0%} of joint speeds"),
         ("Robot", _robot(cell, plan, joints)),
         ("Preview", _preview(state)),
         ("Controller", f"{cell.controller.host} port {cell.controller.port}"),
@@ -97,9 +101,7 @@ def facts_html(
         rows.insert(-2, ("People", f"{cell.approvers} are needed; so far {votes}"))
     made: dict[str, str] = {}
     if links is not None:
-        made["Smallest clearance"] = go_html(
-            dict(rows)["Smallest clearance"], links.nearest, "Shows the plan there"
-        )
+        made["Free ways"] = go_html(dict(rows)["Free ways"], links.nearest, "Shows the plan there")
         made["Certificate"] = go_html(
             dict(rows)["Certificate"], links.certificate, "Saves what another machine can check"
         )

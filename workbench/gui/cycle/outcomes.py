@@ -40,8 +40,13 @@ class OutcomeInputs:
         picked = gui.add_button(f"{arm.capitalize()} picked", color="green")
         failed = gui.add_button(f"{arm.capitalize()} failed", color="red")
         visitor.on_press(picked, lambda: self._word(arm, True))
-        visitor.on_press(failed, lambda: self._word(arm, False))
+        failed.on_click(lambda _: self._failed(arm))
         return text, picked, failed
+
+    def _failed(self, arm: str) -> None:
+        if self._visitor.ask(lambda: self._word(arm, False)):
+            # The next failure has a reason of its own.
+            self._why.value = ""
 
     def _word(self, arm: str, is_picked: bool) -> Command:
         planned = _planned(self._visitor.bench.state, arm)
@@ -55,6 +60,8 @@ class OutcomeInputs:
         state = new.state
         if old is not None and old.state is state:
             return
+        if old is not None and old.state.scan is not state.scan and self._why.value:
+            self._why.value = ""
         is_sent = state.plan is not None and not self._visitor.obstacle(state, ReportPick)
         self._folder.visible = is_sent
         for arm, (text, picked, failed) in self._rows.items():

@@ -22,18 +22,22 @@ from workbench.app.picking.facts import bin_check_of
 from workbench.gui.cycle.approval import ApprovalDialog
 from workbench.gui.cycle.approval_views import approval_line
 from workbench.gui.cycle.outcomes import OutcomeInputs
+from workbench.gui.cycle.step_button import StepButton
 from workbench.gui.cycle.strategies import strategy_hint, strategy_words
 from workbench.gui.cycle.wishes import WishesInputs
+from workbench.gui.scene.fix_inputs import FixInputs
 from workbench.gui.shared.calibration_views import bin_html
 from workbench.gui.shared.link_views import NO_SAFETY
 from workbench.gui.shared.look import View
 from workbench.gui.shared.things import BIN, moved
 from workbench.gui.shared.views import (
     forecast_line,
+    line,
     parts_line,
     plan_line,
     scan_line,
     send_line,
+    sentence,
 )
 from workbench.gui.shared.visitor import Visitor, whole
 from workbench.model.cell import Cell
@@ -42,6 +46,10 @@ from workbench.model.scan import ALL_KINDS
 
 ROW = '<div class="wb-row"></div>'
 """A mark that has its folder laid out in three columns, see the style sheet."""
+
+
+STAYS = '<div class="wb-stays"></div>'
+"""A mark that keeps its folder in view, at the bottom, however long what stands above it is."""
 
 
 class CyclePanel:
@@ -102,13 +110,15 @@ class CyclePanel:
             self._plan = gui.add_button("Plan", icon=viser.Icon.ROUTE)
             self._forecast_line = gui.add_html("")
             self._plan_line = gui.add_html("")
-        with gui.add_folder("4 · Approve"):
+            self._help_line = gui.add_html("", visible=False)
+            self._fix = FixInputs(visitor)
+        with gui.add_folder("4 · Approve, 5 · Send to the robot") as sending:
             gui.add_html(ROW)
+            gui.add_html(STAYS)
             self._approval_line = gui.add_html("")
             self._approve = gui.add_button("Approve", icon=viser.Icon.USER_CHECK)
-        with gui.add_folder("5 · Send to the robot"):
-            gui.add_html(ROW)
             self._send_line = gui.add_html("")
+            self._step = StepButton(visitor, sending)
             self._stop = gui.add_button(
                 "Stop", icon=viser.Icon.HAND_STOP, color="red", hint=NO_SAFETY
             )
@@ -124,6 +134,10 @@ class CyclePanel:
         """Bring what is shown from `old` to `new`."""
         state = new.state
         self._outcomes.show(old, new)
+        if old is None or old.help is not new.help:
+            self._help_line.content = line(sentence(new.help.words), kind="warn")
+            self._help_line.visible = bool(new.help.words)
+        self._fix.show(old, new, new.help)
         if old is not None and old.state is state and _passing(old) == _passing(new):
             return
         self._show_kinds(state.cell)
@@ -140,6 +154,9 @@ class CyclePanel:
         problem = visitor.refusal(state, Approve(_digest(state)), new.at, joints)
         self._approval_line.content = approval_line(state, new.at, problem)
         self._send_line.content = send_line(state)
+        is_stepped = self._step.show(new)
+        # The button beside Stop lets the robot move, and none stands where Send was just pressed.
+        self._send.visible = self._send_line.visible = not is_stepped
         buttons = (
             (self._scan, TakeScan()),
             (self._find, FindParts()),
@@ -149,9 +166,10 @@ class CyclePanel:
             (self._stop, Stop()),
         )
         for button, command in buttons:
-            button.disabled = bool(visitor.refusal(state, command, new.at, joints))
-            visitor.explain(button, visitor.lacks(state, type(command)))
-        follows = bool(visitor.lacks(state, TakeScan))
+            problem = visitor.refusal(state, command, new.at, joints)
+            button.disabled = bool(problem)
+            visitor.explain(button, problem)
+        follows = visitor.is_recorded or bool(visitor.lacks(state, TakeScan))
         for field in (self._parts, self._seed, self._strategy, self._threshold):
             field.disabled = follows
         self._dialog.show(new)

@@ -18,12 +18,16 @@ AHEAD = 0.1
 """[s] What is asked about was sent so long before the question; viser gathers for 1/60 s."""
 
 
+Span = tuple[float, float]
+"""From and to [s] on the plan's clock."""
+
+
 class Audience:
     """Asks one browser again and again to draw what it was sent, and believes only answers.
 
     A browser draws when its page is in front: one that is hidden, that hangs or that has gone does
     not answer.  What is drawn for everybody and the question travel apart, so the question comes
-    a while later.
+    a while later.  What was seen in several stretches counts together.
 
     Lifetime: from construction until `close`, or until the browser has gone.
 
@@ -39,14 +43,18 @@ class Audience:
         self._client = client
         self._changed = threading.Condition()
         self._stretch = 0
-        self._is_on = self._is_whole = self._is_closed = False
-        self._drawn = self._seen = self._covered = 0.0
+        self._is_on = self._is_closed = False
+        self._drawn = self._seen = self._from = 0.0
+        self._spans: tuple[Span, ...] = ((0.0, 0.0),)
         threading.Thread(target=self._run, name="audience", daemon=True).start()
 
-    @property
-    def covered(self) -> float:
-        """Up to here [s] on the plan's clock all was seen, from the start on."""
-        return self._covered
+    def unseen(self, end: float) -> tuple[Span, ...]:
+        """What of the plan, up to its end [s], was not seen yet: from and to [s], in order."""
+        spans = self._spans
+        ends = (*(begin for begin, _ in spans[1:]), end)
+        return tuple(
+            (seen, after) for (_, seen), after in zip(spans, ends, strict=True) if seen < after
+        )
 
     @property
     def is_on(self) -> bool:
@@ -65,11 +73,10 @@ class Audience:
             From where: a little is repeated that was drawn before a pause, but perhaps not seen.
         """
         with self._changed:
-            if self._covered < at <= self._covered + STEP:
-                at = self._covered
+            at = next((seen for _, seen in self._spans if seen < at <= seen + STEP), at)
             self._stretch += 1
-            self._is_on, self._is_whole = True, at <= self._covered
-            self._drawn = self._seen = at
+            self._is_on = True
+            self._drawn = self._seen = self._from = at
             self._changed.notify()
         return at
 
@@ -121,5 +128,15 @@ class Audience:
             if not self._is_on or stretch != self._stretch:
                 return
             self._seen = max(self._seen, at)
-            if self._is_whole:
-                self._covered = max(self._covered, at)
+            self._spans = joined(*self._spans, (self._from, self._seen))
+
+
+def joined(*spans: Span) -> tuple[Span, ...]:
+    """Stretches [s] in order, those that meet as one."""
+    found: list[Span] = []
+    for begin, end in sorted(spans):
+        if found and begin <= found[-1][1]:
+            found[-1] = (found[-1][0], max(found[-1][1], end))
+        else:
+            found.append((begin, end))
+    return tuple(found)

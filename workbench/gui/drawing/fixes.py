@@ -1,17 +1,17 @@
-"""What would admit the refused candidate that is looked at: tried beside the drawing."""
+"""What would admit a refused candidate, or the best one of all: tried beside the drawing."""
 
 import logging
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 
 from workbench.app.core.state import State
+from workbench.gui.shared.look import NO_HELP, Help
 from workbench.model.candidate import Candidate
-from workbench.planning.picking.nearest_fix import nearest_fix
+from workbench.planning.picking.nearest_fix import fix_words, nearest_fix
 
 log = logging.getLogger(__name__)
 
-LOOKING = "looking for the nearest fix …"
-NOTHING = "no small change of the grasp admits it"
+LOOKING = Help("looking for the nearest fix …")
 
 
 class Fixes:
@@ -26,29 +26,48 @@ class Fixes:
         """Nothing tried yet."""
         self._found = found
         self._candidates: tuple[Candidate, ...] | None = None
-        self._known: dict[int, str] = {}
+        self._known: dict[int | None, Help] = {}
         self._threads = ThreadPoolExecutor(1, thread_name_prefix="nearest fix")
 
     def close(self) -> None:
         """End the thread, after what it does just now."""
         self._threads.shutdown(cancel_futures=True)
 
-    def of(self, state: State, number: int | None) -> str:
-        """In words, for the candidate with that index; empty when there is none to be fixed."""
-        candidates, detections = state.candidates or (), state.detections
-        if number is None or number >= len(candidates) or not detections:
-            return ""
+    def of(self, state: State, number: int | None) -> Help:
+        """For the candidate with that index; empty when there is none to be fixed."""
+        candidates = state.candidates or ()
+        if number is None or number >= len(candidates) or not _may_help(candidates[number]):
+            return NO_HELP
+        return self._of(state, number, (candidates[number],))
+
+    def without_plan(self, state: State) -> Help:
+        """What would admit one of all candidates; empty while there is a plan, or none.
+
+        As `workbench explain` says it.
+        """
+        candidates = state.candidates or ()
+        if state.plan is not None or not any(map(_may_help, candidates)):
+            return NO_HELP
+        return self._of(state, None, candidates)
+
+    def _of(self, state: State, number: int | None, candidates: tuple[Candidate, ...]) -> Help:
+        if not state.detections:
+            return NO_HELP
         if self._candidates is not state.candidates:
             self._candidates, self._known = state.candidates, {}
-        candidate, known = candidates[number], self._known
-        if candidate.verdict.is_ok or candidate.verdict.pair is None:
-            return ""
+        known = self._known
         if number not in known:
             known[number] = LOOKING
-            self._threads.submit(self._try, state, candidate, known, number)
+            self._threads.submit(self._try, state, candidates, known, number)
         return known[number]
 
-    def _try(self, state: State, candidate: Candidate, known: dict[int, str], number: int) -> None:
+    def _try(
+        self,
+        state: State,
+        candidates: tuple[Candidate, ...],
+        known: dict[int | None, Help],
+        number: int | None,
+    ) -> None:
         if known is not self._known:
             # Of candidates that nobody looks at any more.
             return
@@ -57,13 +76,18 @@ class Fixes:
             fix = nearest_fix(
                 state.cell,
                 state.detections or (),
-                (candidate,),
+                candidates,
                 seed=seed,
                 obstacles=state.obstacles,
             )
-            known[number] = NOTHING if fix is None else f"nearest fix: {fix.change}"
+            known[number] = Help(fix_words(fix), fix)
         except Exception:
             # A rim: a candidate that cannot be tried leaves the page as it is.
             log.exception("the nearest fix could not be looked for")
-            known[number] = ""
+            known[number] = NO_HELP
         self._found()
+
+
+def _may_help(candidate: Candidate) -> bool:
+    """Whether a small change of the grasp might admit it."""
+    return not candidate.verdict.is_ok and candidate.verdict.pair is not None

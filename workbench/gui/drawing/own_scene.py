@@ -7,7 +7,7 @@ import viser
 
 from workbench.gui.scene.marks import draw_measured, draw_visited
 from workbench.gui.scene.meets import draw_meets
-from workbench.gui.scene.robot import ROBOT, ROBOT_CHECKED, finger_name, moved_by, place
+from workbench.gui.scene.robot import PLANNED, ROBOT_CHECKED, finger_name, moved_by, place
 from workbench.gui.shared.calibrating import draw_overlay
 from workbench.gui.shared.look import View
 from workbench.gui.shared.playback import joint_values
@@ -17,11 +17,11 @@ from workbench.planning.kinematics.robot import Kinematics
 
 
 class OwnScene:
-    """The robot where this browser has moved it, what it meets there, and what was measured.
+    """The see-through robot where this browser has moved it, what it meets, what was measured.
 
     In viser a node of one browser takes the place of the shared node of that name, in this browser
-    alone, and what hangs below it follows: so only poses of links are sent, no meshes, and the
-    shared robot is back, as it stands then, once they are removed.
+    alone, and what hangs below it follows: so only poses of links are sent, no meshes, and what
+    all see is back, as it is then, once they are removed.  The solid robot is the real one for all.
 
     Concurrency: the renderer's thread.
     """
@@ -30,6 +30,7 @@ class OwnScene:
         """Nothing is drawn yet."""
         self._client = visitor.client
         self._scene = visitor.client.scene
+        self._root: viser.FrameHandle | None = None
         self._frames: dict[str, viser.FrameHandle] = {}
         visitor.on_end(self._clear, in_scene=True)
 
@@ -53,30 +54,47 @@ class OwnScene:
                 or old.jogged is not new.jogged
                 or old.overlay is not new.overlay
                 or old.look.time != new.look.time
+                or old.look.shapes != new.look.shapes
+                or old.live.joints != new.live.joints
             ):
                 self._pose(new)
 
     def _pose(self, view: View) -> None:
         cell, now = view.state.cell, view.moments
+        if self._root is None:
+            self._root = self._scene.add_frame(PLANNED, show_axes=False)
+        _say(self._root, not view.look.shapes)
+        shown = set[str]().union(*(moved_by(cell, cell.arm(arm)) for arm in view.planned_arms))
         links = Kinematics(cell).link_poses(joint_values(cell, now))
         poses = poses_of(cell, links, {arm: moment.opening for arm, moment in now.items()})
         for name, T in poses.items():
-            for root in (ROBOT, ROBOT_CHECKED):
+            for root in (PLANNED, ROBOT_CHECKED):
                 whole = f"{root}/{name}"
                 if whole not in self._frames:
                     self._frames[whole] = self._scene.add_frame(whole, show_axes=False)
                 place(self._frames[whole], T)
+                if root == PLANNED and name in links:
+                    _say(self._frames[whole], name in shown)
 
     def _give_back(self) -> None:
         for name in self._frames:
             # A link takes along what hangs below it: that is no longer there when its turn comes.
             self._scene.remove_by_name(name)
         self._frames = {}
+        if self._root is not None:
+            self._scene.remove_by_name(PLANNED)
+            self._root = None
 
     def _clear(self) -> None:
         self._give_back()
         for name in ("/sighting", "/jog_meets", "/measured", "/nearest", "/nearest_points"):
             self._scene.remove_by_name(name)
+
+
+def _say(node: viser.FrameHandle, is_visible: bool) -> None:
+    """Show or hide a node, also when that was said before: what all see may have changed it."""
+    node.visible = not is_visible
+    node.visible = is_visible
 
 
 def poses_of(

@@ -39,6 +39,21 @@ class OwnViews:
         return self._jogger.jogged(state, own.jog)
 
 
+def has_lost_sighting(own: Own, before: State | None, state: State) -> bool:
+    """Whether the chosen pose was removed, as in another window: its number is another's then.
+
+    Args:
+        own: the look of one browser.
+        before: the state that its number is of, None when that is not known.
+        state: as it is now.
+    """
+    number = own.sighting
+    if number is None or number >= len(state.sightings):
+        return number is not None
+    was = before.sightings[number : number + 1] if before is not None else ()
+    return any(one.name != state.sightings[number].name for one in was)
+
+
 def _overlay(own: Own, before: View | None, shared: View) -> Overlay | None:
     """The chosen pose over the robot, worked out when another one is chosen."""
     state, found = shared.state, shared.calibration

@@ -7,7 +7,7 @@ from workbench.app.core.commands import WatchPlan
 from workbench.app.core.people import Person
 from workbench.app.review.history import History
 from workbench.app.runtime.bench import Bench
-from workbench.gui.drawing.audience import Audience
+from workbench.gui.drawing.audience import Audience, Span
 from workbench.gui.shared.look import SharedLook, View
 from workbench.gui.shared.visitor import Visitor
 from workbench.model.errors import WorkbenchError
@@ -28,6 +28,7 @@ class Player:
         self._look = look
         self._audience: Audience | None = None
         self._key: tuple[int | None, Plan | None] = (None, None)
+        self._told: Plan | None = None
         self._at = 0.0
 
     def step(self, view: View | None, visitors: Mapping[int, Visitor], elapsed: float) -> None:
@@ -58,14 +59,21 @@ class Player:
             audience.stop()
         if audience is None or visitor is None or view.state.plan is None:
             return
-        if audience.is_on and audience.covered >= view.plan_seconds:
-            audience.stop()
-            self._tell_watched(view.state.plan.digest, visitor.person)
+        if audience.is_on and not audience.unseen(view.plan_seconds):
+            if not look.is_playing:
+                audience.stop()
+            self._tell_watched(view.state.plan, visitor.person)
 
     def drawn(self, view: View) -> None:
         """A view was sent to all browsers."""
         if self._audience is not None and view.look.time == self._at:
             self._audience.drawn(view.look.time)
+
+    def unseen(self, plan: Plan | None, end: float) -> tuple[Span, ...]:
+        """What of a plan up to its end [s] the browser that played it last has not seen yet."""
+        audience = self._audience
+        is_played = plan is not None and self._key[1] is plan
+        return audience.unseen(end) if audience is not None and is_played else ()
 
     def close(self) -> None:
         """Nothing plays any more."""
@@ -79,6 +87,8 @@ class Player:
         if audience is not None:
             if not audience.is_on or time != self._at or time >= end:
                 begin = audience.begin(begin)
+                # What was refused once may be taken the next time.
+                self._told = None
             limit = min(end, audience.limit)
         self._at = max(begin, min(begin + elapsed, limit))
         self._look.change(time=self._at, is_playing=self._at < end, by=None)
@@ -92,11 +102,12 @@ class Player:
             self._key = (number, plan)
         return self._audience
 
-    def _tell_watched(self, digest: str, person: Person) -> None:
+    def _tell_watched(self, plan: Plan, person: Person) -> None:
         state = self._bench.state
-        if person.name in state.watched and person.name not in state.told:
+        if self._told is plan or (person.name in state.watched and person.name not in state.told):
             return
+        self._told = plan
         try:
-            self._bench.do(WatchPlan(digest), person.name, person.role)
+            self._bench.do(WatchPlan(plan.digest), person.name, person.role)
         except WorkbenchError as error:
             log.info("that the plan was watched is not taken: %s", error)

@@ -4,7 +4,7 @@ import numpy as np
 
 from workbench.app.core.state import State
 from workbench.gui.shared.look import Pose
-from workbench.gui.shared.views import mm
+from workbench.gui.shared.views import mm, verdict_words
 from workbench.model.candidate import Candidate, Pick
 from workbench.model.geometry import Floats
 from workbench.model.scan import Detection, Obstacle
@@ -47,8 +47,7 @@ class PoseFinder:
         world.enter(approach_phase(candidate, world.arm(candidate.arm)))
         whole = world.configuration({candidate.arm: q})
         meets = () if verdict.pair is None else world.placed(whole, verdict.pair)
-        far = "" if verdict.distance is None else f", {mm(verdict.distance)}"
-        note = f"{verdict.reason}{far}"
+        note = verdict_words(verdict)
         return Pose(f"where it failed: {verdict.stage}", q, candidate.grasp.opening, note, meets)
 
     def _on_the_way(self, world: World, pick: Pick) -> tuple[Pose, ...]:

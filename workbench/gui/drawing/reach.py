@@ -5,8 +5,7 @@ import threading
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 
-import numpy as np
-
+from workbench.gui.shared.look import NO_REACH, UNKNOWN_REACH
 from workbench.model.cell import Cell
 from workbench.model.geometry import Floats
 from workbench.planning.kinematics.reach_map import reach_map
@@ -15,8 +14,6 @@ log = logging.getLogger(__name__)
 
 Reached = tuple[Floats, Floats]
 """Places (n, 3) [m] and the share (n,) of the tool's turns; see `reach_map`."""
-
-NOTHING: Reached = (np.zeros((0, 3)), np.zeros(0))
 
 
 class Reaches:
@@ -41,13 +38,13 @@ class Reaches:
         self._threads.shutdown(cancel_futures=True)
 
     def of(self, cell: Cell, arm: str) -> Reached:
-        """An arm's places (n, 3) [m] and shares (n,); none while they are worked out."""
+        """An arm's places (n, 3) [m] and shares (n,); `NO_REACH` while they are worked out."""
         if not arm:
-            return NOTHING
+            return NO_REACH
         if self._cell is not cell:
             self._cell, self._known = cell, {}
         if arm not in self._known:
-            self._known[arm] = NOTHING
+            self._known[arm] = NO_REACH
             self._threads.submit(self._find, cell, arm, self._known)
         return self._known[arm]
 
@@ -58,6 +55,7 @@ class Reaches:
         try:
             known[arm] = reach_map(cell, cell.arm(arm), cancelled=is_unwanted)
         except Exception:
-            # A rim: a reach that cannot be found leaves the page as it is.
+            # A rim: the page says that it cannot be found, and is otherwise as it was.
+            known[arm] = UNKNOWN_REACH
             log.exception("the reach of an arm could not be found")
         self._found()

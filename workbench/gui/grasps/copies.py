@@ -6,6 +6,7 @@ import numpy as np
 import viser
 
 from workbench.gui.grasps.editing import Editing
+from workbench.gui.grasps.views import no_grasp
 from workbench.gui.shared.typed_lists import direction_in, numbers_in, shown_numbers, shown_vector
 from workbench.gui.shared.visitor import Visitor
 from workbench.model.digest import digest_of
@@ -59,12 +60,14 @@ class GraspCopies:
         self._explode.on_click(lambda _: self._exploded())
         self._single.on_click(lambda _: self._singled())
 
-    def show(self, entry: Entry | None, *, is_enabled: bool) -> None:
+    def show(self, entry: Entry | None, *, problem: str) -> None:
         """The chosen grasp is `entry` now."""
-        can = is_enabled and entry is not None
-        is_pattern = isinstance(entry, GraspPattern)
-        self._mirror.disabled = self._repeat.disabled = not can
-        self._explode.disabled = self._single.disabled = not (can and is_pattern)
+        problem, allow = problem or no_grasp(entry), self._visitor.allow
+        for button in (self._mirror, self._repeat):
+            allow(button, problem)
+        single = "" if isinstance(entry, GraspPattern) else "it is a single grasp, no pattern"
+        for button in (self._explode, self._single):
+            allow(button, problem or single)
         if isinstance(entry, GraspPattern) and _pattern_of(entry) != _pattern_of(self._seen):
             self._fill(entry)
         self._seen = entry

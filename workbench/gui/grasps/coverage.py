@@ -14,6 +14,7 @@ from workbench.gui.shared.visitor import Visitor
 from workbench.model.cell import Cell
 from workbench.model.digest import digest_of
 from workbench.model.errors import WorkbenchError
+from workbench.model.geometry import Floats
 from workbench.model.part import Part
 from workbench.planning.grasps.coverage import Coverage, coverage
 
@@ -46,14 +47,18 @@ class CoverageControls:
         self._add.on_click(lambda _: self._added())
         visitor.on_end(self._cancelled.set)
 
-    def show(self, part: Part, *, is_enabled: bool) -> None:
+    def show(self, part: Part, *, problem: str) -> None:
         """The part is this one now; what was found for other grasps of it is gone."""
         found = self._found
         if found is not None and found[0] != _key(part, self._visitor.cell):
             self._found = found = None
             self._stage.hide_sphere()
         missing = found[1].missing if found is not None else None
-        self._add.disabled = not is_enabled or missing is None or missing.suggestion is None
+        if found is None:
+            problem = problem or "press Look first"
+        elif missing is None or missing.suggestion is None:
+            problem = problem or "no grasp was found that would help"
+        self._visitor.allow(self._add, problem)
         if self._is_looking:
             return
         if found is None:
@@ -112,13 +117,21 @@ def coverage_words(found: Coverage) -> list[str]:
     missing = found.missing
     if missing is None:
         return [*words, "There is no way to lie in which none works."]
-    x, y, z = missing.direction
     words.append(
-        f"Least with ({x:.2f}, {y:.2f}, {z:.2f}) of the part up: {missing.share:.0%} around there."
+        f"It works least often with the part's {axis_words(missing.direction)} up: in "
+        f"{missing.share:.0%} of the ways around there."
     )
     if missing.suggestion is None:
         return [*words, "No grasp was found that would help there."]
     return [*words, f"What helps: a grasp for the {missing.arm} arm, {missing.would_work:.0%}."]
+
+
+def axis_words(direction: Floats) -> str:
+    """The axis of the part that is nearest to a unit direction (3,), and how far it is off."""
+    k = int(np.abs(direction).argmax())
+    off = np.degrees(np.arccos(min(abs(float(direction[k])), 1.0)))
+    name = f"{'+' if direction[k] >= 0 else '-'}{'xyz'[k]}"
+    return name if off < 0.5 else f"{name} (to within {off:.0f} degrees)"
 
 
 def sphere_colours(found: Coverage) -> np.ndarray:

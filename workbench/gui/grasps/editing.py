@@ -38,7 +38,7 @@ class Editing:
         """What this browser wanted and did not get, since somebody else was quicker."""
         self._observers: list[Callable[[], None]] = []
         self._lock = threading.Lock()
-        self._checker: tuple[str, GraspChecker] | None = None
+        self._checkers: dict[str, tuple[str, GraspChecker]] = {}
 
     def on_change(self, observer: Callable[[], None]) -> None:
         """Have something called after another grasp, part or tool is chosen."""
@@ -85,17 +85,18 @@ class Editing:
             observer()
 
     def checked(self, grasp: Grasp) -> GraspCheck:
-        """What speaks against a grasp with the tool."""
-        return self.with_checker(lambda checker: checker.check(grasp))
+        """What speaks against a grasp with the tool that it is for, or else with the one in use."""
+        return self.with_checker(lambda checker: checker.check(grasp), self.tools.get(grasp.tool))
 
-    def with_checker(self, asked: Callable[[GraspChecker], T]) -> T:
-        """Ask the checker of part and tool something."""
-        part, tool = self.part, self.tool
+    def with_checker(self, asked: Callable[[GraspChecker], T], tool: Tool | None = None) -> T:
+        """Ask the checker of the part and a tool, that in use when none is given, something."""
+        part, tool = self.part, tool or self.tool
         with self._lock:
             key = digest_of((part.mesh, part.pieces, tool))
-            if self._checker is None or self._checker[0] != key:
-                self._checker = key, GraspChecker(part, tool)
-            return asked(self._checker[1])
+            known = self._checkers.get(tool.name)
+            if known is None or known[0] != key:
+                known = self._checkers[tool.name] = key, GraspChecker(part, tool)
+            return asked(known[1])
 
     def free_name(self, name: str) -> str:
         """The name, or one like it that is not taken."""

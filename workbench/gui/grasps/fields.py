@@ -7,6 +7,7 @@ import viser
 
 from workbench.formats.parts.grasp_files import keys_of
 from workbench.gui.grasps.editing import Editing
+from workbench.gui.grasps.views import no_grasp
 from workbench.gui.shared.typed_lists import direction_in, shown_vector
 from workbench.gui.shared.visitor import Visitor, whole
 from workbench.model.errors import InputError
@@ -72,18 +73,17 @@ class GraspFields:
             "Measure",
             icon=viser.Icon.RULER,
             color="gray",
-            hint="Opening and grip from the part between the fingers.",
+            hint="Fills in opening and grip from the part between the fingers; Apply takes them.",
         )
         self._revert = gui.add_button("Revert", icon=viser.Icon.ARROW_BACK_UP, color="gray")
         self._apply.on_click(lambda _: self._take())
         self._measure.on_click(lambda _: self._fit())
         self._revert.on_click(lambda _: self._fill(self._seen))
 
-    def show(self, entry: Entry | None, *, is_enabled: bool) -> None:
+    def show(self, entry: Entry | None, *, problem: str) -> None:
         """The chosen grasp is `entry` now; what was typed for it stays."""
-        can = is_enabled and entry is not None
-        for control in (self._apply, self._measure, self._revert):
-            control.disabled = not can
+        for button in (self._apply, self._measure, self._revert):
+            self._visitor.allow(button, problem or no_grasp(entry))
         is_same_grasp = (
             entry is not None and self._seen is not None and entry.name == self._seen.name
         )
@@ -192,7 +192,6 @@ class GraspFields:
             self._visitor.tell("Measure", "there is nothing between the fingers")
             return
         self._opening.value, self._grip.value = _mm(fitted.opening), _mm(fitted.grip)
-        self._take()
 
 
 def _differ_in_pose(one: Entry, other: Entry) -> bool:

@@ -7,6 +7,7 @@ from typing import Any
 
 import viser
 
+from workbench.app.core.commands import EditPart
 from workbench.gui.grasps.editing import Editing
 from workbench.gui.grasps.views import MOST_SUGGESTIONS, suggestions_html, symmetry_line
 from workbench.gui.shared.views import line
@@ -50,13 +51,17 @@ class SymmetryControls:
         def _(_: Any) -> None:
             editing.set_symmetry(Symmetry())
 
-    def show(self, part: Part, *, is_enabled: bool) -> None:
+    def show(self, part: Part, *, problem: str) -> None:
         """The part is this one now."""
         proposed = self._proposed(part)
         self._line.content = symmetry_line(part.symmetry, proposed)
-        is_new = proposed is not None and digest_of(proposed) != digest_of(part.symmetry)
-        self._take.disabled = not is_enabled or not is_new
-        self._none.disabled = not is_enabled or part.symmetry.is_none
+        allow, said = self._visitor.allow, ""
+        if proposed is None:
+            said = "press Look first"
+        elif digest_of(proposed) == digest_of(part.symmetry):
+            said = "that is its symmetry already"
+        allow(self._take, problem or said)
+        allow(self._none, problem or ("it has none" if part.symmetry.is_none else ""))
 
     def _proposed(self, part: Part) -> Symmetry | None:
         if self._looked is None or self._looked[0] is not part.mesh:
@@ -108,11 +113,16 @@ class Suggestions:
     def show(self, part: Part) -> None:
         """The part is this one now; what was suggested for another part or tool is gone."""
         about = self._about
-        if about is None or (about[0] is part.mesh and about[1] == self._editing.tool.name):
-            return
-        self._about, self._found = None, ()
-        self._take.disabled = self._all.disabled = True
-        self._table.content = ""
+        tool = self._editing.tool.name
+        if about is not None and not (about[0] is part.mesh and about[1] == tool):
+            self._about, self._found = None, ()
+            self._table.content = ""
+        self._admit()
+
+    def _admit(self) -> None:
+        missing = "" if self._found else "press Suggest first"
+        for button in (self._take, self._all):
+            self._visitor.admit(button, self._visitor.bench.state, EditPart, otherwise=missing)
 
     def _look(self) -> None:
         self._table.content = line("Looking …", kind="hint")
@@ -128,7 +138,7 @@ class Suggestions:
 
     def _show(self, found: tuple[Suggestion, ...], chosen: int) -> None:
         self._found, self._chosen = found, chosen
-        self._take.disabled = self._all.disabled = not found
+        self._admit()
         if not found:
             says = f"Nothing new that {self._editing.tool.name} could hold well was found."
             self._table.content = line(says, kind="hint")

@@ -13,7 +13,7 @@ from workbench.formats.parts.grasp_words import changes_in_words
 from workbench.formats.parts.saves import Version, draft_of, versions
 from workbench.gui.grasps.editing import Editing
 from workbench.gui.grasps.views import pairs_html, versions_html, words_html
-from workbench.gui.shared.views import line
+from workbench.gui.shared.views import line, not_saved
 from workbench.gui.shared.visitor import Visitor
 from workbench.model.digest import digest_of
 from workbench.model.errors import InputError
@@ -31,7 +31,7 @@ class PairControls:
 
     def __init__(self, visitor: Visitor, editing: Editing):
         """Add the controls."""
-        self._editing = editing
+        self._visitor, self._editing = visitor, editing
         gui = visitor.gui
         self._list = gui.add_html("")
         self._first = gui.add_dropdown("One arm by", (NONE,))
@@ -46,15 +46,16 @@ class PairControls:
         def _(_: Any) -> None:
             editing.set_pairs((), "the pairs of grasps are removed")
 
-    def show(self, part: Part, *, is_enabled: bool) -> None:
+    def show(self, part: Part, *, problem: str) -> None:
         """The part is this one now."""
         names = tuple(entry.name for entry in part.library.entries) or (NONE,)
         for dropdown in (self._first, self._second):
             if dropdown.options != names:
                 dropdown.options = names
         self._list.content = pairs_html(part.library.pairs)
-        self._add.disabled = not is_enabled or names == (NONE,)
-        self._clear.disabled = not is_enabled or not part.library.pairs
+        allow, missing = self._visitor.allow, "put a grasp on the part first"
+        allow(self._add, problem or (missing if names == (NONE,) else ""))
+        allow(self._clear, problem or ("" if part.library.pairs else "there are no pairs"))
 
     def _added(self) -> None:
         pair = GraspPair(self._first.value, self._second.value, bool(self._is_ordered.value))
@@ -72,6 +73,7 @@ class LibraryControls:
         """Add the controls."""
         self._visitor, self._editing = visitor, editing
         self._known: tuple[Version, ...] = ()
+        self._is_saving = False
         gui = visitor.gui
         self._draft = gui.add_html("")
         gui.add_html('<div class="wb-buttons wb-two"></div>')
@@ -87,7 +89,7 @@ class LibraryControls:
             self._version = gui.add_dropdown("Version", (NOW,))
             self._words = gui.add_html("")
             self._back = gui.add_button("Go back to it", icon=viser.Icon.ARROW_BACK_UP)
-        visitor.on_press(self._save, lambda: SaveCell(self._remark.value))
+        self._save.on_click(lambda _: self._saved())
         visitor.on_press(self._drop, lambda: DropDraft(editing.part.name))
         self._take.on_click(lambda _: self._taken())
         self._back.on_click(lambda _: self._gone_back())
@@ -101,10 +103,12 @@ class LibraryControls:
         # It has come since; where it lies is where every new part goes.
         return PARTS / name if (PARTS / name).is_dir() else None
 
-    def show(self, state: State, part: Part, *, is_enabled: bool) -> None:
+    def show(self, state: State, part: Part, *, problem: str) -> None:
         """The part is this one now."""
         is_changed = state.saved != state.cell.digest
-        self._visitor.admit(self._save, state, SaveCell, is_ready=is_changed)
+        self._visitor.admit(self._save, state, SaveCell, otherwise=not_saved(state))
+        if self._is_saving and not is_changed:
+            self._is_saving, self._remark.value = False, ""
         folder = self._folder
         known: tuple[Version, ...] = ()
         draft: GraspLibrary | None = None
@@ -116,18 +120,24 @@ class LibraryControls:
             self._draft.content = line(str(error), kind="bad")
         self._known = known
         self._take.visible = self._drop.visible = draft is not None
-        self._take.disabled = self._drop.disabled = not is_enabled
+        for button in (self._take, self._drop):
+            self._visitor.allow(button, problem)
         self._list.content = versions_html(known)
         options = (NOW, *(f"{one.number}: {one.remark[:30]}" for one in reversed(known)))
         if self._version.options != options:
             self._version.options = options
         self._show_words(part)
-        self._back.disabled = not is_enabled
+        self._visitor.allow(self._back, problem)
         if is_changed:
             says = "Changed and not saved; kept as a draft."
             self._changes.content = _changes_html(known[-1] if known else None, part, says)
         else:
             self._changes.content = line("As in the files.", kind="hint")
+
+    def _saved(self) -> None:
+        """Save with the remark, which goes once it is in the files."""
+        self._is_saving = True
+        self._is_saving = self._visitor.ask(lambda: SaveCell(self._remark.value))
 
     def _show_draft(self, part: Part, draft: GraspLibrary | None) -> None:
         if draft is None:

@@ -19,9 +19,10 @@ from workbench.gui.grasps.ideas import Suggestions, SymmetryControls
 from workbench.gui.grasps.library import LibraryControls, PairControls
 from workbench.gui.grasps.part_upload import PartUpload
 from workbench.gui.grasps.pose import GraspPose
-from workbench.gui.grasps.views import MOST_ROWS, check_line, grasps_html
+from workbench.gui.grasps.views import MOST_ROWS, check_line, grasps_html, no_grasp
 from workbench.gui.scene.stage import Stage, nearest_entry, size_of
 from workbench.gui.shared.look import View
+from workbench.gui.shared.views import not_redone, not_undone
 from workbench.gui.shared.visitor import Visitor
 from workbench.model.digest import digest_of
 from workbench.model.geometry import Floats
@@ -158,7 +159,7 @@ class GraspsPanel:
     def _draw_all(self) -> None:
         self._list_parts()  # which may be a choice
         state, part, entry = self._visitor.bench.state, self._editing.part, self._editing.entry
-        can = not self._visitor.obstacle(state, EditPart)
+        cannot = self._visitor.obstacle(state, EditPart)
         name = entry.name if entry is not None else ""
         self._upload.show(state)
         self._look_at_all(part)
@@ -167,19 +168,19 @@ class GraspsPanel:
         admit = self._visitor.admit
         admit(self._add, state, EditPart)
         for button in (self._duplicate, self._delete):
-            admit(button, state, EditPart, is_ready=entry is not None)
-        admit(self._undo, state, UndoCell, is_ready=bool(state.before))
-        admit(self._redo, state, RedoCell, is_ready=bool(state.undone))
+            admit(button, state, EditPart, otherwise=no_grasp(entry))
+        admit(self._undo, state, UndoCell, otherwise=not_undone(state))
+        admit(self._redo, state, RedoCell, otherwise=not_redone(state))
         self._keep.visible = self._editing.lost is not None
         is_open, size = self._stage.is_open, size_of(part)
-        self._pose.show(entry, is_enabled=can, is_open=is_open, size=size)
-        self._fields.show(entry, is_enabled=can)
-        self._copies.show(entry, is_enabled=can)
+        self._pose.show(entry, problem=cannot, is_open=is_open, size=size)
+        self._fields.show(entry, problem=cannot)
+        self._copies.show(entry, problem=cannot)
         self._suggestions.show(part)
-        self._coverage.show(part, is_enabled=can)
-        self._symmetry.show(part, is_enabled=can)
-        self._pairs.show(part, is_enabled=can)
-        self._library.show(state, part, is_enabled=can)
+        self._coverage.show(part, problem=cannot)
+        self._symmetry.show(part, problem=cannot)
+        self._pairs.show(part, problem=cannot)
+        self._library.show(state, part, problem=cannot)
         if is_open:
             bad = frozenset(n for n, check in self._checks.items() if check and not check.is_ok)
             self._stage.draw(part, name, bad)

@@ -57,7 +57,8 @@ class PartUpload:
 
     def show(self, state: State) -> None:
         """Let it be used while a part can be made."""
-        self._visitor.admit(self._make, state, ImportPart, is_ready=self._file is not None)
+        missing = "choose a file first" if self._file is None else ""
+        self._visitor.admit(self._make, state, ImportPart, otherwise=missing)
         self._visitor.admit(self._pick, state, ImportPart)
 
     def _chosen(self, event: Any) -> None:

@@ -8,9 +8,10 @@ import viser
 from viser._messages import HotkeyKey
 
 from workbench.gui.grasps.editing import Editing
+from workbench.gui.grasps.views import no_grasp
 from workbench.gui.scene.gizmo_drag import follow
 from workbench.gui.scene.robot import place, quaternion
-from workbench.gui.shared.things import shown_pose, typed_pose
+from workbench.gui.shared.things import ANGLES, shown_pose, typed_pose
 from workbench.gui.shared.visitor import Visitor
 from workbench.model.digest import digest_of
 from workbench.model.errors import WorkbenchError
@@ -62,6 +63,7 @@ class GraspPose:
         self._angles = gui.add_vector3(
             "Angles [deg]", (0.0, 0.0, 0.0), step=0.1, hint="Roll, pitch, yaw: fixed axes."
         )
+        visitor.name(self._angles, ANGLES)
         self._axes = gui.add_dropdown(
             "Gizmo along", (TOOL_AXES, PART_AXES), hint="Whose axes the gizmo moves along."
         )
@@ -82,11 +84,13 @@ class GraspPose:
         for key, (says, step) in NUDGES.items():
             visitor.on_key(key, f"Grasp 1 mm along {says}", lambda step=step: self._nudge(step))
 
-    def show(self, entry: Entry | None, *, is_enabled: bool, is_open: bool, size: float) -> None:
+    def show(self, entry: Entry | None, *, problem: str, is_open: bool, size: float) -> None:
         """The chosen grasp is `entry` now; the gizmo is there while the stage is open."""
-        can = is_enabled and entry is not None
-        for control in (self._position, self._angles, self._apply, self._snap):
-            control.disabled = not can
+        problem = problem or no_grasp(entry)
+        can = not problem
+        for button in (self._apply, self._snap):
+            self._visitor.allow(button, problem)
+        self._position.disabled = self._angles.disabled = not can
         is_other = digest_of(entry) != digest_of(self._seen)
         self._seen = entry
         if entry is not None and is_other:

@@ -26,11 +26,11 @@ MOST_SUGGESTIONS = 20
 HEADS = (
     ("", "", "Green: the tool can take the part so; red: it cannot"),
     ("Grasp", "", "Name, and what it is"),
-    ("Prio", "wb-number", "Higher ones are tried first"),
-    ("Opens", "wb-number", "Between the fingers on arrival"),
+    ("Priority", "wb-number", "Higher ones are tried first"),
+    ("Opening", "wb-number", "Between the fingers on arrival"),
     ("Arms", "", "Which arms may use it"),
-    ("Works", "wb-number", "Of the times it was tried for a part in the bin"),
-    ("Taken", "wb-number", "Of the plans that went by it"),
+    ("Possible", "wb-number", "Of the times it was tried for a part in the bin"),
+    ("Succeeded", "wb-number", "Of the plans that went by it"),
 )
 
 
@@ -100,7 +100,7 @@ def _row(
         f'<td class="wb-number" title="worked for {use.possible} of {use.tried} parts and arms">'
         f"{_share(use.possible, use.tried)}</td>"
         f'<td class="wb-number" title="planned {use.planned}, taken {use.picked}, '
-        f'failed {use.failed}">{f"{use.picked}/{use.planned}" if use.planned else ""}</td></tr>'
+        f'failed {use.failed}">{f"{use.picked} of {use.planned}" if use.planned else ""}</td></tr>'
     )
 
 
@@ -108,10 +108,15 @@ def _share(count: int, of: int) -> str:
     return f"{100 * count / of:.0f} %" if of else ""
 
 
+def no_grasp(entry: Entry | None) -> str:
+    """Why nothing can be done with the chosen grasp: there is none; empty when there is."""
+    return "put a grasp on the part first" if entry is None else ""
+
+
 def findings_text(check: GraspCheck) -> str:
-    """What speaks against a grasp, or that nothing does."""
+    """What speaks against a grasp with the tool that it was tried with, or that nothing does."""
     if check.findings:
-        return "; ".join(finding.text for finding in check.findings)
+        return f"with the {check.tool}: " + "; ".join(finding.text for finding in check.findings)
     wide = "" if check.width is None else f", holds {mm(check.width)}"
     return f"the {check.tool} can take it{wide}, {mm(check.clearance)} clear on arrival"
 

@@ -49,7 +49,7 @@ class ControlStrip:
     def show(self, old: View | None, new: View) -> None:
         """Bring what is shown from `old` to `new`."""
         state = new.state
-        if old is not None and _about(old.state) == _about(state):
+        if self._visitor.is_recorded or (old is not None and _about(old.state) == _about(state)):
             return
         me = self._visitor.person
         acts = self._visitor.is_known and me.role.covers(Role.OPERATOR)

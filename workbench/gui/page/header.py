@@ -2,18 +2,23 @@
 
 import viser
 
-from workbench.app.core.commands import AcknowledgeFault, CancelJob
-from workbench.app.core.state import Phase
+from workbench.app.core.commands import AcknowledgeChanges, AcknowledgeFault, CancelJob
+from workbench.app.core.state import Phase, State
 from workbench.gui.page.control import ControlStrip
+from workbench.gui.page.looks import Looks
+from workbench.gui.page.modes import mode_html
 from workbench.gui.page.theme import Theme
-from workbench.gui.scene.surroundings import paint_background
+from workbench.gui.scene.surroundings import add_floor, paint_background
 from workbench.gui.shared.look import View
-from workbench.gui.shared.views import status_html, strip_html
+from workbench.gui.shared.views import changes_html, status_html, strip_html
 from workbench.gui.shared.visitor import Visitor
 
 
 class Header:
-    """Steps, status, progress, control; Cancel while a task runs, Acknowledge after a fault."""
+    """Steps, status, progress, control; Cancel while a task runs, Acknowledge after a fault.
+
+    What has changed since the start before stands below until an engineer acknowledges it.
+    """
 
     def __init__(self, visitor: Visitor, theme: Theme, style: str):
         """Add the controls.
@@ -24,45 +29,78 @@ class Header:
             style: style sheet of the whole page.
         """
         self._visitor, gui = visitor, visitor.gui
-        gui.add_html(f'<style class="wb-style">{style}</style>')
+        # viser's own title bar, where there is no page around the scene.
+        top = ".wb-mode b{display:none}" if theme.is_framed else ":root{--wb-mode-top:3.75rem}"
+        gui.add_html(f'<style class="wb-style">{style}{top}</style>')
         gui.add_html('<div class="wb-head"></div>')
+        self._mode = gui.add_html("")
         self._strip = gui.add_html("")
         self._status = gui.add_html("")
         self._cancel = gui.add_button("Cancel task", icon=viser.Icon.X, color="gray")
         self._acknowledge = gui.add_button(
             "Acknowledge", icon=viser.Icon.CHECK, color="red", visible=False
         )
+        self._changes = gui.add_html("", visible=False)
+        self._seen = gui.add_button(
+            "Changes seen", color="red", visible=False, hint="Acknowledge what has changed"
+        )
         self._progress = gui.add_progress_bar(0.0)
         self._theme, self._gui = theme, gui
         self._control = ControlStrip(visitor)
+        self._looks = Looks(visitor)
         visitor.on_press(self._cancel, CancelJob)
         visitor.on_key("L", "Dark or light page", self._turn)
         visitor.on_press(self._acknowledge, AcknowledgeFault)
+        self._shown = ""
+        visitor.on_press(self._seen, lambda: AcknowledgeChanges(self._shown))
 
     def show(self, old: View | None, new: View) -> None:
         """Bring what is shown from `old` to `new`."""
         state, live = new.state, new.live
+        mode = mode_html(new)
+        if mode != self._mode.content:
+            self._mode.content = mode
         self._control.show(old, new)
+        self._looks.show(new)
         if old is None or old.state is not state:
             self._strip.content = strip_html(state)
-            self._progress.animated = state.job is not None or state.phase is Phase.SENDING
+            is_busy = state.job is not None or state.phase is Phase.SENDING
+            self._progress.animated = is_busy and not new.is_recorded
             # One place for both, so that nothing below moves.
             self._cancel.visible = state.phase is not Phase.FAULT
             self._visitor.admit(self._cancel, state, CancelJob)
             self._visitor.admit(self._acknowledge, state, AcknowledgeFault)
             self._acknowledge.visible = state.phase is Phase.FAULT
+            self._show_changes(state)
+        if self._visitor.is_dark and (old is None or old.state.cell is not state.cell):
+            # With the cell the floor was laid anew for all, as on a light page.
+            self._lay_out()
         self._status.content = status_html(new)
         if state.job is not None:
             self._progress.value = round(100 * live.told_of(state.job.number)[0], 1)
         elif live.getting_ready is not None:
             self._progress.value = round(100 * live.getting_ready.done, 1)
+        elif state.let and state.plan is not None:
+            self._progress.value = round(100 * state.let / len(state.plan.sequence))
         elif state.receipts:
             self._progress.value = round(100 * state.receipts[-1].done / state.receipts[-1].total)
         else:
             self._progress.value = 0.0
 
+    def _show_changes(self, state: State) -> None:
+        self._shown = "" if state.ran is None else state.ran.digest
+        self._changes.visible = self._seen.visible = bool(state.changed)
+        self._changes.content = changes_html(state)
+        self._visitor.admit(self._seen, state, AcknowledgeChanges)
+
     def _turn(self) -> None:
         visitor = self._visitor
         visitor.is_dark = not visitor.is_dark
         self._theme.apply(self._gui, is_dark=visitor.is_dark)
+        self._lay_out()
+
+    def _lay_out(self) -> None:
+        """Sky and floor in this browser, over those that all have."""
+        visitor = self._visitor
         paint_background(visitor.client.scene, is_dark=visitor.is_dark)
+        add_floor(visitor.client.scene, visitor.cell, is_dark=visitor.is_dark)

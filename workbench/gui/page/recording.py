@@ -27,8 +27,8 @@ def scene_html(state: State) -> bytes:
     try:
         runs = timeline(state.plan) if state.plan is not None else ()
         # Who stands where does not matter any more: the robot is shown where the plan has it.
-        view = View(state, Live(), Look(), runs, 0.0)
-        scene = Scene(server, state.cell, most_points=MOST_POINTS)
+        view = View(state, Live(), Look(follows=False), runs, 0.0)
+        scene = Scene(server, state.cell, most_points=MOST_POINTS, planned_is_solid=True)
         scene.draw(None, view)
         recording = server.get_scene_serializer()
         for frame in range(1, math.ceil(view.plan_seconds / FRAME) + 1):

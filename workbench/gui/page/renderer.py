@@ -16,8 +16,9 @@ from workbench.app.picking.facts import bin_check_of
 from workbench.app.review.history import History
 from workbench.app.runtime.bench import Bench
 from workbench.gui.drawing.fixes import Fixes
+from workbench.gui.drawing.following import keep_up
 from workbench.gui.drawing.own_scene import OwnScene
-from workbench.gui.drawing.own_views import OwnViews
+from workbench.gui.drawing.own_views import OwnViews, has_lost_sighting
 from workbench.gui.drawing.player import Player
 from workbench.gui.drawing.poses import PoseFinder
 from workbench.gui.drawing.reach import Reaches
@@ -28,7 +29,7 @@ from workbench.gui.page.theme import Theme
 from workbench.gui.scene.picture import Scene
 from workbench.gui.shared.calibrating import solved
 from workbench.gui.shared.look import Look, Pose, SharedLook, View
-from workbench.gui.shared.playback import Run, followed, timeline
+from workbench.gui.shared.playback import Run, timeline
 from workbench.gui.shared.viser_server import person_of
 from workbench.gui.shared.visitor import Panel, Visitor
 from workbench.gui.statistics.counting import Counted
@@ -185,8 +186,15 @@ class Renderer:
         is_sending = new.state.phase is Phase.SENDING
         is_other = old is not None and old.state.cell is not new.state.cell
         for visitor in self._visitors.values():
-            if is_begun or is_sending or is_other or visitor.lacks(new.state, TakeScan):
+            follows = bool(visitor.lacks(new.state, TakeScan))
+            held = self._look.now.held
+            if follows and held is not None and held.browser == visitor.number:
+                # Who has lost control in the middle of a drag cannot let go of it.
+                self._look.change(held=None)
+            if is_begun or is_sending or is_other or follows:
                 visitor.own.end()
+            elif has_lost_sighting(visitor.own.now, old and old.state, new.state):
+                visitor.own.change(sighting=None)
 
     def _show(self, visitor: Visitor, shared: View) -> None:
         """Bring one browser's controls, and what it alone sees, to the newest view."""
@@ -194,6 +202,7 @@ class Renderer:
         new = self._own_views.of(visitor.own.now, old, shared)
         for panel in self._panels.get(visitor.number, ()):
             _shielded(lambda panel=panel: panel.show(old, new))
+        _shielded(visitor.show_told)
         self._shown[visitor.number] = new
 
     def _count_people(self, waiting: list[tuple[viser.ClientHandle, bool]]) -> None:
@@ -213,16 +222,8 @@ class Renderer:
         before = self._drawn.state if self._drawn is not None else None
         if before is None or before.plan is not state.plan:
             self._runs = timeline(state.plan) if state.plan is not None else ()
-        if before is not None and _is_other_scene(before, state):
-            self._look.change(time=0.0, is_playing=False, candidate=None, pose=0, by=None)
         live = self._bench.live
-        if state.phase is Phase.SENDING and live.joints:
-            reached = followed(state.cell, self._runs, live.joints, self._look.now.time)
-            if reached != self._look.now.time:
-                self._look.change(time=reached, is_playing=False, by=None)
-        if before is not None and before.phase is Phase.SENDING and state.phase is Phase.DONE:
-            # The last reports of a quick robot may never have been drawn.
-            self._look.change(time=max((run.end for run in self._runs), default=0.0), by=None)
+        keep_up(self._look, before, state, live, self._runs)
         look = self._look.now
         return View(
             state,
@@ -232,10 +233,13 @@ class Renderer:
             time.time(),
             self._poses(state, look),
             self._fixes.of(state, look.candidate),
+            self._fixes.without_plan(state),
             self._reaches.of(state.cell, look.reach),
             self._counted.of(state),
             self._calibration(state),
             bin_check_of(state),
+            isinstance(self._bench, History),
+            self._player.unseen(state.plan, max((run.end for run in self._runs), default=0.0)),
         )
 
     def _calibration(self, state: State) -> Calibration | str:
@@ -270,8 +274,9 @@ class Renderer:
             found.append(self._arrivals.get())
         return found
 
-    def _welcome(self, client: viser.ClientHandle, view: View) -> None:
+    def _welcome(self, client: viser.ClientHandle, view: View, *, is_dark: bool = False) -> None:
         visitor = Visitor(client, self._bench, self._look, self._predictions, self._folders)
+        visitor.is_dark = is_dark
         self._visitors[client.client_id] = visitor
         # All at once: what is pressed before somebody listens would be lost.
         with client.atomic():
@@ -279,6 +284,7 @@ class Renderer:
             panels = (header, OwnScene(visitor), *tabs_of(visitor, self._woken.set))
             for panel in panels:
                 panel.show(None, view)
+            visitor.show_told()
         self._shown[client.client_id] = view
         self._panels[client.client_id] = panels
 
@@ -294,8 +300,7 @@ class Renderer:
         self._panels.pop(visitor.number, None)
         _shielded(partial(visitor.end, is_gone=False))
         visitor.gui.reset()
-        self._welcome(visitor.client, view)
-        self._visitors[visitor.number].is_dark = visitor.is_dark
+        self._welcome(visitor.client, view, is_dark=visitor.is_dark)
 
 
 def _count(presence: Presence, client: viser.ClientHandle, now: float, *, is_here: bool) -> None:
@@ -309,17 +314,15 @@ def _needs_other_controls(before: Cell, now: Cell) -> bool:
     """Whether controls were made for arms that are not there any more, or for other things."""
 
     def made_for(cell: Cell) -> str:
-        arms = [(arm.name, arm.joints, cell.robot.limits(arm.joints)) for arm in cell.arms]
-        return digest_of((arms, cell.policy))
+        arms = [
+            (arm.name, arm.joints, cell.robot.limits(arm.joints), arm.axis_order, arm.axis_signs)
+            for arm in cell.arms
+        ]
+        # In any order: which tool of its own an arm carries changes no control.
+        tools = [sorted({one.name for one in (arm.tool, *arm.tools)}) for arm in cell.arms]
+        return digest_of((arms, tools, cell.policy))
 
     return before is not now and made_for(before) != made_for(now)
-
-
-def _is_other_scene(before: State, state: State) -> bool:
-    """Whether the time and the candidate that were looked at do not matter any more."""
-    is_sent_now = state.phase is Phase.SENDING and before.phase is not Phase.SENDING
-    is_new = before.plan is not state.plan or before.candidates is not state.candidates
-    return is_new or is_sent_now
 
 
 def _shielded(action: Callable[[], None]) -> bool:

@@ -24,6 +24,7 @@ class Theme:
         Raises:
             FileError: one is missing.
         """
+        self.is_framed = is_framed
         self._titlebar: theme.TitlebarConfig | None = None
         if is_framed:
             return

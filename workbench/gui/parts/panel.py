@@ -1,5 +1,6 @@
 """The tab with the parts found: what speaks for and against each, and a person's word on it."""
 
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -31,9 +32,15 @@ from workbench.model.scan import Detection
 GIZMO = 0.09
 """[m] Size of the gizmo that corrects a part."""
 
+CHOOSE = "choose a part in the table first"
+NOT_DONE = "nothing was done to the parts found that could be undone"
+
 
 class PartsPanel:
     """Scans and poses from files, the list of parts, and a part's veto or correction.
+
+    The choice is a part, not a row: when others change the list it stays with the part, and is
+    dropped with it.
 
     Concurrency: clicks come from viser's threads and replace `_chosen` or give commands; the
     renderer's thread draws.
@@ -42,7 +49,8 @@ class PartsPanel:
     def __init__(self, visitor: Visitor):
         """Add the controls."""
         self._visitor = visitor
-        self._chosen = 0
+        self._chosen: Detection | None = None
+        self._shown: tuple[Detection, ...] = ()
         gui = visitor.gui
         gui.add_html('<div class="wb-buttons wb-two"></div>')
         self._scan = gui.add_upload_button(
@@ -70,6 +78,12 @@ class PartsPanel:
         )
         self._veto = gui.add_button("Veto", icon=viser.Icon.TRASH, color="red")
         self._add = gui.add_button("Add a part", icon=viser.Icon.PLUS, color="gray")
+        self._undo = gui.add_button(
+            "Undo",
+            icon=viser.Icon.ARROW_BACK_UP,
+            color="gray",
+            hint="Takes back the last veto, correction or part that was added.",
+        )
         self._avoided = gui.add_html("")
         self._forget = gui.add_button("Avoid no more", icon=viser.Icon.REFRESH, color="gray")
         self._remarks = gui.add_html("")
@@ -80,6 +94,7 @@ class PartsPanel:
         self._scan.on_upload(lambda event: self._uploaded(event, self._scan_of))
         self._poses.on_upload(lambda event: self._uploaded(event, self._poses_of))
         visitor.on_press(self._veto, self._without)
+        visitor.on_press(self._undo, self._undone)
         self._add.on_click(lambda _: self._add_one())
         visitor.on_press(self._forget, ForgetAvoided)
 
@@ -94,7 +109,6 @@ class PartsPanel:
         state = new.state
         found = state.detections or ()
         self._searches.show(old, new)
-        self._chosen = min(self._chosen, max(len(found) - 1, 0))
         self._avoided.content = avoided_html(state, new.at)
         if old is not None and old.state is state:
             return
@@ -104,14 +118,17 @@ class PartsPanel:
             self._kind.options = kinds
         self._kind.visible = len(kinds) > 1
         self._visitor.admit(self._forget, state, ForgetAvoided)
-        can = not self._visitor.obstacle(state, UseDetections)
         self._visitor.admit(self._scan, state, UseScan)
         self._visitor.admit(self._poses, state, UseDetections)
         self._visitor.admit(self._add, state, UseDetections)
-        self._visitor.admit(self._veto, state, UseDetections, is_ready=bool(found))
+        self._follow(found)
+        missing = CHOOSE if self._chosen is None else ""
+        self._visitor.admit(self._veto, state, UseDetections, otherwise=missing)
+        missing = "" if state.parts_before else NOT_DONE
+        self._visitor.admit(self._undo, state, UseDetections, otherwise=missing)
         self._show_discarded.disabled = bool(self._visitor.lacks(state, TakeScan))
         self._remarks.content = remarks_html(state.remarks, state.cell.poses_folder)
-        self._draw(found, can)
+        self._draw(found)
 
     def _draw_discarded(self, old: View | None, new: View) -> None:
         if old is None or old.discarded is not new.discarded:
@@ -120,20 +137,31 @@ class PartsPanel:
         if self._show_discarded.value != new.look.discarded:
             self._show_discarded.value = new.look.discarded
 
-    def _draw(self, found: tuple[Detection, ...], can: bool) -> None:
+    def _follow(self, found: tuple[Detection, ...]) -> None:
+        """Keep the choice among these parts; where there were none, the first is chosen."""
+        if not self._shown and found:
+            self._chosen = self._chosen or found[0]
+        if _place(found, self._chosen) is None:
+            self._chosen = None
+        self._shown = found
+
+    def _draw(self, found: tuple[Detection, ...]) -> None:
+        chosen, visitor = self._chosen, self._visitor
         if found:
-            self._table.content = parts_html(found, self._chosen, self._rows)
+            self._table.content = parts_html(found, _place(found, chosen), self._rows)
         else:
             hint = "The parts found appear here; one can be vetoed, corrected, or added."
             self._table.content = line(hint, kind="hint")
-        T = found[self._chosen].T_world_part if found else None
-        self._inputs.show(T, is_enabled=can)
+        T = None if chosen is None else chosen.T_world_part
+        problem = visitor.obstacle(visitor.bench.state, UseDetections)
+        self._inputs.show(T, problem=problem or (CHOOSE if T is None else ""))
 
     def _choose(self, number: int) -> None:
-        state = self._visitor.bench.state
-        if number < len(state.detections or ()):
-            self._chosen = number
-            self._draw(state.detections or (), not self._visitor.obstacle(state, UseDetections))
+        state, shown = self._visitor.bench.state, self._shown
+        if number < len(shown):
+            self._chosen = shown[number]
+            self._visitor.admit(self._veto, state, UseDetections)
+            self._draw(shown)
 
     @property
     def _found(self) -> tuple[Detection, ...]:
@@ -141,32 +169,50 @@ class PartsPanel:
 
     def _correct(self, T: pin.SE3) -> bool:
         """A person knows better where the chosen part is."""
-        found, number = list(self._found), self._chosen
-        if number >= len(found):
-            return False
-        found[number] = Detection(found[number].part, T)
-        says = f"part-{number + 1} was corrected by hand"
-        return self._visitor.ask(lambda: UseDetections(tuple(found), says))
+
+        def moved() -> Command:
+            found, number = list(self._found), self._number
+            self._chosen = found[number] = Detection(found[number].part, T)
+            return UseDetections(tuple(found), f"part-{number + 1} was corrected by hand")
+
+        return self._ask_choosing(moved)
+
+    @property
+    def _number(self) -> int:
+        place = _place(self._found, self._chosen)
+        if place is None:
+            raise InputError(CHOOSE)
+        return place
 
     def _without(self) -> Command:
-        found, number = self._found, self._chosen
-        if number >= len(found):
-            raise InputError("there is no part to veto")
+        found, number = self._found, self._number
         rest = found[:number] + found[number + 1 :]
         if not rest:
             raise InputError("the last part cannot be vetoed: take a new scan instead")
         return UseDetections(rest, f"part-{number + 1} ({found[number].part}) was vetoed")
 
+    def _undone(self) -> Command:
+        before = self._visitor.bench.state.parts_before
+        if not before:
+            raise InputError(NOT_DONE)
+        return UseDetections(before[0], "the last change of the parts is undone")
+
     def _add_one(self) -> None:
         """Add a part and choose it, so that it is the one that is moved next."""
-        before, self._chosen = self._chosen, len(self._found)
-        if not self._visitor.ask(self._with_one_more):
+        self._ask_choosing(self._with_one_more)
+
+    def _ask_choosing(self, command: Callable[[], Command]) -> bool:
+        """Give a command whose making chooses a part, unless it is refused."""
+        before = self._chosen
+        is_done = self._visitor.ask(command)
+        if not is_done:
             self._chosen = before
+        return is_done
 
     def _with_one_more(self) -> Command:
         cell = self._visitor.cell
         middle = cell.bin.T_world_bin * pose_from_rpy((0, 0, float(cell.bin.size[2]) / 2))
-        one = Detection(self._kind.value, middle)
+        self._chosen = one = Detection(self._kind.value, middle)
         return UseDetections((*self._found, one), f"a {one.part} was added by hand")
 
     def _uploaded(self, event: Any, made: Any) -> None:
@@ -180,6 +226,11 @@ class PartsPanel:
     def _poses_of(self, name: str, content: bytes) -> Command:
         detections = parse_poses(Path(name), content, self._kind.value)
         return UseDetections(detections, f"{len(detections)} poses taken from {name}")
+
+
+def _place(found: Sequence[Detection], chosen: Detection | None) -> int | None:
+    """Where a part stands in a list; None: it does not."""
+    return next((number for number, one in enumerate(found) if one is chosen), None)
 
 
 def _kinds(cell: Cell) -> tuple[str, ...]:

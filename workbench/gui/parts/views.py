@@ -15,12 +15,12 @@ MOST_ROWS = 30
 """Parts that can be listed: as many as a bin may hold."""
 
 
-def parts_html(found: Sequence[Detection], chosen: int, rows: Sequence[str]) -> str:
+def parts_html(found: Sequence[Detection], chosen: int | None, rows: Sequence[str]) -> str:
     """A table with a row for each part.
 
     Args:
         found: the parts.
-        chosen: which row is marked.
+        chosen: which row is marked, None: none is.
         rows: ids of the unseen buttons, by row.
     """
     heads = (
@@ -30,6 +30,8 @@ def parts_html(found: Sequence[Detection], chosen: int, rows: Sequence[str]) -> 
         ("Seen", "wb-number", "share of the surface facing the scanner that was seen"),
         ("Gap", "wb-number", "by which it beats the second-best pose of the same object"),
         ("Residual", "wb-number", "distance of the scan from the part's surface, RMS"),
+        ("Sure", "wb-number", "of detections that say 90 %, nine in ten are right"),
+        ("Within", "wb-number", "standard deviation of place and turn, in the direction of most"),
         ("Roll", "", "whether the scan shows the turn about the part's axis"),
     )
     head = "".join(
@@ -83,12 +85,22 @@ def discarded_html(discarded: Sequence[Discarded]) -> str:
     )
 
 
+def _deviations(one: Detection) -> str:
+    if one.deviations is None:
+        return ""
+    place, turn = one.deviations
+    # Where it does not fit it goes on below, number and unit together.
+    return f"{mm(place, 2)}, {math.degrees(turn):.1f}°".replace(" mm", "\u00a0mm")
+
+
 def _row(number: int, one: Detection, is_chosen: bool, button: str) -> str:
     values = (
         f"{one.score:.2f}",
         f"{one.visible:.0%}",
         "" if one.gap is None else f"{one.gap:.2f}",
         "by hand" if one.residual is None else mm(one.residual, 2),
+        "" if one.probability is None else f"{one.probability:.0%}",
+        _deviations(one),
     )
     numbers = "".join(f'<td class="wb-number">{escape(value)}</td>' for value in values)
     dot = f'<span class="wb-verdict" style="background:{part_colour(number)}">{number + 1}</span>'

@@ -1,31 +1,28 @@
 """The tab that plays a plan: scrubber, lanes, and curves over time."""
 
+import math
+from functools import partial
 from typing import Any
 
-import numpy as np
 import viser
 
-from workbench.app.core.commands import WatchPlan
-from workbench.app.core.state import Phase
+from workbench.app.core.commands import MakePlan, WatchPlan
+from workbench.app.core.results import MOST_OUTLINES
+from workbench.app.core.state import Phase, State
+from workbench.gui.plan.curves import doing, lanes_html, now_html, plots_of
+from workbench.gui.plan.views import outlines_html, plan_html
 from workbench.gui.scene.nearest import PlanLinks, proof_html
-from workbench.gui.shared.charts import (
-    JOINTS,
-    LEGS,
-    axis,
-    clearance_curves,
-    cursor_html,
-    curve,
-    doing,
-    joint_curves,
-    lanes_html,
-    speed_curve,
-)
-from workbench.gui.shared.colours import arm_colour
-from workbench.gui.shared.look import View
-from workbench.gui.shared.views import line, outlines_html, plan_html
+from workbench.gui.shared.look import AFTER_CYCLE, View
+from workbench.gui.shared.plots import Plot, cursor_style, legend_html, plot_html
+from workbench.gui.shared.views import line
+from workbench.gui.shared.viser_server import element_id
 from workbench.gui.shared.visitor import Visitor
 
-NOTHING = np.array([0.0, 1.0])
+TO_START, END_PREVIEW = "To the start", "End preview"
+"""What the button says: after a cycle the robot is not at the plan's start to be looked at."""
+
+STEP = 0.01
+"""[s] Of the slider."""
 
 
 class PlanPanel:
@@ -47,53 +44,22 @@ class PlanPanel:
             "Time [s]",
             min=0.0,
             max=1.0,
-            step=0.01,
+            step=STEP,
             initial_value=0.0,
             hint="Drag to move the arms along the plan; it only shows, nothing is sent.",
         )
         self._links = PlanLinks(visitor)
+        self._plans = [visitor.unseen(partial(self._again, k)) for k in range(MOST_OUTLINES)]
+        visitor.hide(self._plans)
         gui.add_html('<div class="wb-buttons wb-two"></div>')
         self._play = gui.add_button("Play", icon=viser.Icon.PLAYER_PLAY)
-        self._start = gui.add_button("To the start", icon=viser.Icon.PLAYER_SKIP_BACK, color="gray")
-        has_two = len(cell.arms) > 1
-        self._clearance = gui.add_uplot(
-            (NOTHING, NOTHING, NOTHING, NOTHING)[: 3 + has_two],
-            (
-                curve("time [s]"),
-                curve("free legs (up to 100 mm)"),
-                curve("straight ways (up to 100 mm)", LEGS["extract"]),
-                curve("between the arms (up to 400 mm)", JOINTS[3]),
-            )[: 3 + has_two],
-            scales={"x": {"time": False}},
-            axes=(axis("time [s]"), axis("kept at least [mm]")),
-            height=170,
-            visible=False,
-        )
-        self._speed = gui.add_uplot(
-            (NOTHING, *(NOTHING for _ in cell.arms)),
-            (
-                curve("time [s]"),
-                *(curve(arm.name, arm_colour(k)) for k, arm in enumerate(cell.arms)),
-            ),
-            scales={"x": {"time": False}, "y": {"range": (0.0, 105.0)}},
-            axes=(axis("time [s]"), axis("fastest axis [%]")),
-            height=150,
-            visible=False,
-        )
-        self._joints = {
-            arm.name: gui.add_uplot(
-                (NOTHING, *(NOTHING for _ in arm.joints)),
-                (
-                    curve("time [s]"),
-                    *(curve(f"{k + 1}", JOINTS[k % len(JOINTS)]) for k in range(len(arm.joints))),
-                ),
-                scales={"x": {"time": False}},
-                axes=(axis("time [s]"), axis(f"{arm.name} axes [deg]")),
-                height=170,
-                visible=False,
-            )
-            for arm in cell.arms
-        }
+        self._start = gui.add_button(TO_START, icon=viser.Icon.PLAYER_SKIP_BACK, color="gray")
+        self._at = gui.add_html("")
+        # A plot and its legend for clearance, the arms' distance, speeds, and each arm's axes.
+        count = 2 + (len(cell.arms) > 1) + len(cell.arms)
+        self._drawn = [(gui.add_html(""), gui.add_html("")) for _ in range(count)]
+        self._plots: tuple[Plot, ...] = ()
+        self._end = 0.0
         self._react()
 
     def show(self, old: View | None, new: View) -> None:
@@ -102,18 +68,20 @@ class PlanPanel:
         if is_other or (old is not None and old.state.plan is not new.state.plan):
             self._draw_plan(new)
         if old is None or old.state is not new.state:
-            # While a plan is sent, its picture follows the robot.
-            is_free = new.state.plan is not None and new.state.phase is not Phase.SENDING
-            # Viewers see what those see who act.
-            is_free = is_free and not self._visitor.lacks(new.state, WatchPlan)
+            problem = self._problem(new.state)
             for control in (self._time, self._play, self._start):
-                control.disabled = not is_free
+                control.disabled = bool(problem)
+            for button in (self._play, self._start):
+                self._visitor.explain(button, problem)
+            self._start.label = END_PREVIEW if self._ends_preview(new.state) else TO_START
         is_moved = old is None or old.runs is not new.runs or old.look.time != new.look.time
         if is_moved and new.runs:
-            now = doing(new.state.cell, new.runs, new.look.time)
-            self._cursor.content = cursor_html(
-                new.look.time, new.plan_seconds, now, len(new.state.cell.arms)
-            )
+            now = doing(new.runs, new.look.time)
+            self._cursor.content = now_html(new.look.time, new.plan_seconds, now)
+            self._at.content = cursor_style(new.look.time, new.plan_seconds)
+            # Values are read when it stands still.
+            if not new.look.is_playing:
+                self._tell_values(new.look.time)
             # The browser that drags knows best where its own slider stands.
             if new.look.by != self._visitor.number:
                 self._time.value = round(new.look.time, 2)
@@ -123,31 +91,55 @@ class PlanPanel:
                 viser.Icon.PLAYER_PAUSE if new.look.is_playing else viser.Icon.PLAYER_PLAY
             )
 
+    def _ends_preview(self, state: State) -> bool:
+        """Whether there is a robot to look at again that does not stand at the plan's start."""
+        return state.phase in AFTER_CYCLE and not self._visitor.is_recorded
+
+    def _problem(self, state: State) -> str:
+        """Why the plan cannot be played; empty when it can."""
+        if state.plan is None:
+            return "make a plan first"
+        if state.phase is Phase.SENDING:
+            return "while a plan is sent, its picture follows the robot"
+        return self._visitor.lacks(state, WatchPlan)
+
     def _draw_plan(self, view: View) -> None:
         state, runs, seconds = view.state, view.runs, view.plan_seconds
-        cell = state.cell
-        has_plan = state.plan is not None
-        for plot in (self._clearance, self._speed, *self._joints.values()):
-            plot.visible = has_plan
+        cell, taken = state.cell, "" if state.plan is None else state.plan.digest
+        outlines = outlines_html(state.outlines, taken, self._plans)
         if state.plan is None:
             hint = line("A plan can be played here once it was made.", kind="hint")
-            self._summary.content = hint + outlines_html(state.outlines)
+            self._summary.content = hint + outlines
             self._lanes.content = self._cursor.content = self._nearest.content = ""
+            self._plots = ()
+            self._clear_plots(0)
             self._time.value = 0.0
             return
-        self._summary.content = plan_html(cell, state.plan, state.seconds) + outlines_html(
-            state.outlines
-        )
+        self._summary.content = plan_html(cell, state.plan, state.seconds) + outlines
         self._lanes.content = lanes_html(cell, runs, seconds)
-        self._time.max = max(round(seconds, 2), 0.01)
-        if state.proof is not None:
-            curves = clearance_curves(runs, state.proof)
-            self._clearance.data = curves[: 3 + (len(cell.arms) > 1)]
-            self._nearest.content = proof_html(state, state.plan, state.proof, self._links)
-        speeds = [speed_curve(arm, cell, runs, seconds) for arm in cell.arms]
-        self._speed.data = (np.linspace(0.0, max(seconds, 1e-3), len(speeds[0])), *speeds)
-        for arm in cell.arms:
-            self._joints[arm.name].data = joint_curves(arm, runs, seconds)
+        self._end = seconds
+        # To the next step: the end can be reached, whatever comes after its second decimal.
+        self._time.max = max(round(math.ceil(round(seconds / STEP, 6)) * STEP, 2), STEP)
+        proof = state.proof
+        self._nearest.content = (
+            "" if proof is None else proof_html(state, state.plan, proof, self._links)
+        )
+        self._plots = plots_of(cell, runs, seconds, state.proof)
+        slider = element_id(self._time)
+        for (drawn, _), plot in zip(self._drawn, self._plots, strict=False):
+            drawn.content = plot_html(plot, seconds, slider)
+        self._clear_plots(len(self._plots))
+        self._tell_values(view.look.time)
+
+    def _clear_plots(self, first: int) -> None:
+        """Take away the plots from the `first` on: of a plan before, or that had a proof."""
+        for pair in self._drawn[first:]:
+            for html in pair:
+                html.content = ""
+
+    def _tell_values(self, time: float) -> None:
+        for (_, legend), plot in zip(self._drawn, self._plots, strict=False):
+            legend.content = legend_html(plot, time)
 
     def _react(self) -> None:
         look, number = self._visitor.look, self._visitor.number
@@ -156,11 +148,32 @@ class PlanPanel:
         async def _(event: Any) -> None:
             # The renderer sets the slider too; only a person's hand comes with a browser.
             if event.client is not None:
-                look.change(time=float(event.target.value), is_playing=False, by=number)
+                # The last step of the slider may lie beyond the end.
+                time = max(0.0, min(float(event.target.value), self._end))
+                look.change(time=time, is_playing=False, by=number)
 
         self._play.on_click(lambda _: self._play_or_pause())
         self._visitor.on_key("K", "Play or pause the plan", self._play_or_pause)
-        self._start.on_click(lambda _: look.change(time=0.0, is_playing=False, by=None))
+        self._start.on_click(lambda _: self._go_back())
+
+    def _go_back(self) -> None:
+        look = self._visitor.look
+        if self._ends_preview(self._visitor.bench.state):
+            look.change(**look.now.real_moment)
+        else:
+            look.change(time=0.0, is_playing=False, by=None)
+
+    def _again(self, number: int) -> None:
+        """Make a plan of the table once more: what is taken is always the plan made last."""
+        visitor = self._visitor
+        state = visitor.bench.state
+        if number >= len(state.outlines):
+            return
+        if problem := visitor.obstacle(state, MakePlan):
+            visitor.tell("Refused", problem)
+            return
+        one = state.outlines[number]
+        visitor.ask(lambda: MakePlan(one.asked, one.threshold, one.seed, one.wishes))
 
     def _play_or_pause(self) -> None:
         visitor, look = self._visitor, self._visitor.look

@@ -1,17 +1,20 @@
-"""The tab of a recorded session: which moment is looked at."""
+"""The tab of a recorded session: what happened, and which moment of it is looked at."""
 
+from functools import partial
 from typing import Any
 
 import viser
 
 from workbench.app.review.history import History
+from workbench.gui.recorded.views import PAGE, events_html, events_of, place_of
 from workbench.gui.shared.look import View
-from workbench.gui.shared.views import clock, table_html
+from workbench.gui.shared.tables import chosen_html
+from workbench.gui.shared.views import clock, line, said
 from workbench.gui.shared.visitor import Visitor
 
 
 class RecordedPanel:
-    """A slider over the entries, and what happened there.
+    """A slider over the entries, what happened there, and a list of the events to jump to.
 
     Concurrency: clicks and drags choose a moment; the renderer's thread draws it.
     """
@@ -19,6 +22,7 @@ class RecordedPanel:
     def __init__(self, visitor: Visitor, history: History):
         """Add the controls."""
         self._history = history
+        self._events = events_of(history.moments)
         gui = visitor.gui
         self._entry = gui.add_slider(
             "Entry",
@@ -26,14 +30,19 @@ class RecordedPanel:
             max=max(history.count - 1, 1),
             step=1,
             initial_value=history.number,
-            hint="Drag through what was recorded; everything shown is as it was then.",
+            hint="Drag through what was recorded; all but the statistics is shown as it was then.",
         )
         gui.add_html('<div class="wb-buttons wb-two"></div>')
-        back = gui.add_button("Back", icon=viser.Icon.CHEVRON_LEFT, color="gray")
-        on = gui.add_button("On", icon=viser.Icon.CHEVRON_RIGHT, color="gray")
+        back = gui.add_button("Event before", icon=viser.Icon.CHEVRON_LEFT, color="gray")
+        on = gui.add_button("Next event", icon=viser.Icon.CHEVRON_RIGHT, color="gray")
         self._facts = gui.add_html("")
-        back.on_click(lambda _: history.go(history.number - 1))
-        on.on_click(lambda _: history.go(history.number + 1))
+        self._list = gui.add_html("")
+        self._mark = gui.add_html("")
+        self._page = -1
+        self._rows = [visitor.unseen(partial(self._jump, place)) for place in range(PAGE)]
+        visitor.hide(self._rows)
+        back.on_click(lambda _: self._step(-1))
+        on.on_click(lambda _: self._step(1))
 
         @self._entry.on_update
         async def _(event: Any) -> None:
@@ -45,11 +54,27 @@ class RecordedPanel:
         """Bring what is shown from `old` to `new`."""
         if old is not None and old.state is new.state:
             return
-        moment = self._history.entry
-        rows = [("Of", f"{self._history.number + 1} of {self._history.count}")]
+        number, moment = self._history.number, self._history.entry
+        words = f"Entry {number + 1} of {self._history.count}"
         if moment is not None:
-            rows += [("At", clock(moment.at)), ("Who", moment.actor), ("What", moment.kind)]
-        rows.append(("Then", new.state.message))
-        self._facts.content = table_html(rows)
-        if self._entry.value != self._history.number:
-            self._entry.value = self._history.number
+            words += f", {clock(moment.at)}, {moment.actor}: {said(new.state.message)}"
+        self._facts.content = line(words)
+        page, place = divmod(place_of(self._events, number), PAGE)
+        self._mark.content = chosen_html(place if number else None)
+        if page != self._page:
+            self._list.content, self._page = events_html(self._events, page, self._rows), page
+        if self._entry.value != number:
+            self._entry.value = number
+
+    def _jump(self, place: int) -> None:
+        at = self._page * PAGE + place
+        if at < len(self._events):
+            self._history.go(self._events[at].number)
+
+    def _step(self, by: int) -> None:
+        """To the end of the event before, or of the next one."""
+        number, ends = self._history.number, [event.number for event in self._events]
+        if by > 0:
+            self._history.go(min((end for end in ends if end > number), default=number))
+        else:
+            self._history.go(max((end for end in ends if end < number), default=0))

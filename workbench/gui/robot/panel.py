@@ -32,7 +32,8 @@ class RobotPanel:
             parts = "1 part lies" if count == 1 else f"{count} parts lie"
             self._pallets.content = line(f"{parts} on the pallets.") if keeps else ""
             self._empty.visible = keeps
-            self._visitor.admit(self._empty, new.state, EmptyPallets, is_ready=count > 0)
+            missing = "" if count else "no part lies on the pallets"
+            self._visitor.admit(self._empty, new.state, EmptyPallets, otherwise=missing)
         if old is None or old.live.joints is not new.live.joints:
             self._joints.content = joints_html(new.state.cell, new.live.joints)
 

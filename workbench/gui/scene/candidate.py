@@ -6,7 +6,7 @@ import viser
 
 from workbench.gui.scene.meets import draw_meets
 from workbench.gui.scene.robot import DrawnRobot, place
-from workbench.gui.shared.colours import VERDICTS, rgb_of
+from workbench.gui.shared.colours import kind_of, rgb_of, verdict_colour
 from workbench.gui.shared.look import Pose, View
 from workbench.gui.shared.solids import by_colour
 from workbench.gui.shared.views import candidate_label
@@ -72,7 +72,9 @@ class DrawnCandidates:
         approaches = np.array(
             [candidate.T_world_tcp.rotation @ candidate.grasp.approach for candidate in candidates]
         )
-        colours = np.array([rgb_of(VERDICTS[candidate.verdict.reason]) for candidate in candidates])
+        colours = np.array(
+            [rgb_of(verdict_colour(kind_of(candidate.verdict))) for candidate in candidates]
+        )
         self._scene.add_line_segments(
             "/grasps",
             np.stack([ends - STROKE * approaches, ends], axis=1).astype(np.float32),
@@ -82,7 +84,7 @@ class DrawnCandidates:
         )
 
     def _draw_chosen(self, candidate: Candidate, pose: Pose | None) -> None:
-        colour = rgb_of(VERDICTS[candidate.verdict.reason])
+        colour = rgb_of(verdict_colour(kind_of(candidate.verdict)))
         arm = self._cell.arm(candidate.arm)
         node = self._scene.add_frame("/candidate", axes_length=0.04, axes_radius=0.0015)
         place(node, candidate.T_world_tcp)

@@ -12,29 +12,34 @@ from workbench.model.scan import Detection, Obstacle
 SLACK = 1e-6
 """[m] Rounding, by which a point on the face of a box may lie outside of it."""
 
+GRID = 2.0**-12
+"""[m] To which points are rounded where they are drawn; a drawn point is 1.6 mm wide."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PaintedCloud:
-    """Points (n, 3) [m] in the world, a colour (n, 3) 0..255 for each, and which are a part's."""
+    """Points (n, 3) [m] in the world, a colour (n, 3) 0..255 for each, and whose they are.
+
+    `owners` (n,) are indices of parts found, -1 where a point is of none.
+    """
 
     points: Floats
     colours: np.ndarray
-    is_part: Bools
+    owners: np.ndarray
 
 
 def painted_cloud(cell: Cell, points: Floats, detections: tuple[Detection, ...]) -> PaintedCloud:
     """World points (n, 3) [m] by height, those of a part found in the part's colour."""
     colours = height_colours(cell, points)
-    is_part = np.zeros(len(points), np.bool_)
+    owners = np.full(len(points), -1)
     if detections:
         # Open3D takes a second to load: the page does not wait for it before there is a scan.
         from workbench.perception.scene.unexplained import explained_by
 
         owners = explained_by(cell, detections, points)
-        is_part = owners >= 0
         for number in range(len(detections)):
             colours[owners == number] = rgb_of(part_colour(number))
-    return PaintedCloud(points, colours, is_part)
+    return PaintedCloud(points, colours, owners)
 
 
 def avoided_red(cloud: PaintedCloud, obstacles: tuple[Obstacle, ...]) -> np.ndarray:
@@ -44,8 +49,23 @@ def avoided_red(cloud: PaintedCloud, obstacles: tuple[Obstacle, ...]) -> np.ndar
     avoided does not look as if it were.  Points of parts found keep the part's colour.
     """
     colours = cloud.colours.copy()
-    colours[in_boxes(cloud.points, obstacles) & ~cloud.is_part] = rgb_of(AVOIDED)
+    colours[in_boxes(cloud.points, obstacles) & (cloud.owners < 0)] = rgb_of(AVOIDED)
     return colours
+
+
+def in_short(points: Floats) -> tuple[tuple[float, float, float], np.ndarray]:
+    """Points (n, 3) [m] as browsers are sent them, in a third of the bytes once that is packed.
+
+    Returns:
+        Their middle, and (n, 3) in half precision from there, rounded to `GRID`: within 0.5 m
+        of the middle that is what half precision can say at all.
+    """
+    if not len(points):
+        return (0.0, 0.0, 0.0), np.zeros((0, 3), np.float16)
+    middle = (points.min(axis=0) + points.max(axis=0)) / 2
+    near = np.round((points - middle) / GRID) * GRID
+    x, y, z = middle.tolist()
+    return (x, y, z), near.astype(np.float16)
 
 
 def in_boxes(points: Floats, obstacles: tuple[Obstacle, ...]) -> Bools:

@@ -6,6 +6,7 @@ import numpy as np
 import pinocchio as pin
 
 from workbench.formats.meshes.triangles import triangles_of
+from workbench.gui.shared.look import View
 from workbench.model.cell import Cell
 from workbench.model.geometry import Floats, Solid
 from workbench.planning.kinematics.robot import Kinematics
@@ -38,6 +39,15 @@ def met(
     return np.asarray(origin) + distances.min() * ray
 
 
+def pointed_at(view: View, origin: Floats, direction: Floats) -> Floats | None:
+    """The first point (3,) [m] on a ray of cell, scan, or robot as it is drawn; see `met`."""
+    scan = view.state.scan
+    points = np.zeros((0, 3)) if scan is None else scan.points_world
+    # The robot as it is drawn, not as it stands at home.
+    q = {arm: moment.q for arm, moment in view.moments.items()}
+    return met(origin, direction, view.state.cell, q, points)
+
+
 def clear_way(
     target: Floats, line: Floats, far: float, cell: Cell, q: Mapping[str, Floats]
 ) -> Floats:
@@ -65,13 +75,7 @@ def clear_way(
 
 def _owners(cell: Cell, q: Mapping[str, Floats]) -> list[tuple[pin.SE3, tuple[Solid, ...]]]:
     kinematics = Kinematics(cell)
-    values = {
-        joint: float(value)
-        for arm in cell.arms
-        if arm.name in q
-        for joint, value in zip(arm.joints, q[arm.name], strict=True)
-    }
-    links = kinematics.link_poses(values)
+    links = kinematics.link_poses(cell.joint_values(q))
     owners = [(links[link.name], link.visual or link.collision) for link in cell.robot.links]
     owners += [(links[arm.flange], arm.tool.body) for arm in cell.arms]
     owners += [(one.T_world_fixture, one.solids) for one in cell.fixtures]

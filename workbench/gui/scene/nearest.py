@@ -38,7 +38,7 @@ def nearest_words(state: State, plan: Plan, proof: Proof) -> str:
     return f"{words}: {finding.pair[0]} and {finding.pair[1]}"
 
 
-def straight_words(state: State, plan: Plan, proof: Proof) -> str:
+def straight_words(state: State, proof: Proof) -> str:
     """How near hand and part come on their straight ways, where they may come near."""
     asked = f"{mm(state.cell.policy.near_margin)} asked"
     kept = [
@@ -61,11 +61,11 @@ def proof_html(state: State, plan: Plan, proof: Proof, links: "PlanLinks") -> st
     """What was proven of a plan, in three lines; its place and its certificate can be clicked."""
     if not proof.holds:
         return line(f"The proof does not hold: {proof.findings[0]}", kind="bad")
-    near, ways = nearest_words(state, plan, proof), straight_words(state, plan, proof)
+    near, ways = nearest_words(state, plan, proof), straight_words(state, proof)
     name = f"certificate-{short(plan.digest)}.json"
-    rows = [("Nearest", near), ("Straight ways", ways), ("Certificate", name)]
+    rows = [("Free ways", near), ("Straight ways", ways), ("Certificate", name)]
     made = {
-        "Nearest": go_html(near, links.nearest, "Shows the plan there"),
+        "Free ways": go_html(near, links.nearest, "Shows the plan there"),
         "Certificate": go_html(name, links.certificate, "Saves what another machine can check"),
     }
     return table_html(rows, made=made)
@@ -98,7 +98,7 @@ class PlanLinks:
         runs = timeline(plan)
         time = _run(runs, proof.nearest.arm, proof.nearest.leg).start + spot.seconds
         visitor.own.end()
-        visitor.look.change(time=time, is_playing=False, candidate=None, by=None)
+        visitor.look.change(time=time, is_playing=False, by=None)
         visitor.own.change(visited=Visited(plan, time, spot, at_least(proof.clearance)))
         first, second = spot.points
         q = {arm: moment.q for arm, moment in moments(state.cell, runs, time).items()}

@@ -1,14 +1,16 @@
 """The one picture that all browsers share: what stands in the cell, and what moves in it."""
 
+from collections.abc import Mapping
+
 import numpy as np
 import viser
 
 from workbench.formats.meshes.triangles import triangles_of
 from workbench.gui.scene.candidate import DrawnCandidates
-from workbench.gui.scene.cloud import PaintedCloud, avoided_red, painted_cloud
+from workbench.gui.scene.cloud import PaintedCloud, avoided_red, in_short, painted_cloud
 from workbench.gui.scene.held import DrawnHeld
 from workbench.gui.scene.marks import draw_discarded, draw_reach
-from workbench.gui.scene.robot import ROBOT, ROBOT_CHECKED, DrawnRobot, place
+from workbench.gui.scene.robot import PLANNED, ROBOT, ROBOT_CHECKED, DrawnRobot, place
 from workbench.gui.scene.searches import draw_search
 from workbench.gui.scene.surroundings import (
     add_light,
@@ -22,16 +24,17 @@ from workbench.gui.shared.colours import (
     AVOIDED,
     BESIDE_BIN,
     CHECKED,
-    LIVE_ROBOT,
+    PLANNED_ROBOT,
     arm_colour,
     part_colour,
     rgb_of,
 )
 from workbench.gui.shared.look import View
-from workbench.gui.shared.playback import Run, joint_values, moments, part_poses, tcp_path
+from workbench.gui.shared.playback import Moment, Run, joint_values, part_poses, tcp_path
 from workbench.gui.shared.solids import with_hard_edges
 from workbench.model.cell import Cell
 from workbench.model.digest import digest_of
+from workbench.model.geometry import Floats
 from workbench.model.scan import Detection, Discarded, Obstacle, Scan
 from workbench.planning.collision.bodies import obstacle_label
 from workbench.planning.kinematics.robot import Kinematics
@@ -39,8 +42,8 @@ from workbench.planning.kinematics.robot import Kinematics
 PATH_POINTS = 24
 """Of the drawn way of the tool centre point, per leg."""
 
-SAME = np.deg2rad(2.0)
-"""Up to here the reported robot would only hide the drawn one [rad]."""
+SEE_THROUGH = 0.45
+"""Opacity of what is planned; what is real is solid."""
 
 
 class Scene:
@@ -49,16 +52,25 @@ class Scene:
     Concurrency: one thread.
     """
 
-    def __init__(self, server: viser.ViserServer, cell: Cell, *, most_points: int):
+    def __init__(
+        self,
+        server: viser.ViserServer,
+        cell: Cell,
+        *,
+        most_points: int,
+        planned_is_solid: bool = False,
+    ):
         """Add what never changes.
 
         Args:
             server: its scene is drawn in.
             cell: that stands there.
             most_points: of a scan; the others are left out at random.
+            planned_is_solid: for pictures of a plan that no real robot stands beside.
         """
         self._scene = server.scene
         self._most_points = most_points
+        self._planned_is_solid = planned_is_solid
         self._parts: list[viser.FrameHandle] = []
         self._discarded: tuple[Discarded, ...] = ()
         self._cloud: PaintedCloud | None = None
@@ -74,13 +86,13 @@ class Scene:
         add_surroundings(scene, cell)
         self._robot = DrawnRobot(scene, ROBOT, cell)
         self._checked: DrawnRobot | None = None
-        self._live_robot = DrawnRobot(
+        self._planned = DrawnRobot(
             scene,
-            "/robot_now",
+            PLANNED,
             cell,
             arms=cell.arms,
-            colour=LIVE_ROBOT,
-            opacity=0.35,
+            colour=None if self._planned_is_solid else PLANNED_ROBOT,
+            opacity=None if self._planned_is_solid else SEE_THROUGH,
             is_visible=False,
         )
         self._candidates = DrawnCandidates(scene, cell, self._kinematics)
@@ -114,12 +126,12 @@ class Scene:
         if is_other_scan:
             self._cloud = self._painted(state.scan, state.detections)
         are_other_obstacles = before is None or before.obstacles is not state.obstacles
-        if is_other_scan or are_other_obstacles:
-            self._draw_scan(state.obstacles)
         is_other_plan = before is None or before.plan is not state.plan
         are_other_parts = before is None or before.detections is not state.detections
         if are_other_parts:
             self._add_parts(state.detections or ())
+        if is_other_scan or are_other_obstacles:
+            self._draw_scan(state.obstacles, state.detections or ())
         if are_other_obstacles:
             self._draw_obstacles(state.obstacles)
         if before is None or before.placed is not state.placed:
@@ -132,6 +144,8 @@ class Scene:
             or old.look.time != new.look.time
             or before.cell is not state.cell
         )
+        is_elsewhere = old is None or old.live.joints is not new.live.joints
+        is_other_time = is_other_time or (old is not None and old.look.follows != new.look.follows)
         are_other_shapes = old is None or old.look.shapes != new.look.shapes
         if are_other_shapes:
             self._show_shapes(new.look.shapes)
@@ -149,10 +163,8 @@ class Scene:
         if shown is not self._discarded:
             draw_discarded(self._scene, self._cell, shown)
             self._discarded = shown
-        if is_other_plan or are_other_parts or is_other_time or are_other_shapes:
+        if is_other_plan or are_other_parts or is_other_time or are_other_shapes or is_elsewhere:
             self._pose(new)
-        if is_other_plan or old is None or is_other_time or old.live.joints is not new.live.joints:
-            self._pose_live_robot(new)
         self._candidates.draw(old, new)
 
     def _painted(
@@ -169,19 +181,34 @@ class Scene:
             points = points[chosen]
         return painted_cloud(self._cell, points, detections or ())
 
-    def _draw_scan(self, obstacles: tuple[Obstacle, ...]) -> None:
+    def _draw_scan(
+        self, obstacles: tuple[Obstacle, ...], detections: tuple[Detection, ...]
+    ) -> None:
+        """The points of a part belong to its node: they go where it goes."""
         cloud = self._cloud
         if cloud is None:
             self._scene.remove_by_name("/scan")
             return
+        colours = avoided_red(cloud, obstacles)
+        rest = cloud.owners < 0
+        self._add_points("/scan", cloud.points[rest], colours[rest])
+        for number, detection in enumerate(detections):
+            own = cloud.owners == number
+            T = detection.T_world_part.inverse()
+            points = cloud.points[own] @ T.rotation.T + T.translation
+            self._add_points(f"/parts/part-{number + 1}/points", points, colours[own])
+
+    def _add_points(self, name: str, points: Floats, colours: np.ndarray) -> None:
+        middle, near = in_short(points)
         self._scene.add_point_cloud(
-            "/scan",
-            cloud.points.astype(np.float32),
-            avoided_red(cloud, obstacles),
+            name,
+            near,
+            colours,
             point_size=0.0016,
             point_shape="circle",
             point_shading="flat",
-            precision="float32",
+            precision="float16",
+            position=middle,
         )
 
     def _draw_obstacles(self, obstacles: tuple[Obstacle, ...]) -> None:
@@ -260,12 +287,16 @@ class Scene:
             self._checked.show(is_shown)
 
     def _pose(self, view: View) -> None:
-        now = view.moments
-        links = self._kinematics.link_poses(joint_values(self._cell, now))
-        openings = {arm: moment.opening for arm, moment in now.items()}
-        for robot in (self._robot, self._checked):
-            if robot is not None:
-                robot.pose(links, openings)
+        planned, all_arms = view.planned_arms, frozenset(arm.name for arm in self._cell.arms)
+        self._pose_robot(self._robot, view.real)
+        # Where nobody knows where the robot is, what is planned stands alone.
+        self._robot.show_arms(all_arms if view.is_reported else all_arms - planned)
+        self._planned.show(bool(planned) and not view.look.shapes)
+        if planned:
+            self._pose_robot(self._planned, view.moments)
+            self._planned.show_arms(planned)
+        if self._checked is not None:
+            self._pose_robot(self._checked, view.moments if planned else view.real)
         plan, detections = view.state.plan, view.state.detections or ()
         if plan is not None and len(plan.detections) == len(self._parts):
             poses = part_poses(self._cell, self._kinematics, plan, view.runs, view.look.time)
@@ -274,15 +305,9 @@ class Scene:
         for node, T in zip(self._parts, poses, strict=True):
             place(node, T)
 
-    def _pose_live_robot(self, view: View) -> None:
-        """The robot as reported, where it is not as drawn already."""
-        shown = joint_values(self._cell, moments(self._cell, view.runs, view.look.time))
-        reported = view.live.joints
-        known = {joint: reported[joint] for joint in shown if joint in reported}
-        differs = any(abs(value - shown[joint]) > SAME for joint, value in known.items())
-        if differs:
-            self._live_robot.pose(self._kinematics.link_poses(known), {})
-        self._live_robot.show(differs)
+    def _pose_robot(self, robot: DrawnRobot, stands: Mapping[str, Moment]) -> None:
+        links = self._kinematics.link_poses(joint_values(self._cell, stands))
+        robot.pose(links, {arm: moment.opening for arm, moment in stands.items()})
 
 
 def is_other_robot(one: Cell, other: Cell) -> bool:

@@ -9,7 +9,7 @@ import viser
 from workbench.gui.scene.gizmo_drag import follow
 from workbench.gui.scene.robot import place, quaternion
 from workbench.gui.shared.look import Held
-from workbench.gui.shared.things import shown_pose, typed_pose
+from workbench.gui.shared.things import ANGLES, shown_pose, typed_pose
 from workbench.gui.shared.visitor import Visitor
 
 
@@ -39,6 +39,7 @@ class PoseInputs:
         self._angles = gui.add_vector3(
             "Angles [deg]", (0.0, 0.0, 0.0), step=0.1, hint="Roll, pitch, yaw: fixed axes."
         )
+        visitor.name(self._angles, ANGLES)
         gui.add_html('<div class="wb-buttons wb-two"></div>')
         self._apply = gui.add_button("Move it there", icon=viser.Icon.CHECK)
         self._switch = gui.add_button("Show gizmo", color="gray")
@@ -46,11 +47,17 @@ class PoseInputs:
         self._switch.on_click(lambda _: self._turn())
         visitor.on_end(self._hide, in_scene=True)
 
-    def show(self, T: pin.SE3 | None, *, is_enabled: bool) -> None:
-        """What it is about is there; None: there is nothing to move."""
-        can = is_enabled and T is not None
-        for control in (self._position, self._angles, self._apply, self._switch):
-            control.disabled = not can
+    def show(self, T: pin.SE3 | None, *, problem: str) -> None:
+        """What it is about is there; None: there is nothing to move.
+
+        Args:
+            T: its pose in the world.
+            problem: why it cannot be moved; empty when it can.
+        """
+        problem = problem or ("nothing is chosen that could be moved" if T is None else "")
+        for button in (self._apply, self._switch):
+            self._visitor.allow(button, problem)
+        self._position.disabled = self._angles.disabled = bool(problem)
         if T is None:
             self._hide()
             return

@@ -1,6 +1,6 @@
 """A robot with its tools in the scene: added once, then only moved."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping, Sequence, Set
 
 import numpy as np
 import pinocchio as pin
@@ -11,8 +11,8 @@ from workbench.model.cell import Arm, Cell, Finger
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats, Solid
 
-ROBOT, ROBOT_CHECKED = "/robot", "/robot_checked"
-"""Nodes of the robot that all browsers share: as it looks, and as it is checked."""
+ROBOT, PLANNED, ROBOT_CHECKED = "/robot", "/planned", "/robot_checked"
+"""Nodes that all browsers share: the real robot, solid; the planned one; and as it is checked."""
 
 
 class DrawnRobot:
@@ -50,7 +50,8 @@ class DrawnRobot:
         self._links: dict[str, viser.FrameHandle] = {}
         self._fingers: dict[str, list[tuple[Finger, viser.FrameHandle]]] = {}
         self._shown: dict[str, Floats] = {}
-        drawn = None if arms is None else {link for arm in arms for link in moved_by(cell, arm)}
+        self._moved = {arm.name: moved_by(cell, arm) for arm in arms or cell.arms}
+        drawn = None if arms is None else set[str]().union(*self._moved.values())
         for link in cell.robot.links:
             if drawn is not None and link.name not in drawn:
                 continue
@@ -89,6 +90,12 @@ class DrawnRobot:
         """Show or hide it as a whole."""
         if self.root.visible != is_visible:
             self.root.visible = is_visible
+
+    def show_arms(self, arms: Set[str]) -> None:
+        """Show what moves with these arms, and hide the others; what they stand on stays."""
+        for arm, links in self._moved.items():
+            for name in links:
+                self._links[name].visible = arm in arms
 
     def paint(self, colour: Colour) -> None:
         """Give everything one colour."""

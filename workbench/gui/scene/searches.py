@@ -7,7 +7,7 @@ from html import escape
 import numpy as np
 import viser
 
-from workbench.app.core.commands import Command, FindParts, UseDetections
+from workbench.app.core.commands import Command, FindParts, TakeScan, UseDetections
 from workbench.app.core.state import State
 from workbench.app.core.value_checks import DETAIL, SEED_LIMIT
 from workbench.formats.meshes.triangles import triangles_of
@@ -22,6 +22,8 @@ from workbench.model.errors import InputError
 from workbench.model.scan import Search, SearchWishes
 
 MOST_ROWS = 6
+
+CHOOSE = "choose a search in the table first"
 
 
 class SearchInputs:
@@ -59,12 +61,17 @@ class SearchInputs:
             hint="Another one looks from other points: parts found by every seed are sure.",
         )
         gui.add_html('<div class="wb-buttons wb-two"></div>')
-        self._search = gui.add_button("Search again", icon=viser.Icon.SEARCH)
+        self._search = gui.add_button(
+            "Search again",
+            icon=viser.Icon.SEARCH,
+            hint="What it finds is drawn beside the parts found; where there are none it is taken.",
+        )
         self._take = gui.add_button("Take this one", icon=viser.Icon.CHECK, color="gray")
         self._table = gui.add_html("")
+        self._asked: int | None = None
         self._rows = [visitor.unseen(partial(self._chosen, place)) for place in range(MOST_ROWS)]
         visitor.hide(self._rows)
-        visitor.on_press(self._search, self._wanted)
+        self._search.on_click(lambda _: self._search_again())
         visitor.on_press(self._take, self._taken)
 
     def show(self, old: View | None, new: View) -> None:
@@ -73,27 +80,43 @@ class SearchInputs:
         if old is not None and old.state is new.state and old.look.search == chosen:
             return
         state = new.state
-        self._visitor.admit(self._search, state, FindParts, is_ready=state.scan is not None)
-        is_there = searched(state, chosen) is not None
-        self._visitor.admit(self._take, state, UseDetections, is_ready=is_there)
+        if searched(state, self._asked) is not None:
+            # Who has asked for it wants to compare it.
+            self._visitor.look.change(search=self._asked)
+            self._asked = None
+        missing = "" if state.scan is not None else "take a scan first"
+        self._visitor.admit(self._search, state, FindParts, otherwise=missing)
+        missing = "" if searched(state, chosen) is not None else CHOOSE
+        self._visitor.admit(self._take, state, UseDetections, otherwise=missing)
         self._table.content = searches_html(state.searches, chosen, self._rows)
 
     def _chosen(self, place: int) -> None:
         """Look at a search of the table, or away from it."""
-        searches, look = self._visitor.bench.state.searches, self._visitor.look
-        if place < len(searches):
-            number = searches[place].number
-            look.change(search=None if look.now.search == number else number)
+        visitor, look = self._visitor, self._visitor.look
+        searches = visitor.bench.state.searches
+        if place >= len(searches):
+            return
+        if problem := visitor.lacks(visitor.bench.state, TakeScan):
+            visitor.tell("Refused", problem)
+            return
+        number = searches[place].number
+        look.change(search=None if look.now.search == number else number)
+
+    def _search_again(self) -> None:
+        if self._visitor.ask(self._wanted):
+            job = self._visitor.bench.state.job
+            self._asked = None if job is None else job.number
 
     def _wanted(self) -> Command:
         wishes = SearchWishes(float(self._detail.value) / 100, float(self._least.value))
-        return FindParts(whole(self._seed.value), wishes)
+        is_compared = bool(self._visitor.bench.state.detections)
+        return FindParts(whole(self._seed.value), wishes, is_compared)
 
     def _taken(self) -> Command:
         state = self._visitor.bench.state
         search = searched(state, self._visitor.look.now.search)
         if search is None:
-            raise InputError("choose a search in the table first")
+            raise InputError(CHOOSE)
         self._visitor.look.change(search=None)
         place = state.searches.index(search) + 1
         return UseDetections(search.detections, f"search {place} is taken")

@@ -15,6 +15,9 @@ from workbench.model.cell import Tool
 from workbench.model.geometry import Floats
 from workbench.model.part import Grasp, Part, grasps_of
 
+STAGE = "/stage"
+"""Name of the part's frame in the scene; all that is shown with it lies below."""
+
 T_WORLD_STAGE = pin.SE3(np.eye(3), np.array([0.0, 0.0, 1000.0]))
 """Where the part is: so far above the cell that nothing of it is seen."""
 
@@ -61,7 +64,7 @@ class Stage:
         self._camera = camera.position, camera.look_at
         self._size = size_of(part)
         root = self._scene.add_frame(
-            "/stage",
+            STAGE,
             axes_length=self._size * AXES,
             axes_radius=self._size * 0.006,
             origin_radius=self._size * 0.012,
@@ -81,7 +84,7 @@ class Stage:
 
     def close(self) -> None:
         """Look at the cell again, from where it was looked at."""
-        self._scene.remove_by_name("/stage")
+        self._scene.remove_by_name(STAGE)
         if self._clicked is not None:
             self._scene.remove_click_callback(self._clicked)
         if self._camera is not None:

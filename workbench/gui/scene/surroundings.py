@@ -8,7 +8,7 @@ import pinocchio as pin
 import viser
 
 from workbench.gui.scene.robot import place, quaternion
-from workbench.gui.shared.colours import NIGHT_SKY, SKY, rgb_of
+from workbench.gui.shared.colours import GRID, NIGHT_GRID, NIGHT_SKY, SKY, rgb_of
 from workbench.gui.shared.solids import by_colour
 from workbench.model.cell import Cell
 from workbench.model.geometry import Floats
@@ -39,7 +39,6 @@ UP = (0.0, 0.0, 1.0)
 
 def add_surroundings(scene: viser.SceneApi, cell: Cell) -> None:
     """Floor, fixtures, bin and scanner: they never move."""
-    lowest = 0.0
     for fixture in cell.fixtures:
         for number, (colour, points, triangles) in enumerate(
             by_colour(fixture.solids, fixture.T_world_fixture)
@@ -47,7 +46,6 @@ def add_surroundings(scene: viser.SceneApi, cell: Cell) -> None:
             scene.add_mesh_simple(
                 f"/fixtures/{fixture.name}/{number}", points, triangles, color=colour
             )
-            lowest = min(lowest, float(points[:, 2].min()))
     for number, (colour, points, triangles) in enumerate(
         by_colour(cell.bin.solids, cell.bin.T_world_bin)
     ):
@@ -74,6 +72,16 @@ def add_surroundings(scene: viser.SceneApi, cell: Cell) -> None:
         font_screen_scale=0.8,
         anchor="bottom-center",
     )
+    add_floor(scene, cell)
+
+
+def add_floor(scene: viser.SceneApi, cell: Cell, *, is_dark: bool = False) -> None:
+    """The grid below everything; it recedes on a dark page as on a light one."""
+    lowest = 0.0
+    for fixture in cell.fixtures:
+        for _, points, _ in by_colour(fixture.solids, fixture.T_world_fixture):
+            lowest = min(lowest, float(points[:, 2].min()))
+    fine, coarse = NIGHT_GRID if is_dark else GRID
     scene.add_grid(
         "/floor",
         3.0,
@@ -81,8 +89,8 @@ def add_surroundings(scene: viser.SceneApi, cell: Cell) -> None:
         position=(*cell.bin.T_world_bin.translation[:2], lowest - 0.002),
         cell_size=0.1,
         section_size=0.5,
-        cell_color=(233, 236, 239),
-        section_color=(206, 212, 218),
+        cell_color=rgb_of(fine),
+        section_color=rgb_of(coarse),
     )
 
 

@@ -59,8 +59,7 @@ def overlay(state: State, sighting: PlateSighting, found: Calibration | None) ->
     cell = state.cell
     T = cell.scanner.T_world_scanner if found is None else found.T_world_scanner
     points = sighting.points @ T.rotation.T + T.translation
-    joints = cell.arm(sighting.arm).joints
-    links = Kinematics(cell).link_poses(dict(zip(joints, map(float, sighting.q), strict=True)))
+    links = Kinematics(cell).link_poses(cell.joint_values({sighting.arm: sighting.q}))
     away = distances_to_robot(cell, links, points)
     colours = np.full((len(points), 3), BESIDE_BIN, dtype=np.uint8)
     near = away < NEAR

@@ -1,7 +1,7 @@
 """The colours of the page and the scene: each means one thing everywhere."""
 
 from workbench.gui.shared.solids import Colour
-from workbench.model.candidate import Reason
+from workbench.model.candidate import Reason, Verdict
 
 MUTED = "#868e96"
 BRAND = "#1c64b4"
@@ -14,6 +14,7 @@ VERDICTS: dict[Reason, str] = {
     Reason.DISABLED: MUTED,
     Reason.ARM_NOT_ALLOWED: MUTED,
     Reason.TOOL_COLLISION: "#e03131",
+    Reason.ROLL_UNKNOWN: "#1864ab",
     Reason.OUT_OF_REACH: "#d9480f",
     Reason.IN_COLLISION: BAD,
     Reason.APPROACH_BLOCKED: "#b35c00",
@@ -24,7 +25,29 @@ VERDICTS: dict[Reason, str] = {
     Reason.OUT_OF_TIME: "#0b7285",
 }
 """Green works, grey was not asked for, red touches, orange and ochre get stuck on the way,
-violet finds no way, cyan ran out of time."""
+violet finds no way, cyan ran out of time, blue wants another scan."""
+
+MARGIN_NOT_KEPT = "margin not kept"
+"""What is said of bodies that do not touch, and are nearer to each other than was asked."""
+
+KINDS = (*(str(reason) for reason in Reason), MARGIN_NOT_KEPT)
+"""All that is said of a candidate, in the order in which the page lists it."""
+
+
+def kind_of(verdict: Verdict) -> str:
+    """What is said of a candidate: its reason, unless that is a collision that is none."""
+    touching = verdict.reason in (Reason.TOOL_COLLISION, Reason.IN_COLLISION)
+    is_apart = touching and verdict.distance is not None and verdict.distance > 0
+    return MARGIN_NOT_KEPT if is_apart else str(verdict.reason)
+
+
+def verdict_colour(kind: str) -> str:
+    """Of what is said of a candidate: a margin that is not kept is a warning."""
+    return BUSY if kind == MARGIN_NOT_KEPT else VERDICTS[Reason(kind)]
+
+
+JOINTS = ("#1c7ed6", "#e8590c", "#2f9e44", "#ae3ec9", "#0ca678", "#f08c00", "#e64980", "#495057")
+"""Of curves, by axis: blue, orange and green come first."""
 
 ARMS = ("#1971c2", "#c2255c")
 """By place in the cell: first and second arm."""
@@ -40,13 +63,19 @@ SKY = ("#d3deea", "#f8fafc")
 NIGHT_SKY = ("#141a22", "#333d4a")
 """Behind the scene, from top to bottom: on a light page, and on a dark one."""
 
+GRID = ("#e9ecef", "#ced4da")
+NIGHT_GRID = ("#39424e", "#4b5563")
+"""Of the floor, fine and coarse lines: on a light page, and on a dark one."""
+
 AVOIDED = BAD
 """Of the boxes that a plan keeps clear of besides cell and parts, and of the points in them."""
 
 COMPARED = (217, 70, 239)
 """Of the parts of another search."""
 
-LIVE_ROBOT = (38, 166, 154)
+PLANNED_ROBOT = (77, 148, 235)
+"""Of the robot as it is planned or moved by hand, see-through; the real one has its own colours."""
+
 CHECKED = (253, 150, 68)
 """Of shapes that are checked for collisions."""
 

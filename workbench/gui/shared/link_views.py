@@ -3,7 +3,7 @@
 from workbench.app.core.state import Phase
 from workbench.gui.shared.look import View
 from workbench.gui.shared.views import clock, line, parts_placed, table_html
-from workbench.model.release import PartReport
+from workbench.model.release import LinkStatus, PartReport, Receipt
 
 NO_SAFETY = (
     "Stop closes the link and asks the controller to stop. It is not a safety function: in danger "
@@ -31,7 +31,7 @@ def link_html(view: View) -> str:
         ("Fault here", state.fault or "none to acknowledge"),
     ]
     if link.acknowledged:
-        rows.append(("Acknowledged", f"{link.acknowledged}, {clock(link.acknowledged_at)}"))
+        rows.append(("Last answer at", clock(link.acknowledged_at)))
     if link.reported_at and state.phase is Phase.SENDING:
         rows.append(("Last report", f"{max(0.0, view.at - link.reported_at):.1f} s ago"))
     if link.stop:
@@ -40,8 +40,8 @@ def link_html(view: View) -> str:
         last = state.receipts[-1]
         rows += [
             ("Messages", f"{last.done} of {last.total}"),
-            ("Last message", last.sent or last.heard),
-            ("Sent at" if last.sent else "Heard at", clock(last.at)),
+            ("Last message", f"{'sent' if last.sent else 'heard'} at {clock(last.at)}"),
+            ("On the wire", _wire(last, link)),
         ]
     if state.plan is not None:
         rows.append(("Parts", parts_placed(state)))
@@ -51,6 +51,12 @@ def link_html(view: View) -> str:
         share = 100 * state.receipts[-1].done / state.receipts[-1].total
         bar = f'<div class="wb-bar"><i style="width:{share:.1f}%"></i></div>'
     return table_html(rows) + bar + line(NO_SAFETY, kind="hint")
+
+
+def _wire(last: Receipt, link: LinkStatus) -> str:
+    """The last message and its answer as the protocol has them, for who looks for a fault."""
+    words = [last.sent or last.heard, link.acknowledged]
+    return ", answered by ".join(word for word in words if word)
 
 
 def _part(part: PartReport) -> str:

@@ -5,9 +5,10 @@ from collections.abc import Callable, Mapping, Set
 from dataclasses import dataclass, replace
 from typing import Any
 
+import numpy as np
 import pinocchio as pin
 
-from workbench.app.core.state import State
+from workbench.app.core.state import Phase, State
 from workbench.app.records.statistics import Statistics
 from workbench.app.runtime.live import Live
 from workbench.gui.shared.calibrating import Overlay
@@ -17,9 +18,19 @@ from workbench.model.calibration import BinCheck, Calibration
 from workbench.model.geometry import Floats, Shape
 from workbench.model.scan import Discarded
 from workbench.planning.collision.contact import Contact
+from workbench.planning.picking.nearest_fix import Fix
 
-PLAYBACK = frozenset({"time", "is_playing", "by", "browser"})
+SAME = np.deg2rad(2.0)
+"""Up to here a robot that is planned would only hide the real one [rad]."""
+
+CLOCK = frozenset({"time", "is_playing"})
+"""Fields of a look that say which moment of the plan is looked at."""
+
+PLAYBACK = CLOCK | {"follows", "by", "browser"}
 """Fields of a look that playing a plan changes."""
+
+AFTER_CYCLE = frozenset({Phase.DONE, Phase.FAULT})
+"""Phases in which the plan has moved the robot, which does not stand at its start any more."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -35,15 +46,20 @@ class Held:
 class Look:
     """Which moment of the plan and which candidate everybody sees.
 
-    `time` [s] on the plan's clock; `candidate` is an index among the state's candidates, `pose`
-    one among the poses of its way; `by` is the browser that moved the time last, None when nobody
-    did (it plays); `browser` let it play, None: no browser did.  `shapes` and `frames` say whether
-    collision shapes and frames are shown, `reach` of which arm the reach is; `search` is a search
-    whose parts are drawn beside those found, by its number; `discarded` says whether the poses that
-    the last search discarded are shown; `held` is what somebody drags at this moment.
+    `time` [s] on the plan's clock, which `follows` the robot until somebody plays the plan or drags
+    through it, with nothing sent; `followed` [s] is how far it has followed the robot.  `candidate`
+    is an index among the state's candidates, `pose` one among the poses of its way; `by` is the
+    browser that moved the time last, None when nobody did (it plays); `browser` let it play, None:
+    no browser did.  `shapes` and `frames` say whether collision shapes and frames are shown,
+    `reach` of which arm the reach is; `search` is a search whose parts are drawn beside those
+    found, by its number; `discarded` says whether the poses that the last search discarded are
+    shown; `held` is what somebody drags at this moment; `fixed` is
+    the digest of the cell that the fix has made which was applied last.
     """
 
     time: float = 0.0
+    follows: bool = True
+    followed: float = 0.0
     is_playing: bool = False
     candidate: int | None = None
     pose: int = 0
@@ -55,9 +71,31 @@ class Look:
     search: int | None = None
     discarded: bool = False
     held: Held | None = None
+    fixed: str = ""
 
+    @property
+    def real_moment(self) -> Mapping[str, Any]:
+        """Fields with which a preview ends: the moment of the plan that the robot has got to."""
+        return {"time": self.followed, "is_playing": False, "follows": True, "by": None}
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Help:
+    """What would admit a refused candidate: `words` for people, and the `fix` if there is one."""
+
+    words: str = ""
+    fix: Fix | None = None
+
+
+NO_HELP = Help()
 
 NOT_COUNTED = Statistics()
+
+NO_REACH: tuple[Floats, Floats] = (np.zeros((0, 3)), np.zeros(0))
+"""The reach that is shown where nobody has asked for one, and while it is worked out."""
+
+UNKNOWN_REACH: tuple[Floats, Floats] = (np.zeros((0, 3)), np.zeros(0))
+"""The reach that is shown where it could not be worked out."""
 
 Placed = tuple[Shape, pin.SE3]
 
@@ -98,10 +136,13 @@ class View:
     """Everything that the page shows.
 
     `runs` is the timeline of the state's plan, empty without one; `poses` those of the chosen
-    candidate, and `fix` what would admit it; `reached` holds places (n, 3) [m] and shares (n,) of
-    the reach that is shown; `statistics` are those of the session; `calibration` is the answer of
+    candidate, and `fix` what would admit it; `help` says what would admit one of all
+    where there is no plan; `reached` holds places (n, 3) [m] and shares (n,) of the reach that is
+    shown; `statistics` are those of the session; `calibration` is the answer of
     the poses scanned so far, or why there is none; `bin_check` is what the scan says about the bin
-    of the cell; `at` [s since the epoch] is when it looked like this.
+    of the cell; `at` [s since the epoch] is when it looked like this; `is_recorded` says that it is
+    a recorded session; `unseen` are stretches of the plan, from and to [s], that the browser that
+    played it has not seen yet.
 
     The rest is of one browser alone, and as if it did nothing in the view that all share: its `own`
     look, `jogged` while the robot is moved by hand there, and `overlay`, the pose of a calibration
@@ -114,11 +155,14 @@ class View:
     runs: tuple[Run, ...]
     at: float
     poses: tuple[Pose, ...] = ()
-    fix: str = ""
+    fix: Help = NO_HELP
+    help: Help = NO_HELP
     reached: tuple[Floats, Floats] | None = None
     statistics: Statistics = NOT_COUNTED
     calibration: Calibration | str = ""
     bin_check: BinCheck | None = None
+    is_recorded: bool = False
+    unseen: tuple[tuple[float, float], ...] = ()
     own: Own = NOTHING_OWN
     jogged: Jogged | None = None
     overlay: Overlay | None = None
@@ -131,8 +175,52 @@ class View:
         return self.poses[min(max(self.look.pose, 0), last)] if self.poses else None
 
     @property
+    def is_reported(self) -> bool:
+        """Whether it is known where the robot stands: its controller reports every joint."""
+        arms = self.state.cell.arms
+        return all(joint in self.live.joints for arm in arms for joint in arm.joints)
+
+    @property
+    def real(self) -> dict[str, Moment]:
+        """How every arm stands, by name: as reported, and at home where nothing is.
+
+        What the fingers do nobody reports: while a plan is sent they are as planned.
+        """
+        cell, joints = self.state.cell, self.live.joints
+        found = moments(cell, (), 0.0)
+        planned = moments(cell, self.runs, self.look.time) if self.look.follows else found
+        for arm in cell.arms:
+            if all(joint in joints for joint in arm.joints):
+                q = np.array([joints[joint] for joint in arm.joints])
+                found[arm.name] = replace(planned[arm.name], q=q)
+        return found
+
+    @property
+    def is_previewed(self) -> bool:
+        """Whether a moment of the plan is looked at that the robot has nothing to do with."""
+        if self.state.plan is None or self.look.follows:
+            return False
+        return self.look.is_playing or self.look.time > 0 or self.state.phase in AFTER_CYCLE
+
+    @property
+    def planned_arms(self) -> frozenset[str]:
+        """The arms that stand elsewhere as planned, or moved by hand, than they really do."""
+        if self.own.hides_robot:
+            # By hand a robot is moved by little, too.
+            return self._elsewhere(0.0)
+        if self.state.plan is None or not (self.is_reported or self.is_previewed):
+            return frozenset()
+        return self._elsewhere(SAME)
+
+    def _elsewhere(self, least: float) -> frozenset[str]:
+        real, planned = self.real, self.moments
+        return frozenset(
+            arm for arm in planned if np.abs(real[arm].q - planned[arm].q).max() > least
+        )
+
+    @property
     def moments(self) -> dict[str, Moment]:
-        """How every arm is drawn, by name: on its plan, as it is jogged, or as in a sighting."""
+        """How every arm is planned, by name: on its plan, as it is jogged, or as in a sighting."""
         cell = self.state.cell
         now = moments(cell, self.runs, self.look.time)
         if self.jogged is not None:
@@ -184,8 +272,17 @@ class SharedLook:
         return self._now
 
     def change(self, **fields: Any) -> None:
-        """Replace fields of the look."""
+        """Replace fields of the look.
+
+        A moment of the plan takes the place of a candidate, and a candidate that of a preview.
+        """
         with self._lock:
+            if fields.keys() & CLOCK:
+                fields = {"candidate": None, "follows": False, **fields}
+                if fields["follows"] and "time" in fields:
+                    fields["followed"] = fields["time"]
+            elif fields.get("candidate") is not None and not self._now.follows:
+                fields = {**self._now.real_moment, **fields}
             self._now = replace(self._now, **fields)
         self._changed()
 

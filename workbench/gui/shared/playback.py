@@ -142,11 +142,7 @@ def followed(cell: Cell, runs: tuple[Run, ...], joints: Mapping[str, float], sin
 
 def joint_values(cell: Cell, now: Mapping[str, Moment]) -> dict[str, float]:
     """The value of every joint of the moving arms, by name [rad or m]."""
-    return {
-        joint: float(value)
-        for arm in cell.arms
-        for joint, value in zip(arm.joints, now[arm.name].q, strict=True)
-    }
+    return cell.joint_values({arm: moment.q for arm, moment in now.items()})
 
 
 def part_poses(

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 from html import escape
 from typing import Literal
 
-from workbench.gui.shared.colours import VERDICTS
-from workbench.gui.shared.views import mm
+from workbench.gui.shared.colours import KINDS, kind_of, verdict_colour
+from workbench.gui.shared.views import mm, verdict_words
 from workbench.model.candidate import Candidate, Reason, Stage
 
 Column = Literal["part", "grasp", "arm", "verdict", "distance", "rank"]
@@ -33,7 +33,8 @@ PAGE = 60
 class Order:
     """What one browser wants to see of the table."""
 
-    only: Reason | None = None
+    only: str | None = None
+    words: str = ""
     column: Column = "verdict"
     is_descending: bool = True
     page: int = 0
@@ -59,12 +60,40 @@ def sort_key(candidate: Candidate, column: Column) -> tuple[float, ...] | tuple[
             return (candidate.rank,)
 
 
+def holds(candidate: Candidate, words: str) -> bool:
+    """Whether a row has all these words: of part, grasp, arm, verdict, stage or bodies."""
+    verdict = candidate.verdict
+    said = (
+        f"part-{candidate.detection + 1}",
+        candidate.grasp.name,
+        candidate.arm,
+        kind_of(verdict),
+        str(verdict.stage),
+        *(verdict.pair or ()),
+    )
+    whole = " ".join(said).casefold()
+    return all(word in whole for word in words.casefold().split())
+
+
+def stages_html(candidates: Sequence[Candidate]) -> str:
+    """How many candidates came to each stage, and how many it refused, as `explain` counts them."""
+    refused = Counter(c.verdict.stage for c in candidates if not c.verdict.is_ok)
+    left, told = len(candidates), list[str]()
+    for stage in Stage:
+        if refused[stage]:
+            told.append(f"{escape(stage)} <b>{left}</b> \u2212{refused[stage]}")
+        left -= refused[stage]
+    told.append(f"left <b>{left}</b>")
+    return f'<div class="wb-stages">{", ".join(told)}</div>'
+
+
 def ordered(candidates: Sequence[Candidate], order: Order) -> tuple[int, ...]:
     """Indices of the candidates of all pages, in the order wanted."""
     wanted = [
         number
         for number, candidate in enumerate(candidates)
-        if order.only is None or candidate.verdict.reason is order.only
+        if (order.only is None or kind_of(candidate.verdict) == order.only)
+        and holds(candidate, order.words)
     ]
     return tuple(
         sorted(
@@ -92,21 +121,55 @@ def clickable(button: str) -> str:
     return f'tabindex="0" role="button" onclick="{press}" onkeydown="{key}"'
 
 
+def told_css(told: Mapping[str, str]) -> str:
+    """Rules by which the style sheet shows a text for each button: viser shows none for them.
+
+    Args:
+        told: by the id of the button.
+    """
+    return "".join(
+        f'div:has(> [id="{button}"]){{--wb-told:"{css_text(text)}"}}'
+        for button, text in told.items()
+        if text
+    )
+
+
+def named_css(named: Mapping[str, tuple[str, str, str]]) -> str:
+    """Rules that name three numbers in a row otherwise than x, y and z.
+
+    Args:
+        named: by the id of the first of the three.
+    """
+    return "".join(
+        f'.mantine-Flex-root:has(> .mantine-NumberInput-root [id="{first}"]){{'
+        + "".join(f'--wb-{k}:"{css_text(name)}";' for k, name in enumerate(names, start=1))
+        + "}"
+        for first, names in named.items()
+    )
+
+
+def css_text(text: str) -> str:
+    """A text as it may stand between quotes in a style sheet within HTML."""
+    return "".join(
+        char if char.isalnum() or char in " .,;:()+-_/%" else f"\\{ord(char):x} " for char in text
+    )
+
+
 def marked(is_chosen: bool) -> str:
     """The attribute, with a blank before it, of a row that is chosen or not."""
     return ' style="background:var(--wb-chosen)"' if is_chosen else ""
 
 
 def funnel_html(
-    candidates: Sequence[Candidate], only: Reason | None, buttons: Mapping[Reason | None, str]
+    candidates: Sequence[Candidate], only: str | None, buttons: Mapping[str | None, str]
 ) -> str:
-    """How many candidates met which verdict; a click shows those alone."""
-    counts = Counter(candidate.verdict.reason for candidate in candidates)
+    """Of how many candidates the same is said; a click shows those alone."""
+    counts = Counter(kind_of(candidate.verdict) for candidate in candidates)
     chips = [_filter_chip("all", len(candidates), "#495057", only is None, buttons[None])]
     chips += [
-        _filter_chip(str(reason), counts[reason], VERDICTS[reason], only is reason, buttons[reason])
-        for reason in Reason
-        if counts[reason]
+        _filter_chip(kind, counts[kind], verdict_colour(kind), only == kind, buttons[kind])
+        for kind in KINDS
+        if counts[kind]
     ]
     return f'<div class="wb-funnel">{"".join(chips)}</div>'
 
@@ -156,7 +219,7 @@ def chosen_html(place: int | None) -> str:
     if place is None:
         return '<style class="wb-style"></style>'
     row = f".wb-table tbody tr:nth-child({place + 1})"
-    return f'<style class="wb-style">{row}{{background:var(--wb-chosen)}}</style>'
+    return f'<style class="wb-style wb-row-chosen">{row}{{background:var(--wb-chosen)}}</style>'
 
 
 def _arrow(order: Order, column: Column) -> str:
@@ -166,16 +229,16 @@ def _arrow(order: Order, column: Column) -> str:
 
 
 def _row_html(candidate: Candidate, button: str) -> str:
-    verdict = candidate.verdict
+    verdict, kind = candidate.verdict, kind_of(candidate.verdict)
     pair = " · ".join(verdict.pair) if verdict.pair is not None else verdict.note
     distance = "" if verdict.distance is None else mm(verdict.distance)
     return (
-        f'<tr title="{escape(str(verdict))}" {clickable(button)}>'
+        f'<tr title="{escape(verdict_words(verdict))}" {clickable(button)}>'
         f"<td>{candidate.detection + 1}</td>"
         f"<td>{escape(candidate.grasp.name)}</td>"
         f"<td>{escape(candidate.arm)}</td>"
-        f'<td><span class="wb-verdict" style="background:{VERDICTS[verdict.reason]}">'
-        f'{escape(verdict.reason)}</span><div class="wb-pair">{escape(pair)}</div></td>'
+        f'<td><span class="wb-verdict" style="background:{verdict_colour(kind)}">'
+        f'{escape(kind)}</span><div class="wb-pair">{escape(pair)}</div></td>'
         f'<td class="wb-number">{escape(distance)}</td>'
         f'<td class="wb-number">{candidate.rank:.2f}</td></tr>'
     )

@@ -97,10 +97,28 @@ def typed_pose(position_mm: tuple[float, ...], rpy_deg: tuple[float, ...]) -> pi
 
 Three = tuple[float, float, float]
 
+ANGLES = ("roll", "pitch", "yaw")
+
+ALIKE = 2e-5
+"""[rad] So little two turns differ when their angles are rounded to 0.001 degrees."""
+
 
 def shown_pose(T: pin.SE3) -> tuple[Three, Three]:
-    """Position [mm] and roll, pitch, yaw [deg] of a pose, rounded to what a person would type."""
+    """Position [mm] and roll, pitch, yaw [deg] of a pose, rounded to what a person would type.
+
+    With a pitch of 90 degrees, up or down, roll and yaw turn about one axis: all is told as yaw.
+    """
     rpy = np.rad2deg(pin.rpy.matrixToRpy(T.rotation))
+    side = np.sign(rpy[1])
+    upright = np.array([0.0, side * 90.0, _within(rpy[2] - side * rpy[0])])
+    turned = T.actInv(pose_from_rpy(T.translation, np.deg2rad(upright)))
+    if np.linalg.norm(pin.log3(turned.rotation)) <= ALIKE:
+        rpy = upright
     x, y, z = (float(v) for v in np.round(T.translation * 1000, 2) + 0.0)
-    roll, pitch, yaw = (float(v) for v in np.round(rpy, 3) + 0.0)
+    roll, pitch, yaw = (_within(float(v)) for v in np.round(rpy, 3) + 0.0)
     return (x, y, z), (roll, pitch, yaw)
+
+
+def _within(degrees: float) -> float:
+    """The same angle above -180 and up to 180 degrees."""
+    return degrees if -180.0 < degrees <= 180.0 else 180.0 - (180.0 - degrees) % 360.0

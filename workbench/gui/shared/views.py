@@ -5,20 +5,23 @@ Everything that comes from outside (names of parts and people, messages of machi
 """
 
 import math
+import re
 import time
 from collections.abc import Mapping
 from html import escape
+from itertools import combinations
 
 from workbench.app.core.commands import FindParts, MakePlan, TakeScan
-from workbench.app.core.rights import what_is_missing
-from workbench.app.core.state import Outline, Phase, State
-from workbench.gui.shared.colours import arm_colour
+from workbench.app.core.rights import JOBS, what_is_missing
+from workbench.app.core.state import Phase, State
+from workbench.gui.shared.colours import MARGIN_NOT_KEPT, kind_of
 from workbench.gui.shared.look import View
 from workbench.model.candidate import Candidate, Verdict
 from workbench.model.cell import Cell
-from workbench.model.plan import Plan
+from workbench.model.plan import Proof, at_least, cycle_words
 from workbench.model.prediction import Predictions
 from workbench.model.scan import Detection
+from workbench.proof.stages import STRAIGHT
 
 STEPS = ("Scan", "Find parts", "Plan", "Approve", "Send")
 
@@ -36,6 +39,9 @@ REACHED = {
 
 NOTHING_MADE: Mapping[str, str] = {}
 
+PLAN_READY, NO_PLAN = "plan ready", "no plan"
+"""Begins what is on record of a planning; the page names both clearances, and margins."""
+
 JOB_STEPS = {"scan": 0, "localize": 1, "plan": 2}
 
 
@@ -50,8 +56,24 @@ def mm(metres: float, digits: int = 1) -> str:
 
 
 def clock(at: float) -> str:
-    """A time of day, local."""
+    """A time of day, local, with its zone."""
+    return f"{time_of_day(at)} {zone(at)}"
+
+
+def time_of_day(at: float) -> str:
+    """A time of day, local; where it stands its zone stands in the heading."""
     return time.strftime("%H:%M:%S", time.localtime(at))
+
+
+def zone(at: float) -> str:
+    """The name of the zone in which times are told, as it is at that time."""
+    return time.strftime("%Z", time.localtime(at))
+
+
+def said(message: str) -> str:
+    """What is on record of a moment, with the words that people have for tasks."""
+    words = re.sub(r"task '(\w+)'", lambda found: JOBS.get(found[1], found[0]), message)
+    return sentence(words.replace(" cancelled by ", " was cancelled by "))
 
 
 def short(digest: str) -> str:
@@ -81,6 +103,12 @@ def strip_html(state: State) -> str:
 def status_html(view: View) -> str:
     """What happened last, or what goes on now with its elapsed time."""
     state, live = view.state, view.live
+    if view.is_recorded:
+        words = f"Fault: {state.fault}" if state.phase is Phase.FAULT else said(state.message)
+        return _box("recorded", f"<b>Recorded:</b> {escape(words)}")
+    if live.unrecorded:
+        what = "The sending" if state.phase is Phase.SENDING else "The task"
+        return _box("fault", f"<b>{what} has ended without a record:</b> {escape(live.unrecorded)}")
     if live.getting_ready is not None and state.phase not in (Phase.FAULT, Phase.SENDING):
         # A task may wait for it, and runs then by itself.
         waiting = "" if state.job is None else f"; then: {state.message}"
@@ -94,13 +122,27 @@ def status_html(view: View) -> str:
         case Phase.FAULT:
             return _box("fault", f"<b>Fault:</b> {escape(state.fault)}")
         case Phase.SENDING:
-            return _box("busy", escape(sentence(state.message)), parts_placed(state))
+            return _box("busy", escape(said(state.message)), parts_placed(state))
         case Phase.DONE:
             is_good = all(one.is_picked for one in state.outcomes)
-            return _box("good" if is_good else "fault", escape(sentence(state.message)))
+            return _box("good" if is_good else "fault", escape(said(state.message)))
         case _:
-            message = sentence(state.message) or "Ready. Take a scan to begin."
+            message = said(state.message) or "Ready. Take a scan to begin."
+            if state.plan is None and state.verdict and state.message.startswith(NO_PLAN):
+                message = f"No plan: {verdict_words(state.verdict)}"
+            if state.proof is not None and state.message.startswith(PLAN_READY):
+                message = f"Plan ready: {_takes(state)}, {clearance_words(state.proof)}"
             return _box("plain", escape(message))
+
+
+def changes_html(state: State) -> str:
+    """What has changed since the start before, as long as nobody has acknowledged it."""
+    if not state.changed:
+        return ""
+    since = f"The software has changed since {state.changed_since}; nothing is sent before "
+    listed = "".join(f"<li>{escape(one)}</li>" for one in state.changed)
+    head = f"<b>{escape(since)}an engineer acknowledges:</b>"
+    return f'<div class="wb-status wb-changes"><div>{head}<ul>{listed}</ul></div></div>'
 
 
 def _box(kind: str, left: str, right: str = "") -> str:
@@ -131,9 +173,32 @@ def hint(state: State, command: type, purpose: str, span: int) -> str:
     return line(text, kind="hint", span=span, tip=purpose)
 
 
+def not_saved(state: State) -> str:
+    """Why there is nothing to save; empty when there is something."""
+    return "" if state.saved != state.cell.digest else "nothing has changed since it was saved"
+
+
+def not_undone(state: State) -> str:
+    """Why no change of the cell can be undone; empty when one can."""
+    return "" if state.before else "nothing was changed that could be undone"
+
+
+def not_redone(state: State) -> str:
+    """Why no change of the cell can be made again; empty when one can."""
+    return "" if state.undone else "nothing was undone that could be made again"
+
+
+SCANS = {
+    "simulated": "Drops the parts into the simulated bin and scans it from above.",
+    "folder": "Takes the next scan from the folder that the cell's scanner writes to.",
+    "http": "Asks the address of the cell's scanner for a scan.",
+}
+"""What the scan step does, by the scanner's source."""
+
+
 def scan_line(state: State) -> str:
     """What the scan step has brought."""
-    purpose = "Drops the parts into the simulated bin and scans it from above."
+    purpose = SCANS.get(state.cell.scanner.source, "Takes a scan of the bin by the cell's scanner.")
     if state.scan is None:
         return hint(state, TakeScan, purpose, 3)
     at = f", {clock(state.scan.at)}" if state.scan.at else ""
@@ -156,13 +221,14 @@ def parts_line(state: State, threshold: float) -> str:
 
 
 def _apart(detections: tuple[Detection, ...], threshold: float) -> str:
-    """How far two parts lie from each other, and on which side of the threshold [m] that is."""
-    if len(detections) != 2:
-        return ""
-    first, second = (detection.T_world_part.translation for detection in detections)
-    distance = math.dist(first, second)
-    side = "nearer than" if distance < threshold else "at least"
-    return f", {mm(distance, 0)} apart, {side} the threshold"
+    """How far parts lie from each other, and on which side of the threshold [m] that is."""
+    places = [detection.T_world_part.translation for detection in detections]
+    distances = [math.dist(*two) for two in combinations(places, 2)]
+    if len(distances) == 1:
+        side = "nearer than" if distances[0] < threshold else "at least"
+        return f", {mm(distances[0], 0)} apart, {side} the threshold"
+    far = sum(distance >= threshold for distance in distances)
+    return f", {far} of {len(distances)} pairs at least the threshold apart" if distances else ""
 
 
 def forecast_line(cell: Cell, predictions: Predictions | None, threshold: float) -> str:
@@ -171,15 +237,23 @@ def forecast_line(cell: Cell, predictions: Predictions | None, threshold: float)
     if predictions is None or forecast is None:
         return ""
     pieces = [
-        "" if forecast.coordinated is None else f"{forecast.coordinated:.0%} coordinated",
+        "" if forecast.coordinated is None else f"{forecast.coordinated:.0%} far enough apart",
         "" if forecast.success is None else f"{forecast.success:.0%} planned",
         "" if forecast.planning is None else f"in {forecast.planning * 1000:.0f} ms",
         "" if forecast.parts_per_hour is None else f"{forecast.parts_per_hour:.0f} parts an hour",
     ]
     said = ", ".join(piece for piece in pieces if piece)
     changed = "" if predictions.cell_digest == cell.digest else "; the cell was changed since"
-    text = f"Study of {predictions.piles} pairs at {mm(forecast.threshold, 0)}: {said}{changed}"
+    where = f"{predictions.piles} simulated pairs at {mm(forecast.threshold, 0)}"
+    text = f"Of {where}: {said}{changed}"
     return line(text, kind="hint")
+
+
+def _takes(state: State) -> str:
+    plan = state.plan
+    if plan is None:
+        return ""
+    return f"{plan.strategy.words}, {cycle_words(plan.cycle_seconds, state.bound)}"
 
 
 def plan_line(state: State) -> str:
@@ -187,7 +261,8 @@ def plan_line(state: State) -> str:
     purpose = "Judges every grasp with every arm, plans the motion and proves it again."
     if state.plan is None:
         if state.verdict is not None:
-            return line(f"No plan: {state.verdict}", kind="bad", tip=purpose)
+            kind = "warn" if kind_of(state.verdict) == MARGIN_NOT_KEPT else "bad"
+            return line(f"No plan: {verdict_words(state.verdict)}", kind=kind, tip=purpose)
         if state.stale:
             return line(f"{sentence(state.stale)}.", kind="bad", tip=purpose)
         return hint(state, MakePlan, purpose, 3)
@@ -195,12 +270,29 @@ def plan_line(state: State) -> str:
     if proof is None or not proof.holds:
         why = str(proof.findings[0]) if proof is not None else "there is none"
         return line(f"The proof does not hold: {why}", kind="bad", tip=purpose)
-    takes = f"{plan.strategy.words}, {plan.cycle_seconds:.1f} s"
-    text = f"{takes}, smallest clearance {mm(proof.clearance)}"
+    takes = _takes(state)
+    text = f"{takes}, {clearance_words(proof)}"
     if plan.obstacles:
         text += f", clear of {len(plan.obstacles)} unknown obstacles"
     text = sentence(f"{text}; {plan.note}" if plan.note else text)
     return line(text, tip=text)
+
+
+def clearance_words(proof: Proof) -> str:
+    """How near a plan comes to anything: on its free ways, and on its straight ones."""
+    straight = straight_bound(proof)
+    more = "" if straight is None else f", {_floor(max(straight, 0.0))} on straight ones"
+    return f"clear by {_floor(proof.clearance)} on free ways{more}"
+
+
+def _floor(bound: float) -> str:
+    return at_least(bound).removeprefix("at least ")
+
+
+def straight_bound(proof: Proof) -> float | None:
+    """What is kept [m] at least on the straight ways, where the tool may come near."""
+    kept = [bounds.min() for _, leg, bounds in proof.clearances if leg in STRAIGHT and len(bounds)]
+    return float(min(kept)) if kept else None
 
 
 def send_line(state: State) -> str:
@@ -235,75 +327,24 @@ def verdict_text(verdict: Verdict) -> str:
     return ", ".join(pieces)
 
 
+def verdict_words(verdict: Verdict) -> str:
+    """A verdict as the page says it: what touches, and what only does not keep its margin."""
+    kind = kind_of(verdict)
+    if verdict.pair is None or verdict.distance is None:
+        return str(verdict)
+    far = f"{mm(abs(verdict.distance))} {'apart' if verdict.distance > 0 else 'into each other'}"
+    words = f"{kind}: {verdict.pair[0]} and {verdict.pair[1]}, {far}"
+    return f"{words} ({verdict.note})" if verdict.note else words
+
+
 def candidate_label(candidate: Candidate) -> str:
     """A candidate for the scene: which, its verdict, and the evidence, a line each."""
     lines = [
         f"part-{candidate.detection + 1}, {candidate.grasp.name}, {candidate.arm} arm",
-        str(candidate.verdict.reason),
+        kind_of(candidate.verdict),
         verdict_text(candidate.verdict),
     ]
     return "\n".join(text for text in lines if text)
-
-
-def plan_html(cell: Cell, plan: Plan, seconds: tuple[tuple[str, float], ...]) -> str:
-    """The plan in a few chips: what, how long, and what computing it took."""
-    arms = [arm.name for arm in cell.arms]
-    chips = [
-        f'<span class="wb-chip" style="background:{arm_colour(arms.index(arm.arm))}">'
-        f"{escape(arm.arm)}: part-{arm.detection + 1}, {escape(arm.grasp)}</span>"
-        for arm in plan.arms
-    ]
-    times = " · ".join(f"{stage} {value * 1000:.0f} ms" for stage, value in seconds)
-    note = f'<div class="wb-small">{escape(sentence(plan.note))}</div>' if plan.note else ""
-    return (
-        f'<div class="wb-pad">{"".join(chips)}'
-        f'<div class="wb-small" title="{escape(plan.digest)}">{escape(plan.strategy.words)}, '
-        f"{escape(plan.guarantee)}, plan {short(plan.digest)}</div>"
-        f"{note}"
-        f'<div class="wb-small">computed in {escape(times)}</div></div>'
-    )
-
-
-def outlines_html(outlines: tuple[Outline, ...]) -> str:
-    """What the plannings for these parts brought, the latest first, when there is a choice."""
-    if len(outlines) < 2:
-        return ""
-    heads = "".join(
-        f'<th class="{"wb-number" if is_number else ""}">{title}</th>'
-        for title, is_number in (
-            ("Plans for these parts", False),
-            ("Planner", False),
-            ("Cycle", True),
-            ("Planning", True),
-            ("Clearance", True),
-            ("Arms apart", True),
-        )
-    )
-    rows = "".join(
-        _outline_row(outline, place == 0) for place, outline in enumerate(reversed(outlines))
-    )
-    return (
-        f'<table class="wb-facts wb-plans"><thead><tr>{heads}</tr></thead>'
-        f"<tbody>{rows}</tbody></table>"
-    )
-
-
-def _outline_row(outline: Outline, is_latest: bool) -> str:
-    what = f"{outline.strategy}, {outline.parts} part{'' if outline.parts == 1 else 's'}"
-    what = outline.verdict if outline.verdict else what
-    values = (
-        "" if outline.cycle is None else f"{outline.cycle:.1f} s",
-        f"{outline.planning * 1000:.0f} ms",
-        "" if outline.clearance is None else mm(outline.clearance),
-        "" if outline.apart is None else mm(outline.apart, 0),
-    )
-    numbers = "".join(f'<td class="wb-number">{escape(value)}</td>' for value in values)
-    chosen = ' class="wb-latest"' if is_latest else ""
-    title = escape(f"{outline.guarantee} {short(outline.digest)}".strip())
-    return (
-        f'<tr{chosen} title="{title}"><td>{escape(what)}</td>'
-        f"<td>{escape(outline.planner)}</td>{numbers}</tr>"
-    )
 
 
 def joints_html(cell: Cell, joints: Mapping[str, float]) -> str:

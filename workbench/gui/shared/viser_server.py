@@ -36,6 +36,10 @@ POLICY_VIOLATION = 1008
 KEY, USER, ROLE = "X-WB-Key", "X-WB-User", "X-WB-Role"
 """Headers by which the front shows its key and says whom it brings; the name is URL-quoted."""
 
+WAITING = 32 * 1024
+"""Bytes that may wait in the machine for a browser; it doubles them.  Megabytes did: on a slow line
+the page then showed what had been half a minute before."""
+
 _starting = threading.Lock()
 """Held while a server starts: that takes one change to a module for a moment."""
 
@@ -95,9 +99,23 @@ def is_connected(client: viser.ClientHandle) -> bool:
     return client.client_id in client._viser_server._websock_server._live_connections
 
 
-def element_id(button: viser.GuiButtonHandle) -> str:
-    """The id of a button in the browser's document."""
-    return button._impl.uuid
+def element_id(
+    control: viser.GuiButtonHandle
+    | viser.GuiUploadButtonHandle
+    | viser.GuiSliderHandle[float]
+    | viser.GuiVector3Handle,
+) -> str:
+    """The id of a control in the browser's document; of three numbers that of the first."""
+    return control._impl.uuid
+
+
+def buttons_of(gui: viser.GuiApi) -> list[viser.GuiButtonHandle | viser.GuiUploadButtonHandle]:
+    """The buttons that were made so far."""
+    return [
+        control
+        for control in tuple(gui._gui_input_handle_from_uuid.values())
+        if isinstance(control, viser.GuiButtonHandle | viser.GuiUploadButtonHandle)
+    ]
 
 
 def close_viser(server: viser.ViserServer) -> None:
@@ -140,6 +158,8 @@ def _guarded(secret: str | None) -> Generator[None]:
 
         def guarded(*args: Any, process_request: Callable[..., Any], **options: Any) -> Any:
             def look(connection: Any, request: Request) -> Any:
+                ours = connection.transport.get_extra_info("socket")
+                ours.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, WAITING)
                 refusal = _look_at(request, secret)
                 return refusal if refusal is not None else process_request(connection, request)
 

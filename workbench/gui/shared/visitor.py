@@ -8,16 +8,18 @@ from typing import Any, Literal, Protocol
 import viser
 from viser._messages import HotkeyKey
 
-from workbench.app.core.commands import Command, TakeScan, WatchPlan
+from workbench.app.core.commands import Approve, Command, TakeScan, WatchPlan
 from workbench.app.core.people import Person
 from workbench.app.core.rights import NOBODY, lacks_right, obstacle
 from workbench.app.core.rules import NOT_REPORTED, allowed
-from workbench.app.core.state import State
+from workbench.app.core.state import Phase, State
 from workbench.app.review.history import History
 from workbench.app.runtime.bench import Bench
-from workbench.gui.shared.look import PLAYBACK, SharedLook, SteeredLook, View
+from workbench.gui.shared.look import CLOCK, PLAYBACK, SharedLook, SteeredLook, View
 from workbench.gui.shared.own import OwnLook
-from workbench.gui.shared.viser_server import element_id, person_of
+from workbench.gui.shared.tables import named_css, told_css
+from workbench.gui.shared.views import sentence
+from workbench.gui.shared.viser_server import buttons_of, element_id, person_of
 from workbench.model.cell import Cell
 from workbench.model.errors import CommandRefused, WorkbenchError
 from workbench.model.prediction import Predictions
@@ -25,6 +27,11 @@ from workbench.model.prediction import Predictions
 log = logging.getLogger(__name__)
 
 SECONDS_TO_READ = 8.0
+
+RECORDED = "this is a recorded session: it can be looked at, nothing else"
+
+SOMEBODY = "somebody"
+"""Stands for the name that the approval's dialog asks for where nobody has logged in."""
 
 Control = viser.GuiButtonHandle | viser.GuiUploadButtonHandle
 
@@ -56,7 +63,15 @@ class Visitor:
         self.folders: Mapping[str, Path] = folders or {}
         self.is_dark = False
         self._hints: dict[int, str | None] = {}
+        self._told: dict[str, str] = {}
+        self._named: dict[str, tuple[str, str, str]] = {}
+        self._style: viser.GuiHtmlHandle | None = None
         self._endings: list[tuple[Callable[[], None], bool]] = []
+
+    @property
+    def is_recorded(self) -> bool:
+        """Whether this is a recorded session: all of it can be looked at, nothing be done."""
+        return isinstance(self.bench, History)
 
     @property
     def is_known(self) -> bool:
@@ -127,11 +142,18 @@ class Visitor:
                 action()
 
     def lacks(self, state: State, command: type) -> str:
-        """Why a command of this type is not this person's now; empty when it is."""
+        """Why a command of this type is not this person's now; empty when it is.
+
+        A recorded session is everybody's to look at, whoever was in control then.
+        """
+        if self.is_recorded:
+            return ""
         return lacks_right(state, command, self.person.name, self.person.role)
 
     def obstacle(self, state: State, command: type) -> str:
         """Why a command of this type from this browser is not in order now; empty when it is."""
+        if self.is_recorded:
+            return RECORDED
         return self.lacks(state, command) or obstacle(state, command)
 
     def refusal(
@@ -142,34 +164,66 @@ class Visitor:
         joints: Mapping[str, float] = NOT_REPORTED,
     ) -> str:
         """Why the rules would refuse a command from this browser now; empty when they would not."""
+        if self.is_recorded:
+            return RECORDED
+        name = self.person.name
+        if isinstance(command, Approve) and name == NOBODY:
+            name = SOMEBODY
         try:
-            allowed(state, command, self.person.name, now, joints, self.person.role)
+            allowed(state, command, name, now, joints, self.person.role)
         except CommandRefused as error:
             return str(error)
         return ""
 
-    def admit(
-        self, control: Control, state: State, command: type, *, is_ready: bool = True
-    ) -> None:
-        """Let a control be used while its command is in order and everything else `is_ready`.
+    def admit(self, control: Control, state: State, command: type, *, otherwise: str = "") -> None:
+        """Let a control be used while its command is in order; it says why not.
 
-        When the command is not this person's, the control says why as its hint.
+        Args:
+            control: that gives the command.
+            state: as it is now.
+            command: its type.
+            otherwise: what is missing besides; empty when nothing is.
         """
-        control.disabled = bool(self.obstacle(state, command)) or not is_ready
-        self.explain(control, self.lacks(state, command))
+        self.allow(control, self.obstacle(state, command) or otherwise)
+
+    def allow(self, control: Control, problem: str) -> None:
+        """Let a control be used, or have it say why not; empty: it can be."""
+        control.disabled = bool(problem)
+        self.explain(control, problem)
 
     def explain(self, control: Control, problem: str) -> None:
-        """Have a control say why it is not this person's; empty: what it said when it was made."""
+        """Have a control say why it cannot be used; empty: what it said when it was made."""
         hint = self._hints.setdefault(id(control), control.hint)
-        wanted = problem or hint
+        wanted = sentence(problem) or hint
         if control.hint != wanted:
             control.hint = wanted
+        self._told[element_id(control)] = wanted or ""
+
+    def name(self, three: viser.GuiVector3Handle, names: tuple[str, str, str]) -> None:
+        """Have three numbers in a row say what each is; otherwise they are x, y and z."""
+        self._named[element_id(three)] = names
+
+    def show_told(self) -> None:
+        """Bring what buttons and numbers say to where the page shows it, after that has changed."""
+        if self._style is None:
+            # Those that nothing is ever explained of say what they were made with.
+            for control in buttons_of(self.gui):
+                self._told.setdefault(element_id(control), control.hint or "")
+        rules = named_css(self._named) + told_css(self._told)
+        content = f'<style class="wb-style">{rules}</style>'
+        if self._style is None:
+            self._style = self.gui.add_html(content)
+        elif self._style.content != content:
+            self._style.content = content
 
     def _may_steer(self, fields: Set[str]) -> bool:
         """Whether this person may change what everybody looks at.
 
-        Those who approve have to play the plan, in control or not; viewers follow.
+        Those who approve have to play the plan, in control or not; viewers follow.  While a plan is
+        sent, its picture follows the robot.
         """
+        if fields & CLOCK and self.bench.state.phase is Phase.SENDING:
+            return False
         needed = WatchPlan if fields <= PLAYBACK else TakeScan
         return not self.lacks(self.bench.state, needed)
 

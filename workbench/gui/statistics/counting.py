@@ -37,8 +37,13 @@ class Counted:
         self._threads.shutdown(cancel_futures=True)
 
     def of(self, state: State) -> Statistics:
-        """What was counted last; counts in the background when something has come since."""
+        """What was counted last; counts in the background when something has come since.
+
+        A recorded session is counted whole, whichever moment of it is looked at.
+        """
         is_settled = state.job is None and state.phase in WORTH_COUNTING
+        if isinstance(self._bench, History):
+            is_settled = not self._asked
         if is_settled and state.number > self._asked:
             self._asked = state.number
             self._threads.submit(self._go_on)

@@ -1,16 +1,21 @@
 """The tab that tells what the session has brought, and gives it as a table to take along."""
 
+from collections.abc import Sequence
+
 import numpy as np
 import viser
 
-from workbench.app.records.statistics import csv_text
-from workbench.gui.shared.charts import JOINTS, axis, curve
+from workbench.app.records.statistics import CycleRecord, csv_text
+from workbench.gui.shared.colours import JOINTS
 from workbench.gui.shared.look import View
+from workbench.gui.shared.plots import Curve, Plot, legend_html, plot_html
+from workbench.gui.shared.views import line
 from workbench.gui.shared.visitor import Visitor
 from workbench.gui.statistics.views import statistics_html
 
 FILE = "workbench-statistics.csv"
-NOTHING = np.array([0.0, 1.0])
+
+WHOLE = "Of the whole session, whichever entry is looked at."
 
 
 class StatisticsPanel:
@@ -22,19 +27,7 @@ class StatisticsPanel:
         self._shown: View | None = None
         gui = visitor.gui
         self._tables = gui.add_html("")
-        self._cycles = gui.add_uplot(
-            (NOTHING, NOTHING, NOTHING, NOTHING),
-            (
-                curve("cycle"),
-                curve("find parts"),
-                curve("plan", JOINTS[1]),
-                curve("send", JOINTS[2]),
-            ),
-            scales={"x": {"time": False}},
-            axes=(axis("cycle"), axis("time of a stage [s]")),
-            height=170,
-            visible=False,
-        )
+        self._cycles = gui.add_html("")
         self._save = gui.add_button("Save as CSV", icon=viser.Icon.DOWNLOAD, color="gray")
         self._save.on_click(lambda _: self._download())
 
@@ -44,20 +37,24 @@ class StatisticsPanel:
         counted = new.statistics
         if old is not None and old.statistics is counted:
             return
-        self._tables.content = statistics_html(counted)
+        whole = line(WHOLE, kind="hint") if new.is_recorded else ""
+        self._tables.content = whole + statistics_html(counted)
         self._save.disabled = not counted.picks
         timed = [cycle for cycle in counted.cycles if "send" in cycle.seconds]
-        self._cycles.visible = len(timed) > 1
-        if len(timed) > 1:
-            self._cycles.data = (
-                np.arange(1.0, len(timed) + 1),
-                *(
-                    np.array([cycle.seconds.get(stage, np.nan) for cycle in timed])
-                    for stage in ("find parts", "plan", "send")
-                ),
-            )
+        self._cycles.content = _stages(timed) if len(timed) > 1 else ""
 
     def _download(self) -> None:
         if self._shown is not None:
             content = csv_text(self._shown.statistics).encode()
             self._visitor.client.send_file_download(FILE, content)
+
+
+def _stages(cycles: Sequence[CycleRecord]) -> str:
+    """How long the stages took, cycle after cycle."""
+    curves = tuple(
+        Curve(stage, JOINTS[k], np.array([one.seconds.get(stage, np.nan) for one in cycles]))
+        for k, stage in enumerate(("find parts", "plan", "send"))
+    )
+    numbers = np.arange(1.0, len(cycles) + 1)
+    plot = Plot("Time of a stage", "s", numbers, curves, low=0.0, along="cycle")
+    return plot_html(plot, float(numbers[-1])) + legend_html(plot)

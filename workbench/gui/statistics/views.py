@@ -24,7 +24,7 @@ def statistics_html(counted: Statistics) -> str:
     charts = [
         *(_success(f"Success by {name}", counted.rates(of)) for name, of in GROUPS.items()),
         _bars(
-            "Parts taken in each hour",
+            "Parts taken in each hour, by local time",
             [(clock(at)[:5], picked, f"{picked}") for at, picked, _ in counted.by_hour()],
         ),
         _bars(

@@ -16,7 +16,7 @@ from scipy.optimize import least_squares
 
 from workbench.model.calibration import Calibration, Light, PoseResidual
 from workbench.model.errors import InputError
-from workbench.model.geometry import Floats
+from workbench.model.geometry import Floats, shift_and_turn
 from workbench.perception.calibration.rigid import fitted_motion
 
 FEWEST = 4
@@ -143,12 +143,8 @@ def _check(poses: Sequence[PlatePose]) -> None:
 
 
 def _is_same(one: PlatePose, other: PlatePose) -> bool:
-    between = one.T_world_flange.actInv(other.T_world_flange)
-    distance, angle = (
-        np.linalg.norm(between.translation),
-        np.linalg.norm(pin.log3(between.rotation)),
-    )
-    return bool(distance < SAME[0] and angle < SAME[1])
+    distance, angle = shift_and_turn(one.T_world_flange.actInv(other.T_world_flange))
+    return distance < SAME[0] and angle < SAME[1]
 
 
 def _check_left(wanted: Sequence[PlatePose], used: Sequence[int]) -> None:

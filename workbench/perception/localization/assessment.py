@@ -7,10 +7,10 @@ import numpy as np
 from workbench.model.geometry import Floats, frozen, put
 from workbench.perception.localization.hypotheses import SAME_ANGLE, SAME_DISTANCE
 from workbench.perception.localization.maps import DepthMap
-from workbench.perception.localization.part_surface import PartSurface
 from workbench.perception.localization.poses import distinct
 from workbench.perception.localization.settling import is_held, roll_error, settled
 from workbench.perception.localization.sightings import Sighting, closeness, gains, look, tally
+from workbench.perception.parts.part_surface import PartSurface
 
 RIVALS = 4
 """Near-symmetric poses that are polished before the best of them is taken."""

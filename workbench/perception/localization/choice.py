@@ -12,16 +12,16 @@ from workbench.model.cell import Bin
 from workbench.model.geometry import Bools, Floats, frozen, put
 from workbench.model.scan import Objection
 from workbench.perception.localization.assessment import Assessment
-from workbench.perception.localization.part_surface import PartSurface
+from workbench.perception.localization.likelihood import log_likelihood_ratio
 from workbench.perception.localization.sightings import Sighting
+from workbench.perception.parts.part_surface import PartSurface
 from workbench.perception.scene.bin_fit import SeenBin, inside_by
 
 LEAST_VISIBLE = 0.3
 """Less of the facing surface than this cannot tell a part from a chance likeness."""
 
-PLAUSIBLE, CONVINCING = 0.75, 0.95
-"""Of what is seen in the part's place, the part must explain these shares: before a close look
-at it, and after."""
+PLAUSIBLE = 0.75
+"""Of what is seen in the part's place, the part must explain this share to be looked at closely."""
 
 LEAST_PIXELS = 40
 
@@ -116,6 +116,8 @@ def choose(
     surface: PartSurface,
     hypotheses: list[Hypothesis],
     assess: Callable[[Floats], Assessment],
+    spread: float,
+    tolerance: float,
 ) -> None:
     """Take the hypotheses that hold together after a close look, the best first.
 
@@ -127,19 +129,27 @@ def choose(
         surface: the part.
         hypotheses: possible poses, fitted roughly.
         assess: looks closely at a pose (4, 4) [m] and returns a better one.
+        spread: [m] deviation of a part's points from its surface.
+        tolerance: [m] see `sightings.look`.
     """
     left = list(hypotheses)
     while left:
         values = [_gain(hypothesis.sighting, choice.claimed) for hypothesis in left]
         one: Hypothesis | Assessment = left.pop(int(np.argmax(values)))
-        rejected = _objection(choice, surface, one, PLAUSIBLE)
+        rejected = _objection(choice, surface, one)
         if rejected is None:
             one = assess(one.pose)
-            rejected = _objection(choice, surface, one, CONVINCING) or _overlap(
-                choice, surface, one
-            )
+            rejected = _objection(choice, surface, one) or _overlap(choice, surface, one)
             if rejected is None and not one.is_held:
                 rejected = Rejection(one.pose, one.sighting, Objection.NOT_HELD)
+            if (
+                rejected is None
+                and log_likelihood_ratio(
+                    one.sighting, choice.claimed >= 0, spread, tolerance, is_all_known=False
+                )
+                < 0.0
+            ):
+                rejected = Rejection(one.pose, one.sighting, Objection.UNKNOWN)
             if rejected is None:
                 choice.claimed[one.sighting.explained] = len(choice.chosen)
                 choice.chosen.append(one)
@@ -152,18 +162,18 @@ def _gain(sighting: Sighting, claimed: np.ndarray) -> float:
 
 
 def _objection(
-    choice: Choice, surface: PartSurface, one: Hypothesis | Assessment, consistent: float
+    choice: Choice, surface: PartSurface, one: Hypothesis | Assessment
 ) -> Rejection | None:
-    """Why too little is explained that is not claimed, if so; `consistent` see `CONVINCING`."""
+    """Why too little is explained that is not claimed, if so."""
     seen = one.sighting
     owners = choice.claimed[seen.explained]
     explained = int(np.count_nonzero(owners < 0))
     enough = max(LEAST_PIXELS, LEAST_VISIBLE * seen.shown)
     if len(seen.explained) < enough:
         return Rejection(one.pose, seen, Objection.TOO_LITTLE)
-    if len(seen.explained) < consistent * (len(seen.explained) + len(seen.violated)):
+    if len(seen.explained) < PLAUSIBLE * (len(seen.explained) + len(seen.violated)):
         return Rejection(one.pose, seen, Objection.FREE_SPACE)
-    if explained < enough or explained < consistent * (explained + len(seen.violated)):
+    if explained < enough or explained < PLAUSIBLE * (explained + len(seen.violated)):
         rival = int(np.bincount(owners[owners >= 0]).argmax())
         apart = _between(choice.chosen[rival].pose, one.pose) @ [*surface.middle, 1.0]
         is_same = np.linalg.norm(apart[:3] - surface.middle) < SAME_PLACE * surface.diameter

@@ -7,13 +7,13 @@ import numpy as np
 
 from workbench.model.geometry import Floats
 from workbench.perception.localization.maps import DepthMap
-from workbench.perception.localization.oriented import OrientedPoints
-from workbench.perception.localization.part_surface import PartSurface
-from workbench.perception.localization.point_pairs import vote
 from workbench.perception.localization.poses import distinct
 from workbench.perception.localization.registration import quick_scores, refine
 from workbench.perception.localization.settling import settled
 from workbench.perception.localization.sightings import closeness, tally
+from workbench.perception.parts.oriented import OrientedPoints
+from workbench.perception.parts.part_surface import PartSurface
+from workbench.perception.parts.point_pairs import vote
 
 SPACING = 0.055
 """Distance between the points of the scan that vote, over the part's diameter."""

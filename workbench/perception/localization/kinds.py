@@ -1,6 +1,6 @@
 """Several kinds of parts in one scan: what two kinds are thought to explain is one of them."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 import pinocchio as pin
@@ -8,9 +8,16 @@ import pinocchio as pin
 from workbench.model.cell import Cell
 from workbench.model.scan import Detection, Discarded, LocalizationResult, Objection, Scan
 from workbench.perception.localization.choice import reaches_into
-from workbench.perception.localization.localize import MOST_DISCARDED, Searched, searched
-from workbench.perception.localization.part_surface import PartSurface
+from workbench.perception.localization.judging import Sought
+from workbench.perception.localization.localize import (
+    MOST_DISCARDED,
+    Searched,
+    sought,
+    together,
+)
+from workbench.perception.parts.part_surface import PartSurface
 from workbench.perception.scene.scene_model import scene_model
+from workbench.plugins.progress import Cancelled, Report
 
 
 def all_kinds(
@@ -19,11 +26,11 @@ def all_kinds(
     *,
     seed: int,
     detail: float,
-    report: Callable[[float, str], None],
-    cancelled: Callable[[], bool],
+    report: Report,
+    cancelled: Cancelled,
 ) -> LocalizationResult:
     """All parts of all kinds that a cell picks; see `plugins.localizer.Localizer.find`."""
-    brought: list[Searched] = []
+    brought: list[Sought | PartSurface] = []
     scene = scene_model(scan, cell)
     for number, part in enumerate(cell.parts):
         before = number / len(cell.parts)
@@ -32,7 +39,7 @@ def all_kinds(
             report(before + done / len(cell.parts), note)
 
         brought.append(
-            searched(
+            sought(
                 scan,
                 part,
                 cell,
@@ -43,7 +50,7 @@ def all_kinds(
                 cancelled=cancelled,
             )
         )
-    return merged(brought)
+    return merged(together(scan, brought))
 
 
 def merged(brought: Sequence[Searched]) -> LocalizationResult:

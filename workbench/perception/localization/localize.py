@@ -1,6 +1,6 @@
 """Finding the parts in a scan: hypotheses by voting, fits, and verification by drawing them."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import count
 from typing import Any
@@ -15,6 +15,7 @@ from workbench.model.geometry import Floats
 from workbench.model.part import Part
 from workbench.model.scan import Detection, Discarded, LocalizationResult, Objection, Scan
 from workbench.perception.localization.assessment import Assessment, assess
+from workbench.perception.localization.certainty import covariance, probability_of
 from workbench.perception.localization.choice import (
     LEAST_PIXELS,
     Choice,
@@ -29,12 +30,14 @@ from workbench.perception.localization.hypotheses import (
     SAME_DISTANCE,
     hypotheses,
 )
+from workbench.perception.localization.judging import Judged, Sought, judged
+from workbench.perception.localization.likelihood import LEAST_SPREAD, SPREAD_OVER_NOISE
 from workbench.perception.localization.maps import DepthMap, make_map
-from workbench.perception.localization.outline import ends_there
-from workbench.perception.localization.part_surface import PartSurface, prepare
 from workbench.perception.localization.poses import distinct
 from workbench.perception.localization.sightings import look
-from workbench.perception.scene.scene_model import SceneModel, scene_model
+from workbench.perception.parts.part_surface import PartSurface, prepare
+from workbench.perception.scene.scene_model import SceneModel
+from workbench.plugins.progress import Cancelled, Report
 
 PIXELS_ACROSS = 70
 """Pixels of the working map over the part's diameter, if the scan is dense enough."""
@@ -67,38 +70,38 @@ class Searched:
     gains: tuple[float, ...]
 
 
-def _silent(done: float, note: str) -> None:
-    pass
+def together(scan: Scan, brought: Sequence[Sought | PartSurface]) -> list[Searched]:
+    """The searches for several parts in one scan, without what does not stand beside the others."""
+    found = [one for one in brought if isinstance(one, Sought)]
+    standing = iter(judged(found))
+    return [
+        _searched(scan, one, next(standing))
+        if isinstance(one, Sought)
+        else Searched(LocalizationResult(()), one, ())
+        for one in brought
+    ]
 
 
-def localize(
+def _searched(scan: Scan, one: Sought, standing: Judged) -> Searched:
+    choice = standing.choice
+    order = sorted(range(len(choice.chosen)), key=lambda k: -choice.chosen[k].sighting.score)
+    gains = tuple(choice.chosen[k].sighting.gain * one.maps.pitch**2 for k in order)
+    detections = tuple(_detection(scan, one, choice.chosen[k], standing.ratios[k]) for k in order)
+    discarded = _discarded(scan, one, choice, order)
+    return Searched(LocalizationResult(detections, discarded), one.surface, gains)
+
+
+def sought(
     scan: Scan,
     part: Part,
     cell: Cell,
     *,
     seed: int,
-    detail: float = 1.0,
-    report: Callable[[float, str], None] = _silent,
-    cancelled: Callable[[], bool] = lambda: False,
-) -> tuple[Detection, ...]:
-    """The detections of `searched`: all instances of a part in the cell's bin."""
-    brought = searched(
-        scan, part, cell, seed=seed, detail=detail, report=report, cancelled=cancelled
-    )
-    return brought.findings.detections
-
-
-def searched(
-    scan: Scan,
-    part: Part,
-    cell: Cell,
-    *,
-    seed: int,
-    detail: float = 1.0,
-    scene: SceneModel | None = None,
-    report: Callable[[float, str], None] = _silent,
-    cancelled: Callable[[], bool] = lambda: False,
-) -> Searched:
+    detail: float,
+    scene: SceneModel,
+    report: Report,
+    cancelled: Cancelled,
+) -> Sought | PartSurface:
     """All instances of a part in the cell's bin, as far as the scan shows them.
 
     Point-pair features of the scan inside the bin vote for poses; they are fitted by projective
@@ -113,13 +116,12 @@ def searched(
         cell: its bin says where; its scanner how noisy the points are, if the scan does not.
         seed: of the choice of points that vote.
         detail: how fine the scan is looked at; 1 is usual.
-        scene: what surrounds the parts, if that is known already.
+        scene: what surrounds the parts, and how good the scan is.
         report: is told the share done, 0..1, and what is being done.
         cancelled: is asked now and then whether to give up.
 
     Returns:
-        The detections, best score first, none when nothing is found; the `MOST_DISCARDED` best
-        of the poses that were looked at and not taken; and how much speaks for each detection.
+        What was taken and what was not; of a scan with nothing in the bin, the part alone.
 
     Raises:
         JobCancelled: `cancelled` said so.
@@ -134,12 +136,14 @@ def searched(
     step(0.0, f"prepare {part.name}")
     surface = prepare(part)
     step(0.2, "map the scan")
-    scene = scene or scene_model(scan, cell)
     pitch = surface.diameter / (PIXELS_ACROSS * detail)
     maps = make_map(scan, cell.bin, scene.bin, size=surface.diameter, pitch=pitch)
     if maps is None:
-        return Searched(LocalizationResult(()), surface, ())
-    glance, tolerance = _coarser(maps, surface), _tolerance(surface, cell, scan, scene)
+        return surface
+    noise = _noise(cell, scan, scene)
+    tolerance = max(TOLERANCE * surface.diameter, TOLERANCE_OVER_NOISE * noise)
+    spread = max(SPREAD_OVER_NOISE * noise, LEAST_SPREAD * tolerance)
+    glance = _coarser(maps, surface)
     T_scanner_bin = scan.T_world_scanner.inverse() * cell.bin.T_world_bin
     steps = count()
 
@@ -171,14 +175,11 @@ def searched(
             effort,
             seed=(seed, number),
         )
-        choose(choice, surface, [seen(pose) for pose in poses], assess_next)
+        choose(choice, surface, [seen(pose) for pose in poses], assess_next, spread, tolerance)
         choice.rejected += [
             Rejection(one.pose, one.sighting, Objection.OUTSIDE) for one in map(seen, outside)
         ]
-    choice = _ending(choice, maps, surface, tolerance)
-    order = sorted(range(len(choice.chosen)), key=lambda k: -choice.chosen[k].sighting.score)
-    gains = tuple(choice.chosen[k].sighting.gain * maps.pitch**2 for k in order)
-    return Searched(_findings(part, surface, scan, choice, order), surface, gains)
+    return Sought(part, surface, maps, tolerance, spread, choice)
 
 
 def _coarser(maps: DepthMap, surface: PartSurface) -> DepthMap:
@@ -195,53 +196,26 @@ def _without_claimed(maps: DepthMap, choice: Choice) -> DepthMap:
     return replace(maps, foreground=maps.foreground & ~rims)
 
 
-def _ending(choice: Choice, maps: DepthMap, surface: PartSurface, tolerance: float) -> Choice:
-    """The choice without those that do not end where they should: pieces of something else."""
-    others = choice.claimed
-    kept = [
-        ends_there(maps, surface, one.pose, tolerance, (others >= 0) & (others != k))
-        for k, one in enumerate(choice.chosen)
-    ]
-    place = np.where(kept, np.cumsum(kept) - 1, -1)
-    rejected = [
-        one if one.rival is None else replace(one, rival=int(place[one.rival]))
-        for one in choice.rejected
-        if one.rival is None or kept[one.rival]
-    ]
-    rejected += [
-        Rejection(one.pose, one.sighting, Objection.GOES_ON)
-        for one, is_kept in zip(choice.chosen, kept, strict=True)
-        if not is_kept
-    ]
-    chosen = [one for one, is_kept in zip(choice.chosen, kept, strict=True) if is_kept]
-    claimed = np.where(others >= 0, np.append(place, -1)[others], -1)
-    return Choice(claimed, chosen, rejected)
-
-
-def _tolerance(surface: PartSurface, cell: Cell, scan: Scan, scene: SceneModel) -> float:
+def _noise(cell: Cell, scan: Scan, scene: SceneModel) -> float:
+    """Deviation [m] of the scan's points at the bin."""
     distance = np.linalg.norm(scan.T_world_scanner.translation - cell.bin.T_world_bin.translation)
-    noise = scene.sensor.deviation(float(distance), otherwise=cell.scanner.depth_noise)
-    return max(TOLERANCE * surface.diameter, TOLERANCE_OVER_NOISE * noise)
+    return scene.sensor.deviation(float(distance), otherwise=cell.scanner.depth_noise)
 
 
-def _findings(
-    part: Part, surface: PartSurface, scan: Scan, choice: Choice, order: Sequence[int]
-) -> LocalizationResult:
-    """The chosen ones as detections in that order, and the best of those rejected."""
+def _discarded(
+    scan: Scan, one: Sought, choice: Choice, order: Sequence[int]
+) -> tuple[Discarded, ...]:
+    """The best of those rejected; `order` is that of the chosen ones as detections."""
     rank = {k: place for place, k in enumerate(order)}
-    rejected = _different(surface, choice)[:MOST_DISCARDED]
-    return LocalizationResult(
-        tuple(_detection(part, scan, choice.chosen[k]) for k in order),
-        tuple(
-            Discarded(
-                part=part.name,
-                T_world_part=scan.T_world_scanner * pin.SE3(one.pose),
-                score=one.sighting.score,
-                reason=one.reason,
-                rival=None if one.rival is None else rank[one.rival],
-            )
-            for one in rejected
-        ),
+    return tuple(
+        Discarded(
+            part=one.part.name,
+            T_world_part=scan.T_world_scanner * pin.SE3(rejected.pose),
+            score=rejected.sighting.score,
+            reason=rejected.reason,
+            rival=None if rejected.rival is None else rank[rejected.rival],
+        )
+        for rejected in _different(one.surface, choice)[:MOST_DISCARDED]
     )
 
 
@@ -263,14 +237,19 @@ def _different(surface: PartSurface, choice: Choice) -> list[Rejection]:
     return [ranked[k - len(choice.chosen)] for k in kept if k >= len(choice.chosen)]
 
 
-def _detection(part: Part, scan: Scan, assessed: Assessment) -> Detection:
+def _detection(scan: Scan, sought: Sought, assessed: Assessment, ratio: float) -> Detection:
     sighting = assessed.sighting
+    axes = np.kron(np.eye(2), scan.T_world_scanner.rotation)
+    known = covariance(sought.maps, sought.surface, assessed.pose, sighting, sought.tolerance)
     return Detection(
-        part=part.name,
+        part=sought.part.name,
         T_world_part=scan.T_world_scanner * pin.SE3(assessed.pose),
         score=sighting.score,
         visible=sighting.visible,
         gap=assessed.gap,
         residual=float(np.sqrt(np.mean(sighting.off**2))),
         roll_known=assessed.roll_known,
+        covariance=axes @ known @ axes.T,
+        probability=probability_of(ratio),
+        roll_axis=None if assessed.roll_known else sought.surface.symmetry.axis,
     )

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pinocchio as pin
 
+from workbench.model.geometry import Floats
 from workbench.model.part import Part
 from workbench.model.symmetry import BALL, NONE
 
@@ -48,6 +49,41 @@ def pose_error(
         for R in symmetry.others
     ]
     return float(np.linalg.norm(T.act(middle) - middle)), min(tilts)
+
+
+def squared_error(
+    part: Part,
+    T_world_true: pin.SE3,
+    T_world_found: pin.SE3,
+    covariance: Floats,
+    *,
+    roll_known: bool = True,
+) -> tuple[float, int]:
+    """The squared error of a pose over its covariance (6, 6) [m, rad], see `Detection`; no unit.
+
+    Of all motions that leave the part as it is, that counts after which it is the smallest.  The
+    other arguments are those of `pose_error`.
+
+    Returns:
+        The squared error, and its degrees of freedom: where any turn about an axis changes nothing
+        there is one unknown less, of a ball there are three.
+    """
+    symmetry = part.symmetry
+    if symmetry.form == NONE and not roll_known:
+        symmetry = replace(symmetry, fold=0)
+    if symmetry.form == BALL:
+        point = np.array(symmetry.point)
+        arm = T_world_found.rotation @ point
+        moves = np.hstack([np.eye(3), np.cross(arm, np.eye(3))])
+        error = T_world_found.act(point) - T_world_true.act(point)
+        return float(error @ np.linalg.solve(moves @ covariance @ moves.T, error)), 3
+    squares: list[float] = []
+    for M in symmetry.motions(FINE_STEPS):
+        T = T_world_true * pin.SE3(M)
+        turn = pin.log3(T_world_found.rotation @ T.rotation.T)
+        error = np.concatenate([T_world_found.translation - T.translation, turn])
+        squares.append(float(error @ np.linalg.solve(covariance, error)))
+    return min(squares), 6 if symmetry.form == NONE else 5
 
 
 def mssd(part: Part, T_world_true: pin.SE3, T_world_found: pin.SE3) -> float:

@@ -9,7 +9,7 @@ from numba import njit
 
 from workbench.model.geometry import Floats
 from workbench.perception.localization.maps import DepthMap, Seen
-from workbench.perception.localization.oriented import OrientedPoints
+from workbench.perception.parts.oriented import OrientedPoints
 
 Triple = tuple[float, float, float]
 

@@ -5,7 +5,6 @@ from numba import njit, prange
 
 from workbench.model.geometry import Floats, Ints
 from workbench.perception.localization.maps import DepthMap, Seen
-from workbench.perception.localization.part_surface import PartSurface
 from workbench.perception.localization.registration import move, solved, transformed
 from workbench.perception.localization.sightings import (
     AGAINST,
@@ -20,6 +19,7 @@ from workbench.perception.localization.sightings import (
     pulled,
     tally,
 )
+from workbench.perception.parts.part_surface import PartSurface
 
 FITS = 3
 """Gauss-Newton steps of the dense fit."""

@@ -6,10 +6,10 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from workbench.model.geometry import Floats, Ints, frozen, put
+from workbench.model.geometry import Bools, Floats, Ints, frozen, put
 from workbench.perception.localization.maps import DepthMap, Seen
-from workbench.perception.localization.part_surface import PartSurface
 from workbench.perception.localization.registration import Triple, transformed
+from workbench.perception.parts.part_surface import PartSurface
 from workbench.perception.views.rendering import rendered
 
 
@@ -36,6 +36,9 @@ AGAINST = 2.0
 EXPLAINED, VIOLATED, HIDDEN = 1, 2, 3
 """What a pixel says of a pose; see `Sighting`."""
 
+RIM = 2
+"""[pixels] From the edge of a part's picture: so far measurements of both sides are mixed."""
+
 SQUARES = 0
 """Column of a tally that sums the squares of the distances of explained points; the others count
 the pixels of each state."""
@@ -46,14 +49,18 @@ class Sighting:
     """The pixels (flat indices) in which a pose shows the part, sorted out.
 
     `explained` are measured on the predicted surface, `off` (n,) [m] from it, along its
-    normal; `violated` are measured behind it, so that the part cannot be there; `hidden` are
-    measured in front of it, or not at all.
+    normal; `violated` are measured behind it, so that the part cannot be there, which `is_rim`
+    (m,) of them are so near the picture's edge that they may see past it; `hidden` are measured in
+    front of it, `ahead` (k,) [m] of it along its normal, or on it but facing elsewhere, or not at
+    all: then that is NaN.
     """
 
     explained: np.ndarray
     off: Floats
     violated: np.ndarray
+    is_rim: Bools
     hidden: np.ndarray
+    ahead: Floats
 
     def __post_init__(self) -> None:
         put(
@@ -61,7 +68,9 @@ class Sighting:
             explained=frozen(self.explained, np.int64),
             off=frozen(self.off),
             violated=frozen(self.violated, np.int64),
+            is_rim=frozen(self.is_rim, np.bool_),
             hidden=frozen(self.hidden, np.int64),
+            ahead=frozen(self.ahead),
         )
 
     @property
@@ -94,10 +103,17 @@ def look(maps: DepthMap, surface: PartSurface, pose: Floats, tolerance: float) -
         pose: where it is thought to be.
         tolerance: [m] how far from the predicted surface a measured point may lie.
     """
-    pixels, states, off = _look(drawing(maps, surface, tolerance), np.ascontiguousarray(pose))
-    explained = states == EXPLAINED
+    pixels, states, off, is_rim = _look(
+        drawing(maps, surface, tolerance), np.ascontiguousarray(pose)
+    )
+    explained, violated, hidden = (states == k for k in (EXPLAINED, VIOLATED, HIDDEN))
     return Sighting(
-        pixels[explained], off[explained], pixels[states == VIOLATED], pixels[states == HIDDEN]
+        pixels[explained],
+        off[explained],
+        pixels[violated],
+        is_rim[violated],
+        pixels[hidden],
+        off[hidden],
     )
 
 
@@ -154,14 +170,17 @@ def predicted(
 
 
 @njit(cache=True)
-def _look(drawing: Drawing, T: Floats) -> tuple[Ints, Ints, Floats]:  # pragma: no cover (compiled)
-    """Pixels (n,) that show the part, what each says, and how far off it is [m]."""
+def _look(
+    drawing: Drawing, T: Floats
+) -> tuple[Ints, Ints, Floats, Bools]:  # pragma: no cover (compiled)
+    """Pixels (n,) that show the part, what each says, how far off it is [m], and which are rim."""
     seen = drawing.seen
     first_v, first_u, shown, hit, normals = predicted(drawing, T)
     high, wide = shown.shape
     pixels = np.empty(high * wide, np.int64)
     states = np.empty(high * wide, np.int8)
     off = np.empty(high * wide)
+    is_rim = np.empty(high * wide, np.bool_)
     n = 0
     for j in range(high):
         for i in range(wide):
@@ -171,8 +190,20 @@ def _look(drawing: Drawing, T: Floats) -> tuple[Ints, Ints, Floats]:  # pragma: 
                 states[n], off[n] = _says(
                     seen, v, u, shown[j, i], normals, hit[j, i], drawing.tolerance
                 )
+                is_rim[n] = states[n] == VIOLATED and _is_rim(shown, j, i)
                 n += 1
-    return pixels[:n], states[:n], off[:n]
+    return pixels[:n], states[:n], off[:n], is_rim[:n]
+
+
+@njit(cache=True)
+def _is_rim(shown: Floats, j: int, i: int) -> bool:  # pragma: no cover (compiled)
+    """Whether the picture (h, w) [m] ends within `RIM` pixels."""
+    for b in range(j - RIM, j + RIM + 1):
+        for a in range(i - RIM, i + RIM + 1):
+            is_in = 0 <= b < shown.shape[0] and 0 <= a < shown.shape[1]
+            if not is_in or shown[b, a] == np.inf:
+                return True
+    return False
 
 
 @njit(cache=True)
@@ -237,9 +268,9 @@ def pulled(
 def _says(
     seen: Seen, v: int, u: int, predicted: float, normals: Floats, hit: int, tolerance: float
 ) -> tuple[int, float]:  # pragma: no cover (compiled)
-    """What pixel (v, u) says, and how far off the surface its measurement is [m]."""
+    """What pixel (v, u) says, and how far off the surface its measurement is [m], NaN if none."""
     if seen.depth[v, u] == 0.0:
-        return HIDDEN, 0.0
+        return HIDDEN, np.nan
     along, agreement = 0.0, 0.0
     for i in range(3):
         along += normals[hit, i] * seen.rays[v, u, i]
@@ -250,4 +281,4 @@ def _says(
         return VIOLATED, off
     if off <= tolerance and seen.foreground[v, u] and agreement > AGREEING:
         return EXPLAINED, off
-    return HIDDEN, off
+    return HIDDEN, off if seen.foreground[v, u] else np.nan

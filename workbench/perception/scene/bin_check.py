@@ -12,7 +12,7 @@ import pinocchio as pin
 
 from workbench.model.calibration import BinCheck, Light
 from workbench.model.cell import Bin
-from workbench.model.geometry import Bools, Floats, pose_from_rpy
+from workbench.model.geometry import Bools, Floats, pose_from_rpy, shift_and_turn
 from workbench.model.scan import Scan
 from workbench.perception.scene.bin_fit import SeenBin, above_floor, as_in_cell, fit_bin
 
@@ -82,7 +82,7 @@ def check_bin(scan: Scan, bin: Bin) -> BinCheck:
             f"{REACH * 1000:.0f} mm: {hidden or 'is the bin there?'}"
         )
         return BinCheck(None, 0.0, 0.0, None, above, "bad", (finding,), is_overfull=above > OVER)
-    shift, turn = float(np.linalg.norm(T.translation)), float(np.linalg.norm(pin.log3(T.rotation)))
+    shift, turn = shift_and_turn(T)
     is_elsewhere = shift > SHIFTED or turn > TURNED
     p_bin = (p_bin - T.translation) @ T.rotation
     seen = fit_bin(p_bin, pin.SE3.Identity(), bin, noise=0.0)

@@ -41,7 +41,7 @@ class FoundBin:
     rim: tuple[float, float] | None
 
 
-def find_bin(points: Floats, bin: Bin, *, seed: int = 0) -> FoundBin:
+def find_bin(points: Floats, bin: Bin) -> FoundBin:
     """Look for a bin anywhere in a scan.
 
     A bin looks alike after half a turn: of both the caller has to choose.
@@ -49,10 +49,9 @@ def find_bin(points: Floats, bin: Bin, *, seed: int = 0) -> FoundBin:
     Args:
         points: (n, 3) [m] in the scanner's frame.
         bin: its size; not its pose.
-        seed: of the planes that are tried.
     """
     left = points[:: max(1, len(points) // MOST)]
-    every, rng = left, np.random.default_rng(seed)
+    every, rng = left, np.random.default_rng(0)
     wanted = np.sort(np.asarray(bin.size[:2]) + 2 * bin.wall)[::-1]
     seen: tuple[float, float] | None = None
     for _ in range(PLANES):

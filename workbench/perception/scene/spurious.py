@@ -9,7 +9,7 @@ lies beside it is believed with it.
 import numpy as np
 import open3d as o3d
 
-from workbench.model.geometry import Bools, Floats
+from workbench.model.geometry import Bools, Floats, Ints
 from workbench.perception.scene.voxels import Blocks, Voxels
 from workbench.perception.views.surfaces import rays_of
 
@@ -40,14 +40,15 @@ A_CELL = 30
 _CLOCK = np.linspace(0.0, 2 * np.pi, 8, endpoint=False)
 
 
-def pixel_angle(points: Floats) -> float:
+def pixel_angle(points: Floats, chosen: Ints) -> float:
     """The angle [rad] between neighbouring points, as the one in the middle of all sees it.
 
     Args:
         points: (n, 3) [m] in the scanner's frame, organised or not.
+        chosen: (m,) which of them count, as indices.
     """
-    step = max(1, len(points) // MOST)
-    some = points[::step]
+    step = max(1, len(chosen) // MOST)
+    some = points[chosen[::step]]
     far = np.linalg.norm(some, axis=1)
     some, far = some[far > 0], far[far > 0]
     if len(some) < FEW:

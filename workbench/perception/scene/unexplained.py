@@ -18,7 +18,7 @@ from workbench.model.scan import Detection, Obstacle, Scan
 from workbench.perception.scene.spurious import believed, pixel_angle
 from workbench.perception.scene.upright_boxes import upright_boxes
 from workbench.perception.scene.voxels import Voxels, counted
-from workbench.perception.views.surfaces import add_surface, surface_of
+from workbench.perception.views.surfaces import add_surface, triangles_of
 
 TOLERANCE = 0.006
 """[m] So far from a known surface a point still belongs to it: noise, and pose errors."""
@@ -68,16 +68,16 @@ def unexplained(cell: Cell, scan: Scan, detections: tuple[Detection, ...]) -> tu
     ]
     Ts = np.array([T.inverse().homogeneous for T, _ in boxes])
     halves = np.array([size / 2 for _, size in boxes])
-    states = _states(scan.points, T_bin_scanner.homogeneous, centre, radius, Ts, halves, TOLERANCE)
-    points = scan.points[states == _LEFT]
-    if len(points) == 0:
+    T = T_bin_scanner.homogeneous
+    left, within = _left(scan.points, T, centre, radius, Ts, halves, TOLERANCE)
+    if len(left) == 0:
         return ()
-    voxels = counted(points @ T_bin_scanner.rotation.T + T_bin_scanner.translation, CUBE)
+    voxels = counted(left, CUBE)
     scene, owners = _known(cell, detections, T_bin_world)
     voxels = voxels.only(_owners(scene, owners, voxels.centres) == UNEXPLAINED)
     if len(voxels.counts) == 0:
         return ()
-    angle = pixel_angle(scan.points[states != _OUT_OF_REACH])
+    angle = pixel_angle(scan.points, within)
     pitch = angle * float(np.linalg.norm(T_bin_scanner.translation))
     voxels = voxels.only(believed(voxels, T_bin_scanner.translation, angle, pitch, scene))
     return tuple(
@@ -109,10 +109,10 @@ def _known(
     scene = o3d.t.geometry.RaycastingScene(nthreads=1)
     solids = _solids(cell)
     for T, solid in solids:
-        add_surface(scene, surface_of(solid.shape), T_frame_world * T)
+        add_surface(scene, triangles_of(solid.shape), T_frame_world * T)
     for detection in detections:
         mesh = cell.part(detection.part).mesh
-        add_surface(scene, surface_of(mesh), T_frame_world * detection.T_world_part)
+        add_surface(scene, triangles_of(mesh), T_frame_world * detection.T_world_part)
     return scene, np.array([OF_THE_CELL] * len(solids) + list(range(len(detections))))
 
 
@@ -125,11 +125,8 @@ def _owners(scene: o3d.t.geometry.RaycastingScene, owners: Ints, points: Floats)
     return np.where(away <= TOLERANCE, found, UNEXPLAINED)
 
 
-_OUT_OF_REACH, _EXPLAINED, _LEFT = 0, 1, 2
-
-
 @njit(cache=True)
-def _states(
+def _left(
     points: Floats,
     T: Floats,
     centre: Floats,
@@ -137,21 +134,32 @@ def _states(
     Ts: Floats,
     halves: Floats,
     tolerance: float,
-) -> Ints:  # pragma: no cover (compiled)
-    """Which points (n, 3) are out of a ball, near the surface of a box, or neither, (n,).
+) -> tuple[Floats, Ints]:  # pragma: no cover (compiled)
+    """Points (m, 3) within a ball that are not near the surface of a box; and which are within.
 
     A scan shows bin and table above all, and these are boxes: their distance is quickly told.
+
+    Args:
+        points: (n, 3) [m] in some frame.
+        T: (4, 4) puts them in the frame of all else, and of what is returned.
+        centre: (3,) [m] of the ball.
+        radius: [m] of the ball.
+        Ts: (b, 4, 4) put points in the frames of boxes.
+        halves: (b, 3) [m] half lengths of boxes.
+        tolerance: [m] that is near.
     """
-    states = np.empty(len(points), np.uint8)
+    left, within = np.empty(points.shape), np.empty(len(points), np.int64)
+    count, number = 0, 0
     for k in range(len(points)):
         a, b, c = points[k, 0], points[k, 1], points[k, 2]
         x = T[0, 0] * a + T[0, 1] * b + T[0, 2] * c + T[0, 3]
         y = T[1, 0] * a + T[1, 1] * b + T[1, 2] * c + T[1, 3]
         z = T[2, 0] * a + T[2, 1] * b + T[2, 2] * c + T[2, 3]
-        states[k] = _LEFT
         if not (x - centre[0]) ** 2 + (y - centre[1]) ** 2 + (z - centre[2]) ** 2 <= radius**2:
-            states[k] = _OUT_OF_REACH
             continue
+        within[number] = k
+        number += 1
+        is_near = False
         for i in range(len(Ts)):
             deepest, outside = -np.inf, 0.0
             for j in range(3):
@@ -160,6 +168,9 @@ def _states(
                 deepest = max(deepest, over)
                 outside += max(over, 0.0) ** 2
             if -tolerance <= deepest and outside <= tolerance**2:
-                states[k] = _EXPLAINED
+                is_near = True
                 break
-    return states
+        if not is_near:
+            left[count, 0], left[count, 1], left[count, 2] = x, y, z
+            count += 1
+    return left[:count], within[:number]

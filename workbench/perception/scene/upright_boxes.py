@@ -80,7 +80,7 @@ def _boxes(centres: Floats, heights: Floats, edge: float, most: int) -> list[Obs
     first = along <= float(np.median(along))
     is_small = size[0] <= NARROW or len(centres) <= FEWEST or first.all()
     if (is_full and is_level) or is_small or most <= 1:
-        return [_box(yaw, middle, size, float(heights.max()))]
+        return [_box(yaw, middle, size, heights)]
     one = _boxes(centres[first], heights[first], edge, most - 1)
     return one + _boxes(centres[~first], heights[~first], edge, most - len(one))
 
@@ -104,9 +104,10 @@ def _rectangle(centres: Floats, edge: float) -> tuple[float, Floats, Floats]:
     return (yaw, middle, size) if size[0] >= size[1] else (yaw + np.pi / 2, middle, size[::-1])
 
 
-def _box(yaw: float, middle: Floats, size: Floats, top: float) -> Obstacle:
-    """From the floor, or from below the top where that is lower, up to `top`."""
-    bottom = min(0.0, top - FLATTEST)
+def _box(yaw: float, middle: Floats, size: Floats, heights: Floats) -> Obstacle:
+    """From the floor, or from the lowest of the heights where that is lower, up to the highest."""
+    top = float(heights.max())
+    bottom = min(0.0, top - FLATTEST, float(heights.min()))
     centre = np.array([*middle, (top + bottom) / 2])
     T = pin.SE3(pin.rpy.rpyToMatrix(0.0, 0.0, yaw), centre)
     return Obstacle(T, np.array([*size, top - bottom]))

@@ -9,7 +9,7 @@ import pinocchio as pin
 from workbench.model.cell import Bin
 from workbench.model.geometry import Box, Capsule, Cylinder, Mesh, Solid, Sphere
 from workbench.model.part import Part
-from workbench.perception.views.surfaces import surface_of
+from workbench.perception.views.surfaces import triangles_of
 
 TIMESTEP = 0.002
 
@@ -77,7 +77,7 @@ def _add_geom(spec: mujoco.MjSpec, body: mujoco.MjsBody, solid: Solid) -> None:
             geom.type, geom.size = mujoco.mjtGeom.mjGEOM_SPHERE, [radius, 0, 0]
         case Mesh():
             name = f"mesh{len(spec.meshes)}"
-            surface = surface_of(solid.shape)
+            surface = triangles_of(solid.shape)
             spec.add_mesh(
                 name=name,
                 uservert=np.asarray(surface.vertices, dtype=np.float32).ravel(),

@@ -1,4 +1,4 @@
-"""A scan of a known scene: what a structured-light scanner would have measured."""
+"""A scan of a known scene: what a scanner would have measured."""
 
 from collections.abc import Sequence
 
@@ -10,9 +10,10 @@ from workbench.model.cell import Cell
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats
 from workbench.model.scan import Detection, Scan
-from workbench.perception.simulation.scan_noise import FINE, NoiseModel, noisy
+from workbench.perception.simulation.noise_models import NoiseModel, noise_of
+from workbench.perception.simulation.scan_noise import noisy
 from workbench.perception.views.camera import Pinhole
-from workbench.perception.views.surfaces import add_solids, add_surface, rays_of, surface_of
+from workbench.perception.views.surfaces import add_solids, add_surface, rays_of, triangles_of
 
 LIT = 0.9995
 """Share of the way from projector to surface that must be free, short of the surface itself."""
@@ -23,7 +24,7 @@ def synthesize(
     truth: Sequence[Detection],
     *,
     seed: int,
-    noise: NoiseModel = FINE,
+    noise: NoiseModel | None = None,
 ) -> Scan:
     """The organised cloud of the parts in their bin, seen by the cell's scanner.
 
@@ -35,11 +36,13 @@ def synthesize(
         cell: bin, fixtures, parts and scanner.
         truth: the parts that lie there; may be empty.
         seed: of noise and failures.
-        noise: the build of scanner; the mount's `depth_noise` says how large its deviation is.
+        noise: the build of scanner, None for that which the cell names; the mount's `depth_noise`
+            says how large the deviation of a pixel by itself is.
 
     Raises:
         InputError: a part that the cell does not know, or nothing within the scanner's range.
     """
+    noise = noise or noise_of(cell.scanner)
     scene = _scene(cell, truth)
     camera = Pinhole.of_scanner(cell.scanner)
     rays = camera.rays().reshape(-1, 3)
@@ -73,7 +76,7 @@ def visible_shares(cell: Cell, truth: Sequence[Detection]) -> tuple[float, ...]:
     shares: list[float] = []
     for number, one in enumerate(truth):
         alone = o3d.t.geometry.RaycastingScene()
-        add_surface(alone, surface_of(cell.part(one.part).mesh), one.T_world_part)
+        add_surface(alone, triangles_of(cell.part(one.part).mesh), one.T_world_part)
         shown = int(np.count_nonzero(np.isfinite(alone.cast_rays(rays)["t_hit"].numpy())))
         shares.append(np.count_nonzero(hit == number) / shown if shown else 0.0)
     return tuple(shares)
@@ -82,7 +85,7 @@ def visible_shares(cell: Cell, truth: Sequence[Detection]) -> tuple[float, ...]:
 def _scene(cell: Cell, truth: Sequence[Detection]) -> o3d.t.geometry.RaycastingScene:
     """All that stands still, after the parts in their order."""
     scene = o3d.t.geometry.RaycastingScene()
-    surfaces = {name: surface_of(cell.part(name).mesh) for name in {one.part for one in truth}}
+    surfaces = {name: triangles_of(cell.part(name).mesh) for name in {one.part for one in truth}}
     for one in truth:
         add_surface(scene, surfaces[one.part], one.T_world_part)
     add_solids(scene, cell.bin.solids, cell.bin.T_world_bin)

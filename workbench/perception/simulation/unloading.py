@@ -8,6 +8,7 @@ import numpy as np
 import pinocchio as pin
 
 from workbench.model.cell import Bin, Cell
+from workbench.model.part import Part
 from workbench.model.scan import Detection
 from workbench.perception.simulation.physics import TIMESTEP, come_to_rest, model_of, poses_of
 from workbench.perception.simulation.piles import radius_of
@@ -63,9 +64,13 @@ def unloaded(
     )
 
 
-def is_in_bin(bin: Bin, T_world_part: pin.SE3) -> bool:
-    """Whether a part is still in the bin: its frame is between the walls and above the floor."""
-    x, y, z = bin.T_world_bin.actInv(T_world_part).translation
+def is_in_bin(bin: Bin, part: Part, T_world_part: pin.SE3) -> bool:
+    """Whether a part is still in the bin: its middle is between the walls and above the floor.
+
+    Its frame may be at an edge, which sinks into the floor a little as it lies there.
+    """
+    middle = (part.mesh.points.min(axis=0) + part.mesh.points.max(axis=0)) / 2
+    x, y, z = bin.T_world_bin.actInv(T_world_part).act(middle)
     length, width, _ = bin.size
     return bool(abs(x) <= length / 2 and abs(y) <= width / 2 and z >= 0.0)
 

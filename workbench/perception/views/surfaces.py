@@ -14,7 +14,7 @@ SECTIONS = 64
 """Facets around a cylinder."""
 
 
-def surface_of(shape: Shape) -> trimesh.Trimesh:
+def triangles_of(shape: Shape) -> trimesh.Trimesh:
     """The closed surface of a shape in its own frame [m]."""
     match shape:
         case Box(size=size):
@@ -51,7 +51,7 @@ def add_solids(
 ) -> None:
     """Put the solids of an owner (bin, fixture, link, flange, plate) into a scene of the world."""
     for solid in solids:
-        add_surface(scene, surface_of(solid.shape), T_world_owner * solid.T_owner_shape)
+        add_surface(scene, triangles_of(solid.shape), T_world_owner * solid.T_owner_shape)
 
 
 def rays_of(origins: Floats, directions: Floats) -> o3d.core.Tensor:

@@ -17,13 +17,14 @@ from workbench.model.geometry import (
     Capsule,
     Cylinder,
     Floats,
+    Ints,
     Mesh,
     Shape,
     Solid,
     Sphere,
     frozen,
 )
-from workbench.model.scan import Detection, Obstacle
+from workbench.model.scan import Detection
 from workbench.planning.collision.bounds import Boxes, box_of
 from workbench.planning.kinematics.robot import Kinematics
 
@@ -54,43 +55,9 @@ class Body:
         return self.kind == "part" or self.finger is not None
 
 
-def bodies_of(
-    cell: Cell,
-    kinematics: Kinematics,
-    detections: tuple[Detection, ...],
-    obstacles: tuple[Obstacle, ...],
-) -> list[Body]:
-    """All bodies: links, tools with fingers closed, fixtures, bin, parts found, obstacles seen."""
-    return [
-        *_link_bodies(cell, kinematics),
-        *_tool_bodies(cell, kinematics),
-        *still_bodies(cell, detections, obstacles),
-    ]
-
-
-def still_bodies(
-    cell: Cell, detections: tuple[Detection, ...], obstacles: tuple[Obstacle, ...]
-) -> list[Body]:
-    """What no arm carries: fixtures, bin, parts found, obstacles seen."""
-    bodies: list[Body] = []
-    for fixture in cell.fixtures:
-        for solid in fixture.solids:
-            bodies.append(
-                _still(solid, fixture.T_world_fixture, "fixture", fixture.name, solid.name)
-            )
-    for solid in cell.bin.solids:
-        bodies.append(_still(solid, cell.bin.T_world_bin, "bin", "bin", solid.name))
-    for number, detection in enumerate(detections):
-        for piece in cell.part(detection.part).pieces:
-            bodies.append(
-                _still(piece, detection.T_world_part, "part", str(number), part_label(number))
-            )
-    for number, obstacle in enumerate(obstacles):
-        label = obstacle_label(number)
-        bodies.append(
-            Body(label, "fixture", "seen", -1, 0, obstacle.T_world_box, Box(obstacle.size))
-        )
-    return bodies
+def carried_bodies(cell: Cell, kinematics: Kinematics) -> list[Body]:
+    """The robot itself: links, those that no arm moves among them, and tools, fingers closed."""
+    return [*_link_bodies(cell, kinematics), *_tool_bodies(cell, kinematics)]
 
 
 def obstacle_label(number: int) -> str:
@@ -101,10 +68,6 @@ def obstacle_label(number: int) -> str:
 def part_label(number: int) -> str:
     """How people see the part of detection `number` (counted from 0) named."""
     return f"part-{number + 1}"
-
-
-def _still(solid: Solid, T_world_owner: pin.SE3, kind: BodyKind, owner: str, label: str) -> Body:
-    return Body(label, kind, owner, -1, 0, T_world_owner * solid.T_owner_shape, solid.shape)
 
 
 def _link_bodies(cell: Cell, kinematics: Kinematics) -> list[Body]:
@@ -167,7 +130,7 @@ def arm_of_joint(cell: Cell, kinematics: Kinematics) -> list[int]:
     return carriers
 
 
-def pairs_of(cell: Cell, kinematics: Kinematics, bodies: list[Body]) -> Bools:
+def pairs_of(cell: Cell, bodies: list[Body]) -> Bools:
     """True (b, b) where two bodies can meet in some phase, upper triangle; no others are looked at.
 
     Left out: bodies of one link or tool, or on the same joint, pairs that the SRDF disables, and
@@ -270,6 +233,19 @@ def in_their_parts(bodies: Sequence[Body], detections: Sequence[Detection]) -> d
         for number, body in enumerate(bodies)
         if body.kind == "part"
     }
+
+
+def are_rolled(
+    bodies: Sequence[Body], detections: Sequence[Detection], first: Ints, second: Ints
+) -> Bools:
+    """Of pairs of bodies (k,), by number, whether one is the room of a part of unknown roll.
+
+    No unit.
+    """
+    rolled = np.array(
+        [one.kind == "part" and not detections[int(one.owner)].roll_known for one in bodies], bool
+    )
+    return rolled[first] | rolled[second]
 
 
 def geometry_of(bodies: Sequence[Body]) -> pin.GeometryModel:

@@ -116,33 +116,37 @@ def lower_bound(
 
 
 @njit(cache=True)
-def _travel(
-    g: int,
-    common: int,
-    joint: Ints,
-    parents: Ints,
-    slides: Floats,
-    p: Floats,
-    z: Floats,
-    c: Floats,
-    radius: Floats,
+def walk(
+    row: int,
+    x: float,
+    y: float,
+    z: float,
+    radius: float,
+    joint: int,
+    tree: Tree,
     d: Floats,
-) -> float:
-    """How far body g can move relative to joint `common` when the joints change by up to d."""
-    moved = 0.0
-    j = joint[g]
-    while j != common and j != 0:
+    p_j: Floats,
+    z_j: Floats,
+    travel: Floats,
+) -> None:
+    """Write how far a ball at (x, y, z) [m] on a joint can move, relative to each joint before it.
+
+    `d` (nq,) [rad, m] is how far each joint may move, `p_j` (j, 3) [m] and `z_j` (j, 3) where
+    joints are and along what; written is `travel[row]` (j,) [m], the world's being joint 0.
+    """
+    moved, j = 0.0, joint
+    while j != 0:
         step = d[j - 1]
         if step > 0.0:
-            if slides[j] > 0.5:
+            if tree.slides[j] > 0.5:
                 moved += step
             else:
-                x, y, w = c[g, 0] - p[j, 0], c[g, 1] - p[j, 1], c[g, 2] - p[j, 2]
-                along = x * z[j, 0] + y * z[j, 1] + w * z[j, 2]
-                r = np.sqrt(max(x * x + y * y + w * w - along * along, 0.0)) + radius[g]
+                u, v, w = x - p_j[j, 0], y - p_j[j, 1], z - p_j[j, 2]
+                along = u * z_j[j, 0] + v * z_j[j, 1] + w * z_j[j, 2]
+                r = np.sqrt(max(u * u + v * v + w * w - along * along, 0.0)) + radius
                 moved += step * (r + moved)
-        j = parents[j]
-    return float(moved)
+        j = tree.parents[j]
+        travel[row, j] = moved
 
 
 class Boxes(NamedTuple):
@@ -191,7 +195,8 @@ def close_pairs(
     """
     joints, count = len(tree.parents), len(boxes.joint)
     R_j, p_j, z_j = np.empty((joints, 3, 3)), np.empty((joints, 3)), np.empty((joints, 3))
-    R, c, travel = np.empty((count, 3, 3)), np.empty((count, 3)), np.empty(count)
+    R, c = np.empty((count, 3, 3)), np.empty((count, 3))
+    travel = np.zeros((count, joints))
     place_bodies(tree, boxes, q, d, R_j, p_j, z_j, R, c, travel)
     pairs = np.empty(len(among), np.int64)
     moves, lower = np.empty(len(among)), np.empty(len(among))
@@ -219,7 +224,7 @@ def place_bodies(
     """Write where joints and bodies are at `q`, and how far bodies can move, into the last six.
 
     `q` and `d` (nq,) [rad, m] as in `close_pairs`.  Of joints `R_j` (j, 3, 3), `p_j` (j, 3) [m] and
-    axes `z_j` (j, 3); of bodies `R` (b, 3, 3), centres `c` (b, 3) [m] and `travel` (b,) [m].
+    axes `z_j` (j, 3); of bodies `R` (b, 3, 3), centres `c` (b, 3) [m] and `travel` (b, j) [m].
     """
     joint, R_g, c_g = boxes.joint, boxes.R, boxes.c
     for i in range(3):
@@ -240,7 +245,7 @@ def place_bodies(
                     + R_j[j, i, 1] * R_g[g, 1, k]
                     + R_j[j, i, 2] * R_g[g, 2, k]
                 )
-        travel[g] = _travel(g, 0, joint, tree.parents, tree.slides, p_j, z_j, c, boxes.radius, d)
+        walk(g, c[g, 0], c[g, 1], c[g, 2], boxes.radius[g], j, tree, d, p_j, z_j, travel)
 
 
 @njit(cache=True)
@@ -270,21 +275,19 @@ def gather_close(
     are in [m].  The first `asked` numbers of `among` are looked at.  Returns how many pairs were
     written.
     """
-    parents, slides = tree.parents, tree.slides
-    joint, half, radius = boxes.joint, boxes.half, boxes.radius
+    half, radius = boxes.half, boxes.radius
     found = 0
     for at in range(asked):
         k = among[at]
         a, b = int(first[k]), int(second[k])
-        move = travel[a] + travel[b]
+        move = travel[a, 0] + travel[b, 0]
         limit = margins[k] + move + extra
         reach = radius[a] + radius[b] + limit
         x, y, w = c[a, 0] - c[b, 0], c[a, 1] - c[b, 1], c[a, 2] - c[b, 2]
         if reach > 0 and x * x + y * y + w * w > reach * reach:
             continue
         if commons[k] != 0:
-            move = _travel(a, int(commons[k]), joint, parents, slides, p_j, z_j, c, radius, d)
-            move += _travel(b, int(commons[k]), joint, parents, slides, p_j, z_j, c, radius, d)
+            move = travel[a, commons[k]] + travel[b, commons[k]]
             limit = margins[k] + move + extra
         apart = lower_bound(a, b, R, c, half, radius, float(limit))
         if apart < limit:

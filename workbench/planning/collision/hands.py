@@ -1,4 +1,4 @@
-"""All ways in which the grasps of a part put a hand around it, judged in one compiled piece.
+"""All ways in which the grasps of a part put a hand around it.
 
 What a hand has to do with the part that it takes is the same wherever that lies: it is measured
 once and remembered.
@@ -10,19 +10,15 @@ from typing import NamedTuple
 import coal
 import numpy as np
 import pinocchio as pin
-from numba import njit
 
 from workbench.model.cell import Arm
-from workbench.model.geometry import Floats, Ints
-from workbench.model.part import Grasp, Part
+from workbench.model.geometry import Floats, Ints, Solid
+from workbench.model.part import Grasp
 from workbench.planning.collision.bodies import coal_shape, extent, tool_shapes
-from workbench.planning.collision.gjk import TOUCHES, Cores, side
 from workbench.planning.collision.legs import grips, openings
 
 NOTHING = np.iinfo(np.int64).max
 """In place of the number of a pair: none is too close."""
-
-OPEN, CLOSED = 0, 1
 
 
 class Hands(NamedTuple):
@@ -42,83 +38,98 @@ class Hands(NamedTuple):
     cuts: Ints
 
 
-class Around(NamedTuple):
-    """The solids of a tool (t, ...) seen from its flange, and what stands around it (s, ...) [m].
-
-    `cores` are those of the tool's solids and then those of the rest; `owner` (s,) is the number of
-    the part that a piece belongs to, -1 for others.  `way` (t, 3) is where a finger moves as it
-    opens; `size` (t, 3) and `half` (s, 3) are half sizes of boxes, `radius` (t,) of balls.
-    """
-
-    R_tool: Floats
-    p_tool: Floats
-    way: Floats
-    size: Floats
-    radius: Floats
-    R_still: Floats
-    c_still: Floats
-    half: Floats
-    owner: Ints
-    cores: Cores
-
-
-class Places(NamedTuple):
-    """Parts to be taken, and what stands near each of them.
-
-    `R` (d, 3, 3) and `p` (d, 3) [m] are where they lie, `number` (d,) those of the detections;
-    `first` (d,) is the number among what stands around of the part's first piece.  Near part d are
-    `near` from `start[d]` (d + 1,) on.
-    """
-
-    R: Floats
-    p: Floats
-    number: Ints
-    first: Ints
-    near: Ints
-    start: Ints
-
-
 @lru_cache(maxsize=256)
 def hands_of(
-    arm: Arm, part: Part, grasps: tuple[Grasp, ...], least_air: float | None, margin: float
+    arm: Arm,
+    pieces: tuple[Solid, ...],
+    grasps: tuple[Grasp, ...],
+    least_air: float | None,
+    margin: float,
 ) -> Hands:
     """The ways of grasps in the order in which they are tried: openings, and for each the turns.
 
     Args:
         arm: whose tool.
-        part: that is taken.
+        pieces: of the part that is taken (`rolled.room_of`).
         grasps: of it.
         least_air: [m] that of the policy (`legs.openings`).
         margin: [m] kept to other things; nearer pieces of the part are measured.
     """
-    first, Ts, opened, turn, cuts = [0], [], [], [], []
-    has_fingers = bool(arm.tool.fingers)
-    for grasp in grasps:
-        hands = [grasp.T_part_tcp * T for T in grips(arm, grasp)]
-        closed = [
-            cut_of(arm, part, T, grasp.grip if has_fingers else 0.0, arm.tool.press, margin)
-            for T in hands
-        ]
-        for opening in openings(arm, grasp, least_air) if has_fingers else (0.0,):
-            for number, T in enumerate(hands):
-                Ts.append(T * arm.tool.T_flange_tcp.inverse())
-                opened.append((opening, grasp.grip if has_fingers else 0.0))
-                turn.append(number)
-                open_cut = cut_of(arm, part, T, opening, 0.0, margin) if has_fingers else NOTHING
-                cuts.append((open_cut, closed[number]))
-        first.append(len(Ts))
+    every = [_hands_of_one(arm, pieces, grasp, least_air, margin) for grasp in grasps]
+    first = np.cumsum([0, *(len(one.turn) for one in every)])
     return Hands(
-        np.array(first),
-        np.array([T.rotation for T in Ts]).reshape(-1, 3, 3),
-        np.array([T.translation for T in Ts]).reshape(-1, 3),
-        np.array(opened, dtype=np.float64).reshape(-1, 2),
+        first,
+        np.concatenate([_NOBODY.R, *(one.R for one in every)]),
+        np.concatenate([_NOBODY.p, *(one.p for one in every)]),
+        np.concatenate([_NOBODY.opening, *(one.opening for one in every)]),
+        np.concatenate([_NOBODY.turn, *(one.turn for one in every)]),
+        np.concatenate([_NOBODY.cuts, *(one.cuts for one in every)]),
+    )
+
+
+_NOBODY = Hands(
+    np.zeros(1, np.int64),
+    np.zeros((0, 3, 3)),
+    np.zeros((0, 3)),
+    np.zeros((0, 2)),
+    np.zeros(0, np.int64),
+    np.zeros((0, 2), np.int64),
+)
+
+
+@lru_cache(maxsize=16384)
+def _hands_of_one(
+    arm: Arm, pieces: tuple[Solid, ...], grasp: Grasp, least_air: float | None, margin: float
+) -> Hands:
+    """The ways of one grasp; see `hands_of`."""
+    Ts, opened, turn, cuts = [], [], [], []
+    has_fingers = bool(arm.tool.fingers)
+    hands = [grasp.T_part_tcp * T for T in grips(arm, grasp)]
+    closed = [
+        cut_of(arm, pieces, T, grasp.grip if has_fingers else 0.0, arm.tool.press, margin)
+        for T in hands
+    ]
+    for opening in openings(arm, grasp, least_air) if has_fingers else (0.0,):
+        for number, T in enumerate(hands):
+            Ts.append(T * arm.tool.T_flange_tcp.inverse())
+            opened.append((opening, grasp.grip if has_fingers else 0.0))
+            turn.append(number)
+            open_cut = cut_of(arm, pieces, T, opening, 0.0, margin) if has_fingers else NOTHING
+            cuts.append((open_cut, closed[number]))
+    return Hands(
+        np.array([0, len(Ts)]),
+        np.array([T.rotation for T in Ts]),
+        np.array([T.translation for T in Ts]),
+        np.array(opened, dtype=np.float64),
         np.array(turn, dtype=np.int64),
-        np.array(cuts, dtype=np.int64).reshape(-1, 2),
+        np.array(cuts, dtype=np.int64),
+    )
+
+
+@lru_cache(maxsize=4096)
+def turns_of(arm: Arm, grasp: Grasp) -> Hands:
+    """The `grips` of one grasp as ways that are judged each by itself.
+
+    Their fingers arrive as open as the grasp says; what they do to the part is not looked at.
+    """
+    Ts = [grasp.T_part_tcp * T * arm.tool.T_flange_tcp.inverse() for T in grips(arm, grasp)]
+    return Hands(
+        np.arange(len(Ts) + 1),
+        np.array([T.rotation for T in Ts]),
+        np.array([T.translation for T in Ts]),
+        np.tile([grasp.opening, grasp.grip], (len(Ts), 1)).astype(np.float64),
+        np.zeros(len(Ts), np.int64),
+        np.full((len(Ts), 2), NOTHING),
     )
 
 
 def cut_of(
-    arm: Arm, part: Part, T_part_tcp: pin.SE3, opening: float, press: float, margin: float
+    arm: Arm,
+    pieces: tuple[Solid, ...],
+    T_part_tcp: pin.SE3,
+    opening: float,
+    press: float,
+    margin: float,
 ) -> int:
     """The first solid of the tool that cuts deeper than `press` [m] into the part, and the piece.
 
@@ -128,7 +139,7 @@ def cut_of(
     for number, tool in enumerate(tool_shapes(arm.tool)):
         T = tool.at(arm.tool, T_part_tcp, opening)
         transform = coal.Transform3s(T.rotation, T.translation)
-        for piece, solid in enumerate(part.pieces):
+        for piece, solid in enumerate(pieces):
             T_part_piece = solid.T_owner_shape
             centre, half, _ = extent(solid.shape)
             offset = T_part_piece.rotation.T @ (T.act(tool.centre) - T_part_piece.act(centre))
@@ -145,235 +156,5 @@ def cut_of(
                 result,
             )
             if distance < -press:
-                return number * len(part.pieces) + piece
+                return number * len(pieces) + piece
     return NOTHING
-
-
-@njit(cache=True)
-def first_fits(
-    hands: Hands,
-    grasp: Ints,
-    place: Ints,
-    pieces: int,
-    places: Places,
-    margin: float,
-    around: Around,
-) -> tuple[Ints, Ints]:
-    """For each candidate its first way that fits, and what the first of its ways meets.
-
-    Args:
-        hands: of the part.
-        grasp: (c,) numbers of grasps.
-        place: (c,) numbers of places; candidates of one place stand together.
-        pieces: of the part.
-        places: where parts lie.
-        margin: [m] kept to everything but the part itself.
-        around: tool and surroundings.
-
-    Returns:
-        Numbers of ways (c,), -1 where none fits; and (c, 2) whether it was met `OPEN` or `CLOSED`,
-        and solid of the tool times what stands around plus the number there, or `NOTHING`.
-    """
-    R, c, W = _scratch(around)
-    fits = np.full(len(grasp), -1)
-    met = np.full((len(grasp), 2), NOTHING)
-    last = np.full(2, -1)
-    for k in range(len(grasp)):
-        begin, end = hands.first[grasp[k]], hands.first[grasp[k] + 1]
-        blocked = np.zeros(end - begin, np.bool_)
-        if k == 0 or place[k] != place[k - 1]:
-            last[:] = -1
-        for w in range(begin, end):
-            if blocked[hands.turn[w]]:
-                continue
-            phase, code = _first_met(
-                hands, w, place[k], pieces, places, margin, around, w == begin, last, R, c, W
-            )
-            if code == NOTHING:
-                fits[k] = w
-                break
-            if w == begin:
-                met[k, 0], met[k, 1] = phase, code
-            if code != NOTHING and last[0] >= 0 and _stands(around, last[0]):
-                # No other opening moves what is in the way of the palm.
-                blocked[hands.turn[w]] = True
-    return fits, met
-
-
-@njit(cache=True)
-def _scratch(around: Around) -> tuple[Floats, Floats, Floats]:
-    """Room for rotations and centres, of the tool's solids and then of what stands around."""
-    tools, still = len(around.radius), len(around.owner)
-    R, c = np.empty((tools + still, 3, 3)), np.empty((tools + still, 3))
-    for g in range(still):
-        for i in range(3):
-            c[tools + g, i] = around.c_still[g, i]
-            for j in range(3):
-                R[tools + g, i, j] = around.R_still[g, i, j]
-    return R, c, np.empty((5, 3))
-
-
-@njit(cache=True)
-def _stands(around: Around, t: int) -> bool:
-    """Whether a solid of the tool is where it is however far the fingers are open."""
-    return bool(around.way[t, 0] == 0.0 and around.way[t, 1] == 0.0 and around.way[t, 2] == 0.0)
-
-
-@njit(cache=True)
-def _first_met(
-    hands: Hands,
-    w: int,
-    d: int,
-    pieces: int,
-    places: Places,
-    margin: float,
-    around: Around,
-    is_told: bool,
-    last: Ints,
-    R: Floats,
-    c: Floats,
-    W: Floats,
-) -> tuple[int, int]:
-    """What a hand meets in one of its ways, the first pair if it shall be told, or else any.
-
-    `last` (2,) is the pair that was met last, as it is likely to be met again; -1 for a cut into
-    the part itself.
-    """
-    tools, still = len(around.radius), len(around.owner)
-    has_fingers = False
-    for t in range(tools):
-        has_fingers |= not _stands(around, t)
-    number, near = places.number[d], places.near[places.start[d] : places.start[d + 1]]
-    for phase in range(OPEN if has_fingers else CLOSED, 2):
-        cut = hands.cuts[w, phase]
-        if cut != NOTHING:
-            cut = (cut // pieces) * still + places.first[d] + cut % pieces
-            if not is_told:
-                last[:] = -1
-                return phase, cut
-        _put(
-            places.R[d], places.p[d], hands.R[w], hands.p[w], hands.opening[w, phase],
-            around, R, c,
-        )  # fmt: skip
-        if not is_told and last[0] >= 0:
-            again = _first_near(last[0], last[1:], number, margin, around, R, c, W)
-            if again >= 0:
-                return phase, last[0] * still + again
-        for t in range(tools):
-            if t * still > cut or (phase == CLOSED and has_fingers and _stands(around, t)):
-                continue  # the cut comes first, or it was clear already
-            g = _first_near(t, near, number, margin, around, R, c, W)
-            if g >= 0 and t * still + g < cut:
-                last[0], last[1] = t, g
-                return phase, t * still + g
-        if cut != NOTHING:
-            last[:] = -1
-            return phase, cut
-    return 0, NOTHING
-
-
-@njit(cache=True)
-def _put(
-    R_a: Floats,
-    p_a: Floats,
-    R_b: Floats,
-    p_b: Floats,
-    opening: float,
-    around: Around,
-    R: Floats,
-    c: Floats,
-) -> None:
-    """Put the solids of a tool where they are when its flange is at T_a * T_b."""
-    turn, at = np.empty((3, 3)), np.empty(3)
-    for i in range(3):
-        at[i] = p_a[i]
-        for j in range(3):
-            at[i] += R_a[i, j] * p_b[j]
-            turn[i, j] = 0.0
-            for m in range(3):
-                turn[i, j] += R_a[i, m] * R_b[m, j]
-    for t in range(len(around.radius)):
-        for i in range(3):
-            place = at[i]
-            for j in range(3):
-                place += turn[i, j] * (around.p_tool[t, j] + around.way[t, j] * opening / 2.0)
-                across = 0.0
-                for m in range(3):
-                    across += turn[i, m] * around.R_tool[t, m, j]
-                R[t, i, j] = across
-            c[t, i] = place
-
-
-@njit(cache=True)
-def _first_near(
-    t: int,
-    near: Ints,
-    own: int,
-    margin: float,
-    around: Around,
-    R: Floats,
-    c: Floats,
-    W: Floats,
-) -> int:
-    """The first of the numbers `near` whose body is nearer than the margin to solid t; or -1.
-
-    Pieces of the part `own` are left out.
-    """
-    tools = len(around.radius)
-    for g in near:
-        if around.owner[g] == own:
-            continue
-        s = tools + g
-        x, y, z = c[t, 0] - c[s, 0], c[t, 1] - c[s, 1], c[t, 2] - c[s, 2]
-        gap = 0.0
-        for i in range(3):
-            along = abs(R[s, 0, i] * x + R[s, 1, i] * y + R[s, 2, i] * z)
-            out = max(along - around.half[g, i], 0.0)
-            gap += out * out
-        if np.sqrt(gap) - around.radius[t] >= margin:
-            continue
-        is_parted = False
-        for i in range(3):  # the faces of their boxes
-            far = abs(R[s, 0, i] * x + R[s, 1, i] * y + R[s, 2, i] * z) - around.half[g, i]
-            back = abs(R[t, 0, i] * x + R[t, 1, i] * y + R[t, 2, i] * z) - around.size[t, i]
-            for j in range(3):
-                far -= around.size[t, j] * abs(
-                    R[s, 0, i] * R[t, 0, j] + R[s, 1, i] * R[t, 1, j] + R[s, 2, i] * R[t, 2, j]
-                )
-                back -= around.half[g, j] * abs(
-                    R[t, 0, i] * R[s, 0, j] + R[t, 1, i] * R[s, 1, j] + R[t, 2, i] * R[s, 2, j]
-                )
-            is_parted |= far >= margin or back >= margin
-        if not is_parted and side(t, s, R, c, around.cores, margin, margin, W) == TOUCHES:
-            return g
-    return -1
-
-
-@njit(cache=True)
-def first_contacts(
-    R_flange: Floats, p_flange: Floats, own: int, margin: float, around: Around
-) -> Ints:
-    """At each place of a tool's flange, or of a part, its first pair nearer than the margin.
-
-    Args:
-        R_flange: rotations (k, 3, 3).
-        p_flange: places (k, 3) [m].
-        own: number of the part that is left out.
-        margin: [m] that is kept.
-        around: tool or part, and surroundings.
-
-    Returns:
-        Solid of the tool times what stands around plus the number there (k,), or `NOTHING`.
-    """
-    R, c, W = _scratch(around)
-    still = len(around.owner)
-    every, one, none = np.arange(still), np.eye(3), np.zeros(3)
-    found = np.full(len(p_flange), NOTHING)
-    for k in range(len(found)):
-        _put(R_flange[k], p_flange[k], one, none, 0.0, around, R, c)
-        for t in range(len(around.radius)):
-            g = _first_near(t, every, own, margin, around, R, c, W)
-            if g >= 0:
-                found[k] = t * still + g
-                break
-    return found

@@ -98,13 +98,12 @@ Run = tuple[ArmPlan, LegName, float]
 """A leg of an arm, with the opening of its fingers [m]."""
 
 
-def phase_of(runs: Sequence[Run], waiting: Sequence[Run] = (), gone: Iterable[int] = ()) -> Phase:
+def phase_of(runs: Sequence[Run], waiting: Sequence[Run] = ()) -> Phase:
     """What is true while some legs run.
 
     Args:
         runs: legs that run now, each of another arm.
         waiting: the last legs of arms that stand where these ended.
-        gone: detections that are somewhere else.
     """
     # A part is in the hand from the lift on, and lies where it was put once it has been placed.
     holding = [plan for plan, name, _ in runs if name in HOLDING]
@@ -119,7 +118,6 @@ def phase_of(runs: Sequence[Run], waiting: Sequence[Run] = (), gone: Iterable[in
             plan.arm: (plan.detection, plan.T_tcp_part, np.asarray(plan.leg("place").q[-1]))
             for plan in placed
         },
-        absent=frozenset(gone),
         targets={plan.arm: plan.detection for plan, name, _ in runs if name in TARGETED},
         straight=frozenset(plan.arm for plan, name, _ in runs if name in STRAIGHT),
     )

@@ -12,7 +12,7 @@ import pinocchio as pin
 
 from workbench.model.cell import Cell
 from workbench.model.geometry import Bools
-from workbench.planning.collision.bodies import bodies_of, geometry_of
+from workbench.planning.collision.bodies import carried_bodies, geometry_of
 from workbench.planning.kinematics.robot import Kinematics
 
 SAMPLES = 1000
@@ -29,7 +29,7 @@ def pairs_without_check(cell: Cell, *, seed: int = 0) -> Mapping[tuple[str, str]
     """
     kinematics = Kinematics(cell)
     model = kinematics.model
-    bodies = [one for one in bodies_of(cell, kinematics, (), ()) if one.kind in ("link", "tool")]
+    bodies = carried_bodies(cell, kinematics)
     owners = [f"{one.owner}_tool" if one.kind == "tool" else one.owner for one in bodies]
     joints = np.array([one.joint for one in bodies])
     parents = np.array(list(model.parents))

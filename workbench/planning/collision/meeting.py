@@ -57,7 +57,7 @@ def first_meeting(
     q, d = base.copy(), np.zeros(len(base))
     columns = [world.kinematics.columns[course.arm] for course in (first, second)]
     pending: deque[tuple[tuple[Floats, Floats], tuple[int, int], Ints]] = deque()
-    among = world.between(first.arm, second.arm)
+    among = world.pairs.between(first.arm, second.arm)
     pending.append(((first.points, second.points), (0, 0), among))
     looks = 0
     while pending:

@@ -92,11 +92,10 @@ def path_contact(
     base: Floats,
     path: Floats,
     zone: float,
-    resolution: float = RESOLUTION,
     among: Ints | None = None,
 ) -> tuple[Contact, Floats, int] | None:
     """The first contact along waypoints (m, n) [rad] as executed; see `chain_contact`."""
-    return chain_contact(world, columns, base, walked(path, zone), resolution, among)
+    return chain_contact(world, columns, base, walked(path, zone), among=among)
 
 
 def chain_contact(

@@ -1,7 +1,7 @@
 """Which pairs of bodies count in a phase, and what distance each must keep."""
 
 import threading
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -23,16 +23,14 @@ class Phase:
     `moving`: the arms that move.  `openings`: arm -> finger opening [m]; arms not named keep
     their fingers closed.  `held`: arm -> (detection, `T_tcp_part`).  `placed`: arm -> (detection,
     `T_tcp_part`, configuration (n,) [rad] in which it has let go of it); there the part stays.
-    `absent`: detections that are in none of these places.  `targets`: arm -> the part that its tool
-    is about to take.  `straight`: arms whose tool and held part may come as near as the policy's
-    `near_margin`.
+    `targets`: arm -> the part that its tool is about to take.  `straight`: arms whose tool and held
+    part may come as near as the policy's `near_margin`.
     """
 
     moving: frozenset[str]
     openings: Mapping[str, float] = field(default_factory=dict)
     held: Mapping[str, tuple[int, pin.SE3]] = field(default_factory=dict)
     placed: Mapping[str, tuple[int, pin.SE3, Floats]] = field(default_factory=dict)
-    absent: frozenset[int] = frozenset()
     targets: Mapping[str, int] = field(default_factory=dict)
     straight: frozenset[str] = frozenset()
 
@@ -42,20 +40,21 @@ class Phase:
         holders = tuple(sorted((arm, number) for arm, (number, _) in self.held.items()))
         placers = tuple(sorted((arm, number) for arm, (number, _, _) in self.placed.items()))
         targets = tuple(sorted(self.targets.items()))
-        return (self.moving, holders, placers, self.absent, targets, self.straight)
+        return (self.moving, holders, placers, targets, self.straight)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Checks:
     """The pairs of a phase.
 
-    `among` are the numbers of those that count.  For every pair there is its margin [m], the
-    arms that carry its bodies in `carriers` (pairs, 2), -1 where none does, and in `commons` the
-    deepest joint that carries both.  `lifts` tells whether one of them is a part that is being
-    lifted, `leaves` whether it is a part that has been placed and the other is of the arm that now
-    goes away from it, `placed` whether it is a placed part at all.
+    `arms` are the numbers of arms by name, `among` those of the pairs that count.  For every pair
+    there is its margin [m], the arms that carry its bodies in `carriers` (pairs, 2), -1 where none
+    does, and in `commons` the deepest joint that carries both.  `lifts` tells whether one of them
+    is a part that is being lifted, `leaves` whether it is a part that has been placed and the other
+    is of the arm that now goes away from it, `placed` whether it is a placed part at all.
     """
 
+    arms: Mapping[str, int]
     among: Ints
     margins: Floats
     carriers: Ints
@@ -81,37 +80,42 @@ class Checks:
         A part lies on the bin's floor and on other parts when it is taken: as it is lifted, its
         margin to these is the distance there, less `slack`.  A hand that has let go of a part is
         around it or on it: on its way out it keeps `near` to it as on any straight way, and where
-        it is closer already it may not come nearer.  `leaving.comes_back` says what follows.
+        it is closer already it may not come nearer.  `picking.leaving` says what follows.
         """
         # The margins of the phase serve others too; these are for this leg alone.
         margins = np.where(self.leaves, np.minimum(self.margins, near), self.margins)
         margins[pairs] = np.minimum(margins[pairs], distances - slack)
         return margins
 
-    def alone(self, arm: int) -> Ints:
+    def alone(self, arm: str) -> Ints:
         """The pairs that one arm has with itself and with what no arm carries."""
-        is_own = self.carriers[self.among] == arm
+        is_own = self.carriers[self.among] == self.arms[arm]
         is_still = self.carriers[self.among] < 0
         return self.among[is_own.any(axis=1) & (is_own | is_still).all(axis=1)]
 
-    def involving(self, arm: int) -> Ints:
+    def involving(self, arm: str) -> Ints:
         """The pairs of which one body at least is carried by an arm."""
-        return self.among[(self.carriers[self.among] == arm).any(axis=1)]
+        return self.among[(self.carriers[self.among] == self.arms[arm]).any(axis=1)]
 
-    def to_placed(self, arm: int) -> Ints:
+    def all_but(self, arm: str, other: str) -> Ints:
+        """The pairs of one arm, but for those with the other."""
+        return np.setdiff1d(self.involving(arm), self.between(arm, other))
+
+    def to_placed(self, arm: str) -> Ints:
         """The pairs of an arm with parts that other arms have placed."""
         among = self.involving(arm)
         return among[self.placed[among] & ~self.leaves[among]]
 
-    def left_behind(self, arm: int) -> Ints:
+    def left_behind(self, arm: str) -> Ints:
         """The pairs of an arm with the part that it has just let go of."""
         among = self.involving(arm)
         return among[self.leaves[among]]
 
-    def between(self, arms: Sequence[int]) -> Ints:
-        """The pairs of bodies that different ones of these arms carry."""
+    def between(self, *arms: str) -> Ints:
+        """The pairs of bodies that different arms carry, of these arms if any are named."""
+        which = [self.arms[arm] for arm in arms or self.arms]
         first, second = self.carriers[self.among].T
-        return self.among[np.isin(first, arms) & np.isin(second, arms) & (first != second)]
+        return self.among[np.isin(first, which) & np.isin(second, which) & (first != second)]
 
 
 class Pairing:
@@ -123,7 +127,7 @@ class Pairing:
     def __init__(
         self, cell: Cell, policy: Policy, kinematics: Kinematics, bodies: list[Body]
     ) -> None:
-        self.meets = pairs_of(cell, kinematics, bodies)
+        self.meets = pairs_of(cell, bodies)
         # One after the other in memory: compiled code is made once for arrays that lie like that.
         self.first, self.second = (k.copy() for k in np.nonzero(self.meets))
         self._policy = policy
@@ -161,14 +165,13 @@ class Pairing:
         for name, (number, _) in phase.held.items():
             held[self._part == number] = self._arm[name]
         carrier = np.where(held >= 0, held, self._carrier)
-        gone = np.isin(self._part, list(phase.absent))
         moves = np.isin(carrier, moving)
         # A part in the hand touches the tool and the flange, and stays with them.
         in_hand = ((held[a] >= 0) & (held[a] == self._hand[b])) | (
             (held[b] >= 0) & (held[b] == self._hand[a])
         )
         one_piece = (held[a] >= 0) & (held[a] == held[b])
-        counts = (moves[a] | moves[b]) & ~in_hand & ~one_piece & ~gone[a] & ~gone[b]
+        counts = (moves[a] | moves[b]) & ~in_hand & ~one_piece
         own = (carrier[a] == carrier[b]) & (carrier[a] >= 0)
         margins = np.full(len(a), self._policy.margin)
         margins[own] = self._policy.self_margin
@@ -192,6 +195,7 @@ class Pairing:
         is_left = np.isin(placer, moving)
         leaves = (is_left[a] & (carrier[b] == placer[a])) | (is_left[b] & (carrier[a] == placer[b]))
         return Checks(
+            self._arm,
             np.flatnonzero(counts),
             margins,
             carriers,

@@ -5,74 +5,102 @@ grasp has to be tried.
 """
 
 from collections.abc import Sequence
-from itertools import combinations
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import combinations, product
 
 import coal
 import numpy as np
 import pinocchio as pin
 
 from workbench.model.cell import Cell
-from workbench.model.geometry import Floats
-from workbench.model.scan import Detection, Obstacle
-from workbench.planning.collision.bodies import coal_shape, extent, still_bodies
-from workbench.planning.collision.gjk import cores_of
-from workbench.planning.collision.hands import NOTHING, Around, first_contacts
-from workbench.planning.collision.world import World
+from workbench.model.geometry import Floats, Shape
+from workbench.planning.collision.around import Around, first_contact
+from workbench.planning.collision.bodies import coal_shape, extent, part_label
+from workbench.planning.collision.hands import NOTHING
+from workbench.planning.collision.rolled import Placed, placed
+from workbench.planning.collision.surroundings import Surroundings
 
 STEP = 0.004
 """[m] Parts are looked at so far apart on their way."""
 
+ASIDE = 0.0005
+"""[m] An arm's way, straight between waypoints of its joints, is so far from the straight line."""
 
-class PartWays:
-    """The parts found, and what stands around each of them.
 
-    Lifetime: as long as cell and detections.
+COMES_OFF = 0.001
+"""[m] Steps in which a part comes off what it lies on, where its turns are looked at."""
+
+
+@dataclass(frozen=True, slots=True)
+class Caught:
+    """Two bodies by their labels, of which the one is held back by the other, and how near [m].
+
+    `is_sunk`: it lies too deep in that at every turn, so that its pose is wrong.
     """
 
-    def __init__(
-        self, cell: Cell, detections: tuple[Detection, ...], obstacles: tuple[Obstacle, ...] = ()
-    ) -> None:
-        self._detections = detections
-        self._pieces = [cell.part(one.part).pieces for one in detections]
-        self._release = cell.policy.release
-        self._still = still_bodies(cell, detections, obstacles)
+    part: str
+    bed: str
+    distance: float
+    is_sunk: bool
+
+
+def steps_along(first: float, most: float) -> Floats:
+    """How far [m] along a way something is looked at, shape (k,): from `first` to its end."""
+    return np.append(np.arange(first, most, STEP), most)
+
+
+def kept_on_ways(cell: Cell) -> float:
+    """The distance [m] that surely is too small for a straight way, wherever the arm runs it."""
+    return max(0.0, cell.policy.near_margin - ASIDE)
+
+
+class PartWays:
+    """The parts found, each by itself, and what stands around them.
+
+    Lifetime: as long as the surroundings.
+    """
+
+    def __init__(self, surroundings: Surroundings) -> None:
+        self._cell, self._detections = surroundings.cell, surroundings.detections
+        self._still = surroundings
+        policy = surroundings.cell.policy
+        self._sink, self._near, self._release = policy.sink, policy.near_margin, policy.release
+        self._margin = kept_on_ways(surroundings.cell)
         self._around: dict[int, Around] = {}
+        self._known: dict[tuple[int, bytes], tuple[str, float] | None] = {}
+        self._caught: dict[tuple[int, bytes], Caught | None] = {}
 
     def blocked(self, number: int, ways: Sequence[Floats]) -> list[tuple[str, float] | None]:
         """For each way (3,) [m] in the world: what a part meets on it and after how much [m].
 
-        None where it meets nothing.  Only what is touched counts, and only once the part has
-        come off what it lies on: the first `release` of the policy is left out.
+        None where it meets nothing.  What counts is what comes nearer than `kept_on_ways`, once the
+        part has come off what it lies on: the first `release` of the policy is left out.  Most
+        grasps of a part have most ways in common, so what was found is remembered.
 
         Args:
             number: of the detection.
             ways: straight, from where it lies.
         """
-        around = self._of(number)
-        if not ways or not around.cores.known.all():
-            return [None] * len(ways)
-        T = self._detections[number].T_world_part
-        lengths = [float(np.linalg.norm(way)) for way in ways]
-        far = [np.append(np.arange(self._release, most, STEP), most) for most in lengths]
-        places = [
-            T.translation + s[:, None] * way / most
-            for s, way, most in zip(far, ways, lengths, strict=True)
-        ]
-        p = np.ascontiguousarray(np.vstack(places))
-        R = np.ascontiguousarray(np.broadcast_to(T.rotation, (len(p), 3, 3)))
-        met = first_contacts(R, p, number, 0.0, around)
         found: list[tuple[str, float] | None] = []
-        first = 0
-        for s in far:
-            mine = met[first : first + len(s)]
-            hits = np.flatnonzero(mine != NOTHING)
-            first += len(s)
-            if len(hits) == 0:
-                found.append(None)
-                continue
-            body = self._still[int(mine[hits[0]]) % len(self._still)]
-            found.append((body.label, float(s[hits[0]])))
+        for way in ways:
+            key = (number, way.tobytes())
+            if key not in self._known:
+                self._known[key] = self._met(number, way)
+            found.append(self._known[key])
         return found
+
+    def _met(self, number: int, way: Floats) -> tuple[str, float] | None:
+        around = self._of(number)
+        if not around.cores.known.all():
+            return None
+        T, most = self._detections[number].T_world_part, float(np.linalg.norm(way))
+        if most <= self._release:
+            return None  # it is still coming off
+        far = steps_along(self._release, most)
+        places = T.translation + far[:, None] * way / most
+        k, code = first_contact(np.array(T.rotation), places, 0.0, number, self._margin, around)
+        return None if k < 0 else (self._label(code), float(far[k]))
 
     def standing_in(self, number: int, T_world_part: pin.SE3, margin: float) -> str | None:
         """What a part, put elsewhere, is nearer to than the margin [m]; None where nothing.
@@ -83,82 +111,140 @@ class PartWays:
         if not around.cores.known.all():
             return None
         fixed = around._replace(owner=np.where(around.owner < 0, around.owner, number))
-        R, p = np.array(T_world_part.rotation)[None], np.array(T_world_part.translation)[None]
-        (code,) = first_contacts(R, p, number, margin, fixed)
-        return None if code == NOTHING else self._still[int(code) % len(self._still)].label
+        R, p = np.array(T_world_part.rotation), np.array(T_world_part.translation)[None]
+        _, code = first_contact(R, p, 0.0, number, margin, fixed)
+        return None if code == NOTHING else self._label(code)
+
+    def caught(self, number: int, way: Floats) -> Caught | None:
+        """What holds a part back as it comes off what it lies on, at some turn nobody can exclude.
+
+        Of parts whose roll is unknown, its own or that of a neighbour, every turn counts that
+        leaves it no deeper in anything than the policy's `sink`.  Where all rolls are known nothing
+        does: the closer look that follows says it.
+
+        Args:
+            number: of the detection.
+            way: (3,) [m] in the world; its first `release` is looked at.
+        """
+        if all(one.roll_known for one in self._detections):
+            return None
+        key = (number, way.tobytes())
+        if key not in self._caught:
+            self._caught[key] = self._caught_on(number, way)
+        return self._caught[key]
+
+    def _caught_on(self, number: int, way: Floats) -> Caught | None:
+        beds = self._beds(number)
+        if self._detections[number].roll_known and all(len(bed) == 1 for _, bed in beds):
+            return None
+        label = part_label(number)
+        far = np.append(np.arange(COMES_OFF, self._release, COMES_OFF), self._release)
+        steps = far[:, None] * way / float(np.linalg.norm(way))
+        one = self._detections[number]
+        pieces = placed(self._cell.part(one.part), one)
+        # A turn is possible when its pieces are in nothing whose own place is known.
+        possible, deepest = np.ones(max(len(piece) for piece in pieces), bool), (-np.inf, "")
+        for piece, (name, bed) in product(pieces, beds):
+            if len(bed) == 1:
+                depths = np.array([-_apart(one, bed[0], np.zeros(3)) for one in piece])
+                possible &= np.broadcast_to(depths <= self._sink, possible.shape)
+                deepest = max(deepest, (float(depths.min()), name))
+        if not possible.any():
+            return Caught(label, deepest[1], -deepest[0], is_sunk=True)
+        for piece, (name, bed) in product(pieces, beds):
+            for (turn, one), other in product(enumerate(piece), bed):
+                if len(piece) > 1 and not possible[turn]:
+                    continue
+                begins = _apart(one, other, np.zeros(3))
+                if begins < -self._sink:
+                    continue  # the neighbour is not turned so
+                keeps = min(self._near + ASIDE, begins - ASIDE)
+                for step in steps if begins < self._near + self._release + ASIDE else ():
+                    distance = _apart(one, other, step)
+                    if distance < keeps:
+                        return Caught(label, name, distance, is_sunk=False)
+        return None
+
+    def _beds(self, number: int) -> list[tuple[str, Placed]]:
+        """What lies near a part, piece by piece, with labels: parts as they may be turned."""
+        found = [
+            (body.label, ((body.shape, body.T_joint_body),))
+            for body in self._still.bodies
+            if body.kind != "part"
+        ]
+        for k, one in enumerate(self._detections):
+            if k != number:
+                pieces = placed(self._cell.part(one.part), one)
+                found += [(part_label(k), piece) for piece in pieces]
+        at = self._detections[number].T_world_part
+        reach = max(solid.reach for solid in self._still.pieces[number])
+        reach += self._release + 2 * self._near
+        return [(label, bed) for label, bed in found if _is_near(at.translation, reach, bed[0])]
 
     def _of(self, number: int) -> Around:
         if number not in self._around:
-            self._around[number] = self._surroundings(number)
+            none = np.zeros(3)
+            self._around[number] = self._still.around(
+                [(one.shape, one.T_owner_shape, none) for one in self._still.pieces[number]]
+            )
         return self._around[number]
 
-    def _surroundings(self, number: int) -> Around:
-        pieces, still = self._pieces[number], self._still
-        shapes = [solid.shape for solid in pieces] + [body.shape for body in still]
-        extents = [extent(shape) for shape in shapes]
-        centres = np.array([e[0] for e in extents])
-        poses = [body.T_joint_body for body in still]
-        count = len(pieces)
-        return Around(
-            np.array([solid.T_owner_shape.rotation for solid in pieces]),
-            np.array(
-                [
-                    solid.T_owner_shape.act(centre)
-                    for solid, centre in zip(pieces, centres[:count], strict=True)
-                ]
-            ),
-            np.zeros((count, 3)),
-            np.array([e[1] for e in extents[:count]]),
-            np.array([e[2] for e in extents[:count]]),
-            np.array([T.rotation for T in poses]),
-            np.array([T.act(c) for T, c in zip(poses, centres[count:], strict=True)]),
-            np.array([e[1] for e in extents[count:]]),
-            np.array([int(b.owner) if b.kind == "part" else -1 for b in still]),
-            cores_of(shapes, centres),
+    def _label(self, code: int) -> str:
+        return self._still.bodies[code % len(self._still.bodies)].label
+
+    def gap(self, first: int, second: int) -> float:
+        """How near two parts lie to each other [m], negative where they reach into each other."""
+        one, other = (
+            [
+                (solid.shape, self._detections[number].T_world_part * solid.T_owner_shape)
+                for solid in self._still.pieces[number]
+            ]
+            for number in (first, second)
         )
+        return min(_apart(a, b, np.zeros(3)) for a in one for b in other)
+
+    @cached_property
+    def heaps(self) -> list[int]:
+        """For each part the number of its heap: of one are parts nearer than `pair_gap`.
+
+        When a part is taken, others of its heap may move, also those that it does not touch itself.
+        Where the policy asks for none each is a heap of its own.
+        """
+        gap = self._cell.policy.pair_gap
+        heap = list(range(len(self._detections)))
+        if gap <= 0:
+            return heap
+        radius = {part.name: float(np.linalg.norm(part.mesh.points, axis=1).max())
+                  for part in self._cell.parts}  # fmt: skip
+        for first, second in combinations(range(len(heap)), 2):
+            one, other = self._detections[first], self._detections[second]
+            if heap[first] == heap[second]:
+                continue
+            far = np.linalg.norm(one.T_world_part.translation - other.T_world_part.translation)
+            if far - radius[one.part] - radius[other.part] >= gap:
+                continue
+            if self.gap(first, second) < gap:
+                old, new = heap[second], heap[first]
+                heap = [new if number == old else number for number in heap]
+        return heap
 
 
-def heaps(world: World, gap: float) -> list[int]:
-    """For each part found the number of its heap: parts nearer than `gap` [m] are of one.
-
-    When a part is taken, others of its heap may move, also those that it does not touch itself.
-    """
-    count = len(world.detections)
-    radius = {part.name: float(np.linalg.norm(part.mesh.points, axis=1).max())
-              for part in world.cell.parts}  # fmt: skip
-    heap = list(range(count))
-    for first, second in combinations(range(count), 2):
-        one, other = world.detections[first], world.detections[second]
-        if heap[first] == heap[second]:
-            continue
-        far = float(np.linalg.norm(one.T_world_part.translation - other.T_world_part.translation))
-        if far - radius[one.part] - radius[other.part] >= gap:
-            continue
-        if part_gap(world, first, second) < gap:
-            old, new = heap[second], heap[first]
-            heap = [new if number == old else number for number in heap]
-    return heap
+def _is_near(p: Floats, reach: float, body: tuple[Shape, pin.SE3]) -> bool:
+    """Whether a body may be nearer than `reach` [m] to a place (3,) [m]."""
+    shape, T = body
+    centre, half, _ = extent(shape)
+    offset = T.rotation.T @ (p - T.translation) - centre
+    return float(np.linalg.norm(np.maximum(np.abs(offset) - half, 0.0))) < reach
 
 
-def part_gap(world: World, first: int, second: int) -> float:
-    """How near two parts lie to each other [m], negative where they reach into each other."""
-    one, other = (
-        [
-            (coal_shape(solid.shape), found.T_world_part * solid.T_owner_shape)
-            for solid in world.cell.part(found.part).pieces
-        ]
-        for found in (world.detections[first], world.detections[second])
-    )
-    request = coal.DistanceRequest()
-    return min(
-        coal.distance(
-            a,
-            coal.Transform3s(T.rotation, T.translation),
-            b,
-            coal.Transform3s(U.rotation, U.translation),
-            request,
-            coal.DistanceResult(),
-        )
-        for a, T in one
-        for b, U in other
+def _apart(one: tuple[Shape, pin.SE3], other: tuple[Shape, pin.SE3], step: Floats) -> float:
+    """The distance [m] of two bodies, the first of them moved by a step (3,) [m]."""
+    (shape, T), (bed, U) = one, other
+    return coal.distance(
+        coal_shape(shape),
+        coal.Transform3s(T.rotation, T.translation + step),
+        coal_shape(bed),
+        coal.Transform3s(U.rotation, U.translation),
+        coal.DistanceRequest(),
+        coal.DistanceResult(),
     )

@@ -11,19 +11,14 @@ import coal
 import numpy as np
 import pinocchio as pin
 
-from workbench.model.cell import Arm, Cell
-from workbench.model.geometry import Bools, Ints
-from workbench.model.part import Grasp, Part
-from workbench.model.scan import Detection, Obstacle
-from workbench.planning.collision.bodies import coal_shape, extent, still_bodies, tool_shapes
-from workbench.planning.collision.gjk import cores_of
-from workbench.planning.collision.hands import (
-    Around,
-    Hands,
-    Places,
-    first_fits,
-    hands_of,
-)
+from workbench.model.cell import Arm
+from workbench.model.geometry import Bools, Floats
+from workbench.model.part import Grasp
+from workbench.planning.collision.around import Around, Places, first_contact, first_fits
+from workbench.planning.collision.bodies import coal_shape, tool_shapes
+from workbench.planning.collision.hands import Hands, hands_of
+from workbench.planning.collision.part_ways import kept_on_ways, steps_along
+from workbench.planning.collision.surroundings import Surroundings
 
 Met = tuple[tuple[str, str], float]
 """Labels of tool and obstacle, and their distance [m]."""
@@ -45,34 +40,19 @@ class Fit:
 
 
 class ToolCheck:
-    """What is around the tools of a cell, and what they would meet.
+    """The tools of a cell alone, and what they would meet of what stands around them.
 
-    Lifetime: as long as cell and detections.
+    Lifetime: as long as the surroundings.
     """
 
-    def __init__(
-        self,
-        cell: Cell,
-        detections: tuple[Detection, ...],
-        obstacles: tuple[Obstacle, ...] = (),
-    ):
+    def __init__(self, surroundings: Surroundings) -> None:
+        cell = surroundings.cell
         self._margin, self._least_air = cell.policy.near_margin, cell.policy.least_air
-        self._parts = [cell.part(one.part) for one in detections]
-        self._poses = [one.T_world_part for one in detections]
-        # The bin first: where the tool meets several things, that one is named.
-        still = sorted(
-            still_bodies(cell, detections, obstacles), key=lambda body: body.kind != "bin"
-        )
-        self._labels = [body.label for body in still]
-        self._numbers = np.array([int(b.owner) if b.kind == "part" else -1 for b in still])
-        self._shapes = [body.shape for body in still]
-        self._geometry = [coal_shape(shape) for shape in self._shapes]
-        poses = [body.T_joint_body for body in still]
-        extents = [extent(shape) for shape in self._shapes]
+        self._on_ways = kept_on_ways(cell)
+        self._still = surroundings
+        self._geometry = [coal_shape(body.shape) for body in surroundings.bodies]
+        poses = [body.T_joint_body for body in surroundings.bodies]
         self._transforms = [coal.Transform3s(T.rotation, T.translation) for T in poses]
-        self._R = np.array([T.rotation for T in poses])
-        self._centres = np.array([T.act(e[0]) for T, e in zip(poses, extents, strict=True)])
-        self._halves = np.array([half for _, half, _ in extents])
         self._around: dict[str, Around] = {}
         self._request = coal.DistanceRequest()
         self._tools = {arm.name: tool_shapes(arm.tool) for arm in cell.arms}
@@ -92,10 +72,9 @@ class ToolCheck:
     ) -> tuple[int, int] | None:
         for number, tool in enumerate(self._tools[arm.name]):
             T = tool.at(arm.tool, T_world_tcp, opening)
-            offset = np.einsum("gji,gj->gi", self._R, T.act(tool.centre) - self._centres)
-            gap = np.linalg.norm(np.maximum(np.abs(offset) - self._halves, 0.0), axis=1)
-            for g in np.flatnonzero(gap - tool.radius < self._margin).tolist():
-                margin = -press if self._numbers[g] == target else self._margin
+            gaps = self._still.gaps(T.act(tool.centre))
+            for g in np.flatnonzero(gaps - tool.radius < self._margin).tolist():
+                margin = -press if self._still.owner[g] == target else self._margin
                 if self.told(arm, T_world_tcp, opening, (number, g))[1] < margin:
                     return number, g
         return None
@@ -113,10 +92,10 @@ class ToolCheck:
             self._request,
             coal.DistanceResult(),
         )
-        return (f"{arm.name} {tool.name}", self._labels[g]), float(distance)
+        return (f"{arm.name} {tool.name}", self._still.bodies[g].label), float(distance)
 
     def fits(
-        self, arm: Arm, part: Part, grasps: tuple[Grasp, ...], rows: Sequence[tuple[int, int]]
+        self, arm: Arm, grasps: tuple[Grasp, ...], rows: Sequence[tuple[int, int]]
     ) -> list[Fit]:
         """How an arm's hand fits: by the first way of each grasp in which it meets nothing.
 
@@ -125,29 +104,30 @@ class ToolCheck:
 
         Args:
             arm: whose tool.
-            part: of one kind are all that are taken.
-            grasps: of it.
-            rows: numbers of detections and grasps; those of a detection stand together.
+            grasps: of the part.
+            rows: numbers of detections and grasps; those of a detection stand together.  All are of
+                one part and their pieces the same (`rolled.room_of`).
         """
         if not rows:
             return []
-        hands = hands_of(arm, part, grasps, self._least_air, self._margin)
+        pieces = self._still.pieces[rows[0][0]]
+        hands = hands_of(arm, pieces, grasps, self._least_air, self._margin)
         around = self._surroundings(arm)
         numbers = list(dict.fromkeys(number for number, _ in rows))
         if not around.cores.known.all():
-            return [self._slowly(arm, grasps, hands, *row) for row in rows]
+            return [self._slowly(arm, hands, *row) for row in rows]
         place = {number: k for k, number in enumerate(numbers)}
         places = self._places(numbers, hands, around)
         ways, met = first_fits(
             hands,
             np.array([grasp for _, grasp in rows]),
             np.array([place[number] for number, _ in rows]),
-            len(part.pieces),
+            len(pieces),
             places,
             self._margin,
             around,
         )
-        count = len(self._shapes)
+        count = len(self._still.bodies)
         found: list[Fit] = []
         for (_, grasp), way, (phase, code) in zip(rows, ways.tolist(), met.tolist(), strict=True):
             pair = None if way >= 0 else (code // count, code % count)
@@ -156,7 +136,7 @@ class ToolCheck:
             found.append(Fit(opening, turn, phase == 1, pair))
         return found
 
-    def free(self, arm: Arm, part: Part, number: int, hands: Hands) -> Bools:
+    def free(self, arm: Arm, number: int, hands: Hands) -> Bools:
         """Which grasps of `hands` (g,) fit at a detection, whatever they do to the part itself.
 
         Booleans, no unit.
@@ -165,18 +145,45 @@ class ToolCheck:
         if not around.cores.known.all():
             return np.ones(count, bool)  # a closer look follows
         places = self._places([number], hands, around)
-        every, pieces = np.arange(count), len(part.pieces)
+        every, pieces = np.arange(count), len(self._still.pieces[number])
         ways, _ = first_fits(hands, every, 0 * every, pieces, places, self._margin, around)
         return ways >= 0
 
-    def _slowly(
-        self, arm: Arm, grasps: tuple[Grasp, ...], hands: Hands, number: int, grasp: int
-    ) -> Fit:
+    def on_way(
+        self, arm: Arm, T_world_tcp: pin.SE3, opening: float, number: int, way: Floats
+    ) -> tuple[tuple[str, str], float] | None:
+        """What the tool meets on a straight way, and after how much of it [m]; None for nothing.
+
+        What counts is what comes nearer than `kept_on_ways`.
+
+        Args:
+            arm: whose tool.
+            T_world_tcp: where the way begins.
+            opening: [m] of the fingers.
+            number: of the part that the tool takes along.
+            way: (3,) [m] in the world.
+        """
+        around, most = self._surroundings(arm), float(np.linalg.norm(way))
+        if not around.cores.known.all() or most == 0.0:
+            return None  # a closer look follows
+        T = T_world_tcp * arm.tool.T_flange_tcp.inverse()
+        far = steps_along(0.0, most)
+        places = T.translation + far[:, None] * way / most
+        R, keeps = np.array(T.rotation), self._on_ways
+        k, code = first_contact(R, places, opening, number, keeps, around)
+        if k < 0:
+            return None
+        number, g = divmod(code, len(self._still.bodies))
+        labels = f"{arm.name} {self._tools[arm.name][number].name}", self._still.bodies[g].label
+        return labels, float(far[k])
+
+    def _slowly(self, arm: Arm, hands: Hands, number: int, grasp: int) -> Fit:
         """Where a body is not convex, so that compiled code does not know it."""
+        T_world_part = self._still.detections[number].T_world_part
         refusal: Fit | None = None
         for w in range(int(hands.first[grasp]), int(hands.first[grasp + 1])):
-            T_part_flange = pin.SE3(hands.R[w], hands.p[w])
-            T_world_tcp = self._poses[number] * T_part_flange * arm.tool.T_flange_tcp
+            T_world_flange = T_world_part * pin.SE3(hands.R[w], hands.p[w])
+            T_world_tcp = T_world_flange * arm.tool.T_flange_tcp
             opening, turn = float(hands.opening[w, 0]), int(hands.turn[w])
             pair = None
             for is_closed in (False, True) if arm.tool.fingers else (True,):
@@ -193,40 +200,28 @@ class ToolCheck:
 
     def _places(self, numbers: Sequence[int], hands: Hands, around: Around) -> Places:
         """Where parts of a kind lie, and what stands so near that a hand at them might meet it."""
-        Rs = np.array([self._poses[number].rotation for number in numbers])
-        ps = np.array([self._poses[number].translation for number in numbers])
+        poses = [self._still.detections[number].T_world_part for number in numbers]
+        ps = np.array([T.translation for T in poses])
         solids = np.linalg.norm(around.p_tool, axis=1) + around.radius
         # Farther than this nothing of the tool is from the part.
         reach = float(np.linalg.norm(hands.p, axis=1).max(initial=0.0) + solids.max(initial=0.0))
         reach += float(hands.opening.max(initial=0.0)) / 2 + self._margin
-        near: list[Ints] = []
-        for p in ps:
-            offset = np.einsum("gji,gj->gi", self._R, p - self._centres)
-            gap = np.linalg.norm(np.maximum(np.abs(offset) - self._halves, 0.0), axis=1)
-            near.append(np.flatnonzero(gap < reach))
+        near = [np.flatnonzero(self._still.gaps(p) < reach) for p in ps]
         return Places(
-            Rs,
+            np.array([T.rotation for T in poses]),
             ps,
             np.array(numbers),
-            np.array([int(np.argmax(self._numbers == number)) for number in numbers]),
+            np.array([int(np.argmax(self._still.owner == number)) for number in numbers]),
             np.concatenate(near),
             np.cumsum([0, *map(len, near)]),
         )
 
     def _surroundings(self, arm: Arm) -> Around:
         if arm.name not in self._around:
-            tools = self._tools[arm.name]
-            shapes = [tool.solid.shape for tool in tools] + self._shapes
-            self._around[arm.name] = Around(
-                np.array([tool.T_flange_body.rotation for tool in tools]),
-                np.array([tool.T_flange_body.act(tool.centre) for tool in tools]),
-                np.array([tool.direction for tool in tools]),
-                np.array([extent(tool.solid.shape)[1] for tool in tools]),
-                np.array([tool.radius for tool in tools]),
-                self._R,
-                self._centres,
-                self._halves,
-                self._numbers,
-                cores_of(shapes, np.array([extent(shape)[0] for shape in shapes])),
+            self._around[arm.name] = self._still.around(
+                [
+                    (tool.solid.shape, tool.T_flange_body, tool.direction)
+                    for tool in self._tools[arm.name]
+                ]
             )
         return self._around[arm.name]

@@ -4,6 +4,7 @@ import math
 from collections.abc import Generator, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
+from functools import cached_property
 
 import numpy as np
 import pinocchio as pin
@@ -16,13 +17,19 @@ from workbench.planning.collision.bounds import close_pairs
 from workbench.planning.collision.contact import Contact, Swept
 from workbench.planning.collision.gjk import cores_of
 from workbench.planning.collision.pairing import Phase, pairing_of
+from workbench.planning.collision.part_ways import PartWays
+from workbench.planning.collision.surroundings import Surroundings
 from workbench.planning.collision.sweeping.edges import Edges, edges_of
 from workbench.planning.collision.sweeping.sweep import Model, swept
+from workbench.planning.collision.tool_check import ToolCheck
 from workbench.planning.kinematics.chain import Chain, chain_of
 from workbench.planning.kinematics.robot import Kinematics
 
 LOOSENESS = 0.03
 """[m] By about this much the lower bound of a distance falls short; only a matter of speed."""
+
+SLACK = 0.0005
+"""[m] What is in touch where a lift begins may come nearer by this: the lift leans."""
 
 AT_REST = "at rest"
 """Where `World` has placed a part that no hand holds."""
@@ -32,8 +39,8 @@ class World:
     """The cell with the parts found, ready to answer "how close?" for any configuration.
 
     A whole configuration `q` (nq,) [rad, m] is in the order of `Kinematics`; pairs (k,) are indices
-    into all pairs of bodies.  `deadline` [s], on the clock of `working_time`, is when searches in
-    it give up.
+    into all pairs of bodies, those of the phase in `pairs`.  `deadline` [s], on the clock of
+    `working_time`, is when searches in it give up.  `surroundings` is what no arm carries.
 
     Lifetime: as long as cell and detections; `enter` changes what is attached, nothing is rebuilt.
     Concurrency: one thread at a time.
@@ -54,8 +61,7 @@ class World:
             cell: as it is.
             detections: the parts found.
             obstacles: what the scan shows beside them.
-            policy: by which to plan, where a request differs from the cell; how far corners are
-                rounded is a matter of the cell alone.
+            policy: where a request differs from the cell; corners are rounded as the cell says.
             by_coal: measure with Coal, as a proof does, not by our own search, which is faster.
         """
         self.cell = cell
@@ -68,8 +74,9 @@ class World:
         self.checks = 0
         self.deadline = math.inf
         self._by_coal = by_coal
-        self._arm_index = {arm.name: index for index, arm in enumerate(cell.arms)}
-        self._bodies = bodies.bodies_of(cell, self.kinematics, detections, obstacles)
+        self.surroundings = Surroundings(cell, detections, obstacles)
+        carried = bodies.carried_bodies(cell, self.kinematics)
+        self._bodies = [*carried, *self.surroundings.bodies]
         self._geometry = bodies.geometry_of(self._bodies)
         self._T_part_piece = bodies.in_their_parts(self._bodies, detections)
         self._loose = [g for g, body in enumerate(self._bodies) if body.is_loose]
@@ -79,6 +86,16 @@ class World:
         self._placed: dict[int, float | str | None] = {}
         self._make_pairs()
         self.enter(Phase(frozenset(arm.name for arm in cell.arms)))
+
+    @cached_property
+    def tool_check(self) -> ToolCheck:
+        """The tools alone, without arms, among the same bodies."""
+        return ToolCheck(self.surroundings)
+
+    @cached_property
+    def part_ways(self) -> PartWays:
+        """The parts alone, each by itself, among the same bodies."""
+        return PartWays(self.surroundings)
 
     def arm(self, name: str) -> Arm:
         """The arm of that name."""
@@ -112,13 +129,13 @@ class World:
             elif self._placed.get(g) != AT_REST:
                 self._place(g, 0, body.T_joint_body)
                 self._placed[g] = AT_REST
-        self._checks = self._pairing.checks(phase, self._boxes.joint)
-        self._own = self._checks.own
-        self._use(self._checks.margins)
+        self.pairs = self._pairing.checks(phase, self._boxes.joint)
+        self._own = self.pairs.own
+        self._use(self.pairs.margins)
 
     def _use(self, margins: Floats) -> None:
         self._margins = margins
-        self._split = self._split_of(self._checks.among)
+        self._split = self._split_of(self.pairs.among)
 
     def _split_of(self, among: Ints) -> tuple[Ints, Ints]:
         """The pairs that compiled code can tell apart, and the others.
@@ -165,7 +182,7 @@ class World:
 
     def meets(self, q: Floats) -> bool:
         """Whether different arms are too close to each other at this whole configuration (nq,)."""
-        return self.look(q, self._still, self.between())[0] is not None
+        return self.look(q, self._still, self.pairs.between())[0] is not None
 
     def look(self, q: Floats, d: Floats, among: Ints | None) -> tuple[Contact | None, Ints, float]:
         """What can be said about a motion from a look at its middle.
@@ -209,8 +226,8 @@ class World:
             among: pairs to look at; None for all.
         """
         if self._by_coal:
-            return Swept(len(points), None, self._checks.among if among is None else among)
-        commons = self._checks.commons
+            return Swept(len(points), None, self.pairs.among if among is None else among)
+        commons = self.pairs.commons
         easy, others = self._split if among is None else self._split_of(among)
         clear, pair, middle, looks = swept(
             points, columns, base, resolution, easy, self._margins, commons, self._model
@@ -229,7 +246,7 @@ class World:
         """For compiled code to check straight motions in this phase, as `sweep`; None by Coal."""
         if self._by_coal:
             return None
-        (easy, others), commons = self._split, self._checks.commons
+        (easy, others), commons = self._split, self.pairs.commons
         phase = easy, self._margins, commons, len(others) == 0
         return edges_of(self._model, columns, base, resolution, *phase)
 
@@ -244,7 +261,7 @@ class World:
         if self._by_coal or not self._is_easy[among].all():
             return 0
         backwards, margins = np.ascontiguousarray(points[::-1]), np.maximum(self._margins, 0.0)
-        commons = self._checks.commons
+        commons = self.pairs.commons
         clear, _, _, looks = swept(
             backwards, columns, base, resolution, among, margins, commons, self._model
         )
@@ -290,45 +307,21 @@ class World:
         number = int(np.argmin(np.array(distances) - self._margins[among]))
         return self._contact_of(int(among[number]), distances[number])
 
-    def alone(self, arm: str) -> Ints:
-        """Pairs of this phase that one arm has with itself and with what no arm carries."""
-        return self._checks.alone(self._arm_index[arm])
-
-    def all_but(self, arm: str, other: str) -> Ints:
-        """Pairs of this phase of one arm, but for those with the other."""
-        return np.setdiff1d(self.involving(arm), self.between(arm, other))
-
-    def involving(self, arm: str) -> Ints:
-        """Pairs of this phase of which one body at least is carried by an arm."""
-        return self._checks.involving(self._arm_index[arm])
-
-    def between(self, *arms: str) -> Ints:
-        """Pairs of this phase whose bodies different arms carry, of these arms if any are named."""
-        return self._checks.between([self._arm_index[arm] for arm in arms or self._arm_index])
-
-    def to_placed(self, arm: str) -> Ints:
-        """Pairs of this phase of an arm with parts that other arms have placed."""
-        return self._checks.to_placed(self._arm_index[arm])
-
-    def left_behind(self, arm: str) -> Ints:
-        """Pairs of this phase of an arm with the part that it has just let go of."""
-        return self._checks.left_behind(self._arm_index[arm])
-
-    def allow_start_contacts(self, q: Floats, slack: float = 0.0005) -> Contact | None:
+    def allow_start_contacts(self, q: Floats) -> Contact | None:
         """Let parts that touch something where a leg begins, at `q` (nq,), come away from it.
 
-        See `Checks.at_start`; `slack` [m] is for the lean of the lift.
+        See `Checks.at_start`.
 
         Returns:
             Where a part in the hand is deepest in what it lies on, if that is deeper than the
-            policy's `sink`: its pose is wrong.
+            policy's `sink`: its pose is wrong.  Of unknown rolls `PartWays.caught` says it.
         """
         pairs, _, _ = self._close(q, self._still, 0.0, None)
-        pairs = pairs[self._checks.may_begin_close[pairs]]
+        pairs = pairs[self.pairs.may_begin_close[pairs]]
         distances = np.array([self._distance(k) for k in pairs.tolist()])
-        self._use(self._checks.at_start(pairs, distances, self.policy.near_margin, slack))
-        lies = (self._checks.carriers[pairs] < 0).any(axis=1)
-        depths = np.where(self._checks.lifts[pairs] & lies, -distances, -np.inf)
+        self._use(self.pairs.at_start(pairs, distances, self.policy.near_margin, SLACK))
+        lies = (self.pairs.carriers[pairs] < 0).any(axis=1) & ~self._is_rolled[pairs]
+        depths = np.where(self.pairs.lifts[pairs] & lies, -distances, -np.inf)
         if not len(pairs) or depths.max() <= self.policy.sink:
             return None
         deepest = int(depths.argmax())
@@ -338,7 +331,7 @@ class World:
     def at_full_margins(self, more: float = 0.0) -> Generator[None]:
         """Within it nothing of `allow_start_contacts` holds; margins are larger by `more` [m]."""
         allowed = self._margins
-        self._use(self._checks.margins + more if more else self._checks.margins)
+        self._use(self.pairs.margins + more if more else self.pairs.margins)
         try:
             yield
         finally:
@@ -368,10 +361,10 @@ class World:
         What `_distance` measures is at `q` after it.
         """
         self.checks += 1
-        pairs, checks = self._pairing, self._checks
+        pairing, pairs = self._pairing, self.pairs
         close = close_pairs(
-            self.kinematics.tree, self._boxes, q, d, pairs.first, pairs.second,
-            checks.among if among is None else among, self._margins, checks.commons, extra,
+            self.kinematics.tree, self._boxes, q, d, pairing.first, pairing.second,
+            pairs.among if among is None else among, self._margins, pairs.commons, extra,
         )  # fmt: skip
         if len(close[0]):
             pin.updateGeometryPlacements(
@@ -396,5 +389,6 @@ class World:
         self._data = pin.GeometryData(self._geometry)
         cores = cores_of([body.shape for body in self._bodies], self._centre)
         first, second = self._pairing.first, self._pairing.second
+        self._is_rolled = bodies.are_rolled(self._bodies, self.detections, first, second)
         self._is_easy = cores.known[first] & cores.known[second]
         self._model = Model(self.kinematics.tree, self._boxes, first, second, cores)

@@ -12,7 +12,7 @@ import numpy as np
 import pinocchio as pin
 
 from workbench.model.cell import Cell
-from workbench.model.geometry import Floats, frozen, put
+from workbench.model.geometry import Floats, frozen, put, spread_directions
 from workbench.model.part import Part
 from workbench.planning.grasps.grasp_suggestions import Suggestion, suggest
 from workbench.planning.grasps.grasp_trial import Trial
@@ -115,7 +115,7 @@ def coverage(
         report: takes the share done and what is being done.
         cancelled: True ends the search with what is known by then.
     """
-    ups = spread(directions)
+    ups = spread_directions(directions)
     trial = Trial(cell, part)
     grasps = part.library.grasps
     usable = trial.usable(grasps)
@@ -148,15 +148,6 @@ def coverage(
         int(seen.sum()) * turns * len(places),
         missing,
     )
-
-
-def spread(count: int) -> Floats:
-    """Unit vectors (count, 3) spread evenly over the sphere: a Fibonacci spiral."""
-    k = np.arange(count) + 0.5
-    z = 1 - 2 * k / count
-    angle = np.pi * (1 + np.sqrt(5)) * k
-    radius = np.sqrt(1 - z * z)
-    return np.stack([radius * np.cos(angle), radius * np.sin(angle), z], axis=1)
 
 
 def _missing(

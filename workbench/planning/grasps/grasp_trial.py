@@ -9,8 +9,8 @@ from numba import njit
 from workbench.model.cell import Arm, Cell, Tool
 from workbench.model.geometry import Bools, Box, Floats
 from workbench.model.part import Grasp, Part
-from workbench.planning.collision.bodies import still_bodies
 from workbench.planning.collision.legs import grips
+from workbench.planning.collision.surroundings import Surroundings
 from workbench.planning.collision.tool_check import ToolCheck
 from workbench.planning.grasps.grasp_check import GraspChecker
 from workbench.planning.grasps.pads import outline
@@ -32,14 +32,15 @@ class Trial:
     def __init__(self, cell: Cell, part: Part):
         self.cell = cell
         self.part = part
-        self._check = ToolCheck(cell, ())
+        surroundings = Surroundings(cell, ())
+        self._check = ToolCheck(surroundings)
         self._chains = [chain_of(cell, arm) for arm in cell.arms]
         self._starts = [
             _starts(chain, arm) for chain, arm in zip(self._chains, cell.arms, strict=True)
         ]
         self._last = [starts[0] for starts in self._starts]
         self._points = np.asarray(part.mesh.points)
-        self._boxes = _boxes(cell)
+        self._boxes = _boxes(surroundings)
         self._corners = {arm.tool.name: _corners(arm.tool) for arm in cell.arms}
         self.checkers = {arm.name: GraspChecker(part, arm.tool) for arm in cell.arms}
 
@@ -149,11 +150,11 @@ class Trial:
         return self._check.contact(arm, T_world_tcp, opening, NO_TARGET, 0.0) is None
 
 
-def _boxes(cell: Cell) -> tuple[Floats, Floats, Floats]:
+def _boxes(surroundings: Surroundings) -> tuple[Floats, Floats, Floats]:
     """Rotations (b, 3, 3), centres (b, 3) and half sizes (b, 3) of what stands still in boxes."""
     found = [
         (body.T_joint_body, np.asarray(body.shape.size) / 2)
-        for body in still_bodies(cell, (), ())
+        for body in surroundings.bodies
         if isinstance(body.shape, Box)
     ]
     return (

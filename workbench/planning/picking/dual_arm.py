@@ -13,6 +13,8 @@ tried in turn:
 4. side by side only: both as one motion of all joints, run in step.
 
 A plan without legs in step is safe at any speeds: arms wait for each other between steps only.
+
+In an alternated plan, too, the second arm may be on its way to the bin while the first goes home.
 """
 
 from collections.abc import Iterator, Sequence
@@ -37,6 +39,9 @@ from workbench.planning.planners.clock import working_time
 
 OFFSETS = range(5)
 """By how many legs the second arm may follow the first; with more they would not overlap much."""
+
+HOMEWARD = LEG_NAMES.index("home")
+"""So many legs behind the first, the second arm leaves while the first goes home."""
 
 CARRYING = LEG_NAMES.index("return")
 """From this leg on the first arm's part is out of the bin: in its hand, or where it is put."""
@@ -191,6 +196,29 @@ def coordinate(
     return best or refusal or Verdict(Reason.NO_PATH, Stage.ROUTE)
 
 
+def overlapped(world: World, plan: Plan) -> Plan:
+    """An alternated plan whose second arm sets out while the first goes home.
+
+    Args:
+        world: of the cell and the detections that the plan was made for.
+        plan: for two arms, one after the other.
+
+    Returns:
+        That plan, which no proof has seen yet; `plan` itself where the arms might meet or nothing
+        is won.
+    """
+    first, second = plan.arms
+    rng = np.random.default_rng(np.random.SeedSequence([plan.seed, HOMEWARD]))
+    found = _with_offset(world, first, second, HOMEWARD, rng)
+    if isinstance(found, Verdict):
+        return plan
+    arms, steps, guarantee = found
+    shorter = replace(plan, arms=arms, sequence=steps, guarantee=guarantee)
+    # Legs that take turns after all may be quicker by a rounding error: that is nothing won.
+    is_at_once = any(len(step.runs) > 1 for step in steps)
+    return shorter if is_at_once and shorter.cycle_seconds < plan.cycle_seconds else plan
+
+
 def _note(offset: int) -> str:
     if offset == 0:
         return "both arms side by side"
@@ -280,7 +308,7 @@ def _around(world: World, pair: Pair, rng: np.random.Generator) -> Iterator[Pair
             continue
         if along_placed(world, task.plan.arm, lead) is not None:
             continue
-        among = world.all_but(task.plan.arm, way.arm)
+        among = world.pairs.all_but(task.plan.arm, way.arm)
 
         def check(
             curves: Curves,

@@ -1,77 +1,33 @@
 """When the arm passes each waypoint: the fastest timing of a leg within speed and acceleration.
 
 Time-optimal path parameterization by reachability analysis (Pham and Pham, "A new approach to
-time-optimal path parameterization based on reachability analysis", IEEE T-RO 2018; library
-`toppra`) over the curve that the controller follows, from rest to rest.
+time-optimal path parameterization based on reachability analysis", IEEE T-RO 2018) over the curve
+that the controller follows, from rest to rest.
+
+The curve q(s) is the polyline with corners rounded by parabolas.  Its grid has a point wherever a
+parabola begins or ends, so that between two grid points q'' is constant, q' linear, the
+acceleration of the parameter constant and its squared speed linear: the acceleration of a joint
+q' s'' + q'' (s')^2 is linear as well.  What holds at both ends of a piece, each seen from inside of
+it, holds everywhere: limits are kept along the whole curve, not only at the grid.
 """
 
-import logging
-from functools import lru_cache
-
 import numpy as np
-import toppra
-from toppra import algorithm, constraint
+from numba import njit
 
 from workbench.model.errors import WorkbenchError
-from workbench.model.geometry import Floats
+from workbench.model.geometry import Floats, Ints
 
-logging.getLogger("toppra").setLevel(logging.ERROR)
+STRAIGHT_PIECES = 16
+"""Of the straight middle between two waypoints: where speeding up may turn into slowing down."""
 
-GRIDS = (8, 16, 32)
-"""Grid points of the parameterization between two waypoints; the next when the one finds none."""
+CORNER_PIECES = 8
+"""Of each half of a rounded corner."""
 
 STANDSTILL = 0.001
-"""[s] Between two equal waypoints: times have to increase."""
+"""[s] No two waypoints are passed in less, be they equal: times have to increase."""
 
-
-class RoundedPolyline(toppra.interpolator.AbstractGeometricPath):
-    """Waypoints (m, n) [rad] joined straight, corners rounded by parabolas within `zone`.
-
-    The parameter, which has no unit, runs from 0 to m - 1 and is k at waypoint k; the derivative is
-    continuous.
-    """
-
-    def __init__(self, path: Floats, zone: float):
-        self._path = np.asarray(path)
-        self._steps = np.diff(self._path, axis=0)
-        self._zone = zone
-
-    def __call__(self, path_positions: float | Floats, order: int = 0) -> Floats:
-        """Position (order 0) or derivatives (1, 2) at the parameters (k,), shape (k, n)."""
-        s = np.atleast_1d(np.asarray(path_positions, dtype=np.float64))
-        last = len(self._steps) - 1
-        piece = np.clip(np.floor(s).astype(int), 0, last)
-        corner = np.clip(np.round(s).astype(int), 0, last + 1)
-        inside = (np.abs(s - corner) < self._zone) & (corner > 0) & (corner <= last)
-        before, after = (
-            self._steps[np.maximum(corner - 1, 0)],
-            self._steps[np.minimum(corner, last)],
-        )
-        z = max(self._zone, 1e-9)
-        u = np.where(inside, s - corner, 0.0)[:, None]
-        rounded = inside[:, None]
-        if order == 0:
-            straight = self._path[piece] + (s - piece)[:, None] * self._steps[piece]
-            # a + integral of the linearly changing derivative, from the zone's entry on
-            curve = self._path[corner] - z * before + (u + z) * before
-            curve = curve + (u + z) ** 2 / (4 * z) * (after - before)
-            values = np.where(rounded, curve, straight)
-        elif order == 1:
-            share = (u + z) / (2 * z)
-            values = np.where(rounded, (1 - share) * before + share * after, self._steps[piece])
-        else:
-            values = np.where(rounded, (after - before) / (2 * z), 0.0)
-        return values if np.ndim(path_positions) else values[0]
-
-    @property
-    def dof(self) -> int:
-        """Number of joints."""
-        return self._path.shape[1]
-
-    @property
-    def path_interval(self) -> Floats:
-        """The range (2,) of the parameter."""
-        return np.array([0.0, len(self._steps)])
+WITHIN = 1e-9
+"""Share of a squared speed that rounding may decide."""
 
 
 def timed(path: Floats, velocity: Floats, acceleration: Floats, zone: float) -> Floats:
@@ -81,25 +37,19 @@ def timed(path: Floats, velocity: Floats, acceleration: Floats, zone: float) -> 
         path: waypoints, at least two; from one to an equal one it takes `STANDSTILL`, or longer.
         velocity: largest joint speeds (n,) [rad/s], already scaled.
         acceleration: largest joint accelerations (n,) [rad/s2].
-        zone: corner rounding, fraction of the neighbouring segments.
+        zone: corner rounding, fraction of the neighbouring segments, below 0.5.
 
     Raises:
         WorkbenchError: the limits are not positive.
     """
     if not (np.all(velocity > 0) and np.all(acceleration > 0)):
         raise WorkbenchError("an arm's speed and acceleration limits must be above zero")
-    if zone <= 0.0 or not np.diff(path, axis=0).any():
+    if zone <= 0.0:
         return _stopping(path, velocity, acceleration)  # sharp corners are taken at rest
-    curve = RoundedPolyline(path, zone)
-    limits = _limits(tuple(velocity.tolist()), tuple(acceleration.tolist()))
-    for count in GRIDS:
-        grid = np.linspace(0.0, len(path) - 1, count * (len(path) - 1) + 1)
-        solver = algorithm.TOPPRA(limits, curve, gridpoints=grid, solver_wrapper="seidel")
-        speeds = solver.compute_parameterization(0.0, 0.0)[1]
-        if speeds is not None and np.all(np.isfinite(speeds)):
-            steps = 2 * np.diff(grid) / np.maximum(speeds[1:] + speeds[:-1], 1e-9)
-            return np.concatenate([[0.0], np.cumsum(steps)])[::count]
-    return _stopping(path, velocity, acceleration)
+    slopes, bends, widths, at = _pieces(np.diff(path, axis=0), zone)
+    speeds = np.sqrt(_squared_speeds(slopes, bends, widths, velocity, acceleration))
+    times = np.cumsum(2.0 * widths / (speeds[1:] + speeds[:-1]))
+    return np.concatenate([[0.0], times[at]])
 
 
 def _stopping(path: Floats, velocity: Floats, acceleration: Floats) -> Floats:
@@ -113,13 +63,120 @@ def _stopping(path: Floats, velocity: Floats, acceleration: Floats) -> Floats:
     return np.concatenate([[0.0], np.cumsum(np.maximum(times.max(axis=1), STANDSTILL))])
 
 
-@lru_cache(maxsize=32)
-def _limits(
-    velocity: tuple[float, ...], acceleration: tuple[float, ...]
-) -> list[constraint.Constraint]:
-    """The constraints of an arm; making them takes longer than using them."""
-    most, push = np.array(velocity), np.array(acceleration)
-    return [
-        constraint.JointVelocityConstraint(np.column_stack([-most, most])),
-        constraint.JointAccelerationConstraint(np.column_stack([-push, push])),
+def _pieces(steps: Floats, zone: float) -> tuple[Floats, Floats, Floats, Ints]:
+    """The rounded polyline of segments `steps` (m, n) in k pieces of constant q''.
+
+    Returns:
+        q' at both ends of each piece (k, 2, n), q'' in it (k, n), its width in the parameter (k,),
+        and the numbers (m,) of those that end at a waypoint.
+    """
+    count = len(steps)
+    turns = np.diff(steps, axis=0, prepend=steps[:1], append=steps[-1:]) / (2 * zone)
+    # Where pieces end in a segment, as parameters from 0 to 1; its first and last corner are sharp.
+    corner = np.linspace(0.0, zone, CORNER_PIECES + 1)
+    middle = np.linspace(zone, 1.0 - zone, STRAIGHT_PIECES + 1)
+    marks = np.concatenate([corner[:-1], middle, (1.0 - corner[::-1])[1:]])
+    begins, ends = marks[:-1], marks[1:]
+    into = np.maximum(zone - begins, 0.0), np.maximum(zone - ends, 0.0)
+    out = np.maximum(begins - 1.0 + zone, 0.0), np.maximum(ends - 1.0 + zone, 0.0)
+    before, after = turns[:-1, None, :], turns[1:, None, :]
+    slopes = [
+        steps[:, None, :] - into[k][:, None] * before + out[k][:, None] * after for k in range(2)
     ]
+    rounds_in = (np.arange(len(begins)) < CORNER_PIECES)[:, None]
+    rounds_out = (np.arange(len(begins)) >= len(begins) - CORNER_PIECES)[:, None]
+    bends = rounds_in * before + rounds_out * after
+    n = steps.shape[1]
+    return (
+        np.ascontiguousarray(np.stack([s.reshape(-1, n) for s in slopes], axis=1)),
+        np.ascontiguousarray(bends.reshape(-1, n)),
+        np.tile(ends - begins, count),
+        np.arange(1, count + 1) * len(begins) - 1,
+    )
+
+
+@njit(cache=True)
+def _squared_speeds(
+    slopes: Floats, bends: Floats, widths: Floats, velocity: Floats, acceleration: Floats
+) -> Floats:
+    """The fastest squared speeds (k + 1,) [1/s2] of the parameter where pieces begin and end.
+
+    Below, `x` is such a square and `u` the acceleration: x grows by 2 u for each unit.
+    """
+    count = len(widths)
+    # The largest squared speeds from which the rest of the way can be done.  So it can from all
+    # below them: standing still always is possible, and what is possible is convex.
+    most = np.zeros(count + 1)
+    for k in range(count - 1, -1, -1):
+        ceiling = _ceiling(slopes[k], bends[k], widths[k], velocity, acceleration)
+        most[k + 1] = min(most[k + 1], ceiling)
+        most[k] = _fastest(slopes[k], bends[k], widths[k], acceleration, most[k + 1], ceiling)
+    most[0] = 0.0
+    for k in range(count):
+        x = most[k]
+        _, _, u, _ = _between(x, slopes[k], bends[k], widths[k], acceleration, most[k + 1])
+        most[k + 1] = min(max(x + 2.0 * widths[k] * u, 0.0), most[k + 1])
+    return most
+
+
+@njit(cache=True)
+def _ceiling(
+    slope: Floats, bend: Floats, width: float, velocity: Floats, acceleration: Floats
+) -> float:
+    """The squared speed that the speeds of the joints allow anywhere on a piece."""
+    ceiling = STANDSTILL**-2
+    for j in range(len(velocity)):
+        steepest = max(abs(slope[0, j]), abs(slope[1, j]))
+        if steepest > 0.0:
+            ceiling = min(ceiling, (velocity[j] / steepest) ** 2)
+        for end in range(2):
+            # Where `u` does not move the joint, `_between` says nothing of it.
+            if bend[j] != 0.0 and slope[end, j] + 2.0 * width * end * bend[j] == 0.0:
+                ceiling = min(ceiling, acceleration[j] / abs(bend[j]))
+    return ceiling
+
+
+@njit(cache=True)
+def _fastest(
+    slope: Floats, bend: Floats, width: float, acceleration: Floats, follows: float, ceiling: float
+) -> float:
+    """The largest squared speed at the beginning of a piece that leads to one within `follows`.
+
+    The room between the least and the largest `u` is a concave function of `x` that is not negative
+    at 0: Newton's steps come down to where it vanishes, each by another pair of limits.
+    """
+    x = ceiling
+    for _ in range(4 * len(bend) + 4):
+        least, least_slope, most, most_slope = _between(
+            x, slope, bend, width, acceleration, follows
+        )
+        if most >= least:
+            return x
+        before = x
+        x = max(x - (most - least) / (most_slope - least_slope), 0.0)
+        if x >= before * (1.0 - WITHIN):
+            break
+    return x * (1.0 - WITHIN)
+
+
+@njit(cache=True)
+def _between(
+    x: float, slope: Floats, bend: Floats, width: float, acceleration: Floats, follows: float
+) -> tuple[float, float, float, float]:
+    """The least and the largest `u` at `x`, each with how it changes with `x`."""
+    # 0 <= x + 2 u width <= follows
+    half = 0.5 / width
+    least, least_slope = -x * half, -half
+    most, most_slope = (follows - x) * half, -half
+    for end in range(2):
+        for j in range(len(bend)):
+            # At the end of the piece x has become x + 2 u width.
+            push = slope[end, j] + 2.0 * width * end * bend[j]
+            if push == 0.0:
+                continue
+            reach, tilt = acceleration[j] / abs(push), -bend[j] / push
+            if tilt * x - reach > least:
+                least, least_slope = tilt * x - reach, tilt
+            if tilt * x + reach < most:
+                most, most_slope = tilt * x + reach, tilt
+    return least, least_slope, most, most_slope

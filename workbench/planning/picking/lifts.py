@@ -6,7 +6,6 @@ out again as the hand came in.  `off-wall`: up, leaning away from the wall that 
 """
 
 from collections.abc import Iterator
-from weakref import WeakKeyDictionary
 
 import numpy as np
 import pinocchio as pin
@@ -15,13 +14,15 @@ from workbench.model.candidate import Candidate, Reason, Stage, Verdict
 from workbench.model.cell import Bin, LiftName
 from workbench.model.geometry import Floats
 from workbench.planning.collision.bodies import part_label
-from workbench.planning.collision.part_ways import PartWays
 from workbench.planning.collision.world import World
 
 AUTHORED = "as authored"
 """The way of a grasp that says how the part is taken out."""
 
 SIDES = 6
+
+MOST_CLEAR = 6
+"""Lifts that are tried with the arm; where many are clear, the first of them do."""
 
 STEEPEST = np.cos(np.deg2rad(60.0))
 """The way back out is a lift when it rises at least like this."""
@@ -43,12 +44,17 @@ def lifts(world: World, candidate: Candidate, T_world_tcp: pin.SE3) -> Iterator[
         R = candidate.T_world_tcp.rotation
         yield AUTHORED, grasp.retreat_length * (R @ grasp.retreat)
         return
-    tried: list[Floats] = []
+    tried = np.empty((0, 3))
     for name in policy.lifts:
         for direction in _directions(world, candidate, T_world_tcp, name):
-            if not any(direction @ other > ALIKE for other in tried):
-                tried.append(direction)
+            if not (tried @ direction > ALIKE).any():
+                tried = np.vstack([tried, direction])
                 yield name, policy.lift_length * direction
+
+
+def has_several(world: World, candidate: Candidate) -> bool:
+    """Whether there is a choice of lifts: then they are looked at without the arm first."""
+    return candidate.grasp.retreat is None and len(world.policy.lifts) > 1
 
 
 def free_lifts(
@@ -61,19 +67,46 @@ def free_lifts(
     every = list(lifts(world, candidate, T_world_tcp))
     if len(every) < 2:
         return every, None
-    if world not in _WAYS:
-        _WAYS[world] = PartWays(world.cell, world.detections, world.obstacles)
-    met = _WAYS[world].blocked(candidate.detection, [way for _, way in every])
+    met = world.part_ways.blocked(candidate.detection, [way for _, way in every])
     free = [lift for lift, what in zip(every, met, strict=True) if what is None]
     if free or met[0] is None:
         return free, None
     label, far = met[0]
     note = f"after {far * 1000:.0f} mm; {len(every)} lifts tried"
     pair = (part_label(candidate.detection), label)
-    return [], Verdict(Reason.EXTRACT_BLOCKED, Stage.EXTRACT, pair, 0.0, note=note)
+    return [], Verdict(Reason.EXTRACT_BLOCKED, Stage.EXTRACT, pair, note=note)
 
 
-_WAYS: WeakKeyDictionary[World, PartWays] = WeakKeyDictionary()
+def clear_lifts(
+    world: World, candidate: Candidate, T_world_tcp: pin.SE3, most: int = MOST_CLEAR
+) -> tuple[list[tuple[str, Floats]], Verdict | None]:
+    """The first lifts on which neither part nor hand meets anything.
+
+    Args:
+        world: of the cell and the detections.
+        candidate: part, arm and grasp.
+        T_world_tcp: pose of the tool at the part.
+        most: so many are enough.
+
+    Returns:
+        As `free_lifts`: names with ways (3,) [m], and why there is none.
+    """
+    free, refusal = free_lifts(world, candidate, T_world_tcp)
+    arm, tools = world.arm(candidate.arm), world.tool_check
+    clear: list[tuple[str, Floats]] = []
+    for lift in free:
+        met = tools.on_way(
+            arm, T_world_tcp, candidate.grasp.grip, candidate.detection, way := lift[1]
+        )
+        if met is None:
+            clear.append(lift)
+            if len(clear) == most:
+                break
+        elif refusal is None:
+            note = f"after {met[1] * 1000:.0f} mm of {np.linalg.norm(way) * 1000:.0f}"
+            note = f"{note}, lift {lift[0]}"
+            refusal = Verdict(Reason.EXTRACT_BLOCKED, Stage.EXTRACT, met[0], note=note)
+    return clear, None if clear else refusal
 
 
 def _directions(

@@ -6,11 +6,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from workbench.model.candidate import Candidate, Pick, Stage
-from workbench.model.cell import Cell
+from workbench.model.cell import LIFT_NAMES, Cell, Policy, Tool
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.part import Grasp
 from workbench.model.scan import Detection, Obstacle
-from workbench.planning.collision.tool_check import ToolCheck
 from workbench.planning.collision.world import World
 from workbench.planning.picking.propose import candidate_of
 from workbench.planning.picking.resolve import resolve
@@ -24,16 +23,43 @@ BACK_OFFS = tuple(range(1, 11))
 SLIDES = (2, 4, 6, 8, 10)
 """[mm] along the fingers' opening and across it, both ways."""
 
+OPENINGS = (2, 4, 6, 8, 10, 12)
+"""[mm] by which the fingers may arrive less or more open."""
+
+SHOWN = "know the roll of every part: from another scan, or by hand"
+"""The change that admits what works for parts as they were found, but not for every roll."""
+
+LEAST_AIR = 0.001
+"""[m] That is left between each finger and the part, at least."""
+
 MOST_REFUSED = 8
 """Candidates that are looked at, the best ones first."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Fix:
-    """A change, in words, that admits a refused candidate; it was tried up to the place."""
+    """A change that admits a refused candidate; it was tried up to the place.
+
+    `change` says it in words.  Of one of the grasp `grasp` is the candidate's as it was tried, of
+    one of the cell's policy `policy` the cell's; both are None where nothing here can make it:
+    `SHOWN`.
+    """
 
     candidate: Candidate
     change: str
+    grasp: Grasp | None = None
+    policy: Policy | None = None
+
+
+def fix_words(fix: Fix | None) -> str:
+    """A fix as the command line and the page say it: for which candidate, and what was tried."""
+    if fix is None:
+        return "nearest fix: none of the small changes tried"
+    one = fix.candidate
+    return (
+        f"nearest fix: {one.arm} arm, part-{one.detection + 1} by {one.grasp.name}: {fix.change}; "
+        "reach and collisions were tried, the grip was not"
+    )
 
 
 def nearest_fix(
@@ -60,44 +86,100 @@ def nearest_fix(
         None when no change of those tried admits any of the `MOST_REFUSED` best.
     """
     refused = [one for one in candidates if not one.verdict.is_ok and one.verdict.pair is not None]
-    refused.sort(key=_progress, reverse=True)
-    admits, as_tight = _trial(cell, detections, obstacles, seed), None
-    margin = cell.policy.near_margin
+    refused.sort(key=lambda one: one.verdict.progress, reverse=True)
+    fixes = Fixes(cell, detections, obstacles, seed=seed)
     for best in refused[:MOST_REFUSED]:
-        for change, grasp in _changes(best.grasp):
-            if admits(best, grasp):
-                return Fix(best, change)
-        if margin > 0:
-            policy = replace(cell.policy, near_margin=0.0)
-            as_tight = as_tight or _trial(replace(cell, policy=policy), detections, obstacles, seed)
-            if as_tight(best, best.grasp):
-                return Fix(
-                    best, f"keep less than near_margin, {margin * 1000:g} mm, on straight legs"
-                )
+        for change in fixes.of(best):
+            if fixes.admits(best, change):
+                return fixes.fix(best, change)
     return None
+
+
+class Fixes:
+    """The changes that may admit refused candidates, tried one by one.
+
+    Lifetime: as long as cell and detections.
+    """
+
+    def __init__(
+        self,
+        cell: Cell,
+        detections: tuple[Detection, ...],
+        obstacles: tuple[Obstacle, ...] = (),
+        *,
+        seed: int,
+    ) -> None:
+        self._cell = cell
+        self._given = (detections, obstacles, seed)
+        self._of: Candidate | None = None
+        self._changed: dict[str, Grasp] = {}
+        self._trials: dict[str, Callable[[Candidate, Grasp], bool]] = {}
+        policy = cell.policy
+        self._policies: dict[str, Policy] = {}
+        self._rolls: dict[str, tuple[Detection, ...]] = {}
+        if not all(one.roll_known for one in detections):
+            self._rolls[SHOWN] = tuple(
+                replace(one, roll_known=True, roll_axis=None) for one in detections
+            )
+        self._of_lifts: list[str] = []
+        if set(policy.lifts) != set(LIFT_NAMES):
+            words = f"lift it in other ways as well (lifts: {', '.join(LIFT_NAMES)})"
+            self._policies[words] = replace(policy, lifts=LIFT_NAMES)
+            self._of_lifts.append(words)
+        if policy.near_margin > 0:
+            words = (
+                f"ask for no near_margin, {policy.near_margin * 1000:g} mm now, on straight legs"
+            )
+            self._policies[words] = replace(policy, near_margin=0.0)
+
+    def of(self, candidate: Candidate) -> list[str]:
+        """The changes in words, the smallest first; other lifts first where that is blocked."""
+        first = self._of_lifts if candidate.verdict.stage is Stage.EXTRACT else []
+        rest = (words for words in self._policies if words not in first)
+        return [*first, *self._grasps(candidate), *rest, *self._rolls]
+
+    def _grasps(self, candidate: Candidate) -> dict[str, Grasp]:
+        if self._of is not candidate:
+            tool = self._cell.arm(candidate.arm).tool
+            self._of, self._changed = candidate, dict(_changes(candidate.grasp, tool))
+        return self._changed
+
+    def fix(self, candidate: Candidate, change: str) -> Fix:
+        """A change in words, of those for a candidate, with what it makes of grasp or policy."""
+        policy = self._policies.get(change)
+        grasp = self._grasps(candidate).get(change)
+        return Fix(candidate, change, grasp, policy)
+
+    def admits(self, candidate: Candidate, change: str) -> bool:
+        """Whether a candidate works with a change, up to the place."""
+        grasp, policy = candidate.grasp, self._policies.get(change)
+        detections, obstacles, seed = self._given
+        detections = self._rolls.get(change, detections)
+        is_of_all = policy is not None or change in self._rolls
+        if not is_of_all:
+            grasp = self._grasps(candidate)[change]
+        key = change if is_of_all else ""
+        if key not in self._trials:
+            cell = self._cell if policy is None else replace(self._cell, policy=policy)
+            self._trials[key] = _trial(cell, detections, obstacles, seed)
+        return self._trials[key](candidate, grasp)
 
 
 def _trial(
     cell: Cell, detections: tuple[Detection, ...], obstacles: tuple[Obstacle, ...], seed: int
 ) -> Callable[[Candidate, Grasp], bool]:
     """Whether another grasp in the place of a candidate's works up to the place."""
-    check = ToolCheck(cell, detections, obstacles)
     world = World(cell, detections, obstacles)
 
     def admits(refused: Candidate, grasp: Grasp) -> bool:
         arm, number = cell.arm(refused.arm), refused.detection
-        tried = candidate_of(cell, check, detections, number, grasp, arm)
+        tried = candidate_of(world, number, grasp, arm)
         return tried.verdict.is_ok and isinstance(resolve(world, tried, seed=seed), Pick)
 
     return admits
 
 
-def _progress(candidate: Candidate) -> tuple[int, float]:
-    verdict = candidate.verdict
-    return list(Stage).index(verdict.stage), verdict.distance or 0.0
-
-
-def _changes(grasp: Grasp) -> Iterator[tuple[str, Grasp]]:
+def _changes(grasp: Grasp, tool: Tool) -> Iterator[tuple[str, Grasp]]:
     """Changed grasps with the change in words, in the order of its size against its range."""
     found: list[tuple[float, str, Grasp]] = []
 
@@ -117,5 +199,12 @@ def _changes(grasp: Grasp) -> Iterator[tuple[str, Grasp]]:
             size = slide / SLIDES[-1]
             add(size, f"move it {sign * slide} mm along x of the TCP", (way, 0.0, 0.0))
             add(size, f"move it {sign * slide} mm along y of the TCP", (0.0, way, 0.0))
+    low, high = tool.stroke
+    for step in OPENINGS if tool.fingers else ():
+        for sign in (-1, 1):
+            wide = grasp.opening + sign * step / 1000
+            if max(grasp.grip + 2 * LEAST_AIR, low) <= wide <= high:
+                words = f"let the fingers arrive {wide * 1000:.0f} mm apart"
+                found.append((step / OPENINGS[-1], words, replace(grasp, opening=wide)))
     for _, words, changed in sorted(found, key=lambda entry: entry[0]):
         yield words, changed

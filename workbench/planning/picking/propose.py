@@ -1,18 +1,20 @@
 """Every detection with every grasp and every arm, and the cheap tests that refuse most of them."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import replace
 from functools import lru_cache
+from itertools import product
 
 import numpy as np
 import pinocchio as pin
 
 from workbench.model.candidate import Candidate, Reason, Stage, Verdict
-from workbench.model.cell import Arm, Cell
+from workbench.model.cell import Arm
+from workbench.model.geometry import Solid
 from workbench.model.part import Grasp
-from workbench.model.scan import Detection, Obstacle
 from workbench.planning.collision.tool_check import Fit, ToolCheck
-from workbench.planning.kinematics.chain import chain_of
+from workbench.planning.collision.world import World
+from workbench.planning.grasps.rolls import at_every_turn
 
 TURN_WEIGHT = 0.1
 """[m/rad] What a turn of the hand counts against its way in the SE(3) index."""
@@ -20,20 +22,32 @@ TURN_WEIGHT = 0.1
 _FITS = Verdict(Reason.OK, Stage.PROPOSE)
 
 
-def propose(
-    cell: Cell, detections: tuple[Detection, ...], obstacles: tuple[Obstacle, ...] = ()
-) -> tuple[Candidate, ...]:
+def propose(world: World, *, priorities: Collection[int] | None = None) -> tuple[Candidate, ...]:
     """All candidates, refused ones included, in the order in which they shall be tried.
 
     The order: admitted ones first, then priority, then the SE(3) index, which is the way of
     the TCP from home to the grasp plus `TURN_WEIGHT` times its turn.
+
+    Args:
+        world: of the cell with the parts found.
+        priorities: of the grasps that are looked at; None for all of them.
     """
-    check = ToolCheck(cell, detections, obstacles)
+    cell, detections = world.cell, world.detections
+    grasps = {
+        part.name: tuple(
+            grasp for grasp in part.grasps if priorities is None or grasp.priority in priorities
+        )
+        for part in cell.parts
+    }
     found: dict[tuple[int, str], Iterator[Candidate]] = {}
     for part in cell.parts:
-        numbers = [number for number, one in enumerate(detections) if one.part == part.name]
-        for arm in cell.arms if numbers else ():
-            candidates = iter(_candidates(cell, check, detections, numbers, part.grasps, arm))
+        # Parts whose roll is unknown have pieces of their own.
+        alike: dict[tuple[Solid, ...], list[int]] = {}
+        for number, one in enumerate(detections):
+            if one.part == part.name and grasps[part.name]:
+                alike.setdefault(world.surroundings.pieces[number], []).append(number)
+        for numbers, arm in product(alike.values(), cell.arms):
+            candidates = iter(_candidates(world, numbers, grasps[part.name], arm))
             # All take from the same, one part after the other.
             found.update({(number, arm.name): candidates for number in numbers})
     return tuple(
@@ -41,7 +55,7 @@ def propose(
             (
                 next(found[number, arm.name])
                 for number, one in enumerate(detections)
-                for _ in cell.part(one.part).grasps
+                for _ in grasps[one.part]
                 for arm in cell.arms
             ),
             key=lambda c: (not c.verdict.is_ok, -c.grasp.priority, c.rank),
@@ -49,36 +63,25 @@ def propose(
     )
 
 
-def candidate_of(
-    cell: Cell,
-    check: ToolCheck,
-    detections: tuple[Detection, ...],
-    number: int,
-    grasp: Grasp,
-    arm: Arm,
-) -> Candidate:
+def candidate_of(world: World, number: int, grasp: Grasp, arm: Arm) -> Candidate:
     """One candidate with its first verdict, whether or not the part's library has that grasp."""
-    return _candidates(cell, check, detections, [number], (grasp,), arm)[0]
+    return _candidates(world, [number], (grasp,), arm)[0]
 
 
 def _candidates(
-    cell: Cell,
-    check: ToolCheck,
-    detections: tuple[Detection, ...],
-    numbers: Sequence[int],
-    grasps: tuple[Grasp, ...],
-    arm: Arm,
+    world: World, numbers: Sequence[int], grasps: tuple[Grasp, ...], arm: Arm
 ) -> list[Candidate]:
     """The candidates of parts of one kind with one arm, by part and grasp, with first verdicts.
 
     A grasp whose fingers have to be less open than it says becomes one that says so.
     """
-    part = cell.part(detections[numbers[0]].part)
+    check, detections = world.tool_check, world.detections
+    part = world.cell.part(detections[numbers[0]].part)
     refusals = [_unfit(grasp, arm) for grasp in grasps]
     usable = [k for k, refusal in enumerate(refusals) if refusal is None]
     rows = [(number, k) for number in numbers for k in usable]
-    fits = dict(zip(rows, check.fits(arm, part, grasps, rows), strict=True))
-    T_home = chain_of(cell, arm).pose(np.asarray(arm.home))
+    fits = dict(zip(rows, check.fits(arm, grasps, rows), strict=True))
+    T_home = world.chains[arm.name].pose(np.asarray(arm.home))
     R_part = np.array([detections[number].T_world_part.rotation for number in numbers])
     p_part = np.array([detections[number].T_world_part.translation for number in numbers])
     R_grasp = np.array([grasp.T_part_tcp.rotation for grasp in grasps]).reshape(-1, 3, 3)
@@ -95,6 +98,9 @@ def _candidates(
             if verdict is None:
                 fit = fits[number, k]
                 verdict = _told(check, arm, grasp, T_world_tcp, fit)
+                verdict = at_every_turn(
+                    check, part, detections, number, arm=arm, grasp=grasp, fit=fit, verdict=verdict
+                )
                 if verdict.is_ok and arm.tool.fingers and fit.opening != grasp.opening:
                     taken = opened(grasp, fit.opening)
             found.append(Candidate(number, taken, arm.name, T_world_tcp, ranks[n][k], verdict))

@@ -3,7 +3,6 @@
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from itertools import chain as one_by_one
-from weakref import WeakKeyDictionary
 
 import numpy as np
 import pinocchio as pin
@@ -12,14 +11,13 @@ from workbench.model.candidate import Pick, Reason, Stage, Verdict
 from workbench.model.cell import Arm
 from workbench.model.geometry import Floats
 from workbench.planning.collision.bodies import part_label
-from workbench.planning.collision.leaving import comes_back
 from workbench.planning.collision.legs import hand_turns
 from workbench.planning.collision.motion import path_contact
 from workbench.planning.collision.pairing import Phase
-from workbench.planning.collision.part_ways import PartWays
 from workbench.planning.collision.world import World
 from workbench.planning.kinematics.chain import is_solution
 from workbench.planning.kinematics.straight import follow
+from workbench.planning.picking.leaving import comes_back
 
 PLACE_LIFT = 0.05
 """[m] The last straight way down to the place."""
@@ -81,13 +79,8 @@ def _standing_in(
     Most places that do not work are refused by it, and it is cheap.
     """
     number, T_tcp_part = phase.held[arm.name]
-    if world not in _ALONE:
-        _ALONE[world] = PartWays(world.cell, world.detections, world.obstacles)
-    label = _ALONE[world].standing_in(number, T_world_tcp * T_tcp_part, world.policy.margin)
+    label = world.part_ways.standing_in(number, T_world_tcp * T_tcp_part, world.policy.margin)
     return None if label is None else (part_label(number), label)
-
-
-_ALONE: WeakKeyDictionary[World, PartWays] = WeakKeyDictionary()
 
 
 def put_down(world: World, pick: Pick, others: Phase) -> PutDown | Verdict:
@@ -145,7 +138,7 @@ def _raised(T_world_tcp: pin.SE3) -> pin.SE3:
 
 def _met(world: World, arm: Arm, path: Floats) -> Verdict | None:
     """What a way to a place meets of what other arms have placed; the rest is known to be clear."""
-    among = world.to_placed(arm.name)
+    among = world.pairs.to_placed(arm.name)
     if len(among) == 0:
         return None
     columns, base = world.kinematics.columns[arm.name], world.configuration({})

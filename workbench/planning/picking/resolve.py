@@ -1,5 +1,6 @@
 """From a candidate to configurations: grasp, the straight ways in and out, and the place."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import lru_cache
 
@@ -10,13 +11,17 @@ from workbench.model.candidate import Candidate, Pick, Reason, Stage, Verdict
 from workbench.model.cell import Arm
 from workbench.model.geometry import Floats, frozen
 from workbench.planning.collision.contact import Contact
+from workbench.planning.collision.hands import turns_of
 from workbench.planning.collision.legs import grips
 from workbench.planning.collision.motion import path_contact
 from workbench.planning.collision.pairing import Phase
+from workbench.planning.collision.part_ways import Caught
 from workbench.planning.collision.world import World
+from workbench.planning.grasps.every_turn import uneven
+from workbench.planning.grasps.rolls import UNSEEN, with_rolls
 from workbench.planning.kinematics.chain import Chain, is_solution
 from workbench.planning.kinematics.straight import follow
-from workbench.planning.picking.lifts import free_lifts
+from workbench.planning.picking.lifts import clear_lifts, free_lifts, has_several
 from workbench.planning.picking.put_down import ways_down
 
 STARTS = 12
@@ -24,6 +29,8 @@ STARTS = 12
 
 TRIES = 3
 """Grasp configurations of one candidate that are followed to the end."""
+
+TOO_DEEP = "the part lies too deep in what it lies on: its pose is wrong"
 
 SAME = np.deg2rad(5.0)
 """Two solutions closer than this in every joint are one."""
@@ -43,13 +50,21 @@ def resolve(world: World, candidate: Candidate, *, seed: int) -> Pick | Verdict:
     """
     if not candidate.verdict.is_ok:
         return candidate.verdict
+    result = _resolved(world, candidate, seed)
+    return result if isinstance(result, Pick) else with_rolls(world.detections, result)
+
+
+def _resolved(world: World, candidate: Candidate, seed: int) -> Pick | Verdict:
     arm = world.arm(candidate.arm)
     if candidate.grasp.retreat is None:
         # The part's own way out does not depend on the arm: looked at first, it is cheap.
         _, blocked = free_lifts(world, candidate, candidate.T_world_tcp)
         if blocked is not None:
             return blocked
-    solutions, refusal = _grasp_solutions(world, candidate, arm, seed)
+    hands = _hands(world, candidate, arm)
+    if isinstance(hands, Verdict):
+        return hands
+    solutions, refusal = _grasp_solutions(world, candidate, arm, hands, seed)
     best = refusal
     for q_grasp, T_world_tcp, clearance in solutions[:TRIES]:
         result = _completed(world, candidate, arm, q_grasp, T_world_tcp, clearance)
@@ -58,6 +73,32 @@ def resolve(world: World, candidate: Candidate, *, seed: int) -> Pick | Verdict:
         if best is None or _progress(result) >= _progress(best):
             best = result
     return best if best is not None else Verdict(Reason.OUT_OF_REACH, Stage.GRASP)
+
+
+def _hands(world: World, candidate: Candidate, arm: Arm) -> list[pin.SE3] | Verdict:
+    """Where the hand may be: of the same grips those that fit, and that can be lifted out.
+
+    Where there is but one lift it is left to the closer look that follows.
+    """
+    grasp, one = candidate.grasp, world.detections[candidate.detection]
+    every = [candidate.T_world_tcp * T for T in grips(arm, grasp)]
+    fits = world.tool_check.free(arm, candidate.detection, turns_of(arm, grasp))
+    if not one.roll_known:
+        wrong = uneven(world.cell.part(one.part), one, arm, grasp)
+        fits = fits & np.array([what is None for what in wrong])
+        if not fits.any():
+            return Verdict(Reason.ROLL_UNKNOWN, Stage.GRASP, note=UNSEEN)
+    fitting = [T for T, is_free in zip(every, fits, strict=True) if is_free] or every
+    if not has_several(world, candidate):
+        return fitting
+    found: list[pin.SE3] = []
+    refusal: Verdict | None = None
+    for T_world_tcp in fitting:
+        ways, blocked = clear_lifts(world, candidate, T_world_tcp, most=1)
+        if ways:
+            found.append(T_world_tcp)
+        refusal = refusal or blocked
+    return found or refusal or Verdict(Reason.EXTRACT_BLOCKED, Stage.EXTRACT)
 
 
 def _progress(verdict: Verdict) -> int:
@@ -73,17 +114,15 @@ def _starts(chain: Chain, arm: Arm, seed: int) -> Floats:
 
 
 def _grasp_solutions(
-    world: World, candidate: Candidate, arm: Arm, seed: int
+    world: World, candidate: Candidate, arm: Arm, hands: Sequence[pin.SE3], seed: int
 ) -> tuple[list[tuple[Floats, pin.SE3, float]], Verdict | None]:
     """Clear grasp configurations with hand pose and clearance, best first; or the refusal."""
     chain = world.chains[arm.name]
     starts = _starts(chain, arm, seed)
     found: list[tuple[Floats, pin.SE3]] = []
     nearest, q_nearest = np.inf, starts[0]
-    hands = grips(arm, candidate.grasp)
     known = np.empty((len(hands) * len(starts), starts.shape[1]))
-    for T_tcp_hand in hands:
-        T_world_tcp = candidate.T_world_tcp * T_tcp_hand
+    for T_world_tcp in hands:
         answers, residuals = chain.solve(T_world_tcp, starts)
         for q, residual, solved in zip(answers, residuals, is_solution(residuals), strict=True):
             if solved and not (np.abs(known[: len(found)] - q).max(axis=1) < SAME).any():
@@ -149,8 +188,10 @@ def _completed(
         return approach
     T_world_part = world.detections[candidate.detection].T_world_part
     T_tcp_part = world.chains[arm.name].pose(q_grasp).actInv(T_world_part)
-    T_grasp = world.chains[arm.name].pose(q_grasp)
-    ways, refusal = free_lifts(world, candidate, T_grasp)
+    if has_several(world, candidate):
+        ways, refusal = clear_lifts(world, candidate, T_world_tcp)
+    else:
+        ways, refusal = free_lifts(world, candidate, world.chains[arm.name].pose(q_grasp))
     for name, way in ways:
         extract = _extract(world, candidate, arm, q_grasp, T_tcp_part, way)
         if isinstance(extract, Verdict):
@@ -203,6 +244,9 @@ def _extract(
 ) -> Floats | Verdict:
     """The straight `way` (3,) [m] of the part out of the bin, shape (m, n)."""
     policy = world.policy
+    caught = world.part_ways.caught(candidate.detection, way)
+    if caught is not None:
+        return _held_back(caught)
     chain, columns = world.chains[arm.name], world.kinematics.columns[arm.name]
     T_grasp = chain.pose(q_grasp)
     T_end = pin.SE3(T_grasp.rotation, T_grasp.translation + way)
@@ -214,8 +258,7 @@ def _extract(
     base = world.configuration({})
     sunk = world.allow_start_contacts(world.configuration({arm.name: q_grasp}))
     if sunk is not None:
-        note = "the part lies too deep in what it lies on: its pose is wrong"
-        return replace(_refused(Reason.IN_COLLISION, Stage.EXTRACT, sunk, q_grasp), note=note)
+        return replace(_refused(Reason.IN_COLLISION, Stage.EXTRACT, sunk, q_grasp), note=TOO_DEEP)
     found = path_contact(world, columns, base, path, policy.zone)
     if found is None:
         with world.at_full_margins():
@@ -230,6 +273,15 @@ def _extract(
     if contact is not None:
         return _refused(Reason.EXTRACT_BLOCKED, Stage.EXTRACT, contact, q)
     return path
+
+
+def _held_back(caught: Caught) -> Verdict:
+    """The verdict on a part that does not come off what it lies on at every turn."""
+    pair, distance = (caught.part, caught.bed), caught.distance
+    if caught.is_sunk:
+        return Verdict(Reason.IN_COLLISION, Stage.EXTRACT, pair, distance, note=TOO_DEEP)
+    note = f"it does not come off at every turn; {UNSEEN}"
+    return Verdict(Reason.ROLL_UNKNOWN, Stage.EXTRACT, pair, distance, note=note)
 
 
 def _beyond(chain: Chain, path: Floats, far: float) -> Floats:

@@ -162,7 +162,7 @@ def _straight_legs(world: World, pick: Pick, put: PutDown) -> ArmPlan:
 
 def along_placed(world: World, arm: str, path: Floats) -> Contact | None:
     """What an arm meets on a path (m, n) [rad], in this phase, of parts that other arms placed."""
-    among = world.to_placed(arm)
+    among = world.pairs.to_placed(arm)
     if len(among) == 0:
         return None
     columns, base = world.kinematics.columns[arm], world.configuration({})

@@ -14,9 +14,9 @@ from workbench.model.candidate import Pick
 from workbench.model.cell import Cell
 from workbench.model.scan import Detection
 from workbench.perception.simulation.unloading import is_in_bin, unloaded
-from workbench.planning.collision.tool_check import ToolCheck
 from workbench.planning.collision.world import World
 from workbench.planning.grasps.every_grip import grips_of
+from workbench.planning.kinematics.chain import chain_of
 from workbench.planning.picking.propose import candidate_of
 from workbench.planning.picking.resolve import resolve
 
@@ -58,18 +58,18 @@ class AnyGrasp:
 def any_grasp(cell: Cell, lying: Sequence[Detection], number: int, *, seed: int) -> AnyGrasp:
     """Look for any grasp by which some arm takes a part as it lies among the others."""
     detections = tuple(lying)
-    check, world = ToolCheck(cell, detections), World(cell, detections)
+    world = World(cell, detections)
     part = cell.part(lying[number].part)
     tried = fits = holds = 0
     refused: Counter[str] = Counter()
     for arm in cell.arms:
         grips = grips_of(part, arm)
-        free = np.flatnonzero(check.free(arm, part, number, grips.hands))
+        free = np.flatnonzero(world.tool_check.free(arm, number, grips.hands))
         found = [grasp for k in free.tolist() if (grasp := grips.grasp(k)) is not None]
         tried, fits, holds = tried + len(grips.hands.turn), fits + len(free), holds + len(found)
         order = np.random.default_rng(seed).permutation(len(found))[:MOST]
         for k in order.tolist():
-            candidate = candidate_of(cell, check, detections, number, found[k], arm)
+            candidate = candidate_of(world, number, found[k], arm)
             result = resolve(world, candidate, seed=seed)
             if isinstance(result, Pick):
                 return AnyGrasp(tried, fits, holds, tuple(refused.most_common()), result)
@@ -113,7 +113,9 @@ def _without(
     assert pick is not None
     if not settles:
         return tuple(one for k, one in enumerate(lying) if k != number)
-    chain = World(cell, lying).chains[pick.candidate.arm]
+    chain = chain_of(cell, cell.arm(pick.candidate.arm))
     way = [chain.pose(q) * pick.T_tcp_part for q in np.asarray(pick.extract)]
     settled = unloaded(cell, lying, number, way)
-    return tuple(one for one in settled if is_in_bin(cell.bin, one.T_world_part))
+    return tuple(
+        one for one in settled if is_in_bin(cell.bin, cell.part(one.part), one.T_world_part)
+    )

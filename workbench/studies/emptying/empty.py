@@ -24,11 +24,15 @@ from workbench.perception.scene.unexplained import unexplained
 from workbench.perception.simulation.piles import check_room, drop_parts
 from workbench.perception.simulation.synthesize import synthesize
 from workbench.perception.simulation.unloading import is_in_bin, unloaded
+from workbench.planning.collision.world import World
+from workbench.planning.picking.propose import propose
 from workbench.planning.planners.clock import working_time
+from workbench.plugins.progress import never, silent
 from workbench.studies.emptying.bound import bound_of
+from workbench.studies.emptying.changes import changed
 from workbench.studies.emptying.left import left_in
 from workbench.studies.emptying.scene import FAILURES, TOGETHER, Scene, Task
-from workbench.studies.emptying.taking import carried_out, in_turn
+from workbench.studies.emptying.taking import carried_out, failure, in_turn
 
 IDLE = 3
 """So many looks in a row that bring no plan end it."""
@@ -101,6 +105,7 @@ class _Tally:
     """What has happened so far with one pile."""
 
     taken: int = 0
+    rolled: int = 0
     failed: Counter[str] = field(default_factory=Counter[str])
     touches: int = 0
     knocked_out: int = 0
@@ -110,17 +115,17 @@ class _Tally:
     planning: list[float] = field(default_factory=list[float])
     stages: Counter[str] = field(default_factory=Counter[str])
     finding: float = 0.0
+    seen: tuple[Detection, ...] = ()
 
 
 def emptied(task: Task) -> Scene:
-    """Drop a pile and take its parts out until nothing can be taken any more.
+    """Drop a pile and take its parts out until nothing can be taken, or pick after pick fails.
 
     The seed of the pile decides everything: it is the same wherever this runs, but for the measured
     times.
     """
-    cell = _warm(task.cell, task.part, task.seen)
-    pile = drop_parts(_kinds(cell, task.count), cell.bin, seed=task.seed)
-    lying = list(enumerate(pile))
+    cell = _warm(task.cell, task.part, task.seen, task.change)
+    lying = list(enumerate(pile_of(task, cell)))
     tally = _Tally()
     refusal: Verdict | None = None
     avoided: list[tuple[Detection, int]] = []
@@ -141,7 +146,15 @@ def emptied(task: Task) -> Scene:
         missed = _carry_out(cell, task, plan, lying, tally)
         failures = failures + len(missed) if len(missed) == len(plan.arms) else 0
         avoided += [(plan.detections[number], AVOID_SCANS) for number in missed]
-    left = left_in(cell, lying, refusal=refusal, seed=task.seed)
+    known = _as_seen(lying, tally.seen)
+    left = left_in(
+        cell,
+        known,
+        refusal=refusal,
+        seed=task.seed,
+        is_stopped=failures >= MOST_FAILURES,
+        fixes=not task.change,
+    )
     more = None
     if task.bounds:
         rest = [one for _, one in lying]
@@ -151,7 +164,7 @@ def emptied(task: Task) -> Scene:
         )
     return Scene(
         task,
-        len(pile),
+        task.count,
         tally.taken,
         tuple(tally.failed[kind] for kind in FAILURES),
         tally.touches,
@@ -164,27 +177,31 @@ def emptied(task: Task) -> Scene:
         tuple(tally.stages.items()),
         tally.finding,
         more,
+        tally.rolled,
     )
 
 
+def pile_of(task: Task, cell: Cell) -> tuple[Detection, ...]:
+    """The parts in the bin of `cell`, lying in it as in the bin of the task's cell unchanged."""
+    plain = cell_of(task.cell, task.part)
+    pile = drop_parts(_kinds(plain, task.count), plain.bin, seed=task.seed)
+    if not task.change:
+        return pile
+    step = cell.bin.T_world_bin * plain.bin.T_world_bin.inverse()
+    return tuple(replace(one, T_world_part=step * one.T_world_part) for one in pile)
+
+
 @lru_cache(maxsize=4)
-def _warm(name: str, part: str, seen: str) -> Cell:
+def _warm(name: str, part: str, seen: str, change: str) -> Cell:
     """The cell, after one plan: compiled code is loaded before a clock runs."""
-    cell = cell_of(name, part)
+    cell = changed(cell_of(name, part), change)
     pile = drop_parts(_kinds(cell, 2), cell.bin, seed=0)
     if seen == "scan":
         scan = synthesize(cell, pile, seed=0)
-        find_parts(cell, {"scan": scan, "seed": 0}, _silent, _never)
+        find_parts(cell, {"scan": scan, "seed": 0}, silent, never)
     plan_pick(cell, pile, "warm")
+    propose(World(cell, pile))  # also spares, which that plan did not need
     return cell
-
-
-def _silent(done: float, note: str) -> None:
-    pass
-
-
-def _never() -> bool:
-    return False
 
 
 def _look_and_plan(
@@ -201,9 +218,10 @@ def _look_and_plan(
     if task.seen == "scan":
         scan = synthesize(cell, lying, seed=seed)
         began = working_time()
-        detections = find_parts(cell, {"scan": scan, "seed": seed}, _silent, _never).detections
+        detections = find_parts(cell, {"scan": scan, "seed": seed}, silent, never).detections
         obstacles = unexplained(cell, scan, detections)
         tally.finding += working_time() - began
+        tally.seen = detections
         digest = scan.digest
     if not detections:
         return None
@@ -219,6 +237,21 @@ def _look_and_plan(
     tally.planning.append(sum(result.seconds.values()))
     tally.stages.update(result.seconds)
     return result
+
+
+def _as_seen(
+    lying: Sequence[tuple[int, Detection]], seen: Sequence[Detection]
+) -> list[tuple[int, Detection]]:
+    """What lies in the bin as it lies, its roll unknown where the last scan does not show it."""
+
+    def of(one: Detection) -> Detection:
+        for found in seen:
+            off = found.T_world_part.translation - one.T_world_part.translation
+            if not found.roll_known and found.part == one.part and np.linalg.norm(off) < SAME_PLACE:
+                return replace(one, roll_known=False, roll_axis=found.roll_axis)
+        return one
+
+    return [(number, of(one)) for number, one in lying]
 
 
 def _left_alone(detections: Sequence[Detection], failed: Sequence[Detection]) -> Mapping[int, str]:
@@ -244,18 +277,23 @@ def _carry_out(
         truth = [one for _, one in lying]
         taking = carried_out(cell, truth, arm_plan, plan.detections[arm_plan.detection].part)
         tally.touches += taking.touches
-        if taking.number is None or not taking.is_straight:
-            tally.failed["missed" if taking.number is None else "crooked"] += 1
+        if kind := failure(taking, plan.detections[arm_plan.detection]):
+            tally.failed[kind] += 1
             failed.append(arm_plan.detection)
         else:
             tally.taken += 1
+            tally.rolled += taking.is_turned
         if taking.number is None:
             continue
         rest = [entry for k, entry in enumerate(lying) if k != taking.number]
         if task.settles:
             settled = unloaded(cell, truth, taking.number, taking.way)
             rest = [(number, one) for (number, _), one in zip(rest, settled, strict=True)]
-        stays = [entry for entry in rest if is_in_bin(cell.bin, entry[1].T_world_part)]
+        stays = [
+            (number, one)
+            for number, one in rest
+            if is_in_bin(cell.bin, cell.part(one.part), one.T_world_part)
+        ]
         tally.knocked_out += len(rest) - len(stays)
         lying[:] = stays
     return failed

@@ -4,8 +4,9 @@ import re
 from collections import Counter
 from collections.abc import Sequence
 
+from workbench.app.core.outcomes import MOST_FAILURES
 from workbench.app.picking.pipeline import judge
-from workbench.model.candidate import Candidate, Reason, Stage, Verdict
+from workbench.model.candidate import Candidate, Reason, Verdict
 from workbench.model.cell import Cell
 from workbench.model.scan import Detection
 from workbench.planning.picking.nearest_fix import nearest_fix
@@ -15,7 +16,15 @@ Numbered = Sequence[tuple[int, Detection]]
 """Parts with the number under which they fell."""
 
 
-def left_in(cell: Cell, lying: Numbered, *, refusal: Verdict | None, seed: int) -> tuple[Left, ...]:
+def left_in(
+    cell: Cell,
+    lying: Numbered,
+    *,
+    refusal: Verdict | None,
+    seed: int,
+    is_stopped: bool = False,
+    fixes: bool = True,
+) -> tuple[Left, ...]:
     """Each part that lies in the bin, with why it was not taken.
 
     Args:
@@ -23,6 +32,8 @@ def left_in(cell: Cell, lying: Numbered, *, refusal: Verdict | None, seed: int) 
         lying: what is left, as it truly lies.
         refusal: what the last plan was refused for, if there was a pick for it.
         seed: of the judging.
+        is_stopped: failed picks have ended it, whatever else could have been taken.
+        fixes: whether the nearest fix is looked for, which takes a second for each part.
     """
     detections = tuple(one for _, one in lying)
     if not detections:
@@ -33,19 +44,19 @@ def left_in(cell: Cell, lying: Numbered, *, refusal: Verdict | None, seed: int) 
     for index, name in enumerate(names):
         mine = tuple(one for one in judged if one.detection == index)
         if any(one.verdict.is_ok for one in mine):
-            why = "it was not found" if refusal is None else f"no plan came out: {refusal}"
-            kind = "not found" if refusal is None else str(refusal.reason)
+            if is_stopped:
+                kind, why = "stopped", f"it was stopped after {MOST_FAILURES} failed picks in a row"
+            elif refusal is None:
+                kind, why = "not found", "it was not found"
+            else:
+                kind, why = str(refusal.reason), f"no plan came out: {refusal}"
             found.append(Left(name, kind, f"a grasp of it works, but {why}", ""))
             continue
-        best = max((one.verdict for one in mine), key=_progress)
-        fix = nearest_fix(cell, detections, mine, seed=seed)
+        best = max((one.verdict for one in mine), key=lambda one: one.progress)
+        fix = nearest_fix(cell, detections, mine, seed=seed) if fixes else None
         sentence = _renamed(_sentence(mine, best), names)
         found.append(Left(name, str(best.reason), sentence, "" if fix is None else fix.change))
     return tuple(found)
-
-
-def _progress(verdict: Verdict) -> tuple[int, float]:
-    return list(Stage).index(verdict.stage), verdict.distance or 0.0
 
 
 def _sentence(mine: Sequence[Candidate], best: Verdict) -> str:

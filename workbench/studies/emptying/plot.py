@@ -27,7 +27,7 @@ def draw_emptying(path: Path, found: Mapping[str, Any], title: str) -> None:
     x = [f"seed {one['seed']}" for one in scenes]
     rows = (
         ("taken", [one["taken"] for one in scenes]),
-        ("failed", [one["failed_by_kind"]["crooked"] for one in scenes]),
+        ("failed", [one["failed_picks"] - one["failed_by_kind"]["missed"] for one in scenes]),
         ("knocked out", [one["knocked_out"] for one in scenes]),
         ("left", [len(one["left"]) for one in scenes]),
     )

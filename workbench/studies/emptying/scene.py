@@ -9,8 +9,9 @@ Seen = Literal["truth", "scan"]
 TOGETHER = "+"
 """Joins the names of parts that fall into one pile."""
 
-FAILURES = ("missed", "crooked")
-"""Kinds of failed picks: the fingers close on nothing, or on a part that lies elsewhere."""
+FAILURES = ("missed", "crooked", "turned")
+"""Kinds of failed picks: the fingers close on nothing, on a part that lies elsewhere, or on one
+that lies there but for its roll, which the scan did not show, and that is not held so."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -19,7 +20,9 @@ class Task:
 
     `part` is one of the cell's, `all` for all of them in turn, or others by name or path, joined by
     `TOGETHER`; empty: the cell's first.  `settles`: the rest moves by physics as a part is lifted.
-    `bounds`: what stays is tried by all grasps of the tool, too.
+    `bounds`: what stays is tried by all grasps of the tool, too.  `change`: words of a change of
+    the cell (`changes`) that the pile is emptied with, empty for none; it lies as without it, and
+    what stays is told without a nearest fix.
     """
 
     cell: str
@@ -30,15 +33,17 @@ class Task:
     settles: bool = True
     strategy: str = "auto"
     bounds: bool = False
+    change: str = ""
 
 
 @dataclass(frozen=True, slots=True)
 class Left:
     """A part that stayed in the bin: `part-3` is the third that fell.
 
-    `kind` is the word of the verdict that got furthest, `reason` a sentence about it; `nearest_fix`
-    is the smallest change of a grasp that takes it, empty when none was found; `any_grasp` what a
-    search through all grasps of the tool said, empty when nobody asked.
+    `kind` is the word of the verdict that got furthest, `not found` or `stopped`, `reason` a
+    sentence about it; `nearest_fix` is the smallest change of a grasp that takes it, empty when
+    none was found; `any_grasp` what a search through all grasps of the tool said, empty when nobody
+    asked.
     """
 
     part: str
@@ -57,7 +62,8 @@ class Scene:
     `knocked_out` the parts that fell out of the bin.  `cycles` are plans carried out, `scans` looks
     into the bin.  `motion_seconds` [s] is predicted by the plans, `planning` [s] was measured for
     every plan, `stages` [s] by stage in all, and `finding` [s] for the parts in the scans.
-    `more` is how many of those left come out by any grasp of the tool, None when nobody asked.
+    `more` is how many of those left come out by any grasp of the tool, None when nobody asked;
+    `rolled` how many of those taken had another roll than found, which the localizer had said.
     """
 
     task: Task
@@ -74,3 +80,4 @@ class Scene:
     stages: tuple[tuple[str, float], ...]
     finding: float
     more: int | None = None
+    rolled: int = 0

@@ -5,8 +5,7 @@ from collections.abc import Sequence
 from dataclasses import asdict
 from typing import Any
 
-import numpy as np
-
+from workbench.studies.cases import percentiles
 from workbench.studies.emptying.scene import FAILURES, Scene
 
 MS = 1000.0
@@ -47,6 +46,7 @@ def summary(
         "parts": parts,
         "taken": taken,
         "taken_share": taken / parts if parts else None,
+        "taken_rolled": sum(one.rolled for one in scenes),
         "bound_share": _bound(scenes, taken, parts),
         "picks": taken + sum(kinds.values()),
         "failed_picks": sum(kinds.values()),
@@ -57,7 +57,7 @@ def summary(
         "scans": scans,
         "motion_seconds": sum(one.motion_seconds for one in scenes),
         "parts_per_hour": 3600 * taken / seconds if seconds else None,
-        "planning_ms": _times(planning),
+        "planning_ms": percentiles([MS * seconds for seconds in planning], median=50, p95=95),
         "planning_ms_by_stage": {
             stage: MS * total / len(planning) for stage, total in stages.items()
         },
@@ -75,13 +75,6 @@ def _bound(scenes: Sequence[Scene], taken: int, parts: int) -> float | None:
 
 def _reasons(scenes: Sequence[Scene]) -> Counter[str]:
     return Counter(left.kind for one in scenes for left in one.left)
-
-
-def _times(planning: Sequence[float]) -> dict[str, float] | None:
-    if not planning:
-        return None
-    median, p95 = np.percentile(planning, [50, 95])
-    return {"median": MS * float(median), "p95": MS * float(p95)}
 
 
 def _scene(one: Scene) -> dict[str, Any]:

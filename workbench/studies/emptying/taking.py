@@ -7,12 +7,14 @@ import numpy as np
 import pinocchio as pin
 
 from workbench.model.cell import Cell, Policy
+from workbench.model.part import Grasp
 from workbench.model.plan import ArmPlan, LegName, Plan
 from workbench.model.scan import Detection
 from workbench.perception.localization.pose_error import pose_error
 from workbench.planning.collision.motion import path_contact
 from workbench.planning.collision.pairing import Phase
 from workbench.planning.collision.world import World
+from workbench.planning.grasps.grasp_check import GraspChecker
 
 NEAR, TURNED = 0.002, float(np.deg2rad(3.0))
 """[m], [rad] A part that lies further from where the plan has it is gripped crooked."""
@@ -25,8 +27,9 @@ BESIDE = 0.01
 class Taking:
     """What an arm's part of a plan comes to.
 
-    `number` is the true part that the hand closes on, None when there is none, and `is_straight`
-    whether it lies there as planned.  `way` are the true poses in the world through which it is
+    `number` is the true part that the hand closes on, None when there is none, `is_straight`
+    whether it lies there as planned, and `is_turned` whether it does but for its roll; `is_held`:
+    the hand holds it all the same.  `way` are the true poses in the world through which it is
     lifted.  `touches` counts the straight legs on which something meets.
     """
 
@@ -34,6 +37,8 @@ class Taking:
     is_straight: bool
     way: tuple[pin.SE3, ...]
     touches: int
+    is_turned: bool = False
+    is_held: bool = False
 
 
 def in_turn(plan: Plan) -> Iterator[ArmPlan]:
@@ -78,7 +83,45 @@ def carried_out(cell: Cell, truth: Sequence[Detection], arm_plan: ArmPlan, part:
     )
     touches += _meets(world, arm_plan, "extract", lifts)
     way = tuple(chain.pose(q) * T_tcp_part for q in np.asarray(extract.q))
-    return Taking(number, is_straight, way, touches)
+    T_world_part, lies = T_world_tcp * arm_plan.T_tcp_part, truth[number].T_world_part
+    distance, turn = pose_error(cell.part(part), lies, T_world_part, roll_known=False)
+    is_turned = not is_straight and distance <= NEAR and turn <= TURNED
+    is_held = is_turned and _is_held(cell, part, arm_plan, T_tcp_part)
+    return Taking(number, is_straight, way, touches, is_turned, is_held)
+
+
+def failure(taking: Taking, meant: Detection) -> str:
+    """What kind of failure (`FAILURES`) a pick is, empty where it went as planned.
+
+    Where nobody has said that the roll is known, any will do in which the hand holds the part.
+
+    Args:
+        taking: what became of it.
+        meant: the part as it was found.
+    """
+    if taking.number is None:
+        return "missed"
+    if taking.is_straight:
+        return ""
+    if not taking.is_turned or meant.roll_known:
+        return "crooked"
+    return "" if taking.is_held else "turned"
+
+
+def _is_held(cell: Cell, part: str, arm_plan: ArmPlan, T_tcp_part: pin.SE3) -> bool:
+    """Whether a hand that closes as planned holds a part that lies otherwise in it."""
+    tool = cell.arm(arm_plan.arm).tool
+    checker = GraspChecker(cell.part(part), tool)
+    extract, T_part_tcp = arm_plan.leg("extract"), T_tcp_part.inverse()
+    gap, _ = checker.clearance(T_part_tcp, extract.opening)
+    if not tool.fingers:
+        grasp = Grasp("", T_part_tcp, 0.0, 0.0)
+        return abs(gap) <= tool.press and not checker.seal_findings(grasp)
+    hold = checker.hold(T_part_tcp, arm_plan.leg("approach").opening)
+    if hold is None:
+        return False
+    loose = abs(hold.width - extract.opening) / 2 + abs(hold.offset)
+    return gap >= -tool.press and loose <= tool.press
 
 
 def _without_margins(cell: Cell) -> Policy:

@@ -87,6 +87,7 @@ class RawBrowser:
             protocols=(PROTOCOL,),
             headers={"Origin": self.url, **headers},
             max_msg_size=0,
+            compress=15,  # as browsers do
         )
         await self.send("ViewerCameraMessage", **CAMERA)
 
@@ -152,14 +153,6 @@ class RawBrowser:
         while await self.read() is not None:
             pass
         return self.socket.close_code
-
-    async def drain(self, seconds: float) -> None:
-        """Read for so long, and throw away."""
-        try:
-            async with asyncio.timeout(seconds):
-                await self.close_code()
-        except TimeoutError:
-            return
 
 
 @asynccontextmanager

@@ -87,6 +87,9 @@ def add_users(store: Store, users: Sequence[Mapping[str, Any]]) -> None:
         for user in users:
             if user["name"] in names:
                 _add(connection, user)
+        if names:
+            # As with the first user who is added: whoever came by the link is nobody any more.
+            connection.execute("DELETE FROM sessions WHERE user IS NULL")
 
 
 def _add(connection: sqlite3.Connection, user: Mapping[str, Any]) -> None:

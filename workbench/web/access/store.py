@@ -51,6 +51,26 @@ MIGRATIONS: tuple[str, ...] = (
     ) STRICT;
     CREATE INDEX failures_by_subject ON failures (subject, at);
     """,
+    """
+    -- Browsers in which somebody has logged in before: others' failed logins do not shut them out.
+    CREATE TABLE browsers (
+        digest TEXT PRIMARY KEY,
+        user TEXT NOT NULL REFERENCES users (key) ON DELETE CASCADE,
+        expires_at REAL NOT NULL
+    ) STRICT
+    """,
+    """
+    -- One browser may be that of several people, as that of a panel is.
+    CREATE TABLE shared_browsers (
+        digest TEXT NOT NULL,
+        user TEXT NOT NULL REFERENCES users (key) ON DELETE CASCADE,
+        expires_at REAL NOT NULL,
+        PRIMARY KEY (digest, user)
+    ) STRICT;
+    INSERT INTO shared_browsers SELECT digest, user, expires_at FROM browsers;
+    DROP TABLE browsers;
+    ALTER TABLE shared_browsers RENAME TO browsers
+    """,
 )
 """Script number n leads from `user_version` n to n + 1; scripts are added, never edited."""
 
@@ -73,6 +93,8 @@ class Store:
         """
         self.path = path
         self._lock = threading.Lock()
+        # Whoever asks waits for no change, which may itself wait for another program's.
+        self._asking = threading.Lock()
         try:
             _make_private(path)
             self._connection = sqlite3.connect(
@@ -85,6 +107,7 @@ class Store:
             self._connection.execute("PRAGMA foreign_keys = ON")
             self._connection.execute("PRAGMA secure_delete = ON")
             _migrate(self._connection, path)
+            self._reader = sqlite3.connect(path, isolation_level=None, check_same_thread=False)
         except sqlite3.Error as error:
             self._connection.close()
             raise FileError(path, f"is no file of users: {error}") from error
@@ -98,9 +121,9 @@ class Store:
         Raises:
             FileError: the file cannot be read.
         """
-        with self._lock:
+        with self._asking:
             try:
-                return self._connection.execute(question, values).fetchall()
+                return self._reader.execute(question, values).fetchall()
             except sqlite3.Error as error:
                 raise FileError(self.path, f"cannot be read: {error}") from error
 
@@ -128,7 +151,8 @@ class Store:
 
     def close(self) -> None:
         """Close the file; twice does no harm."""
-        with self._lock:
+        with self._lock, self._asking:
+            self._reader.close()
             self._connection.close()
 
 

@@ -177,6 +177,7 @@ class Users:
         with self._store.change() as connection:
             key = self._known(connection, name)
             connection.execute("DELETE FROM sessions WHERE user = ?", (key,))
+            connection.execute("DELETE FROM browsers WHERE user = ?", (key,))
             connection.execute(statement, {"key": key, "to": to})
 
     def _known(self, connection: sqlite3.Connection, name: str) -> str:

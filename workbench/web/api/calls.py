@@ -4,30 +4,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from workbench.app.core.commands import (
-    AcknowledgeFault,
-    Approve,
-    AskForControl,
-    CancelJob,
-    Command,
-    DenyControl,
-    EmptyPallets,
-    FindParts,
-    ForgetAvoided,
-    GiveControl,
-    MakePlan,
-    RedoCell,
-    ReleaseControl,
-    ReportPick,
-    SaveCell,
-    SendPlan,
-    Stop,
-    TakeControl,
-    TakeScan,
-    UndoCell,
-    WantThreshold,
-    WatchPlan,
-)
+from workbench.app.core import commands
 from workbench.app.core.value_checks import (
     DETAIL,
     LARGEST_MARGIN,
@@ -38,6 +15,7 @@ from workbench.app.core.value_checks import (
     SEED_LIMIT,
 )
 from workbench.model.cell import ORDER_NAMES, Wishes
+from workbench.model.release import SLOWEST
 from workbench.model.scan import SearchWishes
 from workbench.plugins.planner import planner_names
 from workbench.web.api.fields import Field
@@ -47,15 +25,22 @@ Values = Mapping[str, Any]
 
 @dataclass(frozen=True, slots=True)
 class Call:
-    """A command that a POST to `path` gives; `kind` is its type, `make` makes it of the body."""
+    """A command that a POST to `path` gives; `kind` is its type, `fields` those of the body.
+
+    `begins`: it begins something that goes on after the answer (202).  `make` makes the command of
+    the values of the body where these are not the command's own.
+    """
 
     path: str
     says: str
     kind: type
-    make: Callable[[Values], Command]
     fields: tuple[Field, ...] = ()
     begins: bool = False
-    """Whether it begins something that goes on after the answer (202)."""
+    make: Callable[[Values], commands.Command] | None = None
+
+    def command(self, values: Values) -> commands.Command:
+        """The command that a body with these values gives."""
+        return self.kind(**values) if self.make is None else self.make(values)
 
 
 def _number(low: float, high: float) -> Values:
@@ -74,55 +59,63 @@ SEED = Field("seed", "the same seed gives the same result", _whole(0, SEED_LIMIT
 PLAN = Field(
     "plan", "digest of the plan that is meant", {"type": "string", "pattern": "^[0-9a-f]{64}$"}
 )
+RAN = Field(
+    "ran",
+    "digest of what runs now, as the state has it",
+    {"type": "string", "pattern": "^[0-9a-f]{64}$"},
+)
 TO = Field("to", "name of somebody who has asked for control", _text(LONGEST_NAME))
 
 
 WISHES = ("planner", "order", "iterations", "margin", "metric")
 
 
-def _scan(values: Values) -> Command:
-    return TakeScan(values["seed"], values["parts"])
+def _localize(values: Values) -> commands.Command:
+    wishes = SearchWishes(values["detail"], values["least_score"])
+    return commands.FindParts(values["seed"], wishes)
 
 
-def _localize(values: Values) -> Command:
-    return FindParts(values["seed"], SearchWishes(values["detail"], values["least_score"]))
-
-
-def _plan(values: Values) -> Command:
+def _plan(values: Values) -> commands.Command:
     wishes = Wishes(**{key: values[key] for key in WISHES})
-    return MakePlan(values["strategy"], values["threshold"], values["seed"], wishes)
+    return commands.MakePlan(values["strategy"], values["threshold"], values["seed"], wishes)
 
 
-def _report(values: Values) -> Command:
-    return ReportPick(values["detection"], values["is_picked"], values["why"])
+def _watch(values: Values) -> commands.Command:
+    return commands.WatchPlan(values["plan"], is_told=True)
+
+
+def _plan_digest(kind: type) -> Callable[[Values], commands.Command]:
+    return lambda values: kind(values["plan"])
+
+
+def _approve(values: Values) -> commands.Command:
+    return commands.Approve(values["plan"], values["speed_share"], values["is_stepped"])
 
 
 CALLS: tuple[Call, ...] = (
     Call(
         "/scan",
         "Take a scan.",
-        TakeScan,
-        _scan,
+        commands.TakeScan,
         (SEED, Field("parts", "in the simulated pile", _whole(1, MOST_PARTS), 2)),
         begins=True,
     ),
     Call(
         "/localize",
         "Find the parts in the scan.",
-        FindParts,
-        _localize,
+        commands.FindParts,
         (
             SEED,
             Field("detail", "share of the usual detail", _number(*DETAIL), 1.0),
             Field("least_score", "parts below are not taken", _number(0.0, 1.0), 0.0),
         ),
         begins=True,
+        make=_localize,
     ),
     Call(
         "/plan",
         "Judge all candidates, make a plan and prove it.",
-        MakePlan,
-        _plan,
+        commands.MakePlan,
         (
             SEED,
             Field(
@@ -156,49 +149,63 @@ CALLS: tuple[Call, ...] = (
             ),
         ),
         begins=True,
+        make=_plan,
     ),
     Call(
         "/threshold",
         "Want another threshold; a plan made with the one before is stale.",
-        WantThreshold,
-        lambda values: WantThreshold(values["threshold"]),
+        commands.WantThreshold,
         (Field("threshold", "[m]", _number(0.0, 1.0)),),
     ),
     Call(
         "/watch",
         "Say that the plan was played to its end before whoever asks; it is on record as told.",
-        WatchPlan,
-        lambda values: WatchPlan(values["plan"], is_told=True),
+        commands.WatchPlan,
         (PLAN,),
+        make=_watch,
     ),
     Call(
         "/approve",
         "Approve the plan: a person's vote.",
-        Approve,
-        lambda values: Approve(values["plan"]),
-        (PLAN,),
+        commands.Approve,
+        (
+            PLAN,
+            Field("speed_share", "of the planned speed", _number(SLOWEST, 1.0), 1.0),
+            Field("is_stepped", "wait before each step", {"type": "boolean"}, default=False),
+        ),
+        make=_approve,
     ),
     Call(
         "/send",
         "Send the approved plan to the robot, which moves then.",
-        SendPlan,
-        lambda values: SendPlan(values["plan"]),
+        commands.SendPlan,
         (PLAN,),
+        make=_plan_digest(commands.SendPlan),
         begins=True,
     ),
-    Call("/stop", "Send nothing more and close the link.", Stop, lambda values: Stop()),
-    Call("/cancel", "End the running task.", CancelJob, lambda values: CancelJob()),
+    Call(
+        "/step",
+        "Let the step run that the robot waits before, of a plan that is sent step by step.",
+        commands.NextStep,
+        (Field("number", "of the step, from 1 on", _whole(0, SEED_LIMIT - 1)),),
+    ),
+    Call("/stop", "Send nothing more and close the link.", commands.Stop),
+    Call("/cancel", "End the running task.", commands.CancelJob),
     Call(
         "/acknowledge",
         "Say that the fault was seen and the cell cleared.",
-        AcknowledgeFault,
-        lambda values: AcknowledgeFault(),
+        commands.AcknowledgeFault,
+    ),
+    Call(
+        "/acknowledge-changes",
+        "Say that what has changed since the start before was seen; an engineer's word.",
+        commands.AcknowledgeChanges,
+        (RAN,),
     ),
     Call(
         "/report",
         "Say what became of a part of the plan.",
-        ReportPick,
-        _report,
+        commands.ReportPick,
         (
             Field("detection", "index of the part in the plan", _whole(0, 10_000)),
             Field("is_picked", "whether it was", {"type": "boolean"}),
@@ -208,40 +215,35 @@ CALLS: tuple[Call, ...] = (
     Call(
         "/forget-avoided",
         "Avoid no part any more because its pick has failed.",
-        ForgetAvoided,
-        lambda values: ForgetAvoided(),
+        commands.ForgetAvoided,
     ),
     Call(
         "/empty-pallets",
         "Say that what was put down has been taken away.",
-        EmptyPallets,
-        lambda values: EmptyPallets(),
+        commands.EmptyPallets,
     ),
-    Call("/cell/undo", "Take back the last change.", UndoCell, lambda values: UndoCell()),
-    Call("/cell/redo", "Take back the last undo.", RedoCell, lambda values: RedoCell()),
+    Call("/cell/undo", "Take back the last change.", commands.UndoCell),
+    Call("/cell/redo", "Take back the last undo.", commands.RedoCell),
     Call(
         "/cell/save",
         "Write the changes of the cell and its parts to their files.",
-        SaveCell,
-        lambda values: SaveCell(values["remark"]),
+        commands.SaveCell,
         (Field("remark", "why it was changed", _text(LONGEST_TEXT), ""),),
     ),
-    Call("/control/ask", "Ask for control.", AskForControl, lambda values: AskForControl()),
-    Call("/control/take", "Take control.", TakeControl, lambda values: TakeControl()),
+    Call("/control/ask", "Ask for control.", commands.AskForControl),
+    Call("/control/take", "Take control.", commands.TakeControl),
     Call(
         "/control/give",
         "Hand control over to somebody who has asked.",
-        GiveControl,
-        lambda values: GiveControl(values["to"]),
+        commands.GiveControl,
         (TO,),
     ),
     Call(
         "/control/deny",
         "Keep control, though somebody has asked.",
-        DenyControl,
-        lambda values: DenyControl(values["to"]),
+        commands.DenyControl,
         (TO,),
     ),
-    Call("/control/release", "Give control back.", ReleaseControl, lambda values: ReleaseControl()),
+    Call("/control/release", "Give control back.", commands.ReleaseControl),
 )
 """Commands that come with files or poses, and those of the page's editors, are not here."""

@@ -24,6 +24,8 @@ def state_form(state: State, live: Live) -> Form:
         "message": state.message,
         "fault": state.fault,
         "stale": state.stale,
+        "ran": None if state.ran is None else state.ran.digest,
+        "changed": list(state.changed),
         "cell": state.cell.name,
         "cell_digest": state.cell.digest,
         "is_saved": state.saved == state.cell.digest,
@@ -42,6 +44,9 @@ def state_form(state: State, live: Live) -> Form:
         "approved_by": [] if state.approval is None else list(state.approval.people),
         "approved_unwatched": state.approval is not None and state.approval.is_unwatched,
         "approved_until": None if state.approval is None else state.approval.until,
+        "approved_speed": None if state.approval is None else state.approval.speed_share,
+        "approved_stepped": state.approval is not None and state.approval.is_stepped,
+        "step_waits": state.waits,
         "messages_sent": len(state.receipts),
         "parts_placed": state.parts_placed,
         "outcomes": [

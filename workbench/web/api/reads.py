@@ -13,11 +13,11 @@ from workbench.app.records.statistics import Count, Statistics
 from workbench.app.runtime.bench import Bench
 from workbench.formats.plans.certificates import certificate_content
 from workbench.formats.plans.plan_files import plan_content
+from workbench.journal.journal import DATABASE
 from workbench.model.digest import canonical
 from workbench.web.api import forms, schemas
 
 JSON = "application/json"
-DATABASE = "journal.sqlite"
 
 
 class Source:

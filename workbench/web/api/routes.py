@@ -8,13 +8,14 @@ import asyncio
 import json
 import logging
 from collections.abc import Awaitable, Callable
+from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from http import HTTPStatus
 from typing import Any
 
 from aiohttp import web
 
-from workbench.app.core.commands import Approve, WatchPlan
+from workbench.app.core.commands import Approve, Stop, WatchPlan
 from workbench.app.core.people import Person
 from workbench.app.core.rights import NOBODY, RIGHTS
 from workbench.app.runtime.bench import Bench
@@ -37,6 +38,12 @@ POLICY = "default-src 'none'; style-src 'unsafe-inline'; frame-ancestors 'none'"
 
 NAMED = frozenset({Approve, WatchPlan})
 """What a person answers for: nothing that a login without a name could say."""
+
+READERS = 3
+"""So many answers are made at once: clouds take memory and time."""
+
+COMMANDERS = 4
+"""So many commands are looked at at once."""
 
 Answer = Callable[[web.Request, Person], Awaitable[web.StreamResponse]]
 
@@ -70,7 +77,9 @@ class Api:
 
     Lifetime: as long as its routes.
 
-    Concurrency: the event loop; what takes time goes to threads.
+    Concurrency: the event loop; what takes time goes to threads.  A stop has a thread of its own,
+    other commands have theirs: neither waits for readers, however many, nor for passwords that are
+    being tried.
     """
 
     def __init__(self, bench: Bench, identify: Identify, events: Events):
@@ -79,6 +88,9 @@ class Api:
         self._identify = identify
         self._events = events
         self._source = Source(bench)
+        self._stopping = ThreadPoolExecutor(1, thread_name_prefix="stop")
+        self._giving = ThreadPoolExecutor(COMMANDERS, thread_name_prefix="commands")
+        self._reading = ThreadPoolExecutor(READERS, thread_name_prefix="reads")
 
     def asked(self, answer: Answer) -> Callable[[web.Request], Awaitable[web.StreamResponse]]:
         """A handler that answers people only, and errors with their sentences."""
@@ -104,7 +116,8 @@ class Api:
     async def read(self, read: Read, request: web.Request, person: Person) -> web.Response:
         """Answer with a value as it is now."""
         del request, person
-        content = await asyncio.to_thread(self._made, read)
+        loop = asyncio.get_running_loop()
+        content = await loop.run_in_executor(self._reading, self._made, read)
         if content is None:
             return problem(HTTPStatus.NOT_FOUND, f"it is not there yet: {read.missing}")
         return web.Response(
@@ -118,8 +131,11 @@ class Api:
         content = await _body(request)
         if isinstance(content, web.Response):
             return content
-        command = call.make(body_of(content, call.fields))
-        state = await asyncio.to_thread(self._bench.do, command, person.name, person.role)
+        command = call.command(body_of(content, call.fields))
+        threads = self._stopping if call.kind is Stop else self._giving
+        state = await asyncio.get_running_loop().run_in_executor(
+            threads, self._bench.do, command, person.name, person.role
+        )
         done = {
             "number": state.number,
             "phase": str(state.phase),

@@ -37,6 +37,11 @@ def record(**properties: Schema) -> Schema:
     }
 
 
+def beside(given: Schema, **properties: Schema) -> Schema:
+    """The same object, which may have these keys, too."""
+    return {**given, "properties": {**given["properties"], **properties}}
+
+
 def by_name(schema: Schema) -> Schema:
     """An object whose keys are names."""
     return {"type": "object", "additionalProperties": schema}
@@ -68,6 +73,8 @@ STATE = record(
     message=TEXT,
     fault=TEXT,
     stale=TEXT,
+    ran=or_none(DIGEST),
+    changed=many(TEXT),
     cell=TEXT,
     cell_digest=DIGEST,
     is_saved=FLAG,
@@ -85,6 +92,9 @@ STATE = record(
     watched=many(TEXT),
     approved_by=many(TEXT),
     approved_unwatched=FLAG,
+    approved_speed=or_none(NUMBER),
+    approved_stepped=FLAG,
+    step_waits=WHOLE,
     approved_until=or_none(NUMBER),
     messages_sent=WHOLE,
     parts_placed=WHOLE,
@@ -109,15 +119,27 @@ SCAN = record(
     low=POINT,
     high=POINT,
 )
+COVARIANCE: Schema = {
+    "type": "array",
+    "description": "of shifts of the part's origin [m] and turns about it [rad], world axes",
+    "items": {"type": "array", "items": NUMBER, "minItems": 6, "maxItems": 6},
+    "minItems": 6,
+    "maxItems": 6,
+}
 DETECTIONS = many(
-    record(
-        part=TEXT,
-        T_world_part=POSE,
-        score=NUMBER,
-        visible=NUMBER,
-        gap=or_none(NUMBER),
-        residual=or_none(NUMBER),
-        roll_known=FLAG,
+    beside(
+        record(
+            part=TEXT,
+            T_world_part=POSE,
+            score=NUMBER,
+            visible=NUMBER,
+            gap=or_none(NUMBER),
+            residual=or_none(NUMBER),
+            roll_known=FLAG,
+        ),
+        covariance=COVARIANCE,
+        probability=NUMBER,
+        roll_axis=many(POINT),
     )
 )
 CANDIDATES = many(

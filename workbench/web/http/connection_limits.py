@@ -5,7 +5,6 @@ long, and gives way when others come.  There are never so many of them that thos
 logged in find no room.
 """
 
-import ipaddress
 import socket
 from collections import Counter
 from collections.abc import Awaitable, Callable
@@ -15,6 +14,7 @@ from aiohttp import web
 from aiohttp.typedefs import Handler
 
 from workbench.model.errors import FileError
+from workbench.web.http.origins import network_of
 from workbench.web.http.refusals import refused
 
 MOST_STRANGERS = 160
@@ -34,9 +34,6 @@ KNOWN_SECONDS = 75.0
 
 GRACE_SECONDS = 0.5
 """That a connection is not blamed for keeping us waiting: what it says may be on its way."""
-
-NETWORK_BITS = 64
-"""Of an IPv6 address: whoever has one of these networks has all addresses in it."""
 
 IsLogin = Callable[[web.Request], Awaitable[bool]]
 """Whether a request shows a valid login, or a token."""
@@ -214,19 +211,6 @@ class ConnectionLimits:
         gone = [key for key, one in self._visitors.items() if one.socket.fileno() < 0]
         for key in gone:
             del self._visitors[key]
-
-
-def network_of(address: str) -> str:
-    """What an address is counted by: itself, or its network in IPv6."""
-    try:
-        found = ipaddress.ip_address(address.partition("%")[0])
-    except ValueError:
-        return address
-    if isinstance(found, ipaddress.IPv4Address):
-        return address
-    if found.ipv4_mapped is not None:
-        return str(found.ipv4_mapped)
-    return str(ipaddress.ip_network((int(found) >> NETWORK_BITS << NETWORK_BITS, NETWORK_BITS)))
 
 
 def room_for(descriptors: int) -> Room:

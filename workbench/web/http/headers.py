@@ -30,7 +30,7 @@ def page_policy(sockets: str) -> Mapping[str, str]:
     return {"Content-Security-Policy": policy}
 
 
-def scene_policy(sockets: str) -> Mapping[str, str]:
+def scene_policy(sockets: str, pieces: str) -> Mapping[str, str]:
     """For viser's page, which talks to nobody else either.
 
     It consists of inline scripts, WebAssembly whose glue is compiled from strings, and a worker
@@ -38,11 +38,12 @@ def scene_policy(sockets: str) -> Mapping[str, str]:
 
     Args:
         sockets: where websockets may be opened to.
+        pieces: address under which the pieces of the page are, and nothing else.
     """
     policy = (
         "default-src 'none'; script-src 'unsafe-inline' 'unsafe-eval'; worker-src blob:; "
         "style-src 'unsafe-inline'; img-src data: blob:; font-src data:; "
-        f"connect-src {sockets} data: blob:; "
+        f"connect-src {sockets} {pieces} data: blob:; "
         "form-action 'none'; base-uri 'none'; frame-ancestors 'self'"
     )
     return {"Content-Security-Policy": policy, "X-Frame-Options": "SAMEORIGIN"}

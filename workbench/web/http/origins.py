@@ -63,6 +63,19 @@ def is_loopback(host: str | None) -> bool:
     return address.is_loopback
 
 
+def network_of(address: str) -> str:
+    """What counts as one address: whoever has one of IPv6 has all of a /64."""
+    try:
+        found = ipaddress.ip_address(address.partition("%")[0])
+    except ValueError:
+        return address
+    if isinstance(found, ipaddress.IPv4Address):
+        return address
+    if found.ipv4_mapped is not None:
+        return str(found.ipv4_mapped)
+    return str(ipaddress.ip_network((found, 64), strict=False))
+
+
 def _is_address(name: str) -> bool:
     try:
         ipaddress.ip_address(name)

@@ -6,19 +6,7 @@ from typing import Any
 
 from asyncua import ua
 
-from workbench.app.core.commands import (
-    AcknowledgeFault,
-    CancelJob,
-    Command,
-    FindParts,
-    MakePlan,
-    ReleaseControl,
-    ReportPick,
-    SendPlan,
-    Stop,
-    TakeControl,
-    TakeScan,
-)
+from workbench.app.core import commands
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,7 +33,7 @@ class Method:
     """A command by its name; `make` makes it of the arguments."""
 
     name: str
-    make: Callable[[Sequence[Any]], Command]
+    make: Callable[[Sequence[Any]], commands.Command]
     arguments: tuple[Argument, ...] = ()
 
 
@@ -54,13 +42,13 @@ SEED = Argument("Seed", ua.VariantType.UInt32, "the same seed gives the same res
 METHODS: tuple[Method, ...] = (
     Method(
         "Scan",
-        lambda given: TakeScan(given[0], given[1]),
+        lambda given: commands.TakeScan(given[0], given[1]),
         (SEED, Argument("Parts", ua.VariantType.UInt32, "in the simulated pile")),
     ),
-    Method("FindParts", lambda given: FindParts(given[0]), (SEED,)),
+    Method("FindParts", lambda given: commands.FindParts(given[0]), (SEED,)),
     Method(
         "MakePlan",
-        lambda given: MakePlan(given[1], given[2], given[0]),
+        lambda given: commands.MakePlan(given[1], given[2], given[0]),
         (
             SEED,
             Argument(
@@ -71,22 +59,22 @@ METHODS: tuple[Method, ...] = (
     ),
     Method(
         "Send",
-        lambda given: SendPlan(given[0]),
+        lambda given: commands.SendPlan(given[0]),
         (Argument("Plan", ua.VariantType.String, "digest of the approved plan"),),
     ),
-    Method("Stop", lambda given: Stop()),
-    Method("Cancel", lambda given: CancelJob()),
-    Method("Acknowledge", lambda given: AcknowledgeFault()),
+    Method("Stop", lambda given: commands.Stop()),
+    Method("Cancel", lambda given: commands.CancelJob()),
+    Method("Acknowledge", lambda given: commands.AcknowledgeFault()),
     Method(
         "Report",
-        lambda given: ReportPick(given[0], given[1], given[2]),
+        lambda given: commands.ReportPick(given[0], given[1], given[2]),
         (
             Argument("Detection", ua.VariantType.UInt32, "index of the part in the plan"),
             Argument("IsPicked", ua.VariantType.Boolean, "whether it was"),
             Argument("Why", ua.VariantType.String, "what is known about a failure"),
         ),
     ),
-    Method("TakeControl", lambda given: TakeControl()),
-    Method("ReleaseControl", lambda given: ReleaseControl()),
+    Method("TakeControl", lambda given: commands.TakeControl()),
+    Method("ReleaseControl", lambda given: commands.ReleaseControl()),
 )
 """Approvals are not here: they are a person's."""

@@ -7,37 +7,37 @@ sent.
 
 import asyncio
 import contextlib
-import hmac
 import logging
+import socket
 import threading
-import time
-from collections import deque
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping
 from functools import partial
 from typing import Any
 
 from asyncua import ua
 from asyncua.common.node import Node
-from asyncua.crypto.permission_rules import User, UserRole
 from asyncua.server.server import Server
-from asyncua.server.user_managers import UserManager
 from asyncua.ua.status_codes import StatusCodes
 
-from workbench.app.core.people import Person
 from workbench.app.runtime.bench import Bench
-from workbench.model.errors import InputError, WorkbenchError
-from workbench.web.access.lockout import MOST, WHILE
+from workbench.model.errors import FileError, InputError, WorkbenchError
 from workbench.web.http.origins import is_loopback
 from workbench.web.opcua.bounds import LIMITS, bound, is_bound
+from workbench.web.opcua.certificates import CERTIFICATE, KEY, application_uri, read_certificate
+from workbench.web.opcua.door import PERSON, Door, Options
 from workbench.web.opcua.methods import METHODS, Method
+from workbench.web.opcua.robotics.space import standard_space
+from workbench.web.opcua.robotics.system import OWN, System
 from workbench.web.opcua.values import VARIABLES, values_of
 
 log = logging.getLogger(__name__)
 
 NAMESPACE = "urn:workbench:cell"
 PROGRESS = 0.5
-"""[s] Between two looks at a running task."""
+"""[s] Between two looks at a running task, and at a robot that reports nothing."""
+
+MOVING = 0.1
+"""[s] Between two looks at a robot that reports where it stands."""
 
 STARTING = 60.0
 """[s] After which a server that has not begun does not begin any more."""
@@ -48,15 +48,15 @@ MOST_CLIENTS = 32
 LOGIN_SECONDS = 10.0
 """After which a connection is dropped that has not logged in."""
 
-
-@dataclass(frozen=True, slots=True)
-class Options:
-    """Where to listen, and who calls; without a `password` only this machine may."""
-
-    port: int
-    operator: Person
-    host: str = "127.0.0.1"
-    password: str = ""
+SECURE = (
+    ua.SecurityPolicyType.Basic256Sha256_Sign,
+    ua.SecurityPolicyType.Basic256Sha256_SignAndEncrypt,
+    ua.SecurityPolicyType.Aes128Sha256RsaOaep_Sign,
+    ua.SecurityPolicyType.Aes128Sha256RsaOaep_SignAndEncrypt,
+    ua.SecurityPolicyType.Aes256Sha256RsaPss_Sign,
+    ua.SecurityPolicyType.Aes256Sha256RsaPss_SignAndEncrypt,
+)
+"""Policies with certificates; those before them count as broken (OPC 10000-7)."""
 
 
 class OpcUa:
@@ -78,7 +78,7 @@ class OpcUa:
             InputError: the address cannot be had, or others could call without a password.
         """
         _check(options)
-        self._bench, self._options = bench, options
+        self._bench, self._options, self._door = bench, options, Door(options)
         self._nodes: dict[str, Node] = {}
         self._told: dict[str, Any] = {}
         self._loop = asyncio.new_event_loop()
@@ -88,6 +88,9 @@ class OpcUa:
         self._closed = False
         try:
             self._server, self._teller = self._wait(self._begin())
+        except WorkbenchError:
+            self._end_loop()
+            raise
         except OSError as error:
             self._end_loop()
             raise InputError(
@@ -97,6 +100,12 @@ class OpcUa:
         self._unsubscribe = bench.subscribe(lambda old, new: self._wake())
         # The state may have changed since it was first told.
         self._wake()
+
+    @property
+    def url(self) -> str:
+        """Where it is served, with the port that it has got."""
+        port = self._server.bserver.port if self._server.bserver else self._options.port
+        return f"opc.tcp://{self._options.host}:{port}/workbench"
 
     def close(self) -> None:
         """Cut clients off and stop listening; twice does no harm."""
@@ -123,15 +132,13 @@ class OpcUa:
     async def _begin(self) -> tuple[Server, asyncio.Task[None]]:
         options = self._options
         bound()
-        server = Server(user_manager=_Door(options))
-        server.limits = LIMITS
-        await server.init()
+        server = await _secured(options, self._door)
         server.iserver.max_connections = MOST_CLIENTS
         server.iserver.max_pending_activation_seconds = LOGIN_SECONDS
         server.set_endpoint(f"opc.tcp://{options.host}:{options.port}/workbench")
         server.set_server_name("Workbench")
-        server.set_security_policy([ua.SecurityPolicyType.NoSecurity])
         space = await server.register_namespace(NAMESPACE)
+        self._system = System(await standard_space(server, {OWN: space}))
         cell = await server.nodes.objects.add_object(space, "Workbench")
         for name, kind in VARIABLES.items():
             first = ua.Variant(_nothing(kind), kind)
@@ -162,10 +169,12 @@ class OpcUa:
             return ua.StatusCode(ua.UInt32(StatusCodes.BadArgumentsMissing))
         if len(variants) > len(method.arguments):
             return ua.StatusCode(ua.UInt32(StatusCodes.BadTooManyArguments))
-        operator = self._options.operator
+        person = PERSON.get() or self._options.operator
+        if not self._door.is_still_in(person):
+            return ua.StatusCode(ua.UInt32(StatusCodes.BadUserAccessDenied))
         try:
             command = method.make([variant.Value for variant in variants])
-            state = await asyncio.to_thread(self._bench.do, command, operator.name, operator.role)
+            state = await asyncio.to_thread(self._bench.do, command, person.name, person.role)
         except WorkbenchError as error:
             done, says = False, str(error)
         except Exception as error:
@@ -182,7 +191,7 @@ class OpcUa:
     async def _go_on_telling(self) -> None:
         while True:
             with contextlib.suppress(TimeoutError):
-                patience = PROGRESS if self._bench.state.job is not None else None
+                patience = MOVING if self._bench.live.joints else PROGRESS
                 await asyncio.wait_for(self._changed.wait(), patience)
             self._changed.clear()
             try:
@@ -192,52 +201,46 @@ class OpcUa:
 
     async def _tell(self) -> None:
         """Write what has changed."""
-        now: Mapping[str, Any] = values_of(self._bench.state, self._bench.live)
+        now: Mapping[str, Any] = values_of(self._bench.state, self._bench.live, self._bench.head)
         for name, value in now.items():
             if name not in self._told or self._told[name] != value:
                 await self._nodes[name].write_value(ua.Variant(value, VARIABLES[name]))
                 self._told[name] = value
+        await self._system.tell(self._bench.state, self._bench.live)
 
 
-class _Door(UserManager):
-    """Lets in whoever knows the password; everybody when there is none.
+async def _secured(options: Options, door: Door) -> Server:
+    """A server that offers the policies, with its certificate if there is one.
 
-    After too many wrong ones nobody is let in for a while; who is in stays.
+    Raises:
+        FileError: certificate or key cannot be read.
     """
-
-    def __init__(self, options: Options, now: Callable[[], float] = time.monotonic):
-        self._options, self._now = options, now
-        self._failed: deque[float] = deque(maxlen=MOST)
-
-    def get_user(
-        self,
-        iserver: Any,
-        username: str | None = None,
-        password: str | None = None,
-        certificate: Any = None,
-    ) -> User | None:
-        del iserver, certificate
-        name, wanted = self._options.operator.name, self._options.password
-        if wanted and not (username and password):
-            # Programs that look around come like this: it is no try.
-            return None
-        if len(self._failed) == MOST and self._now() - self._failed[0] < WHILE:
-            return None
-        is_right = hmac.compare_digest((password or "").encode(), wanted.encode())
-        if not wanted or (username == name and is_right):
-            return User(role=UserRole.User, name=name)
-        self._failed.append(self._now())
-        log.warning("refused a login over OPC UA as %r", username)
-        if len(self._failed) == MOST and self._now() - self._failed[0] < WHILE:
-            log.warning("for %g s nobody logs in over OPC UA: too many wrong passwords", WHILE)
-        return None
+    server = Server(user_manager=door)
+    server.limits = LIMITS
+    policies = [ua.SecurityPolicyType.NoSecurity] if options.takes_plain else []
+    uri = f"urn:{socket.gethostname()}:workbench"
+    if options.certificates is not None:
+        certificate = read_certificate(options.certificates / CERTIFICATE)
+        uri = application_uri(certificate) or uri
+        await server.load_certificate(options.certificates / CERTIFICATE)
+        try:
+            await server.load_private_key(options.certificates / KEY)
+        except (OSError, ValueError, TypeError) as error:
+            raise FileError(options.certificates / KEY, f"is no key: {error}") from error
+        policies += SECURE
+    await server.init()
+    await server.set_application_uri(uri)
+    server.set_security_policy(policies)
+    server.set_identity_tokens([ua.AnonymousIdentityToken, ua.UserNameIdentityToken])
+    return server
 
 
 def _check(options: Options) -> None:
-    if not options.password and not is_loopback(options.host):
+    is_guarded = bool(options.password) or not options.takes_plain
+    if not is_guarded and not is_loopback(options.host):
         raise InputError(
-            f"OPC UA on {options.host} could be used by anybody: give a password, or listen on "
-            "127.0.0.1"
+            f"OPC UA on {options.host} could be used by anybody: give a password or make a "
+            "certificate, or listen on 127.0.0.1"
         )
 
 

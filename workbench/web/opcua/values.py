@@ -24,12 +24,13 @@ VARIABLES: Mapping[str, ua.VariantType] = {
     "PartsPlaced": ua.VariantType.UInt32,
     "Job": ua.VariantType.String,
     "JobDone": ua.VariantType.Double,
+    "Head": ua.VariantType.String,
 }
 """By name; texts are empty and numbers 0 while there is nothing to say."""
 
 
-def values_of(state: State, live: Live) -> Mapping[str, Any]:
-    """The value of each variable."""
+def values_of(state: State, live: Live, head: tuple[int, str]) -> Mapping[str, Any]:
+    """The value of each variable; `head` is number and hash of the journal's last entry."""
     job = state.job
     return {
         "Number": state.number,
@@ -46,4 +47,5 @@ def values_of(state: State, live: Live) -> Mapping[str, Any]:
         "PartsPlaced": state.parts_placed,
         "Job": "" if job is None else job.name,
         "JobDone": 0.0 if job is None else live.told_of(job.number)[0],
+        "Head": f"{head[0]} {head[1]}",
     }

@@ -3,18 +3,16 @@
 import asyncio
 import math
 
-from aiohttp import WSCloseCode, WSMsgType, hdrs, web
+from aiohttp import hdrs, web
 
 from workbench.app.core.people import Person
 from workbench.web.access.first_key import FirstKey
 from workbench.web.access.identity import ACCESS, session_of
-from workbench.web.access.lockout import LockedOut, Lockout
+from workbench.web.access.lockout import REMEMBERED, LockedOut, Lockout
 from workbench.web.access.users import LONGEST_NAME
 from workbench.web.http.refusals import refused
 from workbench.web.page.connections import Connections
-from workbench.web.page.conversation import close
 from workbench.web.page.pages import Pages
-from workbench.web.page.relay import HEARTBEAT
 
 MOST_FORM = 4096
 """Bytes of a filled in form."""
@@ -88,6 +86,17 @@ class Logins:
             return self._form(request, 401, WRONG, shown)
         answer = web.Response(status=303, headers={hdrs.LOCATION: "/"})
         await self._begin(request, answer, found)
+        shown = request.cookies.get(_known(request), "")
+        known = await asyncio.to_thread(self._lockout.remember, found.name, shown)
+        answer.set_cookie(
+            _known(request),
+            known,
+            max_age=int(REMEMBERED),
+            path="/login",
+            httponly=True,
+            samesite="Strict",
+            secure=request.secure,
+        )
         return answer
 
     async def by_link(self, request: web.Request) -> web.StreamResponse:
@@ -110,30 +119,10 @@ class Logins:
         answer.del_cookie(request.config_dict[ACCESS].cookie, path="/")
         return answer
 
-    async def presence(self, request: web.Request) -> web.StreamResponse:
-        """A websocket that says nothing and closes when the login ends."""
-        session = session_of(request)
-        if session is None:
-            raise web.HTTPUnauthorized(text="Log in first.\n")
-        with self._connections.seat(session) as seat:
-            if seat is None:
-                raise web.HTTPTooManyRequests(text="Too many windows are open.\n")
-            browser = web.WebSocketResponse(heartbeat=HEARTBEAT, max_msg_size=1024)
-            await browser.prepare(request)
-            ways = (asyncio.create_task(_silence(browser)), asyncio.create_task(seat.over.wait()))
-            try:
-                await asyncio.wait(ways, return_when=asyncio.FIRST_COMPLETED)
-            finally:
-                for way in ways:
-                    way.cancel()
-                await asyncio.gather(*ways, return_exceptions=True)
-            code = seat.code if seat.over.is_set() else WSCloseCode.OK
-            await close(browser, request.transport, code, "")
-        return browser
-
     def _try(self, request: web.Request, name: str, password: str) -> Person | LockedOut | None:
         """In a thread: whose name and password these are, unless nothing may be tried."""
-        attempt = self._lockout.begin(request.remote or "", name)
+        known = request.cookies.get(_known(request), "")
+        attempt = self._lockout.begin(request.remote or "", name, known)
         if isinstance(attempt, LockedOut):
             return attempt
         person = request.config_dict[ACCESS].users.by_password(name, password)
@@ -168,6 +157,11 @@ class Logins:
         )
 
 
+def _known(request: web.Request) -> str:
+    """Name of the cookie of a browser in which somebody has logged in before."""
+    return f"{request.config_dict[ACCESS].cookie}_known"
+
+
 async def _form(request: web.Request) -> dict[str, object]:
     """What was filled in.
 
@@ -186,10 +180,3 @@ async def _form(request: web.Request) -> dict[str, object]:
         raise web.HTTPRequestTimeout from error
     except UnicodeDecodeError as error:
         raise web.HTTPBadRequest(text="The form is not in UTF-8.\n") from error
-
-
-async def _silence(browser: web.WebSocketResponse) -> None:
-    """Return when the browser goes, or says anything: there is nothing to be said."""
-    async for message in browser:
-        if message.type in (WSMsgType.BINARY, WSMsgType.TEXT):
-            return

@@ -1,11 +1,12 @@
 """Our own pages and files: read once, filled in, and nothing else is ever served from a disk."""
 
+import gzip
 import html
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from aiohttp import web
+from aiohttp import hdrs, web
 
 from workbench.formats.files.shipped import find
 from workbench.web.http.headers import page_policy
@@ -65,6 +66,13 @@ class Pages:
             content_type=TYPES[name],
             headers={"Cache-Control": "no-cache"},
         )
+
+
+def packed_for(request: web.Request, packed: bytes) -> tuple[bytes, Mapping[str, str]]:
+    """A body (gzip) as this browser takes it, and the headers that say how it is."""
+    if "gzip" in request.headers.get(hdrs.ACCEPT_ENCODING, ""):
+        return packed, {"Content-Encoding": "gzip", "Vary": "Accept-Encoding"}
+    return gzip.decompress(packed), {"Vary": "Accept-Encoding"}
 
 
 def sockets_of(request: web.Request) -> str:

@@ -7,8 +7,11 @@ never passed on.
 
 import asyncio
 import hashlib
+import socket
 import zlib
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 from urllib.parse import quote
 
 from aiohttp import (
@@ -25,15 +28,21 @@ from aiohttp import (
 from workbench.app.core.people import Person
 from workbench.web.access.identity import session_of
 from workbench.web.http.headers import scene_policy
+from workbench.web.http.listening import MOST_UNSENT
 from workbench.web.http.refusals import refused
 from workbench.web.page.connections import Connections
 from workbench.web.page.conversation import CLOSE_SECONDS, Conversation
-from workbench.web.page.pages import sockets_of
+from workbench.web.page.pages import packed_for, sockets_of
+from workbench.web.page.pieces import PATH, cut
 
 MOST_FROM_BROWSER = 1024 * 1024
 """Bytes of one message; the biggest are parts of files, with half of that."""
 
 MOST_FROM_VISER = 256 * 1024 * 1024
+
+WAITING = 32 * 1024
+"""Bytes from viser that may wait in the machine; it doubles them.  `gui/shared/viser_server.py` has
+the same for the other end."""
 
 HEARTBEAT = 40.0
 """A browser that does not answer for half of this [s] has gone."""
@@ -57,6 +66,7 @@ class Upstream:
 class _Scene:
     packed: bytes
     tag: str
+    pieces: Mapping[str, bytes]
 
 
 class Relay:
@@ -78,7 +88,7 @@ class Relay:
         """Get ready; in the event loop that everything else runs in."""
         self._client = ClientSession(
             self._upstream.url,
-            connector=TCPConnector(limit=0),
+            connector=TCPConnector(limit=0, socket_factory=_little_socket),
             timeout=ClientTimeout(total=None),
             auto_decompress=False,
         )
@@ -97,18 +107,30 @@ class Relay:
             raise web.HTTPSeeOther(request.path)
         scene = await self._read()
         headers = {
-            **scene_policy(sockets_of(request)),
+            **scene_policy(sockets_of(request), f"{request.scheme}://{request.host}{PATH}/"),
             "Cache-Control": "no-cache",
             "ETag": f'"{scene.tag}"',
         }
         if request.headers.get(hdrs.IF_NONE_MATCH) == f'"{scene.tag}"':
             return web.Response(status=304, headers=headers)
-        body = scene.packed
-        if "gzip" in request.headers.get(hdrs.ACCEPT_ENCODING, ""):
-            headers["Content-Encoding"] = "gzip"
-        else:
-            body = zlib.decompress(body, wbits=31)
-        return web.Response(body=body, content_type="text/html", charset="utf-8", headers=headers)
+        body, encoding = packed_for(request, scene.packed)
+        return web.Response(
+            body=body,
+            content_type="text/html",
+            charset="utf-8",
+            headers={**headers, **encoding},
+        )
+
+    async def piece(self, request: web.Request) -> web.StreamResponse:
+        """A piece of viser's page; its name is its digest, so it may be kept for good."""
+        if session_of(request) is None:
+            raise web.HTTPUnauthorized(text="Log in first.\n")
+        piece = (await self._read()).pieces.get(request.match_info["name"])
+        if piece is None:
+            raise web.HTTPNotFound
+        body, encoding = packed_for(request, piece)
+        headers = {"Cache-Control": "private, max-age=31536000, immutable", **encoding}
+        return web.Response(body=body, content_type="text/plain", charset="utf-8", headers=headers)
 
     async def socket(self, request: web.Request) -> web.StreamResponse:
         """Viser's websocket, for as long as browser, login and viser hold."""
@@ -131,9 +153,12 @@ class Relay:
                     timeout=CLOSE_SECONDS,
                     heartbeat=HEARTBEAT,
                     max_msg_size=MOST_FROM_BROWSER,
-                    compress=False,
+                    # Scans and meshes go in half the bytes; on a slow line that is seconds.
+                    compress=True,
                 )
                 await browser.prepare(request)
+                if isinstance(request.transport, asyncio.WriteTransport):
+                    request.transport.set_write_buffer_limits(MOST_UNSENT)
                 await Conversation(browser, viser, seat, request).run()
         return browser
 
@@ -160,9 +185,12 @@ class Relay:
                     async with self._ready().get("/", headers=headers) as answer:
                         answer.raise_for_status()
                         packed = await answer.read()
+                        if answer.headers.get(hdrs.CONTENT_ENCODING) == "gzip":
+                            packed = zlib.decompress(packed, wbits=31)
             except (ClientError, TimeoutError) as error:
                 raise web.HTTPServiceUnavailable(text="The page does not answer.\n") from error
-            self._scene = _Scene(packed, hashlib.sha256(packed).hexdigest()[:32])
+            page = cut(packed.decode())
+            self._scene = _Scene(page.page, hashlib.sha256(page.page).hexdigest()[:32], page.pieces)
         return self._scene
 
     def _ready(self) -> ClientSession:
@@ -175,6 +203,13 @@ class Relay:
             headers["X-WB-User"] = quote(person.name)
             headers["X-WB-Role"] = person.role.value
         return headers
+
+
+def _little_socket(address: tuple[Any, ...]) -> socket.socket:
+    """A socket to viser in which little waits: what it holds back there it replaces by newer."""
+    ours = socket.socket(*address[:3])
+    ours.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, WAITING)
+    return ours
 
 
 def _protocol(request: web.Request) -> str | None:

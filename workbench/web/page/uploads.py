@@ -38,16 +38,15 @@ class Uploads:
     Concurrency: one thread.
     """
 
-    def __init__(self, most_bytes: int = MOST_BYTES) -> None:
-        """No file yet; none may have more than `most_bytes`."""
-        self._most = most_bytes
+    def __init__(self) -> None:
+        """No file yet; none may have more than `MOST_BYTES`."""
         self._files: dict[str, _Upload] = {}
 
     def begin(self, message: FileTransferStartUpload) -> Broken | None:
         """Take an announcement; what is wrong with it, if anything."""
         size, parts = message.size_bytes, message.part_count
-        if size > self._most:
-            return Broken(f"a file of {size:,} bytes; at most {self._most:,} may be sent")
+        if size > MOST_BYTES:
+            return Broken(f"a file of {size:,} bytes; at most {MOST_BYTES:,} may be sent")
         if parts != -(-size // PART_BYTES):
             return Broken(f"a file of {size:,} bytes does not come in {parts} parts")
         if message.transfer_uuid in self._files or len(self._files) >= MOST_AT_ONCE:

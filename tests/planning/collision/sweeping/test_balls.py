@@ -1,20 +1,29 @@
 """Pairs of balls by their formula: the same distances and the same answers as by Coal."""
 
+from dataclasses import replace
+from itertools import product
+
 import coal
 import numpy as np
 import pinocchio as pin
 import pytest
 from motion_stand_in import make_motion_problems
 
+from workbench.formats.meshes.reading import convex_hull
 from workbench.formats.robots.motion_problems import read_motion_problems
-from workbench.model.cell import Policy
-from workbench.model.geometry import Box, Cylinder, Sphere
+from workbench.model.cell import Fixture, Policy
+from workbench.model.geometry import Box, Capsule, Cylinder, Mesh, Shape, Solid, Sphere
 from workbench.planning.collision.bodies import coal_shape, extent
 from workbench.planning.collision.gjk import cores_of
-from workbench.planning.collision.motion import chain_contact, segment
+from workbench.planning.collision.motion import RESOLUTION, chain_contact, segment
+from workbench.planning.collision.pairing import Phase
 from workbench.planning.collision.sweeping.balls import ball_gap
+from workbench.planning.collision.sweeping.edges import BLOCKED, CLEAR, edge_answer
 from workbench.planning.collision.world import World
 from workbench.studies.motion_cases import ARM, cases_of
+
+JAW = 1.21
+"""[m] Where the ball of the stand-in's jaw is along x when the arm lies straight."""
 
 SHAPES = (Sphere(0.12), Box(np.array([0.1, 0.3, 0.2])), Cylinder(0.1, 0.4))
 
@@ -61,3 +70,32 @@ def test_edges_past_balls_are_judged_as_by_coal(tmp_path):
         assert answers[0] == answers[1]
         clear += answers[0]
     assert 10 < clear < 140, "one of the two answers hardly came"
+
+
+def cube(size: float) -> Shape:
+    corners = np.array(list(product((-size / 2, size / 2), repeat=3)))
+    hull = convex_hull(Mesh(corners, np.empty((0, 3), np.int32)))
+    assert hull is not None
+    return hull
+
+
+@pytest.mark.parametrize("shape", [Capsule(0.06, 0.2), cube(0.12)], ids=lambda one: one.kind)
+@pytest.mark.parametrize(("away", "answer"), [(0.08, BLOCKED), (0.11, CLEAR)])
+def test_a_ball_beside_what_it_has_no_formula_with_is_as_large_as_it_is(
+    shape, away, answer, tmp_path
+):
+    """The jaw, a ball of 30 mm, beside something that reaches 60 mm towards it."""
+    make_motion_problems(tmp_path)
+    case = cases_of(read_motion_problems(tmp_path), Policy())[0]
+    q = np.zeros(3)
+    T_world_post = pin.SE3(np.eye(3), np.array([JAW + away, 0.0, 0.0]))
+    post = Solid("post", shape, T_world_post)
+    fixture = Fixture("post", pin.SE3.Identity(), (post,))
+    policy = Policy(margin=0.005, near_margin=0.005, self_margin=0.0)
+    world = World(replace(case.world.cell, fixtures=(fixture,), policy=policy), ())
+    world.enter(Phase(frozenset({ARM})))
+    columns, base = world.kinematics.columns[ARM], world.configuration({})
+    there = np.array([1e-4, 0.0, 0.0])
+    assert (world.contact(world.configuration({ARM: q})) is None) == (answer == CLEAR)
+    assert (chain_contact(world, columns, base, segment(q, there)) is None) == (answer == CLEAR)
+    assert edge_answer(q, there, world.edges(columns, base, RESOLUTION)) == answer

@@ -10,7 +10,7 @@ import numpy as np
 from numba import njit
 
 from workbench.model.geometry import Floats, Ints
-from workbench.planning.collision.bounds import Boxes, joint_pose
+from workbench.planning.collision.bounds import Boxes, joint_pose, walk
 from workbench.planning.collision.gjk import BALL, Cores
 from workbench.planning.kinematics.robot import Tree
 
@@ -92,8 +92,12 @@ def room_for(columns: Ints, base: Floats, tree: Tree, boxes: Boxes, cores: Cores
         joint_pose(j, tree, base, room.R_j, room.p_j, room.z_j)
         _place_hub(j, room)
     for g in range(bodies):
+        if cores.form[g] == BALL:
+            # It is never turned, but its box has to have sides.
+            for i in range(3):
+                room.R[g, i, i] = 1.0
         if not is_moving[boxes.joint[g]]:
-            place_body(g, tree, boxes, cores, room, ALWAYS)
+            place_body(g, boxes, cores, room, ALWAYS)
             room.done[g, 1] = ALWAYS
     return room
 
@@ -128,7 +132,7 @@ def place_joints(tree: Tree, room: Room) -> None:
         joint_pose(j, tree, room.q, room.R_j, room.p_j, room.z_j)
         _place_hub(j, room)
         x, y, z = room.hub_c[j, 0], room.hub_c[j, 1], room.hub_c[j, 2]
-        _walk(j, x, y, z, float(room.hub[j, 3]), j, tree, room.d, room.p_j, room.z_j, room.hubs)
+        walk(j, x, y, z, float(room.hub[j, 3]), j, tree, room.d, room.p_j, room.z_j, room.hubs)
 
 
 @njit(cache=True)
@@ -140,8 +144,8 @@ def _place_hub(j: int, room: Room) -> None:
 
 
 @njit(cache=True)
-def place_body(g: int, tree: Tree, boxes: Boxes, cores: Cores, room: Room, look: int) -> None:
-    """Write where a body is, in the look of that number; how a ball is turned does not matter."""
+def place_body(g: int, boxes: Boxes, cores: Cores, room: Room, look: int) -> None:
+    """Write where a body is, in the look of that number; a ball is never turned."""
     R_j, p_j, R, c, j = room.R_j, room.p_j, room.R, room.c, boxes.joint[g]
     for i in range(3):
         c[g, i] = p_j[j, i]
@@ -163,38 +167,5 @@ def walk_body(g: int, tree: Tree, boxes: Boxes, room: Room, look: int) -> None:
     """Write how far a body can move, in the look of that number."""
     c, radius = room.c, boxes.radius[g]
     x, y, z = c[g, 0], c[g, 1], c[g, 2]
-    _walk(g, x, y, z, radius, boxes.joint[g], tree, room.d, room.p_j, room.z_j, room.travel)
+    walk(g, x, y, z, radius, boxes.joint[g], tree, room.d, room.p_j, room.z_j, room.travel)
     room.done[g, 1] = look
-
-
-@njit(cache=True)
-def _walk(
-    row: int,
-    x: float,
-    y: float,
-    z: float,
-    radius: float,
-    joint: int,
-    tree: Tree,
-    d: Floats,
-    p_j: Floats,
-    z_j: Floats,
-    travel: Floats,
-) -> None:
-    """Write how far a ball at (x, y, z) on a joint can move, relative to each joint before it.
-
-    See `bounds` for why.
-    """
-    moved, j = 0.0, joint
-    while j != 0:
-        step = d[j - 1]
-        if step > 0.0:
-            if tree.slides[j] > 0.5:
-                moved += step
-            else:
-                u, v, w = x - p_j[j, 0], y - p_j[j, 1], z - p_j[j, 2]
-                along = u * z_j[j, 0] + v * z_j[j, 1] + w * z_j[j, 2]
-                r = np.sqrt(max(u * u + v * v + w * w - along * along, 0.0)) + radius
-                moved += step * (r + moved)
-        j = tree.parents[j]
-        travel[row, j] = moved

@@ -214,9 +214,9 @@ def _looked(
             k = groups.pairs[number] if entry < 0 else entry
             a, b, common = int(model.first[k]), int(model.second[k]), int(commons[k])
             if done[a, 0] < look:
-                place_body(a, tree, boxes, cores, room, look)
+                place_body(a, boxes, cores, room, look)
             if done[b, 0] < look:
-                place_body(b, tree, boxes, cores, room, look)
+                place_body(b, boxes, cores, room, look)
             # By far the most pairs end here: balls around both, and what their links may move.
             margin, move = margins[k], hubs[joint[a], common] + hubs[joint[b], common]
             x, y, w = c[a, 0] - c[b, 0], c[a, 1] - c[b, 1], c[a, 2] - c[b, 2]

@@ -1,0 +1,35 @@
+"""One bundle for all."""
+
+import json
+import shutil
+import zipfile
+from pathlib import Path
+
+import pytest
+from tampering import AT, OURS, Opened
+
+from workbench.app.evidence.bundle import write_bundle
+from workbench.journal.journal import Journal
+
+ROOT = Path(__file__).resolve().parents[3]
+
+
+@pytest.fixture(scope="session")
+def made(tmp_path_factory):
+    """A bundle, the script that came with it, and anchors of the journal."""
+    folder = tmp_path_factory.mktemp("evidence")
+    shutil.copytree(ROOT / "sessions" / "example", folder / "example")
+    journal = Journal(folder / "example")
+    try:
+        write_bundle(journal, folder / "bundle.zip", AT, OURS)
+    finally:
+        journal.close()
+    with zipfile.ZipFile(folder / "bundle.zip") as archive:
+        archive.extract("verify.py", folder)
+    anchors = [
+        {"session": "example", "number": one.number, "hash": one.hash}
+        for one in Opened(folder / "bundle.zip").entries
+        if one.kind == "Approve"
+    ]
+    (folder / "anchors").write_text("".join(json.dumps(one) + "\n" for one in anchors))
+    return folder

@@ -1,0 +1,102 @@
+"""Bundles opened, changed and packed again, with as much made good as the one who does it can."""
+
+import hashlib
+import json
+import sqlite3
+import subprocess
+import sys
+import tempfile
+import zipfile
+from contextlib import closing
+from pathlib import Path
+
+from cryptography.hazmat.primitives.asymmetric.ed25519 import Ed25519PrivateKey
+
+from workbench.app.evidence import verify
+from workbench.app.evidence.signing import signature_of
+
+OURS = Ed25519PrivateKey.from_private_bytes(b"o" * 32)
+THEIRS = Ed25519PrivateKey.from_private_bytes(b"t" * 32)
+PUBLIC = OURS.public_key().public_bytes_raw().hex()
+AT = 1_800_000_000.0
+
+UNCHAINED = "DROP TRIGGER IF EXISTS entries_stay; DROP TRIGGER IF EXISTS entries_remain;"
+
+
+class Opened:
+    """The files of a bundle by name, to be changed."""
+
+    def __init__(self, path: Path) -> None:
+        with zipfile.ZipFile(path) as archive:
+            self.files = {name: archive.read(name) for name in archive.namelist()}
+
+    @property
+    def manifest(self) -> dict:
+        return json.loads(self.files[verify.MANIFEST])
+
+    def sql(self, script: str) -> None:
+        """Change the journal's database by SQL."""
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / "journal.sqlite"
+            path.write_bytes(self.files[verify.JOURNAL])
+            with closing(sqlite3.connect(path)) as open_:
+                open_.executescript(UNCHAINED + script)
+            self.files[verify.JOURNAL] = path.read_bytes()
+
+    @property
+    def entries(self) -> list[verify.Entry]:
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / "journal.sqlite"
+            path.write_bytes(self.files[verify.JOURNAL])
+            return verify.entries_of(path)
+
+    def chain_anew(self, change) -> None:
+        """Rewrite every entry's hash after `change(number, body)` has changed bodies."""
+        previous, script = verify.FIRST, []
+        for one in self.entries:
+            body = change(one.number, one.body)
+            chained = verify.hash_of(previous, one.number, one.kind, body, one.files)
+            script.append(
+                f"UPDATE entries SET body = x'{body.hex()}', previous = '{previous}',"
+                f" hash = '{chained}' WHERE number = {one.number};"
+            )
+            previous = chained
+        self.sql("".join(script))
+
+    def stated(self, **changes) -> None:
+        """Say something else in the manifest."""
+        text = json.dumps(self.manifest | changes, indent=1, sort_keys=True) + "\n"
+        self.files[verify.MANIFEST] = text.encode()
+
+    def made_good(self, key=None) -> None:
+        """Have everything but the signature agree with the journal; `key` signs anew."""
+        entries = self.entries
+        self.files |= verify.derived(entries)
+        kept = {verify.MANIFEST, verify.SIGNATURE}
+        files = {
+            name: {"size": len(content), "sha256": hashlib.sha256(content).hexdigest()}
+            for name, content in self.files.items()
+            if name not in kept
+        }
+        self.stated(files=files, entries=len(entries), head=entries[-1].hash)
+        if key is not None:
+            self.files[verify.SIGNATURE] = signature_of(key, self.files[verify.MANIFEST])
+
+    def packed(self, path: Path) -> Path:
+        with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
+            for name, content in self.files.items():
+                archive.writestr(zipfile.ZipInfo(name), content, zipfile.ZIP_DEFLATED)
+        return path
+
+
+def verified(made, bundle, *words):
+    """Exit code and output of the script that came with the bundle, alone in its folder."""
+    done = subprocess.run(
+        [sys.executable, "-I", "-S", made / "verify.py", bundle, *words],
+        cwd=made,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert "Traceback" not in done.stderr
+    return done.returncode, done.stdout + done.stderr

@@ -1,0 +1,40 @@
+"""What has ended is on record at last, however long the disk was full."""
+
+import logging
+import threading
+
+import pytest
+
+from workbench.app.core.rights import WORKER
+from workbench.app.runtime import insisting
+from workbench.app.runtime.insisting import insist
+from workbench.model.errors import CommandRefused, NotRecorded
+
+
+@pytest.fixture(autouse=True)
+def quick(monkeypatch):
+    monkeypatch.setattr(insisting, "RETRY", 0.01)
+
+
+def test_what_is_out_of_order_is_tried_once(caplog):
+    tried = []
+
+    def do(command, actor):
+        tried.append(command)
+        raise CommandRefused("nothing is being sent")
+
+    insist(do, "x", WORKER, giving_up=threading.Event(), tell=tried.append)
+    assert tried == ["x"]
+    assert [one.levelno for one in caplog.records] == [logging.ERROR]
+
+
+def test_it_is_told_while_it_is_not_on_record_and_when_it_is(caplog):
+    answers, told = [NotRecorded("full"), NotRecorded("full"), None], []
+
+    def do(command, actor):
+        if (answer := answers.pop(0)) is not None:
+            raise answer
+
+    insist(do, "x", WORKER, giving_up=threading.Event(), tell=told.append)
+    assert told == ["full", "full", ""]
+    assert len(caplog.records) == 1

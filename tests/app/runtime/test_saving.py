@@ -1,0 +1,168 @@
+"""What becomes of saving the cell: it is told, and what is not saved is not lost."""
+
+import os
+import shutil
+import threading
+from dataclasses import replace
+from functools import partial
+
+import pytest
+from full_disk import FullDisk
+from idle import Idle
+from waiting import PATIENCE, wait_until
+
+from workbench.app.core.commands import (
+    CancelJob,
+    CellRead,
+    ChangeCell,
+    EditPart,
+    FindParts,
+    SaveCell,
+    UseScan,
+)
+from workbench.app.core.state import Phase
+from workbench.app.runtime import effect_runner, insisting
+from workbench.app.runtime.bench import Bench
+from workbench.app.runtime.effect_runner import EffectRunner
+from workbench.app.runtime.watch import CellWatch
+from workbench.formats.cells.reading import part_folders, read_cell
+from workbench.formats.files.shipped import find
+from workbench.formats.parts.saves import DRAFT
+from workbench.journal.journal import Journal
+from workbench.model.errors import FileError
+from workbench.model.part_edits import grasp_of, with_grasp
+
+
+@pytest.fixture(autouse=True)
+def quick(monkeypatch):
+    monkeypatch.setattr(insisting, "RETRY", 0.01)
+
+
+@pytest.fixture
+def writing(bench, cell, monkeypatch):
+    """A cell that is being saved, which will fail as soon as the event is set."""
+    may_go = threading.Event()
+
+    def fail(*arguments):
+        assert may_go.wait(PATIENCE)
+        raise FileError("cell.toml", "the disk is gone")
+
+    monkeypatch.setattr(effect_runner, "part_folders", fail)
+    monkeypatch.setattr(bench._effects, "_cell_file", "cell.toml")
+    bench.do(ChangeCell(replace(cell, name="other"), "renamed"), "ada")
+    bench.do(SaveCell("why"), "ada")
+    yield may_go
+    may_go.set()
+
+
+def test_what_became_of_saving_is_told_after_a_task_that_began_meanwhile(
+    bench, samples, writing, caplog
+):
+    bench.do(UseScan(samples.scan()), "ada")
+    bench.do(FindParts(), "ada")
+    wait_until(lambda: bench.live.note == "waiting")
+    tried, do = threading.Semaphore(0), bench._effects._do
+
+    def noted(command, actor):
+        if isinstance(command, CellRead):
+            tried.release()
+        return do(command, actor)
+
+    bench._effects._do = noted
+    writing.set()
+    assert tried.acquire(timeout=PATIENCE)
+    bench.do(CancelJob(), "ada")
+    wait_until(lambda: "the disk is gone" in bench.state.cell_problem)
+
+
+def test_what_became_of_saving_is_recorded_when_the_disk_has_room_again(
+    bench, writing, monkeypatch
+):
+    disk = FullDisk(monkeypatch)
+    disk.fill()
+    writing.set()
+    wait_until(lambda: disk.tries > 2)
+    assert bench.state.cell_problem == "" and "no space left" in bench.live.unrecorded
+    disk.free()
+    wait_until(lambda: "the disk is gone" in bench.state.cell_problem)
+    wait_until(lambda: bench.live.unrecorded == "")
+
+
+@pytest.fixture
+def place(tmp_path, monkeypatch):
+    """A cell file that may be written, beside its part."""
+    monkeypatch.chdir(tmp_path)
+    for kind, name in (("robots", "yumi"), ("parts", "keyed_cylinder")):
+        shutil.copytree(find(kind, name), tmp_path / kind / name)
+    return tmp_path / "robots/yumi/cell.toml"
+
+
+@pytest.fixture
+def edited(place, tmp_path):
+    """A bench with other grasps than the files have."""
+    machines = partial(EffectRunner, cell_file=place, module="tiny_work")
+    bench = Bench(read_cell(place), Journal(tmp_path / "session"), effects=machines)
+    part = bench.state.cell.parts[0]
+    entry = part.library.entries[0]
+    wider = with_grasp(entry, replace(grasp_of(entry), opening=0.044))
+    bench.do(EditPart(part.name, (entry,), (wider,)), "ada")
+    yield bench
+    bench.close()
+
+
+def test_a_cell_that_cannot_be_written_leaves_its_parts_and_drafts(edited, place):
+    folder = part_folders(place)["keyed_cylinder"]
+    wait_until((folder / DRAFT).exists)
+    before = (folder / "grasps.toml").read_bytes()
+    # Somebody has renamed a fixture in the file, which saving never does.
+    text = place.read_text()
+    assert '[[fixture]]\nname = "table"' in text
+    place.write_text(text.replace('"table"', '"desk"'))
+    edited.do(SaveCell(""), "ada")
+    wait_until(lambda: "cannot be written into the file" in edited.state.cell_problem)
+    assert (folder / "grasps.toml").read_bytes() == before
+    assert (folder / DRAFT).exists()
+
+
+def test_a_save_that_failed_half_way_gives_up_nothing(edited, place, monkeypatch):
+    def fail(*arguments):
+        raise FileError(place, "the disk is full")
+
+    watch = CellWatch(place, edited, every=0.02)
+    try:
+        mine = edited.state.cell.digest
+        with monkeypatch.context() as full:
+            full.setattr(effect_runner, "save_cell", fail)
+            edited.do(SaveCell(""), "ada")
+            wait_until(lambda: "the disk is full" in edited.state.cell_problem)
+        looks, look = threading.Semaphore(0), watch._take
+
+        def noted():
+            taken = look()
+            looks.release()
+            return taken
+
+        watch._take = noted
+        for _ in range(2):
+            assert looks.acquire(timeout=PATIENCE), "the grasps are another file now"
+        assert edited.state.cell.digest == mine
+        assert "the disk is full" in edited.state.cell_problem
+        edited.do(SaveCell(""), "ada")
+        wait_until(lambda: edited.state.saved == edited.state.cell.digest)
+        assert edited.state.cell_problem == ""
+    finally:
+        watch.close()
+
+
+def test_a_broken_cell_in_a_folder_whose_name_is_no_text_is_told(cell, tmp_path):
+    folder = tmp_path / os.fsdecode(b"cell\xff")
+    folder.mkdir()
+    (folder / "cell.toml").write_text("nothing of a cell")
+    bench = Bench(cell, Journal(tmp_path / "session"), effects=Idle)
+    watch = CellWatch(folder / "cell.toml", bench, every=0.02, is_read=False)
+    try:
+        state = bench.wait(lambda state: state.cell_problem != "", PATIENCE)
+        assert "cell?" in state.cell_problem and state.phase is Phase.IDLE
+    finally:
+        watch.close()
+        bench.close()

@@ -1,0 +1,17 @@
+"""What has changed since the start before is read on the page, and acknowledged there."""
+
+from workbench.app.core.commands import Started
+from workbench.app.core.rights import SESSION_START
+from workbench.app.provenance.gathering import inventory
+
+
+def test_an_engineer_reads_what_has_changed_and_acknowledges_it(bench, screen, wait):
+    changes = tuple(f"distribution-{number} 1.0.{number} is 2.0.0 now" for number in range(9))
+    assert not screen.button("Changes seen").is_visible()
+    bench.do(Started(inventory(bench.cell, {}), changes, "session of yesterday"), SESSION_START)
+    screen.wait_for("distribution-8 1.0.8 is 2.0.0 now")
+    screen.shoot("changes")
+    screen.press("Changes seen")
+    wait(lambda: bench.state.changed == (), "the changes are acknowledged")
+    screen.wait_for("has acknowledged what has changed since session of yesterday")
+    assert not screen.button("Changes seen").is_visible()

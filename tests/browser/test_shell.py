@@ -1,0 +1,77 @@
+"""The bar above the scene, by itself: it hears from a server that is played here, in Chromium."""
+
+import json
+from pathlib import Path
+from urllib.parse import urlsplit
+
+import pytest
+from playwright.sync_api import expect
+
+STATIC = Path(__file__).resolve().parents[2] / "static"
+
+KINDS = {".css": "text/css", ".js": "text/javascript", ".svg": "image/svg+xml"}
+
+STANDS = {"robot": "Robot: stands", "kind": "good", "fault": "", "has_robot": True}
+SENDING = {**STANDS, "robot": "Sending: robot moving, step 1 of 9", "can_stop": True, "why": ""}
+IDLE = {**STANDS, "can_stop": False, "why": "nothing is sent"}
+
+
+class Shell:
+    """The page around the scene, and what it is told."""
+
+    def __init__(self, page):
+        self.page, self._sockets, self._stops = page, [], []
+        page.route("**/*", self._answer)
+        page.route_web_socket("**/presence", lambda socket: self._sockets.append(socket))
+        page.goto("http://bar.test/")
+        self.line, self.button = page.locator("#link"), page.locator("#stop")
+
+    def _answer(self, route):
+        path = Path(urlsplit(route.request.url).path)
+        if path.name == "stop":
+            self._stops.append(route)
+        elif path.parent.name == "static":
+            kind = KINDS[path.suffix]
+            route.fulfill(body=(STATIC / path.name).read_text(encoding="utf-8"), content_type=kind)
+        elif path.name == "":
+            shell = (STATIC / "shell.html").read_text(encoding="utf-8")
+            route.fulfill(body=shell, content_type="text/html")
+        else:
+            route.fulfill(body="", content_type="text/html")
+
+    def hear(self, bar):
+        self._sockets[-1].send(json.dumps(bar))
+        expect(self.page.locator("#robot")).to_have_text(bar["robot"])
+
+    def refuse(self, why):
+        # By both ways that the page asked by.
+        expect(self.line).to_have_text("Stopping")
+        self._stops.pop().fulfill(status=409, body=json.dumps({"detail": why}))
+        self._sockets[-1].send(json.dumps({"stopped": False, "why": why}))
+        expect(self.line).to_have_text(f"Not stopped: {why}")
+
+
+@pytest.fixture
+def shell(new_context):
+    return Shell(new_context().new_page())
+
+
+def test_a_stop_that_did_not_work_is_said_as_long_as_it_could_be_tried_again(shell):
+    shell.hear(SENDING)
+    shell.button.click()
+    shell.refuse("the link is gone")
+    shell.hear({**SENDING, "robot": "Sending: robot moving, step 2 of 9"})
+    expect(shell.line).to_have_text("Not stopped: the link is gone")
+    shell.hear(IDLE)
+    expect(shell.line).to_be_empty()
+
+
+def test_a_stop_that_came_too_late_is_said_until_the_robot_does_something_else(shell):
+    shell.hear(SENDING)
+    shell.button.click()
+    shell.hear(IDLE)
+    shell.refuse("nothing is sent")
+    shell.hear(IDLE)
+    expect(shell.line).to_have_text("Not stopped: nothing is sent")
+    shell.hear(SENDING)
+    expect(shell.line).to_be_empty()

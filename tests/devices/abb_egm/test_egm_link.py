@@ -1,0 +1,216 @@
+"""A plan streamed to the twin of a controller: all of it, once, on its way; any doubt ends it."""
+
+import json
+import time
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from egm_scenes import PATIENT, twin_of
+from waiting import wait_until
+
+from workbench.devices.abb_egm import wire
+from workbench.devices.abb_egm.link import AbbEgm
+from workbench.devices.abb_egm.orders import Run, score_of
+from workbench.model.errors import CommandRefused, InputError, JobCancelled, LinkError
+from workbench.plugins.robot_link import Simulation, send
+from workbench.testing import check_robot_link
+
+pytest.importorskip(
+    "google.protobuf", reason="protobuf is not installed: pip install 'workbench[egm]'"
+)
+
+
+def off_the_way(cell, plan, approval, q, arm):
+    """How far [rad] a configuration is from anything that this arm does in the plan."""
+    ways = [one.way for one in score_of(cell, plan, approval).items if isinstance(one, Run)]
+    ways = [way for way in ways if way.path.shape[1] == len(q)]
+    names = [one.arm for one in score_of(cell, plan, approval).items if isinstance(one, Run)]
+    fine = [
+        way.at(s)[0]
+        for way, name in zip(ways, names, strict=True)
+        if name == arm
+        for s in np.linspace(0, way.s[-1], 400)
+    ]
+    return float(np.abs(np.array(fine) - q).max(axis=1).min())
+
+
+@pytest.mark.timeout(1800)
+def test_it_keeps_the_promises_of_every_link(planned):
+    check_robot_link(AbbEgm(), *planned)
+
+
+def test_a_plan_is_streamed_once_with_its_grips_between_and_each_arm_ends_where_it_should(
+    planned, tmp_path
+):
+    cell, plan, approval = planned
+    shown, record = [], tmp_path / "orders.jsonl"
+    with twin_of(cell, record=record) as (twin, there):
+        receipts = list(send(plan, approval, there, show=shown.append, patience=PATIENT))
+        legs = [leg for step in plan.sequence for _, leg in step.runs]
+        assert [one.kind for one in receipts if one.kind != "order"] == legs
+        assert [one.done for one in receipts] == list(range(1, receipts[-1].total + 1))
+        for arm in twin.arms:
+            end = plan.arm(arm.arm.name).legs[-1].q[-1]
+            assert np.abs(arm.arm.from_axes(arm.axes) - end).max() < np.deg2rad(0.1)
+            words = [order[3] for order in arm.orders]
+            assert words == [wire.BEGIN, *[wire.GRIP] * (len(words) - 2), wire.END]
+            closed = [bool(order[5]) for order in arm.orders if order[3] == wire.GRIP]
+            assert closed == [False, True, False], "open, closed on the part, open at the place"
+            numbers = [order[2] for order in arm.orders]
+            assert numbers == [float(n) for n in range(1, len(numbers) + 1)]
+        assert len(record.read_text().splitlines()) == sum(len(arm.orders) for arm in twin.arms)
+        assert json.loads(record.read_text().splitlines()[0])["order"][0] == wire.VERSION
+        assert shown[-1].phase == "ended" and set(shown[-1].joints) == {"right", "left"}
+        # Modules in RAPID remember the ticket: the same approval moves nothing again.
+        before = [arm.orders[:] for arm in twin.arms]
+        with pytest.raises(LinkError, match="has begun this plan already"):
+            list(send(plan, approval, there, patience=PATIENT))
+        assert [arm.orders for arm in twin.arms] == before
+
+
+def test_an_approval_that_ran_out_before_anything_was_sent_moves_nothing(planned):
+    cell, plan, approval = planned
+    asked = []
+
+    def now() -> float:
+        asked.append(1)
+        return approval.at + (0 if len(asked) < 3 else 1e6)
+
+    with twin_of(cell) as (twin, there), pytest.raises(CommandRefused, match="ran out"):
+        list(send(plan, approval, there, now=now, patience=PATIENT))
+    assert all(not arm.is_attached and arm.orders == [] for arm in twin.arms)
+
+
+def test_a_robot_that_stands_elsewhere_is_told_nothing(planned):
+    cell, plan, approval = planned
+    with twin_of(cell) as (twin, there):
+        twin.arms[0]._target = twin.arms[0].axes = twin.arms[0].axes + np.deg2rad(0.5)
+        with pytest.raises(LinkError, match=r"stands 0\.5 degrees from where the plan begins"):
+            list(send(plan, approval, there, patience=PATIENT))
+        assert not twin.arms[0].is_attached and twin.arms[0].orders == []
+
+
+@pytest.mark.parametrize(
+    ("fault", "says"),
+    [
+        ("motors-off@1", "the motors are off in leg 1"),
+        ("stuck@1", "does not follow in leg 1"),
+        ("twice@1", "twice, or out of order"),
+        ("jitter@1", "reports came at once in leg 1|silent"),
+        ("cut@1", "silent for 300 ms"),
+    ],
+)
+def test_a_doubt_ends_the_motion_on_the_way(planned, fault, says):
+    cell, plan, approval = planned
+    taken = []
+    with twin_of(cell, silence_ms=300 if "cut" in fault else 200, faults=[fault]) as (twin, there):
+        with pytest.raises(LinkError, match=says):
+            for receipt in send(plan, approval, there, patience=PATIENT):
+                taken.append(receipt.kind)
+        arm = twin.arms[0] if twin.arms[0].leg or twin.arms[0].orders[-1][3] else twin.arms[1]
+        assert set(taken) == {"order"}, "no leg was told to be done"
+        if "cut" in fault:
+            wait_until(lambda: all(one.mci == wire.MCI_STOPPED for one in twin.arms))
+        stood = [one.axes.copy() for one in twin.arms]
+        time.sleep(0.02)
+        assert all(np.array_equal(a, one.axes) for a, one in zip(stood, twin.arms, strict=True))
+        q = arm.arm.from_axes(arm.axes)
+        assert off_the_way(cell, plan, approval, q, arm.arm.name) < np.deg2rad(0.5)
+
+
+def test_reports_that_are_lost_now_and_then_make_it_later_and_leave_it_on_its_way(planned):
+    cell, plan, approval = planned
+    with twin_of(cell, faults=["lost@1"]) as (twin, there):
+        sending = send(plan, approval, there, patience=PATIENT)
+        name, leg = plan.sequence[0].runs[0]
+        next(one for one in sending if one.kind == leg)
+        arm = next(one for one in twin.arms if one.arm.name == name)
+        end = plan.arm(name).leg(leg).q[-1]
+        assert np.abs(arm.arm.from_axes(arm.axes) - end).max() < np.deg2rad(0.2)
+        sending.close()
+
+
+def test_a_stop_brakes_on_the_way_and_tells_that_the_robot_stands(planned):
+    cell, plan, approval = planned
+    shown = []
+    with twin_of(cell) as (twin, there):
+        with pytest.raises(JobCancelled, match=r"reported that it stands after \d+ ms"):
+            list(
+                send(
+                    plan,
+                    approval,
+                    there,
+                    cancelled=lambda: any(arm.leg == 2 for arm in twin.arms),
+                    show=shown.append,
+                    patience=PATIENT,
+                )
+            )
+        assert shown[-1].phase == "stopped" and shown[-1].stopped is not None
+        for arm in twin.arms:
+            assert arm.orders[-1][3] == wire.END
+            q = arm.arm.from_axes(arm.axes)
+            assert off_the_way(cell, plan, approval, q, arm.arm.name) < np.deg2rad(0.2)
+
+
+def test_whoever_goes_away_leaves_a_robot_that_stands(planned):
+    cell, plan, approval = planned
+    with twin_of(cell) as (twin, there):
+        sending = send(plan, approval, there, patience=PATIENT)
+        for receipt in sending:
+            if receipt.kind != "order":
+                break
+        # Nobody asks for the next receipt: nobody answers, and EGM gives up.
+        wait_until(lambda: any(arm.mci == wire.MCI_STOPPED for arm in twin.arms))
+        with pytest.raises(LinkError):
+            list(sending)
+
+
+def test_states_are_reported_also_while_nothing_is_sent(planned):
+    cell, _, _ = planned
+    with twin_of(cell, speed=20.0) as (twin, there):
+        states = AbbEgm().states(there, lambda: False)
+        state = next(states)
+        assert state.joints["left"] == pytest.approx(cell.arm("left").home.tolist())
+        assert state.fault == "" and state.moving == ""
+        twin.arms[1].motors = wire.MOTORS_OFF
+        assert next(states).fault == f"{twin.arms[1].arm.name}: the motors are off"
+        states.close()
+
+
+def test_a_port_that_is_taken_and_one_where_nobody_reports_are_told_in_one_sentence(planned):
+    cell, plan, approval = planned
+    with twin_of(cell, speed=1.0) as (_, there):
+        first = AbbEgm().states(there, lambda: False)
+        next(first)
+        with pytest.raises(LinkError, match="cannot be listened to"):
+            next(AbbEgm().states(there, lambda: False))
+        first.close()
+        empty = replace(there.controller, port=there.controller.port + 40)
+        with pytest.raises(LinkError, match="no EGM of a controller reports"):
+            list(send(plan, approval, replace(there, controller=empty), patience=PATIENT))
+
+
+def test_a_slower_share_takes_as_much_longer(planned):
+    cell, plan, approval = planned
+    slow = replace(approval, speed_share=0.5)
+    with twin_of(cell) as (twin, there):
+        began = twin._tick
+        sending = send(plan, slow, there, patience=PATIENT)
+        name, leg = plan.sequence[0].runs[0]
+        sent = next(one.sent for one in sending if one.kind == leg)
+        planned_seconds = plan.arm(name).leg(leg).seconds
+        assert sent == f"{planned_seconds * 2:.3f} s of references"
+        assert (twin._tick - began) * 0.004 >= planned_seconds * 2
+        sending.close()
+
+
+def test_cells_and_wishes_that_it_cannot_serve_are_refused(planned):
+    cell, _, _ = planned
+    link = AbbEgm()
+    near = replace(cell, controller=replace(cell.controller, state_port=cell.controller.port + 1))
+    with pytest.raises(InputError, match="as many ports from each on as there are arms"):
+        link.check(near)
+    wanted = Simulation("127.0.0.1", 0, 0, 1.0, None, None, ("melts",), float("inf"))
+    with pytest.raises(InputError, match="fault 'melts'"):
+        link.serve(cell, wanted, lambda running: None)

@@ -1,0 +1,44 @@
+"""What the tests of EGM share: a cell with two arms of seven axes, its plan, and the twin."""
+
+import threading
+from contextlib import contextmanager
+from dataclasses import replace
+
+from waiting import PATIENCE
+
+import workbench
+from workbench.devices.abb_egm.twin import SimulatedEgm
+from workbench.plugins.robot_link import LinkPatience, controller_by
+
+PATIENT = LinkPatience(PATIENCE, PATIENCE, PATIENCE, PATIENCE, 1.0)
+
+
+def plan_of_two():
+    """YuMi by this link, a plan in which both arms take a part, and its approval."""
+    cell = workbench.read_cell("yumi")
+    options = {"silence_ms": 1000}
+    cell = replace(cell, controller=controller_by("abb-egm", "127.0.0.1", 6510, 6520, options))
+    parts = workbench.drop_parts(cell.parts[:1] * 2, cell.bin, seed=1)
+    result = workbench.plan(cell, parts, strategy="alternated")
+    assert result.plan is not None, result.verdict
+    return cell, result.plan, workbench.approve(cell, result.plan, result.proof, "tester")
+
+
+@contextmanager
+def twin_of(cell, silence_ms=1000, speed=100.0, **given):
+    """The twin, and the cell with its controller there."""
+    twin = SimulatedEgm(cell, "127.0.0.1", 0, 0, speed=speed, **given)
+    thread = threading.Thread(target=twin.run)
+    thread.start()
+    at = replace(
+        cell.controller,
+        port=twin.port,
+        state_port=twin.state_port,
+        options={"silence_ms": silence_ms},
+    )
+    try:
+        yield twin, replace(cell, controller=at)
+    finally:
+        twin.stop()
+        thread.join(PATIENCE)
+        assert not thread.is_alive()

@@ -1,0 +1,40 @@
+"""A controller of Universal Robots, simulated, for as long as a test needs it."""
+
+import os
+import random
+import threading
+import time
+from contextlib import contextmanager
+from dataclasses import replace
+
+from waiting import PATIENCE
+
+from workbench.devices.universal_robots.flange import Flange
+from workbench.devices.universal_robots.twin import SimulatedUr
+from workbench.plugins.robot_link import LinkPatience
+
+PATIENT = LinkPatience(PATIENCE, PATIENCE, PATIENCE, PATIENCE, 1.0)
+
+
+def own_host() -> str:
+    """An address of this machine that no other test has: the client chooses no ports."""
+    one = random.Random(f"{os.getpid()} {time.time_ns()}")
+    return f"127.{one.randint(64, 250)}.{one.randint(1, 250)}.{one.randint(1, 250)}"
+
+
+@contextmanager
+def twin_of(cell, host, **options):
+    """The twin at that address, and the cell with its controller there."""
+    arm = cell.arms[0]
+    start = options.pop("start", arm.to_axes(arm.home).tolist())
+    positions = Flange(cell, arm).at
+    twin = SimulatedUr(host, 0, start, positions=positions, **({"speed": 50.0} | options))
+    thread = threading.Thread(target=twin.run)
+    thread.start()
+    at = replace(cell.controller, host=host, port=twin.port)
+    try:
+        yield twin, replace(cell, controller=at)
+    finally:
+        twin.stop()
+        thread.join(PATIENCE)
+        assert not thread.is_alive()

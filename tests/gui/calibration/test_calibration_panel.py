@@ -1,0 +1,38 @@
+"""The tab that finds out where the scanner hangs, without a browser."""
+
+import threading
+
+import numpy as np
+
+import workbench.app.picking.held_plate
+from workbench.app.core.value_checks import MOST_SIGHTINGS
+from workbench.gui.calibration.panel import SUGGEST, CalibrationPanel
+
+
+def test_every_pose_that_may_be_scanned_has_a_row(visitor):
+    assert len(CalibrationPanel(visitor)._rows) == MOST_SIGHTINGS
+
+
+def test_a_second_click_while_a_pose_is_looked_for_does_nothing(visitor, monkeypatch):
+    begun, may_end, calls = threading.Event(), threading.Event(), []
+
+    def slow(cell, arm, plate, count, *, seed):
+        calls.append(seed)
+        begun.set()
+        assert may_end.wait(60)
+        return [np.asarray(arm.home)]
+
+    monkeypatch.setattr(workbench.app.picking.held_plate, "suggested_poses", slow)
+    panel = CalibrationPanel(visitor)
+    first = threading.Thread(target=panel._suggest_next)
+    first.start()
+    assert begun.wait(60)
+    assert panel._suggest.disabled and panel._suggest.label != SUGGEST
+    second = threading.Thread(target=panel._suggest_next)
+    second.start()
+    second.join(1)
+    may_end.set()
+    first.join(60)
+    second.join(60)
+    assert (panel._suggest.label, panel._suggest.disabled) == (SUGGEST, False)
+    assert len(calls) == 1

@@ -1,0 +1,33 @@
+"""The tab of candidates: what is looked at is steered by who is in control."""
+
+import pytest
+
+from workbench.app.core.commands import TakeControl
+from workbench.app.core.people import Person, Role
+from workbench.app.runtime.live import Live
+from workbench.gui.candidates.panel import CandidatesPanel
+from workbench.gui.shared.look import View
+
+
+@pytest.fixture
+def panel(visitor, states):
+    panel = CandidatesPanel(visitor, lambda: None)
+    panel.show(None, View(states.planned, Live(), visitor.look.now, (), 0.0))
+    return panel
+
+
+def test_a_row_that_is_clicked_is_looked_at_and_a_second_click_ends_that(panel, visitor):
+    panel._choose(1)
+    assert visitor.look.now.candidate == panel._shown[1]
+    panel._choose(1)
+    assert visitor.look.now.candidate is None and visitor.client.told == []
+
+
+@pytest.mark.parametrize("role", [Role.VIEWER, Role.OPERATOR])
+def test_who_may_not_choose_is_told_why(panel, visitor, bench, role):
+    bench.do(TakeControl(), "Ada")
+    visitor.person = Person("Bob", role)
+    panel._choose(1)
+    assert visitor.look.now.candidate is None
+    (told,) = visitor.client.told
+    assert "you are a viewer" in told if role is Role.VIEWER else "Ada is in control" in told

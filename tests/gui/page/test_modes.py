@@ -1,0 +1,114 @@
+"""What the page says the robots of the scene are: one rule, in every phase."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from workbench.app.runtime.live import Live
+from workbench.gui.page.modes import ENDS, STANDS, Mode, mode_html, mode_of
+from workbench.gui.shared.look import Jogged, Look, SharedLook
+from workbench.gui.shared.own import Own
+
+
+@pytest.fixture
+def live(cell):
+    """A robot that stands at home and says so."""
+    return Live(
+        joints={j: q for arm in cell.arms for j, q in zip(arm.joints, arm.home, strict=True)}
+    )
+
+
+def test_without_a_preview_it_is_live_if_it_is_known_where_the_robot_is(states, view_of, live):
+    for state in (states.idle, states.planned, states.fault, states.done):
+        assert mode_of(view_of(state, live=live)) is Mode.LIVE
+        assert mode_of(view_of(state)) is Mode.NO_REPORT
+    assert mode_of(view_of(states.sending, live=live)) is Mode.MOVING
+    assert "does not report" in mode_html(view_of(states.idle))
+
+
+def test_one_joint_that_is_not_reported_is_no_report(states, view_of, live):
+    joint = next(iter(live.joints))
+    some = Live(joints={name: q for name, q in live.joints.items() if name != joint})
+    assert mode_of(view_of(states.idle, live=some)) is Mode.NO_REPORT
+
+
+def test_a_preview_says_so_until_its_end_and_there_too(states, view_of, live, result):
+    end = result.plan.cycle_seconds
+    for time, playing, mode in (
+        (0.0, True, Mode.PREVIEW),
+        (2.0, False, Mode.PREVIEW),
+        (end, False, Mode.END),
+        (0.0, False, Mode.LIVE),
+    ):
+        view = view_of(states.planned, Look(time=time, is_playing=playing, follows=False), live)
+        assert mode_of(view) is mode
+    assert "nothing was sent" in mode_html(view_of(states.planned, Look(time=end, follows=False)))
+
+
+def test_after_a_cycle_the_start_of_its_plan_is_no_live_picture(states, view_of, live):
+    """The parts lie in the bin there, and in truth on their trays."""
+    assert mode_of(view_of(states.done, Look(time=0.0, follows=False), live)) is Mode.PREVIEW
+
+
+def test_what_one_does_alone_is_said_there_and_a_recording_never_looks_live(
+    states, view_of, live, cell
+):
+    q = {arm.name: np.asarray(arm.home) for arm in cell.arms}
+    jogged = replace(
+        view_of(states.planned, live=live), own=Own(jog=q), jogged=Jogged(q, (), 1.0, None, ())
+    )
+    assert mode_of(jogged) is Mode.JOG
+    assert "in your view alone" in mode_html(jogged)
+    for state in states.all:
+        assert mode_of(replace(view_of(state), is_recorded=True)) is Mode.RECORDED
+
+
+def test_each_mode_that_a_person_ends_says_how(states):
+    assert set(STANDS) == set(Mode)
+    assert set(ENDS) == {Mode.PREVIEW, Mode.END, Mode.JOG, Mode.POSE}
+
+
+def test_a_preview_after_a_cycle_is_ended_by_another_button(states, view_of, live):
+    look = Look(time=2.0, follows=False)
+    for state in (states.done, states.fault):
+        html = mode_html(view_of(state, look, live))
+        assert "Ends with End preview" in html and "To the start" not in html
+    assert "Ends with To the start, or Send" in mode_html(view_of(states.planned, look, live))
+
+
+def test_the_legend_says_of_what_the_collision_shapes_are(states, view_of, live, cell):
+    def said(view):
+        html = mode_html(replace(view, look=replace(view.look, shapes=True)))
+        assert "Solid" not in html and "See-through" not in html
+        return html
+
+    assert "Collision shapes: the robot, as its" in said(view_of(states.idle, live=live))
+    assert "Collision shapes: drawn at home; the" in said(view_of(states.idle))
+    moved = Look(time=2.0, follows=False)
+    for there in (live, Live()):
+        view = view_of(states.planned, moved, there)
+        assert view.planned_arms
+        assert "Collision shapes: where the plan has it" in said(view)
+    q = {arm.name: np.asarray(arm.home) for arm in cell.arms}
+    by_hand = replace(view_of(states.idle), own=Own(jog=q), jogged=Jogged(q, (), 1.0, None, ()))
+    assert "Collision shapes: moved by you" in said(by_hand)
+    recorded = replace(view_of(states.planned, moved), is_recorded=True)
+    assert "Collision shapes: the recorded plan" in said(recorded)
+
+
+def test_a_candidate_and_a_preview_take_each_others_place():
+    look = SharedLook(lambda: None)
+    look.change(candidate=3, pose=0)
+    assert look.now.follows and look.now.candidate == 3
+    look.change(is_playing=True, browser=1)
+    assert look.now.candidate is None and not look.now.follows
+    look.change(time=4.0, is_playing=False)
+    look.change(candidate=2, pose=0)
+    assert look.now.candidate == 2 and look.now.time == 0.0
+
+
+def test_the_legend_names_the_candidate_that_is_looked_at(states, view_of, live):
+    chosen, none = (view_of(states.planned, Look(candidate=k), live) for k in (0, None))
+    assert "the chosen candidate" in mode_html(chosen)
+    assert "the chosen candidate" not in mode_html(none)

@@ -1,0 +1,103 @@
+"""The tab with the parts found: what is chosen stays chosen when others change the list."""
+
+import numpy as np
+import pytest
+
+from workbench.app.core.commands import FindParts, JobEnded, TakeControl, UseDetections, UseScan
+from workbench.app.core.people import Person, Role
+from workbench.app.runtime.live import Live
+from workbench.gui.parts.panel import PartsPanel
+from workbench.gui.shared.look import View
+from workbench.model.geometry import pose_from_rpy
+from workbench.model.scan import Detection
+
+
+@pytest.fixture
+def panel(visitor, bench, scan, detections):
+    """Before three parts, as drawn."""
+    bench.do(UseScan(scan), "Ada")
+    number = bench.do(FindParts(), "Ada").number
+    third = Detection("keyed_cylinder", pose_from_rpy((0.4, 0.0, 0.1), (0.0, 0.0, 0.0)))
+    bench.do(JobEnded(number, (*detections, third)), "worker")
+    panel = PartsPanel(visitor)
+    panel.show(None, View(bench.state, Live(), visitor.look.now, (), 0.0))
+    return panel
+
+
+@pytest.fixture
+def draw(panel, visitor, bench):
+    """Draws what has become of it."""
+    before = bench.state
+
+    def show() -> None:
+        nonlocal before
+        old, before = before, bench.state
+        views = (View(state, Live(), visitor.look.now, (), 0.0) for state in (old, before))
+        panel.show(*views)
+
+    return show
+
+
+def marked(panel) -> list[bool]:
+    return ["wb-chosen" in row for row in panel._table.content.split("<tr")[2:]]
+
+
+def test_the_first_of_the_parts_found_is_chosen(panel):
+    assert marked(panel) == [True, False, False]
+
+
+def test_a_choice_stays_with_its_part_when_somebody_else_vetoes_one_before_it(panel, bench, draw):
+    _, second, third = bench.state.detections
+    panel._choose(1)
+    assert marked(panel) == [False, True, False]
+    bench.do(UseDetections((second, third), "part-1 was vetoed"), "Bob")
+    draw()
+    assert marked(panel) == [True, False]
+    panel._visitor.ask(panel._without)
+    assert bench.state.detections == (third,)
+
+
+def test_a_choice_goes_with_its_part(panel, visitor, bench, draw):
+    first, _, third = bench.state.detections
+    panel._choose(1)
+    bench.do(UseDetections((first, third), "part-2 was vetoed"), "Bob")
+    # Before it is drawn, too.
+    assert not panel._correct(pose_from_rpy((0.4, 0.1, 0.1), (0.0, 0.0, 0.0)))
+    assert visitor.client.told == ["choose a part in the table first"]
+    draw()
+    assert marked(panel) == [False, False]
+    assert panel._veto.disabled and panel._inputs._apply.disabled
+    assert bench.state.detections == (first, third)
+    panel._choose(1)
+    assert marked(panel) == [False, True]
+    assert not panel._veto.disabled and not panel._inputs._apply.disabled
+
+
+def test_a_row_that_was_drawn_is_the_part_that_is_meant(panel, visitor, bench):
+    _, second, third = bench.state.detections
+    bench.do(UseDetections((second, third), "part-1 was vetoed"), "Bob")
+    panel._choose(1)
+    panel._visitor.ask(panel._without)
+    assert bench.state.detections == (third,)
+
+
+def test_a_part_that_was_moved_or_added_is_chosen(panel, bench, draw):
+    panel._choose(2)
+    T = pose_from_rpy((0.4, 0.1, 0.1), (0.0, 0.0, 0.0))
+    assert panel._correct(T)
+    draw()
+    assert marked(panel) == [False, False, True]
+    np.testing.assert_allclose(bench.state.detections[2].T_world_part.translation, T.translation)
+    panel._add_one()
+    draw()
+    assert marked(panel) == [False, False, False, True]
+
+
+def test_what_is_refused_changes_no_choice(panel, visitor, bench, draw):
+    visitor.person = Person("Bob", Role.OPERATOR)
+    bench.do(TakeControl(), "Ada")
+    panel._choose(1)
+    panel._add_one()
+    assert not panel._correct(pose_from_rpy((0.4, 0.1, 0.1), (0.0, 0.0, 0.0)))
+    draw()
+    assert marked(panel) == [False, True, False]

@@ -1,0 +1,96 @@
+"""The plan over time, as lanes and curves."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from workbench.gui.plan.curves import (
+    STRAIGHT,
+    clearance_curves,
+    doing,
+    joint_curves,
+    lanes_html,
+    speed_curve,
+)
+from workbench.gui.shared.playback import Run, timeline
+from workbench.gui.shared.plots import cursor_style
+
+
+@pytest.fixture(scope="module")
+def runs(result):
+    return timeline(result.plan)
+
+
+def test_each_leg_has_a_block_and_each_arm_a_lane(cell, result, runs):
+    html = lanes_html(cell, runs, result.plan.cycle_seconds)
+    assert html.count('class="wb-block"') == len(runs)
+    assert html.count('class="wb-lane"') == len(cell.arms)
+
+
+def test_the_joint_curves_begin_at_home_in_degrees_and_wire_order(cell, result, runs):
+    right = cell.arm("right")
+    times, *axes = joint_curves(right, runs, result.plan.cycle_seconds)
+    assert times[-1] == pytest.approx(result.plan.cycle_seconds)
+    np.testing.assert_allclose(
+        [curve[0] for curve in axes], [0, -130, 30, 0, 40, 0, -135], atol=0.01
+    )
+
+
+def test_the_lowest_point_of_the_clearance_curve_is_the_smallest_clearance(result, runs):
+    proof = result.proof
+    times, free, straight, _ = clearance_curves(runs, proof)
+    assert np.all(np.diff(times) > 0)
+    assert np.all(np.isfinite(free) | np.isfinite(straight)), "something moves all the time"
+    assert np.nanmin(free) == pytest.approx(proof.clearance * 1000, abs=1e-9)
+    near = min(d.min() for _, leg, d in proof.clearances if leg in STRAIGHT)
+    assert np.nanmin(straight) == pytest.approx(near * 1000)
+
+
+def test_an_arm_that_waits_for_the_other_still_counts(result, runs):
+    """Two legs at once, one of them longer: what was proven of the first holds until then."""
+    first = runs[0]
+    leg = replace(first.leg, t=0.5 * np.asarray(first.leg.t))
+    both = (
+        Run("right", leg, 0.0, leg.seconds),
+        Run("left", first.leg, 0.0, first.leg.seconds),
+    )
+    count = len(leg.t)
+    near, far = np.full(count, 0.020), np.full(count, 0.090)
+    near[count - 2] = 0.010
+    clearances = (("right", leg.name, near), ("left", leg.name, far))
+    times, free, _, _ = clearance_curves(both, replace(result.proof, clearances=clearances))
+    assert times[-1] > 1.9 * leg.seconds
+    assert np.all(free[times > leg.seconds] == pytest.approx(10.0))
+
+
+def test_a_proof_without_clearances_has_an_empty_curve(result, runs):
+    times, free, straight, _ = clearance_curves(runs, replace(result.proof, clearances=()))
+    assert len(times) == len(free) == len(straight) == 2
+    assert np.isnan(free).all()
+
+
+@pytest.mark.parametrize(
+    ("time", "share"), [(-1.0, "0.00%"), (0.0, "0.00%"), (5.0, "50.00%"), (99.0, "100.00%")]
+)
+def test_the_cursor_stays_within_its_track(time, share):
+    assert f"--wb-at:{share}" in cursor_style(time, 10.0)
+
+
+def test_what_goes_on_is_said(cell, result, runs):
+    first = runs[0]
+    assert doing(runs, first.start) == f"{first.arm} {first.leg.name}"
+    assert doing(runs, result.plan.cycle_seconds + 1) == "at the end"
+    assert doing((), 0.0) == "at home"
+
+
+def test_the_distance_between_the_arms_is_that_of_the_proof(result, runs):
+    *_, apart = clearance_curves(runs, result.proof)
+    smallest = min(float(values.min()) for _, _, values in result.proof.apart)
+    assert np.nanmin(apart) == pytest.approx(smallest * 1000)
+
+
+def test_no_joint_is_faster_than_its_limit(cell, result, runs):
+    for arm in cell.arms:
+        share = speed_curve(arm, cell, runs, result.plan.cycle_seconds)
+        assert 1.0 < share.max() <= 100.0

@@ -1,0 +1,66 @@
+"""Curves over the time of a plan: where their cursor stands, and what is read there."""
+
+import math
+import re
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from workbench.gui.plan.curves import plots_of
+from workbench.gui.shared.playback import timeline
+from workbench.gui.shared.plots import (
+    MOST_TICKS,
+    Curve,
+    Plot,
+    cursor_style,
+    legend_html,
+    plot_html,
+    ticks,
+)
+
+
+@given(st.floats(-1e4, 1e4), st.floats(1e-3, 1e4))
+def test_ticks_are_few_round_and_inside(low, width):
+    found = ticks(low, low + width)
+    assert 1 <= len(found) <= MOST_TICKS + 1
+    assert all(low - 1e-6 * width <= one <= low + width * (1 + 1e-6) for one in found)
+    steps = np.diff(found)
+    if len(steps):
+        first = steps[0] / 10 ** math.floor(math.log10(steps[0]) + 1e-9)
+        assert first == pytest.approx(round(first), rel=1e-6) and round(first) in (1, 2, 5)
+
+
+def test_every_plot_of_a_plan_has_a_cursor_and_goes_to_the_slider(cell, result):
+    runs, seconds = timeline(result.plan), result.plan.cycle_seconds
+    plots = plots_of(cell, runs, seconds, result.proof)
+    assert [plot.unit for plot in plots] == ["mm", "mm", "%", "deg", "deg"]
+    for plot in plots:
+        html = plot_html(plot, seconds, "slider-7")
+        assert html.count('class="wb-at"') == 1
+        assert html.count("<path") == len(plot.curves)
+        assert "slider-7" in html and "nan" not in html
+    assert f"{100 * 3 / seconds:.2f}%" in cursor_style(3.0, seconds)
+
+
+def test_clearance_and_the_distance_of_the_arms_have_axes_of_their_own(cell, result):
+    clear, apart, *_ = plots_of(
+        cell, timeline(result.plan), result.plan.cycle_seconds, result.proof
+    )
+    assert clear.bounds[1] <= 100.0 < apart.bounds[1]
+
+
+def test_a_gap_is_a_gap_and_a_bound_holds_from_its_waypoint_on():
+    times = np.array([0.0, 1.0, 2.0, 3.0])
+    plot = Plot("t", "mm", times, (Curve("a", "#000", np.array([1.0, 2.0, np.nan, 4.0])),))
+    path = re.search(r'd="([^"]*)"', plot_html(plot, 3.0, "s"))[1]
+    assert path.count("M") == 2 and path.count("L") == 1
+    for time, said in ((0.0, "1.0"), (1.9, "2.0"), (2.5, "-"), (9.0, "4.0")):
+        assert f"<b>{said}</b>" in legend_html(plot, time)
+
+
+def test_what_is_written_in_a_plot_is_text():
+    plot = Plot("<i>", "<u>", np.zeros(2), (Curve("<b>x", "#000", np.zeros(2)),))
+    assert "<i>" not in plot_html(plot, 1.0, "s")
+    assert "<b>x" not in legend_html(plot, 0.0)

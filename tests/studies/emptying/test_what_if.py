@@ -1,0 +1,142 @@
+"""Which single change gains most, and a study that goes on after it was stopped."""
+
+from dataclasses import replace
+
+import pytest
+
+from workbench.formats.cells.reading import read_cell
+from workbench.model.errors import FileError, InputError
+from workbench.studies.cases import run_cases
+from workbench.studies.emptying import kept
+from workbench.studies.emptying.changes import changed
+from workbench.studies.emptying.empty import emptied, pile_of
+from workbench.studies.emptying.kept import emptied_all
+from workbench.studies.emptying.scene import Left, Scene, Task
+from workbench.studies.emptying.what_if import kinds_of, ranked, tasks_with_changes
+
+PILE = Task("yumi", "", 2, 3, settles=False)
+
+
+def made(task: Task) -> Scene:
+    """A pile as if it had been emptied: what is taken depends on the task alone."""
+    taken = (len(task.change) + task.seed) % 3
+    left = tuple(Left(f"part-{k}", "tool collision", "why", "") for k in range(2 - taken))
+    return Scene(task, 2, taken, (0, 0, 0), 0, 0, taken, 2, float(taken), left, (0.1,),
+                 (("propose", 0.1),), 0.0)  # fmt: skip
+
+
+def nothing(done: float, note: str) -> None:
+    pass
+
+
+def test_changes_are_ranked_by_what_they_gain_on_the_same_piles():
+    cell = read_cell("yumi")
+    tasks = tasks_with_changes(cell, [PILE, replace(PILE, seed=4)], kinds_of("lifts+margins"))
+    changes = list(dict.fromkeys(task.change for task in tasks))
+    assert changes[0] == "" and "near_margin_mm halved" in changes and len(changes) >= 5
+    assert [task.seed for task in tasks] == [3, 4] * len(changes)
+    rows = ranked([made(task) for task in tasks], scan_seconds=1.0, approval_seconds=0.0)
+    assert [row["parts_gained"] for row in rows] == sorted(
+        (row["parts_gained"] for row in rows), reverse=True
+    )
+    assert {row["change"] for row in rows} == set(changes) - {""}
+    before = sum(made(task).taken for task in tasks[:2])
+    for row in rows:
+        assert row["taken_share_before"] == before / 4
+        assert sum(row["taken_by_scene"]) == before + row["parts_gained"]
+
+
+def test_what_changes_nothing_is_not_tried():
+    cell = read_cell("yumi")
+    assert "order travel" not in {one.change for one in
+                                  tasks_with_changes(cell, [PILE], kinds_of("order"))}  # fmt: skip
+
+
+def test_a_word_that_is_no_kind_of_change_is_refused():
+    with pytest.raises(InputError, match="'colours' is no kind of change"):
+        kinds_of("lifts+colours")
+
+
+def test_the_pile_lies_in_a_bin_that_is_moved_as_in_the_one_that_is_not():
+    task = replace(PILE, change="bin turned by 90 degrees")
+    cell = read_cell("yumi")
+    other = changed(cell, task.change)
+    for a, b in zip(pile_of(PILE, cell), pile_of(task, other), strict=True):
+        at = cell.bin.T_world_bin.actInv(a.T_world_part)
+        assert at.isApprox(other.bin.T_world_bin.actInv(b.T_world_part), 1e-9)
+
+
+def test_a_study_that_was_stopped_goes_on_and_finds_the_same(tmp_path, monkeypatch):
+    tasks = [replace(PILE, seed=seed) for seed in range(4)]
+    done: list[int] = []
+
+    def broken(task: Task) -> Scene:
+        if len(done) == 2:
+            raise KeyboardInterrupt
+        done.append(task.seed)
+        return made(task)
+
+    def run(function, folder):
+        monkeypatch.setattr(kept, "emptied", function)
+        return emptied_all(tasks, folder=folder, workers=1, scheduler=None, report=nothing)
+
+    with pytest.raises(KeyboardInterrupt):
+        run(broken, tmp_path / "kept")
+    rest: list[int] = []
+
+    def again(task: Task) -> Scene:
+        rest.append(task.seed)
+        return made(task)
+
+    found = run(again, tmp_path / "kept")
+    assert done == [0, 1] and rest == [2, 3]
+    assert found == run(again, None) and len(rest) == 6
+    assert run(again, tmp_path / "kept") == found and len(rest) == 6
+
+
+def test_a_file_that_is_no_pile_is_refused_in_one_sentence(tmp_path, monkeypatch):
+    monkeypatch.setattr(kept, "emptied", made)
+
+    def run():
+        return emptied_all([PILE], folder=tmp_path, workers=1, scheduler=None, report=nothing)
+
+    run()
+    (file,) = tmp_path.glob("*.json")
+    for content in ("{}", "[1]", "not json", file.read_text().replace('"taken"', '"token"')):
+        file.write_text(content)
+        with pytest.raises(FileError, match=str(file)):
+            run()
+
+
+def test_what_is_kept_is_the_pile_as_it_was_emptied(tmp_path):
+    first = emptied_all([PILE], folder=tmp_path, workers=1, scheduler=None, report=nothing)
+    again = emptied_all([PILE], folder=tmp_path, workers=1, scheduler=None, report=nothing)
+    assert again == first
+    (other,) = run_cases(emptied, [PILE])
+    assert replace(other, planning=(), stages=(), finding=0.0) == replace(
+        first[0], planning=(), stages=(), finding=0.0
+    )
+
+
+def test_a_change_of_the_cell_empties_the_same_pile():
+    scene = emptied(replace(PILE, change="straight up alone"))
+    assert scene.parts == 2 and scene.taken + len(scene.left) == 2
+
+
+def test_piles_that_another_state_of_the_program_has_emptied_are_emptied_again(
+    tmp_path, monkeypatch
+):
+    """The version says nothing: it is the same from one release to the next."""
+    emptied_now: list[int] = []
+
+    def noted(task: Task) -> Scene:
+        emptied_now.append(task.seed)
+        return made(task)
+
+    monkeypatch.setattr(kept, "emptied", noted)
+    for program in ("one", "one", "other", "one"):
+        kept._program.cache_clear()
+        monkeypatch.setattr(kept, "files_digest", lambda program=program: program)
+        emptied_all([PILE], folder=tmp_path, workers=1, scheduler=None, report=nothing)
+    kept._program.cache_clear()
+    assert len(emptied_now) == 2

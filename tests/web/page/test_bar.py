@@ -1,0 +1,49 @@
+"""What the bar above the scene says, and that it says it to whoever is logged in."""
+
+from dataclasses import replace
+
+import pytest
+
+from workbench.app.core.people import Person, Role
+from workbench.app.core.state import Phase, State
+from workbench.app.runtime.live import Live
+from workbench.formats.cells.reading import read_cell
+from workbench.model.release import LinkStatus
+from workbench.web.page.bar import bar_words, without_robot
+
+OTTO, VERA = Person("Otto", Role.OPERATOR), Person("Vera", Role.VIEWER)
+
+
+@pytest.fixture(scope="module")
+def idle():
+    return State(read_cell("yumi"))
+
+
+def test_stop_can_be_pressed_exactly_while_something_is_sent_also_by_who_is_not_in_control(idle):
+    for phase in Phase:
+        state = replace(idle, phase=phase, control="Anna", fault="x" if phase == "fault" else "")
+        said = bar_words(state, Live(), OTTO)
+        assert said["can_stop"] == (phase is Phase.SENDING)
+        assert bool(said["why"]) != said["can_stop"]
+        assert not bar_words(state, Live(), VERA)["can_stop"]
+
+
+def test_the_robot_and_the_fault_are_said_in_words_and_with_a_kind(idle):
+    assert bar_words(idle, Live(), OTTO)["robot"] == "Robot: no report"
+    live = Live(robot="stands", link=LinkStatus(phase="running", step=3, steps=12))
+    assert bar_words(idle, live, OTTO)["kind"] == "good"
+    sending = bar_words(replace(idle, phase=Phase.SENDING), live, OTTO)
+    assert (sending["robot"], sending["kind"]) == ("Sending: robot stands, step 3 of 12", "busy")
+    assert bar_words(idle, Live(robot="fault: emergency stop"), OTTO)["kind"] == "bad"
+    broken = replace(idle, phase=Phase.FAULT, fault="the controller closed the link")
+    assert bar_words(broken, live, OTTO)["fault"] == "the controller closed the link"
+    assert bar_words(idle, live, OTTO)["fault"] == ""
+    unseen = replace(live, link=LinkStatus(stop="nobody has reported that the robot stands"))
+    told = bar_words(broken, unseen, OTTO)["fault"]
+    assert told == "the controller closed the link; nobody has reported that the robot stands"
+
+
+def test_a_page_without_a_robot_has_no_bar():
+    said = without_robot(OTTO)
+    assert said.keys() == bar_words(State(read_cell("yumi")), Live(), OTTO).keys()
+    assert not said["has_robot"] and not said["can_stop"]

@@ -1,0 +1,221 @@
+"""What a person reads of a session: who, when, what was shown, proven, sent, heard, done besides.
+
+Tables of texts, made from the states of the session computed again; how they look is the matter of
+`pages`.
+"""
+
+import time
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+
+from workbench.app.core.commands import (
+    AcknowledgeChanges,
+    Approve,
+    Entry,
+    FindParts,
+    JobEnded,
+    LinkEnded,
+    MakePlan,
+    NextStep,
+    SendPlan,
+    Sent,
+    Started,
+    Stop,
+    TakeScan,
+    WantThreshold,
+    WatchPlan,
+)
+from workbench.app.core.rights import MACHINES
+from workbench.app.core.state import Phase, State
+from workbench.model.plan import Plan, Proof
+from workbench.model.release import manner_words
+
+USUAL = (TakeScan, FindParts, MakePlan, WantThreshold, WatchPlan, Approve, SendPlan, NextStep)
+"""What people do in every cycle; whatever else they do is an intervention."""
+
+
+@dataclass(frozen=True, slots=True)
+class Table:
+    """A table with what it says in a sentence or two; without columns, rows are name and value."""
+
+    title: str
+    says: str
+    columns: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]
+
+
+Moment = tuple[Entry, State]
+
+
+def tables_of(head: Mapping[str, str], moments: Iterable[Moment], broke: str = "") -> list[Table]:
+    """The report of a session.
+
+    Args:
+        head: name -> value, what is known of the session and this bundle.
+        moments: entries with the states after them, in order.
+        broke: why they end before the journal does; empty when they do not.
+    """
+    told = list(moments)
+    says = "Times are UTC by the clock of the machine. Digests are SHA-256."
+    if broke:
+        says += f" The session could not be computed again to its end: {broke}."
+    tables = [Table("Session", says, (), tuple(head.items()))]
+    tables.append(_starts(told))
+    tables.append(_people(told))
+    for number, cycle in enumerate(_cycles(told), 1):
+        tables.append(_cycle(number, cycle))
+    tables.append(_interventions(told))
+    tables.append(_log(told))
+    return tables
+
+
+def clock(at: float) -> str:
+    """A time [s since the epoch] as people read it, in UTC."""
+    return time.strftime("%Y-%m-%d %H:%M:%S", time.gmtime(at)) + f".{int(at * 1000) % 1000:03d}"
+
+
+def _starts(told: list[Moment]) -> Table:
+    rows: list[tuple[str, ...]] = []
+    for entry, state in told:
+        match entry.command:
+            case Started(ran=ran, changes=changes):
+                what = f"workbench {ran.workbench} ({ran.files[:12]}), {ran.python}"
+                users = ", ".join(f"{name} ({role})" for name, role in ran.users.items()) or "none"
+                parts = ", ".join(f"{name} {digest[:12]}" for name, digest in ran.parts.items())
+                listed = f"{len(ran.distributions)} distributions; users: {users}; parts: {parts}"
+                changed = "; changed: " + "; ".join(changes) if changes else ""
+                says = f"{what}, {ran.processor}, {ran.system}; {listed}{changed}"
+                rows.append((clock(entry.at), "start", f"{says}; inventory {ran.digest[:12]}"))
+            case AcknowledgeChanges():
+                rows.append((clock(entry.at), entry.actor, state.message))
+            case _:
+                pass
+    says = "At every start; the inventory is in the journal with all its digests."
+    if not rows:
+        says = "Nothing is on record: the session is from before that was."
+    return Table("What ran", says, ("when", "who", "what"), tuple(rows))
+
+
+def _people(told: list[Moment]) -> Table:
+    counts = Counter((e.actor, str(e.role)) for e, _ in told if e.actor not in MACHINES)
+    rows = tuple((name, role, str(count)) for (name, role), count in sorted(counts.items()))
+    return Table("Who acted", "", ("name", "role", "commands"), rows)
+
+
+def _cycles(told: list[Moment]) -> Iterator[list[Moment]]:
+    """From one sending to the next: all moments from the end of the cycle before."""
+    cycle: list[Moment] = []
+    for moment in told:
+        cycle.append(moment)
+        if isinstance(moment[0].command, LinkEnded):
+            yield cycle
+            cycle = []
+    if any(isinstance(entry.command, SendPlan) for entry, _ in cycle):
+        yield cycle
+
+
+def _cycle(number: int, cycle: list[Moment]) -> Table:
+    sent = next((place for place, (e, _) in enumerate(cycle) if isinstance(e.command, SendPlan)), 0)
+    entry, state = cycle[sent]
+    before = cycle[:sent]
+    rows: list[tuple[str, str]] = []
+    if state.plan is not None and state.proof is not None:
+        rows += _plan(state.plan, state.proof)
+    rows += _shown(before, state)
+    rows += _approved(before, state)
+    rows.append(("sent", f"{clock(entry.at)} by {entry.actor} (entry {entry.number})"))
+    rows += _heard(cycle[sent + 1 :])
+    return Table(f"Sending {number}", "", (), tuple(rows))
+
+
+def _plan(plan: Plan, proof: Proof) -> Iterator[tuple[str, str]]:
+    yield "plan", f"{plan.digest}, {plan.strategy}, {len(plan.arms)} parts, {plan.guarantee}"
+    yield "cell and scan", f"{plan.cell_digest}, {plan.scan_digest}"
+    verdict = "holds" if proof.holds else f"does not hold: {proof.findings[0]}"
+    yield (
+        "proof",
+        f"{proof.digest}, {verdict}; {proof.checks} states, smallest clearance on free legs "
+        f"{proof.clearance * 1000:.1f} mm, to {proof.resolution * 1000:g} mm, corners rounded by "
+        f"{proof.zone:g}",
+    )
+
+
+def _shown(before: list[Moment], state: State) -> Iterator[tuple[str, str]]:
+    digest = None if state.plan is None else state.plan.digest
+    for entry, _ in before:
+        command = entry.command
+        if isinstance(command, WatchPlan) and command.plan_digest == digest:
+            how = "told by a program" if command.is_told else "drawn by a browser to its end"
+            yield "shown", f"{clock(entry.at)} to {entry.actor}, {how} (entry {entry.number})"
+
+
+def _approved(before: list[Moment], state: State) -> Iterator[tuple[str, str]]:
+    digest = None if state.plan is None else state.plan.digest
+    for entry, _ in before:
+        if isinstance(entry.command, Approve) and entry.command.plan_digest == digest:
+            stood = f"; the robot reported {len(entry.joints)} joints" if entry.joints else ""
+            role = f"{entry.actor} ({entry.role})"
+            yield "approved", f"{clock(entry.at)} by {role} (entry {entry.number}){stood}"
+    if (approval := state.approval) is not None:
+        unseen = ", no page has shown it to all of them" if approval.is_unwatched else ""
+        ran = f", inventory {approval.ran[:12]}" if approval.ran else ""
+        people = " and ".join(approval.people)
+        words = manner_words(*approval.manner)
+        how = f", {words}" if words else ""
+        until = clock(approval.until)
+        yield "approval", f"{approval.digest}: {people}, until {until}{how}{unseen}{ran}"
+
+
+def _heard(after: list[Moment]) -> Iterator[tuple[str, str]]:
+    messages = [e.command.receipt for e, _ in after if isinstance(e.command, Sent)]
+    if messages:
+        began, ended = messages[0].at, messages[-1].at
+        answered = sum(bool(one.heard) for one in messages)
+        yield "messages", f"{len(messages)} in {ended - began:.1f} s, {answered} answered; wire.txt"
+    for entry, state in after:
+        match entry.command:
+            case NextStep(number=number):
+                let = f"{clock(entry.at)} let run by {entry.actor} (entry {entry.number})"
+                yield f"step {number}", let
+            case Stop():
+                yield "stop", f"{clock(entry.at)} by {entry.actor} (entry {entry.number})"
+            case LinkEnded(fault=fault, parts_placed=placed, parts=parts):
+                said = f"fault: {fault}" if fault else state.message
+                yield "the robot said", f"{clock(entry.at)} {said}; {placed} parts placed"
+                for part in parts:
+                    became = {True: "picked", False: "failed", None: "not known"}[part.is_picked]
+                    why = f"; {part.why}" if part.why else ""
+                    yield f"part {part.detection + 1}", f"{became} by the {part.arm} arm{why}"
+            case _:
+                pass
+
+
+def _interventions(told: list[Moment]) -> Table:
+    rows: list[tuple[str, ...]] = []
+    for entry, state in told:
+        command = entry.command
+        by_person = entry.actor not in MACHINES and not isinstance(command, USUAL)
+        faulty = state.phase is Phase.FAULT and isinstance(command, LinkEnded)
+        if by_person or faulty:
+            kind = "fault" if faulty else type(command).__name__
+            rows.append((str(entry.number), clock(entry.at), entry.actor, kind, state.message))
+    says = "What people did besides scanning, planning, watching, approving, sending; and faults."
+    columns = ("entry", "when", "who", "what", "what came of it")
+    return Table("Interventions and faults", says, columns, tuple(rows))
+
+
+def _log(told: list[Moment]) -> Table:
+    shown = [(e, s) for e, s in told if not isinstance(e.command, Sent)]
+    rows = tuple(
+        (str(e.number), clock(e.at), e.actor, _kind(e), s.message, str(s.phase)) for e, s in shown
+    )
+    left_out = len(told) - len(shown)
+    says = f"Every entry after the first but {left_out} messages to the robot, which wire.txt has."
+    return Table("Log", says, ("entry", "when", "who", "what", "says", "phase"), rows)
+
+
+def _kind(entry: Entry) -> str:
+    if isinstance(entry.command, JobEnded):
+        return f"JobEnded ({type(entry.command.result).__name__})"
+    return type(entry.command).__name__

@@ -1,0 +1,400 @@
+"""Looks whether a bundle of evidence is as it was signed.  Needs Python 3.11 or later, alone.
+
+    python verify.py BUNDLE.zip --key PUBLIC_KEY [--anchors FILE]
+
+The public key (64 hexadecimal digits, or a file with them) has to come from whoever signs, not from
+the bundle: anybody can sign with a key of their own.  For the same reason run a copy of this file
+that you had before, or have compared: the one in a bundle may have been exchanged with it.
+FILE holds anchors, heads of the journal that were kept elsewhere, one JSON object a line.
+
+Exit code 0: whole, and signed with that key.  1: something was changed.  2: nothing shows a
+change, but no key was given or the bundle is not signed, so anybody may have made it.
+"""
+
+import argparse
+import hashlib
+import json
+import sqlite3
+import struct
+import sys
+import tempfile
+import zipfile
+import zlib
+from collections.abc import Iterable, Iterator
+from contextlib import closing
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from workbench.app.evidence.ed25519 import is_signed
+from workbench.app.evidence.steps import step_problems
+from workbench.app.evidence.zip_frame import frame_problems
+
+FORMAT = "workbench-evidence/1"
+MANIFEST, SIGNATURE = "manifest.json", "manifest.sig"
+JOURNAL, FILES = "session/journal.sqlite", "session/files"
+DERIVED = ("log.json", "wire.txt", "approvals.json")
+"""Made from the journal alone, so they are made again and compared."""
+
+FIRST = "0" * 64
+LARGEST_MANIFEST = 64 * 2**20
+BLOCK = 2**20
+UNREADABLE = (zipfile.BadZipFile, zlib.error, EOFError, NotImplementedError, RuntimeError)
+KNOWN = {
+    *(("table", name) for name in ("entries", "files", "entry_files", "sqlite_sequence")),
+    *(("trigger", name) for name in ("entries_stay", "entries_remain")),
+}
+"""What a journal's database has; a view could stand in the place of a table."""
+
+STARTS = {"Opened", "Started"}
+"""Kinds of entries after which no approval counts that was given before."""
+
+BACK = 1.0
+"""[s] By so much a clock may be set back without a word."""
+
+MOST_PROBLEMS = 50
+
+
+class Entry(NamedTuple):
+    """An entry of the journal; `body` is what was written."""
+
+    number: int
+    kind: str
+    body: bytes
+    files: tuple[str, ...]
+    previous: str
+    hash: str
+
+
+class Problem(Exception):
+    """What ends the verification, as a sentence."""
+
+
+# The chain
+
+
+def hash_of(previous: str, number: int, kind: str, body: bytes, files: Iterable[str]) -> str:
+    """The hash of an entry: each field enters with its length."""
+    chain = hashlib.sha256()
+    for field in (body, *(text.encode() for text in (previous, str(number), kind, *files))):
+        chain.update(len(field).to_bytes(8, "big"))
+        chain.update(field)
+    return chain.hexdigest()
+
+
+def entries_of(database: Path) -> list[Entry]:
+    """The entries of a journal, in order; Problem when it is none."""
+    try:
+        with closing(
+            sqlite3.connect(f"{database.as_uri()}?mode=ro&immutable=1", uri=True)
+        ) as open_:
+            found = set(open_.execute("SELECT type, name FROM sqlite_master WHERE sql IS NOT NULL"))
+            if not found <= KNOWN:
+                raise Problem("the journal has tables, views or triggers that no journal has")
+            files: dict[int, list[str]] = {}
+            for number, digest in open_.execute("SELECT entry, digest FROM entry_files"):
+                files.setdefault(number, []).append(digest)
+            rows = open_.execute(
+                "SELECT number, kind, body, previous, hash FROM entries ORDER BY number"
+            )
+            entries = [
+                Entry(number, kind, body, tuple(sorted(files.pop(number, ()))), previous, chained)
+                for number, kind, body, previous, chained in rows
+            ]
+            if files:
+                raise Problem(f"files are named for entry {min(files)}, which is not there")
+            highest = open_.execute("SELECT seq FROM sqlite_sequence WHERE name = 'entries'")
+            last = next((seq for (seq,) in highest), 0)
+            if entries and last > entries[-1].number:
+                raise Problem(f"the entries up to {last} are missing at the end")
+            return entries
+    except (sqlite3.Error, TypeError, UnicodeDecodeError) as error:
+        raise Problem(f"the journal cannot be read: {error}") from None
+
+
+def _rehashed(entry: Entry) -> str:
+    return hash_of(entry.previous, entry.number, entry.kind, entry.body, entry.files)
+
+
+def chain_problems(entries: list[Entry]) -> Iterator[str]:
+    """Where the chain does not hold, or entries contradict one another."""
+    if not entries:
+        yield "the journal has no entry"
+    previous = FIRST
+    for place, entry in enumerate(entries, 1):
+        if entry.number != place:
+            yield f"entry {entry.number} stands where entry {place} should"
+        if entry.previous != previous:
+            yield f"entry {entry.number} does not follow from the one before it"
+        if _rehashed(entry) != entry.hash:
+            yield f"entry {entry.number} was changed after it was written"
+        previous = entry.hash
+    yield from _contradictions(entries)
+    yield from step_problems((one.number, one.kind, body_of(one)) for one in entries)
+
+
+def _contradictions(entries: list[Entry]) -> Iterator[str]:
+    """A sending goes by the newest approval, of that plan, that holds then; each serves once."""
+    given = None
+    for entry in entries:
+        if entry.kind in STARTS:
+            given = None
+        elif entry.kind == "Approve":
+            given = body_of(entry).get("approval")
+        elif entry.kind == "SendPlan":
+            said, approval = body_of(entry), body_of(entry).get("approval")
+            if not isinstance(approval, dict):
+                yield f"entry {entry.number} sends a plan without an approval"
+            elif approval.get("plan_digest") != said.get("command", {}).get("plan_digest"):
+                yield f"entry {entry.number} sends another plan than the one approved"
+            elif not approval.get("at", 0) <= said.get("at", 0) < approval.get("until", 0):
+                yield f"entry {entry.number} sends a plan when its approval did not hold"
+            elif approval != given:
+                yield f"entry {entry.number} sends by an approval not given before it, or used"
+            given = None
+
+
+def clock_remarks(entries: list[Entry]) -> Iterator[str]:
+    """Where the clock was set back: no change of the record, but somebody should know."""
+    before = 0.0
+    for entry in entries:
+        at = body_of(entry).get("at")
+        if isinstance(at, (int, float)):
+            if at < before - BACK:
+                yield f"entry {entry.number}: the clock was set back by {before - at:.0f} s"
+            before = at
+
+
+def anchor_problems(entries: list[Entry], session: str, anchors: Iterable[Any]) -> Iterator[str]:
+    """Where the journal is not the one whose heads were kept elsewhere."""
+    hashes, found = {entry.number: entry.hash for entry in entries}, 0
+    for anchor in anchors:
+        if anchor["session"] != session:
+            continue
+        found += 1
+        kept = hashes.get(anchor["number"])
+        if kept is None:
+            yield f"entry {anchor['number']} was kept elsewhere and is not in the journal"
+        elif kept != anchor["hash"]:
+            yield f"up to entry {anchor['number']} the journal is not the one kept elsewhere"
+    if not found:
+        yield f"no anchor of session {session} was kept elsewhere"
+
+
+def anchors_from(text: str) -> tuple[list[Any], list[str]]:
+    """Anchors, one JSON object a line, and remarks on torn lines; ValueError when they are none."""
+    anchors: list[Any] = []
+    remarks: list[str] = []
+    for place, line in enumerate((one.strip() for one in text.splitlines()), 1):
+        if line.startswith("{") and not line.endswith("}"):
+            # Disk or power were gone while it was written; it was written again after that.
+            remarks.append(f"line {place} of the anchors was not written to its end")
+        elif line:
+            one = json.loads(line)
+            kinds = [type(one[name]) for name in ("session", "number", "hash") if name in one]
+            if kinds != [str, int, str]:
+                raise ValueError("session, number or hash is missing, or of another kind")
+            anchors.append(one)
+    return anchors, remarks
+
+
+# What is made from the journal
+
+
+def body_of(entry: Entry) -> dict[str, Any]:
+    """The content of an entry."""
+    try:
+        body = json.loads(entry.body)
+    except ValueError:
+        body = None
+    if not isinstance(body, dict):
+        raise Problem(f"entry {entry.number} has no content that can be read")
+    return body
+
+
+def derived(entries: list[Entry]) -> dict[str, bytes]:
+    """The files that are made from the journal alone, by name."""
+    log: list[Any] = []
+    approvals: list[Any] = []
+    wire: list[str] = []
+    for entry in entries:
+        body = body_of(entry)
+        after = body.get("after") or {}
+        about = {key: body.get(key) for key in ("at", "actor", "role")}
+        about |= {"message": after.get("message", ""), "ran": after.get("ran")}
+        log.append({"number": entry.number, "kind": entry.kind, **about, "hash": entry.hash})
+        if entry.kind == "Approve":
+            approvals.append({"entry": entry.number, "vote_of": body["actor"], **about})
+            approvals[-1]["approval"] = body.get("approval")
+        if entry.kind == "Sent":
+            one = body["command"]["receipt"]
+            words = (one["arm"], one["kind"], one["sent"], one["heard"])
+            wire.append(json.dumps([entry.number, one["at"], *words], ensure_ascii=False))
+    texts = {
+        "log.json": json.dumps(log, indent=1, ensure_ascii=False),
+        "wire.txt": "\n".join(['["entry", "at", "arm", "kind", "sent", "heard"]', *wire]) + "\n",
+        "approvals.json": json.dumps(approvals, indent=1, ensure_ascii=False),
+    }
+    return {name: text.encode() for name, text in texts.items()}
+
+
+# The bundle
+
+
+def manifest_of(archive: zipfile.ZipFile) -> tuple[bytes, dict[str, Any]]:
+    """The manifest as bytes and as values."""
+    try:
+        if archive.getinfo(MANIFEST).file_size > LARGEST_MANIFEST:
+            raise Problem("the manifest is longer than any")
+        content = archive.read(MANIFEST)
+        manifest = json.loads(content)
+        if manifest["format"] != FORMAT:
+            raise Problem(f"the format is {manifest['format']!r}, expected {FORMAT!r}")
+        if not all({"size", "sha256"} <= set(about) for about in manifest["files"].values()):
+            raise KeyError("size or sha256")
+        return content, manifest
+    except (KeyError, TypeError, ValueError, AttributeError):
+        raise Problem("there is no manifest, or it cannot be read") from None
+
+
+def file_problems(archive: zipfile.ZipFile, manifest: dict[str, Any]) -> Iterator[str]:
+    """Files that are not as the manifest has them, are missing, or that it does not name."""
+    there = set(archive.namelist()) - {MANIFEST, SIGNATURE}
+    for name in sorted(set(manifest["files"]) - there):
+        yield f"{name} is missing"
+    for name in sorted(there - set(manifest["files"])):
+        yield f"{name} is not in the manifest"
+    for name in sorted(there & set(manifest["files"])):
+        about = manifest["files"][name]
+        whole, left = hashlib.sha256(), about["size"]
+        if archive.getinfo(name).file_size != left:
+            yield f"{name} has another length than the manifest says"
+            continue
+        try:
+            with archive.open(name) as file:
+                while block := file.read(BLOCK):
+                    whole.update(block)
+        except UNREADABLE:
+            yield f"{name} is damaged"
+            continue
+        if whole.hexdigest() != about["sha256"]:
+            yield f"{name} is not the file that was signed"
+
+
+def journal_problems(
+    archive: zipfile.ZipFile, manifest: dict[str, Any], entries: list[Entry]
+) -> Iterator[str]:
+    """Where journal, manifest and what was made from the journal do not agree."""
+    yield from chain_problems(entries)
+    head = entries[-1].hash if entries else FIRST
+    if (manifest.get("entries"), manifest.get("head")) != (len(entries), head):
+        yield "the journal does not end where the manifest says"
+    for entry in entries:
+        for digest in entry.files:
+            name = f"{FILES}/{digest[:2]}/{digest}"
+            if manifest["files"].get(name, {}).get("sha256") != digest:
+                yield f"the file {digest[:12]} of entry {entry.number} is missing or another one"
+    for name, content in derived(entries).items():
+        if name not in manifest["files"] or archive.read(name) != content:
+            yield f"{name} does not tell what the journal tells"
+
+
+def signed_message(manifest: bytes) -> bytes:
+    """What is signed: the manifest, and what it is, so that no other signature passes for it."""
+    return FORMAT.encode() + b"\n" + manifest
+
+
+# All of it
+
+
+def problems_of(path: Path, key: bytes | None, anchors: list[Any] | None) -> tuple[list[str], ...]:
+    """What shows a change, what people should know, and what is missing for certainty."""
+    problems: list[str] = []
+    remarks: list[str] = []
+    missing: list[str] = []
+    try:
+        with zipfile.ZipFile(path) as archive, tempfile.TemporaryDirectory() as folder:
+            problems.extend(frame_problems(path, archive))
+            content, manifest = manifest_of(archive)
+            problems.extend(_signature_problems(archive, content, key, missing))
+            problems.extend(file_problems(archive, manifest))
+            if problems:
+                return problems, remarks, missing
+            database = Path(archive.extract(JOURNAL, folder)).resolve()
+            entries = entries_of(database)
+            problems.extend(journal_problems(archive, manifest, entries))
+            remarks.extend(clock_remarks(entries))
+            if anchors is not None:
+                problems.extend(anchor_problems(entries, manifest["session"], anchors))
+            remarks.append(f"session {manifest['session']}, {len(entries)} entries, head")
+            remarks.append(f"  {manifest['head']}")
+    except Problem as problem:
+        problems.append(str(problem))
+    except (*UNREADABLE, OSError, LookupError, TypeError, ValueError, struct.error) as error:
+        problems.append(f"cannot be read: {error}")
+    return problems, remarks, missing
+
+
+def _signature_problems(
+    archive: zipfile.ZipFile, content: bytes, key: bytes | None, missing: list[str]
+) -> Iterator[str]:
+    if SIGNATURE not in archive.namelist():
+        missing.append("the bundle is not signed: anybody may have made it")
+        if key is not None:
+            yield "the bundle is not signed, and a key was given"
+        return
+    with archive.open(SIGNATURE) as file:
+        words = file.read(1000).decode("ascii", "replace").split()
+    try:
+        public_key, signature = (bytes.fromhex(word) for word in words)
+    except ValueError:
+        yield "the signature cannot be read"
+        return
+    if not is_signed(public_key, signature, signed_message(content)):
+        yield "the signature is not that of the manifest"
+    elif key is None:
+        missing.append(
+            f"signed with the key {public_key.hex()}: ask the signer whether it is theirs"
+        )
+    elif key != public_key:
+        yield f"signed with another key: {public_key.hex()}"
+
+
+def key_from(typed: str) -> bytes:
+    """The public key that was typed, or that stands in the file of that name."""
+    text = typed
+    if len(typed) != 64:
+        text = Path(typed).read_text(encoding="ascii")
+    return bytes.fromhex(text.strip())
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Verify the bundle that was typed."""
+    parser = argparse.ArgumentParser(description="Look whether evidence is as it was signed.")
+    parser.add_argument("bundle", type=Path)
+    parser.add_argument("--key", help="public key of the signer, 64 hexadecimal digits, or a file")
+    parser.add_argument("--anchors", type=Path, help="file of heads that were kept elsewhere")
+    typed = parser.parse_args(arguments)
+    try:
+        key = None if typed.key is None else key_from(typed.key)
+        anchors, torn = None, list[str]()
+        if typed.anchors is not None:
+            anchors, torn = anchors_from(typed.anchors.read_text(encoding="utf-8"))
+    except (OSError, TypeError, ValueError) as error:
+        print(f"key or anchors cannot be read: {error}", file=sys.stderr)
+        return 1
+    problems, remarks, missing = problems_of(typed.bundle, key, anchors)
+    for line in (*problems[:MOST_PROBLEMS], *torn, *remarks, *missing):
+        # Names in the file may hold anything, also what a terminal obeys.
+        print("".join(one if one.isprintable() else ascii(one)[1:-1] for one in line))
+    if problems:
+        print(f"{typed.bundle}: CHANGED, {len(problems)} problems")
+        return 1
+    if missing:
+        print(f"{typed.bundle}: nothing shows a change, but who made it is not known")
+        return 2
+    print(f"{typed.bundle}: whole, as it was signed")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,94 @@
+"""What a session ran with, as a value: it is recorded at every start and told apart from others."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+
+from workbench.model.digest import digest_of
+from workbench.model.geometry import put
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Distribution:
+    """An installed Python distribution; `record` is the SHA-256 of its RECORD file.
+
+    RECORD has the digests of all its files; `record` is empty where there is none.
+    """
+
+    name: str
+    version: str
+    record: str
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Inventory:
+    """All that a result may depend on beside its input.
+
+    `workbench` is the version and `files` the SHA-256 of its own files; `processor` is the model
+    with what it can do, `system` kernel and C library.  `parts` (name -> digest) and
+    `calibration`, the digest of where the scanner hangs, are in `cell_digest` too, so that a
+    change is told by its name.  `users` (name -> role) are those who may come in.
+    """
+
+    workbench: str
+    files: str
+    python: str
+    processor: str
+    system: str
+    distributions: tuple[Distribution, ...]
+    cell: str
+    cell_digest: str
+    parts: Mapping[str, str]
+    calibration: str
+    users: Mapping[str, str]
+    digest: str = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        put(self, digest=digest_of(self))
+
+
+def differences(old: Inventory, new: Inventory) -> tuple[str, ...]:
+    """What is otherwise in `new`, one phrase each; empty when nothing is."""
+    return tuple(_differences(old, new))
+
+
+def _differences(old: Inventory, new: Inventory) -> Iterator[str]:
+    if old.workbench != new.workbench:
+        yield f"workbench {old.workbench} is {new.workbench} now"
+    elif old.files != new.files:
+        yield f"the files of workbench {new.workbench} are others"
+    before, now = _versions(old), _versions(new)
+    yield from _told("", before, now)
+    records = {one.name: one.record for one in old.distributions}
+    for one in new.distributions:
+        if before.get(one.name) == one.version and records[one.name] != one.record:
+            yield f"the files of {one.name} {one.version} are others"
+    for what in ("python", "processor", "system", "cell"):
+        was, has = getattr(old, what), getattr(new, what)
+        if was != has:
+            yield f"{what} {was} is {has} now"
+    parts = sorted(
+        name for name in {*old.parts, *new.parts} if old.parts.get(name) != new.parts.get(name)
+    )
+    if parts:
+        yield f"of the cell {', '.join(f'part {name}' for name in parts)} differ"
+    if old.calibration != new.calibration:
+        yield "the scanner's pose differs"
+    if not parts and old.calibration == new.calibration and old.cell_digest != new.cell_digest:
+        yield "the cell differs"
+    yield from _told("user ", old.users, new.users)
+
+
+def _versions(inventory: Inventory) -> Mapping[str, str]:
+    return {one.name: one.version for one in inventory.distributions}
+
+
+def _told(noun: str, old: Mapping[str, str], new: Mapping[str, str]) -> Iterator[str]:
+    """What came, went or changed in a mapping from names to something short."""
+    for name in sorted({*old, *new}):
+        was, has = old.get(name), new.get(name)
+        if was is None:
+            yield f"{noun}{name} {has} has come"
+        elif has is None:
+            yield f"{noun}{name} {was} has gone"
+        elif was != has:
+            yield f"{noun}{name} {was} is {has} now"

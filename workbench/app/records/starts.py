@@ -1,0 +1,84 @@
+"""Starts of the workbench: what ran then, and what is otherwise now."""
+
+import json
+from collections.abc import Iterator
+from contextlib import closing, suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from workbench.app.core.reports import Started
+from workbench.app.provenance.inventory import Inventory, differences
+from workbench.app.records.forms import restored
+from workbench.journal.journal import DATABASE, Journal
+from workbench.model.errors import JournalError, WorkbenchError
+
+MOST_LOOKED_AT = 50
+"""Sessions of before with a start that counts; all others are passed over."""
+
+
+@dataclass(frozen=True, slots=True)
+class Before:
+    """The start before: in which session, what ran, and what nobody has acknowledged since."""
+
+    session: str
+    ran: Inventory
+    changed: tuple[str, ...]
+
+
+def start(ran: Inventory, before: Before | None) -> Started:
+    """What has to be told of a start with what runs now, and of the one before it."""
+    if before is None:
+        return Started(ran)
+    changes = tuple(dict.fromkeys((*before.changed, *differences(before.ran, ran))))
+    return Started(ran, changes, f"session {before.session}" if changes else "")
+
+
+def start_before(root: Path, cell: str) -> Before | None:
+    """The last start with a cell of that name, of all sessions below `root`; None without one.
+
+    Trials do not count.  What cannot be read is passed over: that is told by whoever opens it.
+    """
+    found: list[tuple[float, Before]] = []
+    for folder in _newest(root):
+        try:
+            with closing(Journal(folder)) as journal:
+                found += _starts_in(journal, cell)
+        except JournalError:
+            continue
+        if len(found) == MOST_LOOKED_AT:
+            break
+    # Files do not tell when a start was: one that is gone on with, packed or copied is written.
+    return max(found, key=lambda one: one[0], default=(0.0, None))[1]
+
+
+def _newest(root: Path) -> Iterator[Path]:
+    newest = sorted(root.glob(f"*/{DATABASE}"), key=_written, reverse=True)
+    return (path.parent for path in newest)
+
+
+def _written(path: Path) -> float:
+    """When a journal was written last: until it is closed, that is in a file beside it."""
+    times = [0.0]
+    for one in (path, path.with_name(f"{DATABASE}-wal")):
+        with suppress(OSError):
+            times.append(one.stat().st_mtime)
+    return max(times)
+
+
+def _starts_in(journal: Journal, cell: str) -> Iterator[tuple[float, Before]]:
+    """When the last start with that cell was, and what is known of it; nothing without one."""
+    row, last = journal.last(Started.__name__), journal.last()
+    if row is None or last is None:
+        return
+    try:
+        entry: Any = json.loads(row.body)
+        command = entry["command"]
+        if command["is_trial"] or command["ran"]["cell"] != cell:
+            return
+        after: Any = json.loads(last.body)["after"]
+        ran = restored(Inventory, command["ran"], journal.read)
+        changed = tuple(after.get("changed") or ())
+        yield float(entry["at"]), Before(journal.folder.name, ran, changed)
+    except (AttributeError, KeyError, TypeError, ValueError, WorkbenchError) as error:
+        raise JournalError(f"entry {row.number} ({row.kind}) cannot be read") from error

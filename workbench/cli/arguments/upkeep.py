@@ -1,0 +1,55 @@
+"""What can be typed to count and show what was recorded, and to look after an installation."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from tyro.conf import Positional
+
+
+@dataclass(frozen=True, slots=True)
+class Statistics:
+    """Tell what sessions have brought: parts per hour, success, times, causes of refusal."""
+
+    sessions: Positional[tuple[Path, ...]] = ()
+    """Folders of sessions; all of those in sessions/ when none is given."""
+    csv: Path | None = None
+    """CSV file to write, a row for each part that was sent for."""
+    json: bool = False
+    """Print one JSON object and nothing else."""
+
+
+@dataclass(frozen=True, slots=True)
+class Evidence:
+    """Write a session with all that happened into one signed zip file, or make the key that signs.
+
+    `workbench evidence SESSION --out FILE --sign KEY` writes journal, files, certificates, wire, a
+    report as HTML and PDF, a manifest with its signature, and verify.py, which needs Python alone.
+    `workbench evidence key --out KEY` makes a key and prints the public one (docs/evidence.md).
+    """
+
+    session: Positional[str]
+    """Folder of the session, or the word `key`."""
+    out: Path | None = None
+    """File to write: evidence.zip, or evidence.key, which must not be there yet."""
+    sign: Path | None = None
+    """PEM file of the Ed25519 key to sign with."""
+    stamp: bool = False
+    """Write the request for a time stamp (RFC 3161) beside it, too."""
+
+
+@dataclass(frozen=True, slots=True)
+class Doctor:
+    """Say what is installed, what is missing, and the command that installs it.
+
+    Ends with 3 when something is missing that every command needs.
+    """
+
+    sbom: Path | None = None
+    """Write a bill of the installed dependencies to this file: CycloneDX JSON."""
+    json: bool = False
+    """Print one JSON object and nothing else."""
+
+
+@dataclass(frozen=True, slots=True)
+class Compile:
+    """Compile now, once on a machine, what is otherwise compiled at its first use."""

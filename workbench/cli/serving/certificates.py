@@ -1,0 +1,77 @@
+"""`workbench opcua`: the certificates of the OPC UA server and of its clients."""
+
+import socket
+from pathlib import Path
+from typing import assert_never
+
+from workbench.cli.arguments.plc import (
+    OpcUaCertificate,
+    OpcUaCommands,
+    OpcUaList,
+    OpcUaTrust,
+)
+from workbench.cli.exits import SUCCESS
+from workbench.cli.serving.plc import NEEDED
+from workbench.cli.terminal import check_whole, print_json, print_table
+from workbench.model.errors import InputError
+
+MOST_DAYS = 36500
+
+
+def certificates(typed: OpcUaCommands) -> int:
+    """Carry out a command about certificates.
+
+    Raises:
+        InputError: the library is missing, or something typed cannot be.
+        FileError: a file cannot be read or written.
+    """
+    try:
+        from workbench.web.opcua import certificates as kept
+    except ModuleNotFoundError as error:
+        raise InputError(f"certificates need {NEEDED}") from error
+    what = typed.what
+    match what:
+        case OpcUaCertificate():
+            check_whole("--days", what.days, 1, MOST_DAYS)
+            own = dict.fromkeys((socket.gethostname(), "localhost", "127.0.0.1", *what.name))
+            print(kept.make_certificate(what.certificates, tuple(own), what.days))
+        case OpcUaTrust():
+            certificate = kept.trust(what.certificates, what.file)
+            who = certificate.subject.rfc4514_string()
+            print(f"{who} ({kept.application_uri(certificate)}) is trusted")
+        case OpcUaList():
+            _list(what.certificates, as_json=what.json)
+        case _:
+            assert_never(what)
+    return SUCCESS
+
+
+def _list(folder: Path, *, as_json: bool) -> None:
+    from cryptography.hazmat.primitives.serialization import Encoding
+
+    from workbench.web.opcua.certificates import (
+        REJECTED,
+        TRUSTED,
+        application_uri,
+        kept,
+        thumbprint,
+    )
+
+    rows = [
+        (
+            name or "server",
+            thumbprint(one.public_bytes(Encoding.DER)),
+            one.subject.rfc4514_string(),
+            application_uri(one),
+            f"{one.not_valid_after_utc:%Y-%m-%d}",
+        )
+        for name in ("", TRUSTED, REJECTED)
+        for _, one in kept(folder / name)
+    ]
+    columns = ("whose", "thumbprint", "subject", "uri", "until")
+    if as_json:
+        print_json({"certificates": [dict(zip(columns, row, strict=True)) for row in rows]})
+    else:
+        # Thumbprints are compared digit by digit: what would make the table too wide is left out.
+        narrow = [(whose, mark, uri, until) for whose, mark, _, uri, until in rows]
+        print_table(f"Certificates in {folder}", ("whose", "thumbprint", "uri", "until"), narrow)

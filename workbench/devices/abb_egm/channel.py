@@ -1,0 +1,162 @@
+"""One arm's UDP port: reports of the controller as they come, each looked at, and our answers.
+
+The controller speaks first: it sends to the address in its configuration, and we answer to where
+that came from.
+"""
+
+import socket
+from collections.abc import Callable
+from contextlib import suppress
+
+import numpy as np
+
+from workbench.devices.abb_egm import wire
+from workbench.model.cell import Arm
+from workbench.model.errors import LinkError
+from workbench.model.geometry import Floats
+
+AT_ONCE = 256
+"""So many messages are taken before anything else is done."""
+
+WRAP = 1 << 32
+"""Numbers and clocks of messages are modulo this."""
+
+
+def address_of(host: str) -> str:
+    """The numeric address of a controller.
+
+    Raises:
+        LinkError: the name is not known.
+    """
+    try:
+        return socket.gethostbyname(host)
+    except (OSError, UnicodeError) as error:
+        reason = getattr(error, "strerror", None) or error
+        raise LinkError(f"the controller {host} is not known ({reason})") from None
+
+
+class Channel:
+    """The port of one arm, with what was heard last."""
+
+    def __init__(
+        self,
+        arm: Arm,
+        host: str,
+        port: int,
+        silence: float,
+        clock: Callable[[], float],
+        *,
+        is_paced: bool = True,
+    ) -> None:
+        """Listen.
+
+        Args:
+            arm: whose axes are reported there.
+            host: numeric address of the controller; what others send is not looked at.
+            port: where it sends to.
+            silence: [s] without a report that are too long, on our clock or the controller's.
+            clock: [s] that never goes back.
+            is_paced: whether there has to be a report every `wire.PERIOD_MS`.
+
+        Raises:
+            LinkError: the port is taken.
+        """
+        self.arm, self.last, self.came = arm, None, 0
+        self._host, self._silence, self._clock = host, silence, clock
+        self._is_paced = is_paced
+        self._where = f"{arm.name} at UDP port {port}"
+        self._from: tuple[str, int] | None = None
+        self._fresh, self._sent = clock(), 0
+        self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        try:
+            self._socket.bind(("", port))
+        except OSError as error:
+            self._socket.close()
+            raise LinkError(f"{self._where} cannot be listened to: {error.strerror}") from None
+        self._socket.setblocking(False)
+
+    last: wire.Feedback | None
+    came: int
+    """How many reports came at once, when something was heard last."""
+
+    def fileno(self) -> int:
+        """For `select`."""
+        return self._socket.fileno()
+
+    def close(self) -> None:
+        """Let the port go."""
+        self._socket.close()
+
+    def hear(self) -> wire.Feedback | None:
+        """As `hear_first`, and a silence is an error.
+
+        Raises:
+            LinkError: also where none came for too long.
+        """
+        if (told := self.hear_first()) is not None:
+            return told
+        if self._clock() - self._fresh > self._silence:
+            raise LinkError(
+                f"the controller was silent for {self._silence * 1000:.0f} ms: {self._where}"
+            )
+        return None
+
+    def hear_first(self) -> wire.Feedback | None:
+        """The newest report, after a look at every one; None when none has come.
+
+        Raises:
+            LinkError: one is out of order, came twice, makes no sense, or others were lost.
+        """
+        self.came = 0
+        for _ in range(AT_ONCE):
+            try:
+                data, sender = self._socket.recvfrom(wire.LONGEST)
+            except BlockingIOError:
+                break
+            except OSError as error:
+                raise LinkError(f"{self._where}: {error.strerror}") from None
+            if sender[0] != self._host:
+                continue
+            if self._from not in (None, sender):
+                raise LinkError(f"two programs report {self._where}")
+            self._from = sender
+            self._take(wire.read_feedback(data, len(self.arm.joints)))
+        if not self.came:
+            return None
+        self._fresh = self._clock()
+        return self.last
+
+    def _take(self, told: wire.Feedback) -> None:
+        if self.last is not None:
+            ahead = (told.number - self.last.number) % WRAP
+            if not 0 < ahead < WRAP // 2:
+                raise LinkError(
+                    f"report {told.number} came after {self.last.number}: twice, or out of order"
+                )
+            later = (told.at - self.last.at) % WRAP
+            off = abs(later - ahead * wire.PERIOD_MS)
+            if self._is_paced and off > wire.PERIOD_MS // 2:
+                raise LinkError(
+                    f"{self._where}: {ahead} reports are {later} ms apart by the controller's "
+                    f"clock; EGM has to run at {wire.PERIOD_MS} ms"
+                )
+            if later > self._silence * 1000:
+                raise LinkError(f"{ahead - 1} reports were lost: {self._where}")
+        self.last = told
+        self.came += 1
+
+    def answer(self, q: Floats, orders: tuple[float, ...]) -> None:
+        """A reference (n,) [rad], chain order, and orders, to where the reports come from."""
+        if self._from is None or self.last is None:
+            return
+        said = wire.Reference(self._sent, self.arm.to_axes(q), orders)
+        self._sent = (self._sent + 1) % WRAP
+        # An answer that does not go out is one that is lost.
+        with suppress(OSError):
+            self._socket.sendto(wire.reference_bytes(said, self.last.at), self._from)
+
+    @property
+    def q(self) -> Floats:
+        """Where the arm was last reported to be (n,) [rad], chain order."""
+        assert self.last is not None
+        return np.asarray(self.arm.from_axes(self.last.axes))

@@ -1,0 +1,161 @@
+"""Controllers of ABB with RobotWare 7, moved by EGM, as the seam wants them."""
+
+import select
+import time
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, closing
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from workbench.model.cell import Cell
+from workbench.model.errors import InputError
+from workbench.model.motion import MotionModel
+from workbench.model.plan import Plan
+from workbench.model.release import Approval, LinkStatus, Receipt, RobotState
+from workbench.plugins.options import option, options_of
+from workbench.plugins.progress import Cancelled
+from workbench.plugins.robot_link import USUAL, LinkPatience, Running, Simulation, check_approval
+
+if TYPE_CHECKING:
+    from workbench.devices.abb_egm.channel import Channel
+
+POLL = 0.1
+"""[s] Between two looks whether to end."""
+
+MOST_AXES = 7
+
+STILL = 1e-5
+"""[rad] Between two reports; an arm that moved by less stands."""
+
+RECENT = 0.2
+"""[s] An arm that moved so lately still moves."""
+
+
+class AbbEgm:
+    """Answers each report of a controller with the next reference along the way."""
+
+    @dataclass(frozen=True)
+    class Options:
+        """Keys in `[controller.options]`."""
+
+        silence_ms: int = option(
+            100, low=20, high=1000, says="without a report for longer the motion ends [ms]"
+        )
+
+    motion = MotionModel("abb-egm", corners="streamed", unit="deg", period=0.004, takes_share=True)
+
+    def check(self, cell: Cell) -> None:
+        """Arms of six or seven turning joints, each with a UDP port for motion and for states."""
+        for arm in cell.arms:
+            kinds = {cell.robot.joint(name).kind for name in arm.joints}
+            if len(arm.joints) not in (6, MOST_AXES) or kinds != {"revolute"}:
+                raise InputError(
+                    "the robot link abb-egm moves arms of six or seven turning joints; "
+                    f"{arm.name} has {len(arm.joints)} joints"
+                )
+        ports = cell.controller.port, cell.controller.state_port
+        if abs(ports[0] - ports[1]) < len(cell.arms) or max(ports) + len(cell.arms) > 1 << 16:
+            raise InputError(
+                f"[controller] port = {ports[0]}, state_port = {ports[1]}: abb-egm takes as many "
+                "ports from each on as there are arms"
+            )
+
+    def send(
+        self,
+        plan: Plan,
+        approval: Approval,
+        cell: Cell,
+        *,
+        now: Callable[[], float],
+        cancelled: Cancelled,
+        show: Callable[[LinkStatus], None],
+        patience: LinkPatience,
+    ) -> Iterator[Receipt]:
+        """Stream the plan leg by leg; a receipt for each, and for each order between them."""
+        # Every cell that is read loads this module; only who sends needs the library.
+        from workbench.devices.abb_egm.channel import Channel, address_of
+        from workbench.devices.abb_egm.orders import score_of
+        from workbench.devices.abb_egm.sending import Sending
+
+        def released() -> None:
+            check_approval(plan, approval, cell, now())
+
+        released()
+        self.check(cell)
+        silence = options_of(self.Options, cell.controller.options).silence_ms / 1000
+        score, host = score_of(cell, plan, approval), address_of(cell.controller.host)
+        with ExitStack() as opened:
+            channels: dict[str, Channel] = {}
+            for k, arm in enumerate(cell.arms):
+                if arm.name in score.arms:
+                    port = cell.controller.port + k
+                    one = Channel(arm, host, port, silence, patience.clock)
+                    channels[arm.name] = opened.enter_context(closing(one))
+            limits = {name: cell.robot.limits(one.arm.joints)[:2] for name, one in channels.items()}
+            share = approval.speed_share
+            talk = Sending(
+                channels, limits, score, share, silence, now=now, show=show, patience=patience
+            )
+            yield from talk.run(released, cancelled)
+
+    def states(self, cell: Cell, cancelled: Cancelled) -> Iterator[RobotState]:
+        """What EGM streams to the ports for states, whenever it has changed."""
+        from workbench.devices.abb_egm.channel import Channel, address_of
+
+        self.check(cell)
+        host, port = address_of(cell.controller.host), cell.controller.state_port
+        with ExitStack() as opened:
+            channels = [
+                Channel(arm, host, port + k, USUAL.silence, time.monotonic, is_paced=False)
+                for k, arm in enumerate(cell.arms)
+            ]
+            for one in channels:
+                opened.enter_context(closing(one))
+            before: RobotState | None = None
+            moved: dict[str, float] = {}
+            while not cancelled():
+                ready = select.select(channels, [], [], POLL)[0]
+                for one in channels:
+                    was = one.last
+                    told = one.hear() if one in ready or not ready else None
+                    if told and was and abs(told.axes - was.axes).max() > STILL:
+                        moved[one.arm.name] = time.monotonic()
+                if any(one.last is None for one in channels):
+                    continue
+                state = _state(channels, moved)
+                if state != before:
+                    before = state
+                    yield state
+
+    def serve(self, cell: Cell, simulation: Simulation, ready: Callable[[Running], None]) -> None:
+        """The controller's twin; it sends to the ports that it is given, or to free ones."""
+        if simulation.rapid is not None:
+            raise InputError("--rapid: abb-egm has its own module, which the twin plays")
+        if simulation.home_after != float("inf"):
+            raise InputError("--home-after: this simulated controller does not go home by itself")
+        from workbench.devices.abb_egm.twin import SimulatedEgm
+
+        self.check(cell)
+        twin = SimulatedEgm(
+            cell,
+            simulation.host,
+            simulation.port,
+            simulation.state_port,
+            speed=simulation.speed,
+            faults=simulation.faults,
+            record=simulation.record,
+            trace=simulation.trace,
+        )
+        ready(twin)
+        twin.run()
+
+
+def _state(channels: "list[Channel]", moved: dict[str, float]) -> RobotState:
+    """What the last reports say together."""
+    joints = {one.arm.name: tuple(one.q.tolist()) for one in channels}
+    recent = time.monotonic() - RECENT
+    moving = next((name for name, at in moved.items() if at > recent), "")
+    faults = [
+        f"{one.arm.name}: {one.last.fault}" for one in channels if one.last and one.last.fault
+    ]
+    return RobotState(joints, {}, moving, 0, 0, ", ".join(faults))

@@ -1,0 +1,340 @@
+"""One sending: looks first, then answers each report with a reference; any doubt ends the motion.
+
+The controller's reports are the clock: each is answered by the next reference along the leg, never
+by two.  Where reports or answers are lost the robot is later than planned, never faster, and always
+on its way.  A robot that is told nothing new stays where the last reference was.
+"""
+
+import select
+from collections import deque
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import suppress
+
+import numpy as np
+
+from workbench.devices.abb_egm import wire
+from workbench.devices.abb_egm.channel import Channel
+from workbench.devices.abb_egm.orders import Order, Run, Score
+from workbench.devices.abb_egm.way import Ride
+from workbench.model.errors import JobCancelled, LinkError
+from workbench.model.geometry import Floats
+from workbench.model.release import LinkStatus, Receipt
+from workbench.plugins.progress import Cancelled
+from workbench.plugins.robot_link import LinkPatience
+
+NEAR = np.deg2rad(0.2)
+"""[rad] A joint may stand so far from where the plan begins, or a leg ends."""
+
+OFF = np.deg2rad(1.0)
+"""[rad] A joint may be so far from where its references were within `LAG`, and from its limits."""
+
+LAG = 25
+"""[references] 0.1 s: so far behind may the robot be."""
+
+GENTLE = 50
+"""[references] In so many it goes from where it stands to where the plan begins."""
+
+SETTLE = 750
+"""[reports] 3 s: so long may it take to come to rest at the end of a leg."""
+
+LOOKS = 5
+"""[reports] That have to come in order before anything is sent."""
+
+CONNECT = 2.0
+"""[s] A controller whose EGM runs is heard at once."""
+
+POLL = 0.05
+SHOWN = 25
+"""[reports] Between two looks for whoever watches."""
+
+
+class Sending:
+    """One conversation, by the channels of the arms that take part.
+
+    `limits` are the lower and the upper ones (n,) [rad] of each arm's joints, `share` that of the
+    planned speed, and `silence` [s] is how old a report may be when it is answered.
+    """
+
+    def __init__(
+        self,
+        channels: Mapping[str, Channel],
+        limits: Mapping[str, tuple[Floats, Floats]],
+        score: Score,
+        share: float,
+        silence: float,
+        *,
+        now: Callable[[], float],
+        show: Callable[[LinkStatus], None],
+        patience: LinkPatience,
+    ) -> None:
+        self._channels, self._limits, self._score = channels, limits, score
+        self._share, self._silence = share, silence
+        self._now, self._show, self._patience = now, show, patience
+        self._refs: dict[str, deque[Floats]] = {}
+        self._said: dict[str, tuple[float, ...]] = {}
+        self._count = dict.fromkeys(channels, 0)
+        self._riding: tuple[str, Ride] | None = None
+        self._done, self._leg, self._reports = 0, 0, 0
+        # Arms whose module has ended: EGM stops there, and nothing more is said to it.
+        self._ended: set[str] = set()
+
+    def run(self, released: Callable[[], None], cancelled: Cancelled) -> Iterator[Receipt]:
+        """Look, stream, follow.
+
+        Args:
+            released: called before anything is sent; raises when the approval does not hold.
+            cancelled: whether to stop.
+
+        Raises:
+            LinkError: the robot is not ready, stands elsewhere, does not follow, or is not heard.
+            JobCancelled: somebody stops; says whether the robot stands.
+        """
+        self._look(cancelled)
+        released()
+        has_ended = False
+        try:
+            for number, item in enumerate(self._score.items, start=1):
+                work = self._ride(item) if isinstance(item, Run) else self._order(item)
+                for _ in work:
+                    if cancelled():
+                        has_ended = True
+                        self._stop()
+                self._done = number
+                # Whoever takes this does it while the robot stands.
+                yield self._receipt(item)
+            has_ended = True
+            self._tell("ended")
+        finally:
+            if not has_ended:
+                with suppress(LinkError):
+                    self._come_to_rest()
+
+    @property
+    def _where(self) -> str:
+        legs = sum(isinstance(one, Run) for one in self._score.items)
+        return f"leg {self._leg} of {legs}"
+
+    def _look(self, cancelled: Cancelled) -> None:
+        """Nothing is sent before every arm has reported in order and may move."""
+        until = self._patience.clock() + min(CONNECT, self._patience.answer)
+        heard = dict.fromkeys(self._channels, 0)
+        while min(heard.values()) < LOOKS:
+            if cancelled():
+                raise JobCancelled("sending was stopped before anything was sent")
+            if self._patience.clock() > until:
+                arm = min(heard, key=lambda name: heard[name])
+                raise LinkError(f"no EGM of a controller reports {arm} at its UDP port")
+            select.select(list(self._channels.values()), [], [], POLL)
+            for name, channel in self._channels.items():
+                if channel.hear_first():
+                    heard[name] += channel.came
+        for name, channel in self._channels.items():
+            told = channel.last
+            assert told is not None
+            self._check(name, told)
+            if len(told.told) < 3 or told.told[0] != wire.VERSION:
+                raise LinkError(f"{name}: the module in RAPID says nothing; is it loaded?")
+            if told.told[1] == self._score.ticket:
+                raise LinkError("the controller has begun this plan already; nothing runs twice")
+            self._check_stands(name, self._score.start(name).path[0], "the plan begins")
+            self._refs[name] = deque([channel.q], maxlen=LAG)
+            self._said[name] = (wire.VERSION, self._score.ticket, 0.0, float(wire.NONE), 0.0, 0.0)
+
+    def _order(self, order: Order) -> Iterator[None]:
+        """Say it until the module says that it has done it."""
+        number = self._count[order.arm] = self._count[order.arm] + 1
+        words = (order.opening * 1000, float(order.holding))
+        self._said[order.arm] = (
+            wire.VERSION, self._score.ticket, float(number), float(order.command), *words,
+        )  # fmt: skip
+        began, beside = self._patience.clock(), 0
+        start, goal = self._refs[order.arm][-1], self._score.start(order.arm).path[0]
+        is_done = False
+        while not is_done:
+            for name in self._heard():
+                if name != order.arm:
+                    self._answer(name, self._refs[name][-1])
+                    continue
+                if order.command == wire.BEGIN and beside < GENTLE:
+                    beside += 1
+                    self._answer(name, start + (goal - start) * beside / GENTLE)
+                else:
+                    self._answer(name, self._refs[name][-1])
+                is_begun = order.command != wire.BEGIN or beside == GENTLE
+                is_done = is_begun and self._is_done(name, number)
+            yield
+            if self._patience.clock() - began > self._patience.answer:
+                raise LinkError(f"the controller has not done: {order.arm} {order.words}")
+        if order.command == wire.END:
+            self._ended.add(order.arm)
+
+    def _is_done(self, name: str, number: int) -> bool:
+        told = self._channels[name].last
+        assert told is not None
+        if len(told.told) < 3 or told.told[0] != wire.VERSION:
+            raise LinkError(f"{name}: the module in RAPID has gone silent")
+        _, ticket, done = told.told[:3]
+        if ticket == self._score.ticket and done > number:
+            raise LinkError(f"{name}: the module in RAPID tells of order {done:.0f}, not {number}")
+        return ticket == self._score.ticket and done == number
+
+    def _ride(self, run: Run) -> Iterator[None]:
+        """One reference for each report, then wait until the arm stands there."""
+        self._leg = run.number
+        ride = Ride(run.way, self._share, wire.PERIOD_MS / 1000)
+        said = self._said[run.arm]
+        self._said[run.arm] = (*said[:6], float(run.number))
+        self._check_stands(run.arm, ride.q, f"leg {run.name} begins")
+        self._riding = run.arm, ride
+        settled, is_there, has_begun = 0, False, False
+        while not is_there:
+            for name in self._heard():
+                if name != run.arm:
+                    self._answer(name, self._refs[name][-1])
+                    continue
+                # Before it sets out, whoever took the last receipt may have taken a while.
+                self._check_follows(name, has_begun=has_begun)
+                has_begun = True
+                if not ride.is_over:
+                    self._answer(name, ride.go())
+                    continue
+                self._answer(name, ride.q)
+                settled += 1
+                is_there = self._is_there(name)
+                if settled > SETTLE:
+                    self._check_stands(name, ride.q, f"leg {run.name} ends")
+                    raise LinkError(f"{name} does not come to rest at the end of leg {run.name}")
+            yield
+        self._riding = None
+        self._said[run.arm] = (*self._said[run.arm][:6], 0.0)
+
+    def _heard(self) -> list[str]:
+        """Arms with a new report, each looked at."""
+        heard: list[str] = []
+        for name, told in self._news():
+            self._check(name, told)
+            heard.append(name)
+            self._reports += 1
+            if self._reports % SHOWN == 1:
+                self._tell("running" if self._riding is not None else "waiting")
+        return heard
+
+    def _news(self) -> Iterator[tuple[str, wire.Feedback]]:
+        """What was reported since, within a moment, of the arms that have not ended."""
+        open_ones = {n: one for n, one in self._channels.items() if n not in self._ended}
+        ready = select.select(list(open_ones.values()), [], [], POLL)[0]
+        for name, channel in open_ones.items():
+            told = channel.hear() if channel in ready or not ready else None
+            if told is not None:
+                yield name, told
+
+    def _check(self, name: str, told: wire.Feedback) -> None:
+        if told.fault:
+            at = f" in {self._where}" if self._leg else ""
+            raise LinkError(f"{name}: {told.fault}{at}")
+        q, (lower, upper) = self._channels[name].q, self._limits[name]
+        beyond = np.maximum(lower - q, q - upper)
+        if not beyond.max() <= OFF:
+            joint = self._channels[name].arm.joints[int(beyond.argmax())]
+            raise LinkError(f"{joint} is reported beyond its limits")
+
+    def _check_follows(self, name: str, *, has_begun: bool) -> None:
+        channel = self._channels[name]
+        late = channel.came * wire.PERIOD_MS / 1000
+        if has_begun and late > self._silence:
+            raise LinkError(f"{channel.came} reports came at once in {self._where}: too late")
+        off = np.abs(np.array(self._refs[name]) - channel.q).max(axis=1).min()
+        if not off <= OFF:
+            raise LinkError(
+                f"{name} does not follow in {self._where}: it is {np.rad2deg(off):.1f} degrees "
+                f"from where it was sent within {LAG * wire.PERIOD_MS} ms"
+            )
+
+    def _check_stands(self, name: str, q: Floats, where: str) -> None:
+        channel = self._channels[name]
+        off = np.abs(channel.q - q)
+        if not off.max() <= NEAR:
+            joint = channel.arm.joints[int(off.argmax())]
+            raise LinkError(
+                f"{joint} stands {np.rad2deg(off.max()):.1f} degrees from where {where}"
+            )
+
+    def _is_there(self, name: str) -> bool:
+        told = self._channels[name].last
+        off = np.abs(self._channels[name].q - self._refs[name][-1]).max()
+        return told is not None and told.is_converged and bool(off <= NEAR / 2)
+
+    def _answer(self, name: str, q: Floats) -> None:
+        self._refs[name].append(q)
+        self._channels[name].answer(q, self._said[name])
+
+    def _stop(self) -> None:
+        """Brake on the way, and wait for the report that the robot stands.
+
+        Raises:
+            JobCancelled: always.
+        """
+        where = f"sending was stopped at {self._where}"
+        began = self._patience.clock()
+        stands, why = False, ""
+        try:
+            stands = self._come_to_rest()
+        except LinkError as error:
+            why = f" ({error})"
+        if not stands:
+            raise JobCancelled(
+                f"{where}; the controller did not report that it stands: "
+                f"use the emergency stop{why}"
+            )
+        took = self._patience.clock() - began
+        words = f"the controller reported that it stands after {took * 1000:.0f} ms"
+        self._tell("stopped", took, words)
+        raise JobCancelled(f"{where}; {words}")
+
+    def _come_to_rest(self) -> bool:
+        """Slow down along the way, then end EGM; whether every arm was reported to stand.
+
+        A robot that may not move is sent no new place, and none is sent where nothing is heard.
+        """
+        if self._riding is not None:
+            self._riding[1].brake()
+        ends_at = self._patience.clock() + self._patience.stop
+        while len(self._ended) < len(self._channels) and self._patience.clock() < ends_at:
+            for name, told in self._news():
+                if told.fault:
+                    raise LinkError(f"{name}: {told.fault}")
+                if self._slow_down(name):
+                    self._ended.add(name)
+        return len(self._ended) == len(self._channels)
+
+    def _slow_down(self, name: str) -> bool:
+        """One more reference, or the order to end; whether the arm stands and has ended."""
+        q = self._refs[name][-1]
+        if self._riding is not None and self._riding[0] == name and not self._riding[1].is_over:
+            self._answer(name, self._riding[1].go())
+            return False
+        if not self._is_there(name):
+            self._answer(name, q)
+            return False
+        if self._said[name][3] != wire.END:
+            self._count[name] += 1
+            head = (wire.VERSION, self._score.ticket, float(self._count[name]))
+            self._said[name] = (*head, float(wire.END), 0.0, 0.0)
+        self._answer(name, q)
+        return self._is_done(name, self._count[name])
+
+    def _tell(self, phase: str, stopped: float | None = None, stop: str = "") -> None:
+        joints = {name: one.q for name, one in self._channels.items()}
+        legs, at = sum(isinstance(one, Run) for one in self._score.items), self._now()
+        heard = f"leg {self._leg}"
+        self._show(
+            LinkStatus("abb-egm", phase, self._leg, legs, heard, at, at, stopped, stop, joints)
+        )
+
+    def _receipt(self, item: Order | Run) -> Receipt:
+        at, total = self._now(), self._score.total
+        if isinstance(item, Order):
+            words = item.words
+            return Receipt(at, item.arm, "order", words, self._done, total, f"done: {words}")
+        sent = f"{item.way.seconds / self._share:.3f} s of references"
+        return Receipt(at, item.arm, item.name, sent, self._done, total, "at rest")

@@ -1,0 +1,97 @@
+"""One arm of the twin: it follows references, and its module in RAPID does what it is told once."""
+
+import numpy as np
+
+from workbench.devices.abb_egm import wire
+from workbench.model.cell import Arm, Cell
+from workbench.model.geometry import Floats
+
+TAU = 0.02
+"""[s] Of the filter that references go through."""
+
+COMM_TIMEOUT = 250
+"""[reports] 1 s without an answer, and EGM stops."""
+
+MOST_DEVIATION = np.deg2rad(30.0)
+"""[rad] A reference this far from the arm is an error."""
+
+CONVERGED = np.deg2rad(0.05)
+
+GRIPPER = 25
+"""[reports] What the gripper takes."""
+
+SECONDS = wire.PERIOD_MS / 1000
+
+
+class TwinArm:
+    """Where it is, what it is told, and how its EGM stands."""
+
+    def __init__(self, cell: Cell, arm: Arm) -> None:
+        """Stand at home.
+
+        Args:
+            cell: with its joints' speeds.
+            arm: of the cell.
+        """
+        self.arm = arm
+        self.axes: Floats = arm.to_axes(arm.home)
+        velocity = cell.robot.limits(arm.joints)[2]
+        self._fastest = np.abs(arm.to_axes(velocity)) * SECONDS
+        self._target = self.axes.copy()
+        self.motors, self.mci = wire.MOTORS_ON, wire.MCI_RUNNING
+        self.is_stuck = False
+        self.is_attached, self.is_prompt = False, False
+        self._unanswered, self._number = 0, 0
+        self._ticket, self._done, self._busy, self._has_ended = 0.0, 0.0, 0, False
+        self._order: tuple[float, ...] = ()
+        self.leg = 0
+        self.orders: list[tuple[float, ...]] = []
+
+    def take(self, said: wire.Reference) -> bool:
+        """A sensor's answer; whether an order in it is new."""
+        self.is_attached, self.is_prompt, self._unanswered = True, True, 0
+        if len(said.axes) == len(self.axes) and self.mci == wire.MCI_RUNNING:
+            if np.abs(said.axes - self.axes).max() > MOST_DEVIATION:
+                self.mci = wire.MCI_ERROR
+            else:
+                self._target = said.axes
+        if len(said.orders) < 6 or said.orders[0] != wire.VERSION:
+            return False
+        _, ticket, number, command = said.orders[:4]
+        self.leg = int(said.orders[6]) if len(said.orders) > 6 else 0
+        if command == wire.BEGIN and ticket != self._ticket:
+            self._ticket, self._done, self._order, self._has_ended = ticket, 0.0, (), False
+        at = self._order[2] if self._order else self._done
+        if ticket != self._ticket or number <= at or command == wire.NONE or self._has_ended:
+            return False
+        self._order = said.orders[:6]
+        self._busy = GRIPPER if command == wire.GRIP else 1
+        self.orders.append(self._order)
+        return True
+
+    def go(self) -> None:
+        """One period later."""
+        self._unanswered += 1
+        if self.is_attached and self._unanswered > COMM_TIMEOUT:
+            self.is_attached, self.leg = False, 0
+            # A module that was told to end takes up EGM again; otherwise a person looks first.
+            if not self._has_ended:
+                self.mci = wire.MCI_STOPPED
+        if self._order and self._busy:
+            self._busy -= 1
+            if not self._busy:
+                self._done = self._order[2]
+                self._has_ended = self._order[3] == wire.END
+                self.is_prompt = self.is_prompt and not self._has_ended
+        if self.motors == wire.MOTORS_ON and self.mci == wire.MCI_RUNNING and not self.is_stuck:
+            step = (self._target - self.axes) * SECONDS / (TAU + SECONDS)
+            self.axes = self.axes + np.clip(step, -self._fastest, self._fastest)
+
+    def report(self, at: int) -> wire.Feedback:
+        """What EGM reports at a time [ms]."""
+        self._number = (self._number + 1) % (1 << 32)
+        is_near = bool(np.abs(self._target - self.axes).max() < CONVERGED)
+        told = (wire.VERSION, self._ticket, self._done)
+        return wire.Feedback(
+            self._number, at, self.axes, self.motors, self.mci, wire.RAPID_RUNNING, is_near, told
+        )

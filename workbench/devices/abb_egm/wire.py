@@ -1,0 +1,221 @@
+"""Messages of EGM: what a controller reports, what a sensor answers, and the numbers in both.
+
+Fields and their numbers are those of `egm.proto` as RobotWare 7 has it; they are made here at run
+time, in a pool of their own, since other packages bring the same names.  Angles are degrees on the
+wire.  A controller's axis 7, as YuMi has it, is the first of `externalJoints`, after axes 1 to 6.
+
+Sources: ABB, "Application manual - Externally Guided Motion RW7" (3HAC073318-001); field numbers as
+in the foreign package `ABBRobotEGM` 1.0.7; the order of seven axes as in `abb_libegm`.
+"""
+
+import importlib
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from workbench.model.errors import LinkError
+from workbench.model.geometry import Floats
+
+PERIOD_MS = 4
+LONGEST = 4096
+"""[bytes] No message of EGM is longer."""
+
+DATA, CORRECTION = 2, 3
+MOTORS_ON, MOTORS_OFF = 1, 2
+MCI_ERROR, MCI_STOPPED, MCI_RUNNING = 1, 2, 3
+RAPID_STOPPED, RAPID_RUNNING = 1, 2
+ROBOT_AXES = 6
+
+VERSION = 1.0
+"""First number of what both sides say beside the joints."""
+
+NONE, BEGIN, GRIP, END = range(4)
+"""Orders to the module in RAPID."""
+
+DOUBLE, UINT64, BOOL, MESSAGE, UINT32, ENUM = 1, 4, 8, 11, 13, 14
+
+# Message: field -> (number, type, name of the message).  An enumeration's first value is 0.
+FIELDS: dict[str, dict[str, tuple[int, int, str]]] = {
+    "EgmHeader": {"seqno": (1, UINT32, ""), "tm": (2, UINT32, ""), "mtype": (3, ENUM, "")},
+    "EgmClock": {"sec": (1, UINT64, ""), "usec": (2, UINT64, "")},
+    "EgmJoints": {"joints": (1, DOUBLE, "*")},
+    "EgmPlanned": {
+        "joints": (1, MESSAGE, "EgmJoints"),
+        "externalJoints": (3, MESSAGE, "EgmJoints"),
+        "time": (4, MESSAGE, "EgmClock"),
+    },
+    "EgmMotorState": {"state": (1, ENUM, "")},
+    "EgmMCIState": {"state": (1, ENUM, "")},
+    "EgmRapidCtrlExecState": {"state": (1, ENUM, "")},
+    "EgmRAPIDdata": {"digVal": (1, BOOL, ""), "dnum": (2, DOUBLE, "*")},
+    "EgmRobot": {
+        "header": (1, MESSAGE, "EgmHeader"),
+        "feedBack": (2, MESSAGE, "EgmPlanned"),
+        "planned": (3, MESSAGE, "EgmPlanned"),
+        "motorState": (4, MESSAGE, "EgmMotorState"),
+        "mciState": (5, MESSAGE, "EgmMCIState"),
+        "mciConvergenceMet": (6, BOOL, ""),
+        "rapidExecState": (8, MESSAGE, "EgmRapidCtrlExecState"),
+        "RAPIDfromRobot": (13, MESSAGE, "EgmRAPIDdata"),
+    },
+    "EgmSensor": {
+        "header": (1, MESSAGE, "EgmHeader"),
+        "planned": (2, MESSAGE, "EgmPlanned"),
+        "RAPIDtoRobot": (4, MESSAGE, "EgmRAPIDdata"),
+    },
+}
+REPEATED, OPTIONAL = 3, 1
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Feedback:
+    """What a controller reports of one arm.
+
+    `number` counts messages and `at` [ms] is the controller's clock, both modulo 2^32; `axes` (n,)
+    [rad] in the controller's order; `told` are the numbers of the module in RAPID.
+    """
+
+    number: int
+    at: int
+    axes: Floats
+    motors: int
+    mci: int
+    rapid: int
+    is_converged: bool
+    told: tuple[float, ...]
+
+    @property
+    def fault(self) -> str:
+        """What speaks against moving; empty when nothing does."""
+        if self.motors != MOTORS_ON:
+            return "the motors are off"
+        if self.mci != MCI_RUNNING:
+            words = {MCI_ERROR: "reports an error", MCI_STOPPED: "has stopped"}
+            return f"EGM {words.get(self.mci, 'is in no known state')}"
+        return "" if self.rapid == RAPID_RUNNING else "the RAPID program does not run"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Reference:
+    """What the sensor's side answers: `axes` (n,) [rad] or (0,), and numbers for RAPID."""
+
+    number: int
+    axes: Floats
+    orders: tuple[float, ...]
+
+
+def read_feedback(data: bytes, axes: int) -> Feedback:
+    """A report of an arm with so many axes.
+
+    Raises:
+        LinkError: it is none, or a number in it is none.
+    """
+    message = _parsed("EgmRobot", data)
+    if not message.HasField("header") or not message.HasField("feedBack"):
+        raise LinkError("an EGM message without header or joints came")
+    q = _axes(message.feedBack)
+    if len(q) != axes:
+        raise LinkError(f"the controller reports {len(q)} axes, {axes} are expected")
+    told = tuple(message.RAPIDfromRobot.dnum)
+    if not (np.all(np.isfinite(q)) and all(map(math.isfinite, told))):
+        raise LinkError("the controller reports joints or orders that are no numbers")
+    return Feedback(
+        message.header.seqno,
+        message.header.tm,
+        q,
+        message.motorState.state,
+        message.mciState.state,
+        message.rapidExecState.state,
+        message.mciConvergenceMet,
+        told,
+    )
+
+
+def feedback_bytes(told: Feedback) -> bytes:
+    """As a controller says it."""
+    message = _class("EgmRobot")()
+    message.header.seqno, message.header.tm, message.header.mtype = told.number, told.at, DATA
+    _put_axes(message.feedBack, told.axes)
+    message.feedBack.time.sec, ms = divmod(told.at, 1000)
+    message.feedBack.time.usec = ms * 1000
+    message.motorState.state, message.mciState.state = told.motors, told.mci
+    message.rapidExecState.state = told.rapid
+    message.mciConvergenceMet = told.is_converged
+    message.RAPIDfromRobot.dnum.extend(told.told)
+    return message.SerializeToString()
+
+
+def reference_bytes(said: Reference, at: int) -> bytes:
+    """As a sensor says it; `at` [ms] is the clock of the report that it answers."""
+    message = _class("EgmSensor")()
+    message.header.seqno, message.header.mtype = said.number, CORRECTION
+    message.header.tm = at
+    _put_axes(message.planned, said.axes)
+    message.RAPIDtoRobot.dnum.extend(said.orders)
+    return message.SerializeToString()
+
+
+def read_reference(data: bytes) -> Reference:
+    """An answer of a sensor.
+
+    Raises:
+        LinkError: it is none, or a number in it is none.
+    """
+    message = _parsed("EgmSensor", data)
+    axes, orders = _axes(message.planned), tuple(message.RAPIDtoRobot.dnum)
+    if not (np.all(np.isfinite(axes)) and all(map(math.isfinite, orders))):
+        raise LinkError("the sensor sends references or orders that are no numbers")
+    return Reference(message.header.seqno, axes, orders)
+
+
+def _axes(joints: Any) -> Floats:
+    values = [*joints.joints.joints, *joints.externalJoints.joints]
+    return np.deg2rad(np.array(values, dtype=np.float64))
+
+
+def _put_axes(joints: Any, axes: Floats) -> None:
+    degrees: Sequence[float] = np.rad2deg(axes).tolist()
+    joints.joints.joints.extend(degrees[:ROBOT_AXES])
+    joints.externalJoints.joints.extend(degrees[ROBOT_AXES:])
+
+
+def _parsed(name: str, data: bytes) -> Any:
+    try:
+        return _class(name).FromString(data)
+    except Exception:  # the library throws another kind for each of its builds
+        raise LinkError(f"a message of {len(data)} bytes came that is no {name}") from None
+
+
+@cache
+def _class(name: str) -> Any:
+    return _classes()[name]
+
+
+@cache
+def _classes() -> dict[str, Any]:
+    try:
+        described: Any = importlib.import_module("google.protobuf.descriptor_pb2")
+        pools: Any = importlib.import_module("google.protobuf.descriptor_pool")
+        made: Any = importlib.import_module("google.protobuf.message_factory")
+    except ModuleNotFoundError:
+        raise LinkError("this needs the library protobuf: pip install 'workbench[egm]'") from None
+    file = described.FileDescriptorProto(name="workbench_egm", package="abb.egm", syntax="proto2")
+    states = file.enum_type.add(name="State")
+    for value in range(5):
+        states.value.add(name=f"STATE_{value}", number=value)
+    for name, fields in FIELDS.items():
+        message = file.message_type.add(name=name)
+        for field, (number, kind, of) in fields.items():
+            label = REPEATED if of == "*" else OPTIONAL
+            one = message.field.add(name=field, number=number, type=kind, label=label)
+            if kind in (MESSAGE, ENUM):
+                one.type_name = f".abb.egm.{of or 'State'}"
+    pool = pools.DescriptorPool()
+    pool.Add(file)
+    return {
+        name: made.GetMessageClass(pool.FindMessageTypeByName(f"abb.egm.{name}")) for name in FIELDS
+    }

@@ -1,0 +1,1 @@
+"""Scanners that speak GenICam over GigE Vision, by the library aravis."""

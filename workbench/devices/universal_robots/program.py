@@ -1,0 +1,144 @@
+"""A plan as a program in URScript: `movej` from waypoint to waypoint, stopping or blending there.
+
+The whole program goes out at once and the controller runs it once.  It writes into an output
+register which leg it is in, and is stopped by the controller when the input register that we keep
+writing falls silent.
+
+Source: Universal Robots, "The URScript Programming Language", e-Series.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from workbench.devices.universal_robots.blends import blended
+from workbench.devices.universal_robots.flange import Flange
+from workbench.devices.universal_robots.rtde import ALIVE, PROGRESS, TICKETS
+from workbench.devices.universal_robots.urscript import FLANGE, Line, seconds_of
+from workbench.model.cell import Arm, Cell
+from workbench.model.errors import InputError
+from workbench.model.geometry import Floats
+from workbench.model.plan import Leg, Plan
+from workbench.model.release import Approval
+
+DIGITS = 6
+"""Decimals of angles, speeds and accelerations [rad]."""
+
+STILL = 1e-9
+"""[rad] A shorter way is none."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Program:
+    """The text, and the names of its legs in their order.
+
+    `PROGRESS` holds `ticket` plus the number of the leg that runs, counted from 1: a controller
+    that has run this program shows it.  `q_start`, `q_end` (6,) [rad] are in chain order.
+    """
+
+    text: str
+    legs: tuple[str, ...]
+    ticket: int
+    q_start: Floats
+    q_end: Floats
+
+    @property
+    def end(self) -> int:
+        """What the register holds when all has been done."""
+        return self.ticket + len(self.legs) + 1
+
+
+def program_of(
+    cell: Cell,
+    plan: Plan,
+    approval: Approval,
+    output: int,
+    grip_seconds: float,
+    silence: float,
+    blend: float = 0.0,
+) -> Program:
+    """The program of a plan.
+
+    Args:
+        cell: with one arm of six joints.
+        plan: made for it.
+        approval: names the program.
+        output: digital output that closes the gripper, or turns on the suction.
+        grip_seconds: [s] what the gripper needs.
+        silence: [s] after which the controller stops when nobody writes `ALIVE`.
+        blend: [m] largest blend radius; at 0 the robot stops at each waypoint.
+
+    Raises:
+        InputError: a joint of the plan is beyond the cell's limits, or there are too many legs.
+    """
+    arm = cell.arms[0]
+    lower, upper, velocity = cell.robot.limits(arm.joints)
+    ticket = int(approval.digest[:5], 16) * TICKETS
+    lines = [
+        "def workbench_plan():",
+        f"  write_output_integer_register({PROGRESS}, {ticket})",
+        f'  rtde_set_watchdog("input_int_register_{ALIVE}", {1 / silence:.3f}, "stop")',
+    ]
+    flange = Flange(cell, arm) if blend and cell.zone else None
+    if flange is not None:
+        lines.append(f"  set_tcp({FLANGE})")
+    legs: list[Leg] = []
+    holding: bool | None = None
+    for step in plan.sequence:
+        for _, name in step.runs:
+            leg = plan.arm(arm.name).leg(name)
+            if np.any(leg.q < lower - 1e-6) or np.any(leg.q > upper + 1e-6):
+                raise InputError(f"leg {name} goes beyond the limits of arm {arm.name}")
+            legs.append(leg)
+            lines.append(f"  write_output_integer_register({PROGRESS}, {ticket + len(legs)})")
+            if leg.holding is not holding:
+                holding = leg.holding
+                lines.append(f"  set_standard_digital_out({output}, {holding})")
+                lines.append(f"  sleep({grip_seconds:.3f})")
+            moves = _moves(arm, leg, velocity * cell.policy.speed)
+            if flange is not None and len(moves) > 1:
+                start = arm.to_axes(leg.q[0]).tolist()
+                acceleration = np.abs(arm.to_axes(arm.acceleration))
+                moves = blended(start, moves, flange, acceleration, cell.zone, blend)
+            lines += [_said(line) for line in moves]
+    if len(legs) + 1 >= TICKETS:
+        raise InputError(f"{len(legs)} legs are more than one program has; plan fewer parts")
+    lines.append(f"  write_output_integer_register({PROGRESS}, {ticket + len(legs) + 1})")
+    lines.append("end")
+    names = tuple(leg.name for leg in legs)
+    return Program("\n".join(lines) + "\n", names, ticket, legs[0].q[0], legs[-1].q[-1])
+
+
+def _moves(arm: Arm, leg: Leg, velocity: Floats) -> tuple[Line, ...]:
+    """One `movej` to each waypoint, stopping there.
+
+    All axes of `movej` move in the same time, `v` and `a` are those of the one that goes farthest:
+    they are so low that no axis exceeds what the cell allows it.
+    """
+    moves: list[Line] = []
+    for before, after, seconds in zip(leg.q[:-1], leg.q[1:], np.diff(leg.t), strict=True):
+        way = np.abs(after - before)
+        far = float(way.max())
+        if far < STILL:
+            continue
+        share = way / far
+        moving = share > STILL
+        v = float((velocity[moving] / share[moving]).min())
+        a = float((arm.acceleration[moving] / share[moving]).min())
+        # No faster than the plan was timed: half the speed and a quarter of `a` take twice as long.
+        slower = min(seconds_of(far, v, a) / seconds, 1.0)
+        axes = tuple(round(float(value), DIGITS) + 0.0 for value in arm.to_axes(after))
+        moves.append(Line("movej", (), axes, _below(a * slower**2), _below(v * slower)))
+    return tuple(moves)
+
+
+def _said(line: Line) -> str:
+    axes = ", ".join(f"{value:.{DIGITS}f}" for value in line.q)
+    speeds = f"a={line.a:.{DIGITS}f}, v={_below(line.v):.{DIGITS}f}"
+    return f"  movej([{axes}], {speeds}{f', r={line.r:.4f}' if line.r else ''})"
+
+
+def _below(value: float) -> float:
+    """Rounded down to what is written, and above zero."""
+    return max(math.floor(value * 10**DIGITS + 1e-6), 1) / 10**DIGITS

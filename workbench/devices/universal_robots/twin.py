@@ -1,0 +1,379 @@
+"""A controller of Universal Robots, simulated: it takes programs, moves in time, and can fail.
+
+It has the ports of the real one, since the foreign client chooses none of them but that for
+programs: RTDE on 30004, the dashboard on 29999.  Several live on one machine at addresses of their
+own, 127.x.y.z.
+"""
+
+import json
+import math
+import socket
+import struct
+import threading
+import time
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+from pathlib import Path
+
+from workbench.devices.universal_robots import rtde
+from workbench.devices.universal_robots.urscript import Line, read_program
+from workbench.devices.universal_robots.ways import Positions, Way
+from workbench.model.errors import InputError
+
+DASHBOARD_PORT = 29999
+
+NORMAL, PROTECTIVE = 1 << 0, 1 << 2
+
+TICK = 0.01
+"""[s] Between two positions of the arm."""
+
+POLL = 0.05
+
+LONGEST_PROGRAM = 1 << 22
+"""[bytes] Who says more before an end is not listened to."""
+
+KEPT = 100
+"""So many of the programs that came are remembered."""
+
+FAULTS = ("protective-stop", "cut", "local", "brakes")
+"""A protective stop in a leg; all connections cut in a leg; the robot is in local control; a stop
+of which it never says that it has ended."""
+
+
+class SimulatedUr:
+    """Six axes and three ports; `run` serves until `stop`."""
+
+    def __init__(
+        self,
+        host: str,
+        script_port: int,
+        start: Sequence[float],
+        *,
+        positions: Positions,
+        home_after: float = math.inf,
+        speed: float = 1.0,
+        faults: Sequence[str] = (),
+        record: Path | None = None,
+        trace: Path | None = None,
+    ) -> None:
+        """Take the ports.
+
+        Args:
+            host: address to listen on.
+            script_port: for programs; 0 takes a free one.
+            start: (6,) [rad] where the axes are.
+            positions: of the flange, about which radii of blends are.
+            home_after: [s] so long after a program was ended somebody clears what has ended it, and
+                the axes are where they were at first.
+            speed: of motion; 1 is real time.
+            faults: of `FAULTS`; `protective-stop@3` is one in the third leg.
+            record: file for the programs that arrive.
+            trace: file for where the axes are.
+
+        Raises:
+            InputError: a fault is not known, or a port is taken.
+        """
+        self._faults = dict(_fault(text) for text in faults)
+        self._speed, self._record, self._trace = speed, record, trace
+        self._over, self._ended, self._cut = threading.Event(), threading.Event(), threading.Event()
+        self._lock = threading.Lock()
+        # One program begins or ends at a time: one client sends them, another one stops.
+        self._changing = threading.Lock()
+        self._q = self._home = tuple(float(value) for value in start)
+        self._positions, self._home_after, self._left_at = positions, home_after, math.inf
+        self._leg, self._runtime, self._safety = 0, rtde.STOPPED, NORMAL
+        self._alive_at, self._watchdog = time.monotonic(), 0.0
+        self._program: threading.Thread | None = None
+        self.outputs: dict[int, bool] = {}
+        self.programs: list[str] = []
+        self._listening: list[tuple[socket.socket, Callable[[socket.socket], None]]] = []
+        for port, serve in (
+            (script_port, self._take_programs),
+            (rtde.RTDE_PORT, self._rtde),
+            (DASHBOARD_PORT, self._dashboard),
+        ):
+            try:
+                listener = socket.create_server((host, port))
+            except OSError as error:
+                self._close()
+                reason = error.strerror or error
+                raise InputError(f"{host}:{port} cannot be listened on: {reason}") from None
+            listener.settimeout(POLL)
+            self._listening.append((listener, serve))
+        self.port: int = self._listening[0][0].getsockname()[1]
+        self.state_port: int = rtde.RTDE_PORT
+
+    @property
+    def q(self) -> tuple[float, ...]:
+        """Where the axes are [rad]."""
+        return self._q
+
+    @property
+    def is_protective(self) -> bool:
+        """Whether it has stopped for its own protection."""
+        return self._safety == PROTECTIVE
+
+    def stop(self) -> None:
+        """End `run`."""
+        self._over.set()
+
+    def run(self) -> None:
+        """Serve until somebody stops it."""
+        threads = [
+            threading.Thread(target=self._accept, args=one, daemon=True) for one in self._listening
+        ]
+        for thread in threads:
+            thread.start()
+        while not self._over.wait(POLL):
+            with self._lock:
+                is_silent = time.monotonic() - self._alive_at > self._watchdog
+                if self._runtime == rtde.PLAYING and self._watchdog and is_silent:
+                    self._safety, self._runtime = PROTECTIVE, rtde.STOPPED
+                    self._leave()
+                elif time.monotonic() - self._left_at > self._home_after:
+                    self._safety, self._q, self._left_at = NORMAL, self._home, math.inf
+        self._end_program()
+        for thread in threads:
+            thread.join()
+        self._close()
+
+    def _leave(self) -> None:
+        """The program is ended where it is; the lock is held."""
+        self._left_at = time.monotonic()
+        self._ended.set()
+
+    def _close(self) -> None:
+        for listener, _ in self._listening:
+            listener.close()
+
+    def _accept(self, listener: socket.socket, serve: Callable[[socket.socket], None]) -> None:
+        clients: list[threading.Thread] = []
+        while not self._over.is_set() and not self._cut.is_set():
+            try:
+                client, _ = listener.accept()
+            except TimeoutError:
+                continue
+            client.settimeout(POLL)
+            clients = [one for one in clients if one.is_alive()]
+            clients.append(threading.Thread(target=self._serve, args=(client, serve), daemon=True))
+            clients[-1].start()
+        for one in clients:
+            one.join()
+
+    def _serve(self, client: socket.socket, serve: Callable[[socket.socket], None]) -> None:
+        # A client that goes, or talks nonsense, is no fault of the controller.
+        with client, suppress(OSError, struct.error, ValueError, KeyError):
+            serve(client)
+
+    def _heard(self, client: socket.socket, most: int) -> bytes | None:
+        """What a client says; nothing within a moment is empty, None when it is over."""
+        if self._over.is_set() or self._cut.is_set():
+            return None
+        try:
+            return client.recv(most) or None
+        except TimeoutError:
+            return b""
+
+    # -- programs --------------------------------------------------------------------------
+
+    def _take_programs(self, client: socket.socket) -> None:
+        heard = b""
+        while (data := self._heard(client, 1 << 16)) is not None:
+            heard += data
+            while b"\nend\n" in heard:
+                text, _, heard = heard.partition(b"\nend\n")
+                self._begin(text.decode("ascii", "replace") + "\nend\n")
+            if len(heard) > LONGEST_PROGRAM:
+                return
+
+    def _begin(self, text: str) -> None:
+        self.programs.append(text)
+        del self.programs[:-KEPT]
+        if self._record is not None:
+            with self._record.open("a", encoding="utf-8") as file:
+                file.write(json.dumps({"program": text}) + "\n")
+        try:
+            lines = read_program(text)
+        except InputError:
+            return  # as a controller: what does not compile does not start
+        with self._changing:
+            self._end_running()
+            if self._safety != NORMAL or "local" in self._faults:
+                return
+            self._ended.clear()
+            with self._lock:
+                self._runtime, self._watchdog, self._alive_at = rtde.PLAYING, 0.0, time.monotonic()
+                self._left_at = math.inf
+            self._program = threading.Thread(target=self._execute, args=(lines,), daemon=True)
+            self._program.start()
+
+    def _end_program(self) -> None:
+        with self._changing:
+            self._end_running()
+
+    def _end_running(self) -> None:
+        was_playing = self._brake()
+        self._ended.set()
+        if self._program is not None:
+            self._program.join()
+        while was_playing and "brakes" in self._faults and not self._over.wait(POLL):
+            pass
+        with self._lock:
+            self._runtime = rtde.STOPPED
+
+    def _brake(self) -> bool:
+        with self._lock:
+            was_playing = self._runtime == rtde.PLAYING
+            if was_playing:
+                self._runtime, self._left_at = rtde.STOPPING, time.monotonic()
+        return was_playing
+
+    def _execute(self, lines: Sequence[Line]) -> None:
+        moves: list[Line] = []
+        for line in (*lines, Line("stopj")):
+            if self._ended.is_set():
+                break
+            if line.name == "movej":
+                moves.append(line)
+            if moves and not (line.name == "movej" and line.r):
+                self._move(Way(self._q, moves, self._positions))
+                moves = []
+            if line.name != "movej":
+                self._carry_out(line)
+        with self._lock:
+            if self._runtime == rtde.PLAYING:
+                self._runtime = rtde.STOPPED
+
+    def _carry_out(self, line: Line) -> None:
+        match line.name:
+            case "sleep":
+                self._ended.wait(float(line.words[0]) / self._speed)
+            case "set_standard_digital_out":
+                self.outputs[int(line.words[0])] = line.words[1] == "True"
+            case "rtde_set_watchdog":
+                with self._lock:
+                    self._watchdog, self._alive_at = 1 / float(line.words[1]), time.monotonic()
+            case "write_output_integer_register":
+                self._leg = int(line.words[1])
+                self._fail()
+            case "stopj" | "set_tcp":
+                return  # the axes stand as soon as the program before has ended; the TCP is there
+            case name:
+                raise AssertionError(f"the reader knows {name}, and nobody runs it")
+
+    def _fail(self) -> None:
+        leg = self._leg % rtde.TICKETS
+        if self._faults.get("protective-stop") == leg:
+            with self._lock:
+                self._safety, self._runtime = PROTECTIVE, rtde.STOPPED
+                self._leave()
+        if self._faults.get("cut") == leg:
+            self._cut.set()
+
+    def _move(self, way: Way) -> None:
+        began = time.monotonic()
+        while not self._ended.is_set():
+            t = (time.monotonic() - began) * self._speed
+            self._q = way.at(t)
+            if self._trace is not None:
+                with self._trace.open("a", encoding="utf-8") as file:
+                    file.write(json.dumps({"at": time.time(), "q": self._q}) + "\n")
+            if t >= way.seconds:
+                return
+            self._ended.wait(min(TICK, (way.seconds - t) / self._speed))
+
+    # -- RTDE ------------------------------------------------------------------------------
+
+    def _rtde(self, client: socket.socket) -> None:
+        outputs: list[str] = []
+        recipes: list[list[str]] = []
+        period, due, heard, is_started = 0.0, 0.0, b"", False
+        while True:
+            if is_started and time.monotonic() >= due:
+                due = time.monotonic() + period
+                client.sendall(
+                    rtde.packet(rtde.DATA, b"\x01" + rtde.packed(outputs, self._state()))
+                )
+            client.settimeout(max(min(due - time.monotonic(), POLL), 1e-3) if is_started else POLL)
+            data = self._heard(client, rtde.LONGEST)
+            if data is None:
+                return
+            heard += data
+            while len(heard) >= rtde.HEADER.size:
+                size, kind = rtde.HEADER.unpack_from(heard)
+                if not rtde.HEADER.size <= size <= rtde.LONGEST:
+                    return
+                if len(heard) < size:
+                    break
+                content, heard = heard[rtde.HEADER.size : size], heard[size:]
+                if kind == rtde.VERSION:
+                    client.sendall(rtde.packet(rtde.VERSION, b"\x01"))
+                elif kind == rtde.CONTROLLER:
+                    client.sendall(rtde.packet(rtde.CONTROLLER, struct.pack(">IIII", 5, 11, 0, 0)))
+                elif kind == rtde.OUTPUTS:
+                    (rate,) = struct.unpack_from(">d", content)
+                    period, outputs = max(1 / rate, TICK), _names(content[8:])
+                    client.sendall(rtde.packet(rtde.OUTPUTS, b"\x01" + _types(outputs)))
+                elif kind == rtde.INPUTS:
+                    recipes.append(_names(content))
+                    number = bytes([len(recipes)])
+                    client.sendall(rtde.packet(rtde.INPUTS, number + _types(recipes[-1])))
+                elif kind in (rtde.START, rtde.PAUSE):
+                    is_started = kind == rtde.START
+                    client.sendall(rtde.packet(kind, b"\x01"))
+                elif kind == rtde.DATA:
+                    self._written(rtde.unpacked(recipes[content[0] - 1], content[1:]))
+
+    def _state(self) -> dict[str, object]:
+        return {
+            "timestamp": time.monotonic(),
+            "actual_q": self._q,
+            "robot_mode": rtde.RUNNING_MODE,
+            "safety_status_bits": self._safety,
+            "runtime_state": self._runtime,
+            f"output_int_register_{rtde.PROGRESS}": self._leg,
+        }
+
+    def _written(self, values: dict[str, object]) -> None:
+        if f"input_int_register_{rtde.ALIVE}" in values:
+            with self._lock:
+                self._alive_at = time.monotonic()
+
+    # -- dashboard -------------------------------------------------------------------------
+
+    def _dashboard(self, client: socket.socket) -> None:
+        client.sendall(b"Connected: Universal Robots Dashboard Server\n")
+        heard = b""
+        while (data := self._heard(client, rtde.LONGEST)) is not None:
+            *lines, heard = (heard + data).split(b"\n")
+            for line in lines:
+                client.sendall(self._answer(line.decode("ascii", "replace").strip()) + b"\n")
+
+    def _answer(self, asked: str) -> bytes:
+        match asked.lower():
+            case "is in remote control":
+                return b"false" if "local" in self._faults else b"true"
+            case "polyscopeversion":
+                return b"URSoftware 5.11.0.0"
+            case "stop":
+                self._end_program()
+                return b"Stopped"
+            case "quit":
+                return b"Disconnected"
+            case _:
+                return f"could not understand: '{asked}'".encode()
+
+
+def _fault(text: str) -> tuple[str, int]:
+    word, _, leg = text.partition("@")
+    if word not in FAULTS or (leg and not leg.isdecimal()):
+        raise InputError(f"fault {text!r:.40}: one of {', '.join(FAULTS)} is expected, with @LEG")
+    return word, int(leg or 1)
+
+
+def _names(content: bytes) -> list[str]:
+    return [name for name in content.decode("ascii").split(",") if name]
+
+
+def _types(names: Sequence[str]) -> bytes:
+    return ",".join(rtde.type_of(name) for name in names).encode()

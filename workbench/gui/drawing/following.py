@@ -1,0 +1,49 @@
+"""Which moment of the plan belongs to a state: where the robot has got to, or the end, or none."""
+
+from workbench.app.core.state import Phase, State
+from workbench.app.runtime.live import Live
+from workbench.gui.shared.look import AFTER_CYCLE, SharedLook
+from workbench.gui.shared.playback import Run, followed
+
+SENT = AFTER_CYCLE | {Phase.SENDING}
+"""The plan has moved the robot, or does."""
+
+
+def keep_up(
+    look: SharedLook, before: State | None, state: State, live: Live, runs: tuple[Run, ...]
+) -> None:
+    """Have all see what a state has come to.
+
+    Args:
+        look: is changed where it does not belong to the state.
+        before: the state that was looked at before, None when there was none.
+        state: that is looked at from now on.
+        live: where the robot is reported to be.
+        runs: the timeline of the state's plan.
+    """
+    if before is not None and _is_other_scene(before, state):
+        look.change(time=0.0, is_playing=False, candidate=None, pose=0, by=None, follows=True)
+    if state.phase is Phase.SENDING:
+        at = look.now.followed
+        if live.joints:
+            at = followed(state.cell, runs, live.joints, at)
+        # A hand on the scrubber that came a moment too late would hold the picture for good.
+        if at != look.now.time or not look.now.follows:
+            look.change(time=at, is_playing=False, by=None, follows=True)
+    was_done = before is not None and before.phase is Phase.DONE and before.plan is state.plan
+    if state.phase is Phase.DONE and not was_done:
+        # The last reports of a quick robot may never have been drawn, those of a cycle that was
+        # done before this page began never were.
+        end = max((run.end for run in runs), default=0.0)
+        look.change(time=end, is_playing=False, by=None, follows=True)
+
+
+def _is_other_scene(before: State, state: State) -> bool:
+    """Whether the time and the candidate that were looked at do not matter any more.
+
+    In a recorded session one also goes back, to before the plan was sent.
+    """
+    is_new = before.plan is not state.plan or before.candidates is not state.candidates
+    is_sent_now = state.phase is Phase.SENDING and before.phase is not Phase.SENDING
+    is_sent_later = state.phase not in SENT and before.phase in SENT
+    return is_new or is_sent_now or is_sent_later

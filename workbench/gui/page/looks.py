@@ -1,0 +1,173 @@
+"""Ways to look at the cell that a key or a press brings back: home, top, front, bin, selected.
+
+A double click brings what lies there into the middle.
+"""
+
+import itertools
+import math
+import time
+from collections.abc import Callable, Mapping
+from functools import partial
+from typing import Any
+
+import numpy as np
+from viser._messages import HotkeyKey
+
+from workbench.app.core.state import State
+from workbench.gui.scene.measure import pointed_at
+from workbench.gui.scene.stage import STAGE
+from workbench.gui.scene.surroundings import ASPECT, FIELD_OF_VIEW, first_look, framed
+from workbench.gui.scene.surroundings import interesting_points as whole
+from workbench.gui.shared.look import Look, View
+from workbench.gui.shared.tables import clickable
+from workbench.gui.shared.visitor import Visitor
+from workbench.model.cell import Cell
+from workbench.model.errors import InputError
+from workbench.model.geometry import Floats
+
+Camera = tuple[Floats, Floats]
+"""Position of a camera and the point it looks at, each (3,) [m]."""
+
+AROUND = 0.12
+"""[m] What is seen at least around what is selected, to all sides."""
+
+TWICE, SAME = 0.5, math.radians(1.0)
+"""[s, rad] Two clicks within this time, and along rays that differ by no more, are a double one."""
+
+KEYS: Mapping[str, tuple[HotkeyKey, str]] = {
+    "Home": ("1", "as the page begins"),
+    "Top": ("2", "from above"),
+    "Front": ("3", "from in front"),
+    "Bin": ("4", "into the bin"),
+    "Selected": ("5", "at the chosen candidate, or the parts"),
+}
+"""Each look by its name: its key, and what it shows."""
+
+
+def camera_of(name: str, state: State, look: Look) -> Camera:
+    """From where a look is had.
+
+    Raises:
+        InputError: nothing is there to look at.
+    """
+    cell = state.cell
+    match name:
+        case "Home":
+            return first_look(cell)
+        case "Top":
+            return _framed(whole(cell), _forward(cell) * 0.02, 1.0)
+        case "Front":
+            return _framed(whole(cell), _forward(cell), 0.12)
+        case "Bin":
+            return _framed(_bin(cell), _forward(cell) * 0.45, 1.0)
+        case _:
+            return _framed(_selected(state, look), _forward(cell) * 0.8, 0.7)
+
+
+def _forward(cell: Cell) -> Floats:
+    """The level unit vector from the robot to the bin, (3,)."""
+    away = cell.bin.T_world_bin.translation - cell.T_world_robot.translation
+    azimuth = math.atan2(away[1], away[0])
+    return np.array([math.cos(azimuth), math.sin(azimuth), 0.0])
+
+
+def _framed(points: Floats, level: Floats, upwards: float) -> Camera:
+    direction = level + np.array([0.0, 0.0, upwards])
+    return framed(points, direction / np.linalg.norm(direction), FIELD_OF_VIEW, ASPECT)
+
+
+def _bin(cell: Cell) -> Floats:
+    length, width, height = cell.bin.size
+    return np.array(
+        [
+            cell.bin.T_world_bin.act(np.array([x * length / 2, y * width / 2, z * height]))
+            for x, y, z in itertools.product((-1, 1), (-1, 1), (0, 1))
+        ]
+    )
+
+
+def _selected(state: State, look: Look) -> Floats:
+    candidates, found = state.candidates or (), state.detections or ()
+    if look.candidate is not None and look.candidate < len(candidates):
+        middles = [candidates[look.candidate].T_world_tcp.translation]
+    else:
+        middles = [one.T_world_part.translation for one in found]
+    if not middles:
+        raise InputError("nothing is selected, and no part is found")
+    corners = AROUND * np.array(list(itertools.product((-1, 1), repeat=3)))
+    return np.concatenate([middle + corners for middle in middles])
+
+
+def centred(camera: Camera, point: Floats) -> Camera:
+    """The camera moved, not turned, so that a point (3,) [m] is what it looks at."""
+    position, centre = camera
+    return position + point - centre, point
+
+
+class Looks:
+    """Keys, a row of buttons over the scene, and double clicks into it.
+
+    Concurrency: clicks and keys move the camera of this browser alone.
+    """
+
+    def __init__(self, visitor: Visitor):
+        """Add them."""
+        self._visitor = visitor
+        self._view: View | None = None
+        self._click = (-math.inf, np.zeros(3))
+        pressed: dict[str, Callable[[], None]] = {name: partial(self._go, name) for name in KEYS}
+        buttons = {name: visitor.unseen(go) for name, go in pressed.items()}
+        visitor.hide(buttons.values())
+        for name, (key, says) in KEYS.items():
+            visitor.on_key(key, f"Look {says}", partial(self._typed, name))
+        shown = "".join(
+            f'<span title="Look {KEYS[name][1]} (key {KEYS[name][0]})" {clickable(button)}>'
+            f"{name}</span>"
+            for name, button in buttons.items()
+        )
+        visitor.gui.add_html(f'<div class="wb-looks">{shown}</div>')
+        scene = visitor.client.scene
+
+        @scene.on_click()
+        def clicked(event: Any) -> None:
+            rays = np.array([event.ray_origin, event.ray_direction], dtype=np.float64)
+            if np.all(np.isfinite(rays)) and np.linalg.norm(rays[1]) > 0.5:
+                self._clicked(rays[0], rays[1], time.monotonic())
+
+        visitor.on_end(lambda: scene.remove_click_callback(clicked), in_scene=True)
+
+    def show(self, view: View) -> None:
+        """This is what is seen now."""
+        self._view = view
+
+    def _clicked(self, origin: Floats, direction: Floats, at: float) -> None:
+        """A person has clicked along a ray, of which each is (3,) [m] in the world, at [s]."""
+        before, way = self._click
+        ray = direction / np.linalg.norm(direction)
+        is_double = at - before <= TWICE and ray @ way >= math.cos(SAME)
+        self._click = (-math.inf, way) if is_double else (at, ray)
+        point = pointed_at(self._view, origin, ray) if is_double and self._view else None
+        if point is None:
+            return
+        client = self._visitor.client
+        seen = np.array(client.camera.position), np.array(client.camera.look_at)
+        with client.atomic():
+            client.camera.position, client.camera.look_at = centred(seen, point)
+
+    def _typed(self, name: str) -> None:
+        # While the part stands alone the same keys move its grasp.
+        if self._visitor.client.scene.get_handle_by_name(STAGE) is None:
+            self._go(name)
+
+    def _go(self, name: str) -> None:
+        visitor = self._visitor
+        try:
+            position, centre = camera_of(name, visitor.bench.state, visitor.look.now)
+        except InputError as error:
+            visitor.tell("Nothing to look at", str(error))
+            return
+        camera = visitor.client.camera
+        with visitor.client.atomic():
+            camera.up_direction = (0.0, 0.0, 1.0)
+            camera.position = position
+            camera.look_at = centre

@@ -1,0 +1,164 @@
+"""The plan over time: the lanes of the arms, and curves of joints and clearance."""
+
+from collections.abc import Mapping
+from html import escape
+
+import numpy as np
+
+from workbench.gui.shared.colours import JOINTS, arm_colour
+from workbench.gui.shared.playback import Run, arm_path
+from workbench.gui.shared.plots import Curve, Plot
+from workbench.model.cell import Arm, Cell
+from workbench.model.geometry import Floats
+from workbench.model.plan import LegName, Proof
+from workbench.proof.stages import STRAIGHT
+
+LEGS: Mapping[LegName, str] = {
+    "reach": "#4dabf7",
+    "approach": "#1c7ed6",
+    "extract": "#f08c00",
+    "return": "#ffa94d",
+    "place": "#e8590c",
+    "home": "#adb5bd",
+}
+"""Blue on the way to the part, orange with it, grey home."""
+
+INSTANT = 1e-6
+"""Too short to see [s]: sets the two sides of a step apart."""
+
+SAMPLES = 240
+"""Points of a curve over the whole plan."""
+
+
+def lanes_html(cell: Cell, runs: tuple[Run, ...], seconds: float) -> str:
+    """A lane an arm, a block a leg, in proportion to the time."""
+    lanes: list[str] = []
+    for arm in cell.arms:
+        blocks = "".join(_block(run, seconds) for run in runs if run.arm == arm.name)
+        lanes.append(
+            f'<div class="wb-lane"><span class="wb-lane-name">{escape(arm.name)}</span>'
+            f'<div class="wb-track">{blocks}<i class="wb-at"></i></div></div>'
+        )
+    used = {run.leg.name for run in runs}
+    legend = "".join(
+        f'<span class="wb-leg"><i style="background:{colour}"></i>{name}</span>'
+        for name, colour in LEGS.items()
+        if name in used
+    )
+    legend += '<span class="wb-leg"><i style="background:var(--wb-faint)"></i>waiting</span>'
+    return f'<div class="wb-lanes">{"".join(lanes)}<div class="wb-legend">{legend}</div></div>'
+
+
+def _block(run: Run, seconds: float) -> str:
+    left, width = 100 * run.start / seconds, 100 * (run.end - run.start) / seconds
+    held = ", part in hand" if run.leg.holding else ""
+    tip = f"{run.leg.name}: {run.start:.2f} s to {run.end:.2f} s, {run.leg.motion}{held}"
+    return (
+        f'<div class="wb-block" title="{escape(tip)}" style="left:{left:.3f}%;'
+        f'width:{width:.3f}%;background:{LEGS[run.leg.name]}"></div>'
+    )
+
+
+def now_html(time: float, seconds: float, doing: str) -> str:
+    """Where the scrubber stands, and what happens there."""
+    return (
+        f'<div class="wb-now"><b>{time:.2f} s</b> of {seconds:.2f} s'
+        f"<span>{escape(doing)}</span></div>"
+    )
+
+
+def doing(runs: tuple[Run, ...], time: float) -> str:
+    """Which legs are under way at `time` [s]."""
+    active = [f"{run.arm} {run.leg.name}" for run in runs if run.start <= time < run.end]
+    return ", ".join(active) or ("at the end" if runs and time > 0 else "at home")
+
+
+def joint_curves(arm: Arm, runs: tuple[Run, ...], seconds: float) -> tuple[Floats, ...]:
+    """Times (k,) [s] and the angle (k,) [deg] of each joint, in the controller's order."""
+    times = np.linspace(0.0, max(seconds, 1e-3), SAMPLES)
+    wire = arm_path(arm, runs, times)[:, list(arm.axis_order)] * np.array(arm.axis_signs)
+    return (times, *np.rad2deg(wire).T)
+
+
+def clearance_curves(runs: tuple[Run, ...], proof: Proof) -> tuple[Floats, Floats, Floats, Floats]:
+    """What nothing is nearer than over the time of a plan, from the bounds of its proof.
+
+    Each bound holds from one waypoint to the next, so the curves go in steps; where several arms
+    are on legs of one kind the smallest counts.
+
+    Returns:
+        Times (k,) [s], what is kept (k,) on free legs, on straight ways, and between arms [mm]; NaN
+        where there is no such leg.
+    """
+    kept = {(arm, leg): bounds for arm, leg, bounds in proof.clearances}
+    apart = {(arm, leg): bounds for arm, leg, bounds in proof.apart}
+    free = tuple(run for run in runs if run.leg.name not in STRAIGHT)
+    straight = tuple(run for run in runs if run.leg.name in STRAIGHT)
+    near, close, arms = (
+        _spans(runs, *one) for one in ((free, kept), (straight, kept), (runs, apart))
+    )
+    changes = np.unique(np.concatenate([near[:, :2].ravel(), close[:, :2].ravel()]))
+    if not len(changes):
+        changes = np.array([0.0, 1.0])
+    times = np.sort(np.concatenate([changes[:-1] + INSTANT, changes[1:] - INSTANT]))
+    return times, _smallest(near, times), _smallest(close, times), _smallest(arms, times)
+
+
+def _spans(
+    runs: tuple[Run, ...], chosen: tuple[Run, ...], bounds: Mapping[tuple[str, str], Floats]
+) -> Floats:
+    """Start [s], end [s] and bound [mm] from each waypoint of some legs to the next, (k, 3).
+
+    Where another leg of the same step takes longer, the last bound holds on: there the arm stands.
+    """
+    found: list[tuple[float, float, float]] = []
+    for run in chosen:
+        ends = run.start + np.asarray(run.leg.t[1:])
+        ends[-1] = max(other.end for other in runs if other.start == run.start)
+        starts, values = run.start + run.leg.t[:-1], bounds.get((run.arm, run.leg.name), ())
+        found += zip(starts, ends, np.asarray(values)[: len(ends)] * 1000, strict=False)
+    return np.array(found).reshape(-1, 3)
+
+
+def _smallest(spans: Floats, times: Floats) -> Floats:
+    """The smallest value of the spans that are under way at each time, NaN without one."""
+    starts, ends, values = spans.T
+    active = (starts <= times[:, None]) & (times[:, None] < ends)
+    smallest = np.where(active, values, np.inf).min(axis=1, initial=np.inf)
+    return np.where(np.isfinite(smallest), smallest, np.nan)
+
+
+def speed_curve(arm: Arm, cell: Cell, runs: tuple[Run, ...], seconds: float) -> Floats:
+    """How fast an arm's fastest joint turns, (SAMPLES,), in percent of its limit: no unit."""
+    times = np.linspace(0.0, max(seconds, 1e-3), SAMPLES)
+    _, _, velocity = cell.robot.limits(arm.joints)
+    speeds = np.abs(np.gradient(arm_path(arm, runs, times), times, axis=0)) / velocity
+    return 100 * speeds.max(axis=1)
+
+
+def plots_of(
+    cell: Cell, runs: tuple[Run, ...], seconds: float, proof: Proof | None
+) -> tuple[Plot, ...]:
+    """The curves of a plan: what it keeps clear, how far apart arms are, speeds, and axes."""
+    found: list[Plot] = []
+    if proof is not None:
+        times, free, straight, arms = clearance_curves(runs, proof)
+        ways = (
+            Curve("free ways", JOINTS[0], free),
+            Curve("straight ways", LEGS["extract"], straight),
+        )
+        found.append(Plot("Kept clear at least, up to 100", "mm", times, ways, low=0.0))
+        if len(cell.arms) > 1:
+            apart = (Curve("between the arms", JOINTS[3], arms),)
+            found.append(Plot("Arms apart at least, up to 400", "mm", times, apart, low=0.0))
+    speeds = tuple(
+        Curve(arm.name, arm_colour(k), speed_curve(arm, cell, runs, seconds))
+        for k, arm in enumerate(cell.arms)
+    )
+    even = np.linspace(0.0, max(seconds, 1e-3), len(speeds[0].values))
+    found.append(Plot("Fastest axis, of its limit", "%", even, speeds, low=0.0, high=100.0))
+    for arm in cell.arms:
+        times, *angles = joint_curves(arm, runs, seconds)
+        axes = (Curve(f"{k + 1}", JOINTS[k % len(JOINTS)], one) for k, one in enumerate(angles))
+        found.append(Plot(f"Axes of the {arm.name} arm", "deg", times, tuple(axes)))
+    return tuple(found)

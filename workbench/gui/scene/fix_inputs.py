@@ -1,0 +1,49 @@
+"""The nearest fix with its two buttons: applied with one press, and undone with one."""
+
+import viser
+
+from workbench.app.core.commands import EditPart, UndoCell
+from workbench.app.picking.fixing import applied
+from workbench.gui.shared.look import NO_HELP, Help, View
+from workbench.gui.shared.visitor import Visitor
+
+
+class FixInputs:
+    """Shown while there is a fix to apply, or the last change of the cell was one.
+
+    Concurrency: clicks give commands; the renderer's thread draws.
+    """
+
+    def __init__(self, visitor: Visitor):
+        """Add the buttons where the page is built now, unseen."""
+        self._visitor = visitor
+        self._help = NO_HELP
+        self._apply = visitor.gui.add_button(
+            "Apply the fix",
+            icon=viser.Icon.TOOL,
+            color="gray",
+            visible=False,
+            hint="Changes the grasp, for all parts of its kind, or what the cell asks for.",
+        )
+        self._undo = visitor.gui.add_button(
+            "Undo the fix", icon=viser.Icon.ARROW_BACK_UP, color="gray", visible=False
+        )
+        self._apply.on_click(lambda _: self._pressed())
+        visitor.on_press(self._undo, UndoCell)
+
+    def show(self, old: View | None, new: View, help: Help) -> None:
+        """Bring what is shown to the newest view, in which `help` is what would admit something."""
+        is_same = help is self._help and old is not None and old.state is new.state
+        if is_same and old is not None and old.look.fixed == new.look.fixed:
+            return
+        self._help, state = help, new.state
+        fix = help.fix
+        self._apply.visible = fix is not None and (fix.grasp or fix.policy) is not None
+        self._undo.visible = bool(state.before) and new.look.fixed == state.cell.digest
+        self._visitor.admit(self._apply, state, EditPart)
+        self._visitor.admit(self._undo, state, UndoCell)
+
+    def _pressed(self) -> None:
+        visitor, fix = self._visitor, self._help.fix
+        if fix is not None and visitor.ask(lambda: applied(visitor.bench.state, fix)):
+            visitor.look.change(fixed=visitor.bench.state.cell.digest)

@@ -1,0 +1,164 @@
+"""Curves as HTML: over the time of a plan with a cursor in all, where a click goes to its time.
+
+viser's plots cannot do either, and stay blank when the colours of the page change while they are
+out of sight (decision 26).  These are as wide as there is room, and take their colours from the
+style sheet.
+"""
+
+import math
+from dataclasses import dataclass
+from html import escape
+
+import numpy as np
+
+from workbench.model.geometry import Floats
+
+WIDE, HIGH = 1000.0, 100.0
+"""Of the drawing, in its own units: it is stretched to the room there is."""
+
+MOST_TICKS = 5
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Curve:
+    """One curve: its name, `colour` and values (k,) at the plot's times; NaN where it has none.
+
+    Values are in the plot's own unit.
+    """
+
+    name: str
+    colour: str
+    values: Floats
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Plot:
+    """Curves over the same `times` (k,) [s], or over what `along` names.
+
+    What is shown reaches from `low` to `high` at least.
+    """
+
+    title: str
+    unit: str
+    times: Floats
+    curves: tuple[Curve, ...]
+    low: float = math.inf
+    high: float = -math.inf
+    along: str = "s"
+
+    @property
+    def bounds(self) -> tuple[float, float]:
+        """Least and greatest value that is shown."""
+        values = np.concatenate([curve.values for curve in self.curves])
+        known = values[np.isfinite(values)]
+        low, high = known.min(initial=self.low), known.max(initial=self.high)
+        if not (math.isfinite(low) and math.isfinite(high)):
+            return 0.0, 1.0
+        return (float(low), float(high)) if high > low else (low - 0.5, low + 0.5)
+
+
+def ticks(low: float, high: float) -> tuple[float, ...]:
+    """Round numbers in a range, five at most, in steps of 1, 2 or 5 times a power of ten."""
+    rough = (high - low) / MOST_TICKS
+    power = 10.0 ** math.floor(math.log10(rough))
+    step = next(power * k for k in (1, 2, 5, 10) if power * k >= rough * (1 - 1e-9))
+    first = math.ceil(low / step - 1e-9)
+    last = math.floor(high / step + 1e-9)
+    return tuple(k * step for k in range(first, last + 1))
+
+
+def plot_html(plot: Plot, end: float, slider: str = "") -> str:
+    """A plot from 0, or where its times begin, to `end`.
+
+    Args:
+        plot: what is drawn.
+        end: of the axis along: how long the plan is.
+        slider: id of the slider of the time, which a click puts where the time is; none: no
+            cursor either.
+    """
+    low, high = plot.bounds
+    begin = min(0.0, float(plot.times[0])) if slider else float(plot.times[0])
+    lines = "".join(_line(plot.times, one, (low, high), (begin, end)) for one in plot.curves)
+    across = "".join(
+        f'<i class="wb-grid" style="bottom:{_share(tick, low, high):.2f}%"><b>{tick:g}</b></i>'
+        for tick in ticks(low, high)
+    )
+    goes = f' onclick="{escape(_goes(slider))}"' if slider else ""
+    cursor = '<i class="wb-at"></i>' if slider else ""
+    return (
+        f'<div class="wb-plot"><div class="wb-plot-title">{escape(plot.title)} '
+        f"[{escape(plot.unit)}]</div>"
+        f'<div class="wb-canvas"{goes}>{across}'
+        f'<svg viewBox="0 0 {WIDE:g} {HIGH:g}" preserveAspectRatio="none" aria-hidden="true">'
+        f"{lines}</svg>{cursor}</div>{_along(begin, end, plot.along)}</div>"
+    )
+
+
+def legend_html(plot: Plot, time: float | None = None) -> str:
+    """The names of the curves, with their values at a time [s]."""
+
+    def value(curve: Curve) -> str:
+        return "" if time is None else f" <b>{_said(_at(plot.times, curve.values, time))}</b>"
+
+    entries = "".join(
+        f'<span class="wb-leg"><i style="background:{curve.colour}"></i>{escape(curve.name)}'
+        f"{value(curve)}</span>"
+        for curve in plot.curves
+    )
+    return f'<div class="wb-legend wb-values">{entries}</div>'
+
+
+def cursor_style(time: float, seconds: float) -> str:
+    """The style that puts the cursors of all plots at a time [s]."""
+    share = _share(time, 0.0, seconds) if seconds > 0 else 0.0
+    return f'<style class="wb-style">:root{{--wb-at:{share:.2f}%}}</style>'
+
+
+def _line(
+    times: Floats, curve: Curve, bounds: tuple[float, float], along: tuple[float, float]
+) -> str:
+    (low, high), (begin, end) = bounds, along
+    x = WIDE * (times - begin) / max(end - begin, 1e-9)
+    y = HIGH * (high - curve.values) / (high - low)
+    pieces: list[str] = []
+    is_down = False
+    for across, down in zip(x.tolist(), y.tolist(), strict=True):
+        if not math.isfinite(down):
+            is_down = False
+            continue
+        pieces.append(f"{'L' if is_down else 'M'}{across:.1f} {down:.1f}")
+        is_down = True
+    return f'<path d="{"".join(pieces)}" stroke="{curve.colour}"/>'
+
+
+def _along(begin: float, end: float, unit: str) -> str:
+    marks = "".join(
+        f'<b style="left:{_share(tick, begin, end):.2f}%">{tick:g}</b>'
+        for tick in ticks(begin, max(end, begin + 1e-3))
+    )
+    return f'<div class="wb-times">{marks}<span>{escape(unit)}</span></div>'
+
+
+def _share(value: float, low: float, high: float) -> float:
+    return 100 * min(max((value - low) / max(high - low, 1e-9), 0.0), 1.0)
+
+
+def _at(times: Floats, values: Floats, time: float) -> float:
+    """The value that holds at a time: of the sample before, as bounds go in steps."""
+    place = int(np.searchsorted(times, time, side="right")) - 1
+    return float(values[min(max(place, 0), len(values) - 1)])
+
+
+def _said(value: float) -> str:
+    return f"{value:.1f}" if math.isfinite(value) else "-"
+
+
+def _goes(slider: str) -> str:
+    """What a click does: as if one had pressed there on the slider, which spans the plan."""
+    return (
+        f"const b=this.getBoundingClientRect(),s=document.getElementById('{slider}'),"
+        "r=s.getBoundingClientRect(),x=r.left+r.width*(event.clientX-b.left)/b.width,"
+        "on=s.querySelector('.mantine-Slider-trackContainer');"
+        "for(const t of ['mousedown','mouseup'])on.dispatchEvent(new MouseEvent(t,"
+        "{bubbles:true,cancelable:true,clientX:x,clientY:r.top+r.height/2}))"
+    )

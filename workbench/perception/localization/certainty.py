@@ -1,0 +1,92 @@
+"""How sure a detection is: the chance that it is right, and the covariance of its pose.
+
+Surfaces hold a part along their normals, as exactly as its points lie on it; neighbouring points
+share their errors, so that few of them count.  Along what surfaces do not hold, a plate in its
+plane, the edges do: a step by which many pixels stop fitting is known to a part of a pixel.  What
+nothing holds is known no better than that the part was found there.
+"""
+
+import numpy as np
+
+from workbench.model.geometry import Floats
+from workbench.perception.localization.maps import DepthMap
+from workbench.perception.localization.registration import move, transformed
+from workbench.perception.localization.sightings import Sighting, closeness, pull, tally
+from workbench.perception.parts.part_surface import PartSurface
+
+SHARED = 16.0
+"""Points that share their errors: so many count as one."""
+
+BIAS = 0.35
+"""All points of a face are off together by this share of their own deviation."""
+
+LEAST_OFF = 0.05
+"""Deviation of the points over the tolerance, at least: no part is as its drawing."""
+
+EDGE, EDGE_BIAS = 0.5, 0.3
+"""[pixels] Deviation of where one pixel along an edge has it, and of all of them together: cameras
+have near things grow over far ones."""
+
+LOOSEST = 0.1
+"""Deviation over the diameter of what nothing holds: more, and another pose would be found."""
+
+CERTAIN, STEEPNESS = 1.5, 15.0
+"""Log odds that a part stands there at a log likelihood ratio of zero, and their growth with it."""
+
+TURNED_RIGHT = 0.985
+"""Share of those that do stand there whose pose is right: of 431 in simulated piles, as six kinds
+of scanner see them, 423 were within 2 mm and 3 degrees, the others at any ratio."""
+
+
+def probability_of(ratio: float) -> float:
+    """The chance that a detection is right, 0..1, by its log likelihood ratio [nat]."""
+    return TURNED_RIGHT / (1.0 + float(np.exp(-(CERTAIN + STEEPNESS * ratio))))
+
+
+def covariance(
+    maps: DepthMap, surface: PartSurface, pose: Floats, sighting: Sighting, tolerance: float
+) -> Floats:
+    """Covariance (6, 6) [m, rad] of a pose in the scanner's frame: shifts, then turns.
+
+    Shifts are those of the part's origin, turns are about it; both along the scanner's axes.
+
+    Args:
+        maps: the scan.
+        surface: the part.
+        pose: (4, 4) [m] that was found.
+        sighting: what the scan says of it.
+        tolerance: [m] see `sightings.look`.
+    """
+    A, _ = pull(maps, surface, pose, tolerance)
+    off = max(float(np.sqrt(np.mean(sighting.off**2))), LEAST_OFF * tolerance)
+    values, directions = np.linalg.eigh(A)
+    information = np.maximum(values, 0.0) / (SHARED * off**2)
+    radius, step = surface.diameter / 2, maps.pitch
+    weak = np.flatnonzero(information * (EDGE * step) ** 2 < 1.0)
+    if len(weak):
+        tried = [np.array(pose)]
+        for direction in directions.T[weak]:
+            for sign in (-1.0, 1.0):
+                shifted = np.array(pose)
+                centre = transformed(shifted, surface.middle)
+                move(shifted, centre, sign * step * direction, radius)
+                tried.append(shifted)
+        own, *others = closeness(tally(maps, surface, np.array(tried), tolerance))
+        lost = own - np.array(others).reshape(-1, 2).max(axis=1)
+        # A shift by a pixel costs as many pixels as lie along edges that hold against it.
+        information[weak] += np.maximum(lost, 0.0) / (EDGE * step) ** 2
+    variance = 1.0 / (information + 1.0 / (LOOSEST * surface.diameter) ** 2) + (BIAS * off) ** 2
+    variance[weak] += (EDGE_BIAS * step) ** 2
+    about_middle = (directions * variance) @ directions.T
+    # From turns about the middle times the radius, then shifts of the middle.
+    arm = pose[:3, :3] @ surface.middle
+    to_origin = np.zeros((6, 6))
+    to_origin[:3, 3:] = np.eye(3)
+    to_origin[:3, :3] = _cross(arm) / radius
+    to_origin[3:, :3] = np.eye(3) / radius
+    return to_origin @ about_middle @ to_origin.T
+
+
+def _cross(v: Floats) -> Floats:
+    """The matrix (3, 3) of a cross product with v from the left."""
+    return np.array([[0.0, -v[2], v[1]], [v[2], 0.0, -v[0]], [-v[1], v[0], 0.0]])

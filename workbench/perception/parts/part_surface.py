@@ -1,0 +1,157 @@
+"""What the localizer knows of a part: prepared once from its mesh and kept by its digest."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import open3d as o3d
+import trimesh
+
+from workbench.model.errors import InputError
+from workbench.model.geometry import Floats, frozen, put, spread_directions
+from workbench.model.part import Part
+from workbench.model.symmetry import BALL
+from workbench.perception.parts.near_symmetry import (
+    STEPS,
+    NearSymmetry,
+    find_near_symmetry,
+)
+from workbench.perception.parts.oriented import OrientedPoints
+from workbench.perception.parts.point_pairs import PairTable, make_table
+from workbench.perception.views.surfaces import add_surface, rays_of, triangles_of
+
+DENSE = 12_000
+"""Points sampled on the surface before thinning."""
+
+DIRECTIONS = 80
+"""From which the part is looked at to find which of its surface can be seen at all."""
+
+VOTING, COARSE = 0.08, 0.055
+"""Distance of the points for voting and for the first fit, over the diameter."""
+
+MOST_DRAWN = 4000
+"""Triangles of what is drawn at a pose; finer meshes are simplified."""
+
+ROUND = 0.02
+"""A surface whose distance from its middle varies by less, over the diameter, is a ball's."""
+
+MOST_KEPT = 8
+"""Prepared parts remembered at a time."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PartSurface:
+    """A part's outer surface, in the part's frame.
+
+    `diameter` [m] and `middle` (3,) are those of a ball around it.  `vertices` (n, 3) [m] and
+    `triangles` (m, 3) are drawn; `coarse` are points on it, `table` holds the pair features of
+    still fewer; `scene` answers distances; `is_closed` says that it knows inside from outside.
+    `symmetry` is what the localizer may mix up, `stated` (k, 4, 4) the motions after which the
+    part counts as the same by its author's word, `fixed` (3,) [m] the place near the middle that
+    these leave where it is.  Of what `is_ball` no turn is ever seen.
+    """
+
+    diameter: float
+    middle: Floats
+    vertices: Floats
+    triangles: np.ndarray
+    coarse: OrientedPoints
+    table: PairTable
+    scene: o3d.t.geometry.RaycastingScene
+    is_closed: bool
+    symmetry: NearSymmetry
+    stated: Floats
+    fixed: Floats
+    is_ball: bool
+
+    def __post_init__(self) -> None:
+        put(
+            self,
+            middle=frozen(self.middle),
+            vertices=frozen(self.vertices),
+            triangles=frozen(self.triangles, np.int64),
+            stated=frozen(self.stated),
+            fixed=frozen(self.fixed),
+        )
+
+
+_kept: dict[str, PartSurface] = {}
+
+
+def prepare(part: Part) -> PartSurface:
+    """The part's surface; the last few parts are remembered.
+
+    Raises:
+        InputError: the mesh has no area, or none that can be seen from outside.
+    """
+    surface = _kept.pop(part.digest, None) or _prepare(part)
+    while len(_kept) >= MOST_KEPT:
+        del _kept[next(iter(_kept))]
+    _kept[part.digest] = surface
+    return surface
+
+
+def _prepare(part: Part) -> PartSurface:
+    mesh = triangles_of(part.mesh)
+    mesh.merge_vertices()
+    if not mesh.area > 0:
+        raise InputError(f"the mesh of part {part.name} has no area, so nothing can be found by it")
+    if mesh.is_watertight and mesh.volume < 0:
+        mesh.invert()
+    scene = o3d.t.geometry.RaycastingScene()
+    add_surface(scene, mesh)
+    middle = mesh.bounds.mean(axis=0)
+    diameter = 2 * float(np.linalg.norm(mesh.vertices - middle, axis=1).max())
+    sampled: Any = trimesh.sample.sample_surface(mesh, DENSE, seed=0)
+    points, triangles = sampled
+    dense = OrientedPoints(np.asarray(points), np.asarray(mesh.face_normals[triangles]))
+    outer = dense[_can_be_seen(scene, dense, diameter)]
+    if len(outer) == 0:
+        raise InputError(
+            f"no part of the mesh of part {part.name} can be seen from outside, so nothing can be "
+            "found by it: do its triangles look inwards?"
+        )
+    drawn = mesh if len(mesh.faces) <= MOST_DRAWN else _simplified(mesh)
+    return PartSurface(
+        diameter=diameter,
+        middle=middle,
+        vertices=drawn.vertices,
+        triangles=drawn.faces,
+        coarse=outer.thinned(COARSE * diameter),
+        table=make_table(outer.thinned(VOTING * diameter), diameter),
+        scene=scene,
+        is_closed=bool(mesh.is_watertight),
+        symmetry=find_near_symmetry(scene, outer.points, diameter),
+        stated=part.symmetry.motions(STEPS),
+        fixed=part.symmetry.fixed(middle),
+        is_ball=part.symmetry.form == BALL or _is_ball(outer.points, middle, diameter),
+    )
+
+
+def _is_ball(points: Floats, middle: Floats, diameter: float) -> bool:
+    """Whether points of a surface (n, 3) [m] are all as far from its middle."""
+    return bool(np.ptp(np.linalg.norm(points - middle, axis=1)) < ROUND * diameter)
+
+
+def _simplified(mesh: trimesh.Trimesh) -> trimesh.Trimesh:
+    """The mesh with fewer triangles: by quadrics, which keeps edges."""
+    fine = o3d.geometry.TriangleMesh(
+        o3d.utility.Vector3dVector(np.asarray(mesh.vertices)),
+        o3d.utility.Vector3iVector(np.asarray(mesh.faces)),
+    )
+    few = fine.simplify_quadric_decimation(MOST_DRAWN)
+    return trimesh.Trimesh(np.asarray(few.vertices), np.asarray(few.triangles), process=False)
+
+
+def _can_be_seen(
+    scene: o3d.t.geometry.RaycastingScene, surface: OrientedPoints, diameter: float
+) -> np.ndarray:
+    """Which points have a free line of sight, not too flat, to somewhere outside."""
+    seen = np.zeros(len(surface), dtype=bool)
+    start = surface.points + 1e-4 * diameter * surface.normals
+    for direction in spread_directions(DIRECTIONS):
+        facing = np.flatnonzero(~seen & (surface.normals @ direction > 0.3))
+        towards = np.broadcast_to(direction, (len(facing), 3))
+        blocked = scene.test_occlusions(rays_of(start[facing], towards)).numpy()
+        seen[facing[~blocked]] = True
+    return seen

@@ -1,0 +1,232 @@
+"""Point-pair features: votes for poses of a surface in a cloud of oriented points.
+
+After B. Drost, M. Ulrich, N. Navab, S. Ilic, "Model Globally, Match Locally: Efficient and
+Robust 3D Object Recognition", CVPR 2010.  A pair of points with normals n1, n2 and difference
+d has the feature (|d|, angle(n1, d), angle(n2, d), angle(n1, n2)), which no motion changes.
+When a pair of the scene has the feature of a pair of the model, aligning the two leaves
+exactly one pose: so each reference point of the scene collects votes for which model point it
+is and by which angle the model is turned about its normal.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numba import njit, prange
+from numpy.typing import NDArray
+
+from workbench.model.geometry import Floats, Ints, frozen, put
+from workbench.perception.parts.oriented import OrientedPoints
+
+Singles = NDArray[np.float32]
+
+DISTANCES = 20
+ANGLES = 15
+TURNS = 30
+"""Bins for the distance up to the diameter, for each angle, and for the turn."""
+
+FEWEST_VOTES = 3.0
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PairTable:
+    """All pairs of points of a model, sorted by feature.
+
+    Entries `starts[f]` to `starts[f + 1]` have feature f: `firsts` (k,) is the index of the
+    pair's first point, `turns` (k,) [rad] where the second lies around the first one's normal.
+    """
+
+    model: OrientedPoints
+    diameter: float
+    starts: np.ndarray
+    firsts: np.ndarray
+    turns: Singles
+
+    def __post_init__(self) -> None:
+        put(
+            self,
+            starts=frozen(self.starts, np.int64),
+            firsts=frozen(self.firsts, np.int32),
+            turns=frozen(self.turns, np.float32),
+        )
+
+
+def make_table(model: OrientedPoints, diameter: float) -> PairTable:
+    """Features of all ordered pairs of a model's points; `diameter` [m] is the longest."""
+    features, firsts, turns = _pairs(model.points, model.normals, diameter)
+    order = np.argsort(features, kind="stable")
+    starts = np.searchsorted(features[order], np.arange((DISTANCES + 1) * ANGLES**3 + 1))
+    return PairTable(model, diameter, starts, firsts[order], turns[order])
+
+
+def vote(
+    table: PairTable, scene: OrientedPoints, references: np.ndarray, peaks: int
+) -> tuple[Floats, Floats]:
+    """Poses that the scene's point pairs vote for.
+
+    Args:
+        table: the model's pairs.
+        scene: points of the scan.
+        references: indices of the points that collect votes.
+        peaks: how many poses each of them proposes at most, each with another point of the model.
+
+    Returns:
+        Poses (m, 4, 4) of the model in the frame of the scene, and their votes (m,).
+    """
+    poses, votes = _vote(
+        table.model.points,
+        table.model.normals,
+        table.diameter,
+        table.starts,
+        table.firsts,
+        table.turns,
+        scene.points,
+        scene.normals,
+        np.ascontiguousarray(references, dtype=np.int64),
+        peaks,
+    )
+    return poses[votes > 0], votes[votes > 0]
+
+
+@njit(cache=True)
+def _angle(cosine: float) -> int:  # pragma: no cover (compiled)
+    """The bin of an angle between 0 and 180 degrees."""
+    angle = np.arccos(min(1.0, max(-1.0, cosine)))
+    return min(int(angle / np.pi * ANGLES), ANGLES - 1)
+
+
+@njit(cache=True)
+def _feature(
+    p1: Floats, n1: Floats, p2: Floats, n2: Floats, diameter: float
+) -> int:  # pragma: no cover (compiled)
+    """The number of a pair's bin, or -1 when it is too long or has no length."""
+    x, y, z = p2[0] - p1[0], p2[1] - p1[1], p2[2] - p1[2]
+    length = np.sqrt(x * x + y * y + z * z)
+    if length > diameter or length < 1e-9:
+        return -1
+    number = int(length / diameter * DISTANCES)
+    number = number * ANGLES + _angle((n1[0] * x + n1[1] * y + n1[2] * z) / length)
+    number = number * ANGLES + _angle((n2[0] * x + n2[1] * y + n2[2] * z) / length)
+    return number * ANGLES + _angle(n1[0] * n2[0] + n1[1] * n2[1] + n1[2] * n2[2])
+
+
+@njit(cache=True)
+def _frame(n: Floats) -> Floats:  # pragma: no cover (compiled)
+    """A rotation with `n` as its first column (Duff et al., JCGT 6(1), 2017)."""
+    sign = 1.0 if n[2] >= 0.0 else -1.0
+    a = -1.0 / (sign + n[2])
+    b = n[0] * n[1] * a
+    return np.array(
+        [
+            [n[0], 1.0 + sign * n[0] * n[0] * a, b],
+            [n[1], sign * b, sign + n[1] * n[1] * a],
+            [n[2], -sign * n[0], -n[1]],
+        ]
+    )
+
+
+@njit(cache=True)
+def _turn(frame: Floats, p1: Floats, p2: Floats) -> float:  # pragma: no cover (compiled)
+    """Where `p2` lies around the first axis of the frame at `p1` [rad]."""
+    x, y, z = p2[0] - p1[0], p2[1] - p1[1], p2[2] - p1[2]
+    return np.arctan2(
+        frame[0, 2] * x + frame[1, 2] * y + frame[2, 2] * z,
+        frame[0, 1] * x + frame[1, 1] * y + frame[2, 1] * z,
+    )
+
+
+@njit(cache=True)
+def _pairs(
+    points: Floats, normals: Floats, diameter: float
+) -> tuple[Ints, Ints, Singles]:  # pragma: no cover (compiled)
+    count = len(points)
+    features = np.empty(count * count, np.int64)
+    firsts = np.empty(count * count, np.int32)
+    turns = np.empty(count * count, np.float32)
+    n = 0
+    for i in range(count):
+        frame = _frame(normals[i])
+        for j in range(count):
+            feature = _feature(points[i], normals[i], points[j], normals[j], diameter)
+            if feature >= 0:
+                features[n], firsts[n] = feature, i
+                turns[n] = _turn(frame, points[i], points[j])
+                n += 1
+    return features[:n], firsts[:n], turns[:n]
+
+
+@njit(cache=True, parallel=True)
+def _vote(
+    model_points: Floats,
+    model_normals: Floats,
+    diameter: float,
+    starts: Ints,
+    firsts: Ints,
+    turns: Singles,
+    points: Floats,
+    normals: Floats,
+    references: Ints,
+    peaks: int,
+) -> tuple[Floats, Floats]:  # pragma: no cover (compiled)
+    poses = np.empty((len(references), peaks, 4, 4))
+    votes = np.zeros((len(references), peaks))
+    for number in prange(len(references)):
+        point, normal = points[references[number]], normals[references[number]]
+        frame = _frame(normal)
+        counts = _counts(
+            len(model_points), point, normal, frame, diameter, starts, firsts, turns,
+            points, normals,
+        )  # fmt: skip
+        best, heights = np.empty(len(counts), np.int64), np.empty(len(counts))
+        for first in range(len(counts)):
+            best[first] = counts[first].argmax()
+            heights[first] = counts[first, best[first]]
+        for peak in range(min(peaks, len(counts))):
+            first = heights.argmax()
+            turn, height = best[first], heights[first]
+            if height < FEWEST_VOTES:
+                break
+            heights[first] = -1.0
+            before, after = counts[first, turn - 1], counts[first, (turn + 1) % TURNS]
+            angle = (turn + (after - before) / (before + height + after)) / TURNS * 2.0 * np.pi
+            c, s = np.cos(angle), np.sin(angle)
+            turned = np.array([[1.0, 0.0, 0.0], [0.0, c, -s], [0.0, s, c]])
+            rotation = frame @ turned @ _frame(model_normals[first]).T
+            moved = rotation @ model_points[first]
+            for i in range(3):
+                for k in range(3):
+                    poses[number, peak, i, k] = rotation[i, k]
+                poses[number, peak, i, 3] = point[i] - moved[i]
+                poses[number, peak, 3, i] = 0.0
+            poses[number, peak, 3, 3] = 1.0
+            votes[number, peak] = height
+    return poses, votes
+
+
+@njit(cache=True)
+def _counts(
+    size: int,
+    point: Floats,
+    normal: Floats,
+    frame: Floats,
+    diameter: float,
+    starts: Ints,
+    firsts: Ints,
+    turns: Singles,
+    points: Floats,
+    normals: Floats,
+) -> Singles:  # pragma: no cover (compiled)
+    """Votes (size, TURNS) of one reference point: which point of the model, and which turn."""
+    counts = np.zeros((size, TURNS), np.float32)
+    per_turn = TURNS / (2.0 * np.pi)
+    for other in range(len(points)):
+        feature = _feature(point, normal, points[other], normals[other], diameter)
+        if feature < 0:
+            continue
+        turn = _turn(frame, point, points[other])
+        for entry in range(starts[feature], starts[feature + 1]):
+            place = (turn - turns[entry]) * per_turn
+            lower = int(np.floor(place))
+            share = place - lower
+            counts[firsts[entry], lower % TURNS] += 1.0 - share
+            counts[firsts[entry], (lower + 1) % TURNS] += share
+    return counts

@@ -1,0 +1,99 @@
+"""What stands around arms, tools and parts in a scan: made once, and given to whoever asks."""
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+import pinocchio as pin
+
+from workbench.model.cell import Cell
+from workbench.model.geometry import Box, Floats, Shape, Solid
+from workbench.model.scan import Detection, Obstacle
+from workbench.planning.collision.around import Around
+from workbench.planning.collision.bodies import (
+    Body,
+    BodyKind,
+    boxes_of,
+    extent,
+    obstacle_label,
+    part_label,
+)
+from workbench.planning.collision.gjk import cores_of
+from workbench.planning.collision.rolled import room_of
+
+
+class Surroundings:
+    """What no arm carries: bin, fixtures, parts found, obstacles seen, in this order.
+
+    `pieces` are the solids that count for each detection (`room_of`), `bodies` everything that is
+    there, and `boxes` the same for compiled code.  `owner` (b,) is the number of the part that a
+    body belongs to, -1 for others.
+
+    Lifetime: as long as cell and detections; it never changes.
+    """
+
+    def __init__(
+        self, cell: Cell, detections: tuple[Detection, ...], obstacles: tuple[Obstacle, ...] = ()
+    ) -> None:
+        self.cell = cell
+        self.detections = detections
+        self.pieces = tuple(room_of(cell.part(one.part), one) for one in detections)
+        # The bin first: where several things are met, that one is named.
+        self.bodies = tuple(
+            [*_of_cell(cell), *_of_parts(detections, self.pieces), *_of_obstacles(obstacles)]
+        )
+        self.boxes = boxes_of(self.bodies)
+        self.owner = np.array(
+            [int(body.owner) if body.kind == "part" else -1 for body in self.bodies]
+        )
+
+    def around(self, moving: Sequence[tuple[Shape, pin.SE3, Floats]]) -> Around:
+        """The same around solids that move together, for compiled code.
+
+        Args:
+            moving: shapes with their poses in a common frame, and where each goes (3,), no unit,
+                as fingers open.
+        """
+        shapes = [*(shape for shape, _, _ in moving), *(body.shape for body in self.bodies)]
+        extents = [extent(shape) for shape in shapes]
+        own = extents[: len(moving)]
+        return Around(
+            np.array([T.rotation for _, T, _ in moving]),
+            np.array([T.act(e[0]) for (_, T, _), e in zip(moving, own, strict=True)]),
+            np.array([way for _, _, way in moving]),
+            np.array([half for _, half, _ in own]),
+            np.array([radius for _, _, radius in own]),
+            self.boxes.R,
+            self.boxes.c,
+            self.boxes.half,
+            self.owner,
+            cores_of(shapes, np.array([centre for centre, _, _ in extents])),
+        )
+
+    def gaps(self, p: Floats) -> Floats:
+        """How far a point (3,) [m] is from the box around each body (b,) [m]; 0 inside."""
+        offset = np.einsum("gji,gj->gi", self.boxes.R, p - self.boxes.c)
+        return np.linalg.norm(np.maximum(np.abs(offset) - self.boxes.half, 0.0), axis=1)
+
+
+def _of_cell(cell: Cell) -> Iterator[Body]:
+    for solid in cell.bin.solids:
+        yield _still(solid, cell.bin.T_world_bin, "bin", "bin", solid.name)
+    for fixture in cell.fixtures:
+        for solid in fixture.solids:
+            yield _still(solid, fixture.T_world_fixture, "fixture", fixture.name, solid.name)
+
+
+def _of_parts(detections: Sequence[Detection], pieces: Sequence[Sequence[Solid]]) -> Iterator[Body]:
+    for number, (one, solids) in enumerate(zip(detections, pieces, strict=True)):
+        for solid in solids:
+            yield _still(solid, one.T_world_part, "part", str(number), part_label(number))
+
+
+def _of_obstacles(obstacles: Sequence[Obstacle]) -> Iterator[Body]:
+    for number, one in enumerate(obstacles):
+        label = obstacle_label(number)
+        yield Body(label, "fixture", "seen", -1, 0, one.T_world_box, Box(one.size))
+
+
+def _still(solid: Solid, T_world_owner: pin.SE3, kind: BodyKind, owner: str, label: str) -> Body:
+    return Body(label, kind, owner, -1, 0, T_world_owner * solid.T_owner_shape, solid.shape)

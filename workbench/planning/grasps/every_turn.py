@@ -1,0 +1,131 @@
+"""Whether a hand takes a part alike however that is turned about its axis.
+
+The scan may not show a part's roll.  What the hand does to it must then be right for all turns: the
+hand keeps out of the room of all of them (`collision.rolled`), and what it closes on is looked at
+here, turn after turn.
+"""
+
+from dataclasses import dataclass, replace
+from functools import lru_cache
+
+import numpy as np
+import pinocchio as pin
+
+from workbench.model.cell import Arm, Tool
+from workbench.model.geometry import Floats
+from workbench.model.part import Grasp, Part, turned
+from workbench.model.scan import Detection
+from workbench.planning.collision.legs import grips
+from workbench.planning.collision.rolled import axis_of, room_of, turns_about
+from workbench.planning.grasps.grasp_check import FRICTION, ROUNDING, GraspChecker
+from workbench.planning.grasps.pads import Hold
+
+DIGITS = 7
+"""Decimals [m] by which hands are told apart: what differs less is looked at once."""
+
+
+@dataclass(frozen=True, slots=True)
+class Uneven:
+    """What differs between the turns of a part: in words, and by how much [m]."""
+
+    text: str
+    amount: float
+
+
+def uneven(part: Part, detection: Detection, arm: Arm, grasp: Grasp) -> tuple[Uneven | None, ...]:
+    """For each of the `grips` of a grasp what is wrong at some turn of the part; None for nothing.
+
+    Args:
+        part: that is taken.
+        detection: of it, whose roll is not known.
+        arm: whose tool.
+        grasp: of the part.
+    """
+    return _uneven(part, axis_of(part, detection).tobytes(), arm, grasp)
+
+
+@lru_cache(maxsize=4096)
+def _uneven(part: Part, axis: bytes, arm: Arm, grasp: Grasp) -> tuple[Uneven | None, ...]:
+    line = np.frombuffer(axis).reshape(2, 3)
+    # Pads give way by `press`: what fingers meet before that is not what they shall hold.
+    closed, allowed = (grasp.grip, 0.0) if arm.tool.fingers else (0.0, arm.tool.press)
+    wide = closed + 2 * (arm.tool.press - allowed)
+    found: list[Uneven | None] = []
+    for grip in grips(arm, grasp):
+        T = grasp.T_part_tcp * grip
+        room = _room_checker(part, arm.tool, axis)
+        if room.clearance(T, wide, within=0.0)[0] < -allowed - ROUNDING:
+            depth, at = room.clearance(T, closed, within=0.0)
+            text = f"closed to {closed * 1e3:.0f} mm, {at} meets it at some turn"
+            found.append(Uneven(f"{text}, {-depth * 1e3:.1f} mm deep", -depth))
+            continue
+        key = (np.round(_unturned(line, T).homogeneous, DIGITS)[:3] + 0.0).tobytes()
+        found.append(_held(part, arm.tool, axis, key, grasp.opening, grasp.approach_length))
+    return tuple(found)
+
+
+def _unturned(axis: Floats, T_part_tcp: pin.SE3) -> pin.SE3:
+    """The one of all hands that differ by a turn about the axis that stands for them."""
+    point, direction = axis
+    R, out = T_part_tcp.rotation, T_part_tcp.translation - point
+    side, across = np.eye(3)[int(np.argmin(np.abs(direction)))], out
+    for way in (out, R[:, 2], R[:, 0]):
+        across = way - (way @ direction) * direction
+        if np.linalg.norm(across) > 1e-4:
+            break
+    side = side - (side @ direction) * direction
+    angle = np.arctan2(np.cross(side, across) @ direction, side @ across)
+    return turned(direction, float(-angle), point) * T_part_tcp
+
+
+@lru_cache(maxsize=8)
+def _checker(part: Part, tool: Tool) -> GraspChecker:
+    return GraspChecker(part, tool)
+
+
+@lru_cache(maxsize=16)
+def _room_checker(part: Part, tool: Tool, axis: bytes) -> GraspChecker:
+    """Of the room of all turns."""
+    line = np.frombuffer(axis).reshape(2, 3)
+    one = Detection(part.name, pin.SE3.Identity(), roll_known=False, roll_axis=line)
+    return GraspChecker(replace(part, pieces=room_of(part, one)), tool)
+
+
+@lru_cache(maxsize=16384)
+def _held(
+    part: Part, tool: Tool, axis: bytes, T_part_tcp: bytes, opening: float, approach_length: float
+) -> Uneven | None:
+    """What differs in what a hand holds, over all turns."""
+    rows = np.frombuffer(T_part_tcp).reshape(3, 4)
+    T = pin.SE3(rows[:, :3].copy(), rows[:, 3].copy())
+    hands = [turn * T for turn in turns_about(np.frombuffer(axis).reshape(2, 3))]
+    checker = _checker(part, tool)
+    if not tool.fingers:
+        grasp = Grasp("", T, 0.0, 0.0, approach_length=approach_length)
+        seals = (checker.seal_findings(replace(grasp, T_part_tcp=hand)) for hand in hands)
+        leak = next((found[0] for found in seals if found), None)
+        return None if leak is None else Uneven(f"at some turn {leak.text}", leak.amount)
+    if checker.pads is None:
+        return Uneven(f"nobody can tell how {len(tool.fingers)} fingers hold it", 0.0)
+    holds = [checker.hold(hand, opening) for hand in hands]
+    if not all(holds):
+        return Uneven("at some turn there is nothing between the fingers", 0.0)
+    return _compared([one for one in holds if one is not None], tool.press)
+
+
+def _compared(holds: list[Hold], press: float) -> Uneven | None:
+    """What fingers hold at some turns and not at others; pads give way by `press` [m]."""
+    widths, middles = [one.width for one in holds], [one.offset for one in holds]
+    wide, aside = float(np.ptp(widths)), float(np.ptp(middles))
+    if wide > press:
+        low, high = min(widths) * 1e3, max(widths) * 1e3
+        text = f"it is {low:.1f} to {high:.1f} mm wide between the fingers, by its turn"
+        return Uneven(text, wide)
+    if aside > press:
+        text = f"its middle lies {aside * 1e3:.1f} mm to one side between the fingers, by its turn"
+        return Uneven(text, aside)
+    steepest = [max(one.slants) for one in holds]
+    if max(steepest) > FRICTION >= min(steepest):
+        text = f"at some turn a finger meets a face inclined by {np.rad2deg(max(steepest)):.0f} deg"
+        return Uneven(text, 0.0)
+    return None

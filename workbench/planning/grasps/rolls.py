@@ -1,0 +1,86 @@
+"""Parts whose roll the scan does not show: what is right for every turn, and how that is told."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from workbench.model.candidate import Reason, Stage, Verdict
+from workbench.model.cell import Arm
+from workbench.model.part import Grasp, Part
+from workbench.model.scan import Detection
+from workbench.planning.collision.bodies import part_label, tool_shapes
+from workbench.planning.collision.hands import NOTHING, cut_of, turns_of
+from workbench.planning.collision.legs import grips
+from workbench.planning.collision.tool_check import Fit, ToolCheck
+from workbench.planning.grasps.every_turn import uneven
+
+UNSEEN = "the scan does not show its roll, so that every turn has to do"
+
+
+def at_every_turn(
+    check: ToolCheck,
+    part: Part,
+    detections: Sequence[Detection],
+    number: int,
+    *,
+    arm: Arm,
+    grasp: Grasp,
+    fit: Fit,
+    verdict: Verdict,
+) -> Verdict:
+    """The first verdict on a hand at a part that may be rolled, as far as that is not known.
+
+    Args:
+        check: in which the hand was looked at.
+        part: that is taken.
+        detections: all of them.
+        number: of that of the part.
+        arm: that takes it.
+        grasp: by which.
+        fit: how the hand fits.
+        verdict: what that comes to.
+
+    Returns:
+        The same where the roll is known.
+    """
+    one = detections[number]
+    if one.roll_known:
+        return with_rolls(detections, verdict)
+    if arm.needs_roll:
+        note = f"the {len(arm.Ts_world_place)} places of the {arm.name} arm need it; {UNSEEN}"
+        return Verdict(Reason.ROLL_UNKNOWN, Stage.PROPOSE, note=note)
+    if not verdict.is_ok:
+        is_own = verdict.pair is not None and verdict.pair[1] == part_label(number)
+        if is_own and not _cuts(part, arm, grasp, fit):
+            note = f"{verdict.note}; {UNSEEN}" if verdict.note else UNSEEN
+            return replace(verdict, reason=Reason.ROLL_UNKNOWN, note=note)
+        return with_rolls(detections, verdict)
+    wrong = uneven(part, one, arm, grasp)
+    first = wrong[fit.turn]
+    if first is None:
+        return verdict
+    free = check.free(arm, number, turns_of(arm, grasp))
+    if any(fits and what is None for fits, what in zip(free, wrong, strict=True)):
+        return verdict
+    pair = (f"{arm.name} {tool_shapes(arm.tool)[-1].name}", part_label(number))
+    return Verdict(Reason.ROLL_UNKNOWN, Stage.PROPOSE, pair, note=f"{first.text}; {UNSEEN}")
+
+
+def with_rolls(detections: Sequence[Detection], verdict: Verdict) -> Verdict:
+    """A verdict that says so where a part of its pair counts with the room of all its turns."""
+    if verdict.pair is None or verdict.reason is Reason.ROLL_UNKNOWN:
+        return verdict
+    labels = [part_label(number) for number, one in enumerate(detections) if not one.roll_known]
+    rolled = [label for label in verdict.pair if label in labels]
+    if not rolled:
+        return verdict
+    words = f"{' and '.join(rolled)} with the room of every turn, as the scan shows no roll"
+    return replace(verdict, note=f"{verdict.note}; {words}" if verdict.note else words)
+
+
+def _cuts(part: Part, arm: Arm, grasp: Grasp, fit: Fit) -> bool:
+    """Whether a hand is in the part also as that was found."""
+    T = grasp.T_part_tcp * grips(arm, grasp)[fit.turn]
+    opening, press = fit.opening, 0.0
+    if fit.is_closed or not arm.tool.fingers:
+        opening, press = grasp.grip if arm.tool.fingers else 0.0, arm.tool.press
+    return cut_of(arm, part.pieces, T, opening, press, 0.0) != NOTHING

@@ -1,0 +1,63 @@
+"""How a hand comes away from the part it has let go of: nearer than the margin only at first."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from workbench.model.geometry import Floats, Ints
+from workbench.planning.collision.contact import Contact
+from workbench.planning.collision.motion import chain_contact, walked
+from workbench.planning.collision.world import World
+
+ROOM = 0.0005
+"""[m] By so much more than its margin a hand has to be away from a part to have left it.  Fingers
+slide along parts at a distance that may just be the margin."""
+
+
+def comes_back(
+    world: World,
+    arms: Sequence[str],
+    columns: Ints,
+    base: Floats,
+    path: Floats,
+) -> tuple[Contact, Floats, int] | None:
+    """Where arms come near the parts again that they have let go of where `path` begins.
+
+    From the first waypoint on at which they have left them they keep the full margin; what holds
+    until then is a matter of `World.allow_start_contacts`.  An arm that does not move at all,
+    since its place is at home, stays as near as it is.
+
+    Args:
+        world: in the phase of the leg.
+        arms: that have let go of something; others may be among them.
+        columns: see `motion.chain_contact`, as the next one.
+        base: see there.
+        path: waypoints (m, n) [rad].
+
+    Returns:
+        As `motion.chain_contact`.
+    """
+    pairs = np.concatenate([world.pairs.left_behind(arm) for arm in arms])
+    if len(pairs) == 0 or not np.diff(path, axis=0).any():
+        return None
+    number, contact = _first_clear(world, pairs, columns, base, path)
+    if number == len(path) - 1:
+        return None if contact is None else (contact, path[-1], len(path) - 2)
+    with world.at_full_margins():
+        curves = walked(path[number:], world.policy.zone)
+        found = chain_contact(world, columns, base, curves, among=pairs)
+    return None if found is None else (found[0], found[1], found[2] + number)
+
+
+def _first_clear(
+    world: World, pairs: Ints, columns: Ints, base: Floats, path: Floats
+) -> tuple[int, Contact | None]:
+    """The first waypoint at which pairs are clear by `ROOM`; the last one, with what is not."""
+    whole, contact = base.copy(), None
+    with world.at_full_margins(ROOM):
+        for number, q in enumerate(path):
+            whole[columns] = q
+            contact = world.contact(whole, pairs)
+            if contact is None:
+                return number, None
+    return len(path) - 1, contact

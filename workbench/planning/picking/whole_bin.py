@@ -1,0 +1,119 @@
+"""What stands in the way of a whole bin, and which change lets most of its parts be taken."""
+
+from collections import Counter
+from collections.abc import Callable, Container, Sequence
+from dataclasses import dataclass
+
+from workbench.model.candidate import Candidate, Reason
+from workbench.model.cell import Cell
+from workbench.model.scan import Detection, Obstacle
+from workbench.planning.collision.bodies import carried_bodies, part_label
+from workbench.planning.kinematics.robot import Kinematics
+from workbench.planning.picking.nearest_fix import Fixes
+
+MOST_EACH = 3
+"""Refused candidates of a part that changes are tried on, those that got furthest."""
+
+
+@dataclass(frozen=True, slots=True)
+class Blocker:
+    """Something that refuses candidates: its label, how many, of which parts, and for what reasons.
+
+    `parts` are indices of detections.
+    """
+
+    label: str
+    candidates: int
+    parts: tuple[int, ...]
+    reasons: tuple[tuple[Reason, int], ...]
+
+
+def blockers(cell: Cell, candidates: Sequence[Candidate]) -> tuple[Blocker, ...]:
+    """What refuses most candidates, that first.
+
+    Of the two bodies that come too close it is the one that the arm does not carry.  Refusals
+    without such a pair, for example out of reach, are left out.
+
+    Args:
+        cell: that the candidates were judged in.
+        candidates: all of them, judged.
+    """
+    own = _labels(cell)
+    found: dict[str, list[Candidate]] = {}
+    for one in candidates:
+        label = _in_the_way(one, own[one.arm])
+        if label:
+            found.setdefault(label, []).append(one)
+    rows = [
+        Blocker(
+            label,
+            len(some),
+            tuple(sorted({one.detection for one in some})),
+            tuple(Counter(one.verdict.reason for one in some).most_common()),
+        )
+        for label, some in found.items()
+    ]
+    return tuple(sorted(rows, key=lambda row: (-row.candidates, row.label)))
+
+
+def _labels(cell: Cell) -> dict[str, frozenset[str]]:
+    """For each arm the labels of the links and the tool that it carries."""
+    carried = carried_bodies(cell, Kinematics(cell))
+    return {
+        arm.name: frozenset(body.label for body in carried if body.arm == number)
+        for number, arm in enumerate(cell.arms)
+    }
+
+
+def _in_the_way(one: Candidate, own: Container[str]) -> str:
+    """The label of what refuses a candidate, of bodies not its arm's `own`; empty for nothing."""
+    if one.verdict.is_ok or one.verdict.pair is None:
+        return ""
+    part = part_label(one.detection)
+    others = [label for label in one.verdict.pair if label != part and label not in own]
+    return others[0] if others else part
+
+
+def common_fixes(
+    cell: Cell,
+    detections: tuple[Detection, ...],
+    candidates: Sequence[Candidate],
+    *,
+    seed: int,
+    obstacles: tuple[Obstacle, ...] = (),
+    report: Callable[[float, str], None] = lambda done, note: None,
+) -> tuple[tuple[str, tuple[int, ...]], ...]:
+    """Changes that admit a candidate of parts that nothing takes, and of which parts: most first.
+
+    Each change is made to every grasp alone, not to those of other parts; it is tried up to the
+    place, on the `MOST_EACH` candidates of a part that got furthest.
+
+    Args:
+        cell: that the candidates were judged in.
+        detections: the parts found.
+        candidates: all of them, judged.
+        seed: of the request.
+        obstacles: what the scan shows beside the parts.
+        report: progress.
+    """
+    taken = {one.detection for one in candidates if one.verdict.is_ok}
+    stay = [number for number in range(len(detections)) if number not in taken]
+    fixes = Fixes(cell, detections, obstacles, seed=seed)
+    found: dict[str, list[int]] = {}
+    for done, number in enumerate(stay):
+        report(done / len(stay), f"what would take part-{number + 1}")
+        mine = [
+            one for one in candidates if one.detection == number and one.verdict.pair is not None
+        ]
+        best = sorted(mine, key=lambda one: one.verdict.progress, reverse=True)[:MOST_EACH]
+        works: set[str] = set()
+        for one in best:
+            works |= {
+                change
+                for change in fixes.of(one)
+                if change not in works and fixes.admits(one, change)
+            }
+        for change in sorted(works):
+            found.setdefault(change, []).append(number)
+    rows = sorted(found, key=lambda change: (-len(found[change]), change))
+    return tuple((change, tuple(found[change])) for change in rows)

@@ -1,0 +1,102 @@
+"""Piles that were emptied, kept in a folder: a study that was stopped goes on from there."""
+
+import hashlib
+from collections.abc import Sequence
+from dataclasses import asdict
+from functools import cache, lru_cache
+from pathlib import Path
+from typing import Any
+
+from workbench.app.provenance.gathering import files_digest
+from workbench.formats.files.json_keys import json_text, parse_object
+from workbench.formats.files.whole_files import MB, read_whole, write_whole
+from workbench.model.errors import FileError
+from workbench.plugins.progress import Report
+from workbench.studies.cases import run_cases
+from workbench.studies.emptying.changes import changed
+from workbench.studies.emptying.empty import cell_of, emptied
+from workbench.studies.emptying.scene import Left, Scene, Task
+
+MOST = 10 * MB
+"""[bytes] No pile needs as much."""
+
+
+def emptied_all(
+    tasks: Sequence[Task],
+    *,
+    folder: Path | None,
+    workers: int,
+    scheduler: str | None,
+    report: Report,
+) -> list[Scene]:
+    """All piles emptied, in the order of the tasks; see `run_cases`.
+
+    Args:
+        tasks: of the piles.
+        folder: where each pile is kept as soon as it is done, and looked for first; None for
+            nowhere.
+        workers: see there.
+        scheduler: see there.
+        report: see there.
+
+    Raises:
+        FileError: the folder cannot be made, or what is in it cannot be read.
+        InputError: as `run_cases`.
+    """
+    if folder is None:
+        return run_cases(emptied, tasks, workers=workers, scheduler=scheduler, report=report)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise FileError(folder, error.strerror or "cannot be made") from None
+    known = {task: scene for task in tasks if (scene := _read(folder, task)) is not None}
+    rest = [task for task in tasks if task not in known]
+
+    def keep(task: Task, scene: Scene) -> None:
+        known[task] = scene
+        path = _path(folder, task)
+        write_whole(path, json_text(path, asdict(scene)))
+
+    if rest:
+        run_cases(emptied, rest, workers=workers, scheduler=scheduler, report=report, keep=keep)
+    return [known[task] for task in tasks]
+
+
+def _path(folder: Path, task: Task) -> Path:
+    """The file of a pile: another cell, part, seed or program has another one."""
+    said = repr((asdict(task), _digest(task.cell, task.part, task.change), _program()))
+    return folder / f"{hashlib.sha256(said.encode()).hexdigest()[:24]}.json"
+
+
+@cache
+def _program() -> str:
+    """The program's own files: a version alone stays the same while they are worked on."""
+    return files_digest()
+
+
+@lru_cache(maxsize=256)
+def _digest(cell: str, part: str, change: str) -> str:
+    return changed(cell_of(cell, part), change).digest
+
+
+def _read(folder: Path, task: Task) -> Scene | None:
+    """The pile as it was kept; None where it was not."""
+    path = _path(folder, task)
+    if not path.exists():
+        return None
+    content = parse_object(path, read_whole(path, MOST))
+    try:
+        return _scene(task, content)
+    except (TypeError, KeyError, ValueError):
+        raise FileError(
+            path, "is no pile that was kept; delete it to empty that one again"
+        ) from None
+
+
+def _scene(task: Task, content: dict[str, Any]) -> Scene:
+    if content.pop("task") != asdict(task):
+        raise ValueError
+    left = tuple(Left(**one) for one in content.pop("left"))
+    stages = tuple((str(name), float(seconds)) for name, seconds in content.pop("stages"))
+    lists = {key: tuple(content.pop(key)) for key in ("failed", "planning")}
+    return Scene(task=task, left=left, stages=stages, **lists, **content)

@@ -1,0 +1,107 @@
+"""What the bar above the scene says of the robot, and whether it may be stopped from here.
+
+It belongs to the page around the scene: it is there on every tab, at every size, and still when
+the scene hangs.
+"""
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from workbench.app.core.commands import Stop
+from workbench.app.core.people import Person
+from workbench.app.core.rights import lacks_right, obstacle
+from workbench.app.core.state import Phase, State
+from workbench.app.review.history import History
+from workbench.app.runtime.bench import Bench
+from workbench.app.runtime.live import Live
+from workbench.model.errors import WorkbenchError
+
+Bar = Callable[[Person], Mapping[str, Any]]
+"""Says what stands in somebody's bar."""
+
+
+def without_robot(person: Person) -> Mapping[str, Any]:
+    """Nothing of a robot, for a page that has none."""
+    del person
+    return NO_ROBOT
+
+
+def bar_of(bench: Bench | History) -> Bar:
+    """The bar of a bench, or of a recorded session, which has no robot."""
+    if isinstance(bench, History):
+        return lambda person: RECORDED
+    return lambda person: bar_words(bench.state, bench.live, person)
+
+
+Stopper = Callable[[Person], str]
+"""Stops the robot in somebody's name; why it was not stopped, or an empty text."""
+
+
+def stop_nothing(person: Person) -> str:
+    """The stop of a page that has no robot."""
+    del person
+    return str(NO_ROBOT["why"])
+
+
+def stop_of(bench: Bench | History) -> Stopper:
+    """The stop of a bench; a recorded session has none."""
+    if isinstance(bench, History):
+        return lambda person: str(RECORDED["why"])
+
+    def stop(person: Person) -> str:
+        try:
+            bench.do(Stop(), person.name, person.role)
+        except WorkbenchError as error:
+            return str(error)
+        return ""
+
+    return stop
+
+
+NO_ROBOT: Mapping[str, Any] = {
+    "robot": "",
+    "kind": "off",
+    "fault": "",
+    "can_stop": False,
+    "why": "there is no robot",
+    "has_robot": False,
+}
+
+RECORDED: Mapping[str, Any] = {
+    **NO_ROBOT,
+    "robot": "Recorded session",
+    "kind": "recorded",
+    "why": "this is a recorded session",
+}
+
+
+def bar_words(state: State, live: Live, person: Person) -> Mapping[str, Any]:
+    """The robot in a few words, with the `kind` of news they are; the fault; and about Stop.
+
+    Args:
+        state: of the bench.
+        live: what goes on there.
+        person: whose bar it is.
+    """
+    robot, kind = _robot(state, live)
+    why = lacks_right(state, Stop, person.name, person.role) or obstacle(state, Stop)
+    # How a stop ended belongs to it: that nobody saw the robot stand must not stay in a tab.
+    fault = (state.fault, live.link.stop) if state.phase is Phase.FAULT else ()
+    return {
+        "robot": robot,
+        "kind": kind,
+        "fault": "; ".join(filter(None, fault)),
+        "can_stop": not why,
+        "why": why,
+        "has_robot": True,
+    }
+
+
+def _robot(state: State, live: Live) -> tuple[str, str]:
+    if state.phase is Phase.SENDING:
+        link = live.link
+        step = f", step {link.step} of {link.steps}" if link.step else ""
+        return f"Sending: robot {live.robot or 'does not report'}{step}", "busy"
+    if not live.robot:
+        return "Robot: no report", "off"
+    return f"Robot: {live.robot}", "bad" if live.robot.startswith("fault") else "good"
