@@ -102,6 +102,7 @@ function put(name, text, kind) {
 }
 
 function say(bar) {
+  document.dispatchEvent(new CustomEvent("bar", { detail: bar }));
   put("robot", bar.robot, bar.kind);
   put("fault", bar.fault ? `Fault: ${bar.fault}` : "", "bad");
   // What was said of a stop belongs to that sending, or to the robot as it stood then.

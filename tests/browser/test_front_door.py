@@ -3,21 +3,15 @@
 from urllib.parse import urlsplit
 
 import pytest
+from fronted import Window, open_front
 from playwright.sync_api import expect
 
 from workbench.app.core.commands import Approve, FindParts, MakePlan, SendPlan, TakeScan, WatchPlan
 from workbench.app.core.people import Role
-from workbench.gui.page.server import serve
-from workbench.web.access.identity import identify
 from workbench.web.access.store import Store
 from workbench.web.access.users import Users
-from workbench.web.api.routes import api_routes
-from workbench.web.page.bar import bar_of, stop_of
-from workbench.web.page.relay import Upstream
-from workbench.web.server import Options, serve_front
 
 PASSWORD = "correct horse battery"
-SECRET = "a secret of this start"
 
 
 @pytest.fixture
@@ -41,54 +35,13 @@ def start(bench, file):
     ends = []
 
     def one(port=0):
-        page = serve(bench, port=0, most_points=4000, secret=SECRET)
-        front = serve_front(
-            Upstream(page.url, SECRET),
-            file,
-            Options(port=port),
-            title="Cell tested",
-            routes=api_routes(bench, identify),
-            bar=bar_of(bench),
-            stop=stop_of(bench),
-        )
-        ends.extend([front.close, page.close])
+        front, *both = open_front(bench, file, port)
+        ends.extend(one.close for one in both)
         return front
 
     yield one, lambda: [end() for end in ends]
     for end in ends:
         end()
-
-
-class Window:
-    """One browser window, what it complained of and where it went."""
-
-    def __init__(self, context):
-        self.page = context.new_page()
-        self.errors, self.hosts = [], set()
-        self.page.on(
-            "console",
-            lambda message: message.type == "error" and self.errors.append(message.text),
-        )
-        self.page.on("pageerror", lambda error: self.errors.append(str(error)))
-        self.page.on("request", lambda request: self.hosts.add(urlsplit(request.url).netloc))
-        self.page.on("websocket", lambda socket: self.hosts.add(urlsplit(socket.url).netloc))
-
-    @property
-    def scene(self):
-        return self.page.frame_locator("#scene")
-
-    @property
-    def scan(self):
-        return self.scene.get_by_role("button", name="Scan", exact=True)
-
-    def log_in(self, url, name, password):
-        self.page.goto(url)
-        self.page.get_by_label("Name").fill(name)
-        self.page.get_by_label("Password").fill(password)
-        self.page.get_by_role("button", name="Log in").click()
-
-    def sees_the_scene(self):
-        self.scan.wait_for()
 
 
 @pytest.fixture

@@ -19,8 +19,9 @@ IDLE = {**STANDS, "can_stop": False, "why": "nothing is sent"}
 class Shell:
     """The page around the scene, and what it is told."""
 
-    def __init__(self, page):
+    def __init__(self, page, scene=""):
         self.page, self._sockets, self._stops = page, [], []
+        self._scene = scene
         page.route("**/*", self._answer)
         page.route_web_socket("**/presence", lambda socket: self._sockets.append(socket))
         page.goto("http://bar.test/")
@@ -37,7 +38,7 @@ class Shell:
             shell = (STATIC / "shell.html").read_text(encoding="utf-8")
             route.fulfill(body=shell, content_type="text/html")
         else:
-            route.fulfill(body="", content_type="text/html")
+            route.fulfill(body=self._scene, content_type="text/html")
 
     def hear(self, bar):
         self._sockets[-1].send(json.dumps(bar))

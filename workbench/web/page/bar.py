@@ -15,6 +15,7 @@ from workbench.app.review.history import History
 from workbench.app.runtime.bench import Bench
 from workbench.app.runtime.live import Live
 from workbench.model.errors import WorkbenchError
+from workbench.web.page.tour import tour_of
 
 Bar = Callable[[Person], Mapping[str, Any]]
 """Says what stands in somebody's bar."""
@@ -65,6 +66,7 @@ NO_ROBOT: Mapping[str, Any] = {
     "can_stop": False,
     "why": "there is no robot",
     "has_robot": False,
+    "tour": None,
 }
 
 RECORDED: Mapping[str, Any] = {
@@ -76,7 +78,7 @@ RECORDED: Mapping[str, Any] = {
 
 
 def bar_words(state: State, live: Live, person: Person) -> Mapping[str, Any]:
-    """The robot in a few words, with the `kind` of news they are; the fault; and about Stop.
+    """The robot in a few words, with the `kind` of news they are; the fault; Stop; and the tour.
 
     Args:
         state: of the bench.
@@ -94,6 +96,7 @@ def bar_words(state: State, live: Live, person: Person) -> Mapping[str, Any]:
         "can_stop": not why,
         "why": why,
         "has_robot": True,
+        "tour": tour_of(state, person),
     }
 
 

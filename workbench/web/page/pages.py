@@ -15,6 +15,8 @@ TYPES: Mapping[str, str] = {
     "login.css": "text/css",
     "shell.css": "text/css",
     "shell.js": "text/javascript",
+    "tour.css": "text/css",
+    "tour.js": "text/javascript",
     "logo.svg": "image/svg+xml",
     "logo-dark.svg": "image/svg+xml",
 }

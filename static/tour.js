@@ -1,0 +1,238 @@
+// The tour: leads through one pick on a simulated cell.  It points at what is to be pressed, presses
+// nothing itself, and goes on when the server says that the thing was done; what is only looked at,
+// the scene's page knows.  Whoever has ended or left it once is not asked again in this browser.
+
+const KEPT = "workbench-tour";
+
+const LOOK_MS = 200;  // between two looks at where things are
+
+const GAP = 16;       // pixels between the card and what it stands beside
+
+const EDGE = 8;       // and to the edge of the window
+
+const STEPS = [
+  { name: "scan", title: "Scan", on: "Cycle", press: ["Scan"],
+    says: "Parts fall into the simulated bin, and the scanner looks at them from above. Press Scan." },
+  { name: "find", title: "Find the parts", on: "Cycle", press: ["Find parts"],
+    says: "The shape of the part is searched for in the scan. Press Find parts. If none is found, choose "
+      + "another seed and scan again." },
+  { name: "grasps", title: "Look at the grasps", on: "Grasps", press: ["Back to cell", "Open part"],
+    isLook: true, says: "A grasp says where on the part a hand closes. Press Open part to see those of this "
+      + "part, then Back to cell." },
+  { name: "plan", title: "Plan", on: "Cycle", press: ["Plan"],
+    says: "Every grasp of every part is judged with each arm; from those that can be taken a motion is "
+      + "planned, and proven anew by other code. Press Plan. If none comes out, scan with another seed." },
+  { name: "judge", title: "See how grasps were judged", on: "Candidates", isLook: true,
+    row: ".wb-rows .wb-table tbody tr", says: "Here is each grasp with its verdict. Click a row: the scene shows "
+      + "the hand there, and in red what it would meet." },
+  { name: "preview", title: "Watch the preview", on: "Plan", press: ["Pause", "Play"],
+    says: "Press Play and watch the see-through robot to the end of the plan. Nothing is sent. Without "
+      + "having seen it you cannot approve it." },
+  { name: "approve", title: "Approve", on: "Cycle", press: ["Approve"], dialog: "Approve as",
+    says: "Press Approve, read the facts of the plan, type your name where it is asked for, and press the "
+      + "button with your name. It holds for this plan, and for one sending." },
+  { name: "send", title: "Send", on: "Cycle", press: [/^Run step/, "Send"],
+    says: "Press Send, and the simulated robot moves. Stop is at the right end of the bar, all the time." },
+];
+
+const FAULT = { title: "A fault came up", press: ["Acknowledge"],
+  says: "The bar says what it is. With a real robot you would go to the cell now. Press Acknowledge; "
+    + "a pick then begins with a new scan." };
+
+const ASKED = { title: "Is this your first visit?",
+  says: "A tour leads through one pick on the simulated cell: from the scan to the robot that moves. You press "
+    + "everything yourself, and leave when you like. The key T brings the keyboard here." };
+
+const OVER = { title: "That was a pick",
+  says: "Say below the steps what became of the parts, or begin the next one with a new scan. "
+    + "Tour, in the bar above, begins this again." };
+
+const at = (id) => document.getElementById(id);
+const [card, ring, call, go, leave, scene] = ["card", "ring", "tour", "go", "leave", "scene"].map(at);
+
+let bar = null;        // what the bar was told last
+let stands = "away";   // away, asked, on or over
+let isBefore = false;  // a pick that ended before the tour began is not the one of the tour
+let seen = new Set();  // what was looked at
+let isOpen = false;    // the part stood alone, with its grasps
+let shown = null;      // the element that was pointed at last
+
+function kept() {
+  try {
+    return localStorage.getItem(KEPT) !== null;
+  } catch {
+    return true;  // a browser that keeps nothing would ask each time
+  }
+}
+
+function keep() {
+  try {
+    localStorage.setItem(KEPT, "over");
+  } catch {
+    // It asks nobody then, see `kept`.
+  }
+}
+
+function begin() {
+  stands = "on";
+  isBefore = bar.tour.includes("send");
+  seen = new Set();
+  isOpen = false;
+}
+
+function end() {
+  // The keyboard goes to the scene, unless it was there anyway.
+  if (card.contains(document.activeElement)) scene.contentWindow.focus();
+  stands = "away";
+  keep();
+  draw();
+}
+
+function isThere(element) {
+  return element.getClientRects().length > 0;
+}
+
+function all(selector) {
+  return [...scene.contentDocument.querySelectorAll(selector)].filter(isThere);
+}
+
+function button(says, within = 'button:not([role="tab"])') {
+  const is = typeof says === "string" ? (text) => text === says : (text) => says.test(text);
+  return all(within).find((one) => is(one.textContent.trim()));
+}
+
+function dialog() {
+  return all('[role="dialog"]')[0];
+}
+
+function control(step) {
+  // The tab, while what is in it is not shown.
+  const starts = dialog() && step.dialog && new RegExp(`^${step.dialog}`);
+  const pressed = (step.press ?? []).map((one) => button(one)).find(Boolean);
+  return (starts && button(starts, '[role="dialog"] button'))
+    || (step.row && all(step.row)[0]) || pressed || button(step.on, '[role="tab"]') || null;
+}
+
+function look(step) {
+  // What only this page sees: that the part was opened and left, that a row was chosen.
+  if (step.name === "grasps") {
+    if (button("Back to cell")) isOpen = true;
+    else if (isOpen) seen.add(step.name);
+  }
+  const isChosen = scene.contentDocument.querySelector(".wb-row-chosen");
+  if (step.name === "judge" && isChosen && all(step.row).length) seen.add(step.name);
+}
+
+function isDone(step) {
+  if (isBefore) return false;
+  return bar.tour.includes(step.name) || (step.isLook && (seen.has(step.name) || bar.tour.includes("approve")));
+}
+
+function offered() {
+  // Some tabs are not everybody's.
+  return STEPS.filter((step) => !step.isLook || button(step.on, '[role="tab"]'));
+}
+
+function current() {
+  if (bar.fault) return FAULT;
+  if (!bar.tour.includes("send")) isBefore = false;
+  const step = offered().find((one) => !isDone(one));
+  if (!step) return OVER;
+  if (step.isLook) look(step);
+  return step;
+}
+
+function put(id, text) {
+  // Only what is new, or it would be read aloud again and again.
+  if (at(id).textContent !== text) at(id).textContent = text;
+}
+
+function draw() {
+  call.hidden = !bar?.tour;
+  const isReady = bar?.tour && at("wait").hidden && scene.contentDocument?.querySelector(".wb-strip");
+  if (isReady && stands === "away" && !kept()) stands = "asked";
+  card.hidden = !isReady || stands === "away";
+  if (card.hidden) {
+    ring.hidden = true;
+    return;
+  }
+  const step = stands === "asked" ? ASKED : stands === "over" ? OVER : current();
+  if (step === OVER && stands === "on") {
+    stands = "over";
+    keep();
+  }
+  const steps = offered();
+  const number = steps.indexOf(step) + 1;
+  put("count", number ? `Step ${number} of ${steps.length}` : "");
+  put("title", step.title);
+  put("says", step.says);
+  const target = step.press || step.row ? control(step) : null;
+  put("go", step === ASKED ? "Begin" : "Go to it");
+  put("leave", step === ASKED ? "Not now" : step === OVER ? "Close" : "Leave the tour");
+  go.hidden = step === OVER;
+  go.disabled = step !== ASKED && !target;
+  if (target !== shown) target?.scrollIntoView({ block: "nearest" });
+  shown = target;
+  place(target);
+}
+
+function place(target) {
+  const frame = scene.getBoundingClientRect();
+  const box = target?.getBoundingClientRect();
+  const ringed = box && box.bottom > 0 && box.top < frame.height;
+  ring.hidden = !ringed;
+  if (ringed) {
+    set(ring, { left: frame.left + box.left - 5, top: frame.top + box.top - 5,
+      width: box.width + 10, height: box.height + 10 });
+  }
+  // Beside the controls and an open dialog, never over them, and below the bar.
+  const beside = [scene.contentDocument.querySelector(".wb-strip"), dialog()].filter(Boolean)
+    .map((one) => one.getBoundingClientRect());
+  const left = frame.left + Math.min(...beside.map((one) => one.left)) - GAP - card.offsetWidth;
+  const right = frame.left + Math.max(...beside.map((one) => one.right)) + GAP;
+  const fits = left >= EDGE ? "left" : right + card.offsetWidth <= frame.right - EDGE ? "right" : "none";
+  card.dataset.side = ringed ? fits : "none";
+  const middle = frame.top + (box ? box.top + box.height / 2 : card.offsetHeight / 2 + 4 * GAP);
+  const lowest = frame.bottom - EDGE - card.offsetHeight;
+  const top = Math.max(frame.top + EDGE, Math.min(middle - card.offsetHeight / 2, lowest));
+  set(card, { left: fits === "left" ? left : fits === "right" ? right : EDGE,
+    top: fits === "none" ? frame.top + EDGE : top });
+  card.style.setProperty("--at", `${middle - top - 2}px`);
+}
+
+function set(element, places) {
+  for (const [name, pixels] of Object.entries(places)) element.style[name] = `${Math.round(pixels)}px`;
+}
+
+function typed(event) {
+  const isField = event.target.closest?.("input, textarea, select, [contenteditable=true]");
+  if (event.key.toLowerCase() !== "t" || event.ctrlKey || event.altKey || event.metaKey || isField) return;
+  if (!bar?.tour || dialog()) return;
+  if (stands === "away") begin();
+  draw();
+  (go.hidden || go.disabled ? leave : go).focus();
+}
+
+call.addEventListener("click", () => {
+  begin();
+  draw();
+});
+go.addEventListener("click", () => {
+  if (stands === "asked") begin();
+  else {
+    scene.contentWindow.focus();
+    shown?.focus();
+  }
+  draw();
+});
+leave.addEventListener("click", end);
+card.addEventListener("keydown", (event) => event.key === "Escape" && end());
+document.addEventListener("keydown", typed);
+const listen = () => scene.contentDocument?.addEventListener("keydown", typed);
+scene.addEventListener("load", listen);
+listen();
+document.addEventListener("bar", (event) => {
+  bar = event.detail;
+  draw();
+});
+setInterval(draw, LOOK_MS);

@@ -1,0 +1,165 @@
+"""The tour: once through a whole pick; and what it must not do, over a scene played here."""
+
+import re
+
+import pytest
+from fronted import Window, open_front
+from playwright.sync_api import expect
+from test_shell import IDLE, SENDING, Shell
+
+SCENE = """
+<div class="wb-strip" style="position:fixed;left:800px;width:460px;top:0">1 2 3 4 5</div>
+<div class="wb-mode" data-mode="live"><b>Live</b></div>
+<div style="position:fixed;left:820px;top:200px"
+  onclick="pressed.textContent += event.target.textContent">
+<button role="tab">Cycle</button><button role="tab">Candidates</button>
+<button>Scan</button><button>Find parts</button><button>Acknowledge</button><input id="field"></div>
+<p id="pressed"></p>
+"""
+
+
+@pytest.fixture
+def front(bench, tmp_path):
+    front, *ends = open_front(bench, tmp_path / "users.sqlite")
+    yield front
+    for end in ends:
+        end.close()
+
+
+class Tour(Window):
+    """A window with the tour in it."""
+
+    def __init__(self, context, shots):
+        super().__init__(context)
+        self._shots = shots
+
+    def at(self, title, name, role="button"):
+        """It has come to this step, points at this control, and covers neither it nor Stop."""
+        expect(self.page.locator("#title")).to_have_text(title)
+        target = self.scene.get_by_role(role, name=name).first
+        # It looks for where things are five times a second.
+        self.page.wait_for_function(
+            """([x, y, width, height]) => {
+              const ring = document.getElementById("ring").getBoundingClientRect();
+              return Math.abs(ring.x + 5 - x) < 3 && Math.abs(ring.y + 5 - y) < 3
+                && Math.abs(ring.width - 10 - width) < 3;
+            }""",
+            arg=list(target.bounding_box().values()),
+        )
+        card, stop = (self.page.locator(one).bounding_box() for one in ("#card", "#stop"))
+        assert card["y"] >= stop["y"] + stop["height"]
+        assert card["x"] >= 0 and card["y"] + card["height"] <= self.page.viewport_size["height"]
+        assert card["x"] + card["width"] <= self.scene.locator(".wb-strip").bounding_box()["x"]
+        self.page.screenshot(
+            path=self._shots / f"tour-{re.sub(r'[^a-z]+', '-', title.lower())}.png"
+        )
+        return target
+
+    def press(self, name, role="button"):
+        # viser passes on one message each 50 ms.
+        self.page.wait_for_timeout(80)
+        self.scene.get_by_role(role, name=name, exact=True).click()
+
+
+def test_it_leads_through_a_pick_and_goes_on_when_something_was_really_done(
+    front, new_context, bench, robot, reaches, wait, shots
+):
+    tour = Tour(new_context(), shots)
+    page, keyboard = tour.page, tour.page.keyboard
+    page.goto(front.link)
+    expect(page.locator("#title")).to_have_text("Is this your first visit?")
+    page.screenshot(path=shots / "tour-asked.png")
+    # By keys alone, through the first two steps.
+    tour.scan.wait_for()
+    page.locator("#scene").focus()
+    keyboard.press("t")
+    expect(page.get_by_role("button", name="Begin")).to_be_focused()
+    keyboard.press("Enter")
+    tour.at("Scan", "Scan")
+    assert bench.state.phase == "idle"
+    keyboard.press("Enter")
+    expect(tour.scan).to_be_focused()
+    keyboard.press("Enter")
+    reaches("scanned")
+    tour.at("Find the parts", "Find parts")
+    keyboard.press("t")
+    expect(page.get_by_role("button", name="Go to it")).to_be_focused()
+    keyboard.press("Enter")
+    keyboard.press("Enter")
+    reaches("localized")
+
+    tour.at("Look at the grasps", "Grasps", role="tab").click()
+    tour.at("Look at the grasps", "Open part").click()
+    tour.at("Look at the grasps", "Back to cell").click()
+    tour.at("Plan", "Cycle", role="tab").click()
+    tour.at("Plan", re.compile("^Plan$")).click()
+    reaches("planned")
+    tour.at("See how grasps were judged", "Candidates", role="tab").click()
+    tour.scene.locator(".wb-rows .wb-table tbody tr").first.wait_for()
+    page.screenshot(path=shots / "tour-judge.png")
+    tour.scene.locator(".wb-rows .wb-table tbody tr").first.click()
+    tour.at("Watch the preview", "Plan", role="tab").click()
+    tour.scene.locator("body").press("l")
+    expect(page.locator("html")).to_have_attribute("data-scheme", "dark")
+    tour.at("Watch the preview", re.compile("^Play$")).click()
+    expect(page.locator("#title")).to_have_text("Watch the preview")
+    wait(lambda: bench.state.watched, "the end of the plan")
+    tour.at("Approve", "Cycle", role="tab").click()
+    tour.at("Approve", re.compile("^Approve$")).click()
+    dialog = tour.scene.get_by_role("dialog")
+    dialog.locator("input").first.press_sequentially("Tamt", delay=100)
+    tour.at("Approve", "Approve as Tamt")
+    page.screenshot(path=shots / "tour-dialog.png")
+    tour.press("Approve as Tamt")
+    reaches("approved")
+    assert robot.configurations == []
+    tour.at("Send", re.compile("^Send$")).click()
+    reaches("done")
+    expect(page.locator("#title")).to_have_text("That was a pick")
+    page.screenshot(path=shots / "tour-over.png")
+    page.get_by_role("button", name="Close").click()
+
+    # A second time it begins anew, and of its own accord never.
+    page.reload()
+    tour.scan.wait_for()
+    expect(page.locator("#wait")).to_be_hidden()
+    expect(page.locator("#card")).to_be_hidden()
+    page.get_by_role("button", name="Tour").click()
+    tour.at("Scan", "Scan")
+    assert tour.errors == []
+
+
+def test_who_leaves_it_is_not_asked_again_and_it_presses_nothing(new_context):
+    shell = Shell(new_context().new_page(), SCENE)
+    page, title = shell.page, shell.page.locator("#title")
+    shell.hear({**IDLE, "tour": []})
+    page.get_by_role("button", name="Begin").click()
+    expect(title).to_have_text("Scan")
+    shell.hear({**IDLE, "tour": ["scan"]})
+    expect(title).to_have_text("Find the parts")
+    # A scan again, another's fault: it follows, back as well.
+    shell.hear({**IDLE, "tour": []})
+    expect(title).to_have_text("Scan")
+    shell.hear({**IDLE, "tour": [], "fault": "the link broke"})
+    expect(title).to_have_text("A fault came up")
+    shell.hear({**SENDING, "tour": ["scan", "find", "plan", "preview", "approve"]})
+    expect(title).to_have_text("Send")
+    scene = page.frame_locator("#scene")
+    expect(scene.locator("#pressed")).to_be_empty()
+    # What is typed is no key.
+    page.get_by_role("button", name="Leave the tour").press("Escape")
+    expect(page.locator("#card")).to_be_hidden()
+    scene.locator("#field").press_sequentially("t")
+    expect(page.locator("#card")).to_be_hidden()
+    page.reload()
+    shell.hear({**IDLE, "tour": []})
+    expect(page.get_by_role("button", name="Tour")).to_be_visible()
+    expect(page.locator("#wait")).to_be_hidden()
+    expect(page.locator("#card")).to_be_hidden()
+    scene.locator("#field").evaluate("field => field.blur()")
+    scene.locator("body").press("t")
+    expect(title).to_have_text("Scan")
+    # Where there is none, there is no button either.
+    shell.hear({**IDLE, "tour": None})
+    expect(page.get_by_role("button", name="Tour")).to_be_hidden()
+    expect(page.locator("#card")).to_be_hidden()
