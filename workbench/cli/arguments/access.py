@@ -6,6 +6,8 @@ from typing import Annotated, Literal
 
 from tyro.conf import Positional, subcommand
 
+from workbench.cli.arguments.names import Json, UserName, UsersFile
+
 USERS = Path("sessions/users.sqlite")
 """Where users are kept unless told otherwise."""
 
@@ -22,86 +24,71 @@ class UserAdd:
     """Viewers look; operators scan, plan, approve and run; engineers edit cell and parts, too."""
     stdin: bool = False
     """Read the password from standard input, one line."""
-    users: Path = USERS
-    """File of users and logins."""
+    users: UsersFile = USERS
 
 
 @dataclass(frozen=True, slots=True)
 class UserList:
     """List the users, their roles and the names of their tokens."""
 
-    users: Path = USERS
-    """File of users and logins."""
-    json: bool = False
-    """Print one JSON object and nothing else."""
+    users: UsersFile = USERS
+    json: Json = False
 
 
 @dataclass(frozen=True, slots=True)
 class UserDisable:
     """Keep somebody out; open pages and tokens stop at once."""
 
-    name: Positional[str]
-    """Name of the user."""
-    users: Path = USERS
-    """File of users and logins."""
+    name: Positional[UserName]
+    users: UsersFile = USERS
 
 
 @dataclass(frozen=True, slots=True)
 class UserEnable:
     """Let somebody in again who was kept out."""
 
-    name: Positional[str]
-    """Name of the user."""
-    users: Path = USERS
-    """File of users and logins."""
+    name: Positional[UserName]
+    users: UsersFile = USERS
 
 
 @dataclass(frozen=True, slots=True)
 class UserPassword:
     """Give somebody another password, which is asked for, and log them out."""
 
-    name: Positional[str]
-    """Name of the user."""
+    name: Positional[UserName]
     stdin: bool = False
     """Read the password from standard input, one line."""
-    users: Path = USERS
-    """File of users and logins."""
+    users: UsersFile = USERS
 
 
 @dataclass(frozen=True, slots=True)
 class UserRole:
     """Give somebody another role and log them out."""
 
-    name: Positional[str]
-    """Name of the user."""
+    name: Positional[UserName]
     role: Positional[RoleName]
     """The new role."""
-    users: Path = USERS
-    """File of users and logins."""
+    users: UsersFile = USERS
 
 
 @dataclass(frozen=True, slots=True)
 class UserRemove:
     """Forget somebody, with tokens and logins; the record keeps the name."""
 
-    name: Positional[str]
-    """Name of the user."""
-    users: Path = USERS
-    """File of users and logins."""
+    name: Positional[UserName]
+    users: UsersFile = USERS
 
 
 @dataclass(frozen=True, slots=True)
 class UserToken:
     """Make a token for a program that acts for a user, and print it, this once."""
 
-    name: Positional[str]
-    """Name of the user."""
+    name: Positional[UserName]
     called: Positional[str]
     """Name of the token, to tell it from others."""
     revoke: bool = False
     """Make the token of that name worthless instead."""
-    users: Path = USERS
-    """File of users and logins."""
+    users: UsersFile = USERS
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,8 +97,7 @@ class UserUnlock:
 
     name: Positional[str | None] = None
     """Name that was tried too often; every name and address when not given."""
-    users: Path = USERS
-    """File of users and logins."""
+    users: UsersFile = USERS
 
 
 @dataclass(frozen=True, slots=True)

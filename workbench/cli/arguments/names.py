@@ -1,5 +1,31 @@
-"""Choices that several commands offer; repeated here because `--help` loads nothing heavy."""
+"""What several commands are told: options with the help that all of them share, and choices.
 
-from typing import Literal
+Choices are repeated here because `--help` loads nothing heavy.
+"""
+
+from pathlib import Path
+from typing import Annotated, Literal
+
+from tyro.conf import arg
 
 OrderName = Literal["travel", "highest", "score", "nearest", "walls", "thesis"]
+
+Json = Annotated[bool, arg(help="Print one JSON object and nothing else.")]
+CellName = Annotated[str, arg(help="Name under robots/, or path of a cell.toml.")]
+CellOfPlan = Annotated[
+    str | None,
+    arg(help="Name under robots/, or path of a cell.toml; the name in the plan when not given."),
+]
+PartName = Annotated[str, arg(help="Name under parts/, or path of a part's folder.")]
+PartOfPoses = Annotated[
+    str | None,
+    arg(help="What the poses of a HALCON file are of, when the cell has several parts."),
+]
+Seed = Annotated[int, arg(help="Seed of everything random.")]
+FirstSeed = Annotated[int, arg(help="Seed of the first pile; the others follow.")]
+Piles = Annotated[int, arg(help="How many piles.")]
+SessionFolder = Annotated[Path, arg(help="Folder of the session.")]
+UserName = Annotated[str, arg(help="Name of the user.")]
+UsersFile = Annotated[Path, arg(help="File of users and logins.")]
+CertificatesFolder = Annotated[Path, arg(help="Folder of certificates.")]
+ListenOn = Annotated[str, arg(help="Address to listen on.")]

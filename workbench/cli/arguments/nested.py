@@ -7,6 +7,17 @@ from typing import Annotated, Literal
 from tyro.conf import Positional, subcommand
 
 from workbench.cli.arguments.access import USERS
+from workbench.cli.arguments.names import (
+    CellName,
+    FirstSeed,
+    Json,
+    ListenOn,
+    PartName,
+    Piles,
+    Seed,
+    SessionFolder,
+    UsersFile,
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,8 +46,7 @@ class BenchPlanners:
     """Seed of the targets."""
     plot: Path | None = None
     """HTML file to draw the comparison in."""
-    json: bool = False
-    """Print one JSON object and nothing else."""
+    json: Json = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,30 +73,24 @@ class BenchMotion:
     """Distance to keep from everything [m]."""
     seconds: float = 30.0
     """How long a plan may take [s]."""
-    seed: int = 0
-    """Seed of everything random."""
-    json: bool = False
-    """Print one JSON object and nothing else."""
+    seed: Seed = 0
+    json: Json = False
 
 
 @dataclass(frozen=True, slots=True)
 class BenchPick:
     """Plan seeded piles of known poses and tell how long each stage took."""
 
-    cell: str = "yumi"
-    """Name under robots/, or path of a cell.toml."""
-    scenes: int = 40
-    """How many piles."""
+    cell: CellName = "yumi"
+    scenes: Piles = 40
     parts: int = 2
     """How many parts in each."""
     strategy: str = "auto"
     """Which arms work: auto, alternated, coordinated, both, or one arm by its name."""
     planner: str | None = None
     """Planner of the free legs; the cell's when not given."""
-    seed: int = 0
-    """Seed of the first pile; the others follow."""
-    json: bool = False
-    """Print one JSON object and nothing else."""
+    seed: FirstSeed = 0
+    json: Json = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,16 +100,14 @@ class BenchSoak:
     Ends with 1 when a cycle was lost or the journal is not whole.
     """
 
-    cell: str = "yumi"
-    """Name under robots/, or path of a cell.toml."""
+    cell: CellName = "yumi"
     cycles: int = 1000
     """How many cycles."""
     piles: int = 20
     """How many different piles, again and again: the scan of each is kept once."""
     speed: float = 1000.0
     """Speed of the simulated robot: 1 is real time."""
-    seed: int = 0
-    """Seed of the first pile; the others follow."""
+    seed: FirstSeed = 0
     recall: bool = False
     """Run each task once and take its result from memory when it is asked again: very many cycles
     of rules, journal and robot link in a short time."""
@@ -113,8 +115,7 @@ class BenchSoak:
     """Folder of RAPID modules that the controller runs, as robots/yumi/rapid."""
     sessions: Path = Path("sessions")
     """Folder for the folder of this session."""
-    json: bool = False
-    """Print one JSON object and nothing else."""
+    json: Json = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -124,14 +125,12 @@ class BenchPage:
     Ends with 1 when a value that was typed became no command.
     """
 
-    cell: str = "yumi"
-    """Name under robots/, or path of a cell.toml."""
+    cell: CellName = "yumi"
     browsers: int = 10
     """How many browsers; they read everything and draw nothing."""
     seconds: float = 300.0
     """How long the page is loaded [s]."""
-    json: bool = False
-    """Print one JSON object and nothing else."""
+    json: Json = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -145,8 +144,7 @@ class BenchShort:
     """JSON file of figures."""
     keep: bool = False
     """Write the figures there."""
-    json: bool = False
-    """Print one JSON object and nothing else."""
+    json: Json = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -170,18 +168,15 @@ class CellCheck:
     Ends with 3 when something speaks against the cell.
     """
 
-    cell: Positional[str]
-    """Name under robots/, or path of a cell.toml."""
-    json: bool = False
-    """Print one JSON object and nothing else."""
+    cell: Positional[CellName]
+    json: Json = False
 
 
 @dataclass(frozen=True, slots=True)
 class CellShow:
     """Tell what a cell is made of: arms, bin, fixtures, parts, scanner, controller, policy."""
 
-    cell: Positional[str]
-    """Name under robots/, or path of a cell.toml."""
+    cell: Positional[CellName]
 
 
 @dataclass(frozen=True, slots=True)
@@ -207,8 +202,7 @@ class CellNew:
     reach it."""
     tool: Literal["gripper", "suction"] = "gripper"
     """What the arms carry to begin with."""
-    part: str = "keyed_cylinder"
-    """Name under parts/, or path of a part's folder."""
+    part: PartName = "keyed_cylinder"
     position_mm: tuple[float, float, float] = (0.0, 0.0, 0.0)
     """Where the URDF's root link stands in the world."""
     mesh_unit: Literal["m", "mm"] = "m"
@@ -219,8 +213,7 @@ class CellNew:
     """By how much a convex piece may be larger than its mesh before it is divided."""
     pieces: int = 8
     """How many pieces one mesh may be divided into."""
-    json: bool = False
-    """Print one JSON object and nothing else."""
+    json: Json = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -246,18 +239,15 @@ class SessionList:
 
     sessions: Path = Path("sessions")
     """Folder that holds them."""
-    json: bool = False
-    """Print one JSON object and nothing else."""
+    json: Json = False
 
 
 @dataclass(frozen=True, slots=True)
 class SessionShow:
     """Tell what happened in a session, entry by entry: when, who, what, and what followed."""
 
-    session: Positional[Path]
-    """Folder of the session."""
-    json: bool = False
-    """Print one JSON object and nothing else."""
+    session: Positional[SessionFolder]
+    json: Json = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -267,8 +257,7 @@ class SessionVerify:
     Ends with 3 when it was.
     """
 
-    session: Positional[Path]
-    """Folder of the session."""
+    session: Positional[SessionFolder]
     anchors: Path | None = None
     """File of anchors that were kept elsewhere: the journal must be the one that they are of."""
 
@@ -280,8 +269,7 @@ class SessionReplay:
     Ends with 3 when a result differs.
     """
 
-    session: Positional[Path]
-    """Folder of the session."""
+    session: Positional[SessionFolder]
 
 
 @dataclass(frozen=True, slots=True)
@@ -330,14 +318,11 @@ class SessionPrune:
 class SessionOpen:
     """Serve the page on a recorded session, to look at each moment of it; nothing can be sent."""
 
-    session: Positional[Path]
-    """Folder of the session."""
-    host: str = "127.0.0.1"
-    """Address to listen on."""
+    session: Positional[SessionFolder]
+    host: ListenOn = "127.0.0.1"
     port: int = 8081
     """Port to listen on; 0 takes a free one."""
-    users: Path = USERS
-    """File of users and logins."""
+    users: UsersFile = USERS
     certificate: Path | None = None
     """PEM file to serve over TLS with."""
     key: Path | None = None

@@ -6,6 +6,8 @@ from typing import Annotated, Literal
 
 from tyro.conf import Positional, subcommand
 
+from workbench.cli.arguments.names import CellName, Json, PartName
+
 
 @dataclass(frozen=True, slots=True)
 class PartImport:
@@ -30,8 +32,7 @@ class PartImport:
     """Mend a surface that is not closed: small holes, turned triangles, crumbs."""
     accept_symmetry: bool = False
     """State the symmetry that was found; otherwise it is a comment, for you to confirm."""
-    json: bool = False
-    """Print one JSON object and nothing else."""
+    json: Json = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,20 +42,17 @@ class PartCheck:
     Ends with 3 when something speaks against it.
     """
 
-    part: Positional[str]
-    """Name under parts/, or path of a part's folder."""
+    part: Positional[PartName]
     cell: str = "yumi"
     """Whose tools, bin and arms are used: name under robots/, or path of a cell.toml."""
-    json: bool = False
-    """Print one JSON object and nothing else."""
+    json: Json = False
 
 
 @dataclass(frozen=True, slots=True)
 class PartList:
     """List the parts that are found by name."""
 
-    json: bool = False
-    """Print one JSON object and nothing else."""
+    json: Json = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,10 +75,8 @@ class Grasps:
 
     what: Positional[Literal["suggest"]]
     """What to do."""
-    part: Positional[str]
-    """Name under parts/, or path of a part's folder."""
-    cell: str = "yumi"
-    """Name under robots/, or path of a cell.toml."""
+    part: Positional[PartName]
+    cell: CellName = "yumi"
     arm: str | None = None
     """Whose tool; the cell's first arm when not given."""
     most: int = 20
@@ -89,5 +85,4 @@ class Grasps:
     """Seed of the samples on the surface."""
     add: bool = False
     """Write them into the part's grasps.toml, behind what stands there."""
-    json: bool = False
-    """Print one JSON object and nothing else."""
+    json: Json = False

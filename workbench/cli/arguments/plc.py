@@ -6,6 +6,8 @@ from typing import Annotated
 
 from tyro.conf import Positional, subcommand
 
+from workbench.cli.arguments.names import CertificatesFolder, Json
+
 CERTIFICATES = Path("sessions/opcua")
 """Where certificates are kept unless told otherwise."""
 
@@ -22,8 +24,7 @@ class OpcUaCertificate:
     always among them."""
     days: int = 1825
     """How long it is valid."""
-    certificates: Path = CERTIFICATES
-    """Folder of certificates."""
+    certificates: CertificatesFolder = CERTIFICATES
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,18 +37,15 @@ class OpcUaTrust:
 
     file: Positional[Path]
     """The client's certificate: DER or PEM."""
-    certificates: Path = CERTIFICATES
-    """Folder of certificates."""
+    certificates: CertificatesFolder = CERTIFICATES
 
 
 @dataclass(frozen=True, slots=True)
 class OpcUaList:
     """List the server's certificate, those of trusted clients, and those that were rejected."""
 
-    certificates: Path = CERTIFICATES
-    """Folder of certificates."""
-    json: bool = False
-    """Print one JSON object and nothing else."""
+    certificates: CertificatesFolder = CERTIFICATES
+    json: Json = False
 
 
 @dataclass(frozen=True, slots=True)

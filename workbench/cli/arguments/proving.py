@@ -5,6 +5,8 @@ from pathlib import Path
 
 from tyro.conf import Positional
 
+from workbench.cli.arguments.names import CellOfPlan, Json, PartOfPoses
+
 
 @dataclass(frozen=True, slots=True)
 class Prove:
@@ -20,18 +22,15 @@ class Prove:
     """PLY or PCD file of the scan that it was made for."""
     poses: Path | None = None
     """Our JSON or a HALCON tuple file of all parts known to be in the bin."""
-    part: str | None = None
-    """What the poses of a HALCON file are of, when the cell has several parts."""
+    part: PartOfPoses = None
     certificate: Path | None = None
     """Write the certificate to this file, when the proof holds."""
     check: Path | None = None
     """Check this certificate, in place of proving a plan."""
     out: Path | None = None
     """Write the plan with its digest to this file, when the proof holds."""
-    cell: str | None = None
-    """Name under robots/, or path of a cell.toml; the name in the plan when not given."""
-    json: bool = False
-    """Print one JSON object and nothing else."""
+    cell: CellOfPlan = None
+    json: Json = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,9 +47,6 @@ class Verify:
     """PLY or PCD file of the scan that it was made for."""
     poses: Path | None = None
     """Our JSON or a HALCON tuple file of all parts known to be in the bin."""
-    part: str | None = None
-    """What the poses of a HALCON file are of, when the cell has several parts."""
-    cell: str | None = None
-    """Name under robots/, or path of a cell.toml; the name in the plan when not given."""
-    json: bool = False
-    """Print one JSON object and nothing else."""
+    part: PartOfPoses = None
+    cell: CellOfPlan = None
+    json: Json = False

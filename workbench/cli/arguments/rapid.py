@@ -6,6 +6,8 @@ from typing import Literal
 
 from tyro.conf import Positional
 
+from workbench.cli.arguments.names import Json
+
 
 @dataclass(frozen=True, slots=True)
 class RapidCommands:
@@ -21,5 +23,4 @@ class RapidCommands:
     """Folder, as robots/yumi/rapid, or files of one task."""
     signal: tuple[str, ...] = ()
     """Names of outputs that the controller has."""
-    json: bool = False
-    """Print one JSON object and nothing else."""
+    json: Json = False

@@ -6,13 +6,14 @@ from typing import Annotated, Literal
 
 from tyro.conf import Positional, subcommand
 
+from workbench.cli.arguments.names import CellName, FirstSeed, Json, Piles
+
 
 @dataclass(frozen=True, slots=True)
 class StudyLocalization:
     """Find the parts of seeded piles in simulated scans and compare with where they lie."""
 
-    cell: str = "yumi"
-    """Name under robots/, or path of a cell.toml."""
+    cell: CellName = "yumi"
     scenes: int = 10
     """How many piles for each part, count and noise."""
     parts: tuple[str, ...] = ("keyed_cylinder", "bracket", "bolt")
@@ -29,12 +30,10 @@ class StudyLocalization:
     """And is turned by this about the bin's x axis [degrees]."""
     search: str = ""
     """Kinds to look for in place of those that lie there, as in --parts: what is found is wrong."""
-    seed: int = 0
-    """Seed of the first pile; the others follow."""
+    seed: FirstSeed = 0
     plot: Path | None = None
     """HTML file to draw it in."""
-    json: bool = False
-    """Print one JSON object and nothing else."""
+    json: Json = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,22 +45,19 @@ class StudyThreshold:
 
     cell: str = "yumi"
     """Name under robots/, or path of a cell.toml with two arms or more."""
-    cycles: int = 100
-    """How many piles."""
+    cycles: Piles = 100
     thresholds: tuple[float, ...] = (0.05, 0.1, 0.15, 0.2, 0.25, 0.3)
     """Distances [m] to compare."""
     workers: int = 1
     """Processes on this machine; more than one needs the extra `cluster`."""
     scheduler: str | None = None
     """Address of a Dask cluster that does the work instead, tcp://host:port."""
-    seed: int = 0
-    """Seed of the first pile; the others follow."""
+    seed: FirstSeed = 0
     plot: Path | None = None
     """HTML file to draw the comparison in."""
     keep: bool = False
     """Keep the result beside the cell, where the page shows it with the threshold."""
-    json: bool = False
-    """Print one JSON object and nothing else."""
+    json: Json = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,17 +68,14 @@ class StudyEmptying:
     again, until three looks in a row bring no plan, or three picks in a row have failed.
     """
 
-    cell: Positional[str] = "yumi"
-    """Name under robots/, or path of a cell.toml."""
+    cell: Positional[CellName] = "yumi"
     parts: int = 15
     """Parts in a pile."""
     part: str = ""
     """One of the cell's parts, `all` for all of them in turn, or names under parts/ or paths, a+b
     for both in one pile; the cell's first when not given."""
-    scenes: int = 10
-    """How many piles."""
-    seed: int = 0
-    """Seed of the first pile; the others follow."""
+    scenes: Piles = 10
+    seed: FirstSeed = 0
     seen: Literal["truth", "scan"] = "truth"
     """Plan with the true poses, or with those found in a simulated scan."""
     settle: bool = True
@@ -107,8 +100,7 @@ class StudyEmptying:
     """Address of a Dask cluster that does the work instead, tcp://host:port."""
     plot: Path | None = None
     """HTML file to draw it in."""
-    json: bool = False
-    """Print one JSON object and nothing else."""
+    json: Json = False
 
 
 @dataclass(frozen=True, slots=True)

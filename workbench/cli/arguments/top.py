@@ -10,7 +10,17 @@ from typing import Annotated, Literal
 from tyro.conf import Positional, subcommand
 
 from workbench.cli.arguments.access import USERS, UserCommands
-from workbench.cli.arguments.names import OrderName
+from workbench.cli.arguments.names import (
+    CellName,
+    CellOfPlan,
+    Json,
+    ListenOn,
+    OrderName,
+    PartName,
+    PartOfPoses,
+    Seed,
+    UsersFile,
+)
 from workbench.cli.arguments.nested import Bench, CellCommands, SessionCommands
 from workbench.cli.arguments.part import Grasps, PartCommands
 from workbench.cli.arguments.plc import CERTIFICATES, OpcUaCommands
@@ -28,10 +38,8 @@ class Serve:
     Without users the link that is printed lets one browser in; `workbench user add` makes users.
     """
 
-    cell: str = "yumi"
-    """Name under robots/, or path of a cell.toml."""
-    host: str = "127.0.0.1"
-    """Address to listen on."""
+    cell: CellName = "yumi"
+    host: ListenOn = "127.0.0.1"
     port: int = 8080
     """Port to listen on; 0 takes a free one."""
     session: Path | None = None
@@ -54,8 +62,7 @@ class Serve:
     """Take channels that are neither signed nor encrypted all the same."""
     log: Path | None = None
     """Write the log to this file, too, an object of JSON a line; turned at 10 MB, five are kept."""
-    users: Path = USERS
-    """File of users and logins."""
+    users: UsersFile = USERS
     certificate: Path | None = None
     """PEM file to serve over TLS with."""
     key: Path | None = None
@@ -70,8 +77,7 @@ class Serve:
 class Plugins:
     """List scanners, robot links, planners, localizers, tools and tabs: ours and installed ones."""
 
-    json: bool = False
-    """Print one JSON object and nothing else."""
+    json: Json = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,8 +87,7 @@ class Demo:
     Succeeds when the controller has reported every part of every plan as placed.
     """
 
-    cell: str = "yumi"
-    """Name under robots/, or path of a cell.toml."""
+    cell: CellName = "yumi"
     seed: int = 0
     """Seed of the pile and of all else that is random; each further cycle takes the next one."""
     cycles: int = 1
@@ -91,16 +96,14 @@ class Demo:
     """Folder for the folder of this session."""
     speed: float = 1.0
     """Speed of the simulated robot: 1 is real time."""
-    json: bool = False
-    """Print one JSON object and nothing else."""
+    json: Json = False
 
 
 @dataclass(frozen=True, slots=True)
 class Scan:
     """Drop parts into the bin and scan them with the simulated scanner."""
 
-    cell: Positional[str]
-    """Name under robots/, or path of a cell.toml."""
+    cell: Positional[CellName]
     out: Path
     """PLY file to write."""
     seed: int = 0
@@ -117,16 +120,14 @@ class Scan:
 class Localize:
     """Find the parts in a scan."""
 
-    cell: Positional[str]
-    """Name under robots/, or path of a cell.toml."""
+    cell: Positional[CellName]
     scan: Path
     """PLY or PCD file in the scanner's frame, with the cell's unit and axes of clouds."""
     out: Path
     """JSON file of poses to write."""
     discarded: bool = False
     """Tell also which poses were thought possible and discarded, and why."""
-    seed: int = 0
-    """Seed of everything random."""
+    seed: Seed = 0
     detail: float = 1.0
     """How fine the scan is looked at, 0.3 to 2; finer sees smaller features and takes longer."""
     least_score: float = 0.0
@@ -141,8 +142,7 @@ class Calibrate:
     docs/integrator.md. Poses that do not agree with the others are named and left out.
     """
 
-    cell: Positional[str]
-    """Name under robots/, or path of a cell.toml."""
+    cell: Positional[CellName]
     poses: Path
     """Folder with the scans and calibration.toml."""
     save: bool = False
@@ -156,16 +156,14 @@ class Calibrate:
     """How many poses to simulate."""
     seed: int = 0
     """Seed of the simulated poses and noise."""
-    json: bool = False
-    """Print one JSON object and nothing else."""
+    json: Json = False
 
 
 @dataclass(frozen=True, slots=True)
 class Plan:
     """Judge every grasp, plan the pick, and prove the plan."""
 
-    cell: Positional[str]
-    """Name under robots/, or path of a cell.toml."""
+    cell: Positional[CellName]
     poses: Path
     """Our JSON, or a HALCON tuple file (rows of [R|t] in the world frame, millimetres)."""
     out: Path
@@ -187,28 +185,22 @@ class Plan:
     """Distance [m] kept to everything on free legs, at least the cell's."""
     metric: float | None = None
     """How much each joint counts of the one before it when planners measure, 0.05 to 1."""
-    seed: int = 0
-    """Seed of everything random."""
-    part: str | None = None
-    """What the poses of a HALCON file are of, when the cell has several parts."""
-    json: bool = False
-    """Print one JSON object and nothing else."""
+    seed: Seed = 0
+    part: PartOfPoses = None
+    json: Json = False
 
 
 @dataclass(frozen=True, slots=True)
 class Explain:
     """Judge every grasp and tell why each can or cannot be taken, and what would help."""
 
-    cell: Positional[str]
-    """Name under robots/, or path of a cell.toml."""
+    cell: Positional[CellName]
     poses: Path
     """Our JSON, or a HALCON tuple file (rows of [R|t] in the world frame, millimetres)."""
     scan: Path | None = None
     """PLY or PCD file the poses were found in: what it shows beside the parts is in the way."""
-    seed: int = 0
-    """Seed of everything random."""
-    part: str | None = None
-    """What the poses of a HALCON file are of, when the cell has several parts."""
+    seed: Seed = 0
+    part: PartOfPoses = None
     json: bool = False
     """Print one JSON object and nothing else: in it `detection` counts from 0, `parts` from 1."""
 
@@ -235,28 +227,23 @@ class Send:
     """PLY or PCD file of the scan that the plan was made for, for the proof."""
     poses: Path | None = None
     """Our JSON or a HALCON tuple file of all parts known to be in the bin, for the proof."""
-    part: str | None = None
-    """What the poses of a HALCON file are of, when the cell has several parts."""
+    part: PartOfPoses = None
     state_port: int | None = None
     """Port on which the controller reports its state; the next one when not given."""
     record: Path = Path("approvals")
     """Folder with the record of who has approved which plan."""
-    cell: str | None = None
-    """Name under robots/, or path of a cell.toml; the name in the plan when not given."""
+    cell: CellOfPlan = None
     protocol: str | None = None
     """Robot link to the controller, see `workbench plugins`; that of the cell when not given."""
-    json: bool = False
-    """Print one JSON object and nothing else."""
+    json: Json = False
 
 
 @dataclass(frozen=True, slots=True)
 class Controller:
     """Run the simulated robot controller until it is interrupted; it speaks both protocols."""
 
-    cell: str = "yumi"
-    """Name under robots/, or path of a cell.toml."""
-    host: str = "127.0.0.1"
-    """Address to listen on."""
+    cell: CellName = "yumi"
+    host: ListenOn = "127.0.0.1"
     port: int = 1025
     """Port for motion; 0 takes a free one."""
     state_port: int | None = None
@@ -283,8 +270,7 @@ class Controller:
 class ExportWorld:
     """Write the scene of every phase as a Klamp't world, for checking with other tools."""
 
-    cell: Positional[str]
-    """Name under robots/, or path of a cell.toml."""
+    cell: Positional[CellName]
     out: Path
     """Folder to write to; made when missing."""
     plan: Path | None = None
@@ -301,8 +287,7 @@ class Backup:
     """The sessions as well; they are large."""
     with_users: bool = False
     """The users as well, with the hashes of their passwords: keep the file to yourself."""
-    users: Path = USERS
-    """File of users and logins."""
+    users: UsersFile = USERS
 
 
 @dataclass(frozen=True, slots=True)
@@ -340,10 +325,8 @@ class Import:
     """Name of the thing that is the bin; otherwise one is put where the arms reach it."""
     tool: Literal["gripper", "suction"] = "gripper"
     """What the arms carry to begin with."""
-    part: str = "keyed_cylinder"
-    """Name under parts/, or path of a part's folder."""
-    json: bool = False
-    """Print one JSON object and nothing else."""
+    part: PartName = "keyed_cylinder"
+    json: Json = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -358,12 +341,10 @@ class Scanner:
     """What to do."""
     scan: Positional[Path]
     """Point cloud, PLY or PCD, of the bin without the robot."""
-    cell: str = "yumi"
-    """Name under robots/, or path of a cell.toml."""
+    cell: CellName = "yumi"
     write: bool = False
     """Write unit, axes and, if nobody has calibrated the scanner, its pose into the cell file."""
-    json: bool = False
-    """Print one JSON object and nothing else."""
+    json: Json = False
 
 
 Arguments = (

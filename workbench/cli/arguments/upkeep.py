@@ -5,6 +5,8 @@ from pathlib import Path
 
 from tyro.conf import Positional
 
+from workbench.cli.arguments.names import Json
+
 
 @dataclass(frozen=True, slots=True)
 class Statistics:
@@ -14,8 +16,7 @@ class Statistics:
     """Folders of sessions; all of those in sessions/ when none is given."""
     csv: Path | None = None
     """CSV file to write, a row for each part that was sent for."""
-    json: bool = False
-    """Print one JSON object and nothing else."""
+    json: Json = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,8 +47,7 @@ class Doctor:
 
     sbom: Path | None = None
     """Write a bill of the installed dependencies to this file: CycloneDX JSON."""
-    json: bool = False
-    """Print one JSON object and nothing else."""
+    json: Json = False
 
 
 @dataclass(frozen=True, slots=True)
