@@ -17,17 +17,17 @@ const STEPS = [
     says: "The shape of the part is searched for in the scan. Press Find parts. If none is found, choose "
       + "another seed and scan again." },
   { name: "grasps", title: "Look at the grasps", on: "Grasps", press: ["Back to cell", "Open part"],
-    isLook: true, says: "A grasp says where on the part a hand closes. Press Open part to see those of this "
-      + "part, then Back to cell." },
+    isLook: true, says: "A grasp says where on the part a hand closes. In the tab Grasps press Open part to "
+      + "see them, then Back to cell." },
   { name: "plan", title: "Plan", on: "Cycle", press: ["Plan"],
     says: "Every grasp of every part is judged with each arm; from those that can be taken a motion is "
       + "planned, and proven anew by other code. Press Plan. If none comes out, scan with another seed." },
   { name: "judge", title: "See how grasps were judged", on: "Candidates", isLook: true,
-    row: ".wb-rows .wb-table tbody tr", says: "Here is each grasp with its verdict. Click a row: the scene shows "
-      + "the hand there, and in red what it would meet." },
+    row: ".wb-rows .wb-table tbody tr", says: "The tab Candidates has each grasp with its verdict. Click a "
+      + "row: the scene shows the hand there, and in red what it would meet." },
   { name: "preview", title: "Watch the preview", on: "Plan", press: ["Pause", "Play"],
-    says: "Press Play and watch the see-through robot to the end of the plan. Nothing is sent. Without "
-      + "having seen it you cannot approve it." },
+    says: "In the tab Plan press Play, and watch the see-through robot to the end. Nothing is sent. What "
+      + "you have not seen you cannot approve." },
   { name: "approve", title: "Approve", on: "Cycle", press: ["Approve"], dialog: "Approve as",
     says: "Press Approve, read the facts of the plan, type your name where it is asked for, and press the "
       + "button with your name. It holds for this plan, and for one sending." },

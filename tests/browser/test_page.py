@@ -10,7 +10,10 @@ from playwright.sync_api import expect
 from workbench.app.core.commands import TakeScan, WantThreshold, WatchPlan
 from workbench.app.core.rights import NOBODY
 from workbench.app.core.state import Phase
+from workbench.gui.cycle import threshold
+from workbench.gui.scene.slider_drag import SliderDrag
 from workbench.gui.shared.tables import Order, ordered
+from workbench.journal.journal import Journal
 
 MARKED = """() => {
   const row = document.querySelector(".wb-table tbody tr:nth-child(3)");
@@ -170,18 +173,52 @@ def test_what_the_rules_would_refuse_cannot_be_pressed(screen, reaches):
     expect(screen.button("Send")).to_be_disabled()
 
 
-def test_a_refusal_is_told_in_the_browser_that_asked_and_the_threshold_in_both(
-    screen, open_screen, bench, reaches
+def test_the_threshold_is_said_while_it_is_dragged_and_asked_for_once(
+    bench, monkeypatch, open_screen, reaches, tmp_path
 ):
+    drags = []
+
+    def patient(ask):
+        # On a busy machine a hand rests that does not mean to.
+        drags.append(SliderDrag(ask, rest=1e4))
+        return drags[-1]
+
+    monkeypatch.setattr(threshold, "SliderDrag", patient)
+    screen = open_screen()
     run_to_plan(screen, reaches)
-    seen(bench)
-    bench.do(WantThreshold(0.123), "Otto")
     other = open_screen()
+    bench.do(WantThreshold(0.123), "Otto")
     for each in (screen, other):
         expect(field(each, "Threshold [mm]")).to_have_value("123")
-    bench.do(WantThreshold(bench.state.planned_threshold), "Otto")
+    decides = screen.page.get_by_text("for these parts:")
+    expect(decides).to_have_text(
+        "Coordinated, if quicker, for these parts: 1 of 1 pair apart (141 mm)"
+    )
+    slider = screen.page.get_by_role("slider").first
+    start, mouse = slider.bounding_box(), screen.page.mouse
+    x, y = start["x"] + start["width"] / 2, start["y"] + start["height"] / 2
+    mouse.move(x, y)
+    mouse.down()
+    mouse.move(x + 60, y, steps=20)
+    expect(decides).to_have_text("Alternated for these parts: 0 of 1 pair apart (141 mm)")
+    screen.shoot("threshold")
+    mouse.up()
+    assert bench.state.wanted_threshold == 0.123
+    drags[0].finish()
+    wanted = round(bench.state.wanted_threshold * 1000)
+    assert wanted > 141
     for each in (screen, other):
-        expect(field(each, "Threshold [mm]")).to_have_value("200")
+        expect(field(each, "Threshold [mm]")).to_have_value(str(wanted))
+    bench.close()
+    given = [entry.kind for entry in Journal(tmp_path / "session").entries()]
+    assert given.count("WantThreshold") == 2
+    assert screen.errors == []
+
+
+def test_a_refusal_is_told_in_the_browser_that_asked(screen, open_screen, bench, reaches):
+    run_to_plan(screen, reaches)
+    seen(bench)
+    other = open_screen()
     screen.press("Approve")
     dialog = screen.page.get_by_role("dialog")
     dialog.locator("input").first.press_sequentially("worker", delay=100)

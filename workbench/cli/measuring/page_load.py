@@ -26,6 +26,7 @@ from workbench.cli.terminal import (
     print_table,
     progress,
 )
+from workbench.gui.scene.slider_drag import REST
 from workbench.journal.journal import Journal
 from workbench.model.errors import LinkError
 from workbench.studies.load.crowd import Load, load
@@ -97,7 +98,10 @@ def _form(
 
 
 def _delays(folder: Path, found: Load) -> list[float]:
-    """From typing to the command that came of it [s]; both clocks are this machine's."""
+    """From typing to the command that came of it [s]; both clocks are this machine's.
+
+    Not counted is for how long the page waits whether it was the end of a drag.
+    """
     (session,) = [path.parent for path in folder.glob("sessions/*/journal.sqlite")]
     with closing(Journal(session)) as journal:
         times = [
@@ -105,7 +109,7 @@ def _delays(folder: Path, found: Load) -> list[float]:
             for entry in journal.entries()
             if entry.kind == COMMAND
         ]
-    return [at - pressed for pressed, at in zip(found.pressed, times, strict=False)]
+    return [at - pressed - REST for pressed, at in zip(found.pressed, times, strict=False)]
 
 
 @contextmanager

@@ -1,5 +1,6 @@
 """The tab that runs a cycle: scan, find, plan, approve, send."""
 
+import time
 from typing import Any
 
 import viser
@@ -13,7 +14,6 @@ from workbench.app.core.commands import (
     SendPlan,
     Stop,
     TakeScan,
-    WantThreshold,
 )
 from workbench.app.core.release import moved_away, standing_votes
 from workbench.app.core.state import Phase, State
@@ -24,6 +24,7 @@ from workbench.gui.cycle.approval_views import approval_line
 from workbench.gui.cycle.outcomes import OutcomeInputs
 from workbench.gui.cycle.step_button import StepButton
 from workbench.gui.cycle.strategies import strategy_hint, strategy_words
+from workbench.gui.cycle.threshold import ThresholdInput
 from workbench.gui.cycle.wishes import WishesInputs
 from workbench.gui.scene.fix_inputs import FixInputs
 from workbench.gui.shared.calibration_views import bin_html
@@ -31,7 +32,6 @@ from workbench.gui.shared.link_views import NO_SAFETY
 from workbench.gui.shared.look import View
 from workbench.gui.shared.things import BIN, moved
 from workbench.gui.shared.views import (
-    forecast_line,
     line,
     parts_line,
     plan_line,
@@ -58,7 +58,6 @@ class CyclePanel:
     def __init__(self, visitor: Visitor):
         """Add the controls."""
         self._visitor = visitor
-        policy = visitor.cell.policy
         gui = visitor.gui
         with gui.add_folder("1 · Scan"):
             gui.add_html(ROW)
@@ -98,17 +97,9 @@ class CyclePanel:
             self._strategy = gui.add_dropdown(
                 "Strategy", tuple(self._strategies), hint=strategy_hint(visitor.cell)
             )
-            # A browser may send an emptied field, or a number with a point.
-            self._threshold: viser.GuiNumberHandle[Any] = gui.add_number(
-                "Threshold [mm]",
-                round(policy.threshold * 1000),
-                min=0,
-                max=1000,
-                step=1,
-                hint="Parts that lie nearer to each other than this are taken one after the other.",
-            )
+            self._threshold = ThresholdInput(visitor, self._strategy_asked)
             self._plan = gui.add_button("Plan", icon=viser.Icon.ROUTE)
-            self._forecast_line = gui.add_html("")
+            self._threshold.add_forecast()
             self._plan_line = gui.add_html("")
             self._help_line = gui.add_html("", visible=False)
             self._fix = FixInputs(visitor)
@@ -126,7 +117,7 @@ class CyclePanel:
         self._outcomes = OutcomeInputs(visitor, ROW)
         with gui.add_folder("How it is planned", expand_by_default=False):
             gui.add_html(ROW)
-            self._wishes = WishesInputs(gui, policy)
+            self._wishes = WishesInputs(gui, visitor.cell.policy)
         self._dialog = ApprovalDialog(visitor)
         self._react()
 
@@ -141,13 +132,14 @@ class CyclePanel:
         if old is not None and old.state is state and _passing(old) == _passing(new):
             return
         self._show_kinds(state.cell)
-        self._follow_threshold(None if old is None else old.state, state)
+        self._threshold.follow(None if old is None else old.state, state)
+        self._threshold.draw(state, new.at)
         self._scan_line.content = scan_line(state)
         self._bin_line.content = bin_html(state, new.bin_check, new.at)
         check = new.bin_check
         self._move_bin.visible = check is not None and check.is_elsewhere
         self._visitor.admit(self._move_bin, state, ChangeCell)
-        self._draw_parts(state)
+        self._parts_line.content = parts_line(state)
         self._plan_line.content = plan_line(state)
         joints = new.live.joints
         visitor = self._visitor
@@ -170,8 +162,9 @@ class CyclePanel:
             button.disabled = bool(problem)
             visitor.explain(button, problem)
         follows = visitor.is_recorded or bool(visitor.lacks(state, TakeScan))
-        for field in (self._parts, self._seed, self._strategy, self._threshold):
+        for field in (self._parts, self._seed, self._strategy):
             field.disabled = follows
+        self._threshold.allow(is_allowed=not follows)
         self._dialog.show(new)
 
     def _show_kinds(self, cell: Cell) -> None:
@@ -182,21 +175,12 @@ class CyclePanel:
             len(kinds) > 1 and cell.scanner.source == "simulated"
         )
 
-    def _draw_parts(self, state: State) -> None:
-        typed = self._threshold.value
-        threshold = typed / 1000 if isinstance(typed, int | float) else 0.0
-        self._parts_line.content = parts_line(state, threshold)
-        self._forecast_line.content = forecast_line(
-            state.cell, self._visitor.predictions, threshold
-        )
-
     def _react(self) -> None:
         visitor = self._visitor
 
-        @self._threshold.on_update
-        def _(event: Any) -> None:
-            if event.client is not None:
-                self._threshold_typed()
+        @self._strategy.on_update
+        def _(_: Any) -> None:
+            self._threshold.draw(visitor.bench.state, time.time())
 
         visitor.on_press(self._scan, self._wanted_scan)
         visitor.on_press(self._find, self._wanted_parts)
@@ -205,25 +189,17 @@ class CyclePanel:
         visitor.on_key("N", "New scan", lambda: visitor.ask(self._wanted_scan))
         visitor.on_key("F", "Find parts", lambda: visitor.ask(self._wanted_parts))
         visitor.on_key("P", "Plan", lambda: visitor.ask(self._wanted_plan))
-        visitor.on_press(self._send, lambda: SendPlan(_digest(visitor.bench.state)))
+        visitor.on_press(self._send, self._wanted_sending)
         visitor.on_press(self._stop, Stop)
-        self._approve.on_click(lambda _: self._dialog.open())
+        self._approve.on_click(lambda _: self._open_dialog())
 
-    def _follow_threshold(self, old: State | None, new: State) -> None:
-        """Show the threshold that is wanted now, whichever browser it was typed in."""
-        wanted = new.wanted_threshold
-        if wanted is None or (old is not None and old.wanted_threshold == wanted):
-            return
-        shown = round(wanted * 1000, 1)
-        if self._threshold.value != shown:
-            self._threshold.value = int(shown) if shown == int(shown) else shown
+    def _open_dialog(self) -> None:
+        self._threshold.finish()
+        self._dialog.open()
 
-    def _threshold_typed(self) -> None:
-        """Show what it would give; a plan that was made with another one is stale now."""
-        state, typed = self._visitor.bench.state, self._threshold.value
-        self._draw_parts(state)
-        if state.plan is not None and not self._visitor.obstacle(state, WantThreshold):
-            self._visitor.ask(lambda: WantThreshold(typed / 1000))
+    def _strategy_asked(self) -> str:
+        """A browser may send one that the cell does not have: that is refused with the plan."""
+        return self._strategies.get(str(self._strategy.value), "")
 
     def _wanted_scan(self) -> Command:
         return TakeScan(whole(self._seed.value), whole(self._parts.value), self._kind.value)
@@ -242,10 +218,14 @@ class CyclePanel:
     def _wanted_plan(self) -> Command:
         return MakePlan(
             self._strategies[self._strategy.value],
-            self._threshold.value / 1000,
+            self._threshold.metres,
             whole(self._seed.value),
             self._wishes.wishes,
         )
+
+    def _wanted_sending(self) -> Command:
+        self._threshold.finish()
+        return SendPlan(_digest(self._visitor.bench.state))
 
 
 def _kinds(cell: Cell) -> tuple[str, ...]:

@@ -9,7 +9,6 @@ import re
 import time
 from collections.abc import Mapping
 from html import escape
-from itertools import combinations
 
 from workbench.app.core.commands import FindParts, MakePlan, TakeScan
 from workbench.app.core.rights import JOBS, what_is_missing
@@ -20,7 +19,6 @@ from workbench.model.candidate import Candidate, Verdict
 from workbench.model.cell import Cell
 from workbench.model.plan import Proof, at_least, cycle_words
 from workbench.model.prediction import Predictions
-from workbench.model.scan import Detection
 from workbench.proof.stages import STRAIGHT
 
 STEPS = ("Scan", "Find parts", "Plan", "Approve", "Send")
@@ -205,7 +203,7 @@ def scan_line(state: State) -> str:
     return line(f"{len(state.scan.points):,} points ({state.scan.source}){at}", tip=purpose)
 
 
-def parts_line(state: State, threshold: float) -> str:
+def parts_line(state: State) -> str:
     """What the localizer has brought."""
     purpose = "Fits the CAD model of the part to the scan."
     if state.detections is None:
@@ -216,19 +214,7 @@ def parts_line(state: State, threshold: float) -> str:
     scores = ", ".join(f"{detection.score:.2f}" for detection in state.detections[:4])
     more = " …" if count > 4 else ""
     noun = "part" if count == 1 else "parts"
-    found = f"{count} {noun}, score {scores}{more}{_apart(state.detections, threshold)}"
-    return line(found, span=2, tip=purpose)
-
-
-def _apart(detections: tuple[Detection, ...], threshold: float) -> str:
-    """How far parts lie from each other, and on which side of the threshold [m] that is."""
-    places = [detection.T_world_part.translation for detection in detections]
-    distances = [math.dist(*two) for two in combinations(places, 2)]
-    if len(distances) == 1:
-        side = "nearer than" if distances[0] < threshold else "at least"
-        return f", {mm(distances[0], 0)} apart, {side} the threshold"
-    far = sum(distance >= threshold for distance in distances)
-    return f", {far} of {len(distances)} pairs at least the threshold apart" if distances else ""
+    return line(f"{count} {noun}, score {scores}{more}", span=2, tip=purpose)
 
 
 def forecast_line(cell: Cell, predictions: Predictions | None, threshold: float) -> str:

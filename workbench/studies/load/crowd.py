@@ -121,7 +121,7 @@ async def _use(browser: RawBrowser, until: float) -> list[float]:
     while (now := time.monotonic()) < until:
         phase = (now - began) % (2 * SCRUBBED)
         await browser.set(TIME, round(min(phase, 2 * SCRUBBED - phase), 2))
-        if now - began >= PRESS * (len(pressed) + 1):
+        if now - began >= PRESS * (len(pressed) + 1) and until - now >= PRESS:
             pressed.append(time.time())
             await browser.set(THRESHOLD, THRESHOLDS[len(pressed) % len(THRESHOLDS)])
         await asyncio.sleep(max(0.0, SCRUB - (time.monotonic() - now)))
