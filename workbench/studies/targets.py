@@ -72,7 +72,10 @@ def starts_of(world: World, arm: Arm, seed: int) -> Floats:
 def looked_at(
     world: World, arm: Arm, T_world_tcp: pin.SE3, starts: Floats, among: Ints | None = None
 ) -> tuple[Target, float]:
-    """What an arm can make of one pose, and how far [m] its hand stays away from it at best."""
+    """What an arm can make of one pose, and how far [m] its hand stays away from it at best.
+
+    `starts` (s, n) [rad] are those of the inverse kinematics, `among` (k,) as in `judged`.
+    """
     answers, residuals = world.chains[arm.name].solve(T_world_tcp, starts)
     solutions = [world.motion.rounded(q) for q in answers[is_solution(residuals)]]
     clear = [
