@@ -3,8 +3,11 @@
 from collections.abc import Callable
 from dataclasses import replace
 
+import numpy as np
+
 from workbench.model.cell import Cell
-from workbench.model.part import Grasp, GraspLibrary
+from workbench.model.geometry import pose_from_rpy
+from workbench.model.part import Grasp, GraspLibrary, PartPlace
 from workbench.model.plan import Plan
 
 
@@ -28,3 +31,16 @@ def with_grasps(cell: Cell, change: Callable[[Grasp], Grasp]) -> Cell:
     part = cell.parts[0]
     library = GraspLibrary(tuple(map(change, part.library.grasps)))
     return replace(cell, parts=(replace(part, library=library),))
+
+
+def with_nests(cell: Cell, **changes) -> Cell:
+    """The cell with no places of hands: beside the bin each arm has one for a part that stands."""
+
+    def nest(side: float) -> PartPlace:
+        return replace(PartPlace(pose_from_rpy((0.33, side * 0.33, 0.13))), **changes)
+
+    arms = (
+        replace(arm, Ts_world_place=(), part_places=(nest(np.sign(0.5 - (arm.name == "right"))),))
+        for arm in cell.arms
+    )
+    return replace(cell, arms=tuple(arms))

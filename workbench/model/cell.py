@@ -12,7 +12,7 @@ from workbench.model.digest import LATER, called, digest_of
 from workbench.model.errors import InputError
 from workbench.model.geometry import Box, Floats, Solid, copied, frozen, pose_from_rpy, put
 from workbench.model.motion import MotionModel
-from workbench.model.part import Part
+from workbench.model.part import Part, PartPlace
 from workbench.model.robot import Robot
 
 OrderName = Literal["travel", "highest", "score", "nearest", "walls", "thesis"]
@@ -78,7 +78,8 @@ class Arm:
     `name` is like `ARM_NAME`, and no word of a strategy: it stands where one is asked for.
     `joints` are the movable joints from base to flange, chain order; `axis_order[k]` is the
     place in the chain of the controller's k-th axis and `axis_signs` its sense.  `home` (n,)
-    [rad], chain order.  `places` are TCP poses where a part may be released, tried in order;
+    [rad], chain order.  `Ts_world_place` are TCP poses where a part may be released, tried in
+    order, after `part_places`, which say how the part shall lie and not how the hand stands;
     where the arm `keeps_parts` they stay there, as on a pallet, and the next one goes elsewhere.
     Where it `needs_roll`, no part is put there whose roll about its axis the scan does not show.
     `controller_id` is what the controller calls the arm.  `tool` is what it carries, `tools` all
@@ -98,6 +99,7 @@ class Arm:
     keeps_parts: bool = False
     tools: tuple[Tool, ...] = ()
     needs_roll: bool = field(default_factory=lambda: False, metadata=LATER)
+    part_places: tuple[PartPlace, ...] = field(default_factory=tuple, metadata=LATER)
 
     def __post_init__(self) -> None:
         put(
@@ -105,7 +107,12 @@ class Arm:
             home=frozen(self.home),
             acceleration=frozen(self.acceleration),
             Ts_world_place=tuple(copied(T) for T in self.Ts_world_place),
+            part_places=tuple(self.part_places),
         )
+
+    def places_for(self, part: str) -> tuple[PartPlace, ...]:
+        """The places where parts of that kind shall lie, in the order in which they are tried."""
+        return tuple(place for place in self.part_places if place.is_for(part))
 
     def to_axes(self, q: Floats) -> Floats:
         """A configuration (n,) [rad], chain order, as the controller counts its axes."""

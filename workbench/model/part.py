@@ -1,4 +1,4 @@
-"""A part to be picked, and the grasps that people put on it."""
+"""A part to be picked, the grasps that people put on it, and where it shall lie in the end."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
@@ -154,6 +154,30 @@ class GraspLibrary:
         """The entry that a grasp, or what a symmetry makes of one, comes from; None: of none."""
         authored = grasp.split(TURNED)[0]
         return next((e for e in self.entries for g in grasps_of(e) if g.name == authored), None)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PartPlace:
+    """Where a part shall lie when an arm lets go of it, however the hand holds it.
+
+    `T_world_part` is its pose; one that the part's symmetry makes of it is as good.  `part` is the
+    kind that it is for, empty: any.  The part may be turned by up to `free_rotation` [rad] either
+    way about the z of `T_world_part`.  `tolerance` [m], of its origin, and `turn_tolerance` [rad]
+    are how far from there a plan may put it.
+    """
+
+    T_world_part: pin.SE3
+    part: str = ""
+    free_rotation: float = 0.0
+    tolerance: float = 0.002
+    turn_tolerance: float = np.deg2rad(3.0)
+
+    def __post_init__(self) -> None:
+        put(self, T_world_part=copied(self.T_world_part))
+
+    def is_for(self, part: str) -> bool:
+        """Whether parts of that kind may lie there."""
+        return self.part in ("", part)
 
 
 TURNED = "@"

@@ -1,4 +1,4 @@
-"""Whether a plan is about this cell and this scene, and whole: before it is walked through."""
+"""Whether a plan is about this cell and this scene, whole, and within the limits of its joints."""
 
 from collections.abc import Iterator
 
@@ -20,6 +20,12 @@ from workbench.model.scan import Detection, Obstacle, Scene
 SAME = 1e-9
 """[rad] Where configurations travel as they are, so far one leg may begin from the end of another.
 """
+
+SOONEST = 1e-9
+"""[s] Nothing moves within less, however little time a file gives it."""
+
+ROUNDING = 1.001
+"""What sums of rounded values may exceed a limit by."""
 
 HOLDING: frozenset[LegName] = frozenset({"extract", "return", "place"})
 LINEAR: frozenset[LegName] = frozenset({"approach", "extract", "place"})
@@ -152,3 +158,63 @@ def _shape(arm: Arm, leg: Leg) -> Iterator[Finding]:
         yield Finding("says wrongly whether the part is in the hand", arm.name, leg.name)
     if (leg.motion == "linear") != (leg.name in LINEAR):
         yield Finding(f"is called {leg.motion}, which it is not", arm.name, leg.name)
+
+
+def range_findings(cell: Cell, arm: Arm, leg: Leg) -> Iterator[Finding]:
+    """Joints beyond their limits on one leg.
+
+    A joint between two waypoints is between its values there, so waypoints are enough.
+    """
+    lower, upper, _ = cell.robot.limits(arm.joints)
+    q = np.asarray(leg.q)
+    outside = np.argwhere((q < lower - 1e-9) | (q > upper + 1e-9))
+    if len(outside):
+        row, joint = outside[0].tolist()
+        yield Finding(
+            f"joint {arm.joints[joint]} at {np.rad2deg(q[row, joint]):.2f} deg is outside "
+            f"{np.rad2deg(lower[joint]):.2f} to {np.rad2deg(upper[joint]):.2f} deg",
+            arm.name,
+            leg.name,
+            row,
+        )
+
+
+def limit_findings(cell: Cell, arm: Arm, leg: Leg) -> Iterator[Finding]:
+    """Limits of speeds, accelerations and fingers on one leg.
+
+    Where a joint has to be when tells its mean speed between two waypoints; the real one is that
+    somewhere.  So what is refused here breaks a limit for certain; in between, the controller keeps
+    its own.
+    """
+
+    def finding(problem: str, row: int | None = None) -> Finding:
+        return Finding(problem, arm.name, leg.name, row)
+
+    velocity = cell.robot.limits(arm.joints)[2]
+    q, t = np.asarray(leg.q), np.asarray(leg.t)
+    if not cell.controller.motion.is_sendable(q):
+        yield finding("holds a configuration finer than what can be sent")
+    low, high = arm.tool.stroke
+    if arm.tool.fingers and not low <= leg.opening <= high:
+        yield finding(f"finger opening {leg.opening * 1e3:.1f} mm is outside the stroke")
+    steps = np.diff(t)
+    if t[0] != 0.0:
+        yield finding("does not begin at 0 s")
+    if np.any(steps <= 0):
+        yield finding("has times that do not increase")
+        return
+    # A rounded corner is shorter than its waypoints make it look, never by more than its zone.
+    means = np.diff(q, axis=0) / np.maximum(steps, SOONEST)[:, None]
+    most = velocity * cell.policy.speed * ROUNDING / (1.0 - cell.policy.zone)
+    too_fast = np.flatnonzero((np.abs(means) > most).any(axis=1))
+    if len(too_fast):
+        yield finding("is faster than the joints may turn", int(too_fast[0]))
+    # From rest to rest: the speed at the first mean has been reached since the start, and so on.
+    speeds = np.vstack([np.zeros(q.shape[1]), means, np.zeros(q.shape[1])])
+    spans = np.concatenate([steps[:1], steps[:-1] + steps[1:], steps[-1:]]).clip(min=SOONEST)
+    push = np.abs(np.diff(speeds, axis=0)) / spans[:, None]
+    too_hard = np.flatnonzero(
+        (push > arm.acceleration * ROUNDING / (1.0 - cell.policy.zone)).any(axis=1)
+    )
+    if len(too_hard):
+        yield finding("asks for more acceleration than the arm has", max(int(too_hard[0]) - 1, 0))

@@ -3,13 +3,11 @@
 from workbench.model.cell import Cell
 from workbench.model.plan import Plan, Proof
 from workbench.model.scan import Scene
-from workbench.proof.form import form_findings
+from workbench.proof.form import form_findings, limit_findings, range_findings
 from workbench.proof.robot import tree_of
 from workbench.proof.rules import (
     grasp_findings,
-    limit_findings,
     pair_findings,
-    range_findings,
     roll_findings,
 )
 from workbench.proof.search import SIGHT

@@ -1,18 +1,18 @@
-"""What a cell asks of a plan whatever stands around the robot: limits, and grasps as authored."""
+"""What a cell asks of a plan whatever stands around the robot: grasps as authored, and places."""
 
 from collections.abc import Iterator
 from itertools import pairwise
 
-import coal
 import numpy as np
 import pinocchio as pin
 
 from workbench.model.cell import Arm, Cell
-from workbench.model.geometry import Floats, Ints, Shape, Solid, pose_from_rpy
-from workbench.model.part import Grasp, Part
+from workbench.model.geometry import Floats, Ints, Solid, pose_from_rpy
+from workbench.model.part import Grasp, Part, PartPlace
 from workbench.model.plan import ArmPlan, Finding, Leg, Plan
 from workbench.model.scan import Detection
-from workbench.proof.bodies import TURNS, coal_shape, hull, still_of, turned_pieces
+from workbench.model.symmetry import BALL, NONE, ROUND, Symmetry
+from workbench.proof.bodies import TURNS, gap_of, roll_axis, still_of, turned_pieces
 from workbench.proof.form import HOLDING
 from workbench.proof.robot import Tree
 from workbench.proof.stages import tcp
@@ -29,78 +29,18 @@ OFTEN = 0.044
 """[rad] The sum of all joints' turns after which a hand is looked at again: within 1.2 m of an axis
 its chord is then less than 0.3 mm off, by L^2 / 8 times that."""
 
+START_STEP, ROUNDS = np.deg2rad(15.0), 20
+"""[rad] How far apart the search for the nearest right pose begins, and how often it goes on."""
+
+STRAY, STRAY_TURN = 2e-4, np.deg2rad(0.3)
+"""[m, rad] Axes that differ by less are one."""
+
 STRETCH = 256
 """Places of a hand that are looked at together."""
 
 NEARLY, FINE = 0.0005, 0.002
 """[m, rad] How much nearer or farther counts as the same at a turn; and the sum of all joints'
 turns within which a hand moves by less than some 2 mm."""
-
-SOONEST = 1e-9
-"""[s] Nothing moves within less, however little time a file gives it."""
-
-ROUNDING = 1.001
-"""What sums of rounded values may exceed a limit by."""
-
-
-def range_findings(cell: Cell, arm: Arm, leg: Leg) -> Iterator[Finding]:
-    """Joints beyond their limits on one leg.
-
-    A joint between two waypoints is between its values there, so waypoints are enough.
-    """
-    lower, upper, _ = cell.robot.limits(arm.joints)
-    q = np.asarray(leg.q)
-    outside = np.argwhere((q < lower - 1e-9) | (q > upper + 1e-9))
-    if len(outside):
-        row, joint = outside[0].tolist()
-        yield Finding(
-            f"joint {arm.joints[joint]} at {np.rad2deg(q[row, joint]):.2f} deg is outside "
-            f"{np.rad2deg(lower[joint]):.2f} to {np.rad2deg(upper[joint]):.2f} deg",
-            arm.name,
-            leg.name,
-            row,
-        )
-
-
-def limit_findings(cell: Cell, arm: Arm, leg: Leg) -> Iterator[Finding]:
-    """Limits of speeds, accelerations and fingers on one leg.
-
-    Where a joint has to be when tells its mean speed between two waypoints; the real one is that
-    somewhere.  So what is refused here breaks a limit for certain; in between, the controller keeps
-    its own.
-    """
-
-    def finding(problem: str, row: int | None = None) -> Finding:
-        return Finding(problem, arm.name, leg.name, row)
-
-    velocity = cell.robot.limits(arm.joints)[2]
-    q, t = np.asarray(leg.q), np.asarray(leg.t)
-    if not cell.controller.motion.is_sendable(q):
-        yield finding("holds a configuration finer than what can be sent")
-    low, high = arm.tool.stroke
-    if arm.tool.fingers and not low <= leg.opening <= high:
-        yield finding(f"finger opening {leg.opening * 1e3:.1f} mm is outside the stroke")
-    steps = np.diff(t)
-    if t[0] != 0.0:
-        yield finding("does not begin at 0 s")
-    if np.any(steps <= 0):
-        yield finding("has times that do not increase")
-        return
-    # A rounded corner is shorter than its waypoints make it look, never by more than its zone.
-    means = np.diff(q, axis=0) / np.maximum(steps, SOONEST)[:, None]
-    most = velocity * cell.policy.speed * ROUNDING / (1.0 - cell.policy.zone)
-    too_fast = np.flatnonzero((np.abs(means) > most).any(axis=1))
-    if len(too_fast):
-        yield finding("is faster than the joints may turn", int(too_fast[0]))
-    # From rest to rest: the speed at the first mean has been reached since the start, and so on.
-    speeds = np.vstack([np.zeros(q.shape[1]), means, np.zeros(q.shape[1])])
-    spans = np.concatenate([steps[:1], steps[:-1] + steps[1:], steps[-1:]]).clip(min=SOONEST)
-    push = np.abs(np.diff(speeds, axis=0)) / spans[:, None]
-    too_hard = np.flatnonzero(
-        (push > arm.acceleration * ROUNDING / (1.0 - cell.policy.zone)).any(axis=1)
-    )
-    if len(too_hard):
-        yield finding("asks for more acceleration than the arm has", max(int(too_hard[0]) - 1, 0))
 
 
 def grasp_findings(cell: Cell, tree: Tree, plan: Plan, one: ArmPlan) -> Iterator[Finding]:
@@ -141,7 +81,107 @@ def grasp_findings(cell: Cell, tree: Tree, plan: Plan, one: ArmPlan) -> Iterator
         yield from straight_findings(tree, arm, name, np.asarray(one.leg(name).q), way)
     places = (T * half for T in arm.Ts_world_place for half in _halves(arm))
     if not any(_same(T_put, T, IN_HAND, IN_HAND_TURN) for T in places):
-        yield Finding("the hand opens where the arm has no place", arm.name, "place")
+        # Where the part really is in the hand, not where the plan says that it is.
+        T_world_put = T_put * T_grasp.actInv(T_world_part)
+        yield from _lying_findings(arm, part, plan.detections[one.detection], T_world_put)
+
+
+def _lying_findings(
+    arm: Arm, part: Part, found: Detection, T_world_put: pin.SE3
+) -> Iterator[Finding]:
+    """Whether a part lies as one of the places for its kind asks, where the hand lets go of it."""
+    best: tuple[float, float, float, PartPlace] | None = None
+    unseen = False
+    for place in arm.part_places:
+        if place.part not in ("", part.name):
+            continue
+        if not found.roll_known and not _is_any_turn(place, part, roll_axis(part, found)):
+            unseen = True
+            continue
+        for far, turn in place_offs(place, part.symmetry, T_world_put):
+            share = max(far / place.tolerance, turn / place.turn_tolerance)
+            if best is None or share < best[0]:
+                best = share, far, turn, place
+    if best is not None and best[0] <= 1.0:
+        return
+    if best is None:
+        problem = "the hand opens where the arm has no place"
+        if unseen:
+            problem = "its place needs the roll of the part, which is not known"
+        yield Finding(problem, arm.name, "place")
+        return
+    _, far, turn, place = best
+    yield Finding(
+        f"the part is put down {far * 1e3:.1f} mm and {np.rad2deg(turn):.1f} deg from where it "
+        f"shall lie; {place.tolerance * 1e3:g} mm and {np.rad2deg(place.turn_tolerance):g} deg "
+        "are allowed",
+        arm.name,
+        "place",
+        distance=far,
+    )
+
+
+def place_offs(
+    place: PartPlace, symmetry: Symmetry, T_world_put: pin.SE3
+) -> Iterator[tuple[float, float]]:
+    """How far [m, rad] a part is from poses that are right at a place, the nearest among them.
+
+    What is right is T_world_part * Rz(a) * S with |a| up to the free rotation and S of the group.
+    Each pose found so is one of these, so that one within the tolerances proves the part right;
+    were the nearest missed, a plan would be refused.
+    """
+    z, free = np.array([0.0, 0.0, 1.0]), min(place.free_rotation, np.pi)
+    off = place.T_world_part.actInv(T_world_put)
+    R, point = np.asarray(off.rotation), np.array(symmetry.point)
+    axis = None
+    if symmetry.form == ROUND:
+        axis = symmetry.axes[0].axis
+    starts = np.linspace(-free, free, 1 + 2 * int(np.ceil(free / START_STEP)))
+    # No turn of the symmetry moves its point: where that is tells a turn about z, too.
+    (x, y), (u, v) = point[:2], off.act(point)[:2]
+    starts = np.append(starts, np.clip(np.arctan2(x * v - y * u, x * u + y * v), -free, free))
+    if symmetry.form == NONE:
+        starts = np.zeros(1)  # one search is exact
+    group = [np.eye(3)] if symmetry.form == BALL else symmetry.motions(1)[:, :3, :3]
+    for G in group:
+        for a in starts:
+            S = G
+            for _ in range(1 if axis is None else ROUNDS):
+                if symmetry.form == BALL:
+                    S = pin.exp3(-a * z) @ R
+                elif axis is not None:
+                    S = pin.exp3(axis * _angle(axis, pin.exp3(-a * z) @ R @ G.T)) @ G
+                if symmetry.form != BALL:
+                    a = float(np.clip(_angle(z, R @ S.T), -free, free))
+            Z = pin.exp3(a * z)
+            right = pin.SE3(Z @ S, Z @ (point - S @ point))
+            yield (
+                float(np.linalg.norm(right.translation - off.translation)),
+                float(np.linalg.norm(pin.log3(right.rotation.T @ R))),
+            )
+
+
+def _angle(axis: Floats, R: Floats) -> float:
+    """The angle [rad] of the turn about an axis (3,) that comes nearest to a rotation (3, 3)."""
+    across = np.array([R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]])
+    return float(np.arctan2(axis @ across, np.trace(R) - axis @ R @ axis))
+
+
+def _is_any_turn(place: PartPlace, part: Part, axis: Floats) -> bool:
+    """Whether no turn of a part about an axis (2, 3) of its own matters at a place."""
+    symmetry, (point, along) = part.symmetry, axis
+    lines = (
+        [(np.zeros(3), np.array([0.0, 0.0, 1.0]))] if place.free_rotation >= np.pi - 1e-6 else []
+    )
+    if symmetry.form == ROUND:
+        lines.append((np.array(symmetry.point), np.asarray(symmetry.axes[0].axis)))
+    elif symmetry.form == BALL:
+        lines.append((np.array(symmetry.point), along))
+    return any(
+        np.linalg.norm(np.cross(way, along)) <= STRAY_TURN
+        and np.linalg.norm(np.cross(point - through, way)) <= STRAY
+        for through, way in lines
+    )
 
 
 def roll_findings(cell: Cell, tree: Tree, plan: Plan, one: ArmPlan) -> Iterator[Finding]:
@@ -173,7 +213,7 @@ def _held_findings(arm: Arm, part: Part, found: Detection, one: ArmPlan) -> Iter
     for turn in range(TURNS):
         places = [piece[min(turn, len(piece) - 1)] for piece in pieces]
         gaps = [
-            min(_gap((solid.shape, T_world_flange * T), place) for place in places)
+            min(gap_of((solid.shape, T_world_flange * T), place) for place in places)
             for solid, T in solids
         ]
         far = max(gaps) if arm.tool.fingers else min(gaps)
@@ -181,7 +221,7 @@ def _held_findings(arm: Arm, part: Part, found: Detection, one: ArmPlan) -> Iter
         deep = min(gaps) + arm.tool.press
         if before is not None:
             deep = min(
-                _gap((solid.shape, T_world_flange * T), place)
+                gap_of((solid.shape, T_world_flange * T), place)
                 for place in places
                 for solid, T in before
             )
@@ -219,7 +259,7 @@ def _bed_findings(cell: Cell, tree: Tree, plan: Plan, one: ArmPlan) -> Iterator[
         for k, piece in enumerate(mine)
         for turn, place in enumerate(piece)
         for bed in beds
-        for gap in [min(_gap(place, where, far) for _, where in bed)]
+        for gap in [min(gap_of(place, where, far) for _, where in bed)]
         if gap < far
     ]
     sunk = {(k, turn) for k, turn, bed, gap in close if len(bed) == 1 and gap < -policy.sink}
@@ -233,13 +273,13 @@ def _bed_findings(cell: Cell, tree: Tree, plan: Plan, one: ArmPlan) -> Iterator[
         if k not in rounds and turn in impossible:
             continue
         for name, where in bed:
-            begins = _gap(mine[k][turn], where, far)
+            begins = gap_of(mine[k][turn], where, far)
             if begins < -policy.sink or begins >= far:
                 continue
             keeps = min(near, begins - 2 * NEARLY)
             for T in moves:
                 shape, place = mine[k][turn]
-                gap = _gap((shape, T * place), where, far)
+                gap = gap_of((shape, T * place), where, far)
                 if gap < keeps:
                     problem = "a part does not come off what it lies on at every turn"
                     pair = (label, name)
@@ -259,24 +299,6 @@ def _coming_off(tree: Tree, arm: Arm, path: Floats, release: float) -> list[pin.
             if np.linalg.norm(T.translation - first.translation) >= release:
                 return moves
     return moves
-
-
-def _gap(one: tuple[Shape, pin.SE3], other: tuple[Shape, pin.SE3], far: float = np.inf) -> float:
-    """The distance [m] of two bodies in the world, negative inside; at least `far` beyond that."""
-    (shape, T), (bed, U) = one, other
-    around, about = hull(shape), hull(bed)
-    offset = U.rotation.T @ (T.act(around.centre) - U.act(about.centre))
-    apart = np.linalg.norm(np.maximum(np.abs(offset) - about.half, 0.0)) - around.radius
-    if apart >= far:
-        return float(apart)
-    return coal.distance(
-        coal_shape(shape),
-        coal.Transform3s(T.rotation, T.translation),
-        coal_shape(bed),
-        coal.Transform3s(U.rotation, U.translation),
-        coal.DistanceRequest(),
-        coal.DistanceResult(),
-    )
 
 
 def pair_findings(cell: Cell, plan: Plan) -> Iterator[Finding]:

@@ -3,10 +3,13 @@
 Localization is left out on purpose: its own study tells how good it is.
 """
 
+from collections import Counter
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 from workbench.app.picking.pipeline import plan_pick
 from workbench.formats.cells.reading import read_cell
+from workbench.model.candidate import Candidate, Reason
 from workbench.model.cell import Wishes
 from workbench.perception.simulation.piles import drop_parts
 from workbench.planning.planners.clock import working_time
@@ -26,7 +29,7 @@ def measure(
     planner: str | None = None,
     report: Report = silent,
 ) -> dict[str, Any]:
-    """Plan every pile once; times [s] per stage, and what came of it.
+    """Plan every pile once; times [s] per stage, what came of it, and of each part of the piles.
 
     One plan is made before the clock starts, so that compiled code is loaded.
 
@@ -47,11 +50,13 @@ def measure(
     plan_pick(cell, piles[0], "warm", strategy=strategy, wishes=wishes, seed=0)
     seconds: dict[str, list[float]] = {stage: [] for stage in STAGES}
     cycles: list[float] = []
+    fates: Counter[str] = Counter()
     for number, (one, pile) in enumerate(zip(seeds, piles, strict=True)):
         report(number / scenes, f"pile {one}")
         began = working_time()
         result = plan_pick(cell, pile, "study", strategy=strategy, wishes=wishes, seed=one)
         whole = working_time() - began
+        fates.update(_fates(result.candidates, len(pile)))
         for stage, value in result.seconds.items():
             seconds[stage].append(value)
         if result.plan is None or result.proof is None:
@@ -61,7 +66,20 @@ def measure(
             outcome = f"{result.plan.strategy}, {len(result.plan.arms)} part(s), {proven}"
             cycles.append(result.plan.cycle_seconds)
         seconds.setdefault(outcome, []).append(whole)
-    return {"seconds": seconds, "cycle_seconds": cycles}
+    return {"seconds": seconds, "cycle_seconds": cycles, "parts": dict(fates.most_common())}
+
+
+def _fates(candidates: Sequence[Candidate], parts: int) -> Iterator[str]:
+    """For each part of a pile: that a grasp of it works, up to the place; or why none does.
+
+    That is what refuses the grasp that got furthest.
+    """
+    for number in range(parts):
+        mine = [one.verdict for one in candidates if one.detection == number]
+        if any(verdict.is_ok for verdict in mine):
+            yield str(Reason.OK)
+        elif mine:
+            yield str(max(mine, key=lambda one: one.progress).reason)
 
 
 def rows(measured: dict[str, Any]) -> list[dict[str, Any]]:

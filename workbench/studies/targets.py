@@ -58,19 +58,30 @@ def judged(
         seed: of the starting points of the inverse kinematics.
         among: (k,) indices of the pairs of the world that count; all when None.
     """
+    starts = starts_of(world, arm, seed)
+    return [looked_at(world, arm, T, starts, among)[0] for T in poses]
+
+
+def starts_of(world: World, arm: Arm, seed: int) -> Floats:
+    """Where the inverse kinematics begins, (s, n) [rad], home first."""
     chain = world.chains[arm.name]
     rng = np.random.default_rng([seed, 1])
-    starts = np.vstack(
-        [arm.home, rng.uniform(chain.lower, chain.upper, (STARTS - 1, len(arm.home)))]
-    )
-    targets: list[Target] = []
-    for T_world_tcp in poses:
-        answers, residuals = chain.solve(T_world_tcp, starts)
-        solutions = [world.motion.rounded(q) for q in answers[is_solution(residuals)]]
-        clear = [
-            q for q in solutions if world.contact(world.configuration({arm.name: q}), among) is None
-        ]
-        clear.sort(key=lambda q: float(np.abs(q - arm.home).sum()))
-        outcome: Outcome = "clear" if clear else "in collision" if solutions else "out of reach"
-        targets.append(Target(T_world_tcp, outcome, clear[0] if clear else None))
-    return targets
+    return np.vstack([arm.home, rng.uniform(chain.lower, chain.upper, (STARTS - 1, len(arm.home)))])
+
+
+def looked_at(
+    world: World, arm: Arm, T_world_tcp: pin.SE3, starts: Floats, among: Ints | None = None
+) -> tuple[Target, float]:
+    """What an arm can make of one pose, and how far [m] its hand stays away from it at best.
+
+    `starts` (s, n) [rad] are those of the inverse kinematics, `among` (k,) as in `judged`.
+    """
+    answers, residuals = world.chains[arm.name].solve(T_world_tcp, starts)
+    solutions = [world.motion.rounded(q) for q in answers[is_solution(residuals)]]
+    clear = [
+        q for q in solutions if world.contact(world.configuration({arm.name: q}), among) is None
+    ]
+    clear.sort(key=lambda q: float(np.abs(q - arm.home).sum()))
+    outcome: Outcome = "clear" if clear else "in collision" if solutions else "out of reach"
+    away = 0.0 if solutions else float(residuals[:, 0].min())
+    return Target(T_world_tcp, outcome, clear[0] if clear else None), away

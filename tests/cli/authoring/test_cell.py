@@ -52,12 +52,22 @@ def test_the_form_tells_reach_by_arm(say):
             "right arm: reaches none of its places",
         ),
         (
+            "position_mm = [330, -330, 110]\nrpy_deg = [180, 0, 0]",
+            "part_position_mm = [330, -330, 105]",
+            "right arm: at place 1 of parts keyed_cylinder is nearer than 5 mm to tray_right_stand",
+        ),
+        (
+            "position_mm = [330, -330, 110]\nrpy_deg = [180, 0, 0]",
+            "part_position_mm = [-330, -2330, 130]",
+            "right arm: at place 1 of parts keyed_cylinder is out of reach by each of 15 grasps",
+        ),
+        (
             "home_deg = [0, -130, 30, 0, 40, 0, -135]",
             "home_deg = [90, -100, 0, 0, 0, 0, -135]",
             "right arm: at home",
         ),
     ],
-    ids=["bin far away", "places far away", "home in collision"],
+    ids=["bin far away", "places far away", "part in a tray", "part far away", "home in collision"],
 )
 def test_what_speaks_against_a_cell_is_told(say, changed, old, new, expected):
     said = say("cell", "check", changed(old, new))

@@ -67,7 +67,8 @@ def _arm(before: Arm, after: Arm) -> Iterator[str]:
         yield f"the home of {name} was moved by up to {most:.1f} degrees"
     if digest_of(before.tool) != digest_of(after.tool):
         yield f"{name} has another tool"
-    if digest_of(before.Ts_world_place) != digest_of(after.Ts_world_place):
+    places = [digest_of([arm.Ts_world_place, arm.part_places]) for arm in (before, after)]
+    if places[0] != places[1]:
         yield f"{name} has other places"
 
 

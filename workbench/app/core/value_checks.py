@@ -166,6 +166,8 @@ def check_cell(cell: Cell) -> None:
     for arm in cell.arms:
         for T in arm.Ts_world_place:
             check_near(f"a place of the {arm.name} arm", T)
+        for place in arm.part_places:
+            check_near(f"a place of parts of the {arm.name} arm", place.T_world_part)
         lower, upper, _ = cell.robot.limits(arm.joints)
         if not np.all((arm.home >= lower) & (arm.home <= upper)):
             raise CommandRefused(f"the home of the {arm.name} arm lies outside its limits")

@@ -14,7 +14,7 @@ from workbench.formats.cells.reading import read_cell
 from workbench.formats.cells.schema import schema_text
 from workbench.model.cell import Arm, Cell
 from workbench.model.geometry import Floats
-from workbench.studies.reach import Reach, reach_of
+from workbench.studies.reach import PlacedPart, Reach, reach_of
 from workbench.studies.targets import Target
 
 SLOW = np.deg2rad(1.0)
@@ -42,7 +42,7 @@ def show_cell(typed: CellShow) -> int:
         (
             f"{arm.name} arm",
             f"{len(arm.joints)} axes to {arm.flange}, tool {arm.tool.name}, "
-            f"{len(arm.Ts_world_place)} places",
+            f"{len(arm.Ts_world_place) + len(arm.part_places)} places",
         )
         for arm in cell.arms
     ]
@@ -150,10 +150,29 @@ def _problems(cell: Cell, arm: Arm, reach: Reach) -> Iterator[str]:
         yield f"{arm.name} arm: at home {one} and {other} are {distance:.1f} mm apart"
     if not any(target.outcome == "clear" for target in reach.bin):
         yield f"{arm.name} arm: reaches no pose in the bin with the tool pointing down"
-    if not reach.places:
+    if not reach.places and not reach.part_places:
         yield f"{arm.name} arm: has no place where it may release a part"
-    elif not any(target.outcome == "clear" for target in reach.places):
+    elif reach.places and not any(target.outcome == "clear" for target in reach.places):
         yield f"{arm.name} arm: reaches none of its places"
+    for placed in reach.part_places:
+        if not placed.is_clear:
+            where = f"{arm.name} arm: at place {placed.number} of parts {placed.part}"
+            yield f"{where} {_not_placed(placed, cell.policy.margin * 1000)}"
+
+
+def _not_placed(placed: PlacedPart, margin_mm: float) -> str:
+    """What speaks against a part at a place."""
+    by_each = f"by each of {placed.grasps} grasps"
+    if placed.stands_in:
+        return f"is nearer than {margin_mm:g} mm to {placed.stands_in}"
+    if not placed.grasps:
+        return "has no grasp that the arm may use"
+    if not placed.reached:
+        return f"is out of reach {by_each}, {placed.away * 1000:.0f} mm at best"
+    return (
+        f"is out of reach or brings the arm nearer than {margin_mm:g} mm to something {by_each} "
+        f"({placed.reached} reach it)"
+    )
 
 
 def _axes(cell: Cell, arm: Arm) -> list[tuple[str, ...]]:
@@ -167,12 +186,13 @@ def _axes(cell: Cell, arm: Arm) -> list[tuple[str, ...]]:
     return rows
 
 
-def _share(targets: Sequence[Target]) -> dict[str, int]:
+def _share(targets: Sequence[Target | PlacedPart]) -> dict[str, int]:
     return dict(Counter(target.outcome for target in targets))
 
 
 def _words(reach: Reach) -> tuple[str, ...]:
-    found, places = _share(reach.bin), _share(reach.places)
+    of_all = (*reach.places, *reach.part_places)
+    found, places = _share(reach.bin), _share(of_all)
     return (
         reach.arm,
         str(len(reach.bin)),
@@ -180,7 +200,7 @@ def _words(reach: Reach) -> tuple[str, ...]:
             f"{found.get(outcome, 0) / len(reach.bin):.0%}"
             for outcome in ("clear", "in collision", "out of reach")
         ),
-        f"{places.get('clear', 0)} of {len(reach.places)}",
+        f"{places.get('clear', 0)} of {len(of_all)}",
     )
 
 
@@ -190,4 +210,15 @@ def _form(reach: Reach) -> dict[str, object]:
         "clear_at_home": reach.at_home is None,
         "bin": _share(reach.bin),
         "places": _share(reach.places),
+        "part_places": [
+            {
+                "number": one.number,
+                "part": one.part,
+                "outcome": one.outcome,
+                "stands_in": one.stands_in,
+                "grasps": one.grasps,
+                "reached": one.reached,
+            }
+            for one in reach.part_places
+        ],
     }

@@ -122,6 +122,8 @@ def bench_pick(typed: BenchPick) -> int:
             for row in picks.rows(measured)
         ],
     )
+    told = ", ".join(f"{count} {fate}" for fate, count in measured["parts"].items())
+    print(f"of {typed.scenes * typed.parts} parts, by the grasp that got furthest: {told}")
     if measured["cycle_seconds"]:
         print(f"predicted cycle: {np.median(measured['cycle_seconds']):.1f} s median")
     return SUCCESS

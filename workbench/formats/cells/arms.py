@@ -3,19 +3,15 @@
 import re
 
 import numpy as np
-import pinocchio as pin
 
+from workbench.formats.cells.places import read_places
 from workbench.formats.cells.tools import read_tool
 from workbench.formats.files.toml_keys import Table, shown
-from workbench.formats.meshes.solids import read_pose
 from workbench.model.cell import ARM_NAME, Arm, Tool
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats
 from workbench.model.plan import STRATEGY_WORDS
 from workbench.model.robot import Robot
-
-MOST_PLACES = 400
-"""On one pallet."""
 
 ROUNDED = 1e-6
 """[rad] What four digits of a degree may put a home beyond the limit at which it stands."""
@@ -86,6 +82,7 @@ def _arm(table: Table, robot: Robot, tools: dict[str, Tool]) -> Arm:
     home = np.empty(count)
     home[axis_order] = np.deg2rad(table.numbers("home_deg", count, low=-720, high=720)) * signs
     _check_home(table, robot, joints, home)
+    of_tool, of_part = read_places(table)
     id_key = table.renamed("controller_id", "letter")
     arm = Arm(
         name=name,
@@ -97,7 +94,8 @@ def _arm(table: Table, robot: Robot, tools: dict[str, Tool]) -> Arm:
         home=home,
         acceleration=_acceleration(table, count),
         tool=mounted,
-        Ts_world_place=tuple(T for place in table.tables("place") for T in _places(place)),
+        Ts_world_place=of_tool,
+        part_places=of_part,
         keeps_parts=table.flag("keeps_parts", False),
         needs_roll=table.flag("needs_roll", False),
         tools=tuple(_known_tool(table, "tools", one, tools) for one in names),
@@ -126,23 +124,6 @@ def _known_tool(table: Table, key: str, name: str, tools: dict[str, Tool]) -> To
     if name not in tools:
         raise table.error(key, f"{name!r} is not one of {', '.join(tools) or 'no tools'}")
     return tools[name]
-
-
-def _places(table: Table) -> tuple[pin.SE3, ...]:
-    """One pose, or those of a `grid` of columns along its x and rows along its y."""
-    T = read_pose(table)
-    columns, rows = table.wholes("grid", 2, [1, 1], low=1, high=100)
-    pitch = table.numbers("pitch_mm", 2, [0, 0], low=-5000, high=5000) / 1000
-    table.finish()
-    if columns * rows > MOST_PLACES:
-        raise table.error("grid", f"{columns * rows} places, {MOST_PLACES} are allowed")
-    if (columns > 1 and pitch[0] == 0) or (rows > 1 and pitch[1] == 0):
-        raise table.error("pitch_mm", "must not be 0 where there are several places")
-    return tuple(
-        T * pin.SE3(np.eye(3), np.array([column * pitch[0], row * pitch[1], 0.0]))
-        for row in range(rows)
-        for column in range(columns)
-    )
 
 
 def _acceleration(table: Table, count: int) -> Floats:

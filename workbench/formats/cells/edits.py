@@ -9,15 +9,17 @@ import pinocchio as pin
 import tomlkit
 
 from workbench.formats.cells.calibrations import record_table
+from workbench.formats.cells.places import OF_PART, OF_TOOL
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.files.change_log import LOG, add_line, utc
 from workbench.formats.files.toml_documents import read_document, shorts
 from workbench.formats.files.whole_files import write_whole
 from workbench.formats.parts.grasp_files import are_written_alike
-from workbench.model.cell import Cell, Policy
+from workbench.model.cell import Arm, Cell, Policy
 from workbench.model.digest import digest_of
 from workbench.model.errors import FileError
 from workbench.model.geometry import Floats
+from workbench.model.part import PartPlace
 
 UNWRITABLE = "not written: something was changed that cannot be written into the file"
 
@@ -96,7 +98,12 @@ def _is_same(one: Cell, other: Cell) -> bool:
         for mine, part in zip(one.parts, other.parts, strict=True)
     )
     arms = tuple(
-        replace(mine, home=arm.home, Ts_world_place=arm.Ts_world_place)
+        replace(
+            mine,
+            home=arm.home,
+            Ts_world_place=arm.Ts_world_place,
+            part_places=_moved_as(mine.part_places, arm.part_places),
+        )
         for mine, arm in zip(one.arms, other.arms, strict=True)
     )
     fixtures = tuple(
@@ -127,7 +134,7 @@ def _numbers(cell: Cell) -> Floats:
     """What `_edit` can write, in one row."""
     Ts = [cell.T_world_robot, cell.bin.T_world_bin, cell.scanner.T_world_scanner]
     Ts += [fixture.T_world_fixture for fixture in cell.fixtures]
-    Ts += [T for arm in cell.arms for T in arm.Ts_world_place]
+    Ts += [T for arm in cell.arms for T in _places(arm)]
     rows = [T.homogeneous.ravel() for T in Ts] + [np.asarray(arm.home) for arm in cell.arms]
     record = cell.scanner.calibration
     return np.concatenate([*rows, np.asarray(cell.bin.size), [record.rms if record else 0.0]])
@@ -158,21 +165,48 @@ def _edit(document: Any, old: Cell, new: Cell) -> None:
             table["tool"] = other.tool.name
         if not np.array_equal(one.home, other.home):
             table["home_deg"] = shorts(np.rad2deg(other.to_axes(other.home)))
-        same = [T.homogeneous.tolist() for T in one.Ts_world_place] == [
-            T.homogeneous.tolist() for T in other.Ts_world_place
-        ]
-        if same or any("grid" in place for place in table.get("place", [])):
-            continue  # places of a grid are changed in the file: the trial will tell
-        if len(one.Ts_world_place) == len(other.Ts_world_place):
-            for place, T, U in zip(
-                table.get("place", []), one.Ts_world_place, other.Ts_world_place, strict=True
-            ):
-                _edit_pose(place, T, U)
-        else:
-            places = tomlkit.aot()
-            for T in other.Ts_world_place:
-                places.append(_edit_pose(tomlkit.table(), pin.SE3.Identity(), T))
-            table["place"] = places
+        _edit_places(table, one, other)
+
+
+def _edit_places(table: Any, old: Arm, new: Arm) -> None:
+    """Write the places of an arm into its table: poses of hands may come and go, parts' move."""
+    same = [T.homogeneous.tolist() for T in _places(old)] == [
+        T.homogeneous.tolist() for T in _places(new)
+    ]
+    tables = table.get("place", [])
+    if same or any("grid" in place for place in tables):
+        return  # places of a grid are changed in the file: the trial will tell
+    of_part = [place for place in tables if OF_PART[0] in place]
+    for place, one, other in zip(of_part, old.part_places, new.part_places, strict=False):
+        _edit_pose(place, one.T_world_part, other.T_world_part, OF_PART)
+    if len(old.Ts_world_place) == len(new.Ts_world_place):
+        of_tool = [place for place in tables if OF_PART[0] not in place]
+        for place, T, U in zip(of_tool, old.Ts_world_place, new.Ts_world_place, strict=True):
+            _edit_pose(place, T, U)
+        return
+    places = tomlkit.aot()
+    for T in new.Ts_world_place:
+        places.append(_edit_pose(tomlkit.table(), pin.SE3.Identity(), T))
+    for place in of_part:
+        places.append(place)
+    table["place"] = places
+
+
+def _places(arm: Arm) -> tuple[pin.SE3, ...]:
+    """All poses that an arm's places are stated by."""
+    return (*arm.Ts_world_place, *(place.T_world_part for place in arm.part_places))
+
+
+def _moved_as(
+    places: tuple[PartPlace, ...], others: tuple[PartPlace, ...]
+) -> tuple[PartPlace, ...]:
+    """The places, each where that of the others is, as far as there are as many."""
+    if len(places) != len(others):
+        return places
+    return tuple(
+        replace(one, T_world_part=other.T_world_part)
+        for one, other in zip(places, others, strict=True)
+    )
 
 
 def _edit_policy(document: Any, old: Policy, new: Policy) -> None:
@@ -194,13 +228,13 @@ def _edit_parts(document: Any, old: Cell, new: Cell) -> None:
         document["parts"] = [str(named.get(name, name)) for name in now]
 
 
-def _edit_pose(table: Any, old: pin.SE3, new: pin.SE3) -> Any:
+def _edit_pose(table: Any, old: pin.SE3, new: pin.SE3, keys: tuple[str, str] = OF_TOOL) -> Any:
     """Write a pose into a table if it is another one than before; the table."""
     if not np.array_equal(old.translation, new.translation):
-        table["position_mm"] = _millimetres(new.translation)
+        table[keys[0]] = _millimetres(new.translation)
     if not np.array_equal(old.rotation, new.rotation):
         rpy = np.rad2deg(pin.rpy.matrixToRpy(new.rotation))
-        table["rpy_deg"] = shorts(rpy)
+        table[keys[1]] = shorts(rpy)
     return table
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from workbench.formats.cells.arms import read_arms
 from workbench.formats.cells.devices import read_controller, read_localizer, read_scanner
 from workbench.formats.cells.options import refused_at
+from workbench.formats.cells.places import check_kinds
 from workbench.formats.files.shipped import exists, find
 from workbench.formats.files.toml_keys import Table, read_toml
 from workbench.formats.meshes.solids import read_pose, read_solid
@@ -93,6 +94,8 @@ def read_cell(name: str | Path) -> Cell:
     table.once("parts", names)
     if cell.poses_folder is not None and cell.poses_folder.part not in ("", *names):
         raise table.error("detections.part", f"is not one of {', '.join(names)}")
+    for arm in cell.arms:
+        check_kinds(table, arm.part_places, names)
     table.finish()
     return cell
 

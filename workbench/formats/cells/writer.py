@@ -18,6 +18,7 @@ from workbench.formats.meshes.triangles import stl_of, surface_of
 from workbench.formats.robots.urdf_package import write_package, write_srdf
 from workbench.model.cell import Arm, Cell, Fixture, Policy, ScannerMount, Tool
 from workbench.model.geometry import Box, Capsule, Cylinder, Floats, Mesh, Solid, Sphere
+from workbench.model.part import PartPlace
 from workbench.plugins.options import Options
 
 
@@ -180,6 +181,19 @@ def _arm(arm: Arm) -> Iterator[str]:
         yield "needs_roll = true         # only parts whose roll the scan shows are put there"
     for T in arm.Ts_world_place:
         yield from ("", "[[arm.place]]", *_pose(T))
+    for place in arm.part_places:
+        yield from ("", "[[arm.place]]", *_part_place(place))
+
+
+def _part_place(place: PartPlace) -> Iterator[str]:
+    rpy = np.rad2deg(pin.rpy.matrixToRpy(place.T_world_part.rotation))
+    if place.part:
+        yield f"part = {text(place.part)}"
+    yield f"part_position_mm = {_mm(place.T_world_part.translation)}"
+    yield f"part_rpy_deg = {numbers(np.round(rpy, 6))}"
+    yield f"free_rotation_deg = {number(np.rad2deg(place.free_rotation))}"
+    yield f"tolerance_mm = {number(place.tolerance * 1000)}"
+    yield f"tolerance_deg = {number(np.rad2deg(place.turn_tolerance))}"
 
 
 def _fixture(folder: Path, fixture: Fixture) -> Iterator[str]:

@@ -30,7 +30,7 @@ def tree_html(cell: Cell) -> str:
             [
                 f"carries {arm.tool.name}"
                 + (f", can carry {', '.join(t.name for t in arm.tools)}" if arm.tools[1:] else ""),
-                f"{len(arm.Ts_world_place)} places"
+                f"{len(arm.Ts_world_place) + len(arm.part_places)} places"
                 + (", parts stay there" if arm.keeps_parts else ""),
                 *(f"axis {k + 1} is {arm.joints[j]}" for k, j in enumerate(arm.axis_order)),
             ],

@@ -115,6 +115,8 @@ def show_frames(
         frames[f"{arm.name} tcp at home"] = links[arm.flange] * arm.tool.T_flange_tcp
         for number, T in enumerate(arm.Ts_world_place, start=1):
             frames[f"{arm.name} place {number}"] = T
+        for number, wanted in enumerate(arm.part_places, start=1):
+            frames[f"{arm.name} part-place {number}"] = wanted.T_world_part
     for number, (label, T) in enumerate(frames.items()):
         node = scene.add_frame(f"/frames/{number}", axes_length=0.06, axes_radius=0.0015)
         place(node, T)
@@ -170,9 +172,9 @@ def interesting_points(cell: Cell) -> Floats:
         cell.bin.T_world_bin.act(np.array([x * length / 2, y * width / 2, z * height]))
         for x, y, z in itertools.product((-1, 1), (-1, 1), (0, 1))
     ]
-    places = [
-        T.translation + beside for arm in cell.arms for T in arm.Ts_world_place for beside in BESIDE
-    ]
+    Ts = [T for arm in cell.arms for T in arm.Ts_world_place]
+    Ts += [one.T_world_part for arm in cell.arms for one in arm.part_places]
+    places = [T.translation + beside for T in Ts for beside in BESIDE]
     links = [T.translation for T in Kinematics(cell).link_poses({}).values()]
     return np.array([*corners, *places, *links, cell.scanner.T_world_scanner.translation])
 

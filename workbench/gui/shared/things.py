@@ -10,6 +10,9 @@ from workbench.model.geometry import Floats, pose_from_rpy
 
 BIN, SCANNER, ROBOT = "bin", "scanner", "robot"
 
+OF_PARTS = "part-place"
+"""Between an arm's name and a number: a place where a part shall lie."""
+
 
 def things(cell: Cell) -> tuple[str, ...]:
     """The names of all that can be moved, as people read them."""
@@ -17,6 +20,11 @@ def things(cell: Cell) -> tuple[str, ...]:
         f"{arm.name} place {number}"
         for arm in cell.arms
         for number in range(1, len(arm.Ts_world_place) + 1)
+    ]
+    places += [
+        f"{arm.name} {OF_PARTS} {number}"
+        for arm in cell.arms
+        for number in range(1, len(arm.part_places) + 1)
     ]
     return (BIN, SCANNER, ROBOT, *(fixture.name for fixture in cell.fixtures), *places)
 
@@ -35,6 +43,8 @@ def pose_of(cell: Cell, thing: str) -> pin.SE3:
                 if fixture.name == thing:
                     return fixture.T_world_fixture
             arm, number = _place(thing)
+            if _is_of_parts(thing):
+                return cell.arm(arm).part_places[number].T_world_part
             return cell.arm(arm).Ts_world_place[number]
 
 
@@ -59,6 +69,10 @@ def moved(cell: Cell, thing: str, T: pin.SE3) -> Cell:
                     ),
                 )
             arm, number = _place(thing)
+            if _is_of_parts(thing):
+                of_parts = list(cell.arm(arm).part_places)
+                of_parts[number] = replace(of_parts[number], T_world_part=T)
+                return _with_arm(cell, arm, part_places=tuple(of_parts))
             places = list(cell.arm(arm).Ts_world_place)
             places[number] = T
             return with_places(cell, arm, tuple(places))
@@ -83,6 +97,10 @@ def with_tool(cell: Cell, arm: str, tool: str) -> Cell:
 def _with_arm(cell: Cell, name: str, **fields: object) -> Cell:
     arms = tuple(replace(arm, **fields) if arm.name == name else arm for arm in cell.arms)  # type: ignore[arg-type]
     return replace(cell, arms=arms)
+
+
+def _is_of_parts(thing: str) -> bool:
+    return thing.split(" ")[1] == OF_PARTS
 
 
 def _place(thing: str) -> tuple[str, int]:

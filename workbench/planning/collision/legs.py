@@ -79,6 +79,11 @@ def _least_opening(arm: Arm, grasp: Grasp, least_air: float | None) -> float:
     return min(max(grasp.grip + 2 * least_air, arm.tool.stroke[0]), grasp.opening)
 
 
+def turn_steps(most: float, step: float) -> list[float]:
+    """0, and values up to `most` either way no more than `step` apart, the least first."""
+    return [value for _, value in _steps(most, step)]
+
+
 def _steps(most: float, step: float) -> list[tuple[int, float]]:
     """0, and values up to `most` either way no more than `step` apart, each with its rank."""
     count = math.ceil(most / step - 1e-9)

@@ -46,7 +46,8 @@ def at_every_turn(
     if one.roll_known:
         return with_rolls(detections, verdict)
     if arm.needs_roll:
-        note = f"the {len(arm.Ts_world_place)} places of the {arm.name} arm need it; {UNSEEN}"
+        count = len(arm.Ts_world_place) + len(arm.part_places)
+        note = f"the {count} places of the {arm.name} arm need it; {UNSEEN}"
         return Verdict(Reason.ROLL_UNKNOWN, Stage.PROPOSE, note=note)
     if not verdict.is_ok:
         is_own = verdict.pair is not None and verdict.pair[1] == part_label(number)

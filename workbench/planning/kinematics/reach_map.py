@@ -74,4 +74,5 @@ def _floor(cell: Cell) -> float:
     """The height [m] of the lowest thing the arm could take something from or put it on."""
     heights = [cell.bin.T_world_bin.translation[2]]
     heights += [T.translation[2] for arm in cell.arms for T in arm.Ts_world_place]
+    heights += [place.T_world_part.translation[2] for arm in cell.arms for place in arm.part_places]
     return float(min(heights))

@@ -14,7 +14,9 @@ from workbench.planning.collision.bodies import part_label
 from workbench.planning.collision.legs import hand_turns
 from workbench.planning.collision.motion import path_contact
 from workbench.planning.collision.pairing import Phase
+from workbench.planning.collision.rolled import axis_of
 from workbench.planning.collision.world import World
+from workbench.planning.grasps.put_poses import suits_any_roll, ways_to_lie
 from workbench.planning.kinematics.chain import is_solution
 from workbench.planning.kinematics.straight import follow
 from workbench.planning.picking.leaving import comes_back
@@ -36,51 +38,160 @@ class PutDown:
     out: Floats
 
 
-def ways_down(world: World, arm: Arm, phase: Phase, q_from: Floats) -> Iterator[Floats | Verdict]:
+def ways_down(
+    world: World, arm: Arm, phase: Phase, q_from: Floats, near: Floats | None = None
+) -> Iterator[Floats | Verdict]:
     """The straight ways down (m, n) to the places of an arm, in order; what speaks against others.
+
+    Those where the part shall lie in a certain way come first, those of the hand behind them.
 
     Args:
         world: is put into the phase whenever something is looked at in it.
         arm: that brings a part.
         phase: of doing so.
         q_from: (n,) [rad] where the arm comes from.
+        near: (k, n) [rad] configurations at places, where some are known.
     """
-    policy, base = world.policy, world.configuration({})
-    chain, columns = world.chains[arm.name], world.kinematics.columns[arm.name]
+    starts = np.vstack([q_from, arm.home] if near is None else [q_from, arm.home, near])
+    for there in _hands(world, arm, phase):
+        if isinstance(there, Verdict):
+            yield there
+        else:
+            yield from _straight_down(world, arm, phase, there, starts)
+
+
+def _hands(world: World, arm: Arm, phase: Phase) -> Iterator[pin.SE3 | Verdict]:
+    """Where the hand would be at each place, as T_world_tcp; or that the part stands in things."""
+    number, T_tcp_part = phase.held[arm.name]
+    for T_world_part in ways_at_places(world, arm, number):
+        if isinstance(T_world_part, Verdict):
+            yield T_world_part
+            continue
+        met = _standing_in(world, phase, arm, T_world_part * T_tcp_part.inverse())
+        yield met or T_world_part * T_tcp_part.inverse()
     for T_world_place in arm.Ts_world_place:
         for T_world_tcp in (T_world_place * T for T in hand_turns(arm)):
-            met = _standing_in(world, arm, phase, T_world_tcp)
-            if met is not None:
-                yield Verdict(Reason.NO_PLACE, Stage.PLACE, met)
-                continue
-            answers, residuals = chain.solve(T_world_tcp, np.vstack([q_from, arm.home]))
-            for q in answers[is_solution(residuals)]:
-                above = _raised(T_world_tcp)
-                path, share = follow(chain, world.motion.rounded(q), above, policy.straight_points)
-                if share < 1.0:
-                    note = f"the arm can follow only {share:.0%} of the line"
-                    yield Verdict(Reason.NO_PLACE, Stage.PLACE, q=path[-1], note=note)
-                    continue
-                path = world.motion.rounded(path[::-1])
-                world.enter(phase)
-                found = path_contact(world, columns, base, path, policy.zone)
-                if found is None:
-                    yield path
-                else:
-                    pair, distance = found[0].pair, found[0].distance
-                    yield Verdict(Reason.NO_PLACE, Stage.PLACE, pair, distance, found[1])
+            yield _standing_in(world, phase, arm, T_world_tcp) or T_world_tcp
 
 
-def _standing_in(
-    world: World, arm: Arm, phase: Phase, T_world_tcp: pin.SE3
-) -> tuple[str, str] | None:
-    """What the part in the hand would stand in at a place, whatever the arm does: two labels.
+def ways_at_places(world: World, arm: Arm, number: int) -> Iterator[pin.SE3 | Verdict]:
+    """How a part found may lie at the places for its kind, as T_world_part, in order.
+
+    A place where a turn that nobody knows would matter is refused.
+    """
+    one = world.detections[number]
+    part = world.cell.part(one.part)
+    for place in arm.places_for(part.name):
+        if one.roll_known or suits_any_roll(place, part.symmetry, axis_of(part, one)):
+            yield from ways_to_lie(place, part.symmetry)
+        else:
+            note = "the place asks for one turn of the part, and the scan does not show its roll"
+            yield Verdict(Reason.ROLL_UNKNOWN, Stage.PLACE, note=note)
+
+
+def _straight_down(
+    world: World, arm: Arm, phase: Phase, T_world_tcp: pin.SE3, starts: Floats
+) -> Iterator[Floats | Verdict]:
+    """The straight ways down (m, n) to one pose of the hand, and what speaks against others."""
+    policy, base = world.policy, world.configuration({})
+    chain, columns = world.chains[arm.name], world.kinematics.columns[arm.name]
+    answers, residuals = chain.solve(T_world_tcp, starts)
+    for q in answers[is_solution(residuals)]:
+        above = _raised(T_world_tcp)
+        path, share = follow(chain, world.motion.rounded(q), above, policy.straight_points)
+        if share < 1.0:
+            note = f"the arm can follow only {share:.0%} of the line"
+            yield Verdict(Reason.NO_PLACE, Stage.PLACE, q=path[-1], note=note)
+            continue
+        path = world.motion.rounded(path[::-1])
+        world.enter(phase)
+        found = path_contact(world, columns, base, path, policy.zone)
+        if found is None:
+            yield path
+        else:
+            pair, distance = found[0].pair, found[0].distance
+            yield Verdict(Reason.NO_PLACE, Stage.PLACE, pair, distance, found[1])
+
+
+def _standing_in(world: World, phase: Phase, arm: Arm, T_world_tcp: pin.SE3) -> Verdict | None:
+    """That the part in the hand would stand in something at a place, whatever the arm does.
 
     Most places that do not work are refused by it, and it is cheap.
     """
     number, T_tcp_part = phase.held[arm.name]
     label = world.part_ways.standing_in(number, T_world_tcp * T_tcp_part, world.policy.margin)
-    return None if label is None else (part_label(number), label)
+    if label is None:
+        return None
+    return Verdict(Reason.NO_PLACE, Stage.PLACE, (part_label(number), label))
+
+
+@dataclass(slots=True)
+class AtPlaces:
+    """What becomes of a part at the places for its kind, held in one way.
+
+    `near` are configurations (n,) [rad] of the arm there that touch nothing; when there are none,
+    `refusal` says why.
+    """
+
+    near: list[Floats]
+    refusal: Verdict | None
+
+
+def at_places(world: World, arm: Arm, phase: Phase, starts: Floats) -> AtPlaces:
+    """Whether a part, held so, can be brought to a place for its kind: the place alone counts.
+
+    Args:
+        world: is put into the phase.
+        arm: that has at least one place for parts of this kind.
+        phase: of bringing the part.
+        starts: (s, n) [rad] of the inverse kinematics.
+    """
+    chain = world.chains[arm.name]
+    number, T_tcp_part = phase.held[arm.name]
+    ways, stands = 0, 0
+    far: list[tuple[float, Floats]] = []
+    met: list[Verdict] = []
+    roll: Verdict | None = None
+    for T_world_part in ways_at_places(world, arm, number):
+        if isinstance(T_world_part, Verdict):
+            roll = T_world_part
+            continue
+        ways += 1
+        T_world_tcp = T_world_part * T_tcp_part.inverse()
+        stood = _standing_in(world, phase, arm, T_world_tcp)
+        if stood is not None:
+            stands += 1
+            met.append(stood)
+            continue
+        answers, residuals = chain.solve(T_world_tcp, starts)
+        solved = is_solution(residuals)
+        if not solved.any():
+            nearest = int(np.argmin(residuals[:, 0] + 0.1 * residuals[:, 1]))
+            far.append((float(residuals[nearest, 0]), answers[nearest]))
+            continue
+        world.enter(phase)
+        near: list[Floats] = []
+        for q in world.motion.rounded(answers[solved]):
+            contact = world.contact(world.configuration({arm.name: q}))
+            if contact is None:
+                near.append(q)
+            else:
+                met.append(Verdict(Reason.NO_PLACE, Stage.PLACE, contact.pair, contact.distance, q))
+        if near:
+            return AtPlaces(near, None)
+    if ways == 0:
+        return AtPlaces([], roll)
+    note = (
+        f"held so, the part could lie right in {ways} way{'s' * (ways != 1)}: "
+        f"{stands} in something, {len(far)} out of reach, "
+        f"{ways - stands - len(far)} with the arm too near to something"
+    )
+    if met:
+        # That which came nearest to being right: where the arm is meant, by how much is known.
+        nearest = max(met, key=lambda one: (one.q is not None, one.distance or 0.0))
+        return AtPlaces([], replace(nearest, note=note))
+    away, q = min(far, key=lambda one: one[0])
+    return AtPlaces([], Verdict(Reason.NO_PLACE, Stage.PLACE, None, away, q, note))
 
 
 def put_down(world: World, pick: Pick, others: Phase) -> PutDown | Verdict:

@@ -22,7 +22,7 @@ from workbench.planning.grasps.rolls import UNSEEN, with_rolls
 from workbench.planning.kinematics.chain import Chain, is_solution
 from workbench.planning.kinematics.straight import follow
 from workbench.planning.picking.lifts import clear_lifts, free_lifts, has_several
-from workbench.planning.picking.put_down import ways_down
+from workbench.planning.picking.put_down import at_places, ways_down
 
 STARTS = 12
 """Starting points of the inverse kinematics, home among them."""
@@ -61,13 +61,18 @@ def _resolved(world: World, candidate: Candidate, seed: int) -> Pick | Verdict:
         _, blocked = free_lifts(world, candidate, candidate.T_world_tcp)
         if blocked is not None:
             return blocked
+    part = world.detections[candidate.detection].part
+    if arm.part_places and not arm.Ts_world_place and not arm.places_for(part):
+        return _no_place(world, candidate, arm)
     hands = _hands(world, candidate, arm)
     if isinstance(hands, Verdict):
         return hands
     solutions, refusal = _grasp_solutions(world, candidate, arm, hands, seed)
-    best = refusal
+    solutions, near, nowhere = _that_can_be_put(world, candidate, arm, solutions, seed)
+    best = nowhere or refusal
     for q_grasp, T_world_tcp, clearance in solutions[:TRIES]:
-        result = _completed(world, candidate, arm, q_grasp, T_world_tcp, clearance)
+        at = near.get(T_world_tcp.homogeneous.tobytes())
+        result = _completed(world, candidate, arm, q_grasp, T_world_tcp, clearance, at)
         if isinstance(result, Pick):
             return replace(result, solutions=tuple(q for q, _, _ in solutions))
         if best is None or _progress(result) >= _progress(best):
@@ -113,9 +118,48 @@ def _starts(chain: Chain, arm: Arm, seed: int) -> Floats:
     return frozen(np.vstack([arm.home, (chain.lower + chain.upper) / 2, random]))
 
 
+Solution = tuple[Floats, pin.SE3, float]
+"""A clear grasp configuration (n,) [rad] with hand pose and clearance [m]."""
+
+
+def _that_can_be_put(
+    world: World, candidate: Candidate, arm: Arm, solutions: list[Solution], seed: int
+) -> tuple[list[Solution], dict[bytes, Floats], Verdict | None]:
+    """The solutions whose hands bring the part to a place for its kind, and why others do not.
+
+    How the hand holds the part decides how it stands at such a place.  Where the arm has places for
+    its hand as well, those serve the others, which are tried later.
+
+    Returns:
+        Solutions in their order, configurations (k, n) [rad] at a place by the hand's pose, and the
+        last refusal when no solution is left.
+    """
+    one = world.detections[candidate.detection]
+    if not arm.places_for(one.part):
+        return solutions, {}, None
+    starts, near = _starts(world.chains[arm.name], arm, seed), dict[bytes, Floats]()
+    refusals: dict[bytes, Verdict | None] = {}
+    for _, T_world_tcp, _ in solutions:
+        key = T_world_tcp.homogeneous.tobytes()
+        if key in near or key in refusals:
+            continue
+        T_tcp_part = T_world_tcp.actInv(one.T_world_part)
+        phase = holding_phase(candidate, arm, T_tcp_part, straight=False)
+        found = at_places(world, arm, phase, starts)
+        if found.near:
+            near[key] = np.array(found.near)
+        else:
+            refusals[key] = found.refusal
+    able = [one for one in solutions if one[1].homogeneous.tobytes() in near]
+    if arm.Ts_world_place:
+        able += [one for one in solutions if one[1].homogeneous.tobytes() not in near]
+    nowhere = None if able else next((one for one in refusals.values() if one), None)
+    return able, near, nowhere
+
+
 def _grasp_solutions(
     world: World, candidate: Candidate, arm: Arm, hands: Sequence[pin.SE3], seed: int
-) -> tuple[list[tuple[Floats, pin.SE3, float]], Verdict | None]:
+) -> tuple[list[Solution], Verdict | None]:
     """Clear grasp configurations with hand pose and clearance, best first; or the refusal."""
     chain = world.chains[arm.name]
     starts = _starts(chain, arm, seed)
@@ -179,9 +223,15 @@ def _broken_off(reason: Reason, stage: Stage, q: Floats, share: float) -> Verdic
 
 
 def _completed(
-    world: World, candidate: Candidate, arm: Arm, q_grasp: Floats, T_world_tcp: pin.SE3, room: float
+    world: World,
+    candidate: Candidate,
+    arm: Arm,
+    q_grasp: Floats,
+    T_world_tcp: pin.SE3,
+    room: float,
+    near: Floats | None,
 ) -> Pick | Verdict:
-    """Approach, extraction and place for one grasp configuration."""
+    """Approach, extraction and place for one grasp configuration; `near` as in `ways_down`."""
     q_grasp = world.motion.rounded(q_grasp)
     approach = _approach(world, candidate, arm, q_grasp, T_world_tcp)
     if isinstance(approach, Verdict):
@@ -197,7 +247,7 @@ def _completed(
         if isinstance(extract, Verdict):
             refusal = refusal or extract
             continue
-        place = _place(world, candidate, arm, extract[-1], T_tcp_part)
+        place = _place(world, candidate, arm, extract[-1], T_tcp_part, near)
         if isinstance(place, Verdict):
             # No other lift makes the places come nearer.
             return place
@@ -297,15 +347,29 @@ def _beyond(chain: Chain, path: Floats, far: float) -> Floats:
 
 
 def _place(
-    world: World, candidate: Candidate, arm: Arm, q_from: Floats, T_tcp_part: pin.SE3
+    world: World,
+    candidate: Candidate,
+    arm: Arm,
+    q_from: Floats,
+    T_tcp_part: pin.SE3,
+    near: Floats | None,
 ) -> Floats | Verdict:
     """The straight way down to the first place that works, shape (m, n)."""
-    reaches = "the arm reaches none of its places"
-    note = reaches if arm.Ts_world_place else "the cell has no place for this arm"
-    refusal = Verdict(Reason.NO_PLACE, Stage.PLACE, note=note)
+    refusal = _no_place(world, candidate, arm)
     phase = holding_phase(candidate, arm, T_tcp_part, straight=False)
-    for way in ways_down(world, arm, phase, q_from):
+    for way in ways_down(world, arm, phase, q_from, near):
         if not isinstance(way, Verdict):
             return way
         refusal = way
     return refusal
+
+
+def _no_place(world: World, candidate: Candidate, arm: Arm) -> Verdict:
+    """That an arm comes to none of its places, or has none."""
+    part = world.detections[candidate.detection].part
+    note = "the cell has no place for this arm"
+    if arm.part_places:
+        note = f"none of the {len(arm.part_places)} places of parts is for {part}"
+    if arm.Ts_world_place or arm.places_for(part):
+        note = "the arm reaches none of its places"
+    return Verdict(Reason.NO_PLACE, Stage.PLACE, note=note)
