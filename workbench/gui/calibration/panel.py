@@ -3,7 +3,6 @@
 import time
 from dataclasses import replace
 from functools import partial
-from typing import Any
 
 import numpy as np
 import viser
@@ -148,11 +147,7 @@ class CalibrationPanel:
         visitor.on_press(self._apply, self._applied)
         visitor.on_press(self._save, lambda: SaveCell("calibrated"))
         self._suggest.on_click(lambda _: self._suggest_next())
-
-        @self._after.on_update
-        async def _(event: Any) -> None:
-            if event.client is not None:
-                own.change(is_calibrated=bool(event.target.value))
+        visitor.by_hand(self._after, lambda after: own.change(is_calibrated=bool(after)))
 
     def _look_at(self, number: int) -> None:
         """Look at a pose of the table, or away from it."""

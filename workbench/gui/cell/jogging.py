@@ -165,11 +165,7 @@ class JogControls:
         for name, sliders in self._axes.items():
             for slider in sliders:
                 slider.on_update(partial(self._slid, name))
-
-        @self._elbow.on_update
-        async def _(event: Any) -> None:
-            if event.client is not None:
-                self._turn_elbow(float(event.target.value) / 100)
+        visitor.by_hand(self._elbow, lambda percent: self._turn_elbow(float(percent) / 100))
 
     @property
     def _chosen(self) -> Arm:

@@ -97,11 +97,9 @@ class PartsPanel:
         visitor.on_press(self._undo, self._undone)
         self._add.on_click(lambda _: self._add_one())
         visitor.on_press(self._forget, ForgetAvoided)
-
-        @self._show_discarded.on_update
-        def _(event: Any) -> None:
-            if event.client is not None:
-                visitor.look.change(discarded=bool(event.target.value))
+        visitor.by_hand(
+            self._show_discarded, lambda shown: visitor.look.change(discarded=bool(shown))
+        )
 
     def show(self, old: View | None, new: View) -> None:
         """Bring what is shown from `old` to `new`."""

@@ -2,7 +2,6 @@
 
 import math
 from functools import partial
-from typing import Any
 
 import viser
 
@@ -142,19 +141,15 @@ class PlanPanel:
             legend.content = legend_html(plot, time)
 
     def _react(self) -> None:
-        look, number = self._visitor.look, self._visitor.number
-
-        @self._time.on_update
-        async def _(event: Any) -> None:
-            # The renderer sets the slider too; only a person's hand comes with a browser.
-            if event.client is not None:
-                # The last step of the slider may lie beyond the end.
-                time = max(0.0, min(float(event.target.value), self._end))
-                look.change(time=time, is_playing=False, by=number)
-
+        self._visitor.by_hand(self._time, self._go_to)
         self._play.on_click(lambda _: self._play_or_pause())
         self._visitor.on_key("K", "Play or pause the plan", self._play_or_pause)
         self._start.on_click(lambda _: self._go_back())
+
+    def _go_to(self, time: float) -> None:
+        # The last step of the slider may lie beyond the end.
+        time = max(0.0, min(float(time), self._end))
+        self._visitor.look.change(time=time, is_playing=False, by=self._visitor.number)
 
     def _go_back(self) -> None:
         look = self._visitor.look

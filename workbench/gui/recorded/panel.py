@@ -1,7 +1,6 @@
 """The tab of a recorded session: what happened, and which moment of it is looked at."""
 
 from functools import partial
-from typing import Any
 
 import viser
 
@@ -43,12 +42,7 @@ class RecordedPanel:
         visitor.hide(self._rows)
         back.on_click(lambda _: self._step(-1))
         on.on_click(lambda _: self._step(1))
-
-        @self._entry.on_update
-        async def _(event: Any) -> None:
-            # The renderer sets the slider too; only a person's hand comes with a browser.
-            if event.client is not None:
-                history.go(int(event.target.value))
+        visitor.by_hand(self._entry, lambda number: history.go(int(number)))
 
     def show(self, old: View | None, new: View) -> None:
         """Bring what is shown from `old` to `new`."""

@@ -100,6 +100,17 @@ class Visitor:
         def _(_: Any) -> None:
             self.ask(command)
 
+    def by_hand(self, control: Any, used: Callable[[Any], object]) -> None:
+        """Have a control's new value used when it is a person's, not the renderer's.
+
+        Only a person's hand comes with a browser; who moves it is heard in the order of moving.
+        """
+
+        @control.on_update
+        async def _(event: Any) -> None:
+            if event.client is not None:
+                used(event.target.value)
+
     def unseen(self, pressed: Callable[[], object]) -> str:
         """The id of a button for HTML to press; see `tables`.  `hide` takes it out of sight."""
         button = self.gui.add_button("·")
