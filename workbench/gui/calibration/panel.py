@@ -2,7 +2,6 @@
 
 import time
 from dataclasses import replace
-from functools import partial
 
 import numpy as np
 import viser
@@ -95,8 +94,7 @@ class CalibrationPanel:
             gui.add_html('<div class="wb-buttons wb-two"></div>')
             self._apply = gui.add_button("Apply", icon=viser.Icon.CHECK)
             self._save = gui.add_button("Save to file", icon=viser.Icon.DEVICE_FLOPPY)
-        self._rows = [visitor.unseen(partial(self._look_at, number)) for number in range(MOST_ROWS)]
-        visitor.hide(self._rows)
+        self._rows = visitor.rows(MOST_ROWS, self._look_at)
         self._react()
 
     def show(self, old: View | None, new: View) -> None:

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -89,8 +88,7 @@ class PartsPanel:
         self._remarks = gui.add_html("")
         with gui.add_folder("Search again in this scan", expand_by_default=False):
             self._searches = SearchInputs(visitor)
-        self._rows = [visitor.unseen(partial(self._choose, number)) for number in range(MOST_ROWS)]
-        visitor.hide(self._rows)
+        self._rows = visitor.rows(MOST_ROWS, self._choose)
         self._scan.on_upload(lambda event: self._uploaded(event, self._scan_of))
         self._poses.on_upload(lambda event: self._uploaded(event, self._poses_of))
         visitor.on_press(self._veto, self._without)

@@ -1,7 +1,6 @@
 """The tab that plays a plan: scrubber, lanes, and curves over time."""
 
 import math
-from functools import partial
 
 import viser
 
@@ -48,8 +47,7 @@ class PlanPanel:
             hint="Drag to move the arms along the plan; it only shows, nothing is sent.",
         )
         self._links = PlanLinks(visitor)
-        self._plans = [visitor.unseen(partial(self._again, k)) for k in range(MOST_OUTLINES)]
-        visitor.hide(self._plans)
+        self._plans = visitor.rows(MOST_OUTLINES, self._again)
         gui.add_html('<div class="wb-buttons wb-two"></div>')
         self._play = gui.add_button("Play", icon=viser.Icon.PLAYER_PLAY)
         self._start = gui.add_button(TO_START, icon=viser.Icon.PLAYER_SKIP_BACK, color="gray")

@@ -1,7 +1,5 @@
 """The tab of a recorded session: what happened, and which moment of it is looked at."""
 
-from functools import partial
-
 import viser
 
 from workbench.app.review.history import History
@@ -38,8 +36,7 @@ class RecordedPanel:
         self._list = gui.add_html("")
         self._mark = gui.add_html("")
         self._page = -1
-        self._rows = [visitor.unseen(partial(self._jump, place)) for place in range(PAGE)]
-        visitor.hide(self._rows)
+        self._rows = visitor.rows(PAGE, self._jump)
         back.on_click(lambda _: self._step(-1))
         on.on_click(lambda _: self._step(1))
         visitor.by_hand(self._entry, lambda number: history.go(int(number)))

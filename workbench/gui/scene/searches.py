@@ -1,7 +1,6 @@
 """Searches for parts in one scan, side by side: with other wishes, in a table and in the scene."""
 
 from collections.abc import Sequence
-from functools import partial
 from html import escape
 
 import numpy as np
@@ -67,8 +66,7 @@ class SearchInputs:
         self._take = gui.add_button("Take this one", icon=viser.Icon.CHECK, color="gray")
         self._table = gui.add_html("")
         self._asked: int | None = None
-        self._rows = [visitor.unseen(partial(self._chosen, place)) for place in range(MOST_ROWS)]
-        visitor.hide(self._rows)
+        self._rows = visitor.rows(MOST_ROWS, self._chosen)
         self._search.on_click(lambda _: self._search_again())
         visitor.on_press(self._take, self._taken)
 

@@ -2,6 +2,7 @@
 
 import logging
 from collections.abc import Callable, Iterable, Mapping, Set
+from functools import partial
 from pathlib import Path
 from typing import Any, Literal, Protocol
 
@@ -120,6 +121,12 @@ class Visitor:
             pressed()
 
         return element_id(button)
+
+    def rows(self, count: int, pressed: Callable[[int], object]) -> list[str]:
+        """The ids of so many unseen buttons, out of sight; told is which one is pressed."""
+        buttons = [self.unseen(partial(pressed, number)) for number in range(count)]
+        self.hide(buttons)
+        return buttons
 
     def hide(self, buttons: Iterable[str]) -> None:
         """Take unseen buttons, and the room they would have, out of sight."""
