@@ -35,6 +35,15 @@ SESSION_FORMAT = "workbench-session/1"
 
 COMMANDS: Mapping[str, type] = {kind.__name__: kind for kind in get_args(Command)}
 
+RESULTS: Mapping[Any, str] = {
+    Scan: "scan",
+    tuple[Detection, ...]: "detections",
+    PlanResult: "plan",
+    PlateSighting: "sighting",
+    Part: "part",
+}
+"""What a record calls the results of jobs; an error is told by its type and text."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Record:
@@ -189,19 +198,10 @@ def check_session(kind: str, body: bytes, cell: Cell) -> None:
 
 
 def _result_form(result: Result) -> Any:
-    match result:
-        case Scan():
-            return {"scan": canonical(result)}
-        case PlanResult():
-            return {"plan": canonical(result)}
-        case PlateSighting():
-            return {"sighting": canonical(result)}
-        case Part():
-            return {"part": canonical(result)}
-        case WorkbenchError():
-            return {"error": {"type": type(result).__name__, "text": str(result)}}
-        case _:
-            return {"detections": canonical(result)}
+    if isinstance(result, WorkbenchError):
+        return {"error": {"type": type(result).__name__, "text": str(result)}}
+    kind = RESULTS.get(type(result), "detections")
+    return {kind: canonical(result)}
 
 
 def _command(kind: str, form: Any, read: ReadFile) -> Command:
@@ -212,22 +212,13 @@ def _command(kind: str, form: Any, read: ReadFile) -> Command:
 
 def _result(form: Mapping[str, Any], read: ReadFile) -> Result:
     ((kind, content),) = form.items()
-    match kind:
-        case "scan":
-            return restored(Scan, content, read)
-        case "detections":
-            return restored(tuple[Detection, ...], content, read)
-        case "plan":
-            return restored(PlanResult, content, read)
-        case "sighting":
-            return restored(PlateSighting, content, read)
-        case "part":
-            return restored(Part, content, read)
-        case "error":
-            cancelled = content["type"] == JobCancelled.__name__
-            return (JobCancelled if cancelled else WorkbenchError)(content["text"])
-        case _:
-            raise ValueError(f"a result of kind {kind!r} is not known")
+    if kind == "error":
+        cancelled = content["type"] == JobCancelled.__name__
+        return (JobCancelled if cancelled else WorkbenchError)(content["text"])
+    for result, name in RESULTS.items():
+        if name == kind:
+            return restored(result, content, read)
+    raise ValueError(f"a result of kind {kind!r} is not known")
 
 
 def _json(body: Mapping[str, Any]) -> bytes:

@@ -2,8 +2,6 @@
 
 import time
 from dataclasses import replace
-from functools import partial
-from typing import Any
 
 import numpy as np
 import viser
@@ -96,8 +94,7 @@ class CalibrationPanel:
             gui.add_html('<div class="wb-buttons wb-two"></div>')
             self._apply = gui.add_button("Apply", icon=viser.Icon.CHECK)
             self._save = gui.add_button("Save to file", icon=viser.Icon.DEVICE_FLOPPY)
-        self._rows = [visitor.unseen(partial(self._look_at, number)) for number in range(MOST_ROWS)]
-        visitor.hide(self._rows)
+        self._rows = visitor.rows(MOST_ROWS, self._look_at)
         self._react()
 
     def show(self, old: View | None, new: View) -> None:
@@ -148,11 +145,7 @@ class CalibrationPanel:
         visitor.on_press(self._apply, self._applied)
         visitor.on_press(self._save, lambda: SaveCell("calibrated"))
         self._suggest.on_click(lambda _: self._suggest_next())
-
-        @self._after.on_update
-        async def _(event: Any) -> None:
-            if event.client is not None:
-                own.change(is_calibrated=bool(event.target.value))
+        visitor.by_hand(self._after, lambda after: own.change(is_calibrated=bool(after)))
 
     def _look_at(self, number: int) -> None:
         """Look at a pose of the table, or away from it."""

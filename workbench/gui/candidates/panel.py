@@ -3,7 +3,6 @@
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
-from typing import Any
 
 import viser
 
@@ -86,12 +85,9 @@ class CandidatesPanel:
         self._back.on_click(lambda _: self._turn(-1))
         self._forth.on_click(lambda _: self._turn(1))
         self._clear.on_click(lambda _: visitor.look.change(candidate=None, pose=0))
-
-        @self._pose.on_update
-        async def _(event: Any) -> None:
-            # The renderer sets the slider too; only a person's hand comes with a browser.
-            if event.client is not None:
-                visitor.look.change(pose=int(event.target.value), by=visitor.number)
+        visitor.by_hand(
+            self._pose, lambda pose: visitor.look.change(pose=int(pose), by=visitor.number)
+        )
 
     def show(self, old: View | None, new: View) -> None:
         """Bring what is shown from `old` to `new`."""

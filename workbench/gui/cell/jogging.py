@@ -12,7 +12,8 @@ from workbench.app.core.commands import ChangeCell, Command, TakeScan
 from workbench.app.core.state import Phase
 from workbench.gui.cell.jog import led
 from workbench.gui.cell.views import contacts_html
-from workbench.gui.scene.robot import place, pose_of_node, quaternion
+from workbench.gui.scene.gizmo_drag import add_gizmo
+from workbench.gui.scene.robot import place, pose_of_node
 from workbench.gui.shared.look import View
 from workbench.gui.shared.things import shown_pose, typed_pose, with_home, with_places
 from workbench.gui.shared.views import sentence
@@ -136,13 +137,7 @@ class JogControls:
             return
         T = self._chain(arm).pose(self._drawn[arm.name])
         if self._gizmo is None:
-            self._gizmo = self._visitor.client.scene.add_transform_controls(
-                "/jog_gizmo",
-                GIZMO,
-                position=T.translation,
-                wxyz=quaternion(T),
-                depth_test=False,
-            )
+            self._gizmo = add_gizmo(self._visitor, "/jog_gizmo", GIZMO, T)
             self._gizmo.on_update(self._lead)
         elif not self._is_dragged:
             place(self._gizmo, T)
@@ -165,11 +160,7 @@ class JogControls:
         for name, sliders in self._axes.items():
             for slider in sliders:
                 slider.on_update(partial(self._slid, name))
-
-        @self._elbow.on_update
-        async def _(event: Any) -> None:
-            if event.client is not None:
-                self._turn_elbow(float(event.target.value) / 100)
+        visitor.by_hand(self._elbow, lambda percent: self._turn_elbow(float(percent) / 100))
 
     @property
     def _chosen(self) -> Arm:

@@ -140,22 +140,9 @@ class CellPanel:
         for name, dropdown in self._tools.items():
             dropdown.on_update(lambda event, name=name: self._mounted(event, name))
         self._measure.on_click(lambda _: self._turn_measuring())
-
-        @self._reach.on_update
-        async def _(event: Any) -> None:
-            if event.client is not None:
-                chosen = event.target.value
-                look.change(reach="" if chosen == NOT_SHOWN else chosen)
-
-        @self._shapes.on_update
-        async def _(event: Any) -> None:
-            if event.client is not None:
-                look.change(shapes=bool(event.target.value))
-
-        @self._frames.on_update
-        async def _(event: Any) -> None:
-            if event.client is not None:
-                look.change(frames=bool(event.target.value))
+        visitor.by_hand(self._reach, lambda arm: look.change(reach="" if arm == NOT_SHOWN else arm))
+        visitor.by_hand(self._shapes, lambda shown: look.change(shapes=bool(shown)))
+        visitor.by_hand(self._frames, lambda shown: look.change(frames=bool(shown)))
 
     def _saved(self) -> None:
         """Save with the remark, which goes once it is in the files."""

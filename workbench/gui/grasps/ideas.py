@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 from dataclasses import replace
-from functools import partial
 from typing import Any
 
 import viser
@@ -102,10 +101,7 @@ class Suggestions:
         self._take = gui.add_button("Take", icon=viser.Icon.PLUS, disabled=True)
         self._all = gui.add_button("Take all", color="gray", disabled=True)
         self._table = gui.add_html("")
-        self._rows = [
-            visitor.unseen(partial(self._choose, number)) for number in range(MOST_SUGGESTIONS)
-        ]
-        visitor.hide(self._rows)
+        self._rows = visitor.rows(MOST_SUGGESTIONS, self._choose)
         self._suggest.on_click(lambda _: self._look())
         self._take.on_click(lambda _: self._add(self._found[self._chosen : self._chosen + 1]))
         self._all.on_click(lambda _: self._add(self._found))

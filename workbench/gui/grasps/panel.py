@@ -3,7 +3,6 @@
 import logging
 import threading
 from concurrent.futures import ThreadPoolExecutor
-from functools import partial
 
 import numpy as np
 import pinocchio as pin
@@ -100,8 +99,7 @@ class GraspsPanel:
             self._library = LibraryControls(visitor, editing)
         with gui.add_folder("New part from a CAD file", expand_by_default=False):
             self._upload = PartUpload(visitor)
-        self._rows = [visitor.unseen(partial(self._chose, number)) for number in range(MOST_ROWS)]
-        visitor.hide(self._rows)
+        self._rows = visitor.rows(MOST_ROWS, self._chose)
         self._react()
 
     def show(self, old: View | None, new: View) -> None:

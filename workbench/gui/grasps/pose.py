@@ -9,8 +9,8 @@ from viser._messages import HotkeyKey
 
 from workbench.gui.grasps.editing import Editing
 from workbench.gui.grasps.views import no_grasp
-from workbench.gui.scene.gizmo_drag import follow
-from workbench.gui.scene.robot import place, quaternion
+from workbench.gui.scene.gizmo_drag import add_gizmo, follow
+from workbench.gui.scene.robot import place
 from workbench.gui.shared.things import ANGLES, shown_pose, typed_pose
 from workbench.gui.shared.visitor import Visitor
 from workbench.model.digest import digest_of
@@ -142,14 +142,7 @@ class GraspPose:
             self._put(self._T)
 
     def _add_gizmo(self, size: float) -> None:
-        gizmo = self._visitor.client.scene.add_transform_controls(
-            "/stage/gizmo",
-            GIZMO * size,
-            position=self._T.translation,
-            wxyz=quaternion(self._T),
-            depth_test=False,
-        )
-        self._gizmo = gizmo
+        self._gizmo = gizmo = add_gizmo(self._visitor, "/stage/gizmo", GIZMO * size, self._T)
         self._place_gizmo()
         follow(
             gizmo,

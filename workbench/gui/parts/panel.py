@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -89,19 +88,16 @@ class PartsPanel:
         self._remarks = gui.add_html("")
         with gui.add_folder("Search again in this scan", expand_by_default=False):
             self._searches = SearchInputs(visitor)
-        self._rows = [visitor.unseen(partial(self._choose, number)) for number in range(MOST_ROWS)]
-        visitor.hide(self._rows)
+        self._rows = visitor.rows(MOST_ROWS, self._choose)
         self._scan.on_upload(lambda event: self._uploaded(event, self._scan_of))
         self._poses.on_upload(lambda event: self._uploaded(event, self._poses_of))
         visitor.on_press(self._veto, self._without)
         visitor.on_press(self._undo, self._undone)
         self._add.on_click(lambda _: self._add_one())
         visitor.on_press(self._forget, ForgetAvoided)
-
-        @self._show_discarded.on_update
-        def _(event: Any) -> None:
-            if event.client is not None:
-                visitor.look.change(discarded=bool(event.target.value))
+        visitor.by_hand(
+            self._show_discarded, lambda shown: visitor.look.change(discarded=bool(shown))
+        )
 
     def show(self, old: View | None, new: View) -> None:
         """Bring what is shown from `old` to `new`."""

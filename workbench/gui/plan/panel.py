@@ -1,8 +1,6 @@
 """The tab that plays a plan: scrubber, lanes, and curves over time."""
 
 import math
-from functools import partial
-from typing import Any
 
 import viser
 
@@ -49,8 +47,7 @@ class PlanPanel:
             hint="Drag to move the arms along the plan; it only shows, nothing is sent.",
         )
         self._links = PlanLinks(visitor)
-        self._plans = [visitor.unseen(partial(self._again, k)) for k in range(MOST_OUTLINES)]
-        visitor.hide(self._plans)
+        self._plans = visitor.rows(MOST_OUTLINES, self._again)
         gui.add_html('<div class="wb-buttons wb-two"></div>')
         self._play = gui.add_button("Play", icon=viser.Icon.PLAYER_PLAY)
         self._start = gui.add_button(TO_START, icon=viser.Icon.PLAYER_SKIP_BACK, color="gray")
@@ -142,19 +139,15 @@ class PlanPanel:
             legend.content = legend_html(plot, time)
 
     def _react(self) -> None:
-        look, number = self._visitor.look, self._visitor.number
-
-        @self._time.on_update
-        async def _(event: Any) -> None:
-            # The renderer sets the slider too; only a person's hand comes with a browser.
-            if event.client is not None:
-                # The last step of the slider may lie beyond the end.
-                time = max(0.0, min(float(event.target.value), self._end))
-                look.change(time=time, is_playing=False, by=number)
-
+        self._visitor.by_hand(self._time, self._go_to)
         self._play.on_click(lambda _: self._play_or_pause())
         self._visitor.on_key("K", "Play or pause the plan", self._play_or_pause)
         self._start.on_click(lambda _: self._go_back())
+
+    def _go_to(self, time: float) -> None:
+        # The last step of the slider may lie beyond the end.
+        time = max(0.0, min(float(time), self._end))
+        self._visitor.look.change(time=time, is_playing=False, by=self._visitor.number)
 
     def _go_back(self) -> None:
         look = self._visitor.look

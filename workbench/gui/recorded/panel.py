@@ -1,8 +1,5 @@
 """The tab of a recorded session: what happened, and which moment of it is looked at."""
 
-from functools import partial
-from typing import Any
-
 import viser
 
 from workbench.app.review.history import History
@@ -39,16 +36,10 @@ class RecordedPanel:
         self._list = gui.add_html("")
         self._mark = gui.add_html("")
         self._page = -1
-        self._rows = [visitor.unseen(partial(self._jump, place)) for place in range(PAGE)]
-        visitor.hide(self._rows)
+        self._rows = visitor.rows(PAGE, self._jump)
         back.on_click(lambda _: self._step(-1))
         on.on_click(lambda _: self._step(1))
-
-        @self._entry.on_update
-        async def _(event: Any) -> None:
-            # The renderer sets the slider too; only a person's hand comes with a browser.
-            if event.client is not None:
-                history.go(int(event.target.value))
+        visitor.by_hand(self._entry, lambda number: history.go(int(number)))
 
     def show(self, old: View | None, new: View) -> None:
         """Bring what is shown from `old` to `new`."""

@@ -4,6 +4,7 @@ import numpy as np
 import pinocchio as pin
 import viser
 
+from workbench.gui.scene.marks import add_lines
 from workbench.gui.scene.meets import draw_meets
 from workbench.gui.scene.robot import DrawnRobot, place
 from workbench.gui.shared.colours import kind_of, rgb_of, verdict_colour
@@ -75,13 +76,9 @@ class DrawnCandidates:
         colours = np.array(
             [rgb_of(verdict_colour(kind_of(candidate.verdict))) for candidate in candidates]
         )
-        self._scene.add_line_segments(
-            "/grasps",
-            np.stack([ends - STROKE * approaches, ends], axis=1).astype(np.float32),
-            np.repeat(colours[:, None, :], 2, axis=1).astype(np.uint8),
-            thickness=2.0,
-            thickness_units="screen",
-        )
+        strokes = np.stack([ends - STROKE * approaches, ends], axis=1)
+        painted = np.repeat(colours[:, None, :], 2, axis=1).astype(np.uint8)
+        add_lines(self._scene, "/grasps", strokes, painted, 2.0)
 
     def _draw_chosen(self, candidate: Candidate, pose: Pose | None) -> None:
         colour = rgb_of(verdict_colour(kind_of(candidate.verdict)))

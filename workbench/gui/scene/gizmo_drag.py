@@ -15,7 +15,7 @@ import numpy as np
 import pinocchio as pin
 import viser
 
-from workbench.gui.scene.robot import pose_of_node
+from workbench.gui.scene.robot import pose_of_node, quaternion
 from workbench.gui.shared.viser_server import is_connected
 from workbench.gui.shared.visitor import Visitor
 from workbench.model.errors import InputError
@@ -64,6 +64,15 @@ class GizmoDrag:
             shift = float(np.linalg.norm(T_now.translation - T_before.translation))
             self._is_believed = shift <= MOST_AT_ONCE
         return self._is_believed
+
+
+def add_gizmo(
+    visitor: Visitor, name: str, size: float, T: pin.SE3
+) -> viser.TransformControlsHandle:
+    """A gizmo at `T`, its pose in what its name is below of, in one browser; so large [m]."""
+    return visitor.client.scene.add_transform_controls(
+        name, size, position=T.translation, wxyz=quaternion(T), depth_test=False
+    )
 
 
 def follow(

@@ -3,15 +3,22 @@
 import numpy as np
 import viser
 
-from workbench.formats.meshes.triangles import triangles_of
-from workbench.gui.scene.meets import draw_meets
-from workbench.gui.scene.robot import place
+from workbench.gui.scene.meets import add_body, draw_meets
 from workbench.gui.shared.colours import BAD, BRAND, BUSY, GOOD, rgb_of
 from workbench.gui.shared.own import Visited
-from workbench.gui.shared.solids import with_hard_edges
+from workbench.gui.shared.solids import Colour
 from workbench.model.cell import Cell
 from workbench.model.geometry import Floats
 from workbench.model.scan import Discarded
+
+
+def add_lines(
+    scene: viser.SceneApi, name: str, lines: Floats, colour: Colour | np.ndarray, wide: float
+) -> None:
+    """Lines (n, 2, 3) [m], so many pixels wide from near and far; one colour, or (n, 2, 3)."""
+    scene.add_line_segments(
+        name, lines.astype(np.float32), colour, thickness=wide, thickness_units="screen"
+    )
 
 
 def draw_reach(scene: viser.SceneApi, reached: tuple[Floats, Floats] | None) -> None:
@@ -38,11 +45,8 @@ def draw_discarded(scene: viser.SceneApi, cell: Cell, discarded: tuple[Discarded
     """Poses that a search has discarded, red and translucent."""
     scene.remove_by_name("/discarded")
     for number, one in enumerate(discarded):
-        points, triangles = with_hard_edges(triangles_of(cell.part(one.part).mesh))
-        node = scene.add_mesh_simple(
-            f"/discarded/{number + 1}", points, triangles, color=rgb_of(BAD), opacity=0.25
-        )
-        place(node, one.T_world_part)
+        mesh = cell.part(one.part).mesh
+        add_body(scene, f"/discarded/{number + 1}", mesh, one.T_world_part, rgb_of(BAD), 0.25)
 
 
 def draw_measured(scene: viser.SceneApi, points: tuple[Floats, ...]) -> None:
@@ -53,13 +57,7 @@ def draw_measured(scene: viser.SceneApi, points: tuple[Floats, ...]) -> None:
     if len(points) < 2:
         return
     first, second = points
-    scene.add_line_segments(
-        "/measured/line",
-        np.array([[first, second]], dtype=np.float32),
-        rgb_of(BRAND),
-        thickness=2.0,
-        thickness_units="screen",
-    )
+    add_lines(scene, "/measured/line", np.array([[first, second]]), rgb_of(BRAND), 2.0)
     scene.add_label(
         "/measured/label",
         measured_text(first, second),
@@ -78,13 +76,7 @@ def draw_visited(scene: viser.SceneApi, visited: Visited | None) -> None:
     for number, p in enumerate(points):
         name = f"/nearest_points/{number}"
         scene.add_icosphere(name, 0.0025, rgb_of(BAD), position=tuple(p.tolist()))
-    scene.add_line_segments(
-        "/nearest_points/line",
-        points[None].astype(np.float32),
-        rgb_of(BAD),
-        thickness=3.0,
-        thickness_units="screen",
-    )
+    add_lines(scene, "/nearest_points/line", points[None], rgb_of(BAD), 3.0)
     scene.add_label(
         "/nearest_points/label",
         visited.says,

@@ -9,7 +9,8 @@ from workbench.formats.meshes.triangles import triangles_of
 from workbench.gui.scene.candidate import DrawnCandidates
 from workbench.gui.scene.cloud import PaintedCloud, avoided_red, in_short, painted_cloud
 from workbench.gui.scene.held import DrawnHeld
-from workbench.gui.scene.marks import draw_discarded, draw_reach
+from workbench.gui.scene.marks import add_lines, draw_discarded, draw_reach
+from workbench.gui.scene.meets import add_body
 from workbench.gui.scene.robot import PLANNED, ROBOT, ROBOT_CHECKED, DrawnRobot, place
 from workbench.gui.scene.searches import draw_search
 from workbench.gui.scene.surroundings import (
@@ -226,11 +227,8 @@ class Scene:
     def _draw_placed(self, placed: tuple[Detection, ...]) -> None:
         self._scene.remove_by_name("/placed")
         for number, one in enumerate(placed):
-            points, triangles = with_hard_edges(triangles_of(self._cell.part(one.part).mesh))
-            node = self._scene.add_mesh_simple(
-                f"/placed/{number}", points, triangles, color=BESIDE_BIN
-            )
-            place(node, one.T_world_part)
+            mesh = self._cell.part(one.part).mesh
+            add_body(self._scene, f"/placed/{number}", mesh, one.T_world_part, BESIDE_BIN)
 
     def _add_parts(self, detections: tuple[Detection, ...]) -> None:
         for node in self._parts:
@@ -268,13 +266,7 @@ class Scene:
                 self._scene.remove_by_name(name)
                 continue
             segments = np.concatenate([np.stack([way[:-1], way[1:]], axis=1) for way in ways])
-            self._scene.add_line_segments(
-                name,
-                segments.astype(np.float32),
-                rgb_of(arm_colour(number)),
-                thickness=2.5,
-                thickness_units="screen",
-            )
+            add_lines(self._scene, name, segments, rgb_of(arm_colour(number)), 2.5)
 
     def _show_shapes(self, is_shown: bool) -> None:
         """Show what is checked for collisions in place of what it looks like."""

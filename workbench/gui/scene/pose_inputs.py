@@ -6,8 +6,8 @@ import numpy as np
 import pinocchio as pin
 import viser
 
-from workbench.gui.scene.gizmo_drag import follow
-from workbench.gui.scene.robot import place, quaternion
+from workbench.gui.scene.gizmo_drag import add_gizmo, follow
+from workbench.gui.scene.robot import place
 from workbench.gui.shared.look import Held
 from workbench.gui.shared.things import ANGLES, shown_pose, typed_pose
 from workbench.gui.shared.visitor import Visitor
@@ -87,13 +87,7 @@ class PoseInputs:
         if self._gizmo is not None:
             self._hide()
             return
-        gizmo = self._visitor.client.scene.add_transform_controls(
-            self._name,
-            self._size,
-            position=self._T.translation,
-            wxyz=quaternion(self._T),
-            depth_test=False,
-        )
+        gizmo = add_gizmo(self._visitor, self._name, self._size, self._T)
         self._gizmo, self._switch.label = gizmo, "Hide gizmo"
 
         follow(

@@ -103,22 +103,29 @@ class DrawnRobot:
             mesh.color = colour
 
     def _add(self, name: str, solids: tuple[Solid, ...]) -> None:
-        for number, (colour, points, triangles) in enumerate(by_colour(solids)):
-            self._meshes.append(
-                self._scene.add_mesh_simple(
-                    f"{name}_{number}",
-                    points,
-                    triangles,
-                    color=self._colour or colour,
-                    opacity=self._opacity,
-                )
-            )
+        self._meshes += add_solids(self._scene, name, solids, self._colour, self._opacity)
 
     def _is_new(self, name: str, value: Floats) -> bool:
         if name in self._shown and np.array_equal(self._shown[name], value):
             return False
         self._shown[name] = value
         return True
+
+
+def add_solids(
+    scene: viser.SceneApi,
+    name: str,
+    solids: tuple[Solid, ...],
+    colour: Colour | None = None,
+    opacity: float | None = None,
+) -> list[viser.MeshHandle]:
+    """Show solids, a mesh for each colour of theirs; `colour` is shown instead of them."""
+    return [
+        scene.add_mesh_simple(
+            f"{name}_{number}", points, triangles, color=colour or own, opacity=opacity
+        )
+        for number, (own, points, triangles) in enumerate(by_colour(solids))
+    ]
 
 
 def finger_name(arm: Arm, finger: Finger) -> str:

@@ -1,7 +1,6 @@
 """Searches for parts in one scan, side by side: with other wishes, in a table and in the scene."""
 
 from collections.abc import Sequence
-from functools import partial
 from html import escape
 
 import numpy as np
@@ -10,11 +9,9 @@ import viser
 from workbench.app.core.commands import Command, FindParts, TakeScan, UseDetections
 from workbench.app.core.state import State
 from workbench.app.core.value_checks import DETAIL, SEED_LIMIT
-from workbench.formats.meshes.triangles import triangles_of
-from workbench.gui.scene.robot import place
+from workbench.gui.scene.meets import add_body
 from workbench.gui.shared.colours import COMPARED
 from workbench.gui.shared.look import View
-from workbench.gui.shared.solids import with_hard_edges
 from workbench.gui.shared.tables import clickable, marked
 from workbench.gui.shared.views import line
 from workbench.gui.shared.visitor import Visitor, whole
@@ -69,8 +66,7 @@ class SearchInputs:
         self._take = gui.add_button("Take this one", icon=viser.Icon.CHECK, color="gray")
         self._table = gui.add_html("")
         self._asked: int | None = None
-        self._rows = [visitor.unseen(partial(self._chosen, place)) for place in range(MOST_ROWS)]
-        visitor.hide(self._rows)
+        self._rows = visitor.rows(MOST_ROWS, self._chosen)
         self._search.on_click(lambda _: self._search_again())
         visitor.on_press(self._take, self._taken)
 
@@ -168,8 +164,5 @@ def draw_search(scene: viser.SceneApi, state: State, number: int | None) -> None
     scene.remove_by_name("/searched")
     search = searched(state, number)
     for k, one in enumerate(search.detections if search is not None else ()):
-        points, triangles = with_hard_edges(triangles_of(state.cell.part(one.part).mesh))
-        node = scene.add_mesh_simple(
-            f"/searched/{k}", points, triangles, color=COMPARED, opacity=0.55
-        )
-        place(node, one.T_world_part)
+        mesh = state.cell.part(one.part).mesh
+        add_body(scene, f"/searched/{k}", mesh, one.T_world_part, COMPARED, 0.55)

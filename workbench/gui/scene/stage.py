@@ -1,6 +1,7 @@
 """A part alone and large in one browser, with its grasps, while others see the cell."""
 
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -8,9 +9,10 @@ import pinocchio as pin
 import viser
 
 from workbench.formats.meshes.triangles import triangles_of
-from workbench.gui.scene.robot import place
+from workbench.gui.scene.marks import add_lines
+from workbench.gui.scene.robot import add_solids, place
 from workbench.gui.shared.colours import BAD, BRAND, BUSY, GOOD, MUTED, rgb_of
-from workbench.gui.shared.solids import Colour, by_colour, with_hard_edges
+from workbench.gui.shared.solids import Colour, with_hard_edges
 from workbench.model.cell import Tool
 from workbench.model.geometry import Floats
 from workbench.model.part import Grasp, Part, grasps_of
@@ -110,13 +112,7 @@ class Stage:
         segments, colours = marks_of(part, chosen, bad, self._size)
         self._scene.remove_by_name("/stage/marks")
         if len(segments):
-            self._scene.add_line_segments(
-                "/stage/marks",
-                segments.astype(np.float32),
-                colours,
-                thickness=2.5,
-                thickness_units="screen",
-            )
+            add_lines(self._scene, "/stage/marks", segments, colours, 2.5)
 
     def show_tool(self, tool: Tool, T_part_tcp: pin.SE3, opening: float, is_ok: bool) -> None:
         """Show the tool with its fingers apart by `opening` [m]; red when it cannot be so."""
@@ -155,25 +151,14 @@ class Stage:
     def _add_tool(self, tool: Tool) -> None:
         self._scene.remove_by_name("/stage/tool")
         self._hand = self._scene.add_frame("/stage/tool", show_axes=False)
-        self._tool, self._meshes, self._fingers = tool.name, [], []
-        self._add("/stage/tool/body", by_colour(tool.body))
+        self._tool, self._fingers = tool.name, []
+        add = partial(add_solids, self._scene, colour=rgb_of(GOOD), opacity=0.3)
+        self._meshes = add("/stage/tool/body", tool.body)
         for finger in tool.fingers:
             name = f"/stage/tool/{finger.solid.name}"
             node = self._scene.add_frame(name, show_axes=False)
             self._fingers.append((np.asarray(finger.direction), node))
-            self._add(f"{name}/visual", by_colour((finger.solid,)))
-
-    def _add(self, name: str, surfaces: list[tuple[Colour, Floats, Any]]) -> None:
-        for number, (_, points, triangles) in enumerate(surfaces):
-            self._meshes.append(
-                self._scene.add_mesh_simple(
-                    f"{name}_{number}",
-                    points,
-                    triangles,
-                    color=rgb_of(GOOD),
-                    opacity=0.3,
-                )
-            )
+            self._meshes += add(f"{name}/visual", (finger.solid,))
 
 
 def size_of(part: Part) -> float:

@@ -2,6 +2,7 @@
 
 import logging
 from collections.abc import Callable, Iterable, Mapping, Set
+from functools import partial
 from pathlib import Path
 from typing import Any, Literal, Protocol
 
@@ -100,6 +101,17 @@ class Visitor:
         def _(_: Any) -> None:
             self.ask(command)
 
+    def by_hand(self, control: Any, used: Callable[[Any], object]) -> None:
+        """Have a control's new value used when it is a person's, not the renderer's.
+
+        Only a person's hand comes with a browser; who moves it is heard in the order of moving.
+        """
+
+        @control.on_update
+        async def _(event: Any) -> None:
+            if event.client is not None:
+                used(event.target.value)
+
     def unseen(self, pressed: Callable[[], object]) -> str:
         """The id of a button for HTML to press; see `tables`.  `hide` takes it out of sight."""
         button = self.gui.add_button("·")
@@ -109,6 +121,12 @@ class Visitor:
             pressed()
 
         return element_id(button)
+
+    def rows(self, count: int, pressed: Callable[[int], object]) -> list[str]:
+        """The ids of so many unseen buttons, out of sight; told is which one is pressed."""
+        buttons = [self.unseen(partial(pressed, number)) for number in range(count)]
+        self.hide(buttons)
+        return buttons
 
     def hide(self, buttons: Iterable[str]) -> None:
         """Take unseen buttons, and the room they would have, out of sight."""

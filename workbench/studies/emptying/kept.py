@@ -9,7 +9,7 @@ from typing import Any
 
 from workbench.app.provenance.gathering import files_digest
 from workbench.formats.files.json_keys import json_text, parse_object
-from workbench.formats.files.whole_files import MB, read_whole, write_whole
+from workbench.formats.files.whole_files import MB, make_folder, read_whole, write_whole
 from workbench.model.errors import FileError
 from workbench.plugins.progress import Report
 from workbench.studies.cases import run_cases
@@ -45,10 +45,7 @@ def emptied_all(
     """
     if folder is None:
         return run_cases(emptied, tasks, workers=workers, scheduler=scheduler, report=report)
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise FileError(folder, error.strerror or "cannot be made") from None
+    make_folder(folder)
     known = {task: scene for task in tasks if (scene := _read(folder, task)) is not None}
     rest = [task for task in tasks if task not in known]
 
