@@ -120,7 +120,7 @@ class _Late(Exception):
 
 
 def curve_check(world: World, columns: Ints, base: Floats) -> Check:
-    """Whether motions of the joints `columns` are clear of all in the world, others at `base`."""
+    """Whether motions of the joints `columns` (n,) are clear, others at `base` (nq,) [rad, m]."""
 
     def check(curves: Curves) -> tuple[Contact, Floats] | None:
         found = chain_contact(world, columns, base, curves)
