@@ -12,10 +12,8 @@ import numpy as np
 
 from workbench.model.candidate import Verdict
 from workbench.model.geometry import Floats
-from workbench.planning.collision.contact import Contact
-from workbench.planning.collision.motion import Curves, chain_contact
 from workbench.planning.picking.route import free_path
-from workbench.planning.picking.search import joint_weights, searched
+from workbench.planning.picking.search import curve_check, joint_weights, searched
 from workbench.planning.planners.clock import working_time
 from workbench.planning.planners.ompl_planners import RRT_CONNECT
 from workbench.plugins.progress import Report, silent
@@ -119,10 +117,7 @@ def _by_ompl(case: Case, rng: np.random.Generator) -> Floats | Verdict:
     world = case.world
     columns, base = world.kinematics.columns[ARM], world.configuration({})
     chain = world.chains[ARM]
-
-    def check(curves: Curves) -> tuple[Contact, Floats] | None:
-        found = chain_contact(world, columns, base, curves)
-        return None if found is None else found[:2]
+    check = curve_check(world, columns, base)
 
     return searched(
         case.start,

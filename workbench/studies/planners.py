@@ -13,11 +13,10 @@ import numpy as np
 
 from workbench.model.cell import Arm, Cell
 from workbench.model.geometry import Floats
-from workbench.planning.collision.contact import Contact
-from workbench.planning.collision.motion import RESOLUTION, Curves, chain_contact, walked
+from workbench.planning.collision.motion import RESOLUTION, walked
 from workbench.planning.collision.pairing import Phase
 from workbench.planning.collision.world import World
-from workbench.planning.picking.search import TRIES, as_sent, edge_check, joint_weights
+from workbench.planning.picking.search import TRIES, as_sent, curve_check, edge_check, joint_weights
 from workbench.planning.planners.clock import working_time
 from workbench.plugins.planner import planner_named
 from workbench.plugins.progress import Report
@@ -74,10 +73,7 @@ class Course:
         """Plan once from home to a goal (n,) [rad], seeded by the target's number."""
         world, policy = self.world, self.world.policy
         columns, base = world.kinematics.columns[self.arm.name], world.configuration({})
-
-        def check(curves: Curves) -> tuple[Contact, Floats] | None:
-            found = chain_contact(world, columns, base, curves)
-            return None if found is None else found[:2]
+        check = curve_check(world, columns, base)
 
         edges = world.edges(columns, base, RESOLUTION)
         chain, is_clear = world.chains[self.arm.name], edge_check(check, edges=edges)

@@ -7,13 +7,12 @@ import numpy as np
 from workbench.model.candidate import Verdict
 from workbench.model.geometry import Floats
 from workbench.model.plan import ArmPlan, Leg, LegName
-from workbench.planning.collision.contact import Contact
 from workbench.planning.collision.legs import lead_of
-from workbench.planning.collision.motion import Curves, chain_contact, walked
+from workbench.planning.collision.motion import walked
 from workbench.planning.collision.world import World
 from workbench.planning.picking.execution import timed
 from workbench.planning.picking.route import MOTIONS
-from workbench.planning.picking.search import joint_weights, onward
+from workbench.planning.picking.search import curve_check, joint_weights, onward
 
 ITERATIONS = 100
 """Of the search: the space of all joints is larger, and looks cost more in it."""
@@ -32,10 +31,7 @@ def in_step(
     legs = (plans[0].leg(name), plans[1].leg(name))
     columns = np.concatenate([world.kinematics.columns[plan.arm] for plan in plans])
     base, policy = world.configuration({}), world.policy
-
-    def check(curves: Curves) -> tuple[Contact, Floats] | None:
-        found = chain_contact(world, columns, base, curves)
-        return None if found is None else found[:2]
+    check = curve_check(world, columns, base)
 
     start, goal = (np.concatenate([leg.q[k] for leg in legs]) for k in (0, -1))
     for q in (start, goal):

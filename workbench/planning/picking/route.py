@@ -21,11 +21,11 @@ from workbench.model.plan import (
 )
 from workbench.planning.collision.contact import Contact
 from workbench.planning.collision.legs import HOLDING, Run, phase_of
-from workbench.planning.collision.motion import RESOLUTION, Curves, chain_contact, path_contact
+from workbench.planning.collision.motion import RESOLUTION, path_contact
 from workbench.planning.collision.world import World
 from workbench.planning.picking.execution import timed
 from workbench.planning.picking.put_down import PutDown, home_of, put_down
-from workbench.planning.picking.search import joint_weights, onward
+from workbench.planning.picking.search import curve_check, joint_weights, onward
 from workbench.planning.planners.clock import working_time
 
 MOTIONS: Mapping[LegName, Literal["joint", "linear"]] = {
@@ -209,10 +209,7 @@ def free_path(
             return Verdict(
                 Reason.NO_PATH, Stage.ROUTE, contact.pair, contact.distance, q, "at its end"
             )
-
-    def check(curves: Curves) -> tuple[Contact, Floats] | None:
-        found = chain_contact(world, columns, base, curves)
-        return None if found is None else found[:2]
+    check = curve_check(world, columns, base)
 
     chain = world.chains[arm.name]
     return onward(

@@ -8,11 +8,12 @@ import numpy as np
 
 from workbench.model.candidate import Reason, Stage, Verdict
 from workbench.model.cell import Policy
-from workbench.model.geometry import Floats
+from workbench.model.geometry import Floats, Ints
 from workbench.model.motion import MotionModel
 from workbench.planning.collision.contact import Contact
-from workbench.planning.collision.motion import Curves, segment, walked
+from workbench.planning.collision.motion import Curves, chain_contact, segment, walked
 from workbench.planning.collision.sweeping.edges import Edges
+from workbench.planning.collision.world import World
 from workbench.planning.planners.asking import CompiledCheck
 from workbench.planning.planners.clock import working_time
 from workbench.planning.planners.shorten import merged, resampled, shortened
@@ -116,6 +117,16 @@ def _walked_from(before: Floats | None, path: Floats, zone: float) -> Curves:
 
 class _Late(Exception):
     """The deadline has passed; raised through the planners, which know nothing of it."""
+
+
+def curve_check(world: World, columns: Ints, base: Floats) -> Check:
+    """Whether motions of the joints `columns` (n,) are clear, others at `base` (nq,) [rad, m]."""
+
+    def check(curves: Curves) -> tuple[Contact, Floats] | None:
+        found = chain_contact(world, columns, base, curves)
+        return None if found is None else found[:2]
+
+    return check
 
 
 def edge_check(
