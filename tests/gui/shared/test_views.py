@@ -140,6 +140,9 @@ def test_results_of_the_steps_carry_units(states):
     assert "141 mm apart, nearer than the threshold" in views.parts_line(states.planned, 0.2)
     assert "141 mm apart, at least the threshold" in views.parts_line(states.planned, 0.14)
     parts = states.planned.detections
+    assert "wb-bad" not in views.parts_line(states.planned, 0.2)
+    said = views.parts_line(states.planned, 0.2, ("the CAD file of <a> seems 3.0 % too large",))
+    assert "wb-bad" in said and "The CAD file of &lt;a&gt; seems 3.0 % too large." in said
     three = replace(states.planned, detections=(*parts, parts[0]))
     assert "0.90, 2 of 3 pairs at least the threshold apart" in views.parts_line(three, 0.14)
 

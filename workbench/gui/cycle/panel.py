@@ -19,6 +19,7 @@ from workbench.app.core.release import moved_away, standing_votes
 from workbench.app.core.state import Phase, State
 from workbench.app.core.value_checks import MOST_PARTS, SEED_LIMIT
 from workbench.app.picking.facts import bin_check_of
+from workbench.app.runtime.live import Live
 from workbench.gui.cycle.approval import ApprovalDialog
 from workbench.gui.cycle.approval_views import approval_line
 from workbench.gui.cycle.outcomes import OutcomeInputs
@@ -147,7 +148,7 @@ class CyclePanel:
         check = new.bin_check
         self._move_bin.visible = check is not None and check.is_elsewhere
         self._visitor.admit(self._move_bin, state, ChangeCell)
-        self._draw_parts(state)
+        self._draw_parts(state, new.live)
         self._plan_line.content = plan_line(state)
         joints = new.live.joints
         visitor = self._visitor
@@ -182,10 +183,10 @@ class CyclePanel:
             len(kinds) > 1 and cell.scanner.source == "simulated"
         )
 
-    def _draw_parts(self, state: State) -> None:
+    def _draw_parts(self, state: State, live: Live) -> None:
         typed = self._threshold.value
         threshold = typed / 1000 if isinstance(typed, int | float) else 0.0
-        self._parts_line.content = parts_line(state, threshold)
+        self._parts_line.content = parts_line(state, threshold, live.wrong_sizes(state.detections))
         self._forecast_line.content = forecast_line(
             state.cell, self._visitor.predictions, threshold
         )
@@ -220,8 +221,9 @@ class CyclePanel:
 
     def _threshold_typed(self) -> None:
         """Show what it would give; a plan that was made with another one is stale now."""
-        state, typed = self._visitor.bench.state, self._threshold.value
-        self._draw_parts(state)
+        bench, typed = self._visitor.bench, self._threshold.value
+        state = bench.state
+        self._draw_parts(state, bench.live)
         if state.plan is not None and not self._visitor.obstacle(state, WantThreshold):
             self._visitor.ask(lambda: WantThreshold(typed / 1000))
 

@@ -7,7 +7,7 @@ Everything that comes from outside (names of parts and people, messages of machi
 import math
 import re
 import time
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from html import escape
 from itertools import combinations
 
@@ -205,8 +205,8 @@ def scan_line(state: State) -> str:
     return line(f"{len(state.scan.points):,} points ({state.scan.source}){at}", tip=purpose)
 
 
-def parts_line(state: State, threshold: float) -> str:
-    """What the localizer has brought."""
+def parts_line(state: State, threshold: float, wrong_sizes: Sequence[str] = ()) -> str:
+    """What the localizer has brought, and what it says of CAD files of a wrong size."""
     purpose = "Fits the CAD model of the part to the scan."
     if state.detections is None:
         return hint(state, FindParts, purpose, 2)
@@ -217,7 +217,8 @@ def parts_line(state: State, threshold: float) -> str:
     more = " …" if count > 4 else ""
     noun = "part" if count == 1 else "parts"
     found = f"{count} {noun}, score {scores}{more}{_apart(state.detections, threshold)}"
-    return line(found, span=2, tip=purpose)
+    warnings = (line(f"{sentence(one)}.", kind="bad", span=2) for one in wrong_sizes)
+    return line(found, span=2, tip=purpose) + "".join(warnings)
 
 
 def _apart(detections: tuple[Detection, ...], threshold: float) -> str:
