@@ -63,6 +63,13 @@ def test_scanners_that_average_and_fatten_do_not_make_parts_larger(cell, bracket
         assert check is None or not check.is_off
 
 
+def test_a_scan_without_any_noise_tells_it_too(cell, bracket, truth):
+    exact = replace(NOISE_MODELS["fine"], drop_outs=0.0, outliers=0.0, flying=0.0)
+    still = replace(cell, scanner=replace(cell.scanner, depth_noise=0.0))
+    check = told(still, bracket, truth, 1.01, exact)
+    assert check is not None and check.ratio == pytest.approx(1 / 1.01, abs=0.001)
+
+
 def test_two_parts_are_not_enough(cell, bracket, truth):
     assert told(cell, bracket, truth, 1.0, NOISE_MODELS["fine"], count=2) is None
 

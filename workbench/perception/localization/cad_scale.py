@@ -35,6 +35,9 @@ SHARED = 4.0
 GATE = 6.0
 """Robust deviations beyond which a point says nothing."""
 
+FINEST = 1e-6
+"""[m] Noise is never taken for less."""
+
 LARGEST_STEP = 0.02
 """By which the scale changes in one step."""
 
@@ -112,9 +115,11 @@ def _fitted(
             np.sum(arms * pairs.normals, axis=1),
         ])  # fmt: skip
         # The robust deviation is not asked before the pose is nearly right.
-        spread = 1.48 * float(np.median(np.abs(pairs.off)))
+        spread = max(1.48 * float(np.median(np.abs(pairs.off))), FINEST)
         gate = tolerance if step < 2 else min(tolerance, GATE * spread)
         weights = np.clip(1.0 - (pairs.off / gate) ** 2, 0.0, None) ** 2  # Tukey's biweight
+        if not weights.any():
+            return None
         A, b = rows.T @ (weights[:, None] * rows), rows.T @ (weights * pairs.off)
         others = A[:7, :7] + OPEN * np.trace(A[:6, :6]) / 6 * np.eye(7)
         taken = np.linalg.solve(others, A[:7, 7])
@@ -126,7 +131,7 @@ def _fitted(
         x = np.linalg.solve(others, b[:7] - A[:7, 7] * change)
         move(T, centre, x[:6], radius)
         scale += change / radius
-        variance = float(weights @ pairs.off**2) / float(weights.sum())
+        variance = max(float(weights @ pairs.off**2) / float(weights.sum()), FINEST**2)
         deviation = float(np.sqrt(SHARED * variance / information)) / radius
         shared = SHARED_OFF * float(np.sqrt(weights.sum() / information)) / radius
     return scale, deviation, shared
