@@ -1,9 +1,12 @@
 """The study of localization: what its table says follows from its scenes."""
 
+import json
+
 import numpy as np
 import pinocchio as pin
 import pytest
 
+from workbench.cli.main import main
 from workbench.formats.parts.reading import read_part
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.scan import Detection
@@ -112,3 +115,20 @@ def test_what_is_found_of_another_kind_is_wrong():
 def test_an_empty_bin_is_a_task_too():
     scene = localized_scene(Task("yumi", "bolt", "fine", 0, 5, raised=-0.004))
     assert (scene.found, scene.visible) == ((), ())
+
+
+def test_a_cad_file_of_another_size_is_said_to_be_one():
+    (size,) = localized_scene(Task("yumi", "bracket", "fine", 5, 100, cad_scale=0.98)).scales
+    assert size.words == "the CAD file of bracket seems 2.0 % too small for what was scanned"
+
+
+def test_figures_are_those_of_bop_too(capsys):
+    arguments = ["--parts", "bracket", "--counts", "2", "--noise", "fine", "--scenes", "1"]
+    assert main(["study", "localization", *arguments, "--seed", "5", "--json"]) == 0
+    (row,) = json.loads(capsys.readouterr().out)["rows"]
+    assert row["bop"]["mssd"] == row["bop"]["mssd_mm"] == row["bop"]["mspd"] == 1.0
+    assert row["bop"]["objects"]["bracket"]["targets"] == 2
+    # Two parts are not enough to tell a size.
+    assert row["size"] == {"told": 0, "said": 0, "median": None}
+    assert main(["study", "localization", *arguments, "--cad-scale", "3"]) == 2
+    assert "--cad-scale" in capsys.readouterr().err

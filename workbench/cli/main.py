@@ -89,6 +89,7 @@ HOW: Mapping[type, str] = {
     studies.StudyLocalization: "measuring.studies:study_localization",
     studies.StudyThreshold: "measuring.studies:study_threshold",
     studies.StudyEmptying: "measuring.emptying:emptying",
+    studies.StudyBop: "measuring.bop:study_bop",
     nested.CellNew: "authoring.new_cell:new_cell",
     nested.CellCheck: "authoring.cell:check_cell",
     nested.CellShow: "authoring.cell:show_cell",

@@ -149,12 +149,49 @@ class Discarded:
         return self.reason if self.rival is None else f"{self.reason} part-{self.rival + 1}"
 
 
+OFF_SCALE, OFF_BY = 0.005, 3.0
+"""A size is wrong that differs by more than this share, and by so many standard deviations."""
+
+
+@dataclass(frozen=True, slots=True)
+class ScaleCheck:
+    """How large a kind of part is in a scan over its CAD file: `ratio`, with its `deviation`.
+
+    `count` parts found told it.
+    """
+
+    part: str
+    ratio: float
+    deviation: float
+    count: int
+
+    @property
+    def is_off(self) -> bool:
+        """Whether the size differs by more than what noise explains."""
+        return abs(self.ratio - 1.0) > max(OFF_SCALE, OFF_BY * self.deviation)
+
+    @property
+    def words(self) -> str:
+        """What is wrong, as a person reads it; empty when nothing is."""
+        if not self.is_off:
+            return ""
+        share = 1.0 / self.ratio - 1.0
+        side = "large" if share > 0 else "small"
+        return (
+            f"the CAD file of {self.part} seems {abs(share):.1%} too {side} for what was scanned"
+        ).replace("%", " %")
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class LocalizationResult:
-    """What a search brought: the parts, best first, and the best of what was discarded."""
+    """What a search brought: the parts, best first, and the best of what was discarded.
+
+    `scales` are of those kinds of which enough is seen to tell their size.
+    """
 
     detections: tuple[Detection, ...]
     discarded: tuple[Discarded, ...] = ()
+    scales: tuple[ScaleCheck, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -1,12 +1,13 @@
 """How well and how fast parts are found: seeded piles, simulated scans, true poses to compare."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from types import MappingProxyType
 from typing import Any
 
 import numpy as np
+import pinocchio as pin
 
 from workbench.app.runtime.work import find_parts
 from workbench.formats.cells.reading import read_cell
@@ -14,13 +15,16 @@ from workbench.formats.parts.reading import read_part
 from workbench.model.cell import Cell
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.part import Part
-from workbench.model.scan import ALL_KINDS, Detection
+from workbench.model.scan import ALL_KINDS, Detection, ScaleCheck
 from workbench.perception.localization.pose_error import mssd, pose_error, squared_error
 from workbench.perception.simulation.noise_models import NOISE_MODELS, NoiseModel
 from workbench.perception.simulation.piles import pile_of
 from workbench.perception.simulation.synthesize import synthesize, visible_shares
+from workbench.perception.views.camera import Pinhole
 from workbench.planning.planners.clock import working_time
 from workbench.plugins.progress import never, silent
+from workbench.studies.bop.pose_errors import errors_by_name, pose_errors, shape_of
+from workbench.studies.bop.precision import Estimate, Judged, detection_figures
 from workbench.studies.cases import percentiles
 from workbench.studies.sureness import sureness
 
@@ -69,7 +73,7 @@ class Task:
 
     The scanner is not where the cell has it: all that it sees is `raised` [m] and `tilted` [rad]
     about the bin's x axis.  `searched` are the kinds that are looked for, as in `part`; empty:
-    those that lie there.
+    those that lie there.  Their CAD files are `cad_scale` times as large as what lies there.
     """
 
     cell: str
@@ -80,6 +84,7 @@ class Task:
     raised: float = 0.0
     tilted: float = 0.0
     searched: str = ""
+    cad_scale: float = 1.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,18 +109,23 @@ class Found:
 
 @dataclass(frozen=True, slots=True)
 class Scene:
-    """What came of a task: `visible` and `is_found` of each true part, and the time [s]."""
+    """What came of a task: `visible` and `is_found` of each true part, and the time [s].
+
+    `bop` is what BOP goes by, `scales` what the search says of the size of the CAD files.
+    """
 
     task: Task
     found: tuple[Found, ...]
     visible: tuple[float, ...]
     is_found: tuple[bool, ...]
     seconds: float
+    bop: Judged = field(default_factory=lambda: Judged((), ()))
+    scales: tuple[ScaleCheck, ...] = ()
 
 
 def localized_scene(task: Task) -> Scene:
     """Drop parts, scan them, find them, and compare."""
-    cell = _warm(task.cell, task.searched or task.part, task.build)
+    cell = _warm(task.cell, task.searched or task.part, task.build, task.cad_scale)
     lying = replace(cell, parts=_kinds(task.part))
     fallen = pile_of(lying, ALL_KINDS, task.count, seed=task.seed)
     scan = synthesize(lying, fallen, seed=task.seed, noise=BUILDS[task.build].noise)
@@ -125,15 +135,45 @@ def localized_scene(task: Task) -> Scene:
     truth = tuple(replace(one, T_world_part=off * one.T_world_part) for one in fallen)
     scan = replace(scan, T_world_scanner=off * scan.T_world_scanner)
     began = working_time()
-    detections = find_parts(cell, {"scan": scan, "seed": task.seed}, silent, never).detections
+    result = find_parts(cell, {"scan": scan, "seed": task.seed}, silent, never)
     seconds = working_time() - began
+    detections = result.detections
     names = {part.name for part in cell.parts}
     is_searched = [one.part in names for one in truth]
     there = [one for one, wanted in zip(truth, is_searched, strict=True) if wanted]
     found, is_found = compare(cell.parts, there, detections)
     shares = visible_shares(lying, fallen)
     visible = tuple(share for share, wanted in zip(shares, is_searched, strict=True) if wanted)
-    return Scene(task, found, visible, is_found, seconds)
+    T_scanner_world = scan.T_world_scanner.inverse()
+    bop = Judged(
+        tuple(
+            Estimate(one.part, one.score, _errors(cell, T_scanner_world, there, one))
+            for one in detections
+        ),
+        tuple((one.part, share) for one, share in zip(there, visible, strict=True)),
+    )
+    return Scene(task, found, visible, is_found, seconds, bop, result.scales)
+
+
+def _errors(
+    cell: Cell, T_scanner_world: pin.SE3, truth: Sequence[Detection], found: Detection
+) -> Mapping[str, tuple[float | None, ...]]:
+    """The errors of a detection against all that lies there, as BOP has them."""
+    shape, camera = shape_of(cell.part(found.part)), Pinhole.of_scanner(cell.scanner)
+    return errors_by_name(
+        [
+            pose_errors(
+                shape,
+                T_scanner_world * true.T_world_part,
+                T_scanner_world * found.T_world_part,
+                camera.matrix,
+                camera.shape[1],
+            )
+            if true.part == found.part
+            else None
+            for true in truth
+        ]
+    )
 
 
 @lru_cache(maxsize=12)
@@ -142,15 +182,23 @@ def _kinds(names: str) -> tuple[Part, ...]:
 
 
 @lru_cache(maxsize=12)
-def _warm(name: str, parts: str, build: str) -> Cell:
+def _warm(name: str, parts: str, build: str, cad_scale: float) -> Cell:
     """The cell with those parts and scanner, after a search: code and parts are prepared."""
-    kinds, deviation = _kinds(parts), BUILDS[build].deviation
+    kinds = tuple(_scaled(part, cad_scale) for part in _kinds(parts))
+    deviation = BUILDS[build].deviation
     cell = read_cell(name)
     scanner = cell.scanner if deviation is None else replace(cell.scanner, depth_noise=deviation)
     cell = replace(cell, parts=kinds, scanner=scanner)
     scan = synthesize(cell, pile_of(cell, ALL_KINDS, len(kinds), seed=0), seed=0)
     find_parts(cell, {"scan": scan, "seed": 0}, silent, never)
     return cell
+
+
+def _scaled(part: Part, factor: float) -> Part:
+    """The part with a mesh of another size, its symmetry being the same."""
+    fixed = np.array(part.symmetry.point)
+    points = fixed + factor * (part.mesh.points - fixed)
+    return part if factor == 1.0 else replace(part, mesh=replace(part.mesh, points=points))
 
 
 def compare(
@@ -222,7 +270,9 @@ def summary(scenes: Sequence[Scene]) -> list[dict[str, Any]]:
 
     Shares are None when nothing is there to be counted.  `clear` are the parts that are expected
     to be found, `missed` those of them that are not; `roll_unknown` are right detections that
-    claim no roll.
+    claim no roll.  `bop` is the average precision as BOP has it (`detection_figures`), and
+    `size` what is said of the CAD files: in how many scenes it is `told` and `said` to be wrong,
+    and the `median` of the scanned size over it.
     """
     groups: dict[tuple[str, str, int], list[Scene]] = {}
     for scene in scenes:
@@ -259,6 +309,17 @@ def _row(part: str, build: str, count: int, scenes: Sequence[Scene]) -> dict[str
         "turn": _percentiles([one.turn for one in right if one.turn is not None]),
         "mssd": _percentiles([one.mssd for one in right if one.mssd and one.roll_known]),
         "seconds": _percentiles([scene.seconds for scene in scenes]),
+        "bop": detection_figures([scene.bop for scene in scenes]),
+        "size": _size([scene.scales for scene in scenes]),
+    }
+
+
+def _size(scenes: Sequence[tuple[ScaleCheck, ...]]) -> dict[str, Any]:
+    ratios = [one.ratio for scales in scenes for one in scales]
+    return {
+        "told": sum(bool(scales) for scales in scenes),
+        "said": sum(any(one.is_off for one in scales) for scales in scenes),
+        "median": float(np.median(ratios)) if ratios else None,
     }
 
 

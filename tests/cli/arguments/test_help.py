@@ -55,6 +55,7 @@ NESTED = (
     ("study", "threshold"),
     ("study", "localization"),
     ("study", "emptying"),
+    ("study", "bop"),
     ("cell", "new"),
     ("cell", "check"),
     ("cell", "show"),

@@ -137,6 +137,9 @@ def test_steps_that_have_to_wait_say_for_what(states):
 def test_results_of_the_steps_carry_units(states):
     assert "3,600 points (a drawn floor), 08:53:20 UTC" in views.scan_line(states.planned)
     assert "2 parts, score 0.90, 0.90" in views.parts_line(states.planned)
+    assert "wb-bad" not in views.parts_line(states.planned)
+    said = views.parts_line(states.planned, ("the CAD file of <a> seems 3.0 % too large",))
+    assert "wb-bad" in said and "The CAD file of &lt;a&gt; seems 3.0 % too large." in said
 
 
 def test_a_plan_whose_proof_does_not_hold_says_what_was_found(states):

@@ -17,6 +17,7 @@ from workbench.app.runtime.live import Live
 from workbench.app.runtime.worker import GettingReady
 from workbench.formats.plans.certificates import read_certificate
 from workbench.formats.plans.plan_files import read_plan
+from workbench.model.scan import LocalizationResult, ScaleCheck
 from workbench.web.api.calls import CALLS
 from workbench.web.api.fields import LARGEST_BODY
 from workbench.web.api.reads import READS, Source
@@ -78,6 +79,18 @@ def test_what_a_cycle_has_made_can_be_read(site, results, tmp_path):
     read, stated = read_plan(tmp_path / "plan.json")
     assert read.digest == stated == digest
     assert site.get("/sessions").json() == {"current": "session", "sessions": ["session"]}
+
+
+def test_cad_files_of_a_wrong_size_are_told_with_the_parts_they_belong_to(site):
+    plan(site)
+    found = site.bench.state.detections
+    sizes = (ScaleCheck("bolt", 0.97, 0.002, 4), ScaleCheck("bracket", 1.001, 0.002, 4))
+    assert site.get("/state").json()["wrong_sizes"] == []
+    site.effects.live = Live(findings=LocalizationResult(found, (), sizes))
+    told = ["the CAD file of bolt seems 3.1 % too large for what was scanned"]
+    assert site.get("/state").json()["wrong_sizes"] == told
+    site.effects.live = Live(findings=LocalizationResult(found[:1], (), sizes))
+    assert site.get("/state").json()["wrong_sizes"] == []
 
 
 def test_a_task_is_told_while_it_runs_and_can_be_cancelled(site):

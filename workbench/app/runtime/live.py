@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 
 from workbench.app.runtime.worker import GettingReady
 from workbench.model.release import LinkStatus
-from workbench.model.scan import LocalizationResult
+from workbench.model.scan import Detection, LocalizationResult
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -38,6 +38,12 @@ class Live:
     getting_ready: GettingReady | None = None
     unrecorded: str = ""
     is_saving: bool = False
+
+    def wrong_sizes(self, detections: tuple[Detection, ...] | None) -> tuple[str, ...]:
+        """What the search that brought these detections says of CAD files of a wrong size."""
+        if self.findings is None or self.findings.detections is not detections:
+            return ()
+        return tuple(one.words for one in self.findings.scales if one.is_off)
 
     def told_of(self, job: int) -> tuple[float, str]:
         """Share done and note of the job with that number, or of what it waits for."""

@@ -31,6 +31,8 @@ class StudyLocalization:
     search: str = ""
     """Kinds to look for in place of those that lie there, as in --parts: what is found is wrong."""
     seed: FirstSeed = 0
+    cad_scale: float = 1.0
+    """The CAD files are so many times as large as what lies there: is that said?"""
     plot: Path | None = None
     """HTML file to draw it in."""
     json: Json = False
@@ -104,6 +106,39 @@ class StudyEmptying:
 
 
 @dataclass(frozen=True, slots=True)
+class StudyBop:
+    """Find the objects of a data set in BOP's layout, and measure as BOP 2024 does.
+
+    Its depth images alone are looked at.
+    """
+
+    folder: Positional[Path]
+    """The data set: its folder with the models and the splits."""
+    split: str = "test"
+    """Name of the folder with the scenes."""
+    models: str = "models"
+    """Name of the folder with the models to look for; errors are measured on models_eval, if there
+    is one."""
+    sensor: str = ""
+    """Which one, where scenes have several: scene_camera_SENSOR.json, depth_SENSOR and so on."""
+    cell: str = "yumi"
+    """Name under robots/, or path of a cell.toml: its localizer searches, and its scanner's noise
+    counts where an image tells none."""
+    own_bin: bool = False
+    """The images are of that cell's bin, by its scanner.  If not, things are looked for above the
+    plane on which most of an image lies: a floor little above a table is taken for the table."""
+    images: int = 0
+    """No more than the first so many images; 0 takes all."""
+    results: Path | None = None
+    """A CSV file of BOP's results to be measured instead of a search."""
+    out: Path | None = None
+    """CSV file for what was found, as BOP takes it."""
+    seed: int = 0
+    """Of the search."""
+    json: Json = False
+
+
+@dataclass(frozen=True, slots=True)
 class Study:
     """Measure how well the cell does on many seeded piles."""
 
@@ -111,4 +146,5 @@ class Study:
         Annotated[StudyThreshold, subcommand("threshold")]
         | Annotated[StudyLocalization, subcommand("localization")]
         | Annotated[StudyEmptying, subcommand("emptying")]
+        | Annotated[StudyBop, subcommand("bop")]
     )

@@ -11,6 +11,7 @@ from workbench.app.runtime.readiness import make_ready
 from workbench.cli.arguments.nested import BenchPick, BenchPlanners
 from workbench.cli.arguments.studies import StudyLocalization, StudyThreshold
 from workbench.cli.exits import SUCCESS
+from workbench.cli.measuring.bop import BOP_COLUMNS, bop_words
 from workbench.cli.terminal import check_number, check_whole, print_json, print_table, progress
 from workbench.formats.cells.predictions import predictions_path, write_predictions
 from workbench.formats.cells.reading import read_cell
@@ -139,7 +140,9 @@ def study_localization(typed: StudyLocalization) -> int:
         check_whole("--counts", count, 0, MOST_PARTS)
     check_number("--raised", typed.raised, -100.0, 100.0)
     check_number("--tilted", typed.tilted, -45.0, 45.0)
-    off = (typed.raised / 1000, float(np.deg2rad(typed.tilted)), typed.search)
+    check_number("--cad-scale", typed.cad_scale, 0.5, 2.0)
+    tilted = float(np.deg2rad(typed.tilted))
+    off = (typed.raised / 1000, tilted, typed.search, typed.cad_scale)
     tasks = [
         localization.Task(typed.cell, part, build, count, seed, *off)
         for part in typed.parts
@@ -164,6 +167,12 @@ def study_localization(typed: StudyLocalization) -> int:
         (*columns, "mm", "degrees", "ms"),
         [_localization_words(row) for row in rows],
     )
+    columns = ("part", "noise", "count", *BOP_COLUMNS, "CAD said off", "scanned over CAD")
+    print_table(
+        "Average precision as BOP 2024 has it; size of the CAD files",
+        columns,
+        [_bop_words(row) for row in rows],
+    )
     if sure["calibration_error"] is not None:
         count = sum(one["count"] for one in sure["bins"])
         print(
@@ -176,6 +185,18 @@ def study_localization(typed: StudyLocalization) -> int:
             "ellipsoids of their covariances"
         )
     return SUCCESS
+
+
+def _bop_words(row: dict[str, Any]) -> tuple[str, ...]:
+    size = row["size"]
+    return (
+        row["part"],
+        row["build"],
+        str(row["count"]),
+        *bop_words(row["bop"]),
+        f"{size['said']} of {row['scenes']}",
+        "" if size["median"] is None else f"{size['median']:.4f}",
+    )
 
 
 def _localization_words(row: dict[str, Any]) -> tuple[str, ...]:

@@ -65,6 +65,9 @@ def localize(typed: arguments.Localize) -> int:
     if typed.discarded:
         columns = ("part", "x mm", "y mm", "z mm", "score", "why it is none")
         print_table("Discarded", columns, [_discarded_words(one) for one in findings.discarded])
+    for size in findings.scales:
+        if size.is_off:
+            print(f"size: {size.words} (± {size.deviation * 100:.1f} %, by {size.count} parts)")
     noise = sensor_model(cloud.points).noise
     if noise is not None:
         print(f"scanner: noise of {noise * 1000:.2f} mm at 1 m in this scan")

@@ -7,7 +7,7 @@ Everything that comes from outside (names of parts and people, messages of machi
 import math
 import re
 import time
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from html import escape
 
 from workbench.app.core.commands import FindParts, MakePlan, TakeScan
@@ -203,8 +203,8 @@ def scan_line(state: State) -> str:
     return line(f"{len(state.scan.points):,} points ({state.scan.source}){at}", tip=purpose)
 
 
-def parts_line(state: State) -> str:
-    """What the localizer has brought."""
+def parts_line(state: State, wrong_sizes: Sequence[str] = ()) -> str:
+    """What the localizer has brought, and what it says of CAD files of a wrong size."""
     purpose = "Fits the CAD model of the part to the scan."
     if state.detections is None:
         return hint(state, FindParts, purpose, 2)
@@ -214,7 +214,9 @@ def parts_line(state: State) -> str:
     scores = ", ".join(f"{detection.score:.2f}" for detection in state.detections[:4])
     more = " …" if count > 4 else ""
     noun = "part" if count == 1 else "parts"
-    return line(f"{count} {noun}, score {scores}{more}", span=2, tip=purpose)
+    found = f"{count} {noun}, score {scores}{more}"
+    warnings = (line(f"{sentence(one)}.", kind="bad", span=2) for one in wrong_sizes)
+    return line(found, span=2, tip=purpose) + "".join(warnings)
 
 
 def forecast_line(cell: Cell, predictions: Predictions | None, threshold: float) -> str:

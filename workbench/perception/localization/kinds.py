@@ -89,7 +89,8 @@ def merged(brought: Sequence[Searched]) -> LocalizationResult:
         for one, _ in lost
     ]
     discarded.sort(key=lambda one: -one.score)
-    return LocalizationResult(tuple(found), tuple(discarded[:MOST_DISCARDED]))
+    scales = tuple(scale for one in brought for scale in one.findings.scales)
+    return LocalizationResult(tuple(found), tuple(discarded[:MOST_DISCARDED]), scales)
 
 
 def _overlap(

@@ -15,6 +15,7 @@ from workbench.model.geometry import Floats
 from workbench.model.part import Part
 from workbench.model.scan import Detection, Discarded, LocalizationResult, Objection, Scan
 from workbench.perception.localization.assessment import Assessment, assess
+from workbench.perception.localization.cad_scale import scale_check
 from workbench.perception.localization.certainty import covariance, probability_of
 from workbench.perception.localization.choice import (
     LEAST_PIXELS,
@@ -88,7 +89,10 @@ def _searched(scan: Scan, one: Sought, standing: Judged) -> Searched:
     gains = tuple(choice.chosen[k].sighting.gain * one.maps.pitch**2 for k in order)
     detections = tuple(_detection(scan, one, choice.chosen[k], standing.ratios[k]) for k in order)
     discarded = _discarded(scan, one, choice, order)
-    return Searched(LocalizationResult(detections, discarded), one.surface, gains)
+    poses = [chosen.pose for chosen in choice.chosen]
+    scale = scale_check(one.part.name, one.maps, one.surface, poses, one.tolerance)
+    scales = () if scale is None else (scale,)
+    return Searched(LocalizationResult(detections, discarded, scales), one.surface, gains)
 
 
 def sought(

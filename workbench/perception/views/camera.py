@@ -30,6 +30,12 @@ class Pinhole:
         focal = columns / 2 / np.tan(mount.field_of_view / 2)
         return cls(focal, np.array([columns - 1, rows - 1]) / 2, (rows, columns))
 
+    @property
+    def matrix(self) -> Floats:
+        """The camera matrix (3, 3) [px]."""
+        column, row = self.centre
+        return np.array([[self.focal, 0, column], [0, self.focal, row], [0, 0, 1]])
+
     def rays(self) -> Floats:
         """Directions (rows, columns, 3) through the pixel centres, scaled to z = 1: no unit."""
         rows, columns = self.shape

@@ -84,6 +84,7 @@ STATE = record(
     getting_ready=PREPARING,
     scan=or_none(DIGEST),
     detections=or_none(WHOLE),
+    wrong_sizes=many(TEXT),
     verdict=or_none(VERDICT),
     plan=or_none(DIGEST),
     strategy=or_none(TEXT),

@@ -1,0 +1,58 @@
+"""`workbench study bop`: the localizer on a data set in BOP's layout, measured as BOP does it."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from workbench.app.core.value_checks import SEED_LIMIT
+from workbench.app.runtime.readiness import make_ready
+from workbench.cli.arguments.studies import StudyBop
+from workbench.cli.exits import SUCCESS
+from workbench.cli.terminal import check_whole, print_json, print_table, progress
+from workbench.formats.bop.results import read_results, write_results
+from workbench.formats.cells.reading import read_cell
+from workbench.studies.bop.searching import DataSet, figures_of
+
+MOST = 1_000_000
+
+BOP_ERRORS = ("mssd", "mssd_mm", "mspd", "bop24")
+BOP_COLUMNS = ("AP MSSD", "AP MSSD mm", "AP MSPD", "AP")
+
+
+def study_bop(typed: StudyBop) -> int:
+    """Search or read, and measure."""
+    check_whole("--images", typed.images, 0, MOST)
+    check_whole("--seed", typed.seed, 0, SEED_LIMIT - 1)
+    cell = read_cell(typed.cell)
+    data = DataSet.read(typed.folder, typed.split, typed.models, typed.sensor, typed.images)
+    if typed.results is None:
+        with progress("bop") as report:
+            make_ready(report, ("seeing",))
+            found = data.searched(cell, typed.seed, report, is_own_bin=typed.own_bin)
+    else:
+        found = read_results(typed.results)
+    if typed.out is not None:
+        write_results(typed.out, found)
+    figures = figures_of(data, found)
+    if typed.json:
+        print_json({"images": len(data.images), "found": len(found), **figures})
+        return SUCCESS
+    rows = [
+        (name, str(one["targets"]), *bop_words(one)) for name, one in figures["objects"].items()
+    ]
+    total = sum(one["targets"] for one in figures["objects"].values())
+    rows.append(("all", str(total), *bop_words(figures)))
+    print_table(
+        f"{len(data.images)} images, {len(found)} found; average precision as BOP 2024 has it",
+        ("object", "to be found", *BOP_COLUMNS),
+        rows,
+    )
+    seconds = figures["seconds"]
+    if seconds is not None:
+        print(f"{seconds:.2f} s an image")
+    return SUCCESS
+
+
+def bop_words(figures: Mapping[str, Any]) -> tuple[str, ...]:
+    """The average precisions, as a table has them."""
+    values = (figures.get(name) for name in BOP_ERRORS)
+    return tuple("" if value is None else f"{value:.3f}" for value in values)

@@ -1,0 +1,155 @@
+"""Whether parts are as large as their CAD file has them: a fit with a scale, over all detections.
+
+A point-to-plane fit (Chen & Medioni 1992) with eight unknowns: a pose, a scale about the part's
+middle, and one distance by which the whole surface seems to be off along its normals.  The latter
+takes what scanners do to curved surfaces (they average neighbours, and have near things grow), so
+that the radius alone of something round says nothing: lengths between faces and edges of different
+directions do.  Pose and distance are eliminated for each detection; what is left of the scale is
+put together by the weights of its information.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.ndimage import binary_erosion
+
+from workbench.model.geometry import Floats
+from workbench.model.scan import ScaleCheck
+from workbench.perception.localization.maps import DepthMap
+from workbench.perception.localization.registration import move, transformed
+from workbench.perception.localization.sightings import AGREEING, Drawing, predicted
+from workbench.perception.parts.part_surface import PartSurface
+
+STEPS = 6
+"""Of the fit: each draws the part anew."""
+
+RIM = 2
+"""Pixels around the part's picture that do not count: there both sides of an edge are mixed."""
+
+FEWEST_POINTS = 30
+
+SHARED = 4.0
+"""Points that share their errors: so many count as one."""
+
+GATE = 6.0
+"""Robust deviations beyond which a point says nothing."""
+
+FINEST = 1e-6
+"""[m] Noise is never taken for less."""
+
+LARGEST_STEP = 0.02
+"""By which the scale changes in one step."""
+
+OPEN = 1e-4
+"""Share of the mean information that unknowns get which the points leave open."""
+
+TELLING = 0.05
+"""Standard deviation of a scale above which a detection says nothing of it."""
+
+FEWEST = 3
+"""Detections that have to tell a scale."""
+
+SHARED_OFF = 1.5e-5
+"""[m] By so much all points of a scan are off together along whatever tells the scale: a part of
+which only short lengths are seen tells little, however many points it has."""
+
+LEAST_DEVIATION = 0.001
+"""Standard deviation of a scale, at least: no scanner is calibrated better."""
+
+
+def scale_check(
+    name: str, maps: DepthMap, surface: PartSurface, poses: Sequence[Floats], tolerance: float
+) -> ScaleCheck | None:
+    """How large a kind of part is in the scan over its CAD file, None where that cannot be told.
+
+    Args:
+        name: of the part.
+        maps: the scan.
+        surface: the part.
+        poses: (4, 4) [m] of those found, in the scanner's frame.
+        tolerance: [m] see `sightings.look`.
+    """
+    told = [_fitted(maps, surface, pose, tolerance) for pose in poses]
+    sure = [one for one in told if one is not None and np.hypot(*one[1:]) <= TELLING]
+    if len(sure) < FEWEST:
+        return None
+    scales, deviations, shared = np.array(sure).T
+    weights = 1.0 / (deviations**2 + shared**2)
+    mean = float(weights @ scales / weights.sum())
+    # Where they differ by more than they say, all of them are less sure (Birge 1932).
+    birge = float(deviations**-2.0 @ (scales - mean) ** 2) / (len(sure) - 1)
+    own = max(birge, 1.0) * float(weights**2 @ deviations**2) / weights.sum() ** 2
+    common = float(weights @ shared) / weights.sum()
+    deviation = np.sqrt(own + common**2 + LEAST_DEVIATION**2)
+    # Rounded, so that it is the same on any machine.
+    return ScaleCheck(name, round(1.0 + mean, 4), round(float(deviation), 4), len(sure))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Pairs:
+    """Where the surface is predicted (n, 3) [m], its normals there, how far off the scan is [m]."""
+
+    points: Floats
+    normals: Floats
+    off: Floats
+
+
+def _fitted(
+    maps: DepthMap, surface: PartSurface, pose: Floats, tolerance: float
+) -> tuple[float, float, float] | None:
+    """By which share one part is larger than its CAD file, and the standard deviations of that.
+
+    The first is its own, the second what all parts of the scan share.
+    """
+    T, scale, radius = np.array(pose), 0.0, surface.diameter / 2
+    deviation = shared = np.inf
+    for step in range(STEPS):
+        pairs = _paired(maps, surface, T, 1.0 + scale, tolerance)
+        if len(pairs.off) < FEWEST_POINTS:
+            return None
+        centre = transformed(T, surface.middle)
+        arms = (pairs.points - np.array(centre)) / radius
+        rows = np.column_stack([
+            np.cross(arms, pairs.normals), pairs.normals, np.ones(len(arms)),
+            np.sum(arms * pairs.normals, axis=1),
+        ])  # fmt: skip
+        # The robust deviation is not asked before the pose is nearly right.
+        spread = max(1.48 * float(np.median(np.abs(pairs.off))), FINEST)
+        gate = tolerance if step < 2 else min(tolerance, GATE * spread)
+        weights = np.clip(1.0 - (pairs.off / gate) ** 2, 0.0, None) ** 2  # Tukey's biweight
+        if not weights.any():
+            return None
+        A, b = rows.T @ (weights[:, None] * rows), rows.T @ (weights * pairs.off)
+        others = A[:7, :7] + OPEN * np.trace(A[:6, :6]) / 6 * np.eye(7)
+        taken = np.linalg.solve(others, A[:7, 7])
+        information = float(A[7, 7] - A[:7, 7] @ taken)
+        if not information > 1e-9 * A[7, 7]:
+            return None
+        change = (b[7] - b[:7] @ taken) / information
+        change = float(np.clip(change, -LARGEST_STEP * radius, LARGEST_STEP * radius))
+        x = np.linalg.solve(others, b[:7] - A[:7, 7] * change)
+        move(T, centre, x[:6], radius)
+        scale += change / radius
+        variance = max(float(weights @ pairs.off**2) / float(weights.sum()), FINEST**2)
+        deviation = float(np.sqrt(SHARED * variance / information)) / radius
+        shared = SHARED_OFF * float(np.sqrt(weights.sum() / information)) / radius
+    return scale, deviation, shared
+
+
+def _paired(
+    maps: DepthMap, surface: PartSurface, T: Floats, scale: float, tolerance: float
+) -> _Pairs:
+    """The pixels that a part of another size explains at `T` (4, 4), but those at its rim."""
+    seen, middle = maps.seen, surface.middle
+    drawn = np.ascontiguousarray(middle + scale * (surface.vertices - middle))
+    drawing = Drawing(seen, drawn, surface.triangles, surface.is_closed, tolerance)
+    first_v, first_u, shown, hit, normals = predicted(drawing, np.ascontiguousarray(T))
+    j, i = np.nonzero(binary_erosion(np.isfinite(shown), iterations=RIM))
+    v, u = first_v + j, first_u + i
+    n, rays, depth = normals[hit[j, i]], seen.rays[v, u], seen.depth[v, u]
+    off = np.sum(n * rays, axis=1) * (depth - shown[j, i])
+    agrees = np.sum(n * seen.normals[v, u], axis=1) > AGREEING
+    on = (depth > 0) & (np.abs(off) <= tolerance) & seen.foreground[v, u] & agrees
+    # The predicted points, not the measured ones: the noise of these would look like size.
+    return _Pairs((rays * shown[j, i][:, None])[on], n[on], off[on])

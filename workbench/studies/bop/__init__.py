@@ -1,0 +1,1 @@
+"""Localization measured as BOP does it: its errors of poses, its average precision."""
