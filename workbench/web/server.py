@@ -181,6 +181,7 @@ def _own_routes(
         web.get("/scene/", relay.page),
         web.get(f"{PATH}/{{name}}", relay.piece),
         web.get("/static/{name}", pages.file),
+        web.get("/manual", pages.show_manual),
     ]
 
 

@@ -1,11 +1,11 @@
-"""Where things that come with the workbench are found: robots, parts, pages."""
+"""Where things that come with the workbench are found: robots, parts, pages, the manual."""
 
 from pathlib import Path
 from typing import Literal
 
 from workbench.model.errors import FileError
 
-Kind = Literal["robots", "parts", "static", "sessions"]
+Kind = Literal["robots", "parts", "static", "sessions", "docs"]
 
 PACKAGE = Path(__file__).resolve().parents[2]
 

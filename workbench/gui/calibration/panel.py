@@ -9,6 +9,7 @@ import viser
 from workbench.app.core.commands import ChangeCell, Command, SaveCell, SightPlate, UseSightings
 from workbench.app.core.value_checks import MOST_SIGHTINGS
 from workbench.app.picking.calibration import calibrated, with_calibration
+from workbench.gui.help.groups import group
 from workbench.gui.shared.calibration_views import (
     answer_html,
     overlay_line,
@@ -45,7 +46,7 @@ class CalibrationPanel:
         self._suggested: tuple[object, list[Floats]] = (None, [])
         gui, cell, plate = visitor.gui, visitor.cell, BallPlate()
         self._record = gui.add_html("")
-        with gui.add_folder("1 · Plate", expand_by_default=False):
+        with group(gui, "1 · Plate", expand_by_default=False):
             self._ball = gui.add_number(
                 "Ball [mm]",
                 plate.radius * 2000,
@@ -61,7 +62,7 @@ class CalibrationPanel:
                 hint="Centre to centre: ball 1 to 2, 2 to 3, 3 to 1; all different.",
             )
             visitor.name(self._sides, ("1 to 2", "2 to 3", "3 to 1"))
-        with gui.add_folder("2 · Poses"):
+        with group(gui, "2 · Poses"):
             self._where = gui.add_html("")
             names = tuple(arm.name for arm in cell.arms)
             self._arm = gui.add_dropdown(
@@ -78,7 +79,7 @@ class CalibrationPanel:
             self._table = gui.add_html("")
             self._leave = gui.add_button("Leave out", color="gray")
             self._remove = gui.add_button("Remove", icon=viser.Icon.TRASH, color="red")
-        with gui.add_folder("3 · Look and apply"):
+        with group(gui, "3 · Look and apply"):
             self._after = gui.add_checkbox(
                 "As calibrated", True, hint="Off: where the cell has the scanner now."
             )

@@ -9,6 +9,7 @@ import viser
 from workbench.app.core.commands import ChangeCell, RedoCell, SaveCell, TakeScan, UndoCell
 from workbench.gui.cell.jogging import JogControls
 from workbench.gui.cell.views import cell_line, measured_line, reach_line, tree_html
+from workbench.gui.help.groups import group
 from workbench.gui.scene.measure import pointed_at
 from workbench.gui.scene.pose_inputs import PoseInputs
 from workbench.gui.shared.look import View
@@ -36,9 +37,9 @@ class CellPanel:
         self._view: View | None = None
         self._is_saving = False
         gui, cell = visitor.gui, visitor.cell
-        with gui.add_folder("What is there", expand_by_default=False):
+        with group(gui, "What is there", expand_by_default=False):
             self._tree = gui.add_html("")
-        with gui.add_folder("Things in the cell"):
+        with group(gui, "Things in the cell"):
             self._thing = gui.add_dropdown(
                 "Thing", things(cell), hint="What the numbers and the gizmo below move."
             )
@@ -65,7 +66,7 @@ class CellPanel:
                 hint="Then click on two points in the scene; once more ends it.",
             )
             self._measured = gui.add_html("")
-        with gui.add_folder("Robot by hand"):
+        with group(gui, "Robot by hand"):
             self._jog = JogControls(visitor)
             self._tools = {
                 arm.name: gui.add_dropdown(
@@ -77,7 +78,7 @@ class CellPanel:
                 for arm in cell.arms
                 if len(arm.tools) > 1
             }
-        with gui.add_folder("Cell file"):
+        with group(gui, "Cell file"):
             self._remark = gui.add_text(
                 "Remark", "", hint="Why the cell was changed; kept in changes.log beside it."
             )

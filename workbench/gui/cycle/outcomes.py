@@ -5,6 +5,7 @@ import viser
 from workbench.app.core.commands import Command, ReportPick
 from workbench.app.core.state import State
 from workbench.app.core.value_checks import LONGEST_TEXT
+from workbench.gui.help.groups import help_html
 from workbench.gui.shared.look import View
 from workbench.gui.shared.views import line
 from workbench.gui.shared.visitor import Visitor
@@ -24,6 +25,7 @@ class OutcomeInputs:
         gui = visitor.gui
         self._folder = gui.add_folder("What became of the parts", visible=False)
         with self._folder:
+            gui.add_html(help_html("What became of the parts"))
             gui.add_html(row)
             self._rows = {arm.name: self._row(arm.name) for arm in visitor.cell.arms}
             self._why = gui.add_text(

@@ -26,6 +26,7 @@ from workbench.gui.cycle.step_button import StepButton
 from workbench.gui.cycle.strategies import strategy_hint, strategy_words
 from workbench.gui.cycle.threshold import ThresholdInput
 from workbench.gui.cycle.wishes import WishesInputs
+from workbench.gui.help.groups import group
 from workbench.gui.scene.fix_inputs import FixInputs
 from workbench.gui.shared.calibration_views import bin_html
 from workbench.gui.shared.link_views import NO_SAFETY
@@ -59,7 +60,7 @@ class CyclePanel:
         """Add the controls."""
         self._visitor = visitor
         gui = visitor.gui
-        with gui.add_folder("1 · Scan"):
+        with group(gui, "1 · Scan"):
             gui.add_html(ROW)
             self._kind = gui.add_dropdown(
                 "Which part", _kinds(visitor.cell), hint="Falls into the simulated bin."
@@ -87,11 +88,11 @@ class CyclePanel:
                 visible=False,
                 hint="Moves the bin of the cell to where it is seen; Undo is in the Cell tab.",
             )
-        with gui.add_folder("2 · Find parts"):
+        with group(gui, "2 · Find parts"):
             gui.add_html(ROW)
             self._parts_line = gui.add_html("")
             self._find = gui.add_button("Find parts", icon=viser.Icon.SEARCH)
-        with gui.add_folder("3 · Plan"):
+        with group(gui, "3 · Plan"):
             gui.add_html(ROW)
             self._strategies = strategy_words(visitor.cell)
             self._strategy = gui.add_dropdown(
@@ -103,7 +104,7 @@ class CyclePanel:
             self._plan_line = gui.add_html("")
             self._help_line = gui.add_html("", visible=False)
             self._fix = FixInputs(visitor)
-        with gui.add_folder("4 · Approve, 5 · Send to the robot") as sending:
+        with group(gui, "4 · Approve, 5 · Send to the robot") as sending:
             gui.add_html(ROW)
             gui.add_html(STAYS)
             self._approval_line = gui.add_html("")
@@ -115,7 +116,7 @@ class CyclePanel:
             )
             self._send = gui.add_button("Send", icon=viser.Icon.SEND)
         self._outcomes = OutcomeInputs(visitor, ROW)
-        with gui.add_folder("How it is planned", expand_by_default=False):
+        with group(gui, "How it is planned", expand_by_default=False):
             gui.add_html(ROW)
             self._wishes = WishesInputs(gui, visitor.cell.policy)
         self._dialog = ApprovalDialog(visitor)

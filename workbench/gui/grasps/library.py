@@ -13,6 +13,7 @@ from workbench.formats.parts.grasp_words import changes_in_words
 from workbench.formats.parts.saves import Version, draft_of, versions
 from workbench.gui.grasps.editing import Editing
 from workbench.gui.grasps.views import pairs_html, versions_html, words_html
+from workbench.gui.help.groups import group
 from workbench.gui.shared.views import line, not_saved
 from workbench.gui.shared.visitor import Visitor
 from workbench.model.digest import digest_of
@@ -84,7 +85,7 @@ class LibraryControls:
         self._save = gui.add_button(
             "Save", icon=viser.Icon.DEVICE_FLOPPY, hint="All changes of cell and parts."
         )
-        with gui.add_folder("Versions", expand_by_default=False):
+        with group(gui, "Versions", expand_by_default=False):
             self._list = gui.add_html("")
             self._version = gui.add_dropdown("Version", (NOW,))
             self._words = gui.add_html("")

@@ -19,6 +19,7 @@ from workbench.gui.grasps.library import LibraryControls, PairControls
 from workbench.gui.grasps.part_upload import PartUpload
 from workbench.gui.grasps.pose import GraspPose
 from workbench.gui.grasps.views import MOST_ROWS, check_line, grasps_html, no_grasp
+from workbench.gui.help.groups import group
 from workbench.gui.scene.stage import Stage, nearest_entry, size_of
 from workbench.gui.shared.look import View
 from workbench.gui.shared.views import not_redone, not_undone
@@ -81,23 +82,23 @@ class GraspsPanel:
             visible=False,
             hint="As a copy beside what somebody else made of it.",
         )
-        with gui.add_folder("Where the hand is"):
+        with group(gui, "Where the hand is"):
             self._pose = GraspPose(visitor, editing, self._moving)
-        with gui.add_folder("How it takes the part", expand_by_default=False):
+        with group(gui, "How it takes the part", expand_by_default=False):
             self._fields = GraspFields(visitor, editing)
-        with gui.add_folder("Copies and patterns", expand_by_default=False):
+        with group(gui, "Copies and patterns", expand_by_default=False):
             self._copies = GraspCopies(visitor, editing)
-        with gui.add_folder("Suggestions", expand_by_default=False):
+        with group(gui, "Suggestions", expand_by_default=False):
             self._suggestions = Suggestions(visitor, editing, self._preview)
-        with gui.add_folder("How the part can lie", expand_by_default=False):
+        with group(gui, "How the part can lie", expand_by_default=False):
             self._coverage = CoverageControls(visitor, editing, self._stage)
-        with gui.add_folder("Symmetry of the part", expand_by_default=False):
+        with group(gui, "Symmetry of the part", expand_by_default=False):
             self._symmetry = SymmetryControls(visitor, editing)
-        with gui.add_folder("Pairs for two arms", expand_by_default=False):
+        with group(gui, "Pairs for two arms", expand_by_default=False):
             self._pairs = PairControls(visitor, editing)
-        with gui.add_folder("Saved and not saved", expand_by_default=False):
+        with group(gui, "Saved and not saved", expand_by_default=False):
             self._library = LibraryControls(visitor, editing)
-        with gui.add_folder("New part from a CAD file", expand_by_default=False):
+        with group(gui, "New part from a CAD file", expand_by_default=False):
             self._upload = PartUpload(visitor)
         self._rows = visitor.rows(MOST_ROWS, self._chose)
         self._react()

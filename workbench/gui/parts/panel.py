@@ -11,6 +11,7 @@ import viser
 from workbench.app.core.commands import Command, ForgetAvoided, TakeScan, UseDetections, UseScan
 from workbench.formats.clouds.scans import parse_scan
 from workbench.formats.plans.pose_files import parse_poses
+from workbench.gui.help.groups import group
 from workbench.gui.parts.views import (
     MOST_ROWS,
     avoided_html,
@@ -86,7 +87,7 @@ class PartsPanel:
         self._avoided = gui.add_html("")
         self._forget = gui.add_button("Avoid no more", icon=viser.Icon.REFRESH, color="gray")
         self._remarks = gui.add_html("")
-        with gui.add_folder("Search again in this scan", expand_by_default=False):
+        with group(gui, "Search again in this scan", expand_by_default=False):
             self._searches = SearchInputs(visitor)
         self._rows = visitor.rows(MOST_ROWS, self._choose)
         self._scan.on_upload(lambda event: self._uploaded(event, self._scan_of))

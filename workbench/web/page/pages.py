@@ -10,11 +10,13 @@ from aiohttp import hdrs, web
 
 from workbench.formats.files.shipped import find
 from workbench.web.http.headers import page_policy
+from workbench.web.page.manual import read_manual
 
 TYPES: Mapping[str, str] = {
     "login.css": "text/css",
     "shell.css": "text/css",
     "shell.js": "text/javascript",
+    "manual.css": "text/css",
     "tour.css": "text/css",
     "tour.js": "text/javascript",
     "logo.svg": "image/svg+xml",
@@ -22,15 +24,16 @@ TYPES: Mapping[str, str] = {
 }
 """Files under `static/` that anybody may have, and what they are."""
 
-PAGES = ("login.html", "onward.html", "shell.html")
+PAGES = ("login.html", "manual.html", "onward.html", "shell.html")
 
 
 @dataclass(frozen=True, slots=True)
 class Pages:
-    """The texts of our pages and the contents of their files, by name."""
+    """The texts of our pages and the contents of their files, by name; and the manual as HTML."""
 
     texts: Mapping[str, str]
     files: Mapping[str, bytes]
+    manual: str
 
     @classmethod
     def read(cls) -> "Pages":
@@ -42,6 +45,7 @@ class Pages:
         return cls(
             {name: find("static", name).read_text(encoding="utf-8") for name in PAGES},
             {name: find("static", name).read_bytes() for name in TYPES},
+            read_manual(),
         )
 
     def page(
@@ -51,6 +55,13 @@ class Pages:
         text = re.sub(
             r"\{\{(\w+)\}\}", lambda place: html.escape(values[place[1]]), self.texts[name]
         )
+        return self._answer(request, text, status)
+
+    async def show_manual(self, request: web.Request) -> web.Response:
+        """The manual, which is HTML made of our own text."""
+        return self._answer(request, self.texts["manual.html"].replace("{{manual}}", self.manual))
+
+    def _answer(self, request: web.Request, text: str, status: int = 200) -> web.Response:
         return web.Response(
             text=text,
             status=status,

@@ -1,0 +1,169 @@
+"""The help of each group of controls: opened by its question mark, read in place."""
+
+from collections.abc import Generator, Mapping
+from contextlib import contextmanager
+from html import escape
+
+import viser
+
+SCAN, FIND, PLAN, SEND = "scan", "find-parts", "plan", "send"
+GRASPS, CELL, CALIBRATION = "put-grasps-on-a-part", "change-the-cell", "calibrate-the-scanner"
+
+HELP: Mapping[str, tuple[str, str]] = {
+    "1 · Scan": (
+        "Everything begins with a scan of the bin: points, and where the bin is seen. In a "
+        "simulated cell parts fall into the bin before; the same seed gives the same pile. A "
+        "new scan ends what was found, planned and approved before.",
+        SCAN,
+    ),
+    "2 · Find parts": (
+        "The shape of each part that the cell picks is searched for in the scan. The tab Parts "
+        "shows what was found, and how sure that is. What is wrong there can be corrected by "
+        "hand.",
+        FIND,
+    ),
+    "3 · Plan": (
+        "Each grasp of each part is judged with each arm, and from those that can be taken a "
+        "motion is planned. The threshold says from which distance on two arms may work at "
+        "once, where the strategy is auto. Every plan is proven anew by code that shares "
+        "nothing with planning.",
+        PLAN,
+    ),
+    "4 · Approve, 5 · Send to the robot": (
+        "A person who has watched the plan to its end approves it, by name, for one sending. "
+        "Then Send has the controller run it, and exactly it. Stop here is no safety function: "
+        "in danger use the emergency stop.",
+        SEND,
+    ),
+    "What became of the parts": (
+        "Say of each part whether its pick has succeeded. A part whose pick failed is left "
+        "alone for some scans, and three failures in a row are a fault. The statistics count "
+        "what is said here.",
+        "say-what-became-of-the-parts",
+    ),
+    "How it is planned": (
+        "These are wishes for the next planning, and begin as the cell has them. More "
+        "iterations find ways that are harder to find; a larger margin keeps farther from "
+        "everything. The proof holds every plan to the margins of the cell, whatever is wished.",
+        PLAN,
+    ),
+    "Search again in this scan": (
+        "The same scan is searched with more detail, or with another seed. What it finds is "
+        "drawn beside the parts found. Nothing is taken before you press Take this one.",
+        FIND,
+    ),
+    "What is there": (
+        "This lists what the cell is made of: robot, arms, tools, bin, fixtures and scanner. "
+        "All of it is an obstacle for every plan. It comes from the cell file.",
+        CELL,
+    ),
+    "Things in the cell": (
+        "Bin, scanner and fixtures can be moved, by numbers or by a gizmo. What was found and "
+        "planned before is gone then. Undo takes a change back.",
+        CELL,
+    ),
+    "Robot by hand": (
+        "The see-through robot is moved here, in your browser alone: the real one stays where "
+        "it is. The list says what it would touch, and how near it is. Where it stands can be "
+        "taught as home or as a place.",
+        CELL,
+    ),
+    "Cell file": (
+        "Changes of the cell count at once, and are in its file when they are saved. Comments "
+        "in the file stay. The remark is kept beside it, with the time and your name.",
+        CELL,
+    ),
+    "Where the hand is": (
+        "The pose of the chosen grasp: where the tip of the tool is on the part, and how it is "
+        "turned. It is moved by numbers, by the gizmo or by keys. Snap puts it square to the "
+        "surface.",
+        GRASPS,
+    ),
+    "How it takes the part": (
+        "Opening and grip of the fingers, the ways in and out, and which arms may take this "
+        "grasp. Measure fills in what the shape of the part gives. Apply takes what stands "
+        "there.",
+        GRASPS,
+    ),
+    "Copies and patterns": (
+        "A grasp can be repeated around an axis and along it, and stays one entry of the list. "
+        "Explode makes single grasps of it. Mirror puts one on the other side.",
+        GRASPS,
+    ),
+    "Suggestions": (
+        "Grasps are proposed for the shape of the part, the best ones first. A row that is "
+        "clicked shows the hand there. None counts before you take it.",
+        GRASPS,
+    ),
+    "How the part can lie": (
+        "Every grasp is tried however the part lies in the bin: tool against bin, and reach of "
+        "the arms. What is coloured shows where none works. Add what helps takes a grasp that "
+        "closes a gap.",
+        GRASPS,
+    ),
+    "Symmetry of the part": (
+        "Turns that leave the part as it looks: each grasp counts at every one of them. Look "
+        "proposes what the mesh has, Confirm takes it. Parts are found anew with it.",
+        GRASPS,
+    ),
+    "Pairs for two arms": (
+        "A pair says which grasp of one arm goes with which of the other, where both arms take "
+        "parts. In this order means that the arm with the first one goes first. Without any "
+        "pair all go with each other.",
+        GRASPS,
+    ),
+    "Saved and not saved": (
+        "Edits count at once, for everybody, and are in the part's folder when they are saved. "
+        "Each saving is a version with a remark. What an earlier session has not saved is kept "
+        "as a draft.",
+        GRASPS,
+    ),
+    "Versions": (
+        "Every saving of the grasps of this part is kept. An earlier one can be looked at and "
+        "brought back. That is an edit like any other, and can be undone.",
+        GRASPS,
+    ),
+    "New part from a CAD file": (
+        "A part is made of a file: STEP, STL, OBJ or PLY. Where the file has no unit, say it. "
+        "The part is in the cell then, without grasps.",
+        GRASPS,
+    ),
+    "1 · Plate": (
+        "The calibration looks for a plate of three balls that an arm holds. Its sizes stand "
+        "here, as they were measured. Wrong sizes make a wrong calibration.",
+        CALIBRATION,
+    ),
+    "2 · Poses": (
+        "Bring the robot to a pose in which the scanner sees the plate, and scan it. Eight "
+        "poses are good, four are the least. They should differ much, in place and in turn.",
+        CALIBRATION,
+    ),
+    "3 · Look and apply": (
+        "From all poses follows where the scanner hangs; green lights are within 1 mm and 0.3 "
+        "degrees. A pose that is wrong can be left out. Apply changes the cell, Save to file "
+        "keeps it.",
+        CALIBRATION,
+    ),
+}
+"""By the name of the group: three sentences, and the section of the manual."""
+
+
+def help_html(name: str) -> str:
+    """A question mark that opens what a group is for."""
+    text, section = HELP[name]
+    return (
+        f'<details class="wb-help"><summary title="What this is for" '
+        f'aria-label="Help: {escape(name)}">?</summary><p>{escape(text)} '
+        f'<a href="/manual#{section}" target="_blank" rel="noopener">In the manual</a></p>'
+        "</details>"
+    )
+
+
+@contextmanager
+def group(
+    gui: viser.GuiApi, name: str, *, expand_by_default: bool = True
+) -> Generator[viser.GuiFolderHandle]:
+    """A group of controls with its help: what is added meanwhile belongs to it."""
+    with gui.add_folder(name, expand_by_default=expand_by_default) as folder:
+        gui.add_html(help_html(name))
+        yield folder

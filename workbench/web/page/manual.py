@@ -1,0 +1,41 @@
+"""The manual for people at the cell as a page: `docs/operator.md`, without a network.
+
+Pictures and the other documents do not come along, so what leads to them stays as text.
+"""
+
+import re
+from itertools import pairwise
+
+from markdown_it import MarkdownIt
+
+from workbench.formats.files.shipped import find
+
+
+def read_manual() -> str:
+    """The manual as HTML, its headings named as links have them.
+
+    Raises:
+        FileError: it is missing.
+    """
+    return manual_html(find("docs", "operator.md").read_text(encoding="utf-8"))
+
+
+def manual_html(text: str) -> str:
+    """A document in Markdown as HTML; what is HTML in it stays text.
+
+    Args:
+        text: of the document.
+    """
+    text = re.sub(r"^!\[[^\]]*\]\([^)]*\)\n*", "", text, flags=re.MULTILINE)
+    text = re.sub(r"\[([^\]]*)\]\((?!#)[^)]*\)", r"\1", text)
+    made = MarkdownIt("commonmark", {"html": False}).enable("table")
+    tokens = made.parse(text)
+    for token, content in pairwise(tokens):
+        if token.type == "heading_open":
+            token.attrSet("id", anchor(content.content))
+    return made.renderer.render(tokens, made.options, {})
+
+
+def anchor(heading: str) -> str:
+    """The name by which links know a heading: `Stop, faults` is `stop-faults`."""
+    return re.sub(r"[^a-z0-9 -]", "", heading.lower()).replace(" ", "-")
