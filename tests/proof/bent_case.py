@@ -37,5 +37,7 @@ def near_a_way(case: Case, draw: Draw) -> np.ndarray:
     if draw.random() < 0.6:
         room = np.append(case.cell.bin.size[:2] * 0.9, 0.35)
         return case.cell.bin.T_world_bin.act((draw.random(3) - [0.5, 0.5, -0.05]) * room)
-    T = one_of(case.cell.arm(one_of(case.plan.arms, draw).arm).Ts_world_place, draw)
+    arm = case.cell.arm(one_of(case.plan.arms, draw).arm)
+    Ts = (*arm.Ts_world_place, *(place.T_world_part for place in arm.part_places))
+    T = one_of(Ts, draw)
     return T.translation + draw.normal(0, 0.08, 3)

@@ -28,6 +28,7 @@ URDFS = {
 
 PILES = {
     "yumi": ("keyed_cylinder", 2, ("coordinated", "alternated")),
+    "nests": ("keyed_cylinder", 2, ("auto",)),
     "tx2_90": ("puck", 5, ("auto",)),
     "ur5": ("keyed_cylinder", 2, ("auto",)),
     "panda": ("keyed_cylinder", 3, ("auto",)),
@@ -47,6 +48,9 @@ def folder_of(name: str, made: Path) -> Path:
         return folder
     if name == "pallet":
         return _pallet(folder)
+    if name == "nests":
+        shipped = ROOT / "robots" / "yumi"
+        return _beside(folder, shipped, (shipped / "nests.toml").read_text())
     urdf, tolerance = URDFS[name]
     words = ("cell", "new", name, "--urdf", SHARE / urdf, "--out", folder)
     assert command([*map(str, words), "--tolerance-mm", str(tolerance)]) == 0
@@ -66,7 +70,13 @@ def _pallet(folder: Path) -> Path:
     place += "grid = [2, 2]\npitch_mm = [-110, -110]\n\n"
     text = head.replace('tool = "suction_cup"', 'tool = "suction_cup"\nkeeps_parts = true')
     text += place + rest[rest.index("[bin]") :].replace('"abb-socket"', '"abb-socket/2"')
-    for name in ("tx2_90.urdf", "tx2_90.srdf"):
+    return _beside(folder, shipped, text)
+
+
+def _beside(folder: Path, shipped: Path, text: str) -> Path:
+    """A folder for a cell file, which goes on with the robot of a shipped one."""
+    for end in ("urdf", "srdf"):
+        name = f"{shipped.name}.{end}"
         text = text.replace(f'"{name}"', f'"{shipped / name}"')
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "meshes").symlink_to(shipped / "meshes")

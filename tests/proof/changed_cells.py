@@ -229,10 +229,17 @@ def place_moved(case: Case, draw: Draw) -> Case:
     one, files, off = one_of(case.plan.arms, draw), case.files.copied(), draw.normal(size=3)
     off *= small(draw, 0.0001, 0.01)
     for place in files.arm(one.arm)["place"]:
-        place["position_mm"] = np.array(place["position_mm"]) + off * 1000
+        key = "part_position_mm" if "part_position_mm" in place else "position_mm"
+        place[key] = np.array(place[key]) + off * 1000
     shift = pose_from_rpy(off)
     arms = tuple(
-        replace(arm, Ts_world_place=tuple(shift * T for T in arm.Ts_world_place))
+        replace(
+            arm,
+            Ts_world_place=tuple(shift * T for T in arm.Ts_world_place),
+            part_places=tuple(
+                replace(nest, T_world_part=shift * nest.T_world_part) for nest in arm.part_places
+            ),
+        )
         if arm.name == one.arm
         else arm
         for arm in case.cell.arms

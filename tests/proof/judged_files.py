@@ -79,6 +79,8 @@ class Files:
         """Where an arm may put parts, poses (4, 4) of its hand."""
         poses = []
         for place in self.arm(arm)["place"]:
+            if "part_position_mm" in place:
+                continue
             columns, rows = place.get("grid", (1, 1))
             pitch = np.array(place.get("pitch_mm", (0, 0))) / 1000
             for row in range(rows):
@@ -87,6 +89,18 @@ class Files:
                     shift[:2, 3] = np.array([column, row]) * pitch
                     poses.append(pose_of(place) @ shift)
         return poses
+
+    def part_places(self, arm: str, kind: str) -> list[dict[str, Any]]:
+        """Where parts of a kind shall lie: `T` (4, 4), and what is left free [m, rad]."""
+        found = []
+        for place in self.arm(arm)["place"]:
+            if "part_position_mm" in place and place.get("part", kind) == kind:
+                told = {key.removeprefix("part_"): value for key, value in place.items()}
+                free = np.deg2rad(place.get("free_rotation_deg", 0))
+                far = place.get("tolerance_mm", 2) / 1000
+                turn = np.deg2rad(place.get("tolerance_deg", 3))
+                found.append({"T": pose_of(told), "free": free, "far": far, "turn": turn})
+        return found
 
     @property
     def corners(self) -> str:

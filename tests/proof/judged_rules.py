@@ -172,7 +172,11 @@ def is_off(files: Files, plan, one, hand) -> str:
         return "the part is otherwise in the hand"
     T_put = hand(one.leg("place").q[-1])
     if not any(_near(T_put, T @ half) for T in files.places(one.arm) for half in halves):
-        return "no place is there"
+        T_lies, shall = T_put @ np.linalg.inv(T_grasp) @ T_part, files.part_places(one.arm, kind)
+        fold = files.parts[kind].get("symmetry", {}).get("fold", 1)
+        assert fold == 1 or not shall, "the judge tries no turns of a symmetry"
+        if not any(_lies(place, T_lies) for place in shall):
+            return "no place is there"
     turn = T_part[:3, :3] @ grasp["T"][:3, :3]
     length = grasp.get("approach_length_mm", 60) / 1000
     ways = {"approach": turn @ unit(grasp.get("approach", (0, 0, 1))) * length, "place": None}
@@ -189,6 +193,20 @@ def is_off(files: Files, plan, one, hand) -> str:
 def _near(T, other) -> bool:
     turn = np.arccos(np.clip((np.trace(T[:3, :3].T @ other[:3, :3]) - 1) / 2, -1, 1))
     return np.linalg.norm(T[:3, 3] - other[:3, 3]) <= NEAR and turn <= NEAR_TURN
+
+
+def _lies(place, T) -> bool:
+    """Whether a part lies as a place asks, at some turn about its z: tried a quarter degree apart.
+
+    What samples miss of a turn is allowed on top.
+    """
+    if np.linalg.norm(T[:3, 3] - place["T"][:3, 3]) > place["far"] + 1e-6:
+        return False
+    off, step = place["T"][:3, :3].T @ T[:3, :3], np.deg2rad(0.25)
+    turns = np.append(np.arange(-place["free"], place["free"], step), place["free"])
+    turns = np.array([turned((0, 0, np.rad2deg(a))) for a in turns])
+    cosines = (np.einsum("nij,ij->n", turns, off) - 1) / 2
+    return bool(np.arccos(np.clip(cosines, -1, 1)).min() <= place["turn"] + step / 2 + 1e-6)
 
 
 def _as_authored(grasp, T_part_tcp) -> bool:

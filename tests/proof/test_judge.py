@@ -18,6 +18,7 @@ from workbench.proof.prove import prove
     [
         ("yumi", 40, 10),
         ("pallet", 41, 15),
+        ("nests", 40, 10),
         ("panda", 45, 8),
         ("dual_fr3", 44, 6),
         ("baxter", 41, 4),

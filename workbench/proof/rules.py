@@ -117,7 +117,6 @@ def _lying_findings(
         "are allowed",
         arm.name,
         "place",
-        distance=far,
     )
 
 

@@ -56,7 +56,7 @@ def measure(
         began = working_time()
         result = plan_pick(cell, pile, "study", strategy=strategy, wishes=wishes, seed=one)
         whole = working_time() - began
-        fates.update(_fates(result.candidates, len(pile)))
+        fates.update(fates_of(result.candidates, len(pile)))
         for stage, value in result.seconds.items():
             seconds[stage].append(value)
         if result.plan is None or result.proof is None:
@@ -69,7 +69,7 @@ def measure(
     return {"seconds": seconds, "cycle_seconds": cycles, "parts": dict(fates.most_common())}
 
 
-def _fates(candidates: Sequence[Candidate], parts: int) -> Iterator[str]:
+def fates_of(candidates: Sequence[Candidate], parts: int) -> Iterator[str]:
     """For each part of a pile: that a grasp of it works, up to the place; or why none does.
 
     That is what refuses the grasp that got furthest.

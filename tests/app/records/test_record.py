@@ -4,6 +4,7 @@ import dataclasses
 import hashlib
 import json
 import sqlite3
+from dataclasses import replace
 
 import numpy as np
 import pinocchio as pin
@@ -38,8 +39,11 @@ from workbench.app.records.record import command_form, entry_of, entry_record
 from workbench.app.records.replay import replay
 from workbench.app.records.sessions import new_session
 from workbench.journal.journal import Journal
+from workbench.model.cell import Arm
 from workbench.model.digest import canonical, digest_of
 from workbench.model.errors import FileError, JobCancelled, JournalError
+from workbench.model.geometry import pose_from_rpy
+from workbench.model.part import PartPlace
 from workbench.model.release import Receipt
 from workbench.model.scan import Detection, Scan
 
@@ -135,6 +139,9 @@ def test_values_come_back_with_their_digests_and_protected(samples):
         form = json.loads(json.dumps(canonical(value)))
         again = restored(type(value), form, large_arrays(value).__getitem__)
         assert again.digest == value.digest
+    arm = replace(samples.cell.arms[0], part_places=(PartPlace(pose_from_rpy((0.3, 0.2, 0.1))),))
+    places = restored(Arm, json.loads(json.dumps(canonical(arm))), large_arrays(arm).__getitem__)
+    assert digest_of(places) == digest_of(arm) != digest_of(samples.cell.arms[0])
     again = restored(Scan, canonical(scan), large_arrays(scan).__getitem__)
     assert not again.points.flags.writeable
     assert again.pixels.dtype == scan.pixels.dtype

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pinocchio as pin
 import pytest
+from bending import with_nests
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -21,6 +22,7 @@ from workbench.gui.shared.things import (
     with_home,
     with_places,
 )
+from workbench.model.digest import digest_of
 from workbench.model.geometry import pose_from_rpy
 from workbench.planning.kinematics.chain import chain_of
 
@@ -133,3 +135,16 @@ def test_the_tree_names_everything_and_escapes_it():
         assert name in said
     evil = replace(CELL, fixtures=(replace(CELL.fixtures[0], name="<script>"),))
     assert "<script>" not in tree_html(evil)
+
+
+def test_a_place_of_parts_is_moved_and_stays_what_it_is():
+    nests = with_nests(CELL, part="keyed_cylinder", free_rotation=0.5)
+    thing = "left part-place 1"
+    assert thing in things(nests) and "left place 1" not in things(nests)
+    T = pose_from_rpy((0.3, 0.3, 0.2), (0.1, 0.2, 0.3))
+    other = moved(nests, thing, T)
+    assert pose_of(other, thing).isApprox(T, 1e-12)
+    (place,) = other.arm("left").part_places
+    assert (place.part, place.free_rotation) == ("keyed_cylinder", 0.5)
+    assert digest_of(other.arm("right")) == digest_of(nests.arm("right"))
+    assert other.digest != nests.digest

@@ -1,13 +1,16 @@
 """The first look at a cell."""
 
 import math
+from unittest.mock import Mock
 
 import numpy as np
+from bending import with_nests
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from workbench.gui.scene.surroundings import framed, interesting_points
+from workbench.gui.scene.surroundings import framed, interesting_points, show_frames
+from workbench.planning.kinematics.robot import Kinematics
 
 coordinates = st.floats(-2, 2)
 
@@ -40,3 +43,13 @@ def test_bin_scanner_and_places_belong_to_the_first_look(cell):
     points = interesting_points(cell)
     for T in (cell.scanner.T_world_scanner, *cell.arms[0].Ts_world_place):
         assert np.linalg.norm(points - T.translation, axis=1).min() < 0.15
+
+
+def test_with_the_frames_parts_are_shown_where_they_shall_lie(cell):
+    nests, scene = with_nests(cell), Mock()
+    show_frames(scene, nests, Kinematics(nests), is_shown=True)
+    labels = {call.args[0]: call.args[1] for call in scene.add_label.call_args_list}
+    drawn = [call.args[0] for call in scene.add_mesh_simple.call_args_list]
+    said = [labels[name.replace("/part", "/label")] for name in drawn]
+    assert said == ["right part-place 1", "left part-place 1"]
+    assert np.linalg.norm(interesting_points(nests) - [0.33, 0.33, 0.13], axis=1).min() < 0.15

@@ -1,5 +1,6 @@
 """Places that say how the part shall lie: the grasp decides how the hand stands there."""
 
+import math
 from collections import Counter
 from dataclasses import replace
 
@@ -11,10 +12,13 @@ from bending import with_nests
 from workbench.app.picking.facts import put_down
 from workbench.app.picking.pipeline import judge, plan_pick
 from workbench.formats.cells.reading import read_cell
-from workbench.model.candidate import Reason, Stage
+from workbench.model.candidate import Candidate, Pick, Reason, Stage
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.part import PartPlace
 from workbench.model.scan import Detection
+from workbench.planning.collision.world import World
+from workbench.planning.picking.propose import propose
+from workbench.planning.picking.resolve import resolve
 
 
 def lying(cell, plan):
@@ -122,3 +126,20 @@ def test_of_a_round_part_every_turn_is_as_good():
     off = wanted.actInv(T_put)
     assert np.linalg.norm(off.translation) < 0.0005
     assert abs(off.rotation[2, 2]) > np.cos(np.deg2rad(0.1))
+
+
+def test_places_are_not_tried_when_the_time_is_over(nests, detections):
+    world = World(nests, detections)
+    working = next(c for c in judge(nests, detections) if c.verdict.is_ok)
+    candidate = next(c for c in propose(world) if same(c, working))
+    assert isinstance(resolve(world, candidate, seed=0), Pick)
+    world.deadline = -math.inf
+    assert resolve(world, candidate, seed=0).reason is Reason.OUT_OF_TIME
+
+
+def same(one: Candidate, other: Candidate) -> bool:
+    return (one.detection, one.grasp.name, one.arm) == (
+        other.detection,
+        other.grasp.name,
+        other.arm,
+    )

@@ -12,6 +12,7 @@ from workbench.gui.shared.colours import GRID, NIGHT_GRID, NIGHT_SKY, SKY, rgb_o
 from workbench.gui.shared.solids import by_colour
 from workbench.model.cell import Cell
 from workbench.model.geometry import Floats
+from workbench.model.part import Part
 from workbench.planning.kinematics.robot import Kinematics
 
 FIELD_OF_VIEW = math.radians(40)
@@ -32,6 +33,9 @@ SKY_LIGHT, FLOOR_LIGHT = (236, 242, 255), (196, 200, 214)
 
 FILL = 1.9
 """How bright that is."""
+
+LIES = (81, 148, 237)
+"""Of a part that shall lie somewhere, and is not there."""
 
 UP = (0.0, 0.0, 1.0)
 """Where the sky is."""
@@ -103,7 +107,10 @@ def remove_surroundings(scene: viser.SceneApi) -> None:
 def show_frames(
     scene: viser.SceneApi, cell: Cell, kinematics: Kinematics, *, is_shown: bool
 ) -> None:
-    """Show or hide the frames that poses in the cell file are about."""
+    """Show or hide the frames that poses in the cell file are about.
+
+    Where parts shall lie there is one, the first kind that may.
+    """
     scene.remove_by_name("/frames")
     if not is_shown:
         return
@@ -111,16 +118,31 @@ def show_frames(
     frames |= {"bin": cell.bin.T_world_bin, "scanner": cell.scanner.T_world_scanner}
     frames |= {fixture.name: fixture.T_world_fixture for fixture in cell.fixtures}
     links = kinematics.link_poses({})
+    lie: dict[str, Part] = {}
     for arm in cell.arms:
         frames[f"{arm.name} tcp at home"] = links[arm.flange] * arm.tool.T_flange_tcp
         for number, T in enumerate(arm.Ts_world_place, start=1):
             frames[f"{arm.name} place {number}"] = T
         for number, wanted in enumerate(arm.part_places, start=1):
-            frames[f"{arm.name} part-place {number}"] = wanted.T_world_part
+            label = f"{arm.name} part-place {number}"
+            frames[label] = wanted.T_world_part
+            part = next((part for part in cell.parts if wanted.is_for(part.name)), None)
+            if part is not None:
+                lie[label] = part
     for number, (label, T) in enumerate(frames.items()):
         node = scene.add_frame(f"/frames/{number}", axes_length=0.06, axes_radius=0.0015)
         place(node, T)
         scene.add_label(f"/frames/{number}/label", label, font_screen_scale=0.7)
+        if label in lie:
+            mesh = lie[label].mesh
+            scene.add_mesh_simple(
+                f"/frames/{number}/part",
+                np.array(mesh.points),
+                np.array(mesh.triangles),
+                color=LIES,
+                opacity=0.4,
+                side="double",
+            )
 
 
 def add_light(scene: viser.SceneApi) -> None:

@@ -20,11 +20,14 @@ from workbench.planning.grasps.put_poses import suits_any_roll, ways_to_lie
 from workbench.planning.kinematics.chain import is_solution
 from workbench.planning.kinematics.straight import follow
 from workbench.planning.picking.leaving import comes_back
+from workbench.planning.planners.clock import working_time
 
 PLACE_LIFT = 0.05
 """[m] The last straight way down to the place."""
 
 UP = np.array([0.0, 0.0, 1.0])
+
+LATE = Verdict(Reason.OUT_OF_TIME, Stage.PLACE)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -54,6 +57,9 @@ def ways_down(
     """
     starts = np.vstack([q_from, arm.home] if near is None else [q_from, arm.home, near])
     for there in _hands(world, arm, phase):
+        if working_time() > world.deadline:
+            yield LATE
+            return
         if isinstance(there, Verdict):
             yield there
         else:
@@ -156,6 +162,8 @@ def at_places(world: World, arm: Arm, phase: Phase, starts: Floats) -> AtPlaces:
         if isinstance(T_world_part, Verdict):
             roll = T_world_part
             continue
+        if working_time() > world.deadline:
+            return AtPlaces([], LATE)
         ways += 1
         T_world_tcp = T_world_part * T_tcp_part.inverse()
         stood = _standing_in(world, phase, arm, T_world_tcp)

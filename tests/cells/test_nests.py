@@ -1,0 +1,43 @@
+"""The page "Parts where you want them", followed literally, and the cell that it is about."""
+
+import re
+import shlex
+import tomllib
+from pathlib import Path
+
+from workbench.cli.main import main
+from workbench.formats.cells.reading import read_cell
+
+ROOT = Path(__file__).resolve().parents[2]
+PAGE = (ROOT / "docs" / "part_places.md").read_text(encoding="utf-8")
+NESTS = ROOT / "robots" / "yumi" / "nests.toml"
+
+
+def test_the_page_leads_to_parts_that_stand_in_nests(tmp_path, monkeypatch, capsys):
+    """In one process, which has the compiled code already: the commands are those of the page."""
+    (block,) = re.findall(r"```sh\n(.*?)```", PAGE, re.DOTALL)
+    for name in ("robots", "parts"):
+        (tmp_path / name).symlink_to(ROOT / name)
+    monkeypatch.chdir(tmp_path)
+    lines = [shlex.split(line) for line in block.splitlines()]
+    assert [line[0] for line in lines] == [".venv/bin/workbench"] * 4
+    for _, *words in lines:
+        assert main(words) == 0, words
+    said = capsys.readouterr().out
+    assert "nothing speaks against this cell" in said
+    assert said.count("proof holds") == 2 and "right part-1" in said and "left part-2" in said
+
+
+def test_the_place_on_the_page_is_that_of_the_cell():
+    (block,) = re.findall(r"```toml\n(.*?)```", PAGE, re.DOTALL)
+    said = tomllib.loads(block)["arm"]["place"][0]
+    shipped = tomllib.loads(NESTS.read_text(encoding="utf-8"))["arm"][0]["place"][0]
+    assert said == {"free_rotation_deg": 0, **shipped}
+
+
+def test_the_nests_are_those_of_the_shipped_cell_but_for_what_parts_are_put_on():
+    cell, nests = read_cell("yumi"), read_cell(NESTS)
+    assert nests.arms[0].part_places and not nests.arms[0].Ts_world_place
+    assert nests.policy == cell.policy and nests.parts[0].digest == cell.parts[0].digest
+    for one, other in zip(cell.arms, nests.arms, strict=True):
+        assert (one.home == other.home).all() and one.joints == other.joints
