@@ -8,11 +8,12 @@ def told(element: Locator, beside: str) -> str:
     return element.evaluate(f"one => getComputedStyle(one, '::{beside}').content").strip('"')
 
 
-def test_a_grey_button_says_what_is_missing_and_each_number_which_it_is(screen):
+def test_a_grey_button_says_what_is_missing_and_each_number_which_it_is(screen, wait):
     box = screen.button("Plan").locator("..")
     assert told(box, "after") == "none"
     box.hover(force=True)
-    assert told(box, "after") == "Planning is not possible now: take a scan first"
+    says = "Planning is not possible now: take a scan first"
+    wait(lambda: told(box, "after") == says, "the hint of a grey button")
     box = screen.button("Scan").locator("..")
     box.hover()
     assert "none" in told(box, "after"), "nobody has written a hint for it"

@@ -278,18 +278,22 @@ def a_report_while_an_arm_is_a_step_behind(stage):
 
 def clients_that_leave_at_once(stage):
     """While they are greeted, and while they are looked at: one of these errors, or the other."""
-    link_lines = {key for key in stage.one.keys if key[0] == "WbLink.mod"}
     for _ in range(30):
         with socket.socket() as link, contextlib.suppress(OSError):
             link.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
             link.connect(("127.0.0.1", stage.one.port))
         talk = stage.talk()
         talk.link.close()
-        texts = stage.lines("WbLink.mod")
-        left = {texts[line - 2].strip() for _, line, _ in link_lines - stage.one.covered}
-        if "ERROR" not in left:
+        if is_error_handled(stage):
             break
     stage.settle()
+
+
+def is_error_handled(stage):
+    """Whether the handlers of WbLink, which close its sockets, have all run."""
+    texts = stage.lines("WbLink.mod")
+    left = {key for key in stage.one.keys if key[0] == "WbLink.mod"} - stage.one.covered
+    return "ERROR" not in {texts[line - 2].strip() for _, line, _ in left}
 
 
 def a_pointer_set_to_main_in_a_synchronised_step(stage):
@@ -344,7 +348,7 @@ def an_address_that_cannot_be_had(stage):
     holder, at = stage.one.tasks["T_LINK"].loaded.globals["wb_port"].place
     port, holder[at] = holder[at], 70000.0
     Talk(stage.one.port).link.close()  # it begins anew after this client
-    time.sleep(0.5)
+    wait_until(lambda: is_error_handled(stage))
     holder[at] = port
     stage.settle()
 

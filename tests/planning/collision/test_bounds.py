@@ -17,7 +17,10 @@ WORLD = World(CELL, (Detection("keyed_cylinder", T_WORLD_PART),))
 LOWER = WORLD.kinematics.model.lowerPositionLimit
 UPPER = WORLD.kinematics.model.upperPositionLimit
 
-RIGHT = frozenset({"right"})
+TOO_LONG = 5e-6
+"""[m] That Coal's distances may be: with its usual tolerance up to 1.5e-6, in 13,000 of them beside
+those with a tolerance of 1e-10."""
+
 PHASES = (
     Phase(frozenset({"right", "left"})),
     Phase(
@@ -82,4 +85,4 @@ def test_no_pair_comes_nearer_than_the_motion_bound_allows(seed, phase, size):
         # keeps apart are apart, and that those which are apart have come no nearer than it says.
         bound = before[pairs] - moves
         counts = (before[pairs] > 0) & ((bound > 0) | (after[pairs] > 0))
-        assert np.all(after[pairs][counts] >= bound[counts] - 1e-6)
+        assert np.all(after[pairs][counts] >= bound[counts] - TOO_LONG)

@@ -6,12 +6,13 @@ import os
 import ssl
 import subprocess
 import sys
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from urllib.parse import urlsplit
 
 import pytest
+from aiohttp import ClientConnectionError
 from attackers import PASSWORD, at_the_page, cookie_of, crowd, run
 from waiting import PATIENCE
 
@@ -121,6 +122,14 @@ def test_a_crowd_shuts_nobody_out_and_fills_no_log(cramped, kind):
     assert cramped.log.stat().st_size < MOST_LOG
 
 
+async def comes_in(url, trusting):
+    """What somebody is answered who logs in; where the machine is busy, not at the first try."""
+    while True:
+        with suppress(ClientConnectionError):
+            async with raw_browser(url, trusting) as other:
+                return await other.log_in("Vera", PASSWORD)
+
+
 def test_a_crowd_in_its_tls_handshake_shuts_nobody_out(users, file, tmp_path, certificate):
     trusting = ssl.create_default_context(cafile=certificate.certificate)
 
@@ -128,9 +137,9 @@ def test_a_crowd_in_its_tls_handshake_shuts_nobody_out(users, file, tmp_path, ce
         async with raw_browser(url, trusting) as browser:
             assert await browser.log_in("Otto", PASSWORD) == 303
             with crowd(url, b"\x16\x03\x01", CROWD) as many:
-                async with asyncio.timeout(6 * PATIENCE), raw_browser(url, trusting) as other:
+                async with asyncio.timeout(6 * PATIENCE):
                     assert (await browser.get("/who"))[0] == 200
-                    assert await other.log_in("Vera", PASSWORD) == 303
+                    assert await comes_in(url, trusting) == 303
                 assert many.comes >= CROWD
 
     with cramped_front(file, tmp_path, certificate.certificate, certificate.key) as cramped:
