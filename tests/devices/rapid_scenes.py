@@ -284,16 +284,16 @@ def clients_that_leave_at_once(stage):
             link.connect(("127.0.0.1", stage.one.port))
         talk = stage.talk()
         talk.link.close()
-        if is_error_handled(stage):
+        if not unhandled(stage):
             break
     stage.settle()
 
 
-def is_error_handled(stage):
-    """Whether the handlers of WbLink, which close its sockets, have all run."""
+def unhandled(stage):
+    """How those of WbLink's error handlers begin that have not run."""
     texts = stage.lines("WbLink.mod")
     left = {key for key in stage.one.keys if key[0] == "WbLink.mod"} - stage.one.covered
-    return "ERROR" not in {texts[line - 2].strip() for _, line, _ in left}
+    return {texts[line - 1].strip() for _, line, _ in left if texts[line - 2].strip() == "ERROR"}
 
 
 def a_pointer_set_to_main_in_a_synchronised_step(stage):
@@ -348,7 +348,7 @@ def an_address_that_cannot_be_had(stage):
     holder, at = stage.one.tasks["T_LINK"].loaded.globals["wb_port"].place
     port, holder[at] = holder[at], 70000.0
     Talk(stage.one.port).link.close()  # it begins anew after this client
-    wait_until(lambda: is_error_handled(stage))
+    wait_until(lambda: "SocketClose server;" not in unhandled(stage))
     holder[at] = port
     stage.settle()
 
