@@ -275,7 +275,7 @@ def test_a_stop_ends_the_sending_and_waits_for_a_person(screen, bench, robot, re
 
 
 def test_a_coordinated_plan_is_played_approved_and_run(screen, bench, robot, reaches):
-    screen.page.get_by_label("Seed").fill("28")
+    screen.page.get_by_label("Seed", exact=True).fill("28")
     screen.press("Scan")
     reaches("scanned")
     screen.press("Find parts")
@@ -299,7 +299,7 @@ def test_a_coordinated_plan_is_played_approved_and_run(screen, bench, robot, rea
 
 
 def test_a_task_can_be_cancelled(screen, bench, wait):
-    screen.page.get_by_label("Parts").fill("28")
+    screen.page.get_by_label("Parts", exact=True).fill("28")
     screen.press("Scan")
     wait(lambda: bench.state.job is not None or bench.state.phase is Phase.SCANNED, "the task")
     if bench.state.job is None:

@@ -6,6 +6,7 @@ import pytest
 from fronted import Window, open_front
 from playwright.sync_api import expect
 from test_shell import IDLE, SENDING, Shell
+from waiting import wait_until
 
 SCENE = """
 <div class="wb-strip" style="position:fixed;left:800px;width:460px;top:0">1 2 3 4 5</div>
@@ -37,15 +38,22 @@ class Tour(Window):
         """It has come to this step, points at this control, and covers neither it nor Stop."""
         expect(self.page.locator("#title")).to_have_text(title)
         target = self.scene.get_by_role(role, name=name).first
-        # It looks for where things are five times a second.
-        self.page.wait_for_function(
-            """([x, y, width, height]) => {
-              const ring = document.getElementById("ring").getBoundingClientRect();
-              return Math.abs(ring.x + 5 - x) < 3 && Math.abs(ring.y + 5 - y) < 3
-                && Math.abs(ring.width - 10 - width) < 3;
-            }""",
-            arg=list(target.bounding_box().values()),
-        )
+        ring = self.page.locator("#ring")
+
+        def is_around():
+            # Controls move while the page is still being built.
+            inside, outside = target.bounding_box(), ring.bounding_box()
+            return (
+                inside
+                and outside
+                and abs(outside["x"] + 5 - inside["x"]) < 3
+                and (
+                    abs(outside["y"] + 5 - inside["y"]) < 3
+                    and abs(outside["width"] - 10 - inside["width"]) < 3
+                )
+            )
+
+        wait_until(is_around, f"the ring around {name}")
         card, stop = (self.page.locator(one).bounding_box() for one in ("#card", "#stop"))
         assert card["y"] >= stop["y"] + stop["height"]
         assert card["x"] >= 0 and card["y"] + card["height"] <= self.page.viewport_size["height"]
