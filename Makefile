@@ -93,7 +93,7 @@ bench: $(VENV)/.test $(VENV)/.compiled
 # ARGS="grasps cell" makes only those; `docs/more_stories.py` has the names.
 pictures: $(VENV)/.test $(VENV)/.compiled
 	@bash setup/debian.sh $(BROWSER)
-	PYTHONPATH=$(CURDIR)/tests/browser:$(CURDIR)/tests $(BIN)/python docs/make_pictures.py $(ARGS)
+	PYTHONPATH=$(CURDIR)/tests/browser:$(CURDIR)/tests/devices:$(CURDIR)/tests $(BIN)/python docs/make_pictures.py $(ARGS)
 
 bundle: $(VENV)/.test $(VENV)/.compiled
 	$(BIN)/python setup/bundle.py $(ARGS)

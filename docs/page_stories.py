@@ -114,7 +114,7 @@ def approve(at: Desk, name: str = "approval") -> None:
     """Approve as a person, and keep a picture of the dialog."""
     at.screen.press("Approve")
     dialog = at.page.get_by_role("dialog")
-    dialog.locator("input").press_sequentially(PERSON, delay=100)
+    dialog.locator("input").first.press_sequentially(PERSON, delay=100)
     at.screen.button(f"Approve as {PERSON}").wait_for()
     if name:
         at.shoot(name)
