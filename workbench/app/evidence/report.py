@@ -132,7 +132,7 @@ def _cycle(number: int, cycle: list[Moment]) -> Table:
 def _plan(plan: Plan, proof: Proof) -> Iterator[tuple[str, str]]:
     yield "plan", f"{plan.digest}, {plan.strategy}, {len(plan.arms)} parts, {plan.guarantee}"
     yield "cell and scan", f"{plan.cell_digest}, {plan.scan_digest}"
-    verdict = "holds" if proof.holds else f"does not hold: {proof.findings[0]}"
+    verdict = "holds" if proof.holds else f"does not hold: {proof.violations[0]}"
     yield (
         "proof",
         f"{proof.digest}, {verdict}; {proof.checks} states, smallest clearance on free legs "

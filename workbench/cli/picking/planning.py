@@ -9,7 +9,7 @@ from workbench.app.picking.pipeline import check_strategy, plan_pick
 from workbench.app.runtime.readiness import make_ready
 from workbench.cli.arguments import top as arguments
 from workbench.cli.exits import NO_PLAN, SUCCESS
-from workbench.cli.picking.findings import (
+from workbench.cli.picking.results import (
     candidate_form,
     plan_form,
     plan_words,
