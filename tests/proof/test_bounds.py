@@ -165,6 +165,15 @@ def test_a_controller_that_stops_is_walked_along_the_polyline_alone(corners, cou
 
 
 @pytest.mark.parametrize("corners", ["stop", "blend", "streamed"])
+@pytest.mark.parametrize("waypoints", [1, 2])
+def test_where_there_is_no_corner_there_are_segments_alone(corners, waypoints):
+    path = np.arange(waypoints * 2.0).reshape(waypoints, 2)
+    sets = moved(np.arange(2), path, MotionModel("any", corners=corners, period=0.004), 0.3)
+    assert sets.sizes.tolist() == [2] * (waypoints - 1)
+    assert len(sets.corners) == len(sets.groups) == len(sets.at) == waypoints - 1
+
+
+@pytest.mark.parametrize("corners", ["stop", "blend", "streamed"])
 def test_what_is_around_a_group_holds_its_sets(corners):
     """Each corner of a set is a mean of the corners of what is around it."""
     path = np.random.default_rng(2).normal(size=(6, 2))

@@ -89,8 +89,9 @@ def moved(columns: Ints, path: Floats, motion: MotionModel, zone: float) -> Sets
     # (k, c, 3, n): of each corner the segment before it, and what may be cut off it.
     pieces = np.concatenate([segments[:-1, None], cuts @ tips[:, None]], axis=1)
     corners = np.concatenate([pieces.reshape(-1, 3, path.shape[1]), segments[-1:]])
-    at = np.arange(len(start))
-    groups = np.append(np.repeat(at[:-1], 1 + len(cuts)), at[-1])
+    at, counts = np.arange(len(start)), np.full(len(start), 1 + len(cuts))
+    counts[-1:] = 1
+    groups = np.repeat(at, counts)
     sizes = np.where(np.arange(len(groups)) % (1 + len(cuts)), 3, 2)
     return Sets(columns, corners, sizes, groups, np.stack([start, end, after], axis=1), at)
 
