@@ -138,7 +138,7 @@ def serve_front(
         connections = Connections(access.sessions)
         limits = ConnectionLimits(_is_login, time.monotonic, room_for(descriptors()))
         relay = Relay(upstream, connections)
-        logins = Logins(pages, Lockout(store), first, connections, title)
+        logins = Logins(pages, Lockout(store), first, connections, title, relay.ahead)
         presence = Presence(connections, bar, stop)
         app = web.Application(
             middlewares=[limits.note, guard(Origins(scheme, options.host, options.names))],

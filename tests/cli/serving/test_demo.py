@@ -62,9 +62,7 @@ class LateReports(Canned):
 
 def cycle_with(results, folder, looks):
     effects = functools.partial(LateReports, looks=looks)
-    bench = Bench(
-        results.cell, Journal(folder), effects=lambda cell, do, now: effects(results, do)
-    )
+    bench = Bench(results.cell, Journal(folder), effects=lambda cell, do, now: effects(results, do))
     try:
         Cycle(bench, 1, [], lambda done, note: None)._see_it_at_the_start(results.planned.plan)
         return bench.live.joints
