@@ -41,6 +41,8 @@ def test_an_old_or_missing_calibration_is_warned_of(cell):
     assert calibration_warning(cell, NOW) == "", "a simulated scanner hangs where the cell says"
     real = replace(cell, scanner=replace(cell.scanner, source="folder", address="scans"))
     assert "never calibrated" in calibration_warning(real, NOW)
+    merged = replace(cell, scanner=replace(cell.scanner, source="merged", address="views"))
+    assert calibration_warning(merged, NOW) == "", "its views are refused without a calibration"
     assert calibration_warning(with_record(cell, 89), NOW) == ""
     assert "91 days ago; 90 are allowed" in calibration_warning(with_record(cell, 91), NOW)
     assert "&lt;Anna&gt;: 8 poses, 0.12 mm RMS" in record_line(with_record(cell, 1), NOW)

@@ -32,8 +32,8 @@ def calibration_warning(cell: Cell, now: float) -> str:
     """What is to be said against the scanner's pose; empty when nothing."""
     old = days_old(cell, now)
     if old is None:
-        # A made-up scanner hangs where the cell says.
-        is_real = cell.scanner.source != "simulated"
+        # A made-up scanner hangs where the cell says, and a merged one takes no view without it.
+        is_real = cell.scanner.source not in ("simulated", "merged")
         return "the scanner's pose was never calibrated" if is_real else ""
     if old > cell.scanner.calibration_days:
         limit = cell.scanner.calibration_days

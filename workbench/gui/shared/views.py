@@ -189,6 +189,7 @@ def not_redone(state: State) -> str:
 SCANS = {
     "simulated": "Drops the parts into the simulated bin and scans it from above.",
     "folder": "Takes the next scan from the folder that the cell's scanner writes to.",
+    "merged": "Takes a scan of each of the cell's scanners, one after the other.",
     "http": "Asks the address of the cell's scanner for a scan.",
 }
 """What the scan step does, by the scanner's source."""

@@ -1,11 +1,9 @@
-"""Scanners whose clouds come as files: from a folder, or from a page."""
+"""The scanner `folder`: clouds that another program writes as files."""
 
-import http.client
 import time
-import urllib.request
 from pathlib import Path
 
-from workbench.formats.clouds.scans import LARGEST_FILE, parse_scan, read_scan
+from workbench.formats.clouds.scans import read_scan
 from workbench.formats.files.whole_files import Stamp, stamps
 from workbench.model.cell import Cell
 from workbench.model.errors import JobCancelled, LinkError
@@ -20,10 +18,6 @@ STILL = 0.3
 
 GLANCE = 0.1
 """[s] Between two looks into a folder."""
-
-CHUNK = 1 << 20
-WAITS = 10.0
-"""[s] For the next bytes of an answer."""
 
 
 class FolderScanner:
@@ -74,34 +68,3 @@ class FolderScanner:
             return stamps(self._folder, KINDS)
         except OSError as error:
             raise LinkError(f"scanner: {self._folder}: {error.strerror or error}") from None
-
-
-class HttpScanner:
-    """A PLY or PCD file that a page gives when it is asked."""
-
-    Options = NoOptions
-
-    def __init__(self, cell: Cell, options: NoOptions):
-        self._mount = cell.scanner
-
-    def scan(self, request: ScanRequest, report: Report, cancelled: Cancelled) -> Scan:
-        """Ask for a scan; see `Scanner`."""
-        address, began = self._mount.address, time.monotonic()
-        content = bytearray()
-        report(0.0, f"asking {address}")
-        try:
-            with urllib.request.urlopen(address, timeout=WAITS) as answer:
-                # As much as has come: `read` would wait for a whole chunk, however slowly it comes.
-                while chunk := answer.read1(CHUNK):
-                    content += chunk
-                    if cancelled():
-                        raise JobCancelled("the scan was cancelled")
-                    if len(content) > LARGEST_FILE:
-                        raise LinkError(f"scanner: {address} gives more than a scan can hold")
-                    if time.monotonic() - began > self._mount.patience:
-                        raise LinkError(f"scanner: {address} is too slow")
-                    report(0.5, f"{len(content) / 1e6:.1f} MB from {address}")
-        except (OSError, http.client.HTTPException, ValueError) as error:
-            raise LinkError(f"scanner: {address}: {error}") from None
-        name = Path(urllib.request.url2pathname(address).rpartition("/")[2] or "scan")
-        return parse_scan(name, bytes(content), self._mount)
