@@ -1,0 +1,191 @@
+"""A film of an emptied pile on one clock: where arms and parts are at each of its moments.
+
+Arms move as planned, and what they hold moves with them.  Of how the rest settles only the ends are
+known: in between the parts are shown on the straight way from how they lay to how they come to lie,
+while the part is lifted.
+"""
+
+from bisect import bisect_right
+from dataclasses import dataclass, replace
+from itertools import accumulate
+
+import numpy as np
+import pinocchio as pin
+
+from workbench.app.emptying.film import Film, Grip, Shot
+from workbench.gui.shared.look import Filmed, FilmedPart
+from workbench.gui.shared.own import Showing
+from workbench.gui.shared.playback import Run, interpolated, moments, timeline
+from workbench.model.cell import Cell
+from workbench.model.plan import LegName
+from workbench.planning.kinematics.robot import Kinematics
+
+LOOK = 0.5
+"""[s] That a look into the bin is shown, before each plan and after the last."""
+
+FAILED = {
+    "missed": "closes on nothing: missed",
+    "crooked": "takes a part that lies elsewhere: crooked",
+    "turned": "takes a part whose roll is another: turned",
+}
+"""What an arm does whose pick fails, by the kind of failure."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Scene:
+    """A shot on the film's clock: it begins at `start` [s] with a look, and `runs` after that."""
+
+    shot: Shot
+    runs: tuple[Run, ...]
+    start: float
+    end: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Reel:
+    """All shots of a film one after the other; `seconds` is how long it is."""
+
+    film: Film
+    scenes: tuple[Scene, ...]
+    seconds: float
+
+
+def reel_of(film: Film) -> Reel:
+    """A film laid on one clock."""
+    runs = [timeline(shot.plan) for shot in film.shots]
+    lengths = [LOOK + max((run.end for run in one), default=0.0) for one in runs]
+    ends = tuple(accumulate(lengths))
+    scenes = tuple(
+        Scene(shot, one, end - length, end)
+        for shot, one, length, end in zip(film.shots, runs, lengths, ends, strict=True)
+    )
+    return Reel(film, scenes, (ends[-1] if ends else 0.0) + LOOK)
+
+
+class Projector:
+    """Works out moments of films.
+
+    Concurrency: one thread.
+    """
+
+    def __init__(self) -> None:
+        self._reel: Reel | None = None
+        self._kinematics: Kinematics | None = None
+        self._cell: Cell | None = None
+
+    def moment(self, cell: Cell, showing: Showing) -> Filmed:
+        """How everything is at a moment of a film, in the cell in which it was made."""
+        if self._kinematics is None or self._cell is not cell:
+            self._cell, self._kinematics = cell, Kinematics(cell)
+        if self._reel is None or self._reel.film is not showing.film:
+            self._reel = reel_of(showing.film)
+        return moment_of(cell, self._kinematics, self._reel, showing)
+
+
+def moment_of(cell: Cell, kinematics: Kinematics, reel: Reel, showing: Showing) -> Filmed:
+    """How everything is at the moment of a film that is looked at.
+
+    Args:
+        cell: in which it was made.
+        kinematics: of that cell.
+        reel: the film on its clock.
+        showing: which moment, and why parts stay.
+    """
+    film, time = reel.film, showing.time
+    number = bisect_right([one.start for one in reel.scenes], time) - 1
+    if number < 0 or time >= reel.scenes[-1].end:
+        left = tuple(
+            FilmedPart(k, one.part, one.T_world_part, showing.kinds.get(k, ""))
+            for k, one in film.left
+        )
+        return Filmed(moments(cell, (), 0.0), left, _end_words(film))
+    scene = reel.scenes[number]
+    now = time - scene.start - LOOK
+    poses = _parts(cell, kinematics, scene, now)
+    kinds = dict(film.fallen)
+    parts = tuple(FilmedPart(k, kinds[k].part, T) for k, T in sorted(poses.items()))
+    before = sum(not grip.outcome for one in reel.scenes[:number] for grip in one.shot.grips)
+    return Filmed(moments(cell, scene.runs, now), parts, _words(film, scene, now, before, number))
+
+
+def _parts(cell: Cell, kinematics: Kinematics, scene: Scene, now: float) -> dict[int, pin.SE3]:
+    """`T_world_part` of each part that is there `now` [s] on the plan's clock, by its number."""
+    poses = {k: one.T_world_part for k, one in scene.shot.before}
+    for grip in scene.shot.grips:
+        lift = _run(scene, grip, "extract")
+        share = float(np.clip((now - lift.start) / max(lift.end - lift.start, 1e-9), 0.0, 1.0))
+        if share <= 0.0:
+            continue
+        after = dict(grip.after)
+        for k in tuple(poses):
+            if k == grip.number:
+                poses[k] = _held(cell, kinematics, scene, grip, now)
+            elif k in after:
+                poses[k] = pin.SE3.Interpolate(poses[k], after[k].T_world_part, share)
+            elif share >= 1.0 and not _was_taken(scene, k):
+                # It has fallen out of the bin.
+                del poses[k]
+    return poses
+
+
+def _was_taken(scene: Scene, number: int) -> bool:
+    return any(grip.number == number for grip in scene.shot.grips)
+
+
+def _run(scene: Scene, grip: Grip, leg: LegName) -> Run:
+    return next(run for run in scene.runs if run.arm == grip.arm and run.leg.name == leg)
+
+
+def _held(cell: Cell, kinematics: Kinematics, scene: Scene, grip: Grip, now: float) -> pin.SE3:
+    """Where a part is that an arm has taken: in its hand, or where that has let go of it."""
+    held = [
+        run for run in scene.runs if run.arm == grip.arm and run.leg.holding and run.start <= now
+    ]
+    run = held[-1] if held else _run(scene, grip, "extract")
+    q = interpolated(run.leg.q, run.leg.t, min(now, run.end) - run.start)
+    return kinematics.tcp_pose(cell.arm(grip.arm), q) * grip.T_tcp_part
+
+
+def _words(film: Film, scene: Scene, now: float, taken: int, number: int) -> str:
+    """What goes on: which plan, how much is taken, and what the arms do."""
+    head = f"Plan {number + 1} of {len(film.shots)}"
+    lifted = [grip for grip in scene.shot.grips if now >= _run(scene, grip, "extract").end]
+    taken += sum(not grip.outcome for grip in lifted)
+    doing = [_does(grip, scene.shot) for grip in lifted] or [_goes_to(scene.shot)]
+    if now < 0.0:
+        doing = ["a look into the bin"]
+    return f"{head}, {taken} of {len(film.fallen)} taken: {'; '.join(doing)}"
+
+
+def _goes_to(shot: Shot) -> str:
+    arms = [f"{grip.arm} to {_name(grip.number)}" for grip in shot.grips]
+    return f"arm {', '.join(arms)}" if len(arms) == 1 else f"arms {', '.join(arms)}"
+
+
+def _does(grip: Grip, shot: Shot) -> str:
+    if grip.outcome:
+        return f"{grip.arm} {FAILED.get(grip.outcome, grip.outcome)}"
+    return f"{grip.arm} has {_name(grip.number)}"
+
+
+def _name(number: int | None) -> str:
+    return "a part that is not there" if number is None else f"part-{number + 1}"
+
+
+def _end_words(film: Film) -> str:
+    taken = sum(not grip.outcome for shot in film.shots for grip in shot.grips)
+    stays = f"{len(film.left)} stay" if film.left else "the bin is empty"
+    return f"The end: {taken} of {len(film.fallen)} taken, {stays}"
+
+
+def end_of(reel: Reel) -> float:
+    """When the last plan has ended: from then on what stays is told [s]."""
+    return reel.scenes[-1].end if reel.scenes else 0.0
+
+
+def advanced(showing: Showing, elapsed: float) -> Showing:
+    """A film so much later [s] by the clock on the wall, if it plays; it stops at its end."""
+    if not showing.is_playing:
+        return showing
+    time = min(showing.time + elapsed * showing.speed, showing.seconds)
+    return replace(showing, time=time, is_playing=time < showing.seconds)
