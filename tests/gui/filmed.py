@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pinocchio as pin
 
-from workbench.app.emptying.film import Film, Filmed, Grip, Shot
+from workbench.app.emptying.film import Film, Filmed, FilmedPick, Shot
 from workbench.model.cell import Cell
 from workbench.model.plan import Plan
 from workbench.model.prediction import EmptiedPile, Emptying, LeftPart, PileTask
@@ -22,7 +22,7 @@ def film_of(cell: Cell, plan: Plan, detections: Sequence[Detection]) -> Film:
         for place in ((0.4, 0.0, 0.1), (0.44, 0.0, 0.1), (0.3, 0.3, 0.1))
     )
     before = (*enumerate(detections), (2, aside), (3, out))
-    grips, rest = [], dict(before)
+    picks, rest = [], dict(before)
     for step in plan.sequence:
         for arm, name in step.runs:
             if name == "extract":
@@ -31,8 +31,8 @@ def film_of(cell: Cell, plan: Plan, detections: Sequence[Detection]) -> Film:
                 T_tcp_part = T_world_tcp.actInv(rest.pop(number).T_world_part)
                 rest |= {2: pushed}
                 rest.pop(3, None)
-                grips.append(Grip(arm, number, T_tcp_part, "", tuple(rest.items())))
-    shot = Shot(plan, before, tuple(grips))
+                picks.append(FilmedPick(arm, number, T_tcp_part, "", tuple(rest.items())))
+    shot = Shot(plan, before, tuple(picks))
     return Film(PileTask(cell.name, "keyed_cylinder", 4, 0), before, (shot,), ((2, pushed),))
 
 

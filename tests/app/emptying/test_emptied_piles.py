@@ -42,17 +42,17 @@ def test_each_pile_has_the_next_seed_and_is_told_of(found, told, cell):
 
 def test_the_film_of_a_pile_is_what_became_of_it(found):
     for film, pile in zip(found.films, found.emptying.piles, strict=True):
-        grips = [grip for shot in film.shots for grip in shot.grips]
-        assert tuple(grip.outcome for grip in grips) == pile.outcomes
+        picks = [pick for shot in film.shots for pick in shot.picks]
+        assert tuple(pick.outcome for pick in picks) == pile.outcomes
         assert len(film.shots) == pile.cycles and len(film.fallen) == pile.parts == 4
         assert {f"part-{k + 1}" for k, _ in film.left} == {one.part for one in pile.left}
         there = {k for k, _ in film.fallen}
         for shot in film.shots:
             assert {k for k, _ in shot.before} == there
-            for grip in shot.grips:
-                assert grip.number in there
-                there = {k for k, _ in grip.after}
-                assert grip.number not in there
+            for pick in shot.picks:
+                assert pick.number in there
+                there = {k for k, _ in pick.after}
+                assert pick.number not in there
         assert there == {k for k, _ in film.left}
     assert any(pile.taken for pile in found.emptying.piles)
 
@@ -63,10 +63,10 @@ def test_a_part_lies_in_the_hand_as_it_lay_in_the_bin(found, cell):
 
     kinematics = Kinematics(cell)
     shot = next(shot for film in found.films for shot in film.shots)
-    grip = shot.grips[0]
-    q = np.asarray(shot.plan.arm(grip.arm).leg("extract").q[0])
-    held = kinematics.tcp_pose(cell.arm(grip.arm), q) * grip.T_tcp_part
-    lay = dict(shot.before)[grip.number].T_world_part
+    pick = shot.picks[0]
+    q = np.asarray(shot.plan.arm(pick.arm).leg("extract").q[0])
+    held = kinematics.tcp_pose(cell.arm(pick.arm), q) * pick.T_tcp_part
+    lay = dict(shot.before)[pick.number].T_world_part
     assert np.linalg.norm(held.translation - lay.translation) < 1e-4
 
 

@@ -41,29 +41,29 @@ def test_it_begins_with_a_look_at_the_pile_as_it_fell_and_the_robot_at_home(cell
 
 def test_a_part_goes_with_the_hand_and_stays_where_that_lets_go_of_it(cell, kinematics, film):
     reel = reel_of(film)
-    (shot,), (scene,) = film.shots, reel.scenes
-    grip = shot.grips[0]
-    runs = {run.leg.name: run for run in scene.runs if run.arm == grip.arm}
-    lies = dict(film.fallen)[grip.number].T_world_part.translation
+    (shot,), (stretch,) = film.shots, reel.stretches
+    pick = shot.picks[0]
+    runs = {run.leg.name: run for run in stretch.runs if run.arm == pick.arm}
+    lies = dict(film.fallen)[pick.number].T_world_part.translation
     just_before = moment(cell, film, LOOK + runs["extract"].start - 1e-3)
-    np.testing.assert_allclose(places(just_before)[grip.number], lies, atol=1e-6)
+    np.testing.assert_allclose(places(just_before)[pick.number], lies, atol=1e-6)
     middle = LOOK + (runs["return"].start + runs["return"].end) / 2
     found = moment(cell, film, middle)
-    held = kinematics.tcp_pose(cell.arm(grip.arm), found.arms[grip.arm].q) * grip.T_tcp_part
-    np.testing.assert_allclose(places(found)[grip.number], held.translation, atol=1e-9)
-    assert np.linalg.norm(places(found)[grip.number] - lies) > 0.05
-    put = kinematics.tcp_pose(cell.arm(grip.arm), runs["place"].leg.q[-1]) * grip.T_tcp_part
-    last = moment(cell, film, scene.end - 1e-3)
-    np.testing.assert_allclose(places(last)[grip.number], put.translation, atol=1e-9)
+    held = kinematics.tcp_pose(cell.arm(pick.arm), found.arms[pick.arm].q) * pick.T_tcp_part
+    np.testing.assert_allclose(places(found)[pick.number], held.translation, atol=1e-9)
+    assert np.linalg.norm(places(found)[pick.number] - lies) > 0.05
+    put = kinematics.tcp_pose(cell.arm(pick.arm), runs["place"].leg.q[-1]) * pick.T_tcp_part
+    last = moment(cell, film, stretch.end - 1e-3)
+    np.testing.assert_allclose(places(last)[pick.number], put.translation, atol=1e-9)
     assert "2 of 4 taken" in last.says
 
 
 def test_what_lies_beside_moves_only_while_a_part_is_lifted(cell, film):
     reel = reel_of(film)
-    grip = film.shots[0].grips[0]
-    lift = next(run for run in reel.scenes[0].runs
-                if run.arm == grip.arm and run.leg.name == "extract")  # fmt: skip
-    before, after = places(moment(cell, film, 0.0))[2], dict(grip.after)[2].T_world_part.translation
+    pick = film.shots[0].picks[0]
+    lift = next(run for run in reel.stretches[0].runs
+                if run.arm == pick.arm and run.leg.name == "extract")  # fmt: skip
+    before, after = places(moment(cell, film, 0.0))[2], dict(pick.after)[2].T_world_part.translation
     half = places(moment(cell, film, LOOK + (lift.start + lift.end) / 2))
     np.testing.assert_allclose(half[2], (before + after) / 2, atol=1e-6)
     assert 3 in half, "it is still falling"
@@ -90,9 +90,9 @@ def test_a_pile_of_which_nothing_is_taken_has_a_film_too(cell, film):
 
 def test_a_pick_that_misses_moves_no_part_and_says_so(cell, film):
     shot = film.shots[0]
-    missed = tuple(replace(grip, number=None, outcome="missed", after=shot.before)
-                   for grip in shot.grips)  # fmt: skip
-    other = Film(film.task, film.fallen, (replace(shot, grips=missed),), film.fallen)
+    missed = tuple(replace(pick, number=None, outcome="missed", after=shot.before)
+                   for pick in shot.picks)  # fmt: skip
+    other = Film(film.task, film.fallen, (replace(shot, picks=missed),), film.fallen)
     found = moment(cell, other, end_of(reel_of(other)) - 1e-3)
     for number, one in film.fallen:
         np.testing.assert_allclose(places(found)[number], one.T_world_part.translation)

@@ -9,7 +9,7 @@ import numpy as np
 from workbench.app.core.outcomes import AVOID_SCANS, MOST_FAILURES, SAME_PLACE
 from workbench.app.core.value_checks import SEED_LIMIT
 from workbench.app.emptying.bound import bound_of
-from workbench.app.emptying.film import Grip, Shot, unseen
+from workbench.app.emptying.film import FilmedPick, Shot, unseen
 from workbench.app.emptying.left import left_in
 from workbench.app.emptying.taking import carried_out, failure, in_turn
 from workbench.app.picking.pile_check import kinds_in_turn
@@ -104,8 +104,8 @@ def emptied(
             continue
         idle = 0
         before = tuple(lying)
-        missed, grips = _carry_out(cell, task, plan, lying, tally)
-        film(Shot(plan, before, grips))
+        missed, picks = _carry_out(cell, task, plan, lying, tally)
+        film(Shot(plan, before, picks))
         failures = failures + len(missed) if len(missed) == len(plan.arms) else 0
         avoided += [(plan.detections[number], AVOID_SCANS) for number in missed]
     known = _as_seen(lying, tally.seen)
@@ -225,12 +225,12 @@ def _left_alone(detections: Sequence[Detection], failed: Sequence[Detection]) ->
 
 def _carry_out(
     cell: Cell, task: PileTask, plan: Plan, lying: list[tuple[int, Detection]], tally: _Tally
-) -> tuple[list[int], tuple[Grip, ...]]:
-    """Take the plan's parts out of `lying`; the detections whose picks failed, and all grips."""
+) -> tuple[list[int], tuple[FilmedPick, ...]]:
+    """Take the plan's parts out of `lying`; the detections whose picks failed, and all picks."""
     tally.cycles += 1
     tally.motion += plan.cycle_seconds
     failed: list[int] = []
-    grips: list[Grip] = []
+    picks: list[FilmedPick] = []
     for arm_plan in in_turn(plan):
         truth = [one for _, one in lying]
         taking = carried_out(cell, truth, arm_plan, plan.detections[arm_plan.detection].part)
@@ -244,7 +244,7 @@ def _carry_out(
             tally.taken += 1
             tally.rolled += taking.is_turned
         if taking.number is None:
-            grips.append(Grip(arm_plan.arm, None, arm_plan.T_tcp_part, kind, tuple(lying)))
+            picks.append(FilmedPick(arm_plan.arm, None, arm_plan.T_tcp_part, kind, tuple(lying)))
             continue
         number, gripped = lying[taking.number]
         q_grasp = np.asarray(arm_plan.leg("approach").q[-1])
@@ -261,5 +261,5 @@ def _carry_out(
         tally.knocked_out += len(rest) - len(stays)
         lying[:] = stays
         T_tcp_part = T_world_tcp.actInv(gripped.T_world_part)
-        grips.append(Grip(arm_plan.arm, number, T_tcp_part, kind, tuple(stays)))
-    return failed, tuple(grips)
+        picks.append(FilmedPick(arm_plan.arm, number, T_tcp_part, kind, tuple(stays)))
+    return failed, tuple(picks)

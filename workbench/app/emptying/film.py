@@ -13,7 +13,7 @@ Numbered = tuple[tuple[int, Detection], ...]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Grip:
+class FilmedPick:
     """What came of one arm's part of a plan.
 
     `number` is that of the part on which the hand closed, None when there was none, and
@@ -34,7 +34,7 @@ class Shot:
 
     plan: Plan
     before: Numbered
-    grips: tuple[Grip, ...]
+    picks: tuple[FilmedPick, ...]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

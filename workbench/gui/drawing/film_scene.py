@@ -9,7 +9,7 @@ import viser
 from workbench.formats.meshes.triangles import triangles_of
 from workbench.gui.scene.robot import place
 from workbench.gui.shared.colours import left_colour, part_colour, rgb_of
-from workbench.gui.shared.look import Filmed, FilmedPart, View
+from workbench.gui.shared.look import FilmMoment, FilmPart, View
 from workbench.gui.shared.solids import with_hard_edges
 from workbench.gui.shared.visitor import Visitor
 from workbench.model.cell import Cell
@@ -36,11 +36,11 @@ class FilmScene:
         """Nothing is drawn yet."""
         self._visitor = visitor
         self._scene = visitor.client.scene
-        self._drawn: Filmed | None = None
+        self._drawn: FilmMoment | None = None
         self._hidden: tuple[str, ...] = ()
         self._nodes: dict[int, viser.FrameHandle] = {}
         self._meshes: dict[int, viser.MeshHandle] = {}
-        self._shown: dict[int, tuple[FilmedPart, bool]] = {}
+        self._shown: dict[int, tuple[FilmPart, bool]] = {}
         visitor.on_end(self._clear, in_scene=True)
 
     def show(self, old: View | None, new: View) -> None:
@@ -61,7 +61,7 @@ class FilmScene:
             self._draw(new.state.cell, filmed, showing.chosen)
         self._drawn = filmed
 
-    def _draw(self, cell: Cell, filmed: Filmed, chosen: int | None) -> None:
+    def _draw(self, cell: Cell, filmed: FilmMoment, chosen: int | None) -> None:
         there = {part.number for part in filmed.parts}
         for number in set(self._nodes) - there:
             self._nodes.pop(number).remove()
@@ -78,7 +78,7 @@ class FilmScene:
                 self._tell(part, is_chosen)
             self._shown[part.number] = part, is_chosen
 
-    def _add(self, cell: Cell, part: FilmedPart) -> None:
+    def _add(self, cell: Cell, part: FilmPart) -> None:
         name = f"{FILM}/part-{part.number + 1}"
         self._nodes[part.number] = self._scene.add_frame(name, show_axes=False)
         points, triangles = with_hard_edges(triangles_of(cell.part(part.part).mesh))
@@ -86,7 +86,7 @@ class FilmScene:
         mesh.on_click(partial(self._pressed, part.number))
         self._meshes[part.number] = mesh
 
-    def _tell(self, part: FilmedPart, is_chosen: bool) -> None:
+    def _tell(self, part: FilmPart, is_chosen: bool) -> None:
         """Colour a part, and say why it stays where that is told."""
         colour = left_colour(part.kind) if part.kind else part_colour(part.number)
         self._meshes[part.number].color = rgb_of(colour)

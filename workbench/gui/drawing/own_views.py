@@ -6,7 +6,7 @@ from workbench.app.core.state import State
 from workbench.gui.cell.jog import JogFinder
 from workbench.gui.emptying.reel import Projector
 from workbench.gui.shared.calibrating import Overlay, overlay
-from workbench.gui.shared.look import Filmed, Jogged, View
+from workbench.gui.shared.look import FilmMoment, Jogged, View
 from workbench.gui.shared.own import Own
 from workbench.model.calibration import Calibration
 
@@ -34,7 +34,7 @@ class OwnViews:
         filmed = self._filmed(own, before, shared.state)
         return replace(shared, own=own, jogged=jogged, overlay=over, filmed=filmed)
 
-    def _filmed(self, own: Own, before: View | None, state: State) -> Filmed | None:
+    def _filmed(self, own: Own, before: View | None, state: State) -> FilmMoment | None:
         """The moment of a film that is shown, worked out when it is another one."""
         if own.film is None:
             return None

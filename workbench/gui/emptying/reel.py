@@ -12,8 +12,8 @@ from itertools import accumulate
 import numpy as np
 import pinocchio as pin
 
-from workbench.app.emptying.film import Film, Grip, Shot
-from workbench.gui.shared.look import Filmed, FilmedPart
+from workbench.app.emptying.film import Film, FilmedPick, Shot
+from workbench.gui.shared.look import FilmMoment, FilmPart
 from workbench.gui.shared.own import Showing
 from workbench.gui.shared.playback import Run, interpolated, moments, timeline
 from workbench.model.cell import Cell
@@ -32,7 +32,7 @@ FAILED = {
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Scene:
+class Stretch:
     """A shot on the film's clock: it begins at `start` [s] with a look, and `runs` after that."""
 
     shot: Shot
@@ -46,7 +46,7 @@ class Reel:
     """All shots of a film one after the other; `seconds` is how long it is."""
 
     film: Film
-    scenes: tuple[Scene, ...]
+    stretches: tuple[Stretch, ...]
     seconds: float
 
 
@@ -55,11 +55,11 @@ def reel_of(film: Film) -> Reel:
     runs = [timeline(shot.plan) for shot in film.shots]
     lengths = [LOOK + max((run.end for run in one), default=0.0) for one in runs]
     ends = tuple(accumulate(lengths))
-    scenes = tuple(
-        Scene(shot, one, end - length, end)
+    stretches = tuple(
+        Stretch(shot, one, end - length, end)
         for shot, one, length, end in zip(film.shots, runs, lengths, ends, strict=True)
     )
-    return Reel(film, scenes, (ends[-1] if ends else 0.0) + LOOK)
+    return Reel(film, stretches, (ends[-1] if ends else 0.0) + LOOK)
 
 
 class Projector:
@@ -73,7 +73,7 @@ class Projector:
         self._kinematics: Kinematics | None = None
         self._cell: Cell | None = None
 
-    def moment(self, cell: Cell, showing: Showing) -> Filmed:
+    def moment(self, cell: Cell, showing: Showing) -> FilmMoment:
         """How everything is at a moment of a film, in the cell in which it was made."""
         if self._kinematics is None or self._cell is not cell:
             self._cell, self._kinematics = cell, Kinematics(cell)
@@ -82,7 +82,7 @@ class Projector:
         return moment_of(cell, self._kinematics, self._reel, showing)
 
 
-def moment_of(cell: Cell, kinematics: Kinematics, reel: Reel, showing: Showing) -> Filmed:
+def moment_of(cell: Cell, kinematics: Kinematics, reel: Reel, showing: Showing) -> FilmMoment:
     """How everything is at the moment of a film that is looked at.
 
     Args:
@@ -92,80 +92,84 @@ def moment_of(cell: Cell, kinematics: Kinematics, reel: Reel, showing: Showing) 
         showing: which moment, and why parts stay.
     """
     film, time = reel.film, showing.time
-    number = bisect_right([one.start for one in reel.scenes], time) - 1
-    if number < 0 or time >= reel.scenes[-1].end:
+    number = bisect_right([one.start for one in reel.stretches], time) - 1
+    if number < 0 or time >= reel.stretches[-1].end:
         left = tuple(
-            FilmedPart(k, one.part, one.T_world_part, showing.kinds.get(k, ""))
+            FilmPart(k, one.part, one.T_world_part, showing.kinds.get(k, ""))
             for k, one in film.left
         )
-        return Filmed(moments(cell, (), 0.0), left, _end_words(film))
-    scene = reel.scenes[number]
-    now = time - scene.start - LOOK
-    poses = _parts(cell, kinematics, scene, now)
+        return FilmMoment(moments(cell, (), 0.0), left, _end_words(film))
+    stretch = reel.stretches[number]
+    now = time - stretch.start - LOOK
+    poses = _parts(cell, kinematics, stretch, now)
     kinds = dict(film.fallen)
-    parts = tuple(FilmedPart(k, kinds[k].part, T) for k, T in sorted(poses.items()))
-    before = sum(not grip.outcome for one in reel.scenes[:number] for grip in one.shot.grips)
-    return Filmed(moments(cell, scene.runs, now), parts, _words(film, scene, now, before, number))
+    parts = tuple(FilmPart(k, kinds[k].part, T) for k, T in sorted(poses.items()))
+    before = sum(not pick.outcome for one in reel.stretches[:number] for pick in one.shot.picks)
+    return FilmMoment(
+        moments(cell, stretch.runs, now), parts, _words(film, stretch, now, before, number)
+    )
 
 
-def _parts(cell: Cell, kinematics: Kinematics, scene: Scene, now: float) -> dict[int, pin.SE3]:
+def _parts(cell: Cell, kinematics: Kinematics, stretch: Stretch, now: float) -> dict[int, pin.SE3]:
     """`T_world_part` of each part that is there `now` [s] on the plan's clock, by its number."""
-    poses = {k: one.T_world_part for k, one in scene.shot.before}
-    for grip in scene.shot.grips:
-        lift = _run(scene, grip, "extract")
+    poses = {k: one.T_world_part for k, one in stretch.shot.before}
+    for pick in stretch.shot.picks:
+        lift = _run(stretch, pick, "extract")
         share = float(np.clip((now - lift.start) / max(lift.end - lift.start, 1e-9), 0.0, 1.0))
         if share <= 0.0:
             continue
-        after = dict(grip.after)
+        after = dict(pick.after)
         for k in tuple(poses):
-            if k == grip.number:
-                poses[k] = _held(cell, kinematics, scene, grip, now)
+            if k == pick.number:
+                poses[k] = _held(cell, kinematics, stretch, pick, now)
             elif k in after:
                 poses[k] = pin.SE3.Interpolate(poses[k], after[k].T_world_part, share)
-            elif share >= 1.0 and not _was_taken(scene, k):
+            elif share >= 1.0 and not _was_taken(stretch, k):
                 # It has fallen out of the bin.
                 del poses[k]
     return poses
 
 
-def _was_taken(scene: Scene, number: int) -> bool:
-    return any(grip.number == number for grip in scene.shot.grips)
+def _was_taken(stretch: Stretch, number: int) -> bool:
+    return any(pick.number == number for pick in stretch.shot.picks)
 
 
-def _run(scene: Scene, grip: Grip, leg: LegName) -> Run:
-    return next(run for run in scene.runs if run.arm == grip.arm and run.leg.name == leg)
+def _run(stretch: Stretch, pick: FilmedPick, leg: LegName) -> Run:
+    return next(run for run in stretch.runs if run.arm == pick.arm and run.leg.name == leg)
 
 
-def _held(cell: Cell, kinematics: Kinematics, scene: Scene, grip: Grip, now: float) -> pin.SE3:
+def _held(
+    cell: Cell, kinematics: Kinematics, stretch: Stretch, pick: FilmedPick, now: float
+) -> pin.SE3:
     """Where a part is that an arm has taken: in its hand, or where that has let go of it."""
     held = [
-        run for run in scene.runs if run.arm == grip.arm and run.leg.holding and run.start <= now
+        run for run in stretch.runs if run.arm == pick.arm and run.leg.holding and run.start <= now
     ]
-    run = held[-1] if held else _run(scene, grip, "extract")
+    run = held[-1] if held else _run(stretch, pick, "extract")
     q = interpolated(run.leg.q, run.leg.t, min(now, run.end) - run.start)
-    return kinematics.tcp_pose(cell.arm(grip.arm), q) * grip.T_tcp_part
+    return kinematics.tcp_pose(cell.arm(pick.arm), q) * pick.T_tcp_part
 
 
-def _words(film: Film, scene: Scene, now: float, taken: int, number: int) -> str:
+def _words(film: Film, stretch: Stretch, now: float, taken: int, number: int) -> str:
     """What goes on: which plan, how much is taken, and what the arms do."""
     head = f"Plan {number + 1} of {len(film.shots)}"
-    lifted = [grip for grip in scene.shot.grips if now >= _run(scene, grip, "extract").end]
-    taken += sum(not grip.outcome for grip in lifted)
-    doing = [_does(grip, scene.shot) for grip in lifted] or [_goes_to(scene.shot)]
+    lifted = [pick for pick in stretch.shot.picks if now >= _run(stretch, pick, "extract").end]
+    taken += sum(not pick.outcome for pick in lifted)
+    doing = [_does(pick) for pick in lifted] or [_goes_to(stretch.shot)]
     if now < 0.0:
         doing = ["a look into the bin"]
     return f"{head}, {taken} of {len(film.fallen)} taken: {'; '.join(doing)}"
 
 
 def _goes_to(shot: Shot) -> str:
-    arms = [f"{grip.arm} to {_name(grip.number)}" for grip in shot.grips]
+    arms = [f"{pick.arm} to {_name(pick.number)}" for pick in shot.picks]
     return f"arm {', '.join(arms)}" if len(arms) == 1 else f"arms {', '.join(arms)}"
 
 
-def _does(grip: Grip, shot: Shot) -> str:
-    if grip.outcome:
-        return f"{grip.arm} {FAILED.get(grip.outcome, grip.outcome)}"
-    return f"{grip.arm} has {_name(grip.number)}"
+def _does(pick: FilmedPick) -> str:
+    if pick.outcome:
+        return f"{pick.arm} {FAILED.get(pick.outcome, pick.outcome)}"
+    return f"{pick.arm} has {_name(pick.number)}"
 
 
 def _name(number: int | None) -> str:
@@ -173,14 +177,14 @@ def _name(number: int | None) -> str:
 
 
 def _end_words(film: Film) -> str:
-    taken = sum(not grip.outcome for shot in film.shots for grip in shot.grips)
+    taken = sum(not pick.outcome for shot in film.shots for pick in shot.picks)
     stays = f"{len(film.left)} stay" if film.left else "the bin is empty"
     return f"The end: {taken} of {len(film.fallen)} taken, {stays}"
 
 
 def end_of(reel: Reel) -> float:
     """When the last plan has ended: from then on what stays is told [s]."""
-    return reel.scenes[-1].end if reel.scenes else 0.0
+    return reel.stretches[-1].end if reel.stretches else 0.0
 
 
 def advanced(showing: Showing, elapsed: float) -> Showing:

@@ -132,7 +132,7 @@ class Jogged:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class FilmedPart:
+class FilmPart:
     """A part at a moment of a film: which one fell, of which kind, where, and why it stays.
 
     `kind` is empty while it is not told that it stays.
@@ -145,7 +145,7 @@ class FilmedPart:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Filmed:
+class FilmMoment:
     """A moment of the film of an emptied pile.
 
     `arms` says how every arm stands, by name, `parts` lists those that are there, and `says` tells
@@ -153,7 +153,7 @@ class Filmed:
     """
 
     arms: Mapping[str, Moment]
-    parts: tuple[FilmedPart, ...]
+    parts: tuple[FilmPart, ...]
     says: str
 
 
@@ -192,7 +192,7 @@ class View:
     own: Own = NOTHING_OWN
     jogged: Jogged | None = None
     overlay: Overlay | None = None
-    filmed: Filmed | None = None
+    filmed: FilmMoment | None = None
 
     @property
     def pose(self) -> Pose | None:
