@@ -12,6 +12,9 @@ from workbench.model.prediction import LeftPart
 from workbench.model.scan import Detection
 from workbench.planning.picking.nearest_fix import nearest_fix
 
+TOUCHING = (Reason.TOOL_COLLISION, Reason.IN_COLLISION)
+"""Bodies that meet, or do not keep their margin."""
+
 Numbered = Sequence[tuple[int, Detection]]
 """Parts with the number under which they fell."""
 
@@ -65,6 +68,8 @@ def _sentence(mine: Sequence[Candidate], best: Verdict) -> str:
     how = str(best)
     if best.reason is not Reason.OUT_OF_REACH and best.distance is not None and best.distance < 0:
         how += " into each other"
+    elif best.distance is not None and best.reason in TOUCHING:
+        how += ", nearer than the margin"
     return f"none of {len(mine)} candidates works ({told}); the one that got furthest: {how}"
 
 
