@@ -149,16 +149,17 @@ class EmptyingPanel:
             self._table.content = ""
             return
         plain = found.plain
+        pile = min(self._pile, len(plain) - 1)
         takes = {"scan_seconds": seconds[0], "approval_seconds": seconds[1]}
         is_stale = found.cell_digest != state.cell.digest
         self._summary.content = summary_html(found, summary(plain, **takes), is_stale)
         shown = ordered(plain, self._order)
         self._table.content = piles_html(
-            plain, shown, self._order, self._pile, headings=self._headings, rows=self._rows
+            plain, shown, self._order, pile, headings=self._headings, rows=self._rows
         )
         plot = taken_plot(plain)
         self._plot.content = plot_html(plot, end_of(plot)) + legend_html(plot)
-        self._film.tell_left(left_html(plain[self._pile], chosen, self._left_rows))
+        self._film.tell_left(left_html(plain[pile], chosen, self._left_rows))
         if self._brought.visible:
             self._ranked.content = changes_html(ranked(found.piles, **takes))
 
