@@ -34,7 +34,7 @@ CYCLES = 6
 MOMENT = 30
 """Which entry of the recorded session is shown."""
 
-FILM = "6.5"
+FILM = "5"
 """[s] Which moment of the film is shown."""
 
 PLOTS = {
@@ -172,7 +172,7 @@ def emptying(chrome: Browser, folder: Path) -> None:
     with desk(chrome, folder, speed=20) as at:
         screen, page = at.screen, at.page
         screen.tab("Emptying")
-        for label, value in (("Parts", 8), ("Piles", 3)):
+        for label, value in (("Parts", 5), ("Piles", 3)):
             box = page.get_by_label(label, exact=True).locator("visible=true")
             box.fill(str(value))
             box.press("Tab")

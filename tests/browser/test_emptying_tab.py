@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hands import settle
+from hands import field, settle
 from playwright.sync_api import expect
 
 from workbench.app.core.commands import UseScan
@@ -70,6 +70,13 @@ def test_a_pile_is_emptied_counted_and_shown_as_a_film(screen, page, bench, wait
         "a part that is taken",
     )
     screen.shoot("emptying_film")
+    # A moment that is typed while it plays is shown by the slider, too.
+    box = field(screen, "Film [s]")
+    box.fill("1")
+    box.press("Enter")
+    (visitor,) = page._renderer._visitors.values()
+    wait(lambda: visitor.own.now.film.time == 1.0 and not visitor.own.now.film.is_playing, "it")
+    expect(box).to_have_value("1")
     screen.press("What stays")
     wait(lambda: len(places(page)) == len(pile.left), "what stays")
     screen.wait_for(f"The end: {pile.taken} of 4 taken, {len(pile.left)} stay")

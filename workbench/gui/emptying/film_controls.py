@@ -32,6 +32,7 @@ class FilmControls:
         """Add the controls."""
         self._visitor = visitor
         self._mine: float | None = None
+        self._is_echoed = False
         self._pile = 0
         gui = visitor.gui
         with group(gui, "Film of the chosen pile"):
@@ -95,6 +96,12 @@ class FilmControls:
             self._time.max = most
         # The browser that drags knows best where its own slider stands.
         if showing.time != self._mine:
+            self._time.value = min(round(showing.time, 2), most)
+        elif self._is_echoed:
+            # While it played the slider was moved from here, too: whose word came last is not
+            # known, and a value that is said once more is not sent.
+            self._is_echoed = False
+            self._time.value = most if showing.time == 0.0 else 0.0
             self._time.value = min(round(showing.time, 2), most)
 
     def tell_left(self, html: str) -> None:
@@ -180,6 +187,8 @@ class FilmControls:
         visitor.own.change(jog=None, sighting=None, film=showing)
 
     def _go_to(self, time: float) -> None:
+        film = self._visitor.own.now.film
+        self._is_echoed = film is not None and film.is_playing
         self._mine = time
         self._visitor.own.show(
             lambda showing: replace(
