@@ -32,6 +32,7 @@ from workbench.app.core.commands import (
     Sent,
     Stop,
     TakeScan,
+    TryEmptying,
     UseDetections,
     UseScan,
     WantThreshold,
@@ -45,6 +46,7 @@ from workbench.model.digest import digest_of
 from workbench.model.errors import CommandRefused, InputError
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.plan import UNSIGNED
+from workbench.model.prediction import Emptying
 from workbench.model.release import Receipt
 
 RECEIPT = Receipt(NOW, "right", "start", "startR#", 1, 4)
@@ -244,6 +246,10 @@ class AnySequence(RuleBasedStateMachine):
     def find(self, seed, is_compared):
         self.attempt(FindParts(seed, is_compared=is_compared))
 
+    @rule(seed=SEEDS, piles=st.integers(0, 2))
+    def try_emptying(self, seed, piles):
+        self.attempt(TryEmptying(count=2, piles=piles, seed=seed))
+
     @rule(seed=SEEDS)
     def use_detections(self, seed):
         self.attempt(UseDetections(self.samples.detections(seed)))
@@ -266,6 +272,7 @@ class AnySequence(RuleBasedStateMachine):
             "scan": self.samples.scan(seed),
             "localize": self.samples.detections(seed),
             "plan": self.samples.planned(scene, seed, holds=holds),
+            "emptying": Emptying(self.line.state.cell.digest, ()),
         }
         name = job.name if job is not None else "plan"
         match kind:

@@ -27,6 +27,7 @@ from workbench.app.core.commands import (
     Sent,
     Stop,
     TakeScan,
+    TryEmptying,
     UseDetections,
     UseScan,
     WantThreshold,
@@ -44,10 +45,20 @@ from workbench.model.digest import canonical, digest_of
 from workbench.model.errors import FileError, JobCancelled, JournalError
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.part import PartPlace
+from workbench.model.prediction import EmptiedPile, Emptying, LeftPart, PileTask
 from workbench.model.release import Receipt
 from workbench.model.scan import Detection, Scan
 
 NOW = 1_700_000_000.0
+
+
+def emptied(cell) -> Emptying:
+    left = (LeftPart("part-2", "no path", "no way was found", ""),)
+    pile = EmptiedPile(
+        PileTask(cell.name, "peg", 2, 7, "scan"), 2, 1, (0, 1, 0), 0, 0, 2, 5, 7.5, left,
+        (0.25, 0.5), (("propose", 0.1), ("prove", 0.2)), 1.5, outcomes=("", "crooked"),
+    )  # fmt: skip
+    return Emptying(cell.digest, (pile,))
 
 
 def commands(samples):
@@ -72,6 +83,8 @@ def commands(samples):
         JobEnded(2, samples.detections()),
         JobEnded(3, planned),
         JobEnded(4, samples.refused()),
+        TryEmptying(("peg",), 5, 2, 7, "scan", ("lifts", "bin")),
+        JobEnded(7, emptied(samples.cell)),
         JobEnded(5, FileError("scan.ply", "is truncated")),
         JobEnded(6, JobCancelled("cancelled")),
         Sent(Receipt(NOW, "right", "in", "inR#*1.00*", 2, 9)),
@@ -191,6 +204,17 @@ def test_a_session_computed_again_goes_through_the_same_states(journal, cell, sa
         assert getattr(end, field).digest == getattr(last, field).digest
     assert digest_of(end.detections) == digest_of(last.detections)
     assert journal.verify() == ()
+
+
+def test_what_became_of_piles_is_on_record_and_comes_back(journal, cell, samples):
+    found = emptied(cell)
+    run(journal, cell, (TryEmptying(), JobEnded(2, found), *cycle_after(samples)))
+    end = list(replay(journal, cell))[-1][1]
+    assert end.emptying == found and end.phase is Phase.SCANNED
+
+
+def cycle_after(samples):
+    return (TakeScan(), JobEnded(4, samples.scan(points=3000)))
 
 
 def test_people_can_read_scan_plan_proof_and_approval_from_the_folder(journal, cell, samples):

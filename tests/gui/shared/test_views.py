@@ -7,7 +7,7 @@ from html.parser import HTMLParser
 import numpy as np
 import pytest
 
-from workbench.app.core.state import Avoided, Outcome, Outline, Phase
+from workbench.app.core.state import Avoided, Job, Outcome, Outline, Phase
 from workbench.app.runtime.live import Live
 from workbench.app.runtime.worker import GettingReady
 from workbench.gui.cycle.approval_views import approval_line, facts_html
@@ -82,6 +82,11 @@ def test_discarded_poses_are_listed_with_score_and_reason():
 )
 def test_the_strip_shows_what_is_done_and_what_comes_next(states, name, expected):
     assert classes_of_steps(views.strip_html(getattr(states, name))) == expected
+
+
+def test_a_task_that_is_no_step_keeps_no_step_busy(states):
+    busy = replace(states.localized, job=Job(7, "emptying"))
+    assert "busy" not in classes_of_steps(views.strip_html(busy))
 
 
 def test_every_phase_has_its_place_in_the_strip():

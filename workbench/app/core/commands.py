@@ -27,6 +27,7 @@ from workbench.model.digest import LATER
 from workbench.model.geometry import Floats, frozen, put
 from workbench.model.part import Entry as GraspEntry
 from workbench.model.part import GraspPair
+from workbench.model.prediction import Seen
 from workbench.model.scan import Detection, Scan, SearchWishes
 from workbench.model.symmetry import Symmetry
 
@@ -256,6 +257,23 @@ class ImportPart:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class TryEmptying:
+    """Empty piles in simulation, in the cell as it is; nothing real has to do with it.
+
+    `kinds` are the parts that fall, one of each in turn, of those that the cell picks; empty: all
+    of them.  `count` of them make a pile, and of `piles` each has the next seed.  `changes` are
+    kinds of single changes of the cell (`CHANGE_KINDS`) with which the same piles are emptied too.
+    """
+
+    kinds: tuple[str, ...] = ()
+    count: int = 15
+    piles: int = 3
+    seed: int = 0
+    seen: Seen = "truth"
+    changes: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class DropDraft:
     """Forget the changes of a part's grasps that an earlier session has not saved."""
 
@@ -332,6 +350,7 @@ Command = (
     | RedoCell
     | EditPart
     | ImportPart
+    | TryEmptying
     | DropDraft
     | SaveCell
     | EmptyPallets

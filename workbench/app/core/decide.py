@@ -41,6 +41,7 @@ from workbench.app.core.release import (
 )
 from workbench.app.core.results import (
     compared,
+    emptying_words,
     with_detections,
     with_outside_detections,
     with_plan,
@@ -53,12 +54,14 @@ from workbench.app.core.state import (
     ScanState,
     State,
     begun,
+    counted,
     stale_by,
 )
 from workbench.model.calibration import PlateSighting
 from workbench.model.errors import CommandRefused, JobCancelled, WorkbenchError
 from workbench.model.part import Part
 from workbench.model.plan import PlanResult
+from workbench.model.prediction import Emptying
 from workbench.model.release import Vote, manner_words
 from workbench.model.scan import Scan, Search
 
@@ -125,6 +128,9 @@ def decide(state: State, entry: commands.Entry) -> Outcome:
         case commands.ImportPart(name=name) as command:
             says = f"making the part {name} of {command.file}"
             return _begin(state, entry, "import", {"command": command}, says)
+        case commands.TryEmptying(piles=piles, count=count) as command:
+            says = f"emptying {counted(piles, 'pile')} of {counted(count, 'part')} in simulation"
+            return _begin(state, entry, "emptying", {"command": command}, says)
         case commands.DropDraft(part=part):
             return replace(state, message=f"the draft of {part} is dropped"), (RemoveDraft(part),)
         case commands.EmptyPallets():
@@ -304,6 +310,8 @@ def _job_ended(state: State, ended: commands.JobEnded, at: float) -> State:
             sightings = (*state.sightings, result)
             message = f"{result.name}: the plate is seen, {len(sightings)} so far"
             return replace(state, sightings=sightings, message=message)
+        case ("emptying", Emptying()):
+            return replace(state, emptying=result, message=emptying_words(result))
         case ("plan", PlanResult()):
             return with_plan(state, result, job)
         case _:

@@ -10,6 +10,7 @@ from workbench.model.errors import WorkbenchError
 from workbench.model.geometry import put
 from workbench.model.part import Part
 from workbench.model.plan import PlanResult
+from workbench.model.prediction import Emptying
 from workbench.model.release import PartReport, Receipt
 from workbench.model.scan import Detection, Scan
 
@@ -66,12 +67,14 @@ class PosesRefused:
 class JobEnded:
     """The worker finished job `number`.
 
-    `result` is a `Scan`, a tuple of `Detection`, a `PlanResult`, a `PlateSighting`, a `Part`, or
-    the error that ended it.
+    `result` is a `Scan`, a tuple of `Detection`, a `PlanResult`, a `PlateSighting`, a `Part`, an
+    `Emptying`, or the error that ended it.
     """
 
     number: int
-    result: "Scan | tuple[Detection, ...] | PlanResult | PlateSighting | Part | WorkbenchError"
+    result: (
+        Scan | tuple[Detection, ...] | PlanResult | PlateSighting | Part | Emptying | WorkbenchError
+    )
 
 
 @dataclass(frozen=True, slots=True, eq=False)

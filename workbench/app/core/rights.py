@@ -32,6 +32,7 @@ JOBS: Mapping[str, str] = {
     "plan": "the planning",
     "sight": "the scan of the plate",
     "import": "the new part",
+    "emptying": "the emptying",
 }
 """What people call the tasks of the worker."""
 
@@ -103,6 +104,8 @@ RIGHTS: Mapping[type, Right] = {
     commands.RedoCell: Right("a redo", SAFE, role=Role.ENGINEER),
     commands.EditPart: Right("a change of grasps", SAFE, role=Role.ENGINEER),
     commands.ImportPart: Right("a new part", SAFE, role=Role.ENGINEER),
+    # It moves nothing, but it keeps the worker for itself, and is about how the cell is made.
+    commands.TryEmptying: Right("emptying piles in simulation", SAFE, role=Role.ENGINEER),
     commands.DropDraft: Right("dropping a draft", SAFE, role=Role.ENGINEER),
     commands.SaveCell: Right("saving the cell", SAFE, role=Role.ENGINEER),
     commands.AskForControl: Right(

@@ -11,6 +11,7 @@ from workbench.model.candidate import Candidate, Verdict
 from workbench.model.cell import Cell, Wishes
 from workbench.model.digest import LATER
 from workbench.model.plan import Plan, Proof
+from workbench.model.prediction import Emptying
 from workbench.model.release import Approval, PartReport, Receipt, Vote
 from workbench.model.scan import Detection, Obstacle, Remark, Scan, Search, SearchWishes
 
@@ -108,6 +109,7 @@ class SessionState:
     `placed` are parts on pallets, or where they may be since a fault.  `failures` counts failed
     picks in a row, over all cycles, and `avoided` says where.
     `sightings` are those of a calibration that is being made.
+    `emptying` is what came of the piles that were emptied in simulation last, in whichever cell.
     `ran` is what runs since the last start; `changed` says how that differs from the start before,
     the session `changed_since`, until somebody has acknowledged it.
     `control` is the name of who is in control, empty while nobody is; `asking` are those who have
@@ -124,6 +126,7 @@ class SessionState:
     failures: int = 0
     avoided: tuple[Avoided, ...] = ()
     sightings: tuple[PlateSighting, ...] = ()
+    emptying: Emptying | None = None
     ran: Inventory | None = None
     changed: tuple[str, ...] = ()
     changed_since: str = ""

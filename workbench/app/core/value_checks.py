@@ -16,6 +16,8 @@ from workbench.model.geometry import Floats
 from workbench.model.scan import Detection
 
 MOST_PARTS = 30
+MOST_PILES = 20
+"""That are emptied in one task."""
 SEED_LIMIT = 2**31
 LONGEST_NAME = 80
 LONGEST_TEXT = 200

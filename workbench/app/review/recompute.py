@@ -7,6 +7,7 @@ from workbench.app.core.commands import JobEnded
 from workbench.app.core.decide import decide
 from workbench.app.core.effects import StartJob
 from workbench.app.core.state import State
+from workbench.app.emptying.film import Filmed
 from workbench.app.records.replay import replay
 from workbench.app.records.sessions import cell_of
 from workbench.app.review.likeness import Likeness, resemblance
@@ -66,5 +67,7 @@ def _compared(cell: Cell, job: StartJob, kept: object) -> Comparison | None:
         return Comparison(job.number, job.name, Likeness.OTHER, f"failed: {error}")
     if isinstance(again, LocalizationResult):
         again = again.detections
+    if isinstance(again, Filmed):
+        again = again.emptying
     found = resemblance(cell, kept, again)
     return Comparison(job.number, job.name, found.likeness, found.says)

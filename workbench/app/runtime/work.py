@@ -7,6 +7,8 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 
+from workbench.app.emptying.film import Filmed
+from workbench.app.emptying.piles import emptied_piles
 from workbench.app.picking.held_plate import simulated_sight
 from workbench.app.picking.part_import import imported_part
 from workbench.app.picking.pipeline import plan_pick
@@ -132,12 +134,20 @@ def plan(
     )
 
 
+def emptying(
+    cell: Cell, arguments: Mapping[str, Any], report: Report, cancelled: Cancelled
+) -> Filmed:
+    """Piles emptied in simulation, as the command `TryEmptying` wants them."""
+    return emptied_piles(cell, arguments["command"], report, cancelled)
+
+
 JOBS: Mapping[str, JobFunction] = {
     "scan": scan,
     "localize": find_parts,
     "sight": sight,
     "plan": plan,
     "import": import_part,
+    "emptying": emptying,
 }
 """By the names that `decide` gives them."""
 

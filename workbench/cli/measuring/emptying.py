@@ -3,19 +3,21 @@
 from typing import Any
 
 from workbench.app.core.value_checks import MOST_PARTS, SEED_LIMIT
+from workbench.app.emptying.summary import summary
+from workbench.app.emptying.what_if import ranked, tasks_with_changes
 from workbench.app.picking.pipeline import check_strategy
 from workbench.app.runtime.readiness import make_ready
 from workbench.cli.arguments.studies import StudyEmptying
 from workbench.cli.exits import SUCCESS
 from workbench.cli.terminal import check_number, check_whole, print_json, print_table, progress
 from workbench.formats.cells.reading import read_cell
-from workbench.studies.emptying.empty import cell_of, check_task
+from workbench.model.errors import InputError
+from workbench.model.prediction import CHANGE_KINDS, PileTask
 from workbench.studies.emptying.kept import emptied_all
+from workbench.studies.emptying.piles import cell_of, check_task
 from workbench.studies.emptying.plot import draw_emptying
-from workbench.studies.emptying.scene import Task
-from workbench.studies.emptying.summary import summary
-from workbench.studies.emptying.what_if import kinds_of, ranked, tasks_with_changes
 
+ALL = "all"
 MOST_PILES = 1_000_000
 LONGEST = 3600.0
 """[s] A scan or an approval takes no longer."""
@@ -33,7 +35,7 @@ def emptying(typed: StudyEmptying) -> int:
     check_number("--scan-seconds", typed.scan_seconds, 0.0, LONGEST)
     check_number("--approval-seconds", typed.approval_seconds, 0.0, LONGEST)
     tasks = [
-        Task(
+        PileTask(
             typed.cell,
             typed.part,
             typed.parts,
@@ -74,6 +76,24 @@ def emptying(typed: StudyEmptying) -> int:
     if kinds:
         _print_changes(found)
     return SUCCESS
+
+
+def kinds_of(text: str) -> frozenset[str]:
+    """Kinds of changes from words as they are typed, `all` or some joined by `+`.
+
+    Raises:
+        InputError: a word is no kind.
+    """
+    if text == ALL:
+        return frozenset(CHANGE_KINDS)
+    kinds = text.split("+")
+    for kind in kinds:
+        if kind not in CHANGE_KINDS:
+            raise InputError(
+                f"--what-if: {kind!r:.40} is no kind of change; "
+                f"there are {', '.join(CHANGE_KINDS)}, and {ALL}"
+            )
+    return frozenset(kinds)
 
 
 def _print_changes(found: dict[str, Any]) -> None:

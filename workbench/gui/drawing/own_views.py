@@ -4,8 +4,9 @@ from dataclasses import replace
 
 from workbench.app.core.state import State
 from workbench.gui.cell.jog import JogFinder
+from workbench.gui.emptying.reel import Projector
 from workbench.gui.shared.calibrating import Overlay, overlay
-from workbench.gui.shared.look import Jogged, View
+from workbench.gui.shared.look import FilmMoment, Jogged, View
 from workbench.gui.shared.own import Own
 from workbench.model.calibration import Calibration
 
@@ -18,6 +19,7 @@ class OwnViews:
 
     def __init__(self) -> None:
         self._jogger = JogFinder()
+        self._projector = Projector()
 
     def of(self, own: Own, before: View | None, shared: View) -> View:
         """The view of a browser.
@@ -28,7 +30,17 @@ class OwnViews:
             shared: what all see now.
         """
         jogged = self._jogged(own, before, shared.state)
-        return replace(shared, own=own, jogged=jogged, overlay=_overlay(own, before, shared))
+        over = _overlay(own, before, shared)
+        filmed = self._filmed(own, before, shared.state)
+        return replace(shared, own=own, jogged=jogged, overlay=over, filmed=filmed)
+
+    def _filmed(self, own: Own, before: View | None, state: State) -> FilmMoment | None:
+        """The moment of a film that is shown, worked out when it is another one."""
+        if own.film is None:
+            return None
+        if before is not None and before.own.film is own.film and before.filmed is not None:
+            return before.filmed
+        return self._projector.moment(state.cell, own.film)
 
     def _jogged(self, own: Own, before: View | None, state: State) -> Jogged | None:
         """What the jogged robot meets, worked out when it has moved."""
@@ -37,6 +49,17 @@ class OwnViews:
         if before is not None and before.own.jog is own.jog and before.state is state:
             return before.jogged
         return self._jogger.jogged(state, own.jog)
+
+
+def is_news(old: View, new: View) -> bool:
+    """Whether something real has happened that whoever looks at a film must not miss."""
+    before, now = old.state, new.state
+    return before is not now and (
+        before.phase is not now.phase
+        or before.scan is not now.scan
+        or before.detections is not now.detections
+        or before.plan is not now.plan
+    )
 
 
 def has_lost_sighting(own: Own, before: State | None, state: State) -> bool:

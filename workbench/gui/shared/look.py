@@ -132,6 +132,32 @@ class Jogged:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class FilmPart:
+    """A part at a moment of a film: which one fell, of which kind, where, and why it stays.
+
+    `kind` is empty while it is not told that it stays.
+    """
+
+    number: int
+    part: str
+    T_world_part: pin.SE3
+    kind: str = ""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FilmMoment:
+    """A moment of the film of an emptied pile.
+
+    `arms` says how every arm stands, by name, `parts` lists those that are there, and `says` tells
+    what goes on.
+    """
+
+    arms: Mapping[str, Moment]
+    parts: tuple[FilmPart, ...]
+    says: str
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class View:
     """Everything that the page shows.
 
@@ -145,8 +171,8 @@ class View:
     played it has not seen yet.
 
     The rest is of one browser alone, and as if it did nothing in the view that all share: its `own`
-    look, `jogged` while the robot is moved by hand there, and `overlay`, the pose of a calibration
-    that is laid over the robot.
+    look, `jogged` while the robot is moved by hand there, `overlay`, the pose of a calibration
+    that is laid over the robot, and `filmed`, the moment of a film that is shown there.
     """
 
     state: State
@@ -166,6 +192,7 @@ class View:
     own: Own = NOTHING_OWN
     jogged: Jogged | None = None
     overlay: Overlay | None = None
+    filmed: FilmMoment | None = None
 
     @property
     def pose(self) -> Pose | None:
@@ -220,7 +247,7 @@ class View:
 
     @property
     def moments(self) -> dict[str, Moment]:
-        """How every arm is planned, by name: on its plan, as it is jogged, or as in a sighting."""
+        """How every arm is planned, by name: on its plan, jogged, as in a sighting, or filmed."""
         cell = self.state.cell
         now = moments(cell, self.runs, self.look.time)
         if self.jogged is not None:
@@ -230,6 +257,8 @@ class View:
             }
         if self.overlay is not None:
             now[self.overlay.arm] = Moment(self.overlay.q, 0.0, None)
+        if self.filmed is not None:
+            now |= self.filmed.arms
         return now
 
     @property

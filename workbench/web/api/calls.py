@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, get_args
 
 from workbench.app.core import commands
 from workbench.app.core.value_checks import (
@@ -12,11 +12,13 @@ from workbench.app.core.value_checks import (
     LONGEST_TEXT,
     MOST_ITERATIONS,
     MOST_PARTS,
+    MOST_PILES,
     SEED_LIMIT,
 )
 from workbench.model.cell import ORDER_NAMES, Wishes
+from workbench.model.prediction import CHANGE_KINDS, TOGETHER, Seen
 from workbench.model.release import SLOWEST
-from workbench.model.scan import SearchWishes
+from workbench.model.scan import ALL_KINDS, SearchWishes
 from workbench.plugins.planner import planner_names
 from workbench.web.api.fields import Field
 
@@ -78,6 +80,18 @@ def _localize(values: Values) -> commands.Command:
 def _plan(values: Values) -> commands.Command:
     wishes = Wishes(**{key: values[key] for key in WISHES})
     return commands.MakePlan(values["strategy"], values["threshold"], values["seed"], wishes)
+
+
+def _emptying(values: Values) -> commands.Command:
+    kinds, changes = values["part"], values["changes"]
+    return commands.TryEmptying(
+        () if kinds in ("", ALL_KINDS) else tuple(kinds.split(TOGETHER)),
+        values["parts"],
+        values["piles"],
+        values["seed"],
+        values["seen"],
+        CHANGE_KINDS if changes == "all" else tuple(filter(None, changes.split(TOGETHER))),
+    )
 
 
 def _watch(values: Values) -> commands.Command:
@@ -150,6 +164,37 @@ CALLS: tuple[Call, ...] = (
         ),
         begins=True,
         make=_plan,
+    ),
+    Call(
+        "/emptying",
+        "Empty piles in simulation, in the cell as it is; no robot moves.",
+        commands.TryEmptying,
+        (
+            Field(
+                "part",
+                "which of the cell's fall, joined by +; all of them in turn where none is named",
+                _text(LONGEST_TEXT),
+                "",
+            ),
+            Field("parts", "in a pile", _whole(1, MOST_PARTS), 15),
+            Field("piles", "each with the next seed", _whole(1, MOST_PILES), 3),
+            Field("seed", "of the first pile", _whole(0, SEED_LIMIT - MOST_PILES), 0),
+            Field(
+                "seen",
+                "planned with true poses, or with those found in simulated scans",
+                {"type": "string", "enum": get_args(Seen)},
+                "truth",
+            ),
+            Field(
+                "changes",
+                "of the cell, tried one at a time on the same piles: all, or kinds joined by + of "
+                + ", ".join(CHANGE_KINDS),
+                _text(LONGEST_TEXT),
+                "",
+            ),
+        ),
+        begins=True,
+        make=_emptying,
     ),
     Call(
         "/threshold",

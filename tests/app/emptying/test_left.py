@@ -1,10 +1,10 @@
 """Why a part stayed."""
 
+from workbench.app.emptying.left import left_in
 from workbench.formats.cells.reading import read_cell
 from workbench.model.candidate import Reason, Stage, Verdict
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.scan import Detection
-from workbench.studies.emptying.left import left_in
 
 
 def lying(cell, x: float) -> Detection:

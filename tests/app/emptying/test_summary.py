@@ -2,15 +2,16 @@
 
 import pytest
 
-from workbench.studies.emptying.plot import draw_emptying
-from workbench.studies.emptying.scene import Left, Scene, Task
-from workbench.studies.emptying.summary import summary
+from workbench.app.emptying.summary import summary
+from workbench.model.prediction import EmptiedPile, LeftPart, PileTask
 
 
-def scene(seed: int, taken: int, left: int, failed=(0, 0, 0)) -> Scene:
-    stays = tuple(Left(f"part-{k + 1}", "tool collision", "in the way", "") for k in range(left))
-    return Scene(
-        task=Task("yumi", "", taken + left, seed),
+def scene(seed: int, taken: int, left: int, failed=(0, 0, 0)) -> EmptiedPile:
+    stays = tuple(
+        LeftPart(f"part-{k + 1}", "tool collision", "in the way", "") for k in range(left)
+    )
+    return EmptiedPile(
+        task=PileTask("yumi", "", taken + left, seed),
         parts=taken + left,
         taken=taken,
         failed=failed,
@@ -47,10 +48,3 @@ def test_failed_picks_are_picks_and_counted_by_kind():
 def test_no_piles_have_no_shares():
     found = summary([], scan_seconds=1.0, approval_seconds=0.0)
     assert found["taken_share"] is None and found["planning_ms"] is None
-
-
-def test_the_plot_is_one_file_with_every_pile(tmp_path):
-    found = summary([scene(4, 6, 2), scene(5, 0, 8)], scan_seconds=1.0, approval_seconds=0.0)
-    draw_emptying(tmp_path / "emptied.html", found, "two piles")
-    text = (tmp_path / "emptied.html").read_text()
-    assert "seed 4" in text and "seed 5" in text and "two piles" in text

@@ -5,14 +5,15 @@ from collections.abc import Sequence
 from dataclasses import asdict
 from typing import Any
 
-from workbench.studies.cases import percentiles
-from workbench.studies.emptying.scene import FAILURES, Scene
+import numpy as np
+
+from workbench.model.prediction import FAILURES, EmptiedPile
 
 MS = 1000.0
 
 
 def summary(
-    scenes: Sequence[Scene], *, scan_seconds: float, approval_seconds: float
+    scenes: Sequence[EmptiedPile], *, scan_seconds: float, approval_seconds: float
 ) -> dict[str, Any]:
     """What is printed as JSON.
 
@@ -57,7 +58,7 @@ def summary(
         "scans": scans,
         "motion_seconds": sum(one.motion_seconds for one in scenes),
         "parts_per_hour": 3600 * taken / seconds if seconds else None,
-        "planning_ms": percentiles([MS * seconds for seconds in planning], median=50, p95=95),
+        "planning_ms": _percentiles(planning),
         "planning_ms_by_stage": {
             stage: MS * total / len(planning) for stage, total in stages.items()
         },
@@ -67,17 +68,25 @@ def summary(
     }
 
 
-def _bound(scenes: Sequence[Scene], taken: int, parts: int) -> float | None:
+def _percentiles(seconds: Sequence[float]) -> dict[str, float] | None:
+    """Median and 95th percentile [ms]; None where there are no times."""
+    if not seconds:
+        return None
+    median, p95 = np.percentile(seconds, (50, 95)) * MS
+    return {"median": float(median), "p95": float(p95)}
+
+
+def _bound(scenes: Sequence[EmptiedPile], taken: int, parts: int) -> float | None:
     """The share that any grasps of the tool take, None when nobody asked."""
     more = [one.more for one in scenes if one.more is not None]
     return (taken + sum(more)) / parts if parts and len(more) == len(scenes) else None
 
 
-def _reasons(scenes: Sequence[Scene]) -> Counter[str]:
+def _reasons(scenes: Sequence[EmptiedPile]) -> Counter[str]:
     return Counter(left.kind for one in scenes for left in one.left)
 
 
-def _scene(one: Scene) -> dict[str, Any]:
+def _scene(one: EmptiedPile) -> dict[str, Any]:
     return {
         "seed": one.task.seed,
         "parts": one.parts,

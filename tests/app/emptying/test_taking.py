@@ -6,11 +6,11 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
+from workbench.app.emptying.taking import carried_out, failure, in_turn
 from workbench.app.picking.pipeline import plan_pick
 from workbench.formats.cells.reading import read_cell
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.scan import Detection
-from workbench.studies.emptying.taking import carried_out, failure, in_turn
 
 
 @pytest.fixture(scope="module")

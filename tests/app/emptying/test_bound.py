@@ -2,11 +2,11 @@
 
 from dataclasses import replace
 
+from workbench.app.emptying.bound import any_grasp, bound_of
 from workbench.formats.cells.reading import read_cell
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.part import GraspLibrary
 from workbench.model.scan import Detection
-from workbench.studies.emptying.bound import any_grasp, bound_of
 
 
 def lying(cell, x: float, y: float = 0.0) -> Detection:

@@ -4,15 +4,16 @@ from dataclasses import replace
 
 import pytest
 
+from workbench.app.emptying import empty
 from workbench.formats.cells.reading import read_cell
 from workbench.model.errors import InputError
 from workbench.model.part import GraspLibrary, Part
+from workbench.model.prediction import PileTask
 from workbench.studies.cases import run_cases
-from workbench.studies.emptying import empty
-from workbench.studies.emptying.empty import check_task, emptied
-from workbench.studies.emptying.scene import Task
+from workbench.studies.emptying import piles
+from workbench.studies.emptying.piles import check_task, emptied
 
-PILE = Task("yumi", "", 4, 13)
+PILE = PileTask("yumi", "", 4, 13)
 
 
 def without_times(scene):
@@ -44,7 +45,7 @@ def test_parts_found_in_scans_are_taken_too():
 
 
 def test_nothing_is_dropped_where_there_is_no_part(monkeypatch):
-    monkeypatch.setattr(empty, "read_cell", lambda name: replace(read_cell("yumi"), parts=()))
+    monkeypatch.setattr(piles, "read_cell", lambda name: replace(read_cell("yumi"), parts=()))
     with pytest.raises(InputError, match="has no part, so there is nothing to drop"):
         check_task(PILE)
 
@@ -57,7 +58,7 @@ def test_more_parts_than_fit_are_refused():
 def test_a_part_larger_than_the_bin_is_refused(monkeypatch):
     cell = read_cell("yumi")
     small = replace(cell, bin=replace(cell.bin, size=cell.bin.size * 0.1))
-    monkeypatch.setattr(empty, "read_cell", lambda name: small)
+    monkeypatch.setattr(piles, "read_cell", lambda name: small)
     with pytest.raises(InputError, match="part keyed_cylinder is too large for the bin"):
         check_task(PILE)
 
@@ -69,7 +70,7 @@ def with_grasps(part: Part, grasps) -> Part:
 def test_a_part_without_grasps_is_refused(monkeypatch):
     cell = read_cell("yumi")
     bare = replace(cell, parts=(with_grasps(cell.parts[0], ()),))
-    monkeypatch.setattr(empty, "read_cell", lambda name: bare)
+    monkeypatch.setattr(piles, "read_cell", lambda name: bare)
     with pytest.raises(InputError, match="part keyed_cylinder has no grasp"):
         check_task(PILE)
 
@@ -78,19 +79,19 @@ def test_a_tool_that_fits_no_grasp_is_refused_with_the_reason(monkeypatch):
     cell = read_cell("yumi")
     wide = [replace(grasp, opening=0.08) for grasp in cell.parts[0].grasps]
     big = replace(cell, parts=(with_grasps(cell.parts[0], wide),))
-    monkeypatch.setattr(empty, "read_cell", lambda name: big)
+    monkeypatch.setattr(piles, "read_cell", lambda name: big)
     with pytest.raises(InputError, match="needs an opening of 80 mm, tool smart_gripper opens 0"):
         check_task(PILE)
 
 
 def test_parts_that_the_cell_does_not_pick_can_be_piled_up():
-    cell = empty.cell_of("yumi", "bracket+bolt")
+    cell = piles.cell_of("yumi", "bracket+bolt")
     assert [part.name for part in cell.parts] == ["bracket", "bolt"]
 
 
 def test_a_pile_that_failed_picks_have_ended_says_so(monkeypatch):
     def missed(cell, task, plan, lying, tally):
-        return [arm.detection for arm in plan.arms]
+        return [arm.detection for arm in plan.arms], ()
 
     monkeypatch.setattr(empty, "_carry_out", missed)
     monkeypatch.setattr(empty, "_left_alone", lambda detections, failed: {})

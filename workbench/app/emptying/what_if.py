@@ -4,34 +4,15 @@ from collections.abc import Collection, Sequence
 from dataclasses import replace
 from typing import Any
 
+from workbench.app.emptying.changes import changes_of
+from workbench.app.emptying.summary import summary
 from workbench.model.cell import Cell
-from workbench.model.errors import InputError
-from workbench.studies.emptying.changes import KINDS, changes_of
-from workbench.studies.emptying.scene import Scene, Task
-from workbench.studies.emptying.summary import summary
-
-ALL = "all"
+from workbench.model.prediction import EmptiedPile, PileTask
 
 
-def kinds_of(text: str) -> frozenset[str]:
-    """Kinds of changes from words as they are typed, `all` or some joined by `+`.
-
-    Raises:
-        InputError: a word is no kind.
-    """
-    if text == ALL:
-        return frozenset(KINDS)
-    kinds = text.split("+")
-    for kind in kinds:
-        if kind not in KINDS:
-            raise InputError(
-                f"--what-if: {kind!r:.40} is no kind of change; "
-                f"there are {', '.join(KINDS)}, and {ALL}"
-            )
-    return frozenset(kinds)
-
-
-def tasks_with_changes(cell: Cell, tasks: Sequence[Task], kinds: Collection[str]) -> list[Task]:
+def tasks_with_changes(
+    cell: Cell, tasks: Sequence[PileTask], kinds: Collection[str]
+) -> list[PileTask]:
     """The tasks, and after them the same piles with every change of these kinds.
 
     Changes that change nothing in the cell are left out.
@@ -48,7 +29,7 @@ def tasks_with_changes(cell: Cell, tasks: Sequence[Task], kinds: Collection[str]
 
 
 def ranked(
-    scenes: Sequence[Scene], *, scan_seconds: float, approval_seconds: float
+    scenes: Sequence[EmptiedPile], *, scan_seconds: float, approval_seconds: float
 ) -> list[dict[str, Any]]:
     """What each change brought, the most first, as it is printed as JSON.
 
@@ -57,7 +38,7 @@ def ranked(
         scan_seconds: [s] see `summary`.
         approval_seconds: [s] see `summary`.
     """
-    by_change: dict[str, list[Scene]] = {}
+    by_change: dict[str, list[EmptiedPile]] = {}
     for scene in scenes:
         by_change.setdefault(scene.task.change, []).append(scene)
     found = {

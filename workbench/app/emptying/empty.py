@@ -1,103 +1,39 @@
 """One pile taken out of the bin, plan after plan, as far as it goes."""
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import lru_cache
-from itertools import cycle, islice
 
 import numpy as np
 
 from workbench.app.core.outcomes import AVOID_SCANS, MOST_FAILURES, SAME_PLACE
 from workbench.app.core.value_checks import SEED_LIMIT
+from workbench.app.emptying.bound import bound_of
+from workbench.app.emptying.film import FilmedPick, Shot, unseen
+from workbench.app.emptying.left import left_in
+from workbench.app.emptying.taking import carried_out, failure, in_turn
+from workbench.app.picking.pile_check import kinds_in_turn
 from workbench.app.picking.pipeline import plan_pick
-from workbench.app.runtime.work import find_parts
-from workbench.formats.cells.reading import read_cell
-from workbench.formats.parts.reading import read_part
 from workbench.model.candidate import Verdict
 from workbench.model.cell import Cell
-from workbench.model.errors import InputError
-from workbench.model.part import Part
+from workbench.model.errors import JobCancelled
 from workbench.model.plan import Plan, PlanResult
-from workbench.model.scan import ALL_KINDS, Detection, Obstacle
+from workbench.model.prediction import FAILURES, EmptiedPile, PileTask
+from workbench.model.scan import Detection, Obstacle, SearchWishes
 from workbench.perception.scene.unexplained import unexplained
-from workbench.perception.simulation.piles import check_room, drop_parts
+from workbench.perception.simulation.piles import drop_parts
 from workbench.perception.simulation.synthesize import synthesize
 from workbench.perception.simulation.unloading import is_in_bin, unloaded
-from workbench.planning.collision.world import World
-from workbench.planning.picking.propose import propose
+from workbench.planning.kinematics.chain import chain_of
 from workbench.planning.planners.clock import working_time
-from workbench.plugins.progress import never, silent
-from workbench.studies.emptying.bound import bound_of
-from workbench.studies.emptying.changes import changed
-from workbench.studies.emptying.left import left_in
-from workbench.studies.emptying.scene import FAILURES, TOGETHER, Scene, Task
-from workbench.studies.emptying.taking import carried_out, failure, in_turn
+from workbench.plugins.localizer import find_parts
+from workbench.plugins.progress import Cancelled, Report, never, silent
 
 IDLE = 3
 """So many looks in a row that bring no plan end it."""
 
 SEEDS = 1000
 """Each pile has so many seeds for its looks; no bin takes as many."""
-
-
-def cell_of(name: str, part: str) -> Cell:
-    """The cell, picking what `Task.part` names.
-
-    Raises:
-        InputError: cell or part cannot be read.
-    """
-    cell = read_cell(name)
-    if part in ("", ALL_KINDS):
-        return cell if part else replace(cell, parts=cell.parts[:1])
-    known = {one.name: one for one in cell.parts}
-    kinds = (known[one] if one in known else read_part(one) for one in part.split(TOGETHER))
-    return replace(cell, parts=tuple(kinds))
-
-
-def check_task(task: Task) -> None:
-    """Look whether a pile can be made and anything in it be taken at all.
-
-    Raises:
-        InputError: no parts, more than fit, one larger than the bin, no grasps, or none that any
-            tool of the cell can do.
-    """
-    cell = cell_of(task.cell, task.part)
-    if not cell.parts:
-        raise InputError(f"cell {cell.name} has no part, so there is nothing to drop into its bin")
-    check_room(_kinds(cell, task.count), cell.bin)
-    for part in cell.parts:
-        _check_grasps(cell, part)
-
-
-def _check_grasps(cell: Cell, part: Part) -> None:
-    grasps = [grasp for grasp in part.grasps if grasp.is_enabled]
-    if not grasps:
-        raise InputError(f"part {part.name} has no grasp, so nothing can take it; author one first")
-    reasons: Counter[str] = Counter()
-    for grasp in grasps:
-        for arm in cell.arms:
-            low, high = arm.tool.stroke
-            if grasp.arms and arm.name not in grasp.arms:
-                reasons[f"is for arm {' or '.join(grasp.arms)}"] += 1
-            elif grasp.tool and grasp.tool != arm.tool.name:
-                reasons[f"is for tool {grasp.tool}, arm {arm.name} carries {arm.tool.name}"] += 1
-            elif arm.tool.fingers and not low <= grasp.opening <= high:
-                reasons[
-                    f"needs an opening of {grasp.opening * 1e3:g} mm, tool {arm.tool.name} opens "
-                    f"{low * 1e3:g} to {high * 1e3:g} mm"
-                ] += 1
-            else:
-                return
-    why, _ = reasons.most_common(1)[0]
-    raise InputError(
-        f"no tool of cell {cell.name} fits a grasp of part {part.name}: each of {len(grasps)} "
-        f"grasps is refused, most of them so: it {why}"
-    )
-
-
-def _kinds(cell: Cell, count: int) -> tuple[Part, ...]:
-    return tuple(islice(cycle(cell.parts), count))
 
 
 @dataclass(slots=True)
@@ -116,25 +52,49 @@ class _Tally:
     stages: Counter[str] = field(default_factory=Counter[str])
     finding: float = 0.0
     seen: tuple[Detection, ...] = ()
+    outcomes: list[str] = field(default_factory=list[str])
 
 
-def emptied(task: Task) -> Scene:
-    """Drop a pile and take its parts out until nothing can be taken, or pick after pick fails.
+def emptied(
+    cell: Cell,
+    task: PileTask,
+    pile: Sequence[Detection],
+    *,
+    report: Report = silent,
+    cancelled: Cancelled = never,
+    film: Callable[[Shot], None] = unseen,
+) -> EmptiedPile:
+    """Take the parts of a pile out until nothing can be taken, or pick after pick fails.
 
-    The seed of the pile decides everything: it is the same wherever this runs, but for the measured
+    The seed of the task decides everything: it is the same wherever this runs, but for the measured
     times.
+
+    Args:
+        cell: that is tried, with the task's change where it has one; its parts are those of the
+            pile.
+        task: how it is emptied.
+        pile: how the parts lie, from `fallen`.
+        report: is told how much is taken.
+        cancelled: asked now and then; True ends it.
+        film: is shown every plan that is carried out.
+
+    Raises:
+        JobCancelled: `cancelled` said so.
     """
-    cell = _warm(task.cell, task.part, task.seen, task.change)
-    lying = list(enumerate(pile_of(task, cell)))
+    lying = list(enumerate(pile))
     tally = _Tally()
     refusal: Verdict | None = None
     avoided: list[tuple[Detection, int]] = []
     idle = failures = 0
     while lying and idle < IDLE and failures < MOST_FAILURES:
+        if cancelled():
+            raise JobCancelled("the emptying was cancelled")
+        report(tally.taken / max(task.count, 1), f"{tally.taken} of {task.count} taken")
         seed = (task.seed * SEEDS + tally.scans) % SEED_LIMIT
         tally.scans += 1
         avoided = [(one, age - 1) for one, age in avoided if age > 0]
-        result = _look_and_plan(cell, task, [one for _, one in lying], avoided, seed, tally)
+        truth = [one for _, one in lying]
+        result = _look_and_plan(cell, task, truth, avoided, seed, tally, cancelled)
         plan = None if result is None else result.plan
         if result is None or plan is None or result.proof is None or not result.proof.holds:
             has_pick = result is not None and any(one.verdict.is_ok for one in result.candidates)
@@ -143,7 +103,9 @@ def emptied(task: Task) -> Scene:
             idle += not avoided
             continue
         idle = 0
-        missed = _carry_out(cell, task, plan, lying, tally)
+        before = tuple(lying)
+        missed, picks = _carry_out(cell, task, plan, lying, tally)
+        film(Shot(plan, before, picks))
         failures = failures + len(missed) if len(missed) == len(plan.arms) else 0
         avoided += [(plan.detections[number], AVOID_SCANS) for number in missed]
     known = _as_seen(lying, tally.seen)
@@ -162,7 +124,7 @@ def emptied(task: Task) -> Scene:
         left = tuple(
             replace(one, any_grasp=str(found)) for one, found in zip(left, told, strict=True)
         )
-    return Scene(
+    return EmptiedPile(
         task,
         task.count,
         tally.taken,
@@ -178,39 +140,31 @@ def emptied(task: Task) -> Scene:
         tally.finding,
         more,
         tally.rolled,
+        tuple(tally.outcomes),
     )
 
 
-def pile_of(task: Task, cell: Cell) -> tuple[Detection, ...]:
-    """The parts in the bin of `cell`, lying in it as in the bin of the task's cell unchanged."""
-    plain = cell_of(task.cell, task.part)
-    pile = drop_parts(_kinds(plain, task.count), plain.bin, seed=task.seed)
+def fallen(plain: Cell, cell: Cell, task: PileTask) -> tuple[Detection, ...]:
+    """The task's parts in the bin of `cell`, lying in it as they fall into that of `plain`.
+
+    Raises:
+        InputError: they do not fit.
+    """
+    pile = drop_parts(kinds_in_turn(plain.parts, task.count), plain.bin, seed=task.seed)
     if not task.change:
         return pile
     step = cell.bin.T_world_bin * plain.bin.T_world_bin.inverse()
     return tuple(replace(one, T_world_part=step * one.T_world_part) for one in pile)
 
 
-@lru_cache(maxsize=4)
-def _warm(name: str, part: str, seen: str, change: str) -> Cell:
-    """The cell, after one plan: compiled code is loaded before a clock runs."""
-    cell = changed(cell_of(name, part), change)
-    pile = drop_parts(_kinds(cell, 2), cell.bin, seed=0)
-    if seen == "scan":
-        scan = synthesize(cell, pile, seed=0)
-        find_parts(cell, {"scan": scan, "seed": 0}, silent, never)
-    plan_pick(cell, pile, "warm")
-    propose(World(cell, pile))  # also spares, which that plan did not need
-    return cell
-
-
 def _look_and_plan(
     cell: Cell,
-    task: Task,
+    task: PileTask,
     lying: Sequence[Detection],
     avoided: Sequence[tuple[Detection, int]],
     seed: int,
     tally: _Tally,
+    cancelled: Cancelled,
 ) -> PlanResult | None:
     """A plan for what is seen; None when nothing is."""
     detections, digest = tuple(lying), "study"
@@ -218,7 +172,9 @@ def _look_and_plan(
     if task.seen == "scan":
         scan = synthesize(cell, lying, seed=seed)
         began = working_time()
-        detections = find_parts(cell, {"scan": scan, "seed": seed}, silent, never).detections
+        usual = SearchWishes().detail
+        found = find_parts(scan, cell, seed=seed, detail=usual, cancelled=cancelled)
+        detections = found.detections
         obstacles = unexplained(cell, scan, detections)
         tally.finding += working_time() - began
         tally.seen = detections
@@ -233,6 +189,7 @@ def _look_and_plan(
         obstacles=obstacles,
         avoided=_left_alone(detections, [one for one, _ in avoided]),
         seed=seed,
+        cancelled=cancelled,
     )
     tally.planning.append(sum(result.seconds.values()))
     tally.stages.update(result.seconds)
@@ -267,24 +224,31 @@ def _left_alone(detections: Sequence[Detection], failed: Sequence[Detection]) ->
 
 
 def _carry_out(
-    cell: Cell, task: Task, plan: Plan, lying: list[tuple[int, Detection]], tally: _Tally
-) -> list[int]:
-    """Take the plan's parts out of `lying`; the detections whose picks have failed."""
+    cell: Cell, task: PileTask, plan: Plan, lying: list[tuple[int, Detection]], tally: _Tally
+) -> tuple[list[int], tuple[FilmedPick, ...]]:
+    """Take the plan's parts out of `lying`; the detections whose picks failed, and all picks."""
     tally.cycles += 1
     tally.motion += plan.cycle_seconds
     failed: list[int] = []
+    picks: list[FilmedPick] = []
     for arm_plan in in_turn(plan):
         truth = [one for _, one in lying]
         taking = carried_out(cell, truth, arm_plan, plan.detections[arm_plan.detection].part)
         tally.touches += taking.touches
-        if kind := failure(taking, plan.detections[arm_plan.detection]):
+        kind = failure(taking, plan.detections[arm_plan.detection])
+        tally.outcomes.append(kind)
+        if kind:
             tally.failed[kind] += 1
             failed.append(arm_plan.detection)
         else:
             tally.taken += 1
             tally.rolled += taking.is_turned
         if taking.number is None:
+            picks.append(FilmedPick(arm_plan.arm, None, arm_plan.T_tcp_part, kind, tuple(lying)))
             continue
+        number, gripped = lying[taking.number]
+        q_grasp = np.asarray(arm_plan.leg("approach").q[-1])
+        T_world_tcp = chain_of(cell, cell.arm(arm_plan.arm)).pose(q_grasp)
         rest = [entry for k, entry in enumerate(lying) if k != taking.number]
         if task.settles:
             settled = unloaded(cell, truth, taking.number, taking.way)
@@ -296,4 +260,6 @@ def _carry_out(
         ]
         tally.knocked_out += len(rest) - len(stays)
         lying[:] = stays
-    return failed
+        T_tcp_part = T_world_tcp.actInv(gripped.T_world_part)
+        picks.append(FilmedPick(arm_plan.arm, number, T_tcp_part, kind, tuple(stays)))
+    return failed, tuple(picks)

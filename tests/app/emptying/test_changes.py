@@ -5,10 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from workbench.app.emptying.changes import changed, changes_of
 from workbench.formats.cells.reading import read_cell
 from workbench.model.geometry import Box
 from workbench.model.part import GraspLibrary
-from workbench.studies.emptying.changes import KINDS, changed, changes_of
+from workbench.model.prediction import CHANGE_KINDS
 
 
 @pytest.fixture(scope="module", params=["yumi", "tx2_90"])
@@ -19,7 +20,7 @@ def cell(request):
 def test_every_change_makes_another_cell_or_says_that_there_is_nothing_to_change(cell):
     words = [change.words for change in changes_of(cell)]
     assert len(set(words)) == len(words)
-    assert {change.kind for change in changes_of(cell)} <= set(KINDS)
+    assert {change.kind for change in changes_of(cell)} <= set(CHANGE_KINDS)
     made = 0
     for change in changes_of(cell):
         if "suggested" in change.words:

@@ -8,9 +8,12 @@ from workbench.app.core.outcomes import MOST_FAILURES
 from workbench.app.picking.pipeline import judge
 from workbench.model.candidate import Candidate, Reason, Verdict
 from workbench.model.cell import Cell
+from workbench.model.prediction import LeftPart
 from workbench.model.scan import Detection
 from workbench.planning.picking.nearest_fix import nearest_fix
-from workbench.studies.emptying.scene import Left
+
+TOUCHING = (Reason.TOOL_COLLISION, Reason.IN_COLLISION)
+"""Bodies that meet, or do not keep their margin."""
 
 Numbered = Sequence[tuple[int, Detection]]
 """Parts with the number under which they fell."""
@@ -24,7 +27,7 @@ def left_in(
     seed: int,
     is_stopped: bool = False,
     fixes: bool = True,
-) -> tuple[Left, ...]:
+) -> tuple[LeftPart, ...]:
     """Each part that lies in the bin, with why it was not taken.
 
     Args:
@@ -40,7 +43,7 @@ def left_in(
         return ()
     judged = judge(cell, detections, seed=seed)
     names = [f"part-{number + 1}" for number, _ in lying]
-    found: list[Left] = []
+    found: list[LeftPart] = []
     for index, name in enumerate(names):
         mine = tuple(one for one in judged if one.detection == index)
         if any(one.verdict.is_ok for one in mine):
@@ -50,12 +53,12 @@ def left_in(
                 kind, why = "not found", "it was not found"
             else:
                 kind, why = str(refusal.reason), f"no plan came out: {refusal}"
-            found.append(Left(name, kind, f"a grasp of it works, but {why}", ""))
+            found.append(LeftPart(name, kind, f"a grasp of it works, but {why}", ""))
             continue
         best = max((one.verdict for one in mine), key=lambda one: one.progress)
         fix = nearest_fix(cell, detections, mine, seed=seed) if fixes else None
         sentence = _renamed(_sentence(mine, best), names)
-        found.append(Left(name, str(best.reason), sentence, "" if fix is None else fix.change))
+        found.append(LeftPart(name, str(best.reason), sentence, "" if fix is None else fix.change))
     return tuple(found)
 
 
@@ -65,6 +68,8 @@ def _sentence(mine: Sequence[Candidate], best: Verdict) -> str:
     how = str(best)
     if best.reason is not Reason.OUT_OF_REACH and best.distance is not None and best.distance < 0:
         how += " into each other"
+    elif best.distance is not None and best.reason in TOUCHING:
+        how += ", nearer than the margin"
     return f"none of {len(mine)} candidates works ({told}); the one that got furthest: {how}"
 
 

@@ -17,8 +17,6 @@ from workbench.model.part import Entry, Grasp, GraspLibrary, GraspPattern, Part
 from workbench.planning.grasps.grasp_suggestions import suggest
 from workbench.planning.kinematics.chain import chain_of, is_solution
 
-KINDS = ("fingers", "grasps", "lifts", "margins", "bin", "arms", "order", "tool")
-
 SUGGESTED = 12
 """Grasps that are suggested and added as spares."""
 
@@ -33,7 +31,7 @@ MOST_TILT = np.deg2rad(60.0)
 
 @dataclass(frozen=True, slots=True)
 class Change:
-    """A change in words, what kind it is (`KINDS`), and the cell with it."""
+    """A change in words, what kind it is (`CHANGE_KINDS`), and the cell with it."""
 
     kind: str
     words: str
