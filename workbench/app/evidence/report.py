@@ -14,6 +14,7 @@ from workbench.app.core.commands import (
     Approve,
     Entry,
     FindParts,
+    GoOn,
     JobEnded,
     LinkEnded,
     MakePlan,
@@ -31,7 +32,17 @@ from workbench.app.core.state import Phase, State
 from workbench.model.plan import Plan, Proof
 from workbench.model.release import manner_words
 
-USUAL = (TakeScan, FindParts, MakePlan, WantThreshold, WatchPlan, Approve, SendPlan, NextStep)
+USUAL = (
+    GoOn,
+    TakeScan,
+    FindParts,
+    MakePlan,
+    WantThreshold,
+    WatchPlan,
+    Approve,
+    SendPlan,
+    NextStep,
+)
 """What people do in every cycle; whatever else they do is an intervention."""
 
 
