@@ -11,6 +11,7 @@ import numpy as np
 from workbench.app.core.outcomes import AVOID_SCANS, MOST_FAILURES, SAME_PLACE
 from workbench.app.core.value_checks import SEED_LIMIT
 from workbench.app.picking.pipeline import plan_pick
+from workbench.app.picking.row import plan_row
 from workbench.app.runtime.work import find_parts
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.parts.reading import read_part
@@ -143,9 +144,14 @@ def emptied(task: Task) -> Scene:
             idle += not avoided
             continue
         idle = 0
-        missed = _carry_out(cell, task, plan, lying, tally)
-        failures = failures + len(missed) if len(missed) == len(plan.arms) else 0
-        avoided += [(plan.detections[number], AVOID_SCANS) for number in missed]
+        tally.cycles += 1
+        for plan in result.plans:
+            missed = _carry_out(cell, task, plan, lying, tally)
+            failures = failures + len(missed) if len(missed) == len(plan.arms) else 0
+            avoided += [(plan.detections[number], AVOID_SCANS) for number in missed]
+            if missed:
+                # Whatever is in doubt ends a row.
+                break
     known = _as_seen(lying, tally.seen)
     left = left_in(
         cell,
@@ -225,10 +231,11 @@ def _look_and_plan(
         digest = scan.digest
     if not detections:
         return None
-    result = plan_pick(
+    result = plan_row(
         cell,
         detections,
         digest,
+        picks=task.picks,
         strategy=task.strategy,
         obstacles=obstacles,
         avoided=_left_alone(detections, [one for one, _ in avoided]),
@@ -270,7 +277,6 @@ def _carry_out(
     cell: Cell, task: Task, plan: Plan, lying: list[tuple[int, Detection]], tally: _Tally
 ) -> list[int]:
     """Take the plan's parts out of `lying`; the detections whose picks have failed."""
-    tally.cycles += 1
     tally.motion += plan.cycle_seconds
     failed: list[int] = []
     for arm_plan in in_turn(plan):
