@@ -135,6 +135,33 @@ def test_a_cycle_by_clicking_sends_exactly_the_approved_plan(screen, bench, robo
     assert screen.errors == []
 
 
+def test_going_on_after_a_cycle_stops_at_the_approval(screen, bench, robot, reaches, wait):
+    run_to_plan(screen, reaches)
+    expect(screen.button("Go on")).to_have_count(0)
+    seen(bench)
+    approve(screen, "Anna")
+    reaches("approved")
+    screen.press("Send")
+    done = reaches("done")
+    told = len(robot.configurations)
+    screen.button("Go on").wait_for()
+    screen.shoot("g1-go-on")
+    screen.press("Go on")
+    wait(lambda: bench.state.phase == "planned" and bench.state.job is None, "the next plan")
+    screen.wait_for("The plan has not been played to its end; play it first.")
+    expect(screen.button("Go on")).to_have_count(0)
+    expect(screen.button("Approve")).to_be_disabled()
+    expect(field(screen, "Seed")).to_have_value("1")
+    state = bench.state
+    assert state.plan is not None and state.plan.scan_digest != done.plan.scan_digest
+    assert (state.approval, state.watched) == (None, ())
+    assert len(robot.configurations) == told, "nothing was sent"
+    watch(screen, bench, wait)
+    approve(screen, "Anna")
+    assert reaches("approved").approval.plan_digest == state.plan.digest
+    assert screen.errors == []
+
+
 def test_a_browser_that_comes_back_sees_the_same_state(screen, bench, reaches):
     screen.press("Scan")
     reaches("scanned")

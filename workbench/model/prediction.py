@@ -54,7 +54,8 @@ class PileTask:
     `TOGETHER`; empty: the cell's first.  `settles`: the rest moves by physics as a part is lifted.
     `bounds`: what stays is tried by all grasps of the tool, too.  `change`: words of a change of
     the cell (`app.emptying.changes`) that the pile is emptied with, empty for none; it lies as
-    without it, and what stays is told without a nearest fix.
+    without it, and what stays is told without a nearest fix.  `picks`: plans in a row after one
+    look, at most.
     """
 
     cell: str
@@ -66,6 +67,7 @@ class PileTask:
     strategy: str = "auto"
     bounds: bool = False
     change: str = ""
+    picks: int = 1
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,9 +93,9 @@ class EmptiedPile:
 
     Of `parts`, `taken` came out as planned; `failed` counts the failed picks by kind, in the order
     of `FAILURES`, `touches` the legs on which something met that the plan held apart, and
-    `knocked_out` the parts that fell out of the bin.  `cycles` are plans carried out, `scans` looks
-    into the bin.  `motion_seconds` [s] is predicted by the plans, `planning` [s] was measured for
-    every plan, `stages` [s] by stage in all, and `finding` [s] for the parts in the scans.
+    `knocked_out` the parts that fell out of the bin.  `cycles` are approvals: plans carried
+    out, or rows of them; `scans` are looks into the bin.  `motion_seconds` [s] is predicted by the
+    plans, `planning` [s] was measured for every look, `stages` [s] by stage in all, and `finding` [s] for the parts in the scans.
     `more` is how many of those left come out by any grasp of the tool, None when nobody asked;
     `rolled` how many of those taken had another roll than found, which the localizer had said.
     `outcomes` says of every pick in turn what kind of failure it was, empty for a part taken.

@@ -23,6 +23,7 @@ from workbench.app.core.commands import (
     Command,
     FindParts,
     ForgetAvoided,
+    GoOn,
     JobEnded,
     LinkEnded,
     MakePlan,
@@ -115,8 +116,13 @@ class AnySequence(RuleBasedStateMachine):
             case MakePlan(threshold=threshold):
                 self.threshold = self.asked = threshold
                 self.said.clear()
+            case GoOn(plan=MakePlan(threshold=threshold)):
+                self.threshold = self.asked = threshold
+                self.said.clear()
             case WantThreshold(threshold=threshold):
                 self.threshold = threshold
+                if after.job is not None and after.job.then is not None:
+                    self.asked = threshold
             case TakeScan() | FindParts():
                 self.said.clear()
             case Opened():
@@ -188,7 +194,7 @@ class AnySequence(RuleBasedStateMachine):
                 Phase.PLANNED: Approve(digest) if state.watched else WatchPlan(digest),
                 Phase.APPROVED: SendPlan(digest),
                 Phase.SENDING: LinkEnded("" if holds else "lost", 1),
-                Phase.DONE: TakeScan(seed),
+                Phase.DONE: GoOn(TakeScan(seed)) if holds else TakeScan(seed),
                 Phase.FAULT: AcknowledgeFault(),
             }
             command = sensible[state.phase]

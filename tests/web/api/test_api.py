@@ -106,6 +106,21 @@ def test_a_task_is_told_while_it_runs_and_can_be_cancelled(site):
     assert site.get("/jobs/current").json()["job"] is None
 
 
+def test_a_program_goes_on_after_a_cycle_and_a_person_approves(site):
+    digest = plan(site)
+    assert "approved first" in detail(site.post("/go-on"), 409)
+    for path in ("/watch", "/approve", "/send"):
+        assert site.post(path, plan=digest).ok
+    site.reach("done")
+    answer = site.post("/go-on", seed=1, threshold=0.25, least_score=0.1)
+    assert answer.status_code == 202 and answer.json()["job"] is not None
+    site.reach("planned")
+    state = site.get("/state").json()
+    assert state["approved_by"] == [] and state["watched"] == []
+    assert site.bench.state.planned_threshold == 0.25
+    assert [str(row.kind) for row in site.bench.entries()][-4:] == ["GoOn", *["JobEnded"] * 3]
+
+
 def test_what_tasks_wait_for_is_told_with_the_state_and_with_the_task(site):
     assert site.get("/state").json()["getting_ready"] is None
     site.effects.hold.set()

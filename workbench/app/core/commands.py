@@ -119,6 +119,20 @@ class MakePlan:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class GoOn:
+    """After a finished cycle: scan, find parts and plan, each as soon as the one before is done.
+
+    It ends with a plan that waits for its approval, or earlier: with whatever needs a person, and
+    when the one who has asked for it gives control away or has gone.  It approves and sends
+    nothing.
+    """
+
+    scan: TakeScan = field(default_factory=TakeScan)
+    find: FindParts = field(default_factory=FindParts)
+    plan: MakePlan = field(default_factory=MakePlan)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class WantThreshold:
     """A person wants this threshold [m]; while the plan has another one, the plan is stale."""
 
@@ -335,6 +349,7 @@ Command = (
     | SightPlate
     | UseSightings
     | MakePlan
+    | GoOn
     | WantThreshold
     | WatchPlan
     | Approve

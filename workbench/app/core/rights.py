@@ -66,6 +66,7 @@ RIGHTS: Mapping[type, Right] = {
     commands.MakePlan: Right(
         "planning", frozenset({Phase.LOCALIZED, Phase.PLANNED, Phase.APPROVED})
     ),
+    commands.GoOn: Right("going on", frozenset({Phase.DONE})),
     commands.WantThreshold: Right("another threshold", SAFE, beside_job=True),
     # Several people may have to approve, each of whom has to see the plan: only one is in control.
     commands.WatchPlan: Right(

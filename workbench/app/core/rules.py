@@ -87,14 +87,10 @@ def allowed(
     if problem := obstacle(state, type(command)):
         raise CommandRefused(problem)
     match command:
-        case commands.TakeScan(seed=seed, parts=parts, part=part):
-            check_among("part", part, ("", ALL_KINDS, *(one.name for one in state.cell.parts)))
-            check_integer("seed", seed, 0, SEED_LIMIT - 1)
-            check_integer("parts", parts, 1, MOST_PARTS)
-        case commands.FindParts(seed=seed, wishes=wishes) as command:
-            check_integer("seed", seed, 0, SEED_LIMIT - 1)
-            check_number("detail", wishes.detail, *DETAIL, "of the usual")
-            check_number("least score", wishes.least_score, 0.0, 1.0, "")
+        case commands.TakeScan() as command:
+            _check_scan(state.cell, command)
+        case commands.FindParts() as command:
+            _check_search(command)
             if state.scan is None:
                 raise CommandRefused("finding parts is not possible now: take a scan first")
             if command.is_compared and not state.detections:
@@ -116,11 +112,14 @@ def allowed(
             for one in sightings:
                 check_text("name", one.name)
                 check_configuration(state.cell, one.arm, one.q)
-        case commands.MakePlan(strategy=strategy, threshold=threshold, seed=seed, wishes=wishes):
-            check_integer("seed", seed, 0, SEED_LIMIT - 1)
-            check_wishes(state.cell, wishes)
-            check_number("threshold", threshold, 0.0, 1.0, "m")
-            check_among("strategy", strategy, strategies_of(state.cell))
+        case commands.MakePlan() as command:
+            _check_planning(state.cell, command)
+        case commands.GoOn(scan=scan, find=find, plan=planning):
+            _check_scan(state.cell, scan)
+            _check_search(find)
+            _check_planning(state.cell, planning)
+            if find.is_compared:
+                raise CommandRefused("going on takes what it finds, so that is not only compared")
         case commands.Approve(plan_digest=digest, speed_share=share, is_stepped=is_stepped):
             plan = _named_plan(state, digest)
             check_number("speed share", share, SLOWEST, 1.0, "of the planned speed")
@@ -332,6 +331,25 @@ def _check_actor(command: commands.Command, actor: str) -> None:
     is_allowed = (right.by_anybody and actor in MACHINES) or actor == right.also_by
     if not right.by_machine and not is_allowed:
         check_person(actor)
+
+
+def _check_scan(cell: Cell, command: commands.TakeScan) -> None:
+    check_among("part", command.part, ("", ALL_KINDS, *(one.name for one in cell.parts)))
+    check_integer("seed", command.seed, 0, SEED_LIMIT - 1)
+    check_integer("parts", command.parts, 1, MOST_PARTS)
+
+
+def _check_search(command: commands.FindParts) -> None:
+    check_integer("seed", command.seed, 0, SEED_LIMIT - 1)
+    check_number("detail", command.wishes.detail, *DETAIL, "of the usual")
+    check_number("least score", command.wishes.least_score, 0.0, 1.0, "")
+
+
+def _check_planning(cell: Cell, command: commands.MakePlan) -> None:
+    check_integer("seed", command.seed, 0, SEED_LIMIT - 1)
+    check_wishes(cell, command.wishes)
+    check_number("threshold", command.threshold, 0.0, 1.0, "m")
+    check_among("strategy", command.strategy, strategies_of(cell))
 
 
 def _named_plan(state: State, digest: str) -> Plan:

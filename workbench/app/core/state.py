@@ -5,6 +5,7 @@ import enum
 from dataclasses import dataclass, field
 from typing import Any, cast
 
+from workbench.app.core.commands import GoOn
 from workbench.app.provenance.inventory import Inventory
 from workbench.model.calibration import PlateSighting
 from workbench.model.candidate import Candidate, Verdict
@@ -36,6 +37,7 @@ class Job:
     `number` is that of the entry that began it, `at` [s since the epoch] when.  A planning has its
     `strategy`, `threshold` [m], `seed`, and as `planning` what it wants otherwise than the cell; a
     search for parts its `seed` and `wishes`, and `is_compared`: what it finds is not taken at once.
+    `then`: what it brings is gone on with, as is wanted there; None where a person decides.
     """
 
     number: int
@@ -47,6 +49,7 @@ class Job:
     strategy: str = ""
     planning: Wishes = field(default_factory=Wishes)
     is_compared: bool = False
+    then: GoOn | None = field(default_factory=lambda: None, metadata=LATER)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -13,7 +13,7 @@ from workbench.app.emptying.film import FilmedPick, Shot, unseen
 from workbench.app.emptying.left import left_in
 from workbench.app.emptying.taking import carried_out, failure, in_turn
 from workbench.app.picking.pile_check import kinds_in_turn
-from workbench.app.picking.pipeline import plan_pick
+from workbench.app.picking.row import plan_row
 from workbench.model.candidate import Verdict
 from workbench.model.cell import Cell
 from workbench.model.errors import JobCancelled
@@ -103,11 +103,16 @@ def emptied(
             idle += not avoided
             continue
         idle = 0
-        before = tuple(lying)
-        missed, picks = _carry_out(cell, task, plan, lying, tally)
-        film(Shot(plan, before, picks))
-        failures = failures + len(missed) if len(missed) == len(plan.arms) else 0
-        avoided += [(plan.detections[number], AVOID_SCANS) for number in missed]
+        tally.cycles += 1
+        for plan in result.plans:
+            before = tuple(lying)
+            missed, picks = _carry_out(cell, task, plan, lying, tally)
+            film(Shot(plan, before, picks))
+            failures = failures + len(missed) if len(missed) == len(plan.arms) else 0
+            avoided += [(plan.detections[number], AVOID_SCANS) for number in missed]
+            if missed:
+                # Whatever is in doubt ends a row.
+                break
     known = _as_seen(lying, tally.seen)
     left = left_in(
         cell,
@@ -181,10 +186,11 @@ def _look_and_plan(
         digest = scan.digest
     if not detections:
         return None
-    result = plan_pick(
+    result = plan_row(
         cell,
         detections,
         digest,
+        picks=task.picks,
         strategy=task.strategy,
         obstacles=obstacles,
         avoided=_left_alone(detections, [one for one, _ in avoided]),
@@ -227,7 +233,6 @@ def _carry_out(
     cell: Cell, task: PileTask, plan: Plan, lying: list[tuple[int, Detection]], tally: _Tally
 ) -> tuple[list[int], tuple[FilmedPick, ...]]:
     """Take the plan's parts out of `lying`; the detections whose picks failed, and all picks."""
-    tally.cycles += 1
     tally.motion += plan.cycle_seconds
     failed: list[int] = []
     picks: list[FilmedPick] = []

@@ -18,8 +18,8 @@ def summary(
     """What is printed as JSON.
 
     An hour is made of the motion as planned, `scan_seconds` [s] for each look, the time that
-    finding and planning took here, and `approval_seconds` [s] of a person for each plan carried
-    out.  Shares and times of which there are none are None.
+    finding and planning took here, and `approval_seconds` [s] of a person for each plan, or row of
+    plans, carried out.  Shares and times of which there are none are None.
 
     Args:
         scenes: of all piles, in their order.

@@ -14,6 +14,7 @@ from workbench.app.core.commands import (
     Approve,
     Entry,
     FindParts,
+    GoOn,
     JobEnded,
     LinkEnded,
     MakePlan,
@@ -35,7 +36,17 @@ from workbench.model.scan import Scan
 BROUGHT: Mapping[type[object], str] = {Scan: "scan", tuple: "parts", PlanResult: "plan"}
 """What a task brought, by the type of its result."""
 
-USUAL = (TakeScan, FindParts, MakePlan, WantThreshold, WatchPlan, Approve, SendPlan, NextStep)
+USUAL = (
+    GoOn,
+    TakeScan,
+    FindParts,
+    MakePlan,
+    WantThreshold,
+    WatchPlan,
+    Approve,
+    SendPlan,
+    NextStep,
+)
 """What people do in every cycle; whatever else they do is an intervention."""
 
 

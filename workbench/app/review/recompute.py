@@ -42,15 +42,14 @@ def recomputed(journal: Journal) -> Iterator[Comparison]:
     before = State(cell, number=1, saved=cell.digest)
     begun: dict[int, tuple[Cell, StartJob]] = {}
     for entry, after in replay(journal, cell):
-        if isinstance(entry.command, JobEnded):
-            if entry.command.number in begun:
-                comparison = _compared(*begun.pop(entry.command.number), entry.command.result)
-                if comparison is not None:
-                    yield comparison
-        else:
-            for effect in decide(before, entry)[1]:
-                if isinstance(effect, StartJob):
-                    begun[effect.number] = (before.cell, effect)
+        if isinstance(entry.command, JobEnded) and entry.command.number in begun:
+            comparison = _compared(*begun.pop(entry.command.number), entry.command.result)
+            if comparison is not None:
+                yield comparison
+        # The end of a task may begin the next one.
+        for effect in decide(before, entry)[1]:
+            if isinstance(effect, StartJob):
+                begun[effect.number] = (before.cell, effect)
         before = after
 
 

@@ -72,12 +72,12 @@ TO = Field("to", "name of somebody who has asked for control", _text(LONGEST_NAM
 WISHES = ("planner", "order", "iterations", "margin", "metric")
 
 
-def _localize(values: Values) -> commands.Command:
+def _localize(values: Values) -> commands.FindParts:
     wishes = SearchWishes(values["detail"], values["least_score"])
     return commands.FindParts(values["seed"], wishes)
 
 
-def _plan(values: Values) -> commands.Command:
+def _plan(values: Values) -> commands.MakePlan:
     wishes = Wishes(**{key: values[key] for key in WISHES})
     return commands.MakePlan(values["strategy"], values["threshold"], values["seed"], wishes)
 
@@ -94,6 +94,11 @@ def _emptying(values: Values) -> commands.Command:
     )
 
 
+def _go_on(values: Values) -> commands.Command:
+    scan = commands.TakeScan(values["seed"], values["parts"])
+    return commands.GoOn(scan, _localize(values), _plan(values))
+
+
 def _watch(values: Values) -> commands.Command:
     return commands.WatchPlan(values["plan"], is_told=True)
 
@@ -106,23 +111,47 @@ def _approve(values: Values) -> commands.Command:
     return commands.Approve(values["plan"], values["speed_share"], values["is_stepped"])
 
 
-CALLS: tuple[Call, ...] = (
-    Call(
-        "/scan",
-        "Take a scan.",
-        commands.TakeScan,
-        (SEED, Field("parts", "in the simulated pile", _whole(1, MOST_PARTS), 2)),
-        begins=True,
+SCAN_FIELDS = (SEED, Field("parts", "in the simulated pile", _whole(1, MOST_PARTS), 2))
+
+FIND_FIELDS = (
+    SEED,
+    Field("detail", "share of the usual detail", _number(*DETAIL), 1.0),
+    Field("least_score", "parts below are not taken", _number(0.0, 1.0), 0.0),
+)
+
+PLAN_FIELDS = (
+    SEED,
+    Field(
+        "strategy",
+        "which arms work: one of the `strategies` of the state",
+        _text(LONGEST_NAME),
+        "auto",
     ),
+    Field(
+        "threshold",
+        "[m] parts nearer to each other are taken one after the other",
+        _number(0.0, 1.0),
+        0.2,
+    ),
+    Field("planner", "of free legs", {"type": "string", "enum": planner_names()}, default=None),
+    Field("order", "of the parts", {"type": "string", "enum": ORDER_NAMES}, default=None),
+    Field("iterations", "of the planner", _whole(1, MOST_ITERATIONS), default=None),
+    Field(
+        "margin",
+        "[m] kept from everything; not less than the cell's",
+        _number(0.0, LARGEST_MARGIN),
+        default=None,
+    ),
+    Field("metric", "how much each joint counts of the one before", _number(0.05, 1.0), None),
+)
+
+CALLS: tuple[Call, ...] = (
+    Call("/scan", "Take a scan.", commands.TakeScan, SCAN_FIELDS, begins=True),
     Call(
         "/localize",
         "Find the parts in the scan.",
         commands.FindParts,
-        (
-            SEED,
-            Field("detail", "share of the usual detail", _number(*DETAIL), 1.0),
-            Field("least_score", "parts below are not taken", _number(0.0, 1.0), 0.0),
-        ),
+        FIND_FIELDS,
         begins=True,
         make=_localize,
     ),
@@ -130,38 +159,7 @@ CALLS: tuple[Call, ...] = (
         "/plan",
         "Judge all candidates, make a plan and prove it.",
         commands.MakePlan,
-        (
-            SEED,
-            Field(
-                "strategy",
-                "which arms work: one of the `strategies` of the state",
-                _text(LONGEST_NAME),
-                "auto",
-            ),
-            Field(
-                "threshold",
-                "[m] parts nearer to each other are taken one after the other",
-                _number(0.0, 1.0),
-                0.2,
-            ),
-            Field(
-                "planner", "of free legs", {"type": "string", "enum": planner_names()}, default=None
-            ),
-            Field("order", "of the parts", {"type": "string", "enum": ORDER_NAMES}, default=None),
-            Field("iterations", "of the planner", _whole(1, MOST_ITERATIONS), default=None),
-            Field(
-                "margin",
-                "[m] kept from everything; not less than the cell's",
-                _number(0.0, LARGEST_MARGIN),
-                default=None,
-            ),
-            Field(
-                "metric",
-                "how much each joint counts of the one before",
-                _number(0.05, 1.0),
-                None,
-            ),
-        ),
+        PLAN_FIELDS,
         begins=True,
         make=_plan,
     ),
@@ -195,6 +193,15 @@ CALLS: tuple[Call, ...] = (
         ),
         begins=True,
         make=_emptying,
+    ),
+    Call(
+        "/go-on",
+        "After a finished cycle: scan, find and plan, each after the other; a person approves.",
+        commands.GoOn,
+        # One seed for all of it.
+        (*SCAN_FIELDS, *FIND_FIELDS[1:], *PLAN_FIELDS[1:]),
+        begins=True,
+        make=_go_on,
     ),
     Call(
         "/threshold",
