@@ -138,7 +138,7 @@ def scene(cell: Cell, plan: Plan, proof: Proof) -> None:
     arm = replace(plan.arms[0], detection=0)
     steps = tuple(s for s in plan.sequence if all(a == arm.arm for a, _ in s.runs))
     less = replace(less, detections=(plan.detections[number],), arms=(arm,), sequence=steps)
-    said = str(layer.prove(cell, plan.scene, less).findings[0])
+    said = str(layer.prove(cell, plan.scene, less).violations[0])
     length, width, _ = cell.bin.size
     sketch = Sketch("A part that the plan leaves out", (-0.42, 0.42), (-0.135, 0.135), same=True)
     corners = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) * (width / 2, length / 2)
@@ -252,7 +252,7 @@ def asked(cell: Cell, plan: Plan, proof: Proof) -> None:
     quick = replace(run.leg, t=0.42 * np.asarray(run.leg.t))
     legs = tuple(quick if leg is run.leg else leg for leg in one.legs)
     arms = tuple(replace(a, legs=legs) if a is one else a for a in plan.arms)
-    said = str(prove(cell, replace(plan, arms=arms)).findings[0])
+    said = str(prove(cell, replace(plan, arms=arms)).violations[0])
     share = cell.policy.speed
     sketch = Sketch("Joint speeds", (0.0, run.leg.seconds), (0.0, 145.0))
     sketch.axes(_marks(0.0, run.leg.seconds), (0, 50, 100), "fastest axis [%] over time [s]")

@@ -18,7 +18,7 @@ for leg in arm.legs:
     legs.append(replace(leg, q=q))
 bent = replace(plan, arms=(replace(arm, legs=tuple(legs)), *plan.arms[1:]))
 proof = wb.prove(cell, bent)
-print(f"{len(proof.findings)} objections, the first: {proof.findings[0]}")
+print(f"{len(proof.violations)} objections, the first: {proof.violations[0]}")
 try:
     wb.approve(cell, bent, proof, "Ada")
 except wb.CommandRefused as error:

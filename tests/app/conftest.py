@@ -13,7 +13,6 @@ from workbench.model.geometry import Box, Mesh, Solid
 from workbench.model.part import Grasp, GraspLibrary, Part
 from workbench.model.plan import (
     ArmPlan,
-    Finding,
     Guarantee,
     Leg,
     Plan,
@@ -21,6 +20,7 @@ from workbench.model.plan import (
     Proof,
     Step,
     Strategy,
+    Violation,
 )
 from workbench.model.robot import Joint, Link, Robot
 from workbench.model.scan import Detection, Scan
@@ -64,7 +64,7 @@ class Samples:
         )
 
     def proof(self, plan: Plan, *, holds: bool = True) -> Proof:
-        finding = Finding("too close", "right", "reach", 1, ("link", "bin_floor"), -0.002)
+        violation = Violation("too close", "right", "reach", 1, ("link", "bin_floor"), -0.002)
         return Proof(
             plan.digest,
             plan.cell_digest,
@@ -73,7 +73,7 @@ class Samples:
             0.001,
             0.006,
             None,
-            () if holds else (finding,),
+            () if holds else (violation,),
             (("right", "reach", np.array([0.02, 0.006])),),
             zone=0.2,
         )

@@ -44,10 +44,10 @@ def planned(screen, reaches):
 
 def place_of(state):
     """When the plan is nearest to something, and the two points (2, 3) [m] there."""
-    finding = state.proof.nearest
+    named = state.proof.nearest
     spot = nearest_place(state.cell, state.plan, state.proof)
     for run in timeline(state.plan):
-        if (run.arm, run.leg.name) == (finding.arm, finding.leg):
+        if (run.arm, run.leg.name) == (named.arm, named.leg):
             return run.start + spot.seconds, spot.points
     raise AssertionError("the proof names a leg that the plan does not have")
 
@@ -78,10 +78,10 @@ def test_a_click_on_the_smallest_clearance_in_the_plan_tab_goes_there(
     state = planned(screen, reaches)
     screen.tab("Plan")
     nearest = screen.page.locator(".wb-go:visible").first
-    finding = state.proof.nearest
+    named = state.proof.nearest
     said = nearest.inner_text()
-    assert f"{at_least(state.proof.clearance)}, {finding.arm} arm on {finding.leg}" in said
-    assert finding.pair[0] in said and finding.pair[1] in said
+    assert f"{at_least(state.proof.clearance)}, {named.arm} arm on {named.leg}" in said
+    assert named.pair[0] in said and named.pair[1] in said
     screen.shoot("nearest-plan-tab")
     nearest.click()
     goes_there(served, screen, state, wait)

@@ -232,12 +232,12 @@ def test_a_waypoint_in_the_bin_wall_fails_with_pair_leg_and_clearance(line, say,
     assert said.code == 3
     proof = json.loads(said.out)["proof"]
     assert not proof["holds"]
-    finding = next(one for one in proof["findings"] if one["pair"] is not None)
-    assert finding["leg"] == "return"
-    assert finding["arm"] == arm.name
-    assert any(label.startswith("bin_wall") for label in finding["pair"])
-    assert finding["distance_mm"] < cell.policy.margin * 1000
-    assert "the file was changed" in proof["findings"][0]["problem"]
+    violation = next(one for one in proof["violations"] if one["pair"] is not None)
+    assert violation["leg"] == "return"
+    assert violation["arm"] == arm.name
+    assert any(label.startswith("bin_wall") for label in violation["pair"])
+    assert violation["distance_mm"] < cell.policy.margin * 1000
+    assert "the file was changed" in proof["violations"][0]["problem"]
     said = say("verify", tmp_path / "changed.json")
     assert said.code == 3
     assert "bin_wall" in said.out

@@ -7,13 +7,13 @@ from workbench.model.geometry import pose_from_rpy
 from workbench.model.plan import (
     LEG_NAMES,
     ArmPlan,
-    Finding,
     Guarantee,
     Leg,
     Plan,
     Proof,
     Step,
     Strategy,
+    Violation,
 )
 from workbench.model.scan import Detection
 
@@ -76,7 +76,7 @@ def plan(detections: tuple[Detection, ...]) -> Plan:
 
 @pytest.fixture(scope="session")
 def proof(plan: Plan) -> Proof:
-    nearest = Finding(
+    nearest = Violation(
         "smallest clearance",
         "right",
         "reach",

@@ -72,8 +72,8 @@ def lines(name: str, seed: int, count: int, made: Path) -> Iterator[Line]:
                 if refusal is not None:
                     line["refusal"] = f"{refusal.why}, {refusal.distance * 1000:.3f} mm"
                     line["refusal"] += f" of {refusal.need * 1000:.3f}, {refusal.legs}"
-                if proof.findings:
-                    line["finding"] = str(proof.findings[0])
+                if proof.violations:
+                    line["violation"] = str(proof.violations[0])
                 if refusal is None and not proof.holds:
                     line["says"] = how_close(other)
                 yield line | {"seconds": round(time.process_time() - begin, 3)}
@@ -99,7 +99,7 @@ def verdict(line: Line) -> str:
 
 def reason(line: Line) -> str:
     """What the proof says, without names and figures, and how close the judge finds it."""
-    words = re.sub(r"^(arm \S+ )?(leg \S+ )?(after waypoint \d+)?:? ?", "", line["finding"])
+    words = re.sub(r"^(arm \S+ )?(leg \S+ )?(after waypoint \d+)?:? ?", "", line["violation"])
     words = re.sub(r"[-\d.]+ mm: .*", "so much", words)
     return f"{re.sub(r'[-]?[0-9][0-9.]*', '#', words)}; the judge: {line['says']}"
 

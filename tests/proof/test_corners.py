@@ -92,9 +92,9 @@ def test_a_waypoint_inside_something_is_found_though_the_rounded_corner_is_clear
     inside[world.kinematics.columns[arm]] = deep
     assert world.contact(inside) is not None
     proof = prove(spoken_to_by(cell, protocol), with_spike(result.plan, arm, name, number, deep))
-    (finding,) = [one for one in proof.findings if one.pair is not None]
-    assert (finding.arm, finding.leg) == (arm, name)
-    assert finding.distance < cell.policy.margin
+    (violation,) = [one for one in proof.violations if one.pair is not None]
+    assert (violation.arm, violation.leg) == (arm, name)
+    assert violation.distance < cell.policy.margin
 
 
 @pytest.fixture(scope="module")
@@ -126,14 +126,14 @@ def test_arms_that_meet_at_a_sharp_corner_only_are_found(cell, coordinated, prot
         bent = with_leg(bent, second[0], "home", t=bent.arm(first[0]).leg("home").t)
         assert are_in_step([bent.arm(arm).leg("home") for arm, _ in (first, second)])
     proof = prove(spoken_to_by(cell, protocol), replace(bent, guarantee=guarantee))
-    finding = next(one for one in proof.findings if one.pair is not None)
-    assert {label.split("_")[0].split()[0] for label in finding.pair} == {"right", "left"}
+    violation = next(one for one in proof.violations if one.pair is not None)
+    assert {label.split("_")[0].split()[0] for label in violation.pair} == {"right", "left"}
 
 
 def test_a_plan_for_a_controller_that_stops_takes_the_time_of_the_stops(cell, detections):
     stopping = spoken_to_by(cell, "abb-socket")
     result = plan_pick(stopping, detections, "scan", strategy="alternated", seed=0)
-    assert result.proof.holds, result.proof.findings
+    assert result.proof.holds, result.proof.violations
     for one in result.plan.arms:
         arm = cell.arm(one.arm)
         speed = cell.robot.limits(arm.joints)[2] * cell.policy.speed

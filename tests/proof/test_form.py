@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 from workbench.model.plan import LEG_NAMES, Guarantee, Plan, Step, Strategy
-from workbench.proof.form import form_findings
+from workbench.proof.form import form_violations
 
 
 def one_by_one(plan: Plan) -> tuple[Step, ...]:
@@ -32,7 +32,7 @@ def overlapped(result) -> Plan:
 
 
 def problems(cell, plan: Plan) -> list[str]:
-    return [str(finding) for finding in form_findings(cell, plan.scene, plan)]
+    return [str(violation) for violation in form_violations(cell, plan.scene, plan)]
 
 
 def test_the_second_arm_may_set_out_while_the_first_goes_home(cell, overlapped):

@@ -52,7 +52,7 @@ def test_a_plan_through_an_obstacle_fails_its_proof(free):
     ball = Obstacle(pose_from_rpy(middle), np.full(3, 0.05))
     proof = prove(CELL, replace(free.plan, obstacles=(ball,)))
     assert not proof.holds
-    assert any("seen-1" in (finding.pair or ()) for finding in proof.findings)
+    assert any("seen-1" in (violation.pair or ()) for violation in proof.violations)
 
 
 def test_a_part_under_an_obstacle_cannot_be_taken():

@@ -33,7 +33,7 @@ def plan(nests, detections):
 def refusals(cell: Cell, plan) -> list[str]:
     """What a proof of the plan says in a cell that differs in its places alone."""
     proof = prove(cell, replace(plan, cell_digest=cell.digest))
-    return [str(finding) for finding in proof.findings]
+    return [str(violation) for violation in proof.violations]
 
 
 def shifted(cell: Cell, way: pin.SE3, **changes) -> Cell:

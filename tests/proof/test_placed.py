@@ -62,15 +62,15 @@ def test_a_way_home_through_the_part_just_put_down_is_refused(cell, result):
     for one in result.plan.arms:
         bent = straight_home(result.plan, one.arm)
         assert deepest(cell, bent, bent.arm(one.arm), "home", bent.arm(one.arm)) < 0.0
-        finding = next(one for one in prove(cell, bent).findings if one.pair is not None)
-        assert (finding.arm, finding.leg) == (one.arm, "home")
-        assert f"part-{one.detection + 1}" in finding.pair
+        violation = next(one for one in prove(cell, bent).violations if one.pair is not None)
+        assert (violation.arm, violation.leg) == (one.arm, "home")
+        assert f"part-{one.detection + 1}" in violation.pair
 
 
 def test_so_it_is_while_both_arms_move(cell, apart):
     for one in apart.plan.arms:
         bent = straight_home(apart.plan, one.arm)
-        problems = [one for one in prove(cell, bent).findings if one.leg == "home" and one.pair]
+        problems = [one for one in prove(cell, bent).violations if one.leg == "home" and one.pair]
         assert any(f"part-{one.detection + 1}" in problem.pair for problem in problems)
 
 
@@ -81,10 +81,10 @@ def test_a_hand_that_was_clear_of_the_part_does_not_come_back_to_it(cell, result
     out = cell.policy.straight_points
     back = np.array([leg.q[0], *leg.q[1:out], leg.q[0], *leg.q[1:]])
     times = np.linspace(0.0, 20.0, len(back))
-    findings = prove(cell, with_leg(result.plan, one.arm, "home", q=back, t=times)).findings
-    assert [finding.leg for finding in findings] == ["home"]
-    assert f"part-{one.detection + 1}" in findings[0].pair
-    assert 0.0 < findings[0].distance < cell.policy.margin
+    violations = prove(cell, with_leg(result.plan, one.arm, "home", q=back, t=times)).violations
+    assert [violation.leg for violation in violations] == ["home"]
+    assert f"part-{one.detection + 1}" in violations[0].pair
+    assert 0.0 < violations[0].distance < cell.policy.margin
 
 
 @pytest.fixture(scope="module")
@@ -103,7 +103,7 @@ def shared(cell):
 def test_the_second_arm_puts_its_part_beside_that_of_the_first(shared, detections, strategy):
     result = plan_pick(shared, detections, "scan", strategy=strategy, seed=0)
     assert result.plan is not None, str(result.verdict)
-    assert result.proof.holds, result.proof.findings
+    assert result.proof.holds, result.proof.violations
     first, second = result.plan.arms
     assert deepest(shared, result.plan, second, "place", first) > 0.0
     assert deepest(shared, result.plan, second, "home", first) > 0.0
@@ -115,20 +115,22 @@ def test_a_part_that_is_put_where_one_lies_already_is_refused(shared, detections
     # Alone the second arm takes the first spot of both.
     left_out = {first.detection: "for the other arm"}
     alone = plan_pick(shared, detections, "scan", strategy=second.arm, avoided=left_out, seed=0)
-    assert alone.proof.holds, alone.proof.findings
-    findings = prove(shared, replace(plan, arms=(first, *alone.plan.arms))).findings
-    assert any(f"part-{first.detection + 1}" in finding.pair for finding in findings)
+    assert alone.proof.holds, alone.proof.violations
+    violations = prove(shared, replace(plan, arms=(first, *alone.plan.arms))).violations
+    assert any(f"part-{first.detection + 1}" in violation.pair for violation in violations)
 
 
-@pytest.mark.parametrize("strategy", ["alternated", "coordinated"])
-def test_a_hand_that_turns_on_its_way_out_is_refused(cell, result, apart, strategy):
+@pytest.mark.parametrize("strategy", ["left", "alternated", "coordinated"])
+def test_a_hand_that_turns_on_its_way_out_is_refused(cell, detections, result, apart, strategy):
     """By two degrees, at the first waypoint: it comes near nothing by that."""
-    plan = result.plan if strategy == "alternated" else apart.plan
+    plan = {"alternated": result.plan, "coordinated": apart.plan}.get(strategy)
+    plan = plan or plan_pick(cell, detections, "scan", strategy=strategy, seed=0).plan
+    assert plan.strategy == strategy
     for one in plan.arms:
         leg = one.leg("home")
         q = np.array(leg.q)
         q[1, -1] += np.deg2rad(2.0)
         bent = with_leg(plan, one.arm, "home", q=q, t=leg.t * 2)
         assert deepest(cell, bent, bent.arm(one.arm), "home", bent.arm(one.arm)) > 0.0
-        said = [str(finding) for finding in prove(cell, bent).findings]
+        said = [str(violation) for violation in prove(cell, bent).violations]
         assert said == [f"arm {one.arm} leg home after waypoint 0: is not straight"]

@@ -6,15 +6,18 @@ import numpy as np
 import pytest
 from bending import with_leg
 
+from workbench.app.picking.pipeline import plan_pick
 from workbench.app.picking.proving import prove
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.plan import Guarantee, Step
 from workbench.planning.collision.world import World
 from workbench.planning.kinematics.chain import is_solution
+from workbench.proof import prove as layer
+from workbench.proof.space import Space
 
 
 def text(proof) -> str:
-    return "; ".join(str(finding) for finding in proof.findings)
+    return "; ".join(str(violation) for violation in proof.violations)
 
 
 def test_a_planned_plan_holds(cell, result):
@@ -35,6 +38,27 @@ def test_the_same_plan_has_the_same_proof(cell, result):
     assert prove(cell, result.plan).digest == prove(cell, result.plan).digest
 
 
+def test_less_is_measured_to_check_a_proof_than_to_find_it(cell, detections, monkeypatch):
+    """For one arm, for two in turn, and for both at once: states that are looked at, and pairs."""
+    counted, distance = [], Space.distance
+
+    def counting(space, row):
+        counted.append(row)
+        return distance(space, row)
+
+    monkeypatch.setattr(Space, "distance", counting)
+    for strategy in ("left", "alternated", "coordinated"):
+        plan = plan_pick(cell, detections, "scan", strategy=strategy, seed=0).plan
+        measured = []
+        for stated in (None, layer.prove(cell, plan.scene, plan)):
+            counted.clear()
+            proof = layer.prove(cell, plan.scene, plan, stated=stated)
+            assert proof.holds, text(proof)
+            measured.append((proof.checks, len(counted)))
+        (found, pairs), (checked, pairs_checked) = measured
+        assert checked < found and pairs_checked < pairs, (strategy, measured)
+
+
 def test_a_part_put_down_elsewhere_fails(cell, result):
     """The last straight way ends 5 mm above the place."""
     arm = cell.arm(result.plan.arms[0].arm)
@@ -45,8 +69,8 @@ def test_a_part_put_down_elsewhere_fails(cell, result):
     assert is_solution(residuals)[0]
     place[-1] = home[0] = cell.controller.motion.rounded(answers[0])
     bent = with_leg(with_leg(result.plan, arm.name, "place", q=place), arm.name, "home", q=home)
-    (finding,) = prove(cell, bent).findings
-    assert str(finding) == f"arm {arm.name} leg place: the hand opens where the arm has no place"
+    (violation,) = prove(cell, bent).violations
+    assert str(violation) == f"arm {arm.name} leg place: the hand opens where the arm has no place"
 
 
 def test_a_waypoint_in_the_wall_names_leg_pair_and_clearance(cell, result):
@@ -62,11 +86,11 @@ def test_a_waypoint_in_the_wall_names_leg_pair_and_clearance(cell, result):
     answers, residuals = chain.solve(wall, starts)
     q[3] = cell.controller.motion.rounded(answers[is_solution(residuals)][0])
     proof = prove(cell, with_leg(result.plan, arm.name, "return", q=q))
-    finding = next(finding for finding in proof.findings if finding.pair is not None)
-    assert (finding.arm, finding.leg) == (arm.name, "return")
-    assert finding.waypoint in (2, 3)
-    assert "bin_wall" in finding.pair[0] + finding.pair[1]
-    assert finding.distance < cell.policy.margin
+    violation = next(violation for violation in proof.violations if violation.pair is not None)
+    assert (violation.arm, violation.leg) == (arm.name, "return")
+    assert violation.waypoint in (2, 3)
+    assert "bin_wall" in violation.pair[0] + violation.pair[1]
+    assert violation.distance < cell.policy.margin
 
 
 def turned_in_hand(arm):
@@ -185,4 +209,4 @@ def test_two_arms_with_very_many_waypoints_are_refused_before_all_pairs_are_look
         plan = with_leg(plan, one.arm, name, q=rows, t=np.arange(len(rows)) * 50.0)
     assert any(len(step.runs) == 2 for step in plan.sequence)
     proof = prove(cell, plan)
-    assert "too many waypoints beside leg reach" in "; ".join(map(str, proof.findings))
+    assert "too many waypoints beside leg reach" in "; ".join(map(str, proof.violations))

@@ -13,7 +13,7 @@ from workbench.proof.prove import prove
 
 
 def problems(cell, plan, scene=None) -> str:
-    return "; ".join(map(str, prove(cell, scene or plan.scene, plan).findings))
+    return "; ".join(map(str, prove(cell, scene or plan.scene, plan).violations))
 
 
 def unknown(plan):

@@ -15,17 +15,20 @@ from workbench.proof.spot import spot_of
 
 
 def test_the_two_points_are_as_far_apart_as_the_proof_says(cell, result):
-    finding = result.proof.nearest
-    spot = spot_of(cell, result.plan, finding)
-    assert np.linalg.norm(spot.points[0] - spot.points[1]) == pytest.approx(finding.distance)
-    assert spot.distance == pytest.approx(finding.distance)
-    assert result.proof.clearance <= finding.distance
+    nearest = result.proof.nearest
+    spot = spot_of(cell, result.plan, nearest)
+    assert np.linalg.norm(spot.points[0] - spot.points[1]) == pytest.approx(nearest.distance)
+    assert spot.distance == pytest.approx(nearest.distance)
+    assert result.proof.clearance <= nearest.distance
 
 
 def test_at_that_time_of_the_leg_the_arm_stands_as_it_was_measured(cell, result):
-    finding = result.proof.nearest
-    spot, leg = spot_of(cell, result.plan, finding), result.plan.arm(finding.arm).leg(finding.leg)
-    np.testing.assert_allclose(leg.at(spot.seconds), finding.q, atol=1e-6)
+    nearest = result.proof.nearest
+    spot, leg = (
+        spot_of(cell, result.plan, nearest),
+        result.plan.arm(nearest.arm).leg(nearest.leg),
+    )
+    np.testing.assert_allclose(leg.at(spot.seconds), nearest.q, atol=1e-6)
 
 
 def test_both_points_are_on_what_is_drawn(cell, result):
@@ -51,6 +54,6 @@ def test_arms_at_any_speeds_are_shown_where_they_are_nearest(cell, detections):
     """Both arms at once: the place that is found is no farther than the proof has measured."""
     result = plan_pick(cell, detections, "both", strategy="coordinated", threshold=0.0)
     assert result.plan.guarantee is Guarantee.TIME_INDEPENDENT
-    finding = prove(cell, result.plan.scene, result.plan).nearest
-    spot = spot_of(cell, result.plan, finding)
-    assert spot.distance == pytest.approx(finding.distance, abs=0.001)
+    nearest = prove(cell, result.plan.scene, result.plan).nearest
+    spot = spot_of(cell, result.plan, nearest)
+    assert spot.distance == pytest.approx(nearest.distance, abs=0.001)

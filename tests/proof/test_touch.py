@@ -44,8 +44,8 @@ def test_a_tool_presses_no_deeper_than_its_lip_gives_way(cell, plan, longer, hol
     longer_tool = replace(cell, arms=(replace(arm, tool=replace(arm.tool, body=body)),))
     again = replace(plan, cell_digest=longer_tool.digest)
     proof = prove(longer_tool, Scene(plan.scan_digest, plan.detections, plan.obstacles), again)
-    approach = [one for one in proof.findings if one.leg == "approach"]
-    assert (not approach) is holds, proof.findings
+    approach = [one for one in proof.violations if one.leg == "approach"]
+    assert (not approach) is holds, proof.violations
     if not holds:
         assert approach[0].problem == "closer than -3.0 mm"
 

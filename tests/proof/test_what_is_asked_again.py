@@ -19,7 +19,7 @@ from workbench.proof.table import Situation, Table
 
 def problems(proof) -> str:
     assert not proof.holds
-    return "; ".join(map(str, proof.findings))
+    return "; ".join(map(str, proof.violations))
 
 
 def of_cell(cell, plan):
@@ -70,7 +70,7 @@ def test_a_part_that_is_sunk_into_the_floor_has_a_wrong_pose(cell, result, depth
     """The bin is raised instead of the parts lowered: hands still close where they did."""
     raised = pose_from_rpy([0, 0, depth]) * cell.bin.T_world_bin
     sunk = replace(cell, bin=replace(cell.bin, T_world_bin=raised))
-    says = "; ".join(map(str, prove(sunk, of_cell(sunk, result.plan)).findings))
+    says = "; ".join(map(str, prove(sunk, of_cell(sunk, result.plan)).violations))
     assert ("too deep in what it lies on" in says) is is_wrong, says
 
 
@@ -99,7 +99,7 @@ def test_a_lift_that_is_straight_at_its_ends_alone_is_refused(cell, result):
     for one in result.plan.arms:
         leg = one.leg(name)
         bent = with_leg(result.plan, one.arm, name, q=leg.q[[0, -1]], t=leg.t[[0, -1]] * 3)
-        said += map(str, prove(cell, bent).findings)
+        said += map(str, prove(cell, bent).violations)
     assert any("is not straight" in text for text in said), said
 
 

@@ -102,7 +102,7 @@ def test_picks_from_its_bin_are_planned_and_proven(made):
     for seed in range(4):
         pile = drop_parts(cell.parts[:1] * 2, cell.bin, seed=seed)
         result = plan_pick(cell, pile, "s", seed=seed)
-        assert result.plan is None or result.proof.holds, result.proof.findings
+        assert result.plan is None or result.proof.holds, result.proof.violations
         proven += result.plan is not None
     assert proven >= 2
 

@@ -12,7 +12,7 @@ import pinocchio as pin
 
 from workbench.model.candidate import Candidate, Verdict
 from workbench.model.cell import ARM_NAME
-from workbench.model.digest import LATER, digest_of
+from workbench.model.digest import LATER, called, digest_of
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats, copied, frozen, put
 from workbench.model.scan import Detection, Obstacle, Scene
@@ -207,10 +207,11 @@ def cycle_words(seconds: float, bound: float) -> str:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Finding:
+class Violation:
     """Something that a proof objects to: where, which pair, and how close [m].
 
-    `q` (n,) [rad] is the configuration of the arm there.
+    `q` (n,) [rad] is the configuration of the arm there.  Where a proof is nearest to something
+    (`Proof.nearest`) is told alike.
     """
 
     problem: str
@@ -262,8 +263,8 @@ class Proof:
     checks: int
     resolution: float
     clearance: float
-    nearest: Finding | None
-    findings: tuple[Finding, ...]
+    nearest: Violation | None
+    violations: tuple[Violation, ...] = field(metadata=called("findings"))
     clearances: tuple[tuple[str, str, Floats], ...] = ()
     apart: tuple[tuple[str, str, Floats], ...] = ()
     zone: float = 0.0
@@ -280,7 +281,7 @@ class Proof:
     @property
     def holds(self) -> bool:
         """Whether nothing was found against the plan."""
-        return not self.findings
+        return not self.violations
 
 
 @dataclass(frozen=True, slots=True, eq=False)

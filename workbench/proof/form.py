@@ -8,12 +8,12 @@ from workbench.model.cell import Arm, Cell
 from workbench.model.plan import (
     LEG_NAMES,
     ArmPlan,
-    Finding,
     Guarantee,
     Leg,
     LegName,
     Plan,
     Strategy,
+    Violation,
 )
 from workbench.model.scan import Detection, Obstacle, Scene
 
@@ -31,49 +31,51 @@ HOLDING: frozenset[LegName] = frozenset({"extract", "return", "place"})
 LINEAR: frozenset[LegName] = frozenset({"approach", "extract", "place"})
 
 
-def form_findings(cell: Cell, scene: Scene, plan: Plan) -> Iterator[Finding]:
+def form_violations(cell: Cell, scene: Scene, plan: Plan) -> Iterator[Violation]:
     """What must be right before a plan can be walked through at all."""
     if plan.cell_digest != cell.digest:
-        yield Finding("the plan was made for another cell, or the cell has changed since")
+        yield Violation("the plan was made for another cell, or the cell has changed since")
         return
     parts = {part.name for part in cell.parts}
     for detection in (*plan.detections, *scene.detections):
         if detection.part not in parts:
-            yield Finding(f"the cell knows no part {detection.part!r}")
+            yield Violation(f"the cell knows no part {detection.part!r}")
             return
     yield from _scene(scene, plan)
     if not plan.arms:
-        yield Finding("the plan moves no arm")
+        yield Violation("the plan moves no arm")
     names, taken = [arm.arm for arm in plan.arms], [arm.detection for arm in plan.arms]
     if len(set(taken)) != len(taken) or len(set(names)) != len(names):
-        yield Finding("an arm or a part is used twice")
+        yield Violation("an arm or a part is used twice")
     known = {arm.name for arm in cell.arms}
     for one in plan.arms:
         if one.arm not in known:
-            yield Finding(f"the cell has no arm {one.arm!r}")
+            yield Violation(f"the cell has no arm {one.arm!r}")
         elif not 0 <= one.detection < len(plan.detections):
-            yield Finding(f"there is no detection {one.detection}", one.arm)
+            yield Violation(f"there is no detection {one.detection}", one.arm)
         else:
             yield from _legs(cell, cell.arm(one.arm), one)
     yield from _sequence(plan)
 
 
-def _scene(scene: Scene, plan: Plan) -> Iterator[Finding]:
+def _scene(scene: Scene, plan: Plan) -> Iterator[Violation]:
     """What the plan says of the bin is what is known of it: nothing else, and nothing left out."""
     if plan.scan_digest != scene.scan_digest:
-        yield Finding("the plan was made for another scan")
+        yield Violation("the plan was made for another scan")
     for number, known in enumerate(scene.detections):
         if not any(_same_part(known, said) for said in plan.detections):
-            yield Finding(f"the plan leaves out part-{number + 1} of the scan, or moves it")
+            yield Violation(f"the plan leaves out part-{number + 1} of the scan, or moves it")
     for number, said in enumerate(plan.detections):
         meant = [known for known in scene.detections if _same_part(said, known)]
         if not meant:
-            yield Finding(f"part-{number + 1} of the plan is not in the scan")
+            yield Violation(f"part-{number + 1} of the plan is not in the scan")
         elif not any(_no_surer(said, known) for known in meant):
-            yield Finding(f"the plan says of part-{number + 1} a roll that the scan does not show")
+            yield Violation(
+                f"the plan says of part-{number + 1} a roll that the scan does not show"
+            )
     for number, seen in enumerate(scene.obstacles):
         if not any(_same_box(seen, said) for said in plan.obstacles):
-            yield Finding(f"the plan leaves out obstacle seen-{number + 1} of the scan")
+            yield Violation(f"the plan leaves out obstacle seen-{number + 1} of the scan")
 
 
 def _same_part(one: Detection, other: Detection) -> bool:
@@ -94,46 +96,46 @@ def _same_box(one: Obstacle, other: Obstacle) -> bool:
     return bool(is_alike) and one.T_world_box.isApprox(other.T_world_box, 1e-9)
 
 
-def _sequence(plan: Plan) -> Iterator[Finding]:
+def _sequence(plan: Plan) -> Iterator[Violation]:
     runs = [run for step in plan.sequence for run in step.runs]
     names = [arm.arm for arm in plan.arms]
     for arm in plan.arms:
         if [leg for name, leg in runs if name == arm.arm] != [leg.name for leg in arm.legs]:
-            yield Finding("the sequence is not every leg once, in order", arm.arm)
+            yield Violation("the sequence is not every leg once, in order", arm.arm)
     if any(name not in names for name, _ in runs):
-        yield Finding("the sequence moves an arm that the plan does not")
+        yield Violation("the sequence moves an arm that the plan does not")
     for step in plan.sequence:
         arms = [name for name, _ in step.runs]
         if not arms:
-            yield Finding("a step of the sequence moves no arm")
+            yield Violation("a step of the sequence moves no arm")
         if len(set(arms)) != len(arms) or len(arms) > 2:
-            yield Finding("a step of the sequence moves an arm twice, or more than two arms")
+            yield Violation("a step of the sequence moves an arm twice, or more than two arms")
     in_turn = plan.strategy != Strategy.COORDINATED
     is_single = plan.guarantee is Guarantee.ONE_AT_A_TIME
     turns = [arm.arm for arm in plan.arms for _ in arm.legs]
     at_once = [tuple(leg for _, leg in step.runs) for step in plan.sequence if len(step.runs) > 1]
     if (is_single and at_once) or ((is_single or in_turn) and [name for name, _ in runs] != turns):
-        yield Finding("the sequence does not move one arm after the other")
+        yield Violation("the sequence does not move one arm after the other")
     alone = plan.strategy.arm
     if (alone and names != [alone]) or (not alone and len(names) != 2):
-        yield Finding(f"strategy {plan.strategy} is not what the plan does: it moves {names}")
+        yield Violation(f"strategy {plan.strategy} is not what the plan does: it moves {names}")
     if in_turn and not (is_single or at_once):
-        yield Finding(f"the plan is called {plan.guarantee}, and never moves two arms at once")
+        yield Violation(f"the plan is called {plan.guarantee}, and never moves two arms at once")
     is_in_step = plan.guarantee is Guarantee.SYNCHRONISED
     if in_turn and (is_in_step or any(legs != ("home", "reach") for legs in at_once)):
-        yield Finding(
+        yield Violation(
             f"the arms of a plan that is {plan.strategy} move one after the other, but for the "
             "second's reach while the first goes home"
         )
 
 
-def _legs(cell: Cell, arm: Arm, one: ArmPlan) -> Iterator[Finding]:
+def _legs(cell: Cell, arm: Arm, one: ArmPlan) -> Iterator[Violation]:
     if one.joints != arm.joints:
         known = ", ".join(arm.joints)
-        yield Finding(f"joints are not those of the arm, in their order: {known}", arm.name)
+        yield Violation(f"joints are not those of the arm, in their order: {known}", arm.name)
         return
     if tuple(leg.name for leg in one.legs) != LEG_NAMES:
-        yield Finding(f"the legs are not {', '.join(LEG_NAMES)}", arm.name)
+        yield Violation(f"the legs are not {', '.join(LEG_NAMES)}", arm.name)
         return
     problems = [problem for leg in one.legs for problem in _shape(arm, leg)]
     yield from problems
@@ -144,23 +146,23 @@ def _legs(cell: Cell, arm: Arm, one: ArmPlan) -> Iterator[Finding]:
     starts = [*(leg.q[0] for leg in one.legs), np.asarray(arm.home)]
     for name, end, start in zip((*LEG_NAMES, "home"), ends, starts, strict=True):
         if np.abs(end - start).max() > same:
-            yield Finding("does not start where the arm stands", arm.name, name)
+            yield Violation("does not start where the arm stands", arm.name, name)
 
 
-def _shape(arm: Arm, leg: Leg) -> Iterator[Finding]:
+def _shape(arm: Arm, leg: Leg) -> Iterator[Violation]:
     q, t = np.asarray(leg.q), np.asarray(leg.t)
     if q.ndim != 2 or q.shape[1] != len(arm.joints) or t.shape != (len(q),) or len(q) < 2:
         problem = f"has waypoints of shape {q.shape} and times of shape {t.shape}"
-        yield Finding(problem, arm.name, leg.name)
+        yield Violation(problem, arm.name, leg.name)
     elif not (np.all(np.isfinite(q)) and np.all(np.isfinite(t)) and np.isfinite(leg.opening)):
-        yield Finding("holds a value that is not a finite number", arm.name, leg.name)
+        yield Violation("holds a value that is not a finite number", arm.name, leg.name)
     if leg.holding != (leg.name in HOLDING):
-        yield Finding("says wrongly whether the part is in the hand", arm.name, leg.name)
+        yield Violation("says wrongly whether the part is in the hand", arm.name, leg.name)
     if (leg.motion == "linear") != (leg.name in LINEAR):
-        yield Finding(f"is called {leg.motion}, which it is not", arm.name, leg.name)
+        yield Violation(f"is called {leg.motion}, which it is not", arm.name, leg.name)
 
 
-def range_findings(cell: Cell, arm: Arm, leg: Leg) -> Iterator[Finding]:
+def range_violations(cell: Cell, arm: Arm, leg: Leg) -> Iterator[Violation]:
     """Joints beyond their limits on one leg.
 
     A joint between two waypoints is between its values there, so waypoints are enough.
@@ -170,7 +172,7 @@ def range_findings(cell: Cell, arm: Arm, leg: Leg) -> Iterator[Finding]:
     outside = np.argwhere((q < lower - 1e-9) | (q > upper + 1e-9))
     if len(outside):
         row, joint = outside[0].tolist()
-        yield Finding(
+        yield Violation(
             f"joint {arm.joints[joint]} at {np.rad2deg(q[row, joint]):.2f} deg is outside "
             f"{np.rad2deg(lower[joint]):.2f} to {np.rad2deg(upper[joint]):.2f} deg",
             arm.name,
@@ -179,7 +181,7 @@ def range_findings(cell: Cell, arm: Arm, leg: Leg) -> Iterator[Finding]:
         )
 
 
-def limit_findings(cell: Cell, arm: Arm, leg: Leg) -> Iterator[Finding]:
+def limit_violations(cell: Cell, arm: Arm, leg: Leg) -> Iterator[Violation]:
     """Limits of speeds, accelerations and fingers on one leg.
 
     Where a joint has to be when tells its mean speed between two waypoints; the real one is that
@@ -187,28 +189,28 @@ def limit_findings(cell: Cell, arm: Arm, leg: Leg) -> Iterator[Finding]:
     its own.
     """
 
-    def finding(problem: str, row: int | None = None) -> Finding:
-        return Finding(problem, arm.name, leg.name, row)
+    def violation(problem: str, row: int | None = None) -> Violation:
+        return Violation(problem, arm.name, leg.name, row)
 
     velocity = cell.robot.limits(arm.joints)[2]
     q, t = np.asarray(leg.q), np.asarray(leg.t)
     if not cell.controller.motion.is_sendable(q):
-        yield finding("holds a configuration finer than what can be sent")
+        yield violation("holds a configuration finer than what can be sent")
     low, high = arm.tool.stroke
     if arm.tool.fingers and not low <= leg.opening <= high:
-        yield finding(f"finger opening {leg.opening * 1e3:.1f} mm is outside the stroke")
+        yield violation(f"finger opening {leg.opening * 1e3:.1f} mm is outside the stroke")
     steps = np.diff(t)
     if t[0] != 0.0:
-        yield finding("does not begin at 0 s")
+        yield violation("does not begin at 0 s")
     if np.any(steps <= 0):
-        yield finding("has times that do not increase")
+        yield violation("has times that do not increase")
         return
     # A rounded corner is shorter than its waypoints make it look, never by more than its zone.
     means = np.diff(q, axis=0) / np.maximum(steps, SOONEST)[:, None]
     most = velocity * cell.policy.speed * ROUNDING / (1.0 - cell.policy.zone)
     too_fast = np.flatnonzero((np.abs(means) > most).any(axis=1))
     if len(too_fast):
-        yield finding("is faster than the joints may turn", int(too_fast[0]))
+        yield violation("is faster than the joints may turn", int(too_fast[0]))
     # From rest to rest: the speed at the first mean has been reached since the start, and so on.
     speeds = np.vstack([np.zeros(q.shape[1]), means, np.zeros(q.shape[1])])
     spans = np.concatenate([steps[:1], steps[:-1] + steps[1:], steps[-1:]]).clip(min=SOONEST)
@@ -217,4 +219,4 @@ def limit_findings(cell: Cell, arm: Arm, leg: Leg) -> Iterator[Finding]:
         (push > arm.acceleration * ROUNDING / (1.0 - cell.policy.zone)).any(axis=1)
     )
     if len(too_hard):
-        yield finding("asks for more acceleration than the arm has", max(int(too_hard[0]) - 1, 0))
+        yield violation("asks for more acceleration than the arm has", max(int(too_hard[0]) - 1, 0))

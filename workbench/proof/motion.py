@@ -40,8 +40,9 @@ class Sets:
 
     def only(self, chosen: Bools) -> "Sets":
         """Those that are chosen (k,)."""
-        kept, groups = np.unique(self.groups[chosen], return_inverse=True)
-        corners, sizes = self.corners[chosen], self.sizes[chosen]
+        numbers, corners, sizes = self.groups[chosen], self.corners[chosen], self.sizes[chosen]
+        begins = np.diff(numbers, prepend=-1) > 0
+        kept, groups = numbers[begins], np.cumsum(begins) - 1
         return Sets(self.columns, corners, sizes, groups, self.around[kept], self.at[kept])
 
     def after(self, waypoints: Bools) -> "Sets":
@@ -78,38 +79,44 @@ def moved(columns: Ints, path: Floats, motion: MotionModel, zone: float) -> Sets
         motion: how the controller moves.
         zone: the widest blend, as a share of a segment.
     """
-    start, end, after = path[:-1], path[1:], path[1:].copy()
-    pieces = [np.stack([start, end, end], axis=1)]
     wide = {"stop": 0.0, "blend": zone, "streamed": STREAMED_ZONE}[motion.corners]
-    if len(path) > 2 and wide > 0.0:
-        steps = np.diff(path, axis=0)
-        after[:-1] += wide * steps[1:]
-        corner = path[1:-1] - wide * steps[:-1], path[1:-1], after[:-1]
-        if motion.corners == "streamed":
-            pieces.append(np.stack(corner, axis=1))
-        else:
-            pieces += _blended(*corner, TWICE)
-    groups = np.concatenate([np.arange(len(piece)) for piece in pieces])
-    sizes = np.where(np.arange(len(groups)) < len(start), 2, 3)
-    order = np.argsort(groups, kind="stable")
-    around, at = np.stack([start, end, after], axis=1), np.arange(len(start))
-    return Sets(columns, np.concatenate(pieces)[order], sizes[order], groups[order], around, at)
+    cuts = CUTS[motion.corners if wide > 0.0 else "stop"]
+    start, end, steps = path[:-1], path[1:], np.diff(path, axis=0)
+    after = end.copy()
+    after[:-1] += wide * steps[1:]
+    segments = np.stack([start, end, end], axis=1)
+    tips = np.stack([end[:-1] - wide * steps[:-1], end[:-1], after[:-1]], axis=1)
+    # (k, c, 3, n): of each corner the segment before it, and what may be cut off it.
+    pieces = np.concatenate([segments[:-1, None], cuts @ tips[:, None]], axis=1)
+    corners = np.concatenate([pieces.reshape(-1, 3, path.shape[1]), segments[-1:]])
+    at = np.arange(len(start))
+    groups = np.append(np.repeat(at[:-1], 1 + len(cuts)), at[-1])
+    sizes = np.where(np.arange(len(groups)) % (1 + len(cuts)), 3, 2)
+    return Sets(columns, corners, sizes, groups, np.stack([start, end, after], axis=1), at)
 
 
-def _blended(start: Floats, corner: Floats, end: Floats, times: int) -> Iterator[Floats]:
-    """Triangles (k, 3, n) that hold all between corners (k, n) and the parabolas that cut them.
+def _blended(tip: Floats, times: int) -> Iterator[Floats]:
+    """Triangles (3, n) that hold all between a corner (3, n) and the parabolas that cut it.
 
-    A parabola from `start` to `end` touches the line between the middles of both sides in its own
+    A parabola from start to end touches the line between the middles of both sides in its own
     middle: beyond that line it is within two smaller such corners, which are halved `times`.
     """
+    start, corner, end = tip
     a, b = (start + corner) / 2, (corner + end) / 2
-    middle = (a + b) / 2
-    yield np.stack([a, corner, b], axis=1)
-    for one in ((start, a, middle), (middle, b, end)):
+    yield np.stack([a, corner, b])
+    for half in (np.stack([start, a, (a + b) / 2]), np.stack([(a + b) / 2, b, end])):
         if times:
-            yield from _blended(*one, times - 1)
+            yield from _blended(half, times - 1)
         else:
-            yield np.stack(one, axis=1)
+            yield half
+
+
+CUTS = {
+    "stop": np.empty((0, 3, 3)),
+    "blend": np.stack(list(_blended(np.eye(3), TWICE))),
+    "streamed": np.eye(3)[None],
+}
+"""Triangles (c, 3, 3) for what is cut off a corner, whose corners are means of that corner's."""
 
 
 def changed(columns: Ints, start: Floats, end: Floats, at: int) -> Sets:

@@ -7,15 +7,15 @@ import pinocchio as pin
 
 from workbench.model.cell import Cell
 from workbench.model.part import Part
-from workbench.model.plan import Finding, Plan, Proof
+from workbench.model.plan import Plan, Proof
 from workbench.model.scan import Detection, Obstacle, Scene
 from workbench.proof.bodies import gap_of, roll_axis, turned_pieces
-from workbench.proof.form import form_findings, limit_findings, range_findings
+from workbench.proof.form import form_violations, limit_violations, range_violations
 from workbench.proof.robot import tree_of
 from workbench.proof.rules import (
-    grasp_findings,
-    pair_findings,
-    roll_findings,
+    grasp_violations,
+    pair_violations,
+    roll_violations,
 )
 from workbench.proof.search import SIGHT
 from workbench.proof.stages import tcp
@@ -42,25 +42,25 @@ def prove(
         plan: as planned, or as read from a file.
         resolution: [m] see `search`; smaller is slower and never admits more.
         stated: a proof of the same plan: its clearances are not searched for, which takes less
-            time; that they are not what it says is a finding.
+            time; that they are not what it says is a violation.
 
     Returns:
-        A proof; `holds` is True when there is no finding.
+        A proof; `holds` is True when there is no violation.
     """
-    findings = list(form_findings(cell, scene, plan))
+    violations = list(form_violations(cell, scene, plan))
     walked = None
-    arms = [(cell.arm(one.arm), one) for one in plan.arms] if not findings else []
+    arms = [(cell.arm(one.arm), one) for one in plan.arms] if not violations else []
     legs = [(arm, leg) for arm, one in arms for leg in one.legs]
     # Joints that turn a hundred times would be followed for hours.
-    findings += [f for arm, leg in legs for f in range_findings(cell, arm, leg)]
-    if not findings:
+    violations += [f for arm, leg in legs for f in range_violations(cell, arm, leg)]
+    if not violations:
         tree = tree_of(cell)
-        findings += [f for arm, leg in legs for f in limit_findings(cell, arm, leg)]
-        findings += [f for _, one in arms for f in grasp_findings(cell, tree, plan, one)]
-        findings += [f for _, one in arms for f in roll_findings(cell, tree, plan, one)]
-        findings += pair_findings(cell, plan)
+        violations += [f for arm, leg in legs for f in limit_violations(cell, arm, leg)]
+        violations += [f for _, one in arms for f in grasp_violations(cell, tree, plan, one)]
+        violations += [f for _, one in arms for f in roll_violations(cell, tree, plan, one)]
+        violations += pair_violations(cell, plan)
         walked = Walk(cell, tree, plan, resolution, stated).result()
-        findings += walked.findings
+        violations += walked.violations
     return Proof(
         plan_digest=plan.digest,
         cell_digest=cell.digest,
@@ -70,7 +70,7 @@ def prove(
         zone=cell.zone,
         clearance=SIGHT if walked is None else walked.clearance,
         nearest=None if walked is None else walked.nearest,
-        findings=tuple(findings),
+        violations=tuple(violations),
         clearances=() if walked is None else walked.clearances,
         apart=() if walked is None else walked.apart,
     )
@@ -97,7 +97,7 @@ def scene_after(cell: Cell, plan: Plan) -> Scene:
     return Scene(plan.scan_digest, rest, (*plan.obstacles, *boxes))
 
 
-def may_have_moved(cell: Cell, plan: Plan) -> Finding | None:
+def may_have_moved(cell: Cell, plan: Plan) -> Violation | None:
     """A part that stays, and may lie otherwise once the plan was carried out; None for none.
 
     Those are parts nearer to a taken one than the policy's `pair_gap`: from then on the scan does
@@ -113,7 +113,7 @@ def may_have_moved(cell: Cell, plan: Plan) -> Finding | None:
             if gap < cell.policy.pair_gap:
                 pair = (f"part-{number + 1}", f"part-{stays + 1}")
                 problem = f"part-{stays + 1} may move when part-{number + 1} is taken"
-                return Finding(problem, taken[number], "extract", None, pair, gap)
+                return Violation(problem, taken[number], "extract", None, pair, gap)
     return None
 
 

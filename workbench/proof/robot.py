@@ -20,8 +20,9 @@ class Tree:
     `joints` are those of `model` by their numbers, the world left out.  `frames` gives for every
     link the joint that carries it and `T_joint_link`.  `columns` (n,) are
     the places in `q` of an arm's joints, followed by those of its fingers.  `ancestors` (j, nq) is
-    True where a value of `q` moves a joint, `chains` (j, j) where a joint does.  `rest` (nq,) has
-    the arms at home, fingers closed.  `data` is Pinocchio's scratch paper: one thread at a time.
+    True where a value of `q` moves a joint; `before` (j,) is what carries a joint, `commons`
+    (j, j) the last that carries both of two.  `rest` (nq,) has the arms at home, fingers closed.
+    `data` is Pinocchio's scratch paper: one thread at a time.
     """
 
     model: pin.Model
@@ -30,7 +31,8 @@ class Tree:
     fingers: dict[str, tuple[int, ...]]
     columns: dict[str, Ints]
     ancestors: Bools
-    chains: Bools
+    before: Ints
+    commons: Ints
     rest: Floats
     data: pin.Data
 
@@ -71,7 +73,7 @@ def tree_of(cell: Cell) -> Tree:
     for arm in cell.arms:
         rest[columns[arm.name][: len(arm.joints)]] = arm.home
     return Tree(
-        model, joints, frames, fingers, columns, *_ancestors(model), rest, model.createData()
+        model, joints, frames, fingers, columns, *_relations(model), rest, model.createData()
     )
 
 
@@ -108,10 +110,15 @@ def _added(
     return number
 
 
-def _ancestors(model: pin.Model) -> tuple[Bools, Bools]:
+def _relations(model: pin.Model) -> tuple[Bools, Ints, Ints]:
+    """What moves each joint, which joint is before it, and the last that carries both of two."""
+    before = np.array(list(model.parents))
     values = np.zeros((model.njoints, model.nq), bool)
-    chains = np.zeros((model.njoints, model.njoints), bool)
+    commons = np.zeros((model.njoints, model.njoints), np.int64)
     for j in range(1, model.njoints):
-        values[j], chains[j] = values[model.parents[j]], chains[model.parents[j]]
-        values[j, model.joints[j].idx_q] = chains[j, j] = True
-    return values, chains
+        values[j] = values[before[j]]
+        values[j, model.joints[j].idx_q] = True
+        # What carries this one and one before it, carries that one before and its own carrier.
+        commons[j, :j] = commons[:j, j] = commons[before[j], :j]
+        commons[j, j] = j
+    return values, before, commons

@@ -9,7 +9,7 @@ import pinocchio as pin
 from workbench.model.cell import Arm, Cell
 from workbench.model.geometry import Floats, Ints, Solid, pose_from_rpy
 from workbench.model.part import Grasp, Part, PartPlace
-from workbench.model.plan import ArmPlan, Finding, Leg, Plan
+from workbench.model.plan import ArmPlan, Leg, Plan, Violation
 from workbench.model.scan import Detection
 from workbench.model.symmetry import BALL, NONE, ROUND, Symmetry
 from workbench.proof.bodies import TURNS, gap_of, roll_axis, still_of, turned_pieces
@@ -43,32 +43,32 @@ NEARLY, FINE = 0.0005, 0.002
 turns within which a hand moves by less than some 2 mm."""
 
 
-def grasp_findings(cell: Cell, tree: Tree, plan: Plan, one: ArmPlan) -> Iterator[Finding]:
+def grasp_violations(cell: Cell, tree: Tree, plan: Plan, one: ArmPlan) -> Iterator[Violation]:
     """Whether an arm takes its part by a grasp that it may use, as authored, and to a place."""
     arm, part = cell.arm(one.arm), cell.part(plan.detections[one.detection].part)
     grasp = next((g for g in part.grasps if g.name == one.grasp), None)
     if grasp is None:
-        yield Finding(f"the part has no grasp {one.grasp!r}", arm.name)
+        yield Violation(f"the part has no grasp {one.grasp!r}", arm.name)
         return
     if not grasp.is_enabled:
-        yield Finding(f"grasp {grasp.name} is switched off", arm.name)
+        yield Violation(f"grasp {grasp.name} is switched off", arm.name)
     if grasp.arms and arm.name not in grasp.arms:
-        yield Finding(f"grasp {grasp.name} is for arm {' or '.join(grasp.arms)}", arm.name)
+        yield Violation(f"grasp {grasp.name} is for arm {' or '.join(grasp.arms)}", arm.name)
     if grasp.tool and grasp.tool != arm.tool.name:
-        yield Finding(f"grasp {grasp.name} is for tool {grasp.tool}", arm.name)
+        yield Violation(f"grasp {grasp.name} is for tool {grasp.tool}", arm.name)
     for leg in one.legs:
         if leg.name in HOLDING and abs(leg.opening - grasp.grip) > 1e-6:
-            yield Finding(_opening(leg, grasp.grip), arm.name, leg.name)
+            yield Violation(_opening(leg, grasp.grip), arm.name, leg.name)
         elif leg.name not in HOLDING and not _fits(leg.opening, grasp, arm, cell):
-            yield Finding(_opening(leg, grasp.opening), arm.name, leg.name)
+            yield Violation(_opening(leg, grasp.opening), arm.name, leg.name)
     T_world_part = plan.detections[one.detection].T_world_part
     T_grasp, T_put = (
         tcp(tree, tree.rest, arm, np.asarray(one.leg(name).q[-1])) for name in ("approach", "place")
     )
     if not _same(T_grasp * one.T_tcp_part, T_world_part, IN_HAND, IN_HAND_TURN):
-        yield Finding("the part is not where the hand closes", arm.name, "approach")
+        yield Violation("the part is not where the hand closes", arm.name, "approach")
     if not _takes(arm, grasp, one.T_tcp_part.inverse()):
-        yield Finding(f"the part is not in the hand as grasp {grasp.name} takes it", arm.name)
+        yield Violation(f"the part is not in the hand as grasp {grasp.name} takes it", arm.name)
     turn = T_world_part.rotation @ grasp.T_part_tcp.rotation
     ways = {
         "approach": turn @ grasp.approach * grasp.approach_length,
@@ -78,17 +78,17 @@ def grasp_findings(cell: Cell, tree: Tree, plan: Plan, one: ArmPlan) -> Iterator
     if grasp.retreat is not None:
         ways["extract"] = turn @ grasp.retreat * grasp.retreat_length
     for name, way in ways.items():
-        yield from straight_findings(tree, arm, name, np.asarray(one.leg(name).q), way)
+        yield from straight_violations(tree, arm, name, np.asarray(one.leg(name).q), way)
     places = (T * half for T in arm.Ts_world_place for half in _halves(arm))
     if not any(_same(T_put, T, IN_HAND, IN_HAND_TURN) for T in places):
         # Where the part really is in the hand, not where the plan says that it is.
         T_world_put = T_put * T_grasp.actInv(T_world_part)
-        yield from _lying_findings(arm, part, plan.detections[one.detection], T_world_put)
+        yield from _lying_violations(arm, part, plan.detections[one.detection], T_world_put)
 
 
-def _lying_findings(
+def _lying_violations(
     arm: Arm, part: Part, found: Detection, T_world_put: pin.SE3
-) -> Iterator[Finding]:
+) -> Iterator[Violation]:
     """Whether a part lies as one of the places for its kind asks, where the hand lets go of it."""
     best: tuple[float, float, float, PartPlace] | None = None
     unseen = False
@@ -108,10 +108,10 @@ def _lying_findings(
         problem = "the hand opens where the arm has no place"
         if unseen:
             problem = "its place needs the roll of the part, which is not known"
-        yield Finding(problem, arm.name, "place")
+        yield Violation(problem, arm.name, "place")
         return
     _, far, turn, place = best
-    yield Finding(
+    yield Violation(
         f"the part is put down {far * 1e3:.1f} mm and {np.rad2deg(turn):.1f} deg from where it "
         f"shall lie; {place.tolerance * 1e3:g} mm and {np.rad2deg(place.turn_tolerance):g} deg "
         "are allowed",
@@ -183,7 +183,7 @@ def _is_any_turn(place: PartPlace, part: Part, axis: Floats) -> bool:
     )
 
 
-def roll_findings(cell: Cell, tree: Tree, plan: Plan, one: ArmPlan) -> Iterator[Finding]:
+def roll_violations(cell: Cell, tree: Tree, plan: Plan, one: ArmPlan) -> Iterator[Violation]:
     """Whether all is right at every turn of the parts whose roll nobody knows.
 
     The walk keeps everything out of the room of all turns.  Here it is asked whether the hand holds
@@ -194,13 +194,13 @@ def roll_findings(cell: Cell, tree: Tree, plan: Plan, one: ArmPlan) -> Iterator[
     arm, part = cell.arm(one.arm), cell.part(found.part)
     if not found.roll_known:
         if arm.needs_roll:
-            yield Finding("its places need the roll of the part, which is not known", arm.name)
-        yield from _held_findings(arm, part, found, one)
+            yield Violation("its places need the roll of the part, which is not known", arm.name)
+        yield from _held_violations(arm, part, found, one)
     if not all(other.roll_known for other in plan.detections):
-        yield from _bed_findings(cell, tree, plan, one)
+        yield from _bed_violations(cell, tree, plan, one)
 
 
-def _held_findings(arm: Arm, part: Part, found: Detection, one: ArmPlan) -> Iterator[Finding]:
+def _held_violations(arm: Arm, part: Part, found: Detection, one: ArmPlan) -> Iterator[Violation]:
     """Whether fingers, or a cup, are at the part, and not in it, however that is turned."""
     T_part_flange = (arm.tool.T_flange_tcp * one.T_tcp_part).inverse()
     wide = one.leg("extract").opening
@@ -227,7 +227,7 @@ def _held_findings(arm: Arm, part: Part, found: Detection, one: ArmPlan) -> Iter
         if deep < -NEARLY or far > arm.tool.press + NEARLY:
             degrees = 360 * turn / TURNS
             problem = f"does not hold the part if it is turned by {degrees:.0f} deg about its axis"
-            yield Finding(problem, arm.name, "approach", distance=min(far, deep))
+            yield Violation(problem, arm.name, "approach", distance=min(far, deep))
             return
 
 
@@ -239,7 +239,7 @@ def _fingers(arm: Arm, opening: float) -> list[tuple[Solid, pin.SE3]]:
     ]
 
 
-def _bed_findings(cell: Cell, tree: Tree, plan: Plan, one: ArmPlan) -> Iterator[Finding]:
+def _bed_violations(cell: Cell, tree: Tree, plan: Plan, one: ArmPlan) -> Iterator[Violation]:
     """Whether a part comes off what it lies on at every turn that it, or a neighbour, may have."""
     arm, policy = cell.arm(one.arm), cell.policy
     moves = _coming_off(tree, arm, np.asarray(one.leg("extract").q), policy.release)
@@ -266,7 +266,7 @@ def _bed_findings(cell: Cell, tree: Tree, plan: Plan, one: ArmPlan) -> Iterator[
     impossible = {turn for k, turn in sunk if k not in rounds}
     if any(k in rounds for k, _ in sunk) or len(impossible) == TURNS:
         problem = "a part lies too deep in what it lies on at every turn: its pose is wrong"
-        yield Finding(problem, arm.name, "extract")
+        yield Violation(problem, arm.name, "extract")
         return
     for k, turn, bed, _ in close:
         if k not in rounds and turn in impossible:
@@ -282,7 +282,7 @@ def _bed_findings(cell: Cell, tree: Tree, plan: Plan, one: ArmPlan) -> Iterator[
                 if gap < keeps:
                     problem = "a part does not come off what it lies on at every turn"
                     pair = (label, name)
-                    yield Finding(problem, arm.name, "extract", pair=pair, distance=gap)
+                    yield Violation(problem, arm.name, "extract", pair=pair, distance=gap)
                     return
 
 
@@ -300,14 +300,14 @@ def _coming_off(tree: Tree, arm: Arm, path: Floats, release: float) -> list[pin.
     return moves
 
 
-def pair_findings(cell: Cell, plan: Plan) -> Iterator[Finding]:
+def pair_violations(cell: Cell, plan: Plan) -> Iterator[Violation]:
     """Whether two arms may take parts of one kind by these two grasps, in this order."""
     for number, first in enumerate(plan.arms):
         for second in plan.arms[number + 1 :]:
             kinds = [plan.detections[one.detection].part for one in (first, second)]
             library = cell.part(kinds[0]).library
             if kinds[0] == kinds[1] and not library.allows(first.grasp, second.grasp):
-                yield Finding(f"grasps {first.grasp} and {second.grasp} are no pair of the part")
+                yield Violation(f"grasps {first.grasp} and {second.grasp} are no pair of the part")
 
 
 def _opening(leg: Leg, wanted: float) -> str:
@@ -351,9 +351,9 @@ def _takes(arm: Arm, grasp: Grasp, T_part_tcp: pin.SE3) -> bool:
     return False
 
 
-def straight_findings(
+def straight_violations(
     tree: Tree, arm: Arm, leg: str, path: Floats, way: Floats | None = None
-) -> Iterator[Finding]:
+) -> Iterator[Violation]:
     """Whether a hand goes straight, and, where `way` (3,) [m] in the world is given, that way.
 
     Joints between two waypoints (m, n) [rad] move in proportion, and the hand then on a curve: it
@@ -363,7 +363,7 @@ def straight_findings(
     start = tcp(tree, tree.rest, arm, rows[0])
     gone = tcp(tree, tree.rest, arm, rows[-1]).translation - start.translation
     if way is not None and np.linalg.norm(gone - way) > ASIDE:
-        yield Finding("does not go the way that the grasp says", arm.name, leg)
+        yield Violation("does not go the way that the grasp says", arm.name, leg)
     length = float(np.linalg.norm(gone))
     along = gone / length if length > 0 else gone
     farthest, is_waypoint = -np.inf, np.diff(at, prepend=-1).astype(bool)
@@ -379,7 +379,7 @@ def straight_findings(
         is_off = aside > np.where(is_waypoint[k : k + STRETCH], ASIDE, ARC)
         is_off |= (most - far > ASIDE) | (cosines < np.cos(TURNED))
         if is_off.any():
-            yield Finding("is not straight", arm.name, leg, int(at[k + is_off.argmax()]))
+            yield Violation("is not straight", arm.name, leg, int(at[k + is_off.argmax()]))
             return
         farthest = most[-1]
 

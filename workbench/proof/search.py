@@ -61,13 +61,13 @@ class Nearest:
 class Found:
     """What a search brings.
 
-    `violation` is a state at which two bodies are nearer than they may be; None when there is none.
+    `too_near` is a state at which two bodies are nearer than they may be; None when there is none.
     `bounds` (w,) [m]: nothing that is shown is nearer than this after each waypoint; `nearest` is
     the nearest of them that was measured.  Where a search `gave_up`, none of it counts.
     """
 
     bounds: Floats
-    violation: Nearest | None = None
+    too_near: Nearest | None = None
     nearest: Nearest | None = None
     gave_up: bool = False
 
@@ -158,7 +158,7 @@ class _Search:
         """Whether nothing more can change what comes of the search."""
         found = self.found
         is_worse = found.is_less_than(self._wanted.stated)
-        return found.gave_up or found.violation is not None or is_worse
+        return found.gave_up or found.too_near is not None or is_worse
 
     def look(self, blocks: tuple[Sets, ...]) -> None:
         """Look at every set of one block, with every one of another: first at what holds many."""
@@ -184,8 +184,7 @@ class _Search:
             # The direction in which a pair is apart in one set often is good for others.
             order = np.argsort(close.told, kind="stable")
             once = close.items[order[np.unique(close.items[order, 2], return_index=True)[1]]]
-            rows = self._pairs.rows[once[:, 2]].tolist()
-            once = once[[not self._space.is_known(row) for row in rows]]
+            once = once[~self._space.known(self._pairs.rows[once[:, 2]])]
             planes(once, self._ways(sets, q, once), self._asked, *compiled)
             items = self._sifted(batch, close.items, world, spreads).items
             if len(items) and not self.is_over():
@@ -203,7 +202,7 @@ class _Search:
             row, place = int(self._pairs.rows[pair]), int(batch.at[[one, other]].max())
             distance, shown = space.distance(row), bool(asked.shown[pair])
             self._noted(row, distance, float(asked.margins[pair]), place, shown)
-            ways[n] = space.way(row)
+            ways[n] = space.way()
         return ways
 
     def _exhaust(self, batch: Batch, items: Ints) -> None:
@@ -288,11 +287,12 @@ class _Search:
         is_hopeless &= close.lower >= margins.clip(0.0)
         order = np.lexsort((close.told, second, first))
         order = order[~is_hopeless[order]]
-        columns = first, second, at, self._pairs.rows[which], close.told, close.moves, margins
-        columns = order, *(column[order] for column in (*columns, self._asked.shown[which]))
+        rows, shown = self._pairs.rows[which], self._asked.shown[which]
+        columns = first, second, at, rows, close.told, close.moves, margins, shown
+        columns = order, *(column[order] for column in (*columns, space.known(rows)))
         ways: dict[int, Floats] = {}
         looked, goals = (-1, -1), wanted.goals
-        for n, one, other, place, row, told, moves, margin, counts in zip(
+        for n, one, other, place, row, told, moves, margin, counts, is_known in zip(
             *(column.tolist() for column in columns), strict=True
         ):
             if told >= margin and not (counts and told < goals[place]):
@@ -305,12 +305,12 @@ class _Search:
                 found.bounds[place] = distance
                 return {}
             self._noted(row, distance, margin, place, counts)
-            if found.violation is not None:
+            if found.too_near is not None:
                 return {}
             told = max(told, distance - moves)
             close.told[n] = told
-            if told < margin or (counts and told < goals[place]) or not space.is_known(row):
-                ways[n] = space.way(row)
+            if told < margin or (counts and told < goals[place]) or not is_known:
+                ways[n] = space.way()
         return ways
 
     def _noted(self, row: int, distance: float, margin: float, place: int, counts: bool) -> None:
@@ -319,7 +319,7 @@ class _Search:
         if is_near or (counts and distance < self._wanted.nearest[place]):
             state, found = Nearest(row, distance, margin, self._space.at, place), self.found
             if is_near:
-                found.violation = state
+                found.too_near = state
                 return
             self._wanted.measured(place, distance)
             if found.nearest is None or distance < found.nearest.distance:

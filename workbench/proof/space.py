@@ -2,15 +2,20 @@
 
 from collections.abc import Mapping
 
+import coal
 import numpy as np
 import pinocchio as pin
 
-from workbench.model.geometry import Floats
+from workbench.model.geometry import Bools, Floats, Ints
 from workbench.model.plan import Plan
 from workbench.proof.bodies import Body, coal_shape, hull
 from workbench.proof.frames import Bodies, Chain, levers, poses
 from workbench.proof.robot import Tree
 from workbench.proof.table import Table
+
+REQUEST = coal.DistanceRequest()
+REQUEST.gjk_initial_guess = coal.GJKInitialGuess.CachedGuess
+"""Coal begins with what it found of a pair before."""
 
 
 class Space:
@@ -38,8 +43,9 @@ class Space:
             self._geometry.addGeometryObject(
                 pin.GeometryObject(str(number), body.joint, body.T_joint_body, shape)
             )
-        self._geometry.setCollisionPairs(table.counts, True)
         self._measured = pin.GeometryData(self._geometry)
+        self._numbers: dict[int, int] = {}
+        self._last = -1
 
     def put(self, number: int, joint: int, T_joint_body: pin.SE3) -> None:
         """Hang a body on a joint."""
@@ -72,21 +78,36 @@ class Space:
 
     def distance(self, row: int) -> float:
         """Between the two of a pair [m]; negative: how deep they are in each other."""
-        return float(pin.computeDistance(self._geometry, self._measured, row).min_distance)
+        number = self._numbers.get(row)
+        if number is None:
+            number = self._numbers[row] = self._added(row)
+        self._last = number
+        return float(pin.computeDistance(self._geometry, self._measured, number).min_distance)
 
-    def nearest(self, row: int) -> Floats:
-        """Where the two of a pair are nearest (2, 3) [m], in the world, as measured last."""
-        result = self._measured.distanceResults[row]
+    def _added(self, row: int) -> int:
+        """Make room for measuring a pair, as Pinocchio does: for all of them it would take long."""
+        pair, measured = (int(self.table.first[row]), int(self.table.second[row])), self._measured
+        self._geometry.addCollisionPair(pin.CollisionPair(*pair))
+        shapes = (self._geometry.geometryObjects[number] for number in pair)
+        measured.distance_functors.append(pin.ComputeDistance(*shapes))
+        measured.distanceRequests.append(REQUEST)
+        measured.distanceResults.append(coal.DistanceResult())
+        measured.collisionResults.append(coal.CollisionResult())
+        return len(self._numbers)
+
+    def nearest(self) -> Floats:
+        """Where the two that were measured last are nearest (2, 3) [m], in the world."""
+        result = self._measured.distanceResults[self._last]
         return np.array([result.getNearestPoint1(), result.getNearestPoint2()])
 
-    def way(self, row: int) -> Floats:
+    def way(self) -> Floats:
         """From the nearest point of the one to that of the other (3,) [m], as measured last."""
-        result = self._measured.distanceResults[row]
+        result = self._measured.distanceResults[self._last]
         return result.getNearestPoint2() - result.getNearestPoint1()
 
-    def is_known(self, row: int) -> bool:
-        """Whether a direction is known in which the two of a pair were once apart."""
-        return bool(self.normals[self.table.first[row], self.table.second[row], 0].any())
+    def known(self, rows: Ints) -> Bools:
+        """Whether a direction is known in which the two of pairs (r,) were once apart."""
+        return self.normals[self.table.first[rows], self.table.second[rows], 0].any(axis=1)
 
     def pose(self, number: int) -> pin.SE3:
         """`T_world_body` of a body at the configuration that is looked at."""

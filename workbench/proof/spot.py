@@ -8,7 +8,7 @@ import pinocchio as pin
 
 from workbench.model.cell import Cell
 from workbench.model.geometry import Floats, Shape
-from workbench.model.plan import Finding, Plan
+from workbench.model.plan import Plan, Violation
 from workbench.proof.bodies import bodies_of
 from workbench.proof.robot import Tree, tree_of
 from workbench.proof.space import Space
@@ -24,7 +24,7 @@ SAME = 1e-5
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Spot:
-    """Two bodies of a finding, as near as they come there.
+    """Two bodies that a proof names, as near as they come there.
 
     `seconds` on the leg; `points` (2, 3) [m] are the nearest of the two, in the world, `distance`
     [m] apart; `bodies` are their shapes with `T_world_body`; `others` is how far [s] arms that move
@@ -38,35 +38,35 @@ class Spot:
     others: Mapping[str, float]
 
 
-def spot_of(cell: Cell, plan: Plan, finding: Finding) -> Spot | None:
-    """The place that a finding names; None where it names none that can be shown.
+def spot_of(cell: Cell, plan: Plan, place: Violation) -> Spot | None:
+    """Where two bodies are that a proof names; None where it names none that can be shown.
 
-    How open fingers are, and, of two arms at any speeds, where the other one is, no finding says:
+    How open fingers are, and, of two arms at any speeds, where the other one is, it does not say:
     of all that may be, it is what comes nearest to the distance found.
     """
-    if finding.pair is None or finding.q is None or finding.waypoint is None:
+    if place.pair is None or place.q is None or place.waypoint is None:
         return None
     tree = tree_of(cell)
     bodies = bodies_of(cell, tree, plan.scene)
     table = Table(cell, tree, bodies)
     space = Space(tree, bodies, table)
-    wanted = set(finding.pair)
+    wanted = set(place.pair)
     rows = [row for row in range(len(table.first)) if set(table.labels(row)) == wanted]
     for step in steps_of(cell, tree, plan):
         for one in step.moving:
-            if (one.arm.name, one.leg.name) == (finding.arm, finding.leg) and rows:
+            if (one.arm.name, one.leg.name) == (place.arm, place.leg) and rows:
                 space.put_parts(plan, carried(cell, tree, step))
-                return _found(tree, space, step, one, finding, rows)
+                return _found(tree, space, step, one, place, rows)
     return None
 
 
 def _found(
-    tree: Tree, space: Space, step: Step, one: Moving, finding: Finding, rows: list[int]
+    tree: Tree, space: Space, step: Step, one: Moving, place: Violation, rows: list[int]
 ) -> Spot:
-    seconds = _seconds(one, finding)
-    wanted = 0.0 if finding.distance is None else finding.distance
+    seconds = _seconds(one, place)
+    wanted = 0.0 if place.distance is None else place.distance
     best: tuple[float, float, int, Floats, Mapping[str, float]] | None = None
-    for q, others in _states(tree, step, one, np.asarray(finding.q), seconds):
+    for q, others in _states(tree, step, one, np.asarray(place.q), seconds):
         space.look(q)
         distance, row = min((space.distance(row), row) for row in rows)
         if best is None or abs(distance - wanted) < best[0]:
@@ -83,18 +83,18 @@ def _found(
         for number, body in enumerate(space.bodies)
         if body.label in pair
     )
-    return Spot(seconds, space.nearest(row), distance, shown, others)
+    return Spot(seconds, space.nearest(), distance, shown, others)
 
 
-def _seconds(one: Moving, finding: Finding) -> float:
-    """When [s] on a leg the arm is nearest to the configuration of a finding."""
-    q, t, after = np.asarray(one.leg.q), np.asarray(one.leg.t), finding.waypoint or 0
+def _seconds(one: Moving, place: Violation) -> float:
+    """When [s] on a leg the arm is nearest to the configuration of a place."""
+    q, t, after = np.asarray(one.leg.q), np.asarray(one.leg.t), place.waypoint or 0
     best, seconds = np.inf, float(t[-1])
     # A blend that is counted with a waypoint ends in the segment after the next one.
     for k in range(after, min(after + 2, len(q) - 1)):
         way = q[k + 1] - q[k]
-        share = float(np.clip((finding.q - q[k]) @ way / max(way @ way, 1e-12), 0.0, 1.0))
-        off = float(np.linalg.norm(q[k] + share * way - finding.q))
+        share = float(np.clip((place.q - q[k]) @ way / max(way @ way, 1e-12), 0.0, 1.0))
+        off = float(np.linalg.norm(q[k] + share * way - place.q))
         if off < best - 1e-9:
             best, seconds = off, float(t[k] + share * (t[k + 1] - t[k]))
     return seconds

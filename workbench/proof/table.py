@@ -10,7 +10,7 @@
 | tool and the part it takes, as it arrives | 0; a cup may press into it by `press` |
 | closing or opening fingers and the part they take or let go | is not compared |
 | lifted part and what it lies on, over the first `release` | not nearer than at the start |
-| the same, at every turn of a part whose roll is not known | see `rules.roll_findings` |
+| the same, at every turn of a part whose roll is not known | see `rules.roll_violations` |
 | hand and the part it has let go of, until it has left it once | not nearer than at the start |
 | everything else | `margin` |
 
@@ -70,15 +70,7 @@ class Pairs:
 
     def among(self, chosen: Bools) -> "Pairs":
         """Those of them that are chosen (p,)."""
-        return Pairs(
-            self.rows[chosen],
-            self.margins[chosen],
-            self.commons[chosen],
-            self.beds[chosen],
-            self.left[chosen],
-            self.arms[chosen],
-            self.shown[chosen],
-        )
+        return Pairs(*(getattr(self, name)[chosen] for name in Pairs.__slots__))
 
     def between(self, first: int, second: int) -> Bools:
         """Whether pairs (p,) are of these two arms, by their numbers in the cell."""
@@ -103,23 +95,18 @@ class Table:
         self._cell, self._tree, self._bodies = cell, tree, bodies
         names = {name: k for k, name in enumerate(dict.fromkeys(b.name for b in bodies))}
         name = np.array([names[b.name] for b in bodies])
-        self.counts = name[:, None] != name
-        for one, other in cell.robot.disabled_pairs:
-            kinds = ("link", "tool")
-            for (ka, a), (kb, b) in product(product(kinds, [one]), product(kinds, [other])):
-                i, j = names.get(f"{ka} {a}", -1), names.get(f"{kb} {b}", -1)
-                both = (name[:, None] == i) & (name == j)
-                self.counts &= ~(both | both.T)
-        self.counts = np.triu(self.counts, 1)
+        meet = ~np.eye(len(names), dtype=bool)
+        for pair in cell.robot.disabled_pairs:
+            one, other = ([k for k in map(names.get, _meant(n)) if k is not None] for n in pair)
+            for i, j in product(one, other):
+                meet[i, j] = meet[j, i] = False
+        self.counts = np.triu(meet[np.ix_(name, name)], 1)
         self.first, self.second = np.nonzero(self.counts)
         self._part = np.array([b.part for b in bodies])
         self._tool = np.array([b.kind == "tool" for b in bodies])
         self._finger = np.array([b.is_finger for b in bodies])
         self._arm_numbers = {arm.name: k for k, arm in enumerate(cell.arms)}
         self.rounds = np.array([is_round(body, tree) for body in bodies])
-        self._turns_alike = np.zeros((len(bodies), tree.model.nq), bool)
-        for number in np.flatnonzero(self.rounds):
-            self._turns_alike[number, tree.model.joints[bodies[number].joint].idx_q] = True
         self._carrier = np.array([self._arm_numbers.get(b.arm, -1) for b in bodies])
 
     def pairs(self, now: Situation, joints: Ints) -> Pairs:
@@ -132,17 +119,19 @@ class Table:
         placer = np.full(len(carrier), -1)
         for number, arm in now.placed.items():
             placer[self._part == number] = self._arm_numbers[arm]
-        above, alike = self._tree.ancestors[joints][:, now.moves], self._turns_alike[:, now.moves]
         a, b = self.first, self.second
-        against = (above & ~alike).astype(float) @ (~above.T).astype(float) > 0.0
-        counts = (against | against.T)[a, b]
+        above = self._tree.ancestors[:, now.moves].astype(float)
+        # What moves a body with its joint; after these, what moves one that is round about that.
+        moved = np.vstack([above, self._tree.ancestors[self._tree.before][:, now.moves]])
+        against = moved @ (1.0 - above).T > 0.0
+        of = joints + len(above) * self.rounds
+        counts = against[of[a], joints[b]] | against[of[b], joints[a]]
         if now.lets_go >= 0:
             part = self._part == now.lets_go
             counts &= ~((part[a] & self._finger[b]) | (part[b] & self._finger[a]))
         rows = np.flatnonzero(counts)
         a, b = a[rows], b[rows]
-        shared = self._tree.chains[joints[a]] & self._tree.chains[joints[b]]
-        commons = np.where(shared, np.arange(shared.shape[1]), 0).max(axis=1, initial=0)
+        commons = self._tree.commons[joints[a], joints[b]]
 
         is_held, still = holder >= 0, carrier < 0
         own = (carrier[a] == carrier[b]) & (carrier[a] >= 0)
@@ -183,7 +172,7 @@ class Table:
     def is_rolled(self, row: int) -> bool:
         """Whether one of a pair is the room of all turns: how deep it is says nothing of the part.
 
-        `rules.roll_findings` asks that.
+        `rules.roll_violations` asks that.
         """
         return any(self._bodies[int(k[row])].is_rolled for k in (self.first, self.second))
 
@@ -191,6 +180,11 @@ class Table:
         """What people call the two bodies of a pair."""
         first, second = int(self.first[row]), int(self.second[row])
         return self._bodies[first].label, self._bodies[second].label
+
+
+def _meant(name: str) -> tuple[str, str]:
+    """What may be called so in a list of pairs that need no check."""
+    return f"link {name}", f"tool {name}"
 
 
 def _press(arm: Arm) -> float:

@@ -8,11 +8,11 @@ import numpy as np
 
 from workbench.model.cell import Cell
 from workbench.model.geometry import Floats
-from workbench.model.plan import Finding, Guarantee, Plan, Proof, are_in_step
+from workbench.model.plan import Guarantee, Plan, Proof, Violation, are_in_step
 from workbench.proof.bodies import bodies_of
 from workbench.proof.motion import Sets, moved
 from workbench.proof.robot import Tree
-from workbench.proof.rules import straight_findings
+from workbench.proof.rules import straight_violations
 from workbench.proof.search import SIGHT, TIGHT, Found, Nearest, search
 from workbench.proof.space import Space
 from workbench.proof.stages import (
@@ -44,11 +44,11 @@ FAR_SIGHT = 0.4
 class Walked:
     """What was found: against the plan, and how near things come (w,) [m] on each leg."""
 
-    findings: tuple[Finding, ...]
+    violations: tuple[Violation, ...]
     clearances: tuple[tuple[str, str, Floats], ...]
     apart: tuple[tuple[str, str, Floats], ...]
     clearance: float
-    nearest: Finding | None
+    nearest: Violation | None
     looks: int
 
 
@@ -81,7 +81,7 @@ class Walk:
         self._table = Table(cell, tree, bodies)
         self._space = Space(tree, bodies, self._table)
         self._numbers = {arm.name: k for k, arm in enumerate(cell.arms)}
-        self._findings: list[Finding] = []
+        self._violations: list[Violation] = []
         self._asked: list[_Question] = []
 
     def result(self) -> Walked:
@@ -105,7 +105,7 @@ class Walk:
             clearances[key] = np.minimum(clearances.get(key, SIGHT), bounds)
         told = tuple((arm, leg, bounds) for (arm, leg), bounds in clearances.items())
         looks = self._space.looks
-        return Walked(tuple(self._findings), told, tuple(apart), clearance, nearest, looks)
+        return Walked(tuple(self._violations), told, tuple(apart), clearance, nearest, looks)
 
     def _put(self, step: Step) -> None:
         """Every part where it is during a step: lying, in a hand, or where it was put."""
@@ -121,7 +121,7 @@ class Walk:
             left_at = self._left_at(step, one)
             if left_at:
                 out = np.asarray(one.leg.q[: left_at + 1])
-                self._findings += straight_findings(self._tree, one.arm, "home", out)
+                self._violations += straight_violations(self._tree, one.arm, "home", out)
         now, all_pairs = None, None
         for stage in stages_of(self._cell, self._tree, step, one, left_at):
             if all_pairs is None or stage.now is not now:
@@ -153,9 +153,8 @@ class Walk:
             ):
                 state = Nearest(int(pairs.rows[k]), distance, -sink, self._space.at, 0)
                 problem = "a part lies too deep in what it lies on: its pose is wrong"
-                self._findings.append(self._finding(one, state, problem))
-        kept = pairs.keeping(margins)
-        return kept
+                self._violations.append(self._violation(one, state, problem))
+        return pairs.keeping(margins)
 
     def _left_at(self, step: Step, one: Moving) -> int:
         """The first waypoint of the way home at which the hand has left the part."""
@@ -168,7 +167,7 @@ class Walk:
                 return number
         if np.diff(one.path, axis=0).any():
             problem = "the hand never leaves the part that it has let go of"
-            self._findings.append(Finding(problem, one.arm.name, one.leg.name))
+            self._violations.append(Violation(problem, one.arm.name, one.leg.name))
         return len(one.path)
 
     # -- arms that move at once -------------------------------------------------------------
@@ -192,7 +191,7 @@ class Walk:
         if sum(prod(len(each.sizes) for each in blocks) for blocks in sets) > MOST_TOGETHER:
             problem = f"has too many waypoints beside leg {second.leg.name} of arm "
             problem += f"{second.arm.name} to be proven"
-            self._findings.append(Finding(problem, first.arm.name, first.leg.name))
+            self._violations.append(Violation(problem, first.arm.name, first.leg.name))
             return
         self._ask(step, first, tuple(sets), pairs, second)
 
@@ -240,16 +239,16 @@ class Walk:
         found = search(self._space, step.base, sets, pairs, resolution, count, stated=stated)
         if found.is_less_than(stated):
             problem = "comes nearer to something than was stated"
-            self._findings.append(Finding(problem, one.arm.name, one.leg.name))
+            self._violations.append(Violation(problem, one.arm.name, one.leg.name))
         self._asked.append(_Question(step, one, sets, pairs, found, is_free))
         if found.gave_up:
             problem = "is near something for too long to be proven"
-            self._findings.append(Finding(problem, one.arm.name, one.leg.name))
-        if found.violation is not None:
-            problem = f"closer than {found.violation.margin * 1e3:.1f} mm"
+            self._violations.append(Violation(problem, one.arm.name, one.leg.name))
+        if found.too_near is not None:
+            problem = f"closer than {found.too_near.margin * 1e3:.1f} mm"
             if other is not None:
                 problem += f", while arm {other.arm.name} is on its leg {other.leg.name}"
-            self._findings.append(self._finding(one, found.violation, problem))
+            self._violations.append(self._violation(one, found.too_near, problem))
 
     def _claim(self, one: Moving) -> Floats:
         """What was stated of a leg: bounds (w,) [m] after each waypoint; too much of one left out.
@@ -263,7 +262,7 @@ class Walk:
             bounds = np.full(len(one.path), np.inf)
         return bounds
 
-    def _closest(self) -> tuple[float, Finding | None]:
+    def _closest(self) -> tuple[float, Violation | None]:
         """The smallest clearance of free legs, from below, and where that was measured.
 
         Bounds that are looked at more closely for it are better afterwards.
@@ -276,7 +275,7 @@ class Walk:
         within = state.distance
         for asked in free:
             close = asked.found.bounds < within - TIGHT
-            if not close.any() or asked.found.violation is not None or asked.found.gave_up:
+            if not close.any() or asked.found.too_near is not None or asked.found.gave_up:
                 continue
             self._put(asked.step)
             sets = tuple((blocks[0].after(close), *blocks[1:]) for blocks in asked.sets)
@@ -290,17 +289,17 @@ class Walk:
             if again.nearest is not None and again.nearest.distance < within:
                 within, state, where = again.nearest.distance, again.nearest, asked
         bound = min(float(one.found.bounds.min()) for one in free)
-        return bound, self._finding(where.one, state, "smallest clearance")
+        return bound, self._violation(where.one, state, "smallest clearance")
 
     def _with(self, step: Step, one: Moving, values: Floats) -> Floats:
         q = step.base.copy()
         q[self._tree.columns[one.arm.name]] = values
         return q
 
-    def _finding(self, one: Moving, state: Nearest, problem: str) -> Finding:
+    def _violation(self, one: Moving, state: Nearest, problem: str) -> Violation:
         columns = self._tree.columns[one.arm.name][: len(one.arm.joints)]
         labels, q = self._table.labels(state.row), state.q[columns]
-        return Finding(problem, one.arm.name, one.leg.name, state.at, labels, state.distance, q)
+        return Violation(problem, one.arm.name, one.leg.name, state.at, labels, state.distance, q)
 
 
 def _passed(one: Moving, times: Floats) -> Floats:

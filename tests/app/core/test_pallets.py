@@ -74,7 +74,7 @@ def test_every_part_goes_to_a_place_of_its_own_until_the_pallet_is_full(cell):
         obstacles = boxes_around(cell, state.placed)
         result = plan_pick(cell, in_the_bin(cell), f"scan {number}", obstacles=obstacles)
         assert result.plan is not None, str(result.verdict)
-        assert result.proof.holds, result.proof.findings
+        assert result.proof.holds, result.proof.violations
         (one,) = result.plan.arms
         for leg, earlier in product(LEG_NAMES, state.placed):
             part = cell.part(earlier.part)

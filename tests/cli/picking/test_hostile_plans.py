@@ -55,7 +55,7 @@ def good(made: Plan) -> str:
 
 
 def sentence_of(said) -> str:
-    """What was said of a plan that is refused: one line, or the findings of its proof."""
+    """What was said of a plan that is refused: one line, or the violations of its proof."""
     assert "Traceback" not in said.out + said.err
     if said.code == BAD_INPUT:
         text = said.problem

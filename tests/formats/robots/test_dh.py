@@ -147,7 +147,7 @@ def test_a_cell_by_a_table_plans_a_pick(path):
     T = cell.bin.T_world_bin * pose_from_rpy((0, 0, height + 0.0005))
     result = plan_pick(cell, (Detection("puck", T),), "s")
     assert result.plan is not None, [str(c.verdict) for c in result.candidates]
-    assert result.proof.holds, result.proof.findings
+    assert result.proof.holds, result.proof.violations
 
 
 @pytest.mark.parametrize(

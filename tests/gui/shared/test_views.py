@@ -149,7 +149,7 @@ def test_results_of_the_steps_carry_units(states):
 
 def test_a_plan_whose_proof_does_not_hold_says_what_was_found(states):
     nearest = states.planned.proof.nearest
-    proof = replace(states.planned.proof, findings=(replace(nearest, problem="too close"),))
+    proof = replace(states.planned.proof, violations=(replace(nearest, problem="too close"),))
     line = views.plan_line(replace(states.planned, proof=proof))
     assert "wb-bad" in line
     assert "too close" in line
@@ -267,7 +267,7 @@ def hostile(states, view_of) -> View:
         state,
         scan=replace(state.scan, source=EVIL),
         plan=plan,
-        proof=replace(state.proof, nearest=nearest, findings=(nearest,)),
+        proof=replace(state.proof, nearest=nearest, violations=(nearest,)),
         candidates=(made_candidate(name=EVIL, arm=EVIL, verdict=verdict),),
         verdict=verdict,
         seconds=((EVIL, 0.1),),

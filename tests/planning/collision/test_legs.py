@@ -127,7 +127,7 @@ def test_a_plan_with_a_turned_hand_is_proven(cell, detections):
     )
     result = plan_pick(along, detections, "scan", seed=0)
     assert result.proof is not None
-    assert result.proof.holds, result.proof.findings
+    assert result.proof.holds, result.proof.violations
     narrower = with_grasps(along, lambda g: replace(g, free_rotation=0.1))
     bent = prove(narrower, replace(result.plan, cell_digest=narrower.digest))
-    assert any("not in the hand" in finding.problem for finding in bent.findings)
+    assert any("not in the hand" in violation.problem for violation in bent.violations)

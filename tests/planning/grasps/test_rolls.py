@@ -35,7 +35,7 @@ def judged(over_key, rolled):
 def test_grasps_beside_the_key_take_a_part_whatever_its_roll(cell, rolled):
     result = plan_pick(cell, rolled, "scan", seed=0)
     assert result.plan is not None and result.proof is not None
-    assert result.proof.holds, [str(finding) for finding in result.proof.findings]
+    assert result.proof.holds, [str(violation) for violation in result.proof.violations]
     assert not any(one.roll_known for one in result.plan.detections)
 
 

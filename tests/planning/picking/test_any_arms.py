@@ -125,7 +125,7 @@ def test_the_proof_finds_an_arm_that_stands_in_the_way(around, blocked, strategy
     # As if the planner had not seen where the third arm stands.
     proof = prove(blocked, replace(plan, cell_digest=blocked.digest))
     assert not proof.holds
-    met = [one for one in proof.findings if is_of_north(one.pair)]
+    met = [one for one in proof.violations if is_of_north(one.pair)]
     assert met
-    assert all(one.arm != "north" for one in proof.findings)
+    assert all(one.arm != "north" for one in proof.violations)
     assert not any("while arm" in one.problem for one in met)

@@ -12,7 +12,7 @@ from workbench.app.picking.pipeline import plan_pick
 from workbench.app.picking.proving import prove
 from workbench.model.errors import CommandRefused
 from workbench.model.geometry import pose_from_rpy
-from workbench.model.plan import LEG_NAMES, Finding, Guarantee, Step, Strategy
+from workbench.model.plan import LEG_NAMES, Guarantee, Step, Strategy, Violation
 from workbench.model.scan import Detection
 from workbench.perception.simulation.piles import drop_parts
 from workbench.planning.collision.contact import Contact
@@ -45,7 +45,7 @@ def coordinated(cell, apart):
 
 
 def text(proof) -> str:
-    return "; ".join(str(finding) for finding in proof.findings)
+    return "; ".join(str(violation) for violation in proof.violations)
 
 
 def test_parts_far_apart_are_taken_side_by_side(coordinated):
@@ -141,11 +141,11 @@ def test_arms_planned_for_turns_meet_when_they_go_at_once(cell, guarantee):
     pairs = tuple(Step(((first.arm, name), (second.arm, name))) for name in LEG_NAMES)
     at_once = replace(plan, strategy=Strategy.COORDINATED, guarantee=guarantee, sequence=pairs)
     proof = prove(cell, at_once)
-    met = [finding for finding in proof.findings if "while arm" in finding.problem]
+    met = [violation for violation in proof.violations if "while arm" in violation.problem]
     assert met
-    for finding in met:
-        assert {label.split("_")[0].split()[0] for label in finding.pair} == {"right", "left"}
-        assert finding.distance < cell.policy.margin
+    for violation in met:
+        assert {label.split("_")[0].split()[0] for label in violation.pair} == {"right", "left"}
+        assert violation.distance < cell.policy.margin
     claimed = replace(plan, guarantee=Guarantee.ONE_AT_A_TIME, sequence=pairs)
     assert "one arm after the other" in text(prove(cell, claimed))
 
@@ -228,7 +228,7 @@ def refusing(monkeypatch, refuses) -> list[str]:
         asked.append(str(plan.strategy))
         proof = pipeline.prove_as_it_is(cell, scene, plan)
         if refuses(plan):
-            proof = replace(proof, findings=(Finding("refused by the test"),))
+            proof = replace(proof, violations=(Violation("refused by the test"),))
         return proof
 
     monkeypatch.setattr(pipeline, "prove_as_it_is", pipeline.prove, raising=False)

@@ -26,7 +26,7 @@ def uneven(cell):
 def test_a_plan_up_to_a_limit_between_two_steps_is_proven(uneven, seed, arm):
     pile = drop_parts(uneven.parts[:1] * 4, uneven.bin, seed=seed)
     result = plan_pick(uneven, pile, "s", strategy=arm, seed=seed)
-    assert result.plan is not None and result.proof.holds, result.proof.findings
+    assert result.plan is not None and result.proof.holds, result.proof.violations
 
 
 def test_an_arm_whose_home_is_a_limit_starts_there(uneven, detections):
@@ -36,4 +36,4 @@ def test_an_arm_whose_home_is_a_limit_starts_there(uneven, detections):
     assert uneven.controller.motion.rounded(home)[6] > chain.upper[6]
     arms = tuple(replace(arm, home=home) if arm.name == "right" else arm for arm in uneven.arms)
     result = plan_pick(replace(uneven, arms=arms), detections, "s", strategy="right")
-    assert result.plan is not None and result.proof.holds, result.proof.findings
+    assert result.plan is not None and result.proof.holds, result.proof.violations

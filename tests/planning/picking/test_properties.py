@@ -65,9 +65,9 @@ def test_every_plan_holds_when_it_is_looked_at_four_times_as_closely(
     if result.plan is None:
         assert not result.verdict.is_ok
         return
-    assert result.proof.holds, result.proof.findings
+    assert result.proof.holds, result.proof.violations
     finer = prove(CELL, result.plan, resolution=RESOLUTION / 4)
-    assert finer.holds, finer.findings
+    assert finer.holds, finer.violations
     for arm in result.plan.arms:
         lower, upper, velocity = CELL.robot.limits(arm.joints)
         for leg in arm.legs:

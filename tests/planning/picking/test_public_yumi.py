@@ -36,7 +36,7 @@ def test_both_parts_are_taken_and_the_plan_is_proven(cell: Cell, result: PlanRes
     assert result.plan is not None, result.verdict
     assert {arm.arm for arm in result.plan.arms} == {"right", "left"}
     proof = prove(cell, result.plan)
-    assert proof.holds, proof.findings
+    assert proof.holds, proof.violations
     assert proof.digest == result.proof.digest
 
 

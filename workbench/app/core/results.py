@@ -88,8 +88,8 @@ def with_plan(state: State, result: PlanResult, job: Job) -> State:
         phase, message = Phase.LOCALIZED, f"no plan: {result.verdict}"
     elif result.proof is None or not result.proof.holds:
         phase = Phase.PLANNED
-        finding = result.proof.findings[0] if result.proof is not None else "there is none"
-        message = f"a plan was found, but its proof does not hold: {finding}"
+        why = result.proof.violations[0] if result.proof is not None else "there is none"
+        message = f"a plan was found, but its proof does not hold: {why}"
     else:
         phase = Phase.PLANNED
         message = (
@@ -152,7 +152,7 @@ def _outline(result: PlanResult, job: Job) -> Outline:
         proof.clearance,
         min(distances, default=None),
         plan.digest,
-        "" if proof.holds else str(proof.findings[0]),
+        "" if proof.holds else str(proof.violations[0]),
         str(plan.strategy) if job.strategy == "both" else job.strategy,
         job.threshold or 0.0,
         job.seed,

@@ -277,7 +277,7 @@ def check_approvable(
     if proof.cell_digest != cell.digest or proof.scan_digest != plan.scan_digest:
         raise CommandRefused("the proof was made for another cell or scan; make a new plan")
     if not proof.holds:
-        raise CommandRefused(f"the proof does not hold: {proof.findings[0]}")
+        raise CommandRefused(f"the proof does not hold: {proof.violations[0]}")
     _refuse(unwalked(cell, proof) or misfit(plan, cell, manner))
 
 

@@ -153,7 +153,7 @@ def _plan(plan: Plan, proof: Proof) -> Iterator[tuple[str, str]]:
     yield "plan", f"{plan.digest}: {of}, strategy {plan.strategy}, {plan.guarantee}"
     yield "cell", plan.cell_digest
     yield "scan", plan.scan_digest
-    verdict = "holds" if proof.holds else f"does not hold: {proof.findings[0]}"
+    verdict = "holds" if proof.holds else f"does not hold: {proof.violations[0]}"
     yield (
         "proof",
         f"{proof.digest}: {verdict}; {proof.checks} states, smallest clearance on free legs "

@@ -133,7 +133,7 @@ def _proven(cell: Cell, scene: Scene, plans: Sequence[Plan]) -> tuple[Plan, Proo
     """
     first = prove(cell, scene, plans[0])
     for plan in plans[1:] if not first.holds else ():
-        why = f"the proof refuses a quicker one: {first.findings[0]}"
+        why = f"the proof refuses a quicker one: {first.violations[0]}"
         noted = replace(plan, note="; ".join(filter(None, (plan.note, why))))
         proof = prove(cell, scene, noted)
         if proof.holds:

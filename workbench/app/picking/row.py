@@ -78,7 +78,7 @@ def plan_row(
             words = f"no plan after that: {result.verdict}"
             ends = renumbered(words, first.plan, scene.detections)
         elif not result.proof.holds:
-            words = f"the proof of the next plan does not hold: {result.proof.findings[0]}"
+            words = f"the proof of the next plan does not hold: {result.proof.violations[0]}"
             ends = renumbered(words, first.plan, scene.detections)
         else:
             plan = result.plan

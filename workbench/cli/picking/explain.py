@@ -8,8 +8,8 @@ from workbench.app.picking.pipeline import judge
 from workbench.app.runtime.readiness import make_ready
 from workbench.cli.arguments import top as arguments
 from workbench.cli.exits import NO_PLAN, SUCCESS
-from workbench.cli.picking.findings import candidate_form, print_candidates
 from workbench.cli.picking.planning import detections_from, obstacles_in
+from workbench.cli.picking.results import candidate_form, print_candidates
 from workbench.cli.terminal import check_whole, print_json, print_table, progress
 from workbench.formats.cells.reading import read_cell
 from workbench.model.candidate import Candidate, Stage

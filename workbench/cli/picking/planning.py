@@ -10,7 +10,7 @@ from workbench.app.picking.row import MOST_PICKS, check_picks, parts_taken, plan
 from workbench.app.runtime.readiness import make_ready
 from workbench.cli.arguments import top as arguments
 from workbench.cli.exits import NO_PLAN, SUCCESS
-from workbench.cli.picking.findings import (
+from workbench.cli.picking.results import (
     candidate_form,
     plan_form,
     plan_words,

@@ -7,15 +7,15 @@ from workbench.app.picking import proving
 from workbench.app.runtime.readiness import make_ready
 from workbench.cli.arguments import top as arguments
 from workbench.cli.exits import NO_PLAN, SUCCESS
-from workbench.cli.picking.findings import proof_form, proof_words
 from workbench.cli.picking.planning import cell_of, detections_from
+from workbench.cli.picking.results import proof_form, proof_words
 from workbench.cli.terminal import print_json, progress
 from workbench.formats.clouds.scans import read_scan
 from workbench.formats.plans.certificates import read_certificate, versions, write_certificate
 from workbench.formats.plans.plan_files import read_plan, write_plan
 from workbench.model.cell import Cell
 from workbench.model.errors import InputError
-from workbench.model.plan import Finding, Plan, Proof
+from workbench.model.plan import Plan, Proof, Violation
 from workbench.plugins.robot_link import misfit
 
 
@@ -53,11 +53,11 @@ def _proven(
             plan = proving.adopted(cell, plan, scan)
         proof = proving.prove(cell, plan, detections=poses, scan=scan)
     if stated and stated != plan.digest:
-        edited = Finding(
+        edited = Violation(
             f"the file was changed after the plan was made: it states digest {stated[:12]}, "
             f"its content has {plan.digest[:12]}"
         )
-        proof = replace(proof, findings=(edited, *proof.findings))
+        proof = replace(proof, violations=(edited, *proof.violations))
     proof = _for_controller(cell, plan, proof)
     if proof.holds and certificate is not None:
         scene = proving.scene_of(cell, plan, detections=poses, scan=scan)
@@ -102,4 +102,4 @@ def _checked(path: Path, typed: arguments.Prove) -> int:
 def _for_controller(cell: Cell, plan: Plan, proof: Proof) -> Proof:
     """The proof with what the cell's controller cannot do: what holds may be run there."""
     problem = misfit(plan, cell) if proof.holds else ""
-    return replace(proof, findings=(Finding(problem),)) if problem else proof
+    return replace(proof, violations=(Violation(problem),)) if problem else proof

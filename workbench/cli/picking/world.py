@@ -17,7 +17,7 @@ from workbench.model.plan import Plan
 from workbench.planning.collision.bodies import part_label
 from workbench.planning.collision.legs import stretches
 from workbench.planning.kinematics.chain import chain_of
-from workbench.proof.form import form_findings
+from workbench.proof.form import form_violations
 
 
 def export_world(typed: arguments.ExportWorld) -> int:
@@ -26,7 +26,7 @@ def export_world(typed: arguments.ExportWorld) -> int:
     snapshots = [("cell", Snapshot())]
     if typed.plan is not None:
         plan, _ = read_plan(typed.plan)
-        problem = next(form_findings(cell, plan.scene, plan), None)
+        problem = next(form_violations(cell, plan.scene, plan), None)
         if problem is not None:
             raise InputError(f"{typed.plan}: {problem}")
         snapshots += _snapshots(cell, plan)

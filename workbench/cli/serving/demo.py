@@ -23,7 +23,7 @@ from workbench.app.runtime.bench import Bench
 from workbench.cli.arguments import top as arguments
 from workbench.cli.arguments.access import USERS
 from workbench.cli.exits import NO_PLAN, SUCCESS
-from workbench.cli.picking.findings import candidate_form, plan_form, print_candidates, proof_form
+from workbench.cli.picking.results import candidate_form, plan_form, print_candidates, proof_form
 from workbench.cli.serving.people import roles
 from workbench.cli.serving.simulation import simulated_controller
 from workbench.cli.terminal import (

@@ -121,7 +121,7 @@ SCHEMAS: Mapping[str, Json] = {
                 )
             ),
             sequence=_list(_list(_object(arm=_TEXT, leg=_TEXT))),
-            proof=_object(holds=_YES, checks=_WHOLE, clearance=_NUMBER, findings=_list(_TEXT)),
+            proof=_object(holds=_YES, checks=_WHOLE, clearance=_NUMBER, violations=_list(_TEXT)),
             optional=("proof",),
         ),
         _object(
@@ -235,7 +235,7 @@ def plan_message(at: float, plan: Plan, proof: Proof | None) -> Json:
             "holds": proof.holds,
             "checks": int(proof.checks),
             "clearance": float(proof.clearance),
-            "findings": [str(finding) for finding in proof.findings],
+            "violations": [str(violation) for violation in proof.violations],
         }
     return told
 

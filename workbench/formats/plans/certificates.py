@@ -151,7 +151,7 @@ def _proof(table: Table, plan: Plan) -> Proof:
         resolution=table.number("resolution", low=1e-6, high=0.01),
         clearance=table.number("clearance", low=-1.0, high=1.0),
         nearest=None,
-        findings=(),
+        violations=(),
         clearances=tuple(_leg(one) for one in table.tables("clearances", MISSING)),
     )
     table.finish()

@@ -27,15 +27,15 @@ TOUCH = 0.0001
 
 def nearest_words(state: State, plan: Plan, proof: Proof) -> str:
     """The smallest clearance on free legs with its place: how near, when, which leg, what."""
-    finding = proof.nearest
-    if finding is None or finding.pair is None:
+    place = proof.nearest
+    if place is None or place.pair is None:
         return f"{at_least(proof.clearance)} from everything"
-    words = f"{at_least(proof.clearance)}, {finding.arm} arm on {finding.leg}"
+    words = f"{at_least(proof.clearance)}, {place.arm} arm on {place.leg}"
     spot = nearest_place(state.cell, plan, proof)
     if spot is not None:
-        run = _run(timeline(plan), finding.arm, finding.leg)
+        run = _run(timeline(plan), place.arm, place.leg)
         words += f" at {run.start + spot.seconds:.2f} s{_others(plan, run, spot)}"
-    return f"{words}: {finding.pair[0]} and {finding.pair[1]}"
+    return f"{words}: {place.pair[0]} and {place.pair[1]}"
 
 
 def straight_words(state: State, proof: Proof) -> str:
@@ -60,7 +60,7 @@ def go_html(text: str, button: str, tip: str) -> str:
 def proof_html(state: State, plan: Plan, proof: Proof, links: "PlanLinks") -> str:
     """What was proven of a plan, in three lines; its place and its certificate can be clicked."""
     if not proof.holds:
-        return line(f"The proof does not hold: {proof.findings[0]}", kind="bad")
+        return line(f"The proof does not hold: {proof.violations[0]}", kind="bad")
     near, ways = nearest_words(state, plan, proof), straight_words(state, proof)
     name = f"certificate-{short(plan.digest)}.json"
     rows = [("Free ways", near), ("Straight ways", ways), ("Certificate", name)]

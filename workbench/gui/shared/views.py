@@ -259,7 +259,7 @@ def plan_line(state: State) -> str:
         return hint(state, MakePlan, purpose, 3)
     plan, proof = state.plan, state.proof
     if proof is None or not proof.holds:
-        why = str(proof.findings[0]) if proof is not None else "there is none"
+        why = str(proof.violations[0]) if proof is not None else "there is none"
         return line(f"The proof does not hold: {why}", kind="bad", tip=purpose)
     takes = _takes(state)
     text = f"{takes}, {clearance_words(proof)}"

@@ -12,8 +12,12 @@ from workbench.app.records.statistics import GROUPS, Statistics
 from workbench.app.runtime.live import Live
 from workbench.model.candidate import Candidate, Verdict
 from workbench.model.digest import canonical
-from workbench.model.plan import Finding, Proof
+<<<<<<< HEAD
+from workbench.model.plan import Violation, Proof
 from workbench.model.prediction import Emptying
+=======
+from workbench.model.plan import Proof, Violation
+>>>>>>> 1b927a4e69302eece54b3e85523c69c3ff6c50ec
 from workbench.model.scan import Scan
 
 Form = dict[str, Any]
@@ -136,8 +140,8 @@ def proof_form(proof: Proof) -> Form:
         "checks": proof.checks,
         "resolution": finite(proof.resolution),
         "clearance": finite(proof.clearance),
-        "nearest": None if proof.nearest is None else _finding_form(proof.nearest),
-        "findings": [_finding_form(finding) for finding in proof.findings],
+        "nearest": None if proof.nearest is None else _place_form(proof.nearest),
+        "violations": [_place_form(one) for one in proof.violations],
     }
 
 
@@ -182,12 +186,12 @@ def _rates(statistics: Statistics, name: str) -> Mapping[str, Form]:
     }
 
 
-def _finding_form(finding: Finding) -> Form:
+def _place_form(place: Violation) -> Form:
     return {
-        "problem": finding.problem,
-        "arm": finding.arm,
-        "leg": finding.leg,
-        "waypoint": finding.waypoint,
-        "pair": None if finding.pair is None else list(finding.pair),
-        "distance": None if finding.distance is None else finite(finding.distance),
+        "problem": place.problem,
+        "arm": place.arm,
+        "leg": place.leg,
+        "waypoint": place.waypoint,
+        "pair": None if place.pair is None else list(place.pair),
+        "distance": None if place.distance is None else finite(place.distance),
     }

@@ -210,7 +210,7 @@ PLAN: Schema = {
     "properties": {"format": {"const": PLAN_FORMAT}, "digest": DIGEST},
     "required": ["format", "digest", "arms", "sequence", "proof"],
 }
-FINDING = record(
+PLACE_OF_PROOF = record(
     problem=TEXT,
     arm=TEXT,
     leg=TEXT,
@@ -225,8 +225,8 @@ PROOF = record(
     checks=WHOLE,
     resolution=or_none(NUMBER),
     clearance=or_none(NUMBER),
-    nearest=or_none(FINDING),
-    findings=many(FINDING),
+    nearest=or_none(PLACE_OF_PROOF),
+    violations=many(PLACE_OF_PROOF),
 )
 STATISTICS = record(
     cycles=WHOLE,

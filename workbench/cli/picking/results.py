@@ -6,7 +6,7 @@ from typing import Any
 
 from workbench.cli.terminal import milliseconds, print_table
 from workbench.model.candidate import Candidate, Verdict
-from workbench.model.plan import Finding, Plan, Proof, cycle_words
+from workbench.model.plan import Plan, Proof, Violation, cycle_words
 
 
 def verdict_form(verdict: Verdict) -> dict[str, Any]:
@@ -52,8 +52,8 @@ def proof_form(proof: Proof) -> dict[str, Any]:
         "checks": proof.checks,
         "resolution_mm": _mm(proof.resolution),
         "clearance_mm": _mm(proof.clearance),
-        "nearest": None if proof.nearest is None else _finding_form(proof.nearest),
-        "findings": [_finding_form(finding) for finding in proof.findings],
+        "nearest": None if proof.nearest is None else _place_form(proof.nearest),
+        "violations": [_place_form(one) for one in proof.violations],
     }
 
 
@@ -66,7 +66,7 @@ def plan_words(plan: Plan, bound: float) -> str:
 
 
 def proof_words(proof: Proof) -> str:
-    """A proof in a sentence, or a line for each finding."""
+    """A proof in a sentence, or a line for each place."""
     nearest = proof.nearest
     if proof.holds and nearest is not None and nearest.pair is not None:
         return (
@@ -76,7 +76,7 @@ def proof_words(proof: Proof) -> str:
         )
     if proof.holds:
         return f"the proof holds, {proof.checks} states checked"
-    return "\n  ".join(["the proof does not hold:", *map(str, proof.findings)])
+    return "\n  ".join(["the proof does not hold:", *map(str, proof.violations)])
 
 
 def print_candidates(title: str, candidates: Sequence[Candidate]) -> None:
@@ -105,14 +105,14 @@ def stages_words(seconds: dict[str, float]) -> str:
     return ", ".join(f"{stage} {milliseconds(s)} ms" for stage, s in seconds.items())
 
 
-def _finding_form(finding: Finding) -> dict[str, Any]:
+def _place_form(place: Violation) -> dict[str, Any]:
     return {
-        "problem": finding.problem,
-        "arm": finding.arm,
-        "leg": finding.leg,
-        "waypoint": finding.waypoint,
-        "pair": None if finding.pair is None else list(finding.pair),
-        "distance_mm": _mm(finding.distance),
+        "problem": place.problem,
+        "arm": place.arm,
+        "leg": place.leg,
+        "waypoint": place.waypoint,
+        "pair": None if place.pair is None else list(place.pair),
+        "distance_mm": _mm(place.distance),
     }
 
 
