@@ -12,12 +12,8 @@ from workbench.app.records.statistics import GROUPS, Statistics
 from workbench.app.runtime.live import Live
 from workbench.model.candidate import Candidate, Verdict
 from workbench.model.digest import canonical
-<<<<<<< HEAD
-from workbench.model.plan import Violation, Proof
-from workbench.model.prediction import Emptying
-=======
 from workbench.model.plan import Proof, Violation
->>>>>>> 1b927a4e69302eece54b3e85523c69c3ff6c50ec
+from workbench.model.prediction import Emptying
 from workbench.model.scan import Scan
 
 Form = dict[str, Any]
