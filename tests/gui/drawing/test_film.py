@@ -20,7 +20,7 @@ from workbench.app.core.commands import (
 from workbench.app.core.people import Person, Role
 from workbench.app.core.state import Phase
 from workbench.app.runtime.live import Live
-from workbench.gui.drawing.film_scene import REAL
+from workbench.gui.drawing.film_scene import REAL, FilmScene
 from workbench.gui.emptying.panel import EmptyingPanel
 from workbench.gui.shared.things import BIN, moved
 from workbench.model.geometry import pose_from_rpy
@@ -84,6 +84,16 @@ def test_what_stays_is_coloured_and_a_click_on_its_row_names_it(emptied, sit_dow
         ),
         "the reason",
     )
+    wait_until(lambda: "wb-chosen" in film(ada)._left.content, "the row that is marked")
+
+
+def test_a_click_on_a_part_in_the_scene_marks_its_row(emptied, sit_down):
+    ada = sit_down()
+    film(ada)._go_to_end()
+    wait_until(lambda: node(ada, "/film/part-3/mesh") is not None, "the part that stays")
+    assert node(ada, "/film/part-3/mesh")._impl.click_cb, "it can be clicked"
+    ada.panel(FilmScene)._pressed(2, None)
+    assert ada.visitor.own.now.film.chosen == 2
     wait_until(lambda: "wb-chosen" in film(ada)._left.content, "the row that is marked")
 
 

@@ -113,7 +113,7 @@ def test_changes_are_told_with_what_they_gain_and_lose():
     less = pile(8, (), (*STAYS, STAYS[0]), "margin halved")
     html = changes_html(ranked((PILES[1], more, less), **TAKES))
     first, second = html.split("<tbody>")[1].split("<tr")[1:]
-    assert "Fingers 1 mm thinner" in first and "33%" in first and "100%" in first
+    assert "fingers 1 mm thinner" in first and "33%" in first and "100%" in first
     assert "wb-gain" in first and "+2" in first and "wb-loss" in second and "-1" in second
     assert changes_html(()) == ""
 

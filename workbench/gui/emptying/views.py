@@ -207,10 +207,11 @@ def changes_html(rows: Sequence[Mapping[str, Any]]) -> str:
     if not rows:
         return ""
     body = "".join(
-        f'<tr title="{escape(str(row["change"]))}"><td>{escape(sentence(row["change"]))}</td>'
+        # Words of the change as they are: some begin with a key of the cell file.
+        f'<tr title="{escape(row["change"])}"><td>{escape(row["change"])}</td>'
         f'<td class="wb-number">{row["taken_share_before"]:.0%}</td>'
         f'<td class="wb-number">{row["taken_share"]:.0%}</td>'
-        f'<td class="wb-number wb-{_sign(row["parts_gained"])}">{row["parts_gained"]:+d}</td>'
+        f'<td class="wb-number wb-{_sign(row["parts_gained"])}">{_gained(row["parts_gained"])}</td>'
         f'<td class="wb-number">{row["failed_picks"] + row["touches"]}</td>'
         f'<td class="wb-number">{row["motion_seconds"]:.1f}</td></tr>'
         for row in rows
@@ -219,9 +220,13 @@ def changes_html(rows: Sequence[Mapping[str, Any]]) -> str:
         '<div class="wb-list"><table class="wb-table wb-what-if"><thead><tr><th>Change</th>'
         '<th class="wb-number">Before</th><th class="wb-number">With it</th>'
         '<th class="wb-number">Parts</th>'
-        '<th class="wb-number" title="failed picks and touches">Bad</th>'
+        '<th class="wb-number" title="failed picks, and touches">Failed</th>'
         f'<th class="wb-number">Motion [s]</th></tr></thead><tbody>{body}</tbody></table></div>'
     )
+
+
+def _gained(parts: int) -> str:
+    return f"{parts:+d}" if parts else "0"
 
 
 def _sign(gained: int) -> str:
