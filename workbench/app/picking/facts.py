@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from workbench.app.core.commands import Command, LinkEnded, MakePlan
+from workbench.app.core.commands import Command, GoOn, LinkEnded, MakePlan
 from workbench.app.core.state import State
 from workbench.model.calibration import BinCheck
 from workbench.model.cell import Bin, Cell
@@ -60,6 +60,7 @@ def check_installed(state: State, command: Command) -> None:
     Raises:
         CommandRefused: it is not; the message says what there is.
     """
+    command = command.plan if isinstance(command, GoOn) else command
     if isinstance(command, MakePlan):
         try:
             planner_named(command.wishes.on(state.cell.policy).planner)
