@@ -24,8 +24,9 @@ from workbench.app.core.commands import (
 from workbench.app.core.effects import Send, StartJob
 from workbench.app.core.rights import FRONT_DOOR
 from workbench.app.core.state import Phase
+from workbench.app.picking.facts import check_installed
 from workbench.model.cell import Wishes
-from workbench.model.errors import InputError
+from workbench.model.errors import CommandRefused, InputError
 from workbench.model.scan import SearchWishes
 
 WANTED = GoOn(
@@ -142,6 +143,13 @@ def test_it_is_in_order_after_a_finished_cycle_alone(cell, samples, done):
     assert "have the plan approved first" in refused(planned_line(samples, cell), WANTED)
     done.do(WANTED)
     assert "has to wait until the scan ends or is cancelled" in refused(done, WANTED)
+
+
+def test_a_planner_that_is_not_installed_is_told_before_anything_begins(done):
+    wanted = dataclasses.replace(WANTED, plan=MakePlan(wishes=Wishes("no-such-planner")))
+    with pytest.raises(CommandRefused, match="no-such-planner"):
+        check_installed(done.state, wanted)
+    check_installed(done.state, WANTED)
 
 
 @pytest.mark.parametrize(

@@ -7,10 +7,10 @@ import pinocchio as pin
 import pytest
 
 from workbench.app.picking.pipeline import plan_pick
-from workbench.app.picking.row import MOST_PICKS, check_picks, parts_taken, plan_row
+from workbench.app.picking.row import MOST_PICKS, check_picks, parts_taken, plan_row, prove_row
 from workbench.formats.cells.reading import read_cell
 from workbench.model.digest import digest_of
-from workbench.model.errors import InputError
+from workbench.model.errors import CommandRefused, InputError
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.scan import Detection, Scene
 from workbench.planning.collision.world import World
@@ -142,17 +142,18 @@ def test_a_part_of_unknown_roll_takes_the_room_of_all_its_turns(stays):
     np.testing.assert_allclose(most, box.size / 2, rtol=1e-3)
 
 
-def test_parts_of_a_heap_are_taken_last_and_end_the_row(cell, apart):
-    # The second and fourth lie 8 mm from each other.
-    places = (
-        (-0.05, -0.096, 1.2),
-        (-0.044, 0.101, 0.1),
-        (0.044, -0.009, -0.8),
-        (-0.059, 0.028, 0.8),
-    )
-    near = tuple(lying(cell, *place) for place in places)
-    heaps = World(cell, near).part_ways.heaps
+@pytest.fixture(scope="module")
+def near(cell):
+    """Four parts, of which the second and fourth lie 8 mm from each other."""
+    places = ((-0.05, -0.096), (-0.044, 0.101), (0.044, -0.009), (-0.059, 0.028))
+    yaws = (1.2, 0.1, -0.8, 0.8)
+    parts = tuple(lying(cell, *place, yaw) for place, yaw in zip(places, yaws, strict=True))
+    heaps = World(cell, parts).part_ways.heaps
     assert heaps[1] == heaps[3] and len(set(heaps)) == 3
+    return parts
+
+
+def test_parts_of_a_heap_are_taken_last_and_end_the_row(cell, near):
     row = asked(cell, near, 4, strategy="right")
     taken = [parts_taken(row.plan, plan) for plan in row.plans]
     assert len(taken) == 3 and {number for one in taken[:2] for number in one} == {0, 2}
@@ -218,3 +219,33 @@ def test_a_cell_that_does_not_say_what_moves_has_no_rows(cell, apart):
     with pytest.raises(InputError, match=r"has no pair_gap_mm in its \[policy\]"):
         asked(plain, apart, 2)
     check_picks(plain, 1)
+
+
+def test_a_row_is_proven_again_as_it_was_planned(cell, apart, row):
+    again = prove_row(cell, row.plans, detections=apart)
+    assert [one.proof.digest for one in again] == [
+        row.proof.digest,
+        *(one.proof.digest for one in row.row),
+    ]
+    assert all(one.proof.holds for one in again)
+
+
+def test_plans_in_another_order_or_twice_are_not_proven(cell, row):
+    first, second = row.plans
+    for plans in ((second, first), (first, first)):
+        *_, last = prove_row(cell, plans)
+        assert not last.proof.holds
+
+
+def test_after_a_plan_that_does_not_hold_nothing_is_proven(cell, apart, row):
+    (only,) = prove_row(cell, row.plans, detections=apart[:3])
+    assert not only.proof.holds
+
+
+def test_a_plan_does_not_follow_one_that_takes_a_part_of_a_heap(cell, near):
+    first = asked(cell, near, 1, strategy="right", avoided={0: "later", 2: "later"}).plan
+    assert first.arms[0].detection in (1, 3)
+    scene = scene_after(cell, first)
+    second = plan_pick(cell, scene.detections, scene.scan_digest, strategy="right").plan
+    with pytest.raises(CommandRefused, match=r"plan 2 of the row cannot follow.* may move"):
+        prove_row(cell, (first, second))

@@ -1,6 +1,6 @@
 """What may happen now: pure checks; every refusal says what to do instead."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from types import MappingProxyType
 from typing import assert_never
 
@@ -37,7 +37,7 @@ from workbench.app.core.value_checks import (
 from workbench.model.cell import Cell
 from workbench.model.digest import digest_of
 from workbench.model.errors import CommandRefused, NotAllowed
-from workbench.model.plan import UNSIGNED, Plan, Proof
+from workbench.model.plan import UNSIGNED, Plan, Proof, Proven
 from workbench.model.release import AS_PLANNED, SLOWEST, Approval, Manner, Vote
 from workbench.model.scan import ALL_KINDS
 from workbench.plugins.robot_link import misfit
@@ -218,6 +218,7 @@ def approve(
     is_unwatched: bool = False,
     ran: str = "",
     manner: Manner = AS_PLANNED,
+    row: Sequence[Proven] = (),
 ) -> Approval:
     """A person's vote for exactly this plan, valid as long as the cell's policy says.
 
@@ -231,12 +232,17 @@ def approve(
         is_unwatched: the plan was not played to its end before who approves it; on record.
         ran: digest of the inventory of what runs here; on record.
         manner: at which share of the planned speed it is sent, and whether step by step.
+        row: what the vote lets out after the plan, one after the other.
 
     Raises:
-        CommandRefused: nobody is named, the proof does not hold, plan, proof and cell do not
+        CommandRefused: nobody is named, a proof does not hold, plan, proof and cell do not
             belong together, or too few people have given a vote.
     """
     check_approvable(cell, plan, proof, actor, manner)
+    for one in row:
+        check_approvable(cell, one.plan, one.proof, actor, manner)
+        if one.plan.scan_digest != plan.scan_digest:
+            raise CommandRefused("plans of a row are made after one scan, these are not")
     approval = Approval(
         plan_digest=plan.digest,
         proof_digest=proof.digest,
@@ -250,6 +256,7 @@ def approve(
         ran=ran,
         speed_share=manner[0],
         is_stepped=manner[1],
+        row=tuple((one.plan.digest, one.proof.digest) for one in row),
     )
     _refuse(lacks_people(cell, approval))
     return approval

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from workbench.app.core.commands import Command, LinkEnded, MakePlan, TryEmptying
+from workbench.app.core.commands import Command, GoOn, LinkEnded, MakePlan, TryEmptying
 from workbench.app.core.state import State
 from workbench.app.picking.pile_check import check_pile, with_kinds
 from workbench.model.calibration import BinCheck
@@ -61,6 +61,7 @@ def check_installed(state: State, command: Command) -> None:
     Raises:
         CommandRefused: it is not; the message says what there is.
     """
+    command = command.plan if isinstance(command, GoOn) else command
     try:
         match command:
             case MakePlan(wishes=wishes):

@@ -3,19 +3,22 @@
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 
 from workbench.app.picking.pipeline import NOTHING, plan_pick
+from workbench.app.picking.proving import prove
 from workbench.model.cell import Cell
-from workbench.model.errors import InputError
+from workbench.model.errors import CommandRefused, InputError
 from workbench.model.plan import Plan, PlanResult, Proven
-from workbench.model.scan import Detection, Obstacle, Scene
+from workbench.model.scan import Detection, Obstacle, Scan, Scene
 from workbench.planning.collision.world import World
 from workbench.planning.planners.clock import working_time
 from workbench.plugins.progress import Report, silent
 from workbench.proof.prove import may_have_moved, scene_after
+from workbench.proof.prove import prove as prove_in
 
 MOST_PICKS = 10
 """Plans after one scan."""
@@ -100,6 +103,39 @@ def check_picks(cell: Cell, picks: int) -> None:
             f"cell {cell.name} has no pair_gap_mm in its [policy], so nobody knows which parts "
             "move when one is taken; more than one pick a scan needs that"
         )
+
+
+def prove_row(
+    cell: Cell,
+    plans: Sequence[Plan],
+    *,
+    detections: Sequence[Detection] | None = None,
+    scan: Scan | None = None,
+) -> tuple[Proven, ...]:
+    """Each plan with its proof in the scene that those before leave, as far as these hold.
+
+    Args:
+        cell: as it is now.
+        plans: to be carried out in this order.
+        detections: the parts known to be in the bin at first; see `proving.scene_of`.
+        scan: in which they were found; see there.
+
+    Raises:
+        CommandRefused: a part that stays may have moved by the time a plan begins.
+    """
+    found = [Proven(plans[0], prove(cell, plans[0], detections=detections, scan=scan))]
+    for number, (before, plan) in enumerate(pairwise(plans), 2):
+        if not found[-1].proof.holds:
+            break
+        moved = may_have_moved(cell, before)
+        if moved is not None or cell.policy.pair_gap <= 0:
+            why = "the cell has no pair_gap_mm" if moved is None else str(moved)
+            raise CommandRefused(
+                f"plan {number} of the row cannot follow plan {number - 1}, since nobody knows how "
+                f"the parts lie then: {why}"
+            )
+        found.append(Proven(plan, prove_in(cell, scene_after(cell, before), plan)))
+    return tuple(found)
 
 
 def parts_taken(first: Plan, plan: Plan) -> tuple[int, ...]:

@@ -213,7 +213,8 @@ class Send:
     """Prove a plan, approve it by its digest, and send it to a robot controller.
 
     What there is to know of the plan is printed first.  At a terminal the digest is asked for; in a
-    script the command is given once to read, and again with --digest.  A plan goes out once.
+    script the command is given once to read, and again with --digest.  A plan goes out once.  Plans
+    made in a row go out by one approval, one after the other, until anything is in doubt.
     """
 
     plan: Positional[Path]
@@ -224,8 +225,10 @@ class Send:
     """Port on which it takes motion."""
     approve_as: str
     """Name of the person who has looked at the plan and answers for it."""
+    row: Positional[tuple[Path, ...]] = ()
+    """Files of the plans that follow it in a row, in the order in which plan --picks wrote them."""
     digest: str | None = None
-    """The plan's digest, as it was printed before: its first 12 characters, or more."""
+    """The digest of the plan or row, as it was printed before: 12 characters of it, or more."""
     scan: Path | None = None
     """PLY or PCD file of the scan that the plan was made for, for the proof."""
     poses: Path | None = None
