@@ -44,8 +44,8 @@ def within(space, base, blocks, rows, commons):
     for number, block in enumerate(blocks):
         middles[block.columns] = q[number, block.columns]
     space.look(middles)
-    middle = np.array([space.distance(int(row)) for row in rows])
-    ways = np.array([space.way(int(row)) for row in rows])
+    measured = [(space.distance(int(row)), space.way()) for row in rows]
+    middle, ways = map(np.array, zip(*measured, strict=True))
     compiled = space.chain, space.arrays, world, spreads
     space.normals[:] = 0.0
     along = planes(items, ways, asked, space.normals, *compiled)
