@@ -7,7 +7,7 @@ import pinocchio as pin
 
 from workbench.model.cell import Cell
 from workbench.model.part import Part
-from workbench.model.plan import Plan, Proof
+from workbench.model.plan import Plan, Proof, Violation
 from workbench.model.scan import Detection, Obstacle, Scene
 from workbench.proof.bodies import gap_of, roll_axis, turned_pieces
 from workbench.proof.form import form_violations, limit_violations, range_violations
