@@ -7,7 +7,14 @@ import pinocchio as pin
 import pytest
 
 from workbench.app.picking.pipeline import plan_pick
-from workbench.app.picking.row import MOST_PICKS, check_picks, parts_taken, plan_row, prove_row
+from workbench.app.picking.row import (
+    MOST_PICKS,
+    check_picks,
+    parts_taken,
+    plan_row,
+    prove_row,
+    renumbered,
+)
 from workbench.formats.cells.reading import read_cell
 from workbench.model.digest import digest_of
 from workbench.model.errors import CommandRefused, InputError
@@ -200,6 +207,18 @@ def test_what_is_left_alone_is_left_alone_in_the_whole_row(cell, apart):
     taken = [number for plan in row.plans for number in parts_taken(row.plan, plan)]
     assert sorted(taken) == [0, 2, 3]
     assert row.row_ends.startswith("no plan after that: ")
+
+
+def test_words_get_the_numbers_of_the_first_plan_and_names_stay(apart, row):
+    # Digits of a file may differ in the last place.
+    left = tuple(
+        replace(one, T_world_part=pin.SE3(T.rotation, T.translation + 1e-12))
+        for one in (apart[3], apart[1])
+        for T in [one.T_world_part]
+    )
+    words = "right finger and part-1, part-2 by part-99 and part-0"
+    expected = "right finger and part-4, part-2 by part-99 and part-0"
+    assert renumbered(words, row.plan, left) == expected
 
 
 def test_no_plan_at_all_is_no_row(cell):

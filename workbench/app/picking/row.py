@@ -23,7 +23,7 @@ from workbench.proof.prove import prove as prove_in
 MOST_PICKS = 10
 """Plans after one scan."""
 
-LATER = "parts that lie near it may move with it, so it is taken last"
+TAKEN_LAST = "parts that lie near it may move with it, so it is taken last"
 
 
 def plan_row(
@@ -150,15 +150,20 @@ def renumbered(words: str, first: Plan, detections: Sequence[Detection]) -> str:
     """Words about a later plan, of its own `detections`, by the numbers of the first of the row."""
 
     def by_first(found: re.Match[str]) -> str:
-        return f"part-{_number(first, detections[int(found[1]) - 1]) + 1}"
+        number = int(found[1]) - 1
+        if not 0 <= number < len(detections):
+            # A grasp may be called anything.
+            return found[0]
+        return f"part-{_number(first, detections[number]) + 1}"
 
     return re.sub(r"\bpart-(\d+)", by_first, words)
 
 
 def _number(first: Plan, one: Detection) -> int:
+    """The number in the first plan's list; digits of a file may differ in the last place."""
     T = one.T_world_part.homogeneous
-    at = (known.T_world_part.homogeneous for known in first.detections)
-    return next(number for number, known in enumerate(at) if np.array_equal(known, T))
+    away = [np.abs(known.T_world_part.homogeneous - T).max() for known in first.detections]
+    return int(np.argmin(away))
 
 
 def _next(
@@ -187,7 +192,7 @@ def _next(
     heaped = {number for number, heap in enumerate(heaps) if heaps.count(heap) > 1}
     if is_last or not heaped or len(heaped | set(avoided)) == len(heaps):
         return planned(avoided)
-    result = planned({**dict.fromkeys(heaped, LATER), **avoided})
+    result = planned({**dict.fromkeys(heaped, TAKEN_LAST), **avoided})
     return result if _holds(result) else planned(avoided)
 
 
