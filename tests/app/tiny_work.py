@@ -6,7 +6,9 @@ import time
 import numpy as np
 import pinocchio as pin
 
+from workbench.app.emptying.film import Film, Filmed
 from workbench.model.errors import FileError, InputError, JobCancelled
+from workbench.model.prediction import EmptiedPile, Emptying, LeftPart, PileTask
 from workbench.model.scan import Detection, Discarded, LocalizationResult, Objection, Scan
 
 
@@ -81,6 +83,15 @@ def localize(cell, arguments, report, cancelled):
         lost = Discarded(found.part, found.T_world_part, 0.4, Objection.REACHES_INTO, 0)
         return LocalizationResult((found,), (lost,))
     return wait_politely(cell, arguments, report, cancelled)
+
+
+def emptying(cell, arguments, report, cancelled):
+    asked = arguments["command"]
+    task = PileTask(cell.name, cell.parts[0].name, asked.count, asked.seed)
+    lies = ((0, Detection(cell.parts[0].name, cell.bin.T_world_bin)),)
+    left = (LeftPart("part-1", "no path", "no way was found", ""),)
+    pile = EmptiedPile(task, 1, 0, (0, 0, 0), 0, 0, 0, 3, 0.0, left, (), (), 0.0)
+    return Filmed(Emptying(cell.digest, (pile,)), (Film(task, lies, (), lies),))
 
 
 def plan(cell, arguments, report, cancelled):

@@ -110,8 +110,8 @@ def test_another_pile_goes_on_with_its_own_film(emptied, sit_down):
     assert ada.visitor.own.now.film.time == showing.seconds
 
 
-@pytest.mark.parametrize("what", ["play", "send", "scan", "task", "cell", "jog"])
-def test_it_ends_when_something_real_begins(emptied, sit_down, scan, what):
+@pytest.mark.parametrize("what", ["play", "send", "scan", "task", "cell", "jog", "piles"])
+def test_it_ends_when_something_real_begins_or_other_piles_come(emptied, sit_down, scan, what):
     bench, ada = emptied, sit_down()
     film(ada)._play_or_pause()
     wait_until(lambda: node(ada, "/film/part-1") is not None, "the film")
@@ -136,6 +136,11 @@ def test_it_ends_when_something_real_begins(emptied, sit_down, scan, what):
             bench.do(ChangeCell(moved(bench.state.cell, BIN, T), "the bin is moved"), "Anna")
         case "jog":
             ada.jog()
+        case "piles":
+            number = bench.do(TryEmptying(count=4, piles=1), "Anna").number
+            found = bench.state.emptying
+            other = replace(found, piles=found.piles[:1])
+            bench.do(JobEnded(number, other), "worker")
     wait_until(lambda: has_ended(ada), "the end of the film")
 
 

@@ -52,13 +52,14 @@ class OwnViews:
 
 
 def is_news(old: View, new: View) -> bool:
-    """Whether something real has happened that whoever looks at a film must not miss."""
+    """Whether something has happened that ends a film: something real, or other piles emptied."""
     before, now = old.state, new.state
     return before is not now and (
         before.phase is not now.phase
         or before.scan is not now.scan
         or before.detections is not now.detections
         or before.plan is not now.plan
+        or before.emptying is not now.emptying
     )
 
 

@@ -145,10 +145,15 @@ class Renderer:
             self._closed.wait(max(0.0, FRAME - elapsed))
             now = time.monotonic()
             _shielded(partial(self._player.step, self._drawn, self._visitors, now - last))
-            for visitor in tuple(self._visitors.values()):
-                visitor.own.show(partial(advanced, elapsed=now - last))
+            _shielded(partial(self._run_films, now - last))
             _shielded(self._draw)
             last = now
+
+    def _run_films(self, elapsed: float) -> None:
+        """Move the films of browsers on; the first drawing after Play was pressed only begins."""
+        for number, view in self._shown.items():
+            if view.own.film is not None and view.own.film.is_playing:
+                self._visitors[number].own.show(partial(advanced, elapsed=elapsed))
 
     def _patience(self) -> float:
         if self._look.now.is_playing or any(map(_plays_film, self._visitors.values())):
