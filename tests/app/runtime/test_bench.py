@@ -295,6 +295,18 @@ def test_stopping_comes_first_and_the_rest_of_the_end_later(bench, noted):
     assert len(noted[0].ran) == 1
 
 
+def test_a_session_that_somebody_writes_to_is_not_gone_on_with(cell, journal, clock, samples):
+    bench = Bench(cell, journal, now=clock, effects=Noted)
+    approved(bench, samples)
+    count, other = journal.count, Journal(journal.folder)
+    with pytest.raises(JournalError, match="is written to by process"):
+        Bench(cell, other, now=clock, effects=Noted)
+    other.close()
+    # Nothing was written into the middle of what goes on there.
+    assert bench.do(SendPlan(bench.state.plan.digest), "ada").number == count + 1
+    bench.close()
+
+
 def test_a_session_goes_on_where_it_ended(cell, journal, clock, samples):
     bench = Bench(cell, journal, now=clock, effects=Noted)
     digest = approved(bench, samples)
