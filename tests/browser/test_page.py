@@ -32,8 +32,11 @@ def run_to_plan(screen, reaches):
 
 
 def watch(screen, bench, wait) -> None:
-    """Play the plan to its end, as soon as the page shows that there is one."""
+    """Play the plan to its end, as soon as the page can: the last that is drawn of one is Play."""
     screen.wait_for("play it first")
+    screen.tab("Plan")
+    expect(screen.button("Play")).to_be_enabled()
+    screen.tab("Cycle")
     screen.page.mouse.move(200, 400)
     screen.page.keyboard.press("k")
     wait(lambda: bench.state.watched, "the end of the plan")
