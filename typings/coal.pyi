@@ -41,8 +41,15 @@ class BVHModelOBBRSS(CollisionGeometry):
 class Transform3s:
     def __init__(self, rotation: _Floats, translation: _Floats, /) -> None: ...
 
+class GJKInitialGuess:
+    CachedGuess: GJKInitialGuess
+
+class CollisionResult:
+    def __init__(self) -> None: ...
+
 class DistanceRequest:
     enable_nearest_points: bool
+    gjk_initial_guess: GJKInitialGuess
     def __init__(self, enable_nearest_points: bool = ..., /) -> None: ...
 
 class DistanceResult:

@@ -6,6 +6,7 @@ Angles in rad, lengths in m; arrays are float64.
 from collections.abc import Iterator
 from typing import overload
 
+import coal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -160,12 +161,20 @@ class _CollisionResult:
 
 class _CollisionResults:
     def __iter__(self) -> Iterator[_CollisionResult]: ...
+    def append(self, result: coal.CollisionResult, /) -> None: ...
 
 class _DistanceRequest:
     enable_nearest_points: bool
 
 class _DistanceRequests:
     def __iter__(self) -> Iterator[_DistanceRequest]: ...
+    def append(self, request: coal.DistanceRequest, /) -> None: ...
+
+class ComputeDistance:
+    def __init__(self, first: GeometryObject, second: GeometryObject, /) -> None: ...
+
+class _DistanceFunctors:
+    def append(self, functor: ComputeDistance, /) -> None: ...
 
 class DistanceResult:
     min_distance: float
@@ -174,9 +183,11 @@ class DistanceResult:
 
 class _DistanceResults:
     def __getitem__(self, number: int, /) -> DistanceResult: ...
+    def append(self, result: coal.DistanceResult, /) -> None: ...
 
 class GeometryData:
     oMg: _Poses
+    distance_functors: _DistanceFunctors
     distanceRequests: _DistanceRequests
     distanceResults: _DistanceResults
     collisionRequests: _CollisionRequests
