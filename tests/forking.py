@@ -1,7 +1,8 @@
 """Worker processes forked from one that has imported what they do, for tests of something else.
 
 A worker that starts as it does for people imports for two seconds of a processor.  Here one
-process does it for all workers of a run; it has a single thread, so forking it is safe.
+process does it for all workers of a run; it has a single thread, so forking it is safe.  They
+have its environment, which is that of the test that came first.
 """
 
 import multiprocessing
