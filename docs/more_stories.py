@@ -125,7 +125,7 @@ def calibration(chrome: Browser, folder: Path) -> None:
             at.page.wait_for_timeout(1500)
             screen.wait_for("as it is jogged on the page")
             screen.press("Scan the plate")
-            at.wait(lambda count=count: len(at.bench.state.sightings) == count, f"pose {count}")
+            at.wait(lambda count=count: len(at.bench.state.observations) == count, f"pose {count}")
         at.page.locator(".wb-poses:visible tbody tr").nth(1).click()
         screen.wait_for("Points near the robot")
         at.page.wait_for_timeout(1500)

@@ -9,7 +9,7 @@ import pinocchio as pin
 from workbench.app.emptying.film import Film, Filmed
 from workbench.model.errors import FileError, InputError, JobCancelled
 from workbench.model.prediction import EmptiedPile, Emptying, LeftPart, PileTask
-from workbench.model.scan import Detection, Discarded, LocalizationResult, Objection, Scan
+from workbench.model.scan import Detection, LocalizationResult, Objection, RejectedHypothesis, Scan
 
 
 def echo(cell, arguments, report, cancelled):
@@ -80,7 +80,7 @@ def localize(cell, arguments, report, cancelled):
         return (complex(1, 2),)
     if arguments["seed"] == 14:
         found = Detection(cell.parts[0].name, cell.bin.T_world_bin)
-        lost = Discarded(found.part, found.T_world_part, 0.4, Objection.REACHES_INTO, 0)
+        lost = RejectedHypothesis(found.part, found.T_world_part, 0.4, Objection.REACHES_INTO, 0)
         return LocalizationResult((found,), (lost,))
     return wait_politely(cell, arguments, report, cancelled)
 

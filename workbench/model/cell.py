@@ -301,7 +301,7 @@ class Policy:
 
 
 @dataclass(frozen=True, slots=True)
-class Wishes:
+class PlanOverrides:
     """What one request changes of the cell's policy; None keeps the cell's value.
 
     A `margin` [m] below the cell's would not be proven: it may only be larger.

@@ -25,14 +25,14 @@ from workbench.app.core.effects import Send, StartJob
 from workbench.app.core.rights import FRONT_DOOR
 from workbench.app.core.state import Phase
 from workbench.app.picking.facts import check_installed
-from workbench.model.cell import Wishes
+from workbench.model.cell import PlanOverrides
 from workbench.model.errors import CommandRefused, InputError
-from workbench.model.scan import SearchWishes
+from workbench.model.scan import SearchOverrides
 
 WANTED = GoOn(
     TakeScan(5, 3),
-    FindParts(5, SearchWishes(0.8)),
-    MakePlan("right", 0.3, 5, Wishes(iterations=900)),
+    FindParts(5, SearchOverrides(0.8)),
+    MakePlan("right", 0.3, 5, PlanOverrides(iterations=900)),
 )
 
 
@@ -62,8 +62,8 @@ def test_it_scans_finds_and_plans_and_waits_for_the_approval(done, samples):
     began = {one.name: one.arguments for one in line.effects if isinstance(one, StartJob)}
     assert list(began) == ["scan", "localize", "plan"]
     assert began["scan"] == {"seed": 5, "parts": 3, "part": ""}
-    assert began["localize"] == {"scan": scan, "seed": 5, "wishes": SearchWishes(0.8)}
-    assert began["plan"]["wishes"] == Wishes(iterations=900)
+    assert began["localize"] == {"scan": scan, "seed": 5, "overrides": SearchOverrides(0.8)}
+    assert began["plan"]["overrides"] == PlanOverrides(iterations=900)
     assert (began["plan"]["strategy"], began["plan"]["scan_digest"]) == ("right", scan.digest)
     assert not any(isinstance(one, Send) for one in line.effects)
     assert "played to its end" in refused(line, Approve(state.plan.digest))
@@ -146,7 +146,7 @@ def test_it_is_in_order_after_a_finished_cycle_alone(cell, samples, done):
 
 
 def test_a_planner_that_is_not_installed_is_told_before_anything_begins(done):
-    wanted = dataclasses.replace(WANTED, plan=MakePlan(wishes=Wishes("no-such-planner")))
+    wanted = dataclasses.replace(WANTED, plan=MakePlan(overrides=PlanOverrides("no-such-planner")))
     with pytest.raises(CommandRefused, match="no-such-planner"):
         check_installed(done.state, wanted)
     check_installed(done.state, WANTED)

@@ -30,7 +30,7 @@ from workbench.app.records.replay import replay
 from workbench.app.runtime.bench import Bench
 from workbench.app.runtime.live import Live
 from workbench.journal.journal import Journal
-from workbench.model.cell import Wishes
+from workbench.model.cell import PlanOverrides
 from workbench.model.errors import CommandRefused, JournalError
 from workbench.model.release import Receipt
 
@@ -124,7 +124,7 @@ def test_a_planner_that_is_not_installed_is_refused_and_yet_computed_again(
     scan = samples.scan()
     bench.do(UseScan(scan), "ada")
     bench.do(UseDetections(samples.detections()), "ada")
-    foreign = MakePlan(wishes=Wishes(planner="foreign"))
+    foreign = MakePlan(overrides=PlanOverrides(planner="foreign"))
     with pytest.raises(CommandRefused, match=r"no planner 'foreign'; known: .*rrtconnect"):
         bench.do(foreign, "ada")
     with monkeypatch.context() as installed:

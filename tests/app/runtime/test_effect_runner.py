@@ -239,7 +239,7 @@ def test_what_a_search_discarded_is_shown_and_not_recorded(cell, tmp_path, machi
         state = bench.wait(lambda state: state.detections is not None, PATIENCE)
         findings = bench.live.findings
         assert findings is not None and findings.detections is state.detections
-        assert [one.words for one in findings.discarded] == ["reaches into part-1"]
+        assert [one.words for one in findings.rejected] == ["reaches into part-1"]
     finally:
         bench.close()
     *_, (_, last) = replay(Journal(tmp_path / "session"), cell)

@@ -21,14 +21,14 @@ from workbench.app.core.reports import (
     Sent,
     Started,
 )
-from workbench.model.calibration import BallPlate, PlateSighting
-from workbench.model.cell import Cell, Wishes
+from workbench.model.calibration import BallPlate, PlateObservation
+from workbench.model.cell import Cell, PlanOverrides
 from workbench.model.digest import LATER
 from workbench.model.geometry import Floats, frozen, put
 from workbench.model.part import Entry as GraspEntry
 from workbench.model.part import GraspPair
 from workbench.model.prediction import Seen
-from workbench.model.scan import Detection, Scan, SearchWishes
+from workbench.model.scan import Detection, Scan, SearchOverrides
 from workbench.model.symmetry import Symmetry
 
 Bytes = NDArray[np.uint8]
@@ -63,7 +63,7 @@ class FindParts:
     """
 
     seed: int = 0
-    wishes: SearchWishes = field(default_factory=SearchWishes)
+    overrides: SearchOverrides = field(default_factory=SearchOverrides)
     is_compared: bool = field(default_factory=bool, metadata=LATER)
 
 
@@ -95,13 +95,13 @@ class SightPlate:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class UseSightings:
-    """Go on with these sightings of the plate: some removed, or left out of the calibration.
+class UseObservations:
+    """Go on with these observations of the plate: some removed, or left out of the calibration.
 
     `says` tells people what was done.
     """
 
-    sightings: tuple[PlateSighting, ...]
+    observations: tuple[PlateObservation, ...]
     says: str
 
 
@@ -115,7 +115,7 @@ class MakePlan:
     strategy: str = "auto"
     threshold: float = 0.2
     seed: int = 0
-    wishes: Wishes = field(default_factory=Wishes)
+    overrides: PlanOverrides = field(default_factory=PlanOverrides)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -347,7 +347,7 @@ Command = (
     | FindParts
     | UseDetections
     | SightPlate
-    | UseSightings
+    | UseObservations
     | MakePlan
     | GoOn
     | WantThreshold

@@ -57,7 +57,7 @@ from workbench.app.core.state import (
     counted,
     stale_by,
 )
-from workbench.model.calibration import PlateSighting
+from workbench.model.calibration import PlateObservation
 from workbench.model.errors import CommandRefused, JobCancelled, WorkbenchError
 from workbench.model.part import Part
 from workbench.model.plan import PlanResult
@@ -90,8 +90,8 @@ def decide(state: State, entry: commands.Entry) -> Outcome:
             return with_outside_detections(state, entry, command), ()
         case commands.SightPlate() as command:
             return _sight_plate(state, entry, command)
-        case commands.UseSightings(sightings=sightings, says=says):
-            return replace(state, sightings=sightings, message=says), ()
+        case commands.UseObservations(observations=observations, says=says):
+            return replace(state, observations=observations, message=says), ()
         case commands.MakePlan() as command:
             return _make_plan(state, entry, command)
         case commands.GoOn(scan=scan) as command:
@@ -247,7 +247,7 @@ def _find_parts(
 ) -> Outcome:
     if state.scan is None:
         raise CommandRefused("there is no scan to find parts in")
-    arguments = {"scan": state.scan, "seed": command.seed, "wishes": command.wishes}
+    arguments = {"scan": state.scan, "seed": command.seed, "overrides": command.overrides}
     return _begin(
         state,
         entry,
@@ -255,14 +255,14 @@ def _find_parts(
         arguments,
         "finding parts",
         seed=command.seed,
-        wishes=command.wishes,
+        overrides=command.overrides,
         is_compared=command.is_compared,
         then=then,
     )
 
 
 def _sight_plate(state: State, entry: commands.Entry, command: commands.SightPlate) -> Outcome:
-    numbers = (one.name.rpartition(" ")[2] for one in state.sightings)
+    numbers = (one.name.rpartition(" ")[2] for one in state.observations)
     last = max((int(number) for number in numbers if number.isdecimal()), default=0)
     arguments = {
         "name": f"pose {last + 1}",
@@ -283,7 +283,7 @@ def _make_plan(state: State, entry: commands.Entry, command: commands.MakePlan) 
         "scan": state.scan,
         "strategy": command.strategy,
         "threshold": command.threshold,
-        "wishes": command.wishes,
+        "overrides": command.overrides,
         "placed": state.placed,
         "avoided": avoided_parts(state, entry.at),
         "seed": command.seed,
@@ -293,7 +293,7 @@ def _make_plan(state: State, entry: commands.Entry, command: commands.MakePlan) 
         "strategy": command.strategy,
         "threshold": command.threshold,
         "seed": command.seed,
-        "planning": command.wishes,
+        "planning": command.overrides,
     }
     return _begin(state, entry, "plan", arguments, "planning", **about)
 
@@ -363,12 +363,12 @@ def _job_ended(state: State, ended: commands.JobEnded, at: float) -> State:
         case ("scan", Scan()):
             return _with_scan(state, result, at)
         case ("localize", tuple()):
-            search = Search(job.number, job.seed, job.wishes, result, max(0.0, at - job.at))
+            search = Search(job.number, job.seed, job.overrides, result, max(0.0, at - job.at))
             return (compared if job.is_compared else with_detections)(state, search)
-        case ("sight", PlateSighting()):
-            sightings = (*state.sightings, result)
-            message = f"{result.name}: the plate is seen, {len(sightings)} so far"
-            return replace(state, sightings=sightings, message=message)
+        case ("sight", PlateObservation()):
+            observations = (*state.observations, result)
+            message = f"{result.name}: the plate is seen, {len(observations)} so far"
+            return replace(state, observations=observations, message=message)
         case ("emptying", Emptying()):
             return replace(state, emptying=result, message=emptying_words(result))
         case ("plan", PlanResult()):

@@ -3,7 +3,7 @@
 from dataclasses import dataclass, field
 
 from workbench.app.provenance.inventory import Inventory
-from workbench.model.calibration import PlateSighting
+from workbench.model.calibration import PlateObservation
 from workbench.model.cell import Cell
 from workbench.model.digest import LATER
 from workbench.model.errors import WorkbenchError
@@ -67,13 +67,19 @@ class PosesRefused:
 class JobEnded:
     """The worker finished job `number`.
 
-    `result` is a `Scan`, a tuple of `Detection`, a `PlanResult`, a `PlateSighting`, a `Part`, an
+    `result` is a `Scan`, a tuple of `Detection`, a `PlanResult`, a `PlateObservation`, a `Part`, an
     `Emptying`, or the error that ended it.
     """
 
     number: int
     result: (
-        Scan | tuple[Detection, ...] | PlanResult | PlateSighting | Part | Emptying | WorkbenchError
+        Scan
+        | tuple[Detection, ...]
+        | PlanResult
+        | PlateObservation
+        | Part
+        | Emptying
+        | WorkbenchError
     )
 
 

@@ -99,7 +99,9 @@ RIGHTS: Mapping[type, Right] = {
     ),
     commands.EmptyPallets: Right("emptying the pallets", SAFE),
     commands.SightPlate: Right("a scan of the plate", SAFE, role=Role.ENGINEER),
-    commands.UseSightings: Right("a change of the calibration's poses", SAFE, role=Role.ENGINEER),
+    commands.UseObservations: Right(
+        "a change of the calibration's poses", SAFE, role=Role.ENGINEER
+    ),
     commands.ChangeCell: Right("a change of the cell", SAFE, role=Role.ENGINEER),
     commands.UndoCell: Right("an undo", SAFE, role=Role.ENGINEER),
     commands.RedoCell: Right("a redo", SAFE, role=Role.ENGINEER),

@@ -21,8 +21,8 @@ from workbench.app.core.rights import MACHINES, NOBODY, RIGHTS, lacks_right, lac
 from workbench.app.core.state import State
 from workbench.app.core.value_checks import (
     DETAIL,
+    MOST_OBSERVATIONS,
     MOST_PARTS,
-    MOST_SIGHTINGS,
     SEED_LIMIT,
     check_among,
     check_cell,
@@ -30,9 +30,9 @@ from workbench.app.core.value_checks import (
     check_detections,
     check_integer,
     check_number,
+    check_overrides,
     check_person,
     check_text,
-    check_wishes,
 )
 from workbench.model.cell import Cell
 from workbench.model.digest import digest_of
@@ -101,15 +101,15 @@ def allowed(
         case commands.SightPlate(arm=arm, q=q, seed=seed):
             check_integer("seed", seed, 0, SEED_LIMIT - 1)
             check_configuration(state.cell, arm, q)
-            if len(state.sightings) >= MOST_SIGHTINGS:
+            if len(state.observations) >= MOST_OBSERVATIONS:
                 raise CommandRefused(
-                    f"up to {MOST_SIGHTINGS} poses are taken; remove one of them first"
+                    f"up to {MOST_OBSERVATIONS} poses are taken; remove one of them first"
                 )
-        case commands.UseSightings(sightings=sightings, says=says):
+        case commands.UseObservations(observations=observations, says=says):
             check_text("says", says)
-            if len(sightings) > MOST_SIGHTINGS:
-                raise CommandRefused(f"up to {MOST_SIGHTINGS} poses are taken")
-            for one in sightings:
+            if len(observations) > MOST_OBSERVATIONS:
+                raise CommandRefused(f"up to {MOST_OBSERVATIONS} poses are taken")
+            for one in observations:
                 check_text("name", one.name)
                 check_configuration(state.cell, one.arm, one.q)
         case commands.MakePlan() as command:
@@ -348,13 +348,13 @@ def _check_scan(cell: Cell, command: commands.TakeScan) -> None:
 
 def _check_search(command: commands.FindParts) -> None:
     check_integer("seed", command.seed, 0, SEED_LIMIT - 1)
-    check_number("detail", command.wishes.detail, *DETAIL, "of the usual")
-    check_number("least score", command.wishes.least_score, 0.0, 1.0, "")
+    check_number("detail", command.overrides.detail, *DETAIL, "of the usual")
+    check_number("least score", command.overrides.least_score, 0.0, 1.0, "")
 
 
 def _check_planning(cell: Cell, command: commands.MakePlan) -> None:
     check_integer("seed", command.seed, 0, SEED_LIMIT - 1)
-    check_wishes(cell, command.wishes)
+    check_overrides(cell, command.overrides)
     check_number("threshold", command.threshold, 0.0, 1.0, "m")
     check_among("strategy", command.strategy, strategies_of(cell))
 

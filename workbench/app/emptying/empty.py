@@ -19,7 +19,7 @@ from workbench.model.cell import Cell
 from workbench.model.errors import JobCancelled
 from workbench.model.plan import Plan, PlanResult
 from workbench.model.prediction import FAILURES, EmptiedPile, PileTask
-from workbench.model.scan import Detection, Obstacle, SearchWishes
+from workbench.model.scan import Detection, Obstacle, SearchOverrides
 from workbench.perception.scene.unexplained import unexplained
 from workbench.perception.simulation.piles import drop_parts
 from workbench.perception.simulation.synthesize import synthesize
@@ -177,7 +177,7 @@ def _look_and_plan(
     if task.seen == "scan":
         scan = synthesize(cell, lying, seed=seed)
         began = working_time()
-        usual = SearchWishes().detail
+        usual = SearchOverrides().detail
         found = find_parts(scan, cell, seed=seed, detail=usual, cancelled=cancelled)
         detections = found.detections
         obstacles = unexplained(cell, scan, detections)

@@ -64,8 +64,8 @@ def check_installed(state: State, command: Command) -> None:
     command = command.plan if isinstance(command, GoOn) else command
     try:
         match command:
-            case MakePlan(wishes=wishes):
-                planner_named(wishes.on(state.cell.policy).planner)
+            case MakePlan(overrides=overrides):
+                planner_named(overrides.on(state.cell.policy).planner)
             case TryEmptying(kinds=kinds, count=count):
                 check_pile(with_kinds(state.cell, kinds), count)
             case _:

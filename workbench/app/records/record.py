@@ -20,7 +20,7 @@ from workbench.app.core.people import Role
 from workbench.app.core.rights import MACHINES
 from workbench.app.core.state import State
 from workbench.app.records.forms import ReadFile, large_arrays, restored
-from workbench.model.calibration import PlateSighting
+from workbench.model.calibration import PlateObservation
 from workbench.model.cell import Cell
 from workbench.model.digest import canonical, digest_of
 from workbench.model.errors import JobCancelled, JournalError, WorkbenchError
@@ -30,7 +30,7 @@ from workbench.model.prediction import Emptying
 from workbench.model.scan import Detection, Scan
 
 Result = (
-    Scan | tuple[Detection, ...] | PlanResult | PlateSighting | Part | Emptying | WorkbenchError
+    Scan | tuple[Detection, ...] | PlanResult | PlateObservation | Part | Emptying | WorkbenchError
 )
 
 SESSION = "Session"
@@ -42,7 +42,7 @@ RESULTS: Mapping[Any, str] = {
     Scan: "scan",
     tuple[Detection, ...]: "detections",
     PlanResult: "plan",
-    PlateSighting: "sighting",
+    PlateObservation: "sighting",
     Part: "part",
     Emptying: "emptying",
 }

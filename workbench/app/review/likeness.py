@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from workbench.model.calibration import PlateSighting
+from workbench.model.calibration import PlateObservation
 from workbench.model.cell import Cell
 from workbench.model.digest import digest_of
 from workbench.model.plan import Plan, PlanResult, Proof
@@ -64,7 +64,7 @@ def resemblance(cell: Cell, kept: object, again: object) -> Resemblance:
 
     Args:
         cell: in which both were computed.
-        kept: scan, detections, sighting or planning as recorded.
+        kept: scan, detections, observation or planning as recorded.
         again: the same task's result of now.
     """
     match kept, again:
@@ -72,8 +72,8 @@ def resemblance(cell: Cell, kept: object, again: object) -> Resemblance:
             return _scans(kept, again)
         case tuple(), tuple():
             return _parts(cell, kept, again)
-        case PlateSighting(), PlateSighting():
-            return _sightings(kept, again)
+        case PlateObservation(), PlateObservation():
+            return _observations(kept, again)
         case PlanResult(), PlanResult():
             return _plannings(cell, kept, again)
         case Emptying(), Emptying():
@@ -157,7 +157,7 @@ def _part_problem(one: Detection, other: Detection, distance: float, turn: float
     return ""
 
 
-def _sightings(kept: PlateSighting, again: PlateSighting) -> Resemblance:
+def _observations(kept: PlateObservation, again: PlateObservation) -> Resemblance:
     if digest_of(kept) == digest_of(again):
         return EQUAL
     apart = float(np.linalg.norm(kept.balls - again.balls, axis=1).max())

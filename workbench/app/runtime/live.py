@@ -22,7 +22,7 @@ class Live:
     it does not count as their time.  `joints` (name -> rad) is what the controller reported
     last, `robot` its own word for what it does; both are empty while it reports nothing.  `link`
     is how the last connection for motion stands, or how it ended.
-    `findings` are of the last search for parts, with what it discarded: the journal keeps the
+    `findings` are of the last search for parts, with what it rejected: the journal keeps the
     parts alone, since the rest decides nothing and can be computed again.  So are `films` of the
     piles that were emptied last: the same seeds bring them again.  `unrecorded` says why
     the end of a task or of a sending is not on record yet; empty otherwise.  `is_saving`: the

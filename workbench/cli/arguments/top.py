@@ -125,8 +125,8 @@ class Localize:
     """PLY or PCD file in the scanner's frame, with the cell's unit and axes of clouds."""
     out: Path
     """JSON file of poses to write."""
-    discarded: bool = False
-    """Tell also which poses were thought possible and discarded, and why."""
+    rejected: bool = False
+    """Tell also which poses were thought possible and rejected, and why."""
     seed: Seed = 0
     detail: float = 1.0
     """How fine the scan is looked at, 0.3 to 2; finer sees smaller features and takes longer."""

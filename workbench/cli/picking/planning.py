@@ -32,7 +32,7 @@ from workbench.formats.cells.reading import read_cell
 from workbench.formats.clouds.scans import read_scan
 from workbench.formats.plans.plan_files import write_plan
 from workbench.formats.plans.pose_files import read_poses
-from workbench.model.cell import Cell, Wishes
+from workbench.model.cell import Cell, PlanOverrides
 from workbench.model.digest import digest_of
 from workbench.model.errors import InputError
 from workbench.model.geometry import pose_from_rpy
@@ -58,7 +58,9 @@ def plan(typed: arguments.Plan) -> int:
         check_number("--metric", typed.metric, 0.05, 1.0)
     if typed.planner is not None:
         planner_named(typed.planner)
-    wishes = Wishes(typed.planner, typed.iterations, typed.order, typed.margin, typed.metric)
+    overrides = PlanOverrides(
+        typed.planner, typed.iterations, typed.order, typed.margin, typed.metric
+    )
     detections = detections_from(cell, typed.poses, typed.part)
     with progress("plan") as report:
         make_ready(report, ("planning",))
@@ -73,7 +75,7 @@ def plan(typed: arguments.Plan) -> int:
             picks=typed.picks,
             strategy=typed.strategy,
             threshold=typed.threshold,
-            wishes=wishes,
+            overrides=overrides,
             obstacles=obstacles,
             seed=typed.seed,
             report=report,

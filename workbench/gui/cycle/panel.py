@@ -23,10 +23,10 @@ from workbench.gui.cycle.approval import ApprovalDialog
 from workbench.gui.cycle.approval_views import approval_line
 from workbench.gui.cycle.going_on import GoOnButton
 from workbench.gui.cycle.outcomes import OutcomeInputs
+from workbench.gui.cycle.overrides import OverridesInputs
 from workbench.gui.cycle.step_button import StepButton
 from workbench.gui.cycle.strategies import strategy_hint, strategy_words
 from workbench.gui.cycle.threshold import ThresholdInput
-from workbench.gui.cycle.wishes import WishesInputs
 from workbench.gui.help.groups import group
 from workbench.gui.scene.fix_inputs import FixInputs
 from workbench.gui.shared.calibration_views import bin_html
@@ -120,7 +120,7 @@ class CyclePanel:
         self._outcomes = OutcomeInputs(visitor, ROW)
         with group(gui, "How it is planned", expand_by_default=False):
             gui.add_html(ROW)
-            self._wishes = WishesInputs(gui, visitor.cell.policy)
+            self._overrides = OverridesInputs(gui, visitor.cell.policy)
         self._dialog = ApprovalDialog(visitor)
         self._react()
 
@@ -227,7 +227,7 @@ class CyclePanel:
             self._strategies[self._strategy.value],
             self._threshold.metres,
             whole(self._seed.value),
-            self._wishes.wishes,
+            self._overrides.overrides,
         )
 
     def _wanted_sending(self) -> Command:

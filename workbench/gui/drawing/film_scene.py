@@ -17,7 +17,7 @@ from workbench.model.cell import Cell
 FILM = "/film"
 
 REAL = (
-    "/scan", "/parts", "/seen", "/placed", "/path", "/searched", "/discarded", "/candidate",
+    "/scan", "/parts", "/seen", "/placed", "/path", "/searched", "/rejected", "/candidate",
     "/grasps", "/meets",
 )  # fmt: skip
 """Nodes that all browsers share and that a film has nothing to do with; and `/candidate_` arms."""

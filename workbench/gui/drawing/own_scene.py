@@ -88,7 +88,7 @@ class OwnScene:
 
     def _clear(self) -> None:
         self._give_back()
-        for name in ("/sighting", "/jog_meets", "/measured", "/nearest", "/nearest_points"):
+        for name in ("/observation", "/jog_meets", "/measured", "/nearest", "/nearest_points"):
             self._scene.remove_by_name(name)
 
 

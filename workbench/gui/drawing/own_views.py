@@ -63,7 +63,7 @@ def is_news(old: View, new: View) -> bool:
     )
 
 
-def has_lost_sighting(own: Own, before: State | None, state: State) -> bool:
+def has_lost_observation(own: Own, before: State | None, state: State) -> bool:
     """Whether the chosen pose was removed, as in another window: its number is another's then.
 
     Args:
@@ -71,24 +71,24 @@ def has_lost_sighting(own: Own, before: State | None, state: State) -> bool:
         before: the state that its number is of, None when that is not known.
         state: as it is now.
     """
-    number = own.sighting
-    if number is None or number >= len(state.sightings):
+    number = own.observation
+    if number is None or number >= len(state.observations):
         return number is not None
-    was = before.sightings[number : number + 1] if before is not None else ()
-    return any(one.name != state.sightings[number].name for one in was)
+    was = before.observations[number : number + 1] if before is not None else ()
+    return any(one.name != state.observations[number].name for one in was)
 
 
 def _overlay(own: Own, before: View | None, shared: View) -> Overlay | None:
     """The chosen pose over the robot, worked out when another one is chosen."""
     state, found = shared.state, shared.calibration
-    if own.sighting is None or own.sighting >= len(state.sightings):
+    if own.observation is None or own.observation >= len(state.observations):
         return None
-    sighting = state.sightings[own.sighting]
+    observation = state.observations[own.observation]
     if before is not None and before.overlay is not None:
-        number = before.own.sighting
-        is_same = number is not None and before.state.sightings[number] is sighting
+        number = before.own.observation
+        is_same = number is not None and before.state.observations[number] is observation
         is_alike = before.own.is_calibrated == own.is_calibrated
         if is_same and is_alike and before.calibration is found:
             return before.overlay
     is_after = own.is_calibrated and isinstance(found, Calibration)
-    return overlay(state, sighting, found if is_after else None)  # type: ignore[arg-type]
+    return overlay(state, observation, found if is_after else None)  # type: ignore[arg-type]

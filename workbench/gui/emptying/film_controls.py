@@ -184,7 +184,7 @@ class FilmControls:
         seconds = reel_of(film).seconds
         speed = SPEEDS.get(str(self._speed.value), 1.0)
         showing = Showing(film, seconds, kinds, time, is_playing, speed)
-        visitor.own.change(jog=None, sighting=None, film=showing)
+        visitor.own.change(jog=None, observation=None, film=showing)
 
     def _go_to(self, time: float) -> None:
         film = self._visitor.own.now.film

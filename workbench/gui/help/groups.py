@@ -43,7 +43,7 @@ HELP: Mapping[str, tuple[str, str]] = {
         "say-what-became-of-the-parts",
     ),
     "How it is planned": (
-        "These are wishes for the next planning, and begin as the cell has them. More "
+        "These are overrides for the next planning, and begin as the cell has them. More "
         "iterations find ways that are harder to find; a larger margin keeps farther from "
         "everything. The proof holds every plan to the margins of the cell, whatever is wished.",
         PLAN,

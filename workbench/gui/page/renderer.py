@@ -19,7 +19,7 @@ from workbench.gui.drawing.film_scene import FilmScene
 from workbench.gui.drawing.fixes import Fixes
 from workbench.gui.drawing.following import keep_up
 from workbench.gui.drawing.own_scene import OwnScene
-from workbench.gui.drawing.own_views import OwnViews, has_lost_sighting, is_news
+from workbench.gui.drawing.own_views import OwnViews, has_lost_observation, is_news
 from workbench.gui.drawing.player import Player
 from workbench.gui.drawing.poses import PoseFinder
 from workbench.gui.drawing.reach import Reaches
@@ -204,8 +204,8 @@ class Renderer:
                 visitor.own.end()
             elif follows:
                 visitor.own.let_go()
-            elif has_lost_sighting(visitor.own.now, old and old.state, new.state):
-                visitor.own.change(sighting=None)
+            elif has_lost_observation(visitor.own.now, old and old.state, new.state):
+                visitor.own.change(observation=None)
             if visitor.own.now.film is not None and old is not None and is_news(old, new):
                 visitor.own.change(film=None)
 
@@ -260,7 +260,7 @@ class Renderer:
         before = self._drawn
         if (
             before is not None
-            and before.state.sightings is state.sightings
+            and before.state.observations is state.observations
             and before.state.cell is state.cell
         ):
             return before.calibration

@@ -16,7 +16,7 @@ from workbench.gui.shared.own import NOTHING_OWN, Own, Visited
 from workbench.gui.shared.playback import Moment, Run, moments
 from workbench.model.calibration import BinCheck, Calibration
 from workbench.model.geometry import Floats, Shape
-from workbench.model.scan import Discarded
+from workbench.model.scan import RejectedHypothesis
 from workbench.planning.collision.contact import Contact
 from workbench.planning.picking.nearest_fix import Fix
 
@@ -52,7 +52,7 @@ class Look:
     browser that moved the time last, None when nobody did (it plays); `browser` let it play, None:
     no browser did.  `shapes` and `frames` say whether collision shapes and frames are shown,
     `reach` of which arm the reach is; `search` is a search whose parts are drawn beside those
-    found, by its number; `discarded` says whether the poses that the last search discarded are
+    found, by its number; `rejected` says whether the poses that the last search rejected are
     shown; `held` is what somebody drags at this moment; `fixed` is
     the digest of the cell that the fix has made which was applied last.
     """
@@ -69,7 +69,7 @@ class Look:
     frames: bool = False
     reach: str = ""
     search: int | None = None
-    discarded: bool = False
+    rejected: bool = False
     held: Held | None = None
     fixed: str = ""
 
@@ -247,7 +247,7 @@ class View:
 
     @property
     def moments(self) -> dict[str, Moment]:
-        """How every arm is planned, by name: on its plan, jogged, as in a sighting, or filmed."""
+        """How every arm is planned, by name: on its plan, jogged, as in an observation, or filmed."""
         cell = self.state.cell
         now = moments(cell, self.runs, self.look.time)
         if self.jogged is not None:
@@ -270,12 +270,12 @@ class View:
         return place
 
     @property
-    def discarded(self) -> tuple[Discarded, ...]:
-        """What the search discarded that brought the detections as they are now."""
+    def rejected(self) -> tuple[RejectedHypothesis, ...]:
+        """What the search rejected that brought the detections as they are now."""
         findings = self.live.findings
         if findings is None or findings.detections is not self.state.detections:
             return ()
-        return findings.discarded
+        return findings.rejected
 
     @property
     def plan_seconds(self) -> float:

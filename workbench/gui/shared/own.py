@@ -42,14 +42,14 @@ class Showing:
 class Own:
     """What somebody does in their own view; nobody else sees anything of it.
 
-    `jog` holds the arms that are moved by hand, arm -> configuration (n,) [rad]; `sighting` is the
+    `jog` holds the arms that are moved by hand, arm -> configuration (n,) [rad]; `observation` is the
     pose of a calibration that is laid over the robot, `is_calibrated` says with which pose of the
     scanner; `film` is what is shown of an emptied pile; `measured` are the points (3,) [m] that
     were clicked on, up to two; `visited` is the place of the plan that is looked at.
     """
 
     jog: Mapping[str, Floats] | None = None
-    sighting: int | None = None
+    observation: int | None = None
     is_calibrated: bool = True
     film: Showing | None = None
     measured: tuple[Floats, ...] = ()
@@ -58,7 +58,7 @@ class Own:
     @property
     def hides_robot(self) -> bool:
         """Whether the robot stands elsewhere here than for everybody else."""
-        return self.jog is not None or self.sighting is not None or self.film is not None
+        return self.jog is not None or self.observation is not None or self.film is not None
 
 
 NOTHING_OWN = Own()
@@ -85,7 +85,7 @@ class OwnLook:
 
     def change(self, **fields: Any) -> None:
         """Replace fields of the look; a robot that is moved by hand, or posed, is in no film."""
-        if fields.get("jog") is not None or fields.get("sighting") is not None:
+        if fields.get("jog") is not None or fields.get("observation") is not None:
             fields = {**fields, "film": None}
         with self._lock:
             self._now = replace(self._now, **fields)
@@ -105,9 +105,9 @@ class OwnLook:
     def end(self) -> None:
         """See the robot again where everybody sees it."""
         if self._now.hides_robot:
-            self.change(jog=None, sighting=None, film=None)
+            self.change(jog=None, observation=None, film=None)
 
     def let_go(self) -> None:
         """Move no robot, as only those may who are not mere followers; a film goes on."""
-        if self._now.jog is not None or self._now.sighting is not None:
-            self.change(jog=None, sighting=None)
+        if self._now.jog is not None or self._now.observation is not None:
+            self.change(jog=None, observation=None)

@@ -11,7 +11,7 @@ from workbench.formats.cells.reading import read_cell
 from workbench.formats.parts.reading import read_part
 from workbench.model.cell import Cell
 from workbench.model.prediction import TOGETHER, EmptiedPile, PileTask
-from workbench.model.scan import ALL_KINDS, SearchWishes
+from workbench.model.scan import ALL_KINDS, SearchOverrides
 from workbench.perception.simulation.piles import drop_parts
 from workbench.perception.simulation.synthesize import synthesize
 from workbench.planning.collision.world import World
@@ -56,7 +56,7 @@ def _warm(name: str, part: str, seen: str, change: str) -> Cell:
     pile = drop_parts(kinds_in_turn(cell.parts, 2), cell.bin, seed=0)
     if seen == "scan":
         scan = synthesize(cell, pile, seed=0)
-        find_parts(scan, cell, seed=0, detail=SearchWishes().detail)
+        find_parts(scan, cell, seed=0, detail=SearchOverrides().detail)
     plan_pick(cell, pile, "warm")
     propose(World(cell, pile))  # also spares, which that plan did not need
     return cell

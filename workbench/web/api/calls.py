@@ -15,10 +15,10 @@ from workbench.app.core.value_checks import (
     MOST_PILES,
     SEED_LIMIT,
 )
-from workbench.model.cell import ORDER_NAMES, Wishes
+from workbench.model.cell import ORDER_NAMES, PlanOverrides
 from workbench.model.prediction import CHANGE_KINDS, TOGETHER, Seen
 from workbench.model.release import SLOWEST
-from workbench.model.scan import ALL_KINDS, SearchWishes
+from workbench.model.scan import ALL_KINDS, SearchOverrides
 from workbench.plugins.planner import planner_names
 from workbench.web.api.fields import Field
 
@@ -69,17 +69,17 @@ RAN = Field(
 TO = Field("to", "name of somebody who has asked for control", _text(LONGEST_NAME))
 
 
-WISHES = ("planner", "order", "iterations", "margin", "metric")
+OVERRIDES = ("planner", "order", "iterations", "margin", "metric")
 
 
 def _localize(values: Values) -> commands.FindParts:
-    wishes = SearchWishes(values["detail"], values["least_score"])
-    return commands.FindParts(values["seed"], wishes)
+    overrides = SearchOverrides(values["detail"], values["least_score"])
+    return commands.FindParts(values["seed"], overrides)
 
 
 def _plan(values: Values) -> commands.MakePlan:
-    wishes = Wishes(**{key: values[key] for key in WISHES})
-    return commands.MakePlan(values["strategy"], values["threshold"], values["seed"], wishes)
+    overrides = PlanOverrides(**{key: values[key] for key in OVERRIDES})
+    return commands.MakePlan(values["strategy"], values["threshold"], values["seed"], overrides)
 
 
 def _emptying(values: Values) -> commands.Command:

@@ -5,8 +5,8 @@ import itertools
 import numpy as np
 import pytest
 
+from workbench.planning.collision.arm_sweeps import ArmSweep, first_contact, standing
 from workbench.planning.collision.legs import phase_of
-from workbench.planning.collision.meeting import Course, first_meeting, standing
 from workbench.planning.collision.motion import RESOLUTION, curves_of, segment
 from workbench.planning.collision.pairing import Phase
 from workbench.planning.kinematics.chain import is_solution
@@ -39,14 +39,14 @@ def between(world, state) -> float:
     return contact.distance - contact.margin
 
 
-def courses_of(world, paths):
-    return [Course(arm, curves_of(path, 0.0).points) for arm, path in paths.items()]
+def sweeps_of(world, paths):
+    return [ArmSweep(arm, curves_of(path, 0.0).points) for arm, path in paths.items()]
 
 
 @pytest.mark.parametrize("seed", range(30))
 def test_the_answer_agrees_with_dense_sampling(both, seed):
     paths = ways(both, seed)
-    met = first_meeting(both, both.configuration({}), *courses_of(both, paths))
+    met = first_contact(both, both.configuration({}), *sweeps_of(both, paths))
     if met is not None:
         assert between(both, dict(zip(paths, met.q, strict=True))) < 0
         assert met.contact.distance < met.contact.margin
@@ -64,7 +64,7 @@ def test_the_answer_agrees_with_dense_sampling(both, seed):
 def test_the_seeds_above_show_both_answers(both):
     base = both.configuration({})
     answers = [
-        first_meeting(both, base, *courses_of(both, ways(both, seed))) is None for seed in range(30)
+        first_contact(both, base, *sweeps_of(both, ways(both, seed))) is None for seed in range(30)
     ]
     assert 3 < sum(answers) < 27
 
@@ -80,8 +80,8 @@ def test_one_that_stands_is_met_by_one_that_comes(both, cell, result):
     answers, residuals = chain.solve(T_world_tcp, starts)
     goal = answers[is_solution(residuals)][0]
     base = both.configuration({})
-    way = Course("left", segment(np.asarray(cell.arm("left").home), goal).points)
-    met = first_meeting(both, base, standing("right", there), way)
+    way = ArmSweep("left", segment(np.asarray(cell.arm("left").home), goal).points)
+    met = first_contact(both, base, standing("right", there), way)
     assert met is not None
     assert {label.split("_")[0].split()[0] for label in met.contact.pair} == {"right", "left"}
     assert np.array_equal(met.q[0], there)
@@ -89,10 +89,10 @@ def test_one_that_stands_is_met_by_one_that_comes(both, cell, result):
 
 def test_ways_that_are_long_are_answered_in_bounded_time(both, monkeypatch):
     """With no looks left the arms count as meeting."""
-    monkeypatch.setattr("workbench.planning.collision.meeting.MOST_LOOKS", 3)
+    monkeypatch.setattr("workbench.planning.collision.arm_sweeps.MOST_LOOKS", 3)
     for seed in range(5):
         before = both.checks
-        first_meeting(both, both.configuration({}), *courses_of(both, ways(both, seed)))
+        first_contact(both, both.configuration({}), *sweeps_of(both, ways(both, seed)))
         assert both.checks - before < 10
 
 

@@ -4,11 +4,11 @@ import viser
 
 from workbench.app.core.value_checks import LARGEST_MARGIN, MOST_ITERATIONS
 from workbench.gui.shared.visitor import whole
-from workbench.model.cell import ORDER_NAMES, Policy, Wishes
+from workbench.model.cell import ORDER_NAMES, PlanOverrides, Policy
 from workbench.plugins.planner import planner_names
 
 
-class WishesInputs:
+class OverridesInputs:
     """Planner, iterations, order, margin and metric; as the cell has them to begin with."""
 
     def __init__(self, gui: viser.GuiApi, policy: Policy):
@@ -55,9 +55,9 @@ class WishesInputs:
         )
 
     @property
-    def wishes(self) -> Wishes:
+    def overrides(self) -> PlanOverrides:
         """What is wanted now."""
-        return Wishes(
+        return PlanOverrides(
             self._planner.value,
             whole(self._iterations.value),
             self._order.value,

@@ -21,7 +21,7 @@ MOST_LOOKS = 20_000
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Course:
+class ArmSweep:
     """The way of one arm: its name and the control points (k, 3, n) [rad] of its curves."""
 
     arm: str
@@ -29,7 +29,7 @@ class Course:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Meeting:
+class ArmContact:
     """Where two arms come too close: `q`, (n,) [rad] of each, and their curves, counted from 0."""
 
     contact: Contact
@@ -37,14 +37,14 @@ class Meeting:
     curves: tuple[int, int]
 
 
-def standing(arm: str, q: Floats) -> Course:
+def standing(arm: str, q: Floats) -> ArmSweep:
     """An arm that stays at `q` (n,) [rad]."""
-    return Course(arm, np.array([[q, q, q]]))
+    return ArmSweep(arm, np.array([[q, q, q]]))
 
 
-def first_meeting(
-    world: World, base: Floats, first: Course, second: Course, resolution: float = RESOLUTION
-) -> Meeting | None:
+def first_contact(
+    world: World, base: Floats, first: ArmSweep, second: ArmSweep, resolution: float = RESOLUTION
+) -> ArmContact | None:
     """The first place found where two arms come too close; None when there surely is none.
 
     Args:
@@ -55,7 +55,7 @@ def first_meeting(
         resolution: [m] see `motion`.
     """
     q, d = base.copy(), np.zeros(len(base))
-    columns = [world.kinematics.columns[course.arm] for course in (first, second)]
+    columns = [world.kinematics.columns[sweep.arm] for sweep in (first, second)]
     pending: deque[tuple[tuple[Floats, Floats], tuple[int, int], Ints]] = deque()
     among = world.pairs.between(first.arm, second.arm)
     pending.append(((first.points, second.points), (0, 0), among))
@@ -72,11 +72,11 @@ def first_meeting(
         looks += 1
         at = (starts[0] + len(ways[0]) // 2, starts[1] + len(ways[1]) // 2)
         if contact is not None:
-            return Meeting(contact, (middles[0], middles[1]), at)
+            return ArmContact(contact, (middles[0], middles[1]), at)
         if len(unclear) == 0 or move <= resolution:
             continue
         if looks > MOST_LOOKS:
-            return Meeting(world.nearest(q, unclear), (middles[0], middles[1]), at)
+            return ArmContact(world.nearest(q, unclear), (middles[0], middles[1]), at)
         longer = 0 if spans[0] >= spans[1] else 1
         way, start = ways[longer], starts[longer]
         if len(way) > 1:

@@ -1,4 +1,4 @@
-"""Room for one sweep: where joints and bodies are at the state looked at.
+"""Scratch for one sweep: where joints and bodies are at the state looked at.
 
 What does not move along the curves is placed once; of what moves, a body is placed only in a look
 that has an open pair of it.
@@ -24,7 +24,7 @@ ALWAYS = 1 << 62
 """The number of a look that never comes: what does not move is where it is."""
 
 
-class Room(NamedTuple):
+class Scratch(NamedTuple):
     """All that a sweep writes to.
 
     `q` and `d` (nq,) [rad, m] are the state looked at and how far each joint may move from it;
@@ -62,8 +62,8 @@ class Room(NamedTuple):
 
 
 @njit(cache=True)
-def room_for(columns: Ints, base: Floats, tree: Tree, boxes: Boxes, cores: Cores) -> Room:
-    """Room to sweep curves of the joints `columns` (n,), others at `base` (nq,) [rad, m]."""
+def scratch_for(columns: Ints, base: Floats, tree: Tree, boxes: Boxes, cores: Cores) -> Scratch:
+    """Scratch to sweep curves of the joints `columns` (n,), others at `base` (nq,) [rad, m]."""
     joints, bodies, nq, n = len(tree.parents), len(boxes.joint), len(base), len(columns)
     is_moving = np.zeros(joints, np.bool_)
     for i in range(n):
@@ -77,7 +77,7 @@ def room_for(columns: Ints, base: Floats, tree: Tree, boxes: Boxes, cores: Cores
         if is_moving[j]:
             count -= 1
             moving[count] = j
-    room = Room(
+    scratch = Scratch(
         base.copy(), np.zeros(nq), np.zeros(n), moving,
         np.zeros((joints, 3, 3)), np.zeros((joints, 3)), np.zeros((joints, 3)),
         _hubs(joints, boxes), np.zeros((joints, 3)), np.zeros((joints, joints)),
@@ -87,19 +87,19 @@ def room_for(columns: Ints, base: Floats, tree: Tree, boxes: Boxes, cores: Cores
         np.empty(MOST_PENDING, np.int64), np.empty(MOST_OPEN, np.int64), np.empty((5, 3)),
     )  # fmt: skip
     for i in range(3):
-        room.R_j[0, i, i] = 1.0
+        scratch.R_j[0, i, i] = 1.0
     for j in range(1, joints):
-        joint_pose(j, tree, base, room.R_j, room.p_j, room.z_j)
-        _place_hub(j, room)
+        joint_pose(j, tree, base, scratch.R_j, scratch.p_j, scratch.z_j)
+        _place_hub(j, scratch)
     for g in range(bodies):
         if cores.form[g] == BALL:
             # It is never turned, but its box has to have sides.
             for i in range(3):
-                room.R[g, i, i] = 1.0
+                scratch.R[g, i, i] = 1.0
         if not is_moving[boxes.joint[g]]:
-            place_body(g, boxes, cores, room, ALWAYS)
-            room.done[g, 1] = ALWAYS
-    return room
+            place_body(g, boxes, cores, scratch, ALWAYS)
+            scratch.done[g, 1] = ALWAYS
+    return scratch
 
 
 @njit(cache=True)
@@ -125,28 +125,40 @@ def _hubs(joints: int, boxes: Boxes) -> Floats:
 
 
 @njit(cache=True)
-def place_joints(tree: Tree, room: Room) -> None:
-    """Write where the joints that move are at `room.q`, and how far their bodies can move."""
-    for m in range(len(room.moving)):
-        j = room.moving[m]
-        joint_pose(j, tree, room.q, room.R_j, room.p_j, room.z_j)
-        _place_hub(j, room)
-        x, y, z = room.hub_c[j, 0], room.hub_c[j, 1], room.hub_c[j, 2]
-        walk(j, x, y, z, float(room.hub[j, 3]), j, tree, room.d, room.p_j, room.z_j, room.hubs)
+def place_joints(tree: Tree, scratch: Scratch) -> None:
+    """Write where the joints that move are at `scratch.q`, and how far their bodies can move."""
+    for m in range(len(scratch.moving)):
+        j = scratch.moving[m]
+        joint_pose(j, tree, scratch.q, scratch.R_j, scratch.p_j, scratch.z_j)
+        _place_hub(j, scratch)
+        x, y, z = scratch.hub_c[j, 0], scratch.hub_c[j, 1], scratch.hub_c[j, 2]
+        walk(
+            j,
+            x,
+            y,
+            z,
+            float(scratch.hub[j, 3]),
+            j,
+            tree,
+            scratch.d,
+            scratch.p_j,
+            scratch.z_j,
+            scratch.hubs,
+        )
 
 
 @njit(cache=True)
-def _place_hub(j: int, room: Room) -> None:
+def _place_hub(j: int, scratch: Scratch) -> None:
     for i in range(3):
-        room.hub_c[j, i] = room.p_j[j, i]
+        scratch.hub_c[j, i] = scratch.p_j[j, i]
         for k in range(3):
-            room.hub_c[j, i] += room.R_j[j, i, k] * room.hub[j, k]
+            scratch.hub_c[j, i] += scratch.R_j[j, i, k] * scratch.hub[j, k]
 
 
 @njit(cache=True)
-def place_body(g: int, boxes: Boxes, cores: Cores, room: Room, look: int) -> None:
+def place_body(g: int, boxes: Boxes, cores: Cores, scratch: Scratch, look: int) -> None:
     """Write where a body is, in the look of that number; a ball is never turned."""
-    R_j, p_j, R, c, j = room.R_j, room.p_j, room.R, room.c, boxes.joint[g]
+    R_j, p_j, R, c, j = scratch.R_j, scratch.p_j, scratch.R, scratch.c, boxes.joint[g]
     for i in range(3):
         c[g, i] = p_j[j, i]
         for k in range(3):
@@ -159,13 +171,25 @@ def place_body(g: int, boxes: Boxes, cores: Cores, room: Room, look: int) -> Non
                     + R_j[j, i, 1] * boxes.R[g, 1, k]
                     + R_j[j, i, 2] * boxes.R[g, 2, k]
                 )
-    room.done[g, 0] = look
+    scratch.done[g, 0] = look
 
 
 @njit(cache=True)
-def walk_body(g: int, tree: Tree, boxes: Boxes, room: Room, look: int) -> None:
+def walk_body(g: int, tree: Tree, boxes: Boxes, scratch: Scratch, look: int) -> None:
     """Write how far a body can move, in the look of that number."""
-    c, radius = room.c, boxes.radius[g]
+    c, radius = scratch.c, boxes.radius[g]
     x, y, z = c[g, 0], c[g, 1], c[g, 2]
-    walk(g, x, y, z, radius, boxes.joint[g], tree, room.d, room.p_j, room.z_j, room.travel)
-    room.done[g, 1] = look
+    walk(
+        g,
+        x,
+        y,
+        z,
+        radius,
+        boxes.joint[g],
+        tree,
+        scratch.d,
+        scratch.p_j,
+        scratch.z_j,
+        scratch.travel,
+    )
+    scratch.done[g, 1] = look
