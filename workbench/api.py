@@ -22,6 +22,7 @@ from workbench.app.picking.proving import prove
 from workbench.app.records import replay as replays
 from workbench.app.records import session_archive
 from workbench.app.records.sessions import cell_of
+from workbench.app.runtime.compiled_code import forget_the_old, take_shipped
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.clouds.scans import read_scan, write_cloud
 from workbench.formats.parts.reading import read_part
@@ -112,6 +113,12 @@ __all__ = [
     "write_plan",
     "write_poses",
 ]
+
+
+# Scripts come here without a command that makes ready: they take what was compiled ahead, too, and
+# must not run what was compiled from the sources before an update.
+take_shipped()
+forget_the_old()
 
 
 def simulate_scan(cell: Cell, truth: Sequence[Detection], *, seed: int = 0) -> Scan:

@@ -225,7 +225,7 @@ class SearchOverrides:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Search:
-    """A search in the current scan: its seed and overrides, what was found, and how long it took [s].
+    """A search in the current scan: seed, overrides, what was found, and how long it took [s].
 
     `number` is that of the entry that began it.
     """

@@ -29,6 +29,7 @@ from workbench.app.core.commands import (
     TakeScan,
     TryEmptying,
     UseDetections,
+    UseObservations,
     UseScan,
     WantThreshold,
     WatchPlan,
@@ -40,14 +41,14 @@ from workbench.app.records.record import command_form, entry_of, entry_record
 from workbench.app.records.replay import replay
 from workbench.app.records.sessions import new_session
 from workbench.journal.journal import Journal
-from workbench.model.cell import Arm
+from workbench.model.cell import Arm, PlanOverrides
 from workbench.model.digest import canonical, digest_of
 from workbench.model.errors import FileError, JobCancelled, JournalError
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.part import PartPlace
 from workbench.model.prediction import EmptiedPile, Emptying, LeftPart, PileTask
 from workbench.model.release import Receipt
-from workbench.model.scan import Detection, Scan
+from workbench.model.scan import Detection, Scan, SearchOverrides
 
 NOW = 1_700_000_000.0
 
@@ -143,6 +144,23 @@ def test_every_command_comes_back_as_it_was(samples):
             command.result, FileError
         )
         assert command_form(again.command).files == form.files
+
+
+def test_commands_on_record_by_their_first_names_are_read():
+    """A command and three fields were renamed in 0.2.0; sessions keep their first names."""
+
+    def read(kind, form):
+        body = {"at": 1.0, "actor": "ada", "role": "engineer", "command": form, "after": {}}
+        return entry_of(2, kind, json.dumps(body).encode(), None)[0].command
+
+    planned = MakePlan(overrides=PlanOverrides(planner="sbl"))
+    form = command_form(planned).form
+    assert form["wishes"]["planner"] == "sbl" and "overrides" not in form
+    assert canonical(read("MakePlan", form)) == form
+    sought = command_form(FindParts(3, SearchOverrides(0.5, 0.1))).form
+    assert sought["wishes"]["detail"] == 0.5 and canonical(read("FindParts", sought)) == sought
+    left = {"sightings": [], "says": "none is left"}
+    assert isinstance(read("UseSightings", left), UseObservations)
 
 
 def test_values_come_back_with_their_digests_and_protected(samples):

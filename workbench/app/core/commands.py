@@ -23,7 +23,7 @@ from workbench.app.core.reports import (
 )
 from workbench.model.calibration import BallPlate, PlateObservation
 from workbench.model.cell import Cell, PlanOverrides
-from workbench.model.digest import LATER
+from workbench.model.digest import LATER, called
 from workbench.model.geometry import Floats, frozen, put
 from workbench.model.part import Entry as GraspEntry
 from workbench.model.part import GraspPair
@@ -63,7 +63,7 @@ class FindParts:
     """
 
     seed: int = 0
-    overrides: SearchOverrides = field(default_factory=SearchOverrides)
+    overrides: SearchOverrides = field(default_factory=SearchOverrides, metadata=called("wishes"))
     is_compared: bool = field(default_factory=bool, metadata=LATER)
 
 
@@ -96,12 +96,9 @@ class SightPlate:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class UseObservations:
-    """Go on with these observations of the plate: some removed, or left out of the calibration.
+    """Go on with these observations of the plate, some left out; `says` tells people so."""
 
-    `says` tells people what was done.
-    """
-
-    observations: tuple[PlateObservation, ...]
+    observations: tuple[PlateObservation, ...] = field(metadata=called("sightings"))
     says: str
 
 
@@ -115,7 +112,7 @@ class MakePlan:
     strategy: str = "auto"
     threshold: float = 0.2
     seed: int = 0
-    overrides: PlanOverrides = field(default_factory=PlanOverrides)
+    overrides: PlanOverrides = field(default_factory=PlanOverrides, metadata=called("wishes"))
 
 
 @dataclass(frozen=True, slots=True, eq=False)

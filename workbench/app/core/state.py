@@ -36,7 +36,7 @@ class Job:
 
     `number` is that of the entry that began it, `at` [s since the epoch] when.  A planning has its
     `strategy`, `threshold` [m], `seed`, and as `planning` what it wants otherwise than the cell; a
-    search for parts its `seed` and `overrides`, and `is_compared`: what it finds is not taken at once.
+    search its `seed` and `overrides`, and `is_compared`: what it finds is not taken at once.
     `then`: what it brings is gone on with, as is wanted there; None where a person decides.
     """
 

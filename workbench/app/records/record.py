@@ -15,6 +15,7 @@ from workbench.app.core.commands import (
     Command,
     Entry,
     JobEnded,
+    UseObservations,
 )
 from workbench.app.core.people import Role
 from workbench.app.core.rights import MACHINES
@@ -36,7 +37,11 @@ Result = (
 SESSION = "Session"
 SESSION_FORMAT = "workbench-session/1"
 
-COMMANDS: Mapping[str, type] = {kind.__name__: kind for kind in get_args(Command)}
+COMMANDS: Mapping[str, type] = {
+    **{kind.__name__: kind for kind in get_args(Command)},
+    "UseSightings": UseObservations,
+}
+"""The commands by their names on record; those of older sessions are among them."""
 
 RESULTS: Mapping[Any, str] = {
     Scan: "scan",

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Literal
 
-from tyro.conf import Positional, subcommand
+from tyro.conf import Positional, arg, subcommand
 
 from workbench.cli.arguments.access import USERS, UserCommands
 from workbench.cli.arguments.names import (
@@ -125,7 +125,7 @@ class Localize:
     """PLY or PCD file in the scanner's frame, with the cell's unit and axes of clouds."""
     out: Path
     """JSON file of poses to write."""
-    rejected: bool = False
+    rejected: Annotated[bool, arg(aliases=["--discarded"])] = False
     """Tell also which poses were thought possible and rejected, and why."""
     seed: Seed = 0
     detail: float = 1.0

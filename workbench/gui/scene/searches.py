@@ -1,4 +1,4 @@
-"""Searches for parts in one scan, side by side: with other overrides, in a table and in the scene."""
+"""Searches for parts in one scan, side by side: other seeds and settings, table and scene."""
 
 from collections.abc import Sequence
 from html import escape

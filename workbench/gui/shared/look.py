@@ -247,7 +247,7 @@ class View:
 
     @property
     def moments(self) -> dict[str, Moment]:
-        """How every arm is planned, by name: on its plan, jogged, as in an observation, or filmed."""
+        """How every arm is planned, by name: on its plan, jogged, as observed, or as filmed."""
         cell = self.state.cell
         now = moments(cell, self.runs, self.look.time)
         if self.jogged is not None:

@@ -42,9 +42,9 @@ class Showing:
 class Own:
     """What somebody does in their own view; nobody else sees anything of it.
 
-    `jog` holds the arms that are moved by hand, arm -> configuration (n,) [rad]; `observation` is the
-    pose of a calibration that is laid over the robot, `is_calibrated` says with which pose of the
-    scanner; `film` is what is shown of an emptied pile; `measured` are the points (3,) [m] that
+    `jog` holds the arms that are moved by hand, arm -> configuration (n,) [rad]; `observation` is
+    the pose of a calibration that is laid over the robot, `is_calibrated` says with which pose of
+    the scanner; `film` is what is shown of an emptied pile; `measured` are the points (3,) [m] that
     were clicked on, up to two; `visited` is the place of the plan that is looked at.
     """
 

@@ -72,7 +72,7 @@ def swept(
     Returns:
         How many curves are clear; on the next one, of the pairs that touch at the first state where
         one does, that with the lowest number, and the configuration (n,) there; or `IS_CLEAR` when
-        there is no next one, or `TOO_LONG` when that takes more scratch than there is; and how many
+        there is no next one, or `TOO_LONG` when that takes more room than there is; and how many
         states were looked at.
     """
     scratch = scratch_for(columns, base, model.tree, model.boxes, model.cores)
