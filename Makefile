@@ -9,6 +9,9 @@ INSTALL := $(PIP) --no-build-isolation --editable
 LIBRARIES := libusb-1.0-0 libgl1 libegl1 libx11-6 libgomp1
 BROWSER := chromium fonts-dejavu-core
 
+# What stands for devices in the tests: a web server, and a camera of GenICam.
+STAND_INS := apache2-bin aravis-tools
+
 # What `make test-fast` leaves out: browsers, whole commands, and what takes longest in its folder.
 SLOW := browser cli examples packaging perception plugins portable studies testing web \
 	test_new_part.py test_new_robot.py test_site.py test_skips.py \
@@ -51,7 +54,7 @@ run: $(VENV)/.compiled
 	@exec $(BIN)/workbench serve $(ARGS)
 
 test: $(VENV)/.test $(VENV)/.compiled
-	@bash setup/debian.sh $(BROWSER)
+	@bash setup/debian.sh $(BROWSER) $(STAND_INS)
 	$(BIN)/python -m pytest $(WORKERS) $(ARGS)
 
 test-fast: $(VENV)/.test $(VENV)/.compiled

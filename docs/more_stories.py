@@ -34,6 +34,9 @@ CYCLES = 6
 MOMENT = 30
 """Which entry of the recorded session is shown."""
 
+FILM = "5"
+"""[s] Which moment of the film is shown."""
+
 PLOTS = {
     "threshold": "study threshold --cycles 60",
     "planners": "bench planners --targets 60 --iterations 5 20 100 500",
@@ -122,7 +125,7 @@ def calibration(chrome: Browser, folder: Path) -> None:
             at.page.wait_for_timeout(1500)
             screen.wait_for("as it is jogged on the page")
             screen.press("Scan the plate")
-            at.wait(lambda count=count: len(at.bench.state.sightings) == count, f"pose {count}")
+            at.wait(lambda count=count: len(at.bench.state.observations) == count, f"pose {count}")
         at.page.locator(".wb-poses:visible tbody tr").nth(1).click()
         screen.wait_for("Points near the robot")
         at.page.wait_for_timeout(1500)
@@ -164,6 +167,26 @@ def statistics(chrome: Browser, folder: Path) -> None:
         journal.close()
 
 
+def emptying(chrome: Browser, folder: Path) -> None:
+    """Piles emptied in simulation, and the film of one of them, half way."""
+    with desk(chrome, folder, speed=20) as at:
+        screen, page = at.screen, at.page
+        screen.tab("Emptying")
+        for label, value in (("Parts", 5), ("Piles", 3)):
+            box = page.get_by_label(label, exact=True).locator("visible=true")
+            box.fill(str(value))
+            box.press("Tab")
+            page.wait_for_timeout(300)
+        screen.press("Empty piles")
+        at.wait(lambda: at.bench.state.emptying is not None, "the piles to be empty")
+        screen.press("Play film")
+        box = field(screen, "Film [s]")
+        box.fill(FILM)
+        box.press("Enter")
+        page.mouse.move(400, 780)
+        at.shoot("emptying")
+
+
 def plots(chrome: Browser, folder: Path) -> None:
     """What the quick measurements draw."""
     for name, typed in PLOTS.items():
@@ -185,5 +208,6 @@ STORIES: dict[str, Callable[[Browser, Path], None]] = {
     "calibration": calibration,
     "bin_moved": bin_moved,
     "statistics": statistics,
+    "emptying": emptying,
     "plots": plots,
 }

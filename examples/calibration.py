@@ -25,14 +25,14 @@ def off(T_world_scanner: pin.SE3) -> str:
     return f"{distance:.2f} mm and {angle:.2f} degrees off"
 
 
-sightings: list[wb.PlateSighting] = []
+observations: list[wb.PlateObservation] = []
 for number, q in enumerate(wb.plate_poses(cell, plate, count=8), start=1):
     scan = wb.simulate_plate(cell, q, plate, T_world_scanner=truth, seed=number)
     try:
-        sightings.append(wb.sight_plate(scan, plate, f"pose {number}", "right", q))
+        observations.append(wb.sight_plate(scan, plate, f"pose {number}", "right", q))
     except wb.InputError as error:
         print("left out:", error)
-found = wb.calibrate(cell, sightings)
+found = wb.calibrate(cell, observations)
 for one in found.residuals:
     print(f"{one.name}: balls {one.distance * 1000:.2f} mm from where they should be, {one.light}")
 print("the cell file:", off(cell.scanner.T_world_scanner))

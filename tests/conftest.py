@@ -1,5 +1,7 @@
 """What holds for all tests."""
 
+import ctypes
+import platform
 from collections import defaultdict
 from collections.abc import Iterable
 from pathlib import Path
@@ -13,6 +15,14 @@ import workbench  # noqa: F401 - before NumPy is: it says which instructions tha
 settings.register_profile("workbench", deadline=None, suppress_health_check=[HealthCheck.too_slow])
 settings.load_profile("workbench")
 
+M_TRIM_THRESHOLD, M_MMAP_MAX = -1, -4
+"""Of malloc.h."""
+
+if platform.libc_ver()[0] == "glibc":
+    # Large arrays come and go, and each new page of memory is the system's work: two fifths of what
+    # tests of scans with millions of points took.  So up to a gigabyte that is free is kept.
+    ctypes.CDLL(None).mallopt(M_MMAP_MAX, 0)
+    ctypes.CDLL(None).mallopt(M_TRIM_THRESHOLD, 2**30)
 
 HERE = Path(__file__).parent
 

@@ -93,6 +93,6 @@ def test_a_held_plate_is_simulated_and_sighted():
     assert np.allclose(sides, plate.sides, atol=0.0005)
 
 
-def test_a_calibration_without_sightings_is_refused():
+def test_a_calibration_without_observations_is_refused():
     with pytest.raises(workbench.InputError, match="no pose was scanned yet"):
         workbench.calibrate(workbench.read_cell("yumi"), [])

@@ -130,9 +130,16 @@ def test_sources_are_cited_where_they_are_used():
             assert any(name in text for name in names if name[0].isupper() and len(name) > 3), file
 
 
-def test_the_version_has_its_place_among_the_changes():
-    changes = (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
-    assert f"## [{workbench.__version__}]" in changes or "## [Unreleased]" in changes
+def test_changes_and_commands_name_the_version_that_this_is():
+    version = workbench.__version__
+    # What is new since then stands above it, under its own heading.
+    headings = re.findall(r"^## \[(.+?)\](.*)$", (ROOT / "CHANGELOG.md").read_text(), re.M)
+    assert headings[0] == ("Unreleased", "") and headings[1][0] == version
+    assert re.fullmatch(r" - \d{4}-\d\d-\d\d", headings[1][1])
+    assert f'\nversion: "{version}"\n' in (ROOT / "CITATION.cff").read_text()
+    for path in ("docs/service.md", "setup/Containerfile"):
+        named = set(re.findall(r"workbench-(\d+\.\d+\.\d+)", (ROOT / path).read_text()))
+        assert named == {version}, path
 
 
 def test_every_layer_is_described():

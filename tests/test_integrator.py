@@ -5,6 +5,9 @@ import tomllib
 from pathlib import Path
 
 from workbench.devices.genicam.scanner import GenicamOptions
+from workbench.devices.scanners.logins import HttpOptions
+from workbench.devices.scanners.merged import MergedOptions
+from workbench.devices.scanners.realsense import RealsenseOptions
 from workbench.formats.cells.calibrations import read_scanned_poses
 from workbench.formats.cells.reading import read_cell
 from workbench.plugins.found import names
@@ -63,6 +66,23 @@ def test_the_keys_of_a_depth_camera_are_those_of_its_driver():
     wanted = tomllib.loads(example_with('source = "genicam"'))["scanner"]
     options = options_of(GenicamOptions, wanted["options"])
     assert (options.serial, options.exposure_us) == ("21A0042", 8000.0)
+
+
+def test_the_keys_of_a_page_with_a_login_are_those_of_its_driver():
+    wanted = tomllib.loads(example_with('source = "http"'))["scanner"]
+    options = options_of(HttpOptions, wanted["options"])
+    assert (options.login, options.user, options.secret_variable) == ("digest", "cell7", "")
+
+
+def test_the_keys_of_realsense_are_those_of_its_driver():
+    wanted = tomllib.loads(example_with('source = "realsense"'))["scanner"]
+    options = options_of(RealsenseOptions, wanted["options"])
+    assert (options.columns, options.rows, options.skipped_frames) == (848, 480, 15)
+
+
+def test_the_keys_of_several_scanners_are_those_of_their_driver():
+    wanted = tomllib.loads(example_with('source = "merged"'))["scanner"]
+    assert options_of(MergedOptions, wanted["options"]).views == "left.toml, right.toml"
 
 
 def test_the_files_on_the_page_are_read(tmp_path):

@@ -22,6 +22,7 @@ from workbench.app.picking.proving import prove
 from workbench.app.records import replay as replays
 from workbench.app.records import session_archive
 from workbench.app.records.sessions import cell_of
+from workbench.app.runtime.compiled_code import forget_the_old, take_shipped
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.clouds.scans import read_scan, write_cloud
 from workbench.formats.parts.reading import read_part
@@ -29,9 +30,9 @@ from workbench.formats.plans import plan_files
 from workbench.formats.plans.plan_files import write_plan
 from workbench.formats.plans.pose_files import read_poses, write_poses
 from workbench.journal.journal import Journal
-from workbench.model.calibration import BallPlate, Calibration, PlateSighting
+from workbench.model.calibration import BallPlate, Calibration, PlateObservation
 from workbench.model.candidate import Candidate, Verdict
-from workbench.model.cell import Cell, Wishes
+from workbench.model.cell import Cell, PlanOverrides
 from workbench.model.digest import digest_of
 from workbench.model.errors import (
     CommandRefused,
@@ -76,14 +77,14 @@ __all__ = [
     "Obstacle",
     "Part",
     "Plan",
+    "PlanOverrides",
     "PlanResult",
-    "PlateSighting",
+    "PlateObservation",
     "Proof",
     "Receipt",
     "Scan",
     "State",
     "Verdict",
-    "Wishes",
     "WorkbenchError",
     "approve",
     "calibrate",
@@ -112,6 +113,12 @@ __all__ = [
     "write_plan",
     "write_poses",
 ]
+
+
+# Scripts come here without a command that makes ready: they take what was compiled ahead, too, and
+# must not run what was compiled from the sources before an update.
+take_shipped()
+forget_the_old()
 
 
 def simulate_scan(cell: Cell, truth: Sequence[Detection], *, seed: int = 0) -> Scan:
@@ -144,7 +151,7 @@ def plan(
     scan: Scan | None = None,
     strategy: str = "auto",
     threshold: float | None = None,
-    wishes: Wishes | None = None,
+    overrides: PlanOverrides | None = None,
     seed: int = 0,
 ) -> PlanResult:
     """Judge every grasp of every part, plan for the best, and prove the plan.
@@ -156,7 +163,7 @@ def plan(
         strategy: `auto`, `alternated`, `coordinated`, `both`, or the name of
             an arm, which works alone.
         threshold: [m] nearer parts are taken by one arm after the other; None takes the cell's.
-        wishes: what this one planning wants otherwise than the cell's policy.
+        overrides: what this one planning wants otherwise than the cell's policy.
         seed: the same seed gives the same plan.
 
     Returns:
@@ -172,7 +179,7 @@ def plan(
         digest_of(found) if scan is None else scan.digest,
         strategy=strategy,
         threshold=threshold,
-        wishes=Wishes() if wishes is None else wishes,
+        overrides=PlanOverrides() if overrides is None else overrides,
         obstacles=() if scan is None else unexplained(cell, scan, found),
         seed=seed,
     )
@@ -270,14 +277,14 @@ def simulate_plate(
     )
 
 
-def calibrate(cell: Cell, sightings: Sequence[PlateSighting]) -> Calibration:
+def calibrate(cell: Cell, observations: Sequence[PlateObservation]) -> Calibration:
     """Where the scanner hangs, by a plate that the robot has held into its view.
 
     Args:
         cell: for the robot's kinematics; where it has the scanner does not matter.
-        sightings: of one plate in one arm, by `sight_plate`; 4 at least, 8 are better.
+        observations: of one plate in one arm, by `sight_plate`; 4 at least, 8 are better.
 
     Raises:
-        InputError: the sightings do not belong together, are too few, too similar or at odds.
+        InputError: the observations do not belong together, are too few, too similar or at odds.
     """
-    return calibrations.calibrated(cell, sightings)
+    return calibrations.calibrated(cell, observations)

@@ -6,8 +6,10 @@ import time
 import numpy as np
 import pinocchio as pin
 
+from workbench.app.emptying.film import Film, Filmed
 from workbench.model.errors import FileError, InputError, JobCancelled
-from workbench.model.scan import Detection, Discarded, LocalizationResult, Objection, Scan
+from workbench.model.prediction import EmptiedPile, Emptying, LeftPart, PileTask
+from workbench.model.scan import Detection, LocalizationResult, Objection, RejectedHypothesis, Scan
 
 
 def echo(cell, arguments, report, cancelled):
@@ -78,9 +80,18 @@ def localize(cell, arguments, report, cancelled):
         return (complex(1, 2),)
     if arguments["seed"] == 14:
         found = Detection(cell.parts[0].name, cell.bin.T_world_bin)
-        lost = Discarded(found.part, found.T_world_part, 0.4, Objection.REACHES_INTO, 0)
+        lost = RejectedHypothesis(found.part, found.T_world_part, 0.4, Objection.REACHES_INTO, 0)
         return LocalizationResult((found,), (lost,))
     return wait_politely(cell, arguments, report, cancelled)
+
+
+def emptying(cell, arguments, report, cancelled):
+    asked = arguments["command"]
+    task = PileTask(cell.name, cell.parts[0].name, asked.count, asked.seed)
+    lies = ((0, Detection(cell.parts[0].name, cell.bin.T_world_bin)),)
+    left = (LeftPart("part-1", "no path", "no way was found", ""),)
+    pile = EmptiedPile(task, 1, 0, (0, 0, 0), 0, 0, 0, 3, 0.0, left, (), (), 0.0)
+    return Filmed(Emptying(cell.digest, (pile,)), (Film(task, lies, (), lies),))
 
 
 def plan(cell, arguments, report, cancelled):

@@ -11,6 +11,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import pytest
+from forking import fork_workers
 from patient import PATIENT
 from playwright.sync_api import Browser, BrowserContext, Locator, Page, expect, sync_playwright
 from waiting import PATIENCE, wait_until
@@ -40,6 +41,8 @@ FLAGS = [
     "--disable-dev-shm-usage",
     # Text and boxes drawn by WebGL's stand-in take twice the time.
     "--disable-gpu-rasterization",
+    # So does putting a page together: while a task is under way it is done for each bit of it.
+    "--disable-gpu-compositing",
     # A busy machine draws slowly: that is no reason to end what draws.
     "--disable-gpu-watchdog",
 ]
@@ -58,11 +61,13 @@ WINDOW = {
 FEWER_PICTURES = """
 (() => {
   const next = window.requestAnimationFrame.bind(window);
-  let last = 0, waiting = new Map(), timer = null;
+  let last = 0, waiting = new Map(), timer = null, filled = -Infinity, isFilled = true;
   const draw = (now) => {
     const due = waiting;
     waiting = new Map();
     timer = null;
+    isFilled = now >= filled + EMPTY_FOR;
+    if (isFilled) filled = now;
     for (const one of due.values()) one(now);
   };
   window.requestAnimationFrame = (one) => {
@@ -71,10 +76,21 @@ FEWER_PICTURES = """
     return last;
   };
   window.cancelAnimationFrame = (number) => waiting.delete(number);
+  const canvas = WebGL2RenderingContext.prototype;
+  for (const name of Object.getOwnPropertyNames(canvas)) {
+    if (!/^(clear|draw(Arrays|Elements|Range)|blit)/.test(name)) continue;
+    if (/^clear(Color|Depth|Stencil)$/.test(name)) continue;
+    const fill = canvas[name];
+    canvas[name] = function (...what) { if (isFilled) return fill.apply(this, what); };
+  }
 })();
 """
-"""Ten pictures a second at most.  Each takes a processor 50 to 100 ms, and what a browser draws in
-vain the other tests lack: Chromium draws with a higher priority than they have."""
+"""Ten pictures a second at most: what a browser draws in vain the other tests lack, and Chromium
+draws with a higher priority than they have.  Of most pictures everything is computed but what
+WebGL fills with colour, which takes a processor 50 to 100 ms each."""
+
+EMPTY_FOR = 10_000
+"""[ms] From one picture that is filled to the next, where no test asks for the colours of any."""
 
 
 @dataclass
@@ -174,6 +190,12 @@ def robot(tmp_path: Path, speed: float) -> Iterator[Robot]:
     process.stdout.close()
 
 
+@pytest.fixture(autouse=True)
+def forked(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Workers of a page start as they do for people in tests of the runtime."""
+    fork_workers(monkeypatch)
+
+
 @pytest.fixture
 def bench(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[Bench]:
     """With a robot for the tests that ask for one; the others need none."""
@@ -196,13 +218,20 @@ def url(bench: Bench) -> Iterator[str]:
 
 
 @pytest.fixture
-def new_context(browser: Browser) -> Iterator[Callable[[], BrowserContext]]:
+def are_filled() -> bool:
+    """Whether all pictures are filled with colour: for tests that look at colours, and people."""
+    return LOOKED_AT is not None
+
+
+@pytest.fixture
+def new_context(browser: Browser, are_filled: bool) -> Iterator[Callable[[], BrowserContext]]:
     """Makes windows of their own, patient and without haste."""
     contexts: list[BrowserContext] = []
 
     def make() -> BrowserContext:
         context = browser.new_context(**WINDOW)
-        context.add_init_script(FEWER_PICTURES)
+        empty_for = 0 if are_filled else EMPTY_FOR
+        context.add_init_script(f"const EMPTY_FOR = {empty_for};{FEWER_PICTURES}")
         context.set_default_timeout(PATIENCE * 1000)
         contexts.append(context)
         return context

@@ -25,9 +25,9 @@ def test_a_scanner_that_hangs_elsewhere_is_found_and_put_right(screen, bench, wa
         screen.page.wait_for_timeout(800)
         screen.wait_for("as it is jogged on the page")
         screen.press("Scan the plate")
-        wait(lambda count=count: len(bench.state.sightings) == count, f"pose {count}")
-    assert {one.arm for one in bench.state.sightings} == {"right"}
-    assert len({tuple(one.q) for one in bench.state.sightings}) == 5
+        wait(lambda count=count: len(bench.state.observations) == count, f"pose {count}")
+    assert {one.arm for one in bench.state.observations} == {"right"}
+    assert len({tuple(one.q) for one in bench.state.observations}) == 5
 
     # Somebody has knocked against the scanner, or typed a wrong pose.
     cell = bench.state.cell
@@ -46,7 +46,7 @@ def test_a_scanner_that_hangs_elsewhere_is_found_and_put_right(screen, bench, wa
     screen.page.wait_for_timeout(1500)
     screen.shoot("calibration-before")
     screen.press("Leave out")
-    wait(lambda: not bench.state.sightings[1].is_used, "the pose to be left out")
+    wait(lambda: not bench.state.observations[1].is_used, "the pose to be left out")
     screen.wait_for("left out by a person")
 
     screen.press("Apply")

@@ -5,6 +5,7 @@ from urllib.parse import urlsplit
 import pytest
 from fronted import Window, open_front
 from playwright.sync_api import expect
+from waiting import wait_until
 
 from workbench.app.core.commands import Approve, FindParts, MakePlan, SendPlan, TakeScan, WatchPlan
 from workbench.app.core.people import Role
@@ -60,6 +61,24 @@ def test_the_first_link_leads_to_the_page_and_nowhere_else(start, window, reache
     window.page.screenshot(path=shots / "front.png")
     assert window.errors == []
     assert window.hosts <= {urlsplit(front.url).netloc, ""}
+
+
+PIECES = """() => performance.getEntriesByType('resource')
+    .filter(one => one.name.includes('/scene/pieces/') && one.responseEnd > 0)
+    .map(one => one.transferSize)"""
+
+
+def test_the_page_is_fetched_while_the_password_is_typed(users, start, window):
+    front = start[0]()
+    window.page.goto(front.url)
+    wait_until(lambda: len(window.page.evaluate(PIECES)) == 6, "the pieces")
+    assert all(size > 50_000 for size in window.page.evaluate(PIECES))
+    window.log_in(front.url, "Otto", PASSWORD)
+    window.sees_the_scene()
+    scene = window.page.locator("#scene").element_handle().content_frame()
+    # None of them came a second time.
+    assert scene.evaluate(PIECES) == [0] * 6
+    assert window.errors == []
 
 
 def test_in_with_the_password_alone_and_out_again(users, start, window, shots):

@@ -12,6 +12,11 @@ from workbench.journal.journal import Journal
 
 
 @pytest.fixture
+def forked():
+    """Nothing is: this worker is told by its environment what it waits for."""
+
+
+@pytest.fixture
 def bench(tmp_path, monkeypatch):
     """Its worker gets ready until somebody lets it go."""
     monkeypatch.setenv("TINY_GO", str(tmp_path / "go"))

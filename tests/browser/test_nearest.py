@@ -19,6 +19,11 @@ from workbench.model.plan import at_least
 
 
 @pytest.fixture
+def are_filled():
+    return True
+
+
+@pytest.fixture
 def served(bench):
     page = serve(bench, port=0, most_points=4000)
     yield page

@@ -32,8 +32,11 @@ def run_to_plan(screen, reaches):
 
 
 def watch(screen, bench, wait) -> None:
-    """Play the plan to its end, as soon as the page shows that there is one."""
+    """Play the plan to its end, as soon as the page can: the last that is drawn of one is Play."""
     screen.wait_for("play it first")
+    screen.tab("Plan")
+    expect(screen.button("Play")).to_be_enabled()
+    screen.tab("Cycle")
     screen.page.mouse.move(200, 400)
     screen.page.keyboard.press("k")
     wait(lambda: bench.state.watched, "the end of the plan")
@@ -132,6 +135,33 @@ def test_a_cycle_by_clicking_sends_exactly_the_approved_plan(screen, bench, robo
     np.testing.assert_allclose(
         [line["q"] for line in arrived], [q for _, q in expected], atol=np.deg2rad(0.0051)
     )
+    assert screen.errors == []
+
+
+def test_going_on_after_a_cycle_stops_at_the_approval(screen, bench, robot, reaches, wait):
+    run_to_plan(screen, reaches)
+    expect(screen.button("Go on")).to_have_count(0)
+    seen(bench)
+    approve(screen, "Anna")
+    reaches("approved")
+    screen.press("Send")
+    done = reaches("done")
+    told = len(robot.configurations)
+    screen.button("Go on").wait_for()
+    screen.shoot("g1-go-on")
+    screen.press("Go on")
+    wait(lambda: bench.state.phase == "planned" and bench.state.job is None, "the next plan")
+    screen.wait_for("The plan has not been played to its end; play it first.")
+    expect(screen.button("Go on")).to_have_count(0)
+    expect(screen.button("Approve")).to_be_disabled()
+    expect(field(screen, "Seed")).to_have_value("1")
+    state = bench.state
+    assert state.plan is not None and state.plan.scan_digest != done.plan.scan_digest
+    assert (state.approval, state.watched) == (None, ())
+    assert len(robot.configurations) == told, "nothing was sent"
+    watch(screen, bench, wait)
+    approve(screen, "Anna")
+    assert reaches("approved").approval.plan_digest == state.plan.digest
     assert screen.errors == []
 
 

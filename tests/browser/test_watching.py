@@ -15,6 +15,11 @@ STILL = "window.requestAnimationFrame = () => 0"
 
 
 @pytest.fixture
+def are_filled():
+    return True
+
+
+@pytest.fixture
 def served(bench):
     page = serve(bench, port=0, most_points=4000)
     yield page

@@ -7,8 +7,8 @@ import pytest
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.files.shipped import find
 from workbench.model.digest import digest_of
-from workbench.studies.emptying.empty import emptied
-from workbench.studies.emptying.scene import Task
+from workbench.model.prediction import PileTask
+from workbench.studies.emptying.piles import emptied
 
 both = pytest.mark.parametrize("name", ["yumi", "tx2_90"])
 
@@ -52,6 +52,6 @@ def test_the_parts_for_it_are_the_parts_with_spare_grasps(name):
 
 def test_more_of_a_pile_is_taken_with_it():
     full = str(find("robots", "yumi") / "full_bin.toml")
-    usual, more = (emptied(Task(cell, "", 6, 4, settles=False)) for cell in ("yumi", full))
+    usual, more = (emptied(PileTask(cell, "", 6, 4, settles=False)) for cell in ("yumi", full))
     assert more.taken > usual.taken
     assert more.touches == 0 and sum(more.failed) == 0

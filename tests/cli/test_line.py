@@ -27,9 +27,9 @@ def test_the_same_seed_gives_the_same_files(line, say, tmp_path):
     scan, poses, plan = (tmp_path / name for name in ("s.ply", "p.json", "plan.json"))
     assert say("scan", "yumi", "--out", scan, "--seed", 1).code == 0
     assert scan.read_bytes() == line.scan.read_bytes()
-    said = say("localize", "yumi", "--scan", scan, "--out", poses, "--discarded")
+    said = say("localize", "yumi", "--scan", scan, "--out", poses, "--rejected")
     assert said.code == 0
-    assert "Discarded" in said.out and "why it is none" in said.out
+    assert "Rejected" in said.out and "why it is none" in said.out
     assert poses.read_bytes() == line.poses.read_bytes()
     assert say("plan", "yumi", "--poses", poses, "--out", plan).code == 0
     assert read_plan(plan)[0].digest == read_plan(line.plan)[0].digest

@@ -12,6 +12,7 @@ SAYS = {
     "bent_plan": ["objections, the first: arm", "refused: "],
     "calibration": ["the cell file: 20.81 mm", "measured:      0.", "the cell remembers 8 poses"],
     "own_grasps": ["grasps suggested: suggested", "taken by: ", " arm, suggested"],
+    "own_localizer": ["4 parts found coarsely, 4 finely, 4 by both", "proven: True"],
     "own_robot": ["an arm of 6 joints", "3 parts in the bin, 3 found", "proven: True", "reach, "],
     "reading_a_journal": [
         "the chain holds",

@@ -1,6 +1,7 @@
 """The journal keeps what it was given, and shows when somebody changed it."""
 
 import hashlib
+import os
 import signal
 import sqlite3
 import subprocess
@@ -118,6 +119,19 @@ def test_a_changed_or_missing_file_is_found(journal):
     assert len(problems) == 2
     assert any("changed after it was written" in problem for problem in problems)
     assert any("cannot be read" in problem for problem in problems)
+
+
+@pytest.mark.parametrize("put", [os.mkfifo, lambda path: path.symlink_to("/dev/zero"), Path.mkdir])
+def test_what_is_no_file_is_told_and_not_waited_at(journal, put):
+    content = b"a scan"
+    digest = hashlib.sha256(content).hexdigest()
+    journal.append("scan", b"", {digest: content})
+    path = journal.folder / "files" / digest[:2] / digest
+    path.unlink()
+    put(path)
+    assert journal.verify() == (f"entry {journal.count}: {path}: is no file",)
+    with pytest.raises(JournalError, match="is no file"):
+        journal.read(digest)
 
 
 def test_the_database_itself_refuses_changes(journal):

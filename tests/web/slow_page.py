@@ -1,8 +1,9 @@
 """Measures the page over a slow line: `PYTHONPATH=.:tests/web python tests/web/slow_page.py`.
 
 Tells how much a first load brings and how long it takes, without a screen: what a browser asks
-for, six requests side by side; then how long a command and a stop take to arrive while the page
-is drawn anew all the time, and how much of what is drawn waits between the scene and the browser.
+for, six requests side by side, with a password that is there at once or typed for `TYPED` seconds,
+in which two connections fetch ahead; then how long a command and a stop take to arrive while the
+page is drawn anew all the time, and how much of what is drawn waits between scene and browser.
 """
 
 import asyncio
@@ -34,6 +35,7 @@ from workbench.web.page.relay import Upstream
 
 SECRET, PASSWORD = "a secret of this start", "correct horse battery"
 STOPS = 60
+TYPED = 8.0
 
 
 def main() -> None:
@@ -71,8 +73,8 @@ def main() -> None:
         try:
             if "bbr" in sys.argv:
                 line.bound.setsockopt(socket.IPPROTO_TCP, socket.TCP_CONGESTION, b"bbr")
-            for name in ("first load", "first load again", "once more"):
-                print(name, asyncio.run(first_load(line)), flush=True)
+            for typed in (0.0, TYPED) * 3:
+                print(asyncio.run(first_load(line, typed)), flush=True)
             print(asyncio.run(used(line.url, stops)), flush=True)
         finally:
             front.close()
@@ -80,27 +82,49 @@ def main() -> None:
             bench.close()
 
 
-async def first_load(line: Line) -> str:
-    """What a browser asks for from the address to the first widgets, and how long that takes."""
+async def first_load(line: Line, typed: float) -> str:
+    """What a browser asks for from the address to the first widgets, and how long that takes.
+
+    The password is typed for that long [s].  What has not come to its end by then comes again.
+    """
     began, carried, url = time.monotonic(), line.carried(), line.url
     async with raw_browser(url) as browser:
-        for path in ("/login", "/static/login.css"):
-            await fetched(browser, path)
+        form = await fetched(browser, "/login")
+        await asyncio.gather(*(fetched(browser, f"/static/login.{one}") for one in ("css", "js")))
+        form_at = time.monotonic()
+        waiting = re.search(r'data-pieces="(.*?)"', form)[1].split()  # type: ignore[index]
+        kept: set[str] = set()
+
+        async def ahead() -> None:
+            while waiting:
+                piece = waiting.pop(0)
+                await fetched(browser, piece)
+                kept.add(piece)
+
+        fetching = [asyncio.create_task(ahead()) for _ in range(2)]
+        await asyncio.sleep(typed)
+        typed_at = time.monotonic()
         assert await browser.log_in("Edda", PASSWORD) == 303
         await fetched(browser, "/")
+        for task in fetching:
+            task.cancel()
+        await asyncio.gather(*fetching, return_exceptions=True)
         in_at = time.monotonic()
-        shell = ("/static/shell.css", "/static/shell.js", "/static/logo.svg")
-        *_, text = await asyncio.gather(*(fetched(browser, path) for path in (*shell, "/scene/")))
+        shell = ("shell.css", "shell.js", "tour.css", "tour.js", "logo.svg")
+        files = (fetched(browser, f"/static/{name}") for name in shell)
+        *_, text = await asyncio.gather(*files, fetched(browser, "/scene/"))
         pieces = re.findall(r'"(/scene/pieces/\w+)"', text)
-        await asyncio.gather(*(fetched(browser, path) for path in pieces))
+        await asyncio.gather(*(fetched(browser, path) for path in pieces if path not in kept))
         page_at, page = time.monotonic(), line.carried() - carried
         await browser.open()
         await browser.find("Scan")
         widgets_at = time.monotonic()
         return (
+            f"typed {typed:g} s, {len(kept)} of {len(pieces)} pieces fetched ahead; "
             f"{page / 1e3:.0f} kB of page, {(line.carried() - carried - page) / 1e3:.0f} kB of "
-            f"scene; logged in {in_at - began:.1f} s, page {page_at - in_at:.1f} s, scene and "
-            f"widgets {widgets_at - page_at:.1f} s; together {widgets_at - began:.1f} s"
+            f"scene; form {form_at - began:.1f} s, logged in {in_at - typed_at:.1f} s, page "
+            f"{page_at - in_at:.1f} s, scene and widgets {widgets_at - page_at:.1f} s; without "
+            f"typing {widgets_at - began - typed:.1f} s"
         )
 
 

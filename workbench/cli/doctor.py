@@ -21,6 +21,7 @@ EXTRAS = {
     "rapid": "workbench rapid check, workbench controller --rapid",
     "mcap": "workbench session export --mcap",
     "egm": "robot links by Externally Guided Motion",
+    "realsense": "the scanner realsense",
     "ur-rtde": "the robot link ur-rtde",
     "cluster": "workbench study --workers",
     "bench": "workbench bench planners --against klampt",

@@ -53,6 +53,9 @@ def read_file(folder: Path, digest: str) -> bytes:
         JournalError: it is missing, cannot be read, or holds something else now.
     """
     path = file_path(folder, digest)
+    # A pipe would be waited at, and a device read, without end.
+    if path.exists() and not path.is_file():
+        raise JournalError(f"{path}: is no file")
     try:
         content = path.read_bytes()
     except OSError as error:

@@ -57,7 +57,7 @@ class BallPlate:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class PlateSighting:
+class PlateObservation:
     """The plate, held by an arm, as one scan shows it.
 
     `q` (n,) [rad], chain order; `balls` (3, 3) [m] their centres in the scanner's frame, in the
@@ -78,9 +78,9 @@ class PlateSighting:
     def __post_init__(self) -> None:
         put(self, q=frozen(self.q), balls=frozen(self.balls), points=frozen(self.points))
         if self.balls.shape != (3, 3) or not np.all(np.isfinite(self.balls)):
-            raise InputError(f"sighting {self.name}: three centres of balls are needed")
+            raise InputError(f"observation {self.name}: three centres of balls are needed")
         if self.points.ndim != 2 or self.points.shape[1] != 3:
-            raise InputError(f"sighting {self.name}: points of shape (n, 3) are needed")
+            raise InputError(f"observation {self.name}: points of shape (n, 3) are needed")
 
 
 @dataclass(frozen=True, slots=True, eq=False)

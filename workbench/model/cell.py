@@ -80,7 +80,8 @@ class Arm:
     place in the chain of the controller's k-th axis and `axis_signs` its sense.  `home` (n,)
     [rad], chain order.  `Ts_world_place` are TCP poses where a part may be released, tried in
     order, after `part_places`, which say how the part shall lie and not how the hand stands;
-    where the arm `keeps_parts` they stay there, as on a pallet, and the next one goes elsewhere.
+    where the arm `keeps_parts` they stay there, as on a pallet, and the next one goes elsewhere;
+    where it `passes_parts_on` the machine behind has taken each away before the arm brings another.
     Where it `needs_roll`, no part is put there whose roll about its axis the scan does not show.
     `controller_id` is what the controller calls the arm.  `tool` is what it carries, `tools` all
     that it can carry.
@@ -100,6 +101,7 @@ class Arm:
     tools: tuple[Tool, ...] = ()
     needs_roll: bool = field(default_factory=lambda: False, metadata=LATER)
     part_places: tuple[PartPlace, ...] = field(default_factory=tuple, metadata=LATER)
+    passes_parts_on: bool = field(default_factory=bool, metadata=LATER)
 
     def __post_init__(self) -> None:
         put(
@@ -299,7 +301,7 @@ class Policy:
 
 
 @dataclass(frozen=True, slots=True)
-class Wishes:
+class PlanOverrides:
     """What one request changes of the cell's policy; None keeps the cell's value.
 
     A `margin` [m] below the cell's would not be proven: it may only be larger.

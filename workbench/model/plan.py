@@ -285,12 +285,22 @@ class Proof:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class Proven:
+    """A plan with its proof."""
+
+    plan: Plan
+    proof: Proof
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class PlanResult:
     """What a planning job brings: every candidate judged, and the plan or why there is none.
 
     `bound` [s] is what no plan for the same parts can be quicker than, by the candidates that work;
     0 where it was not asked.  `beside` is what the other strategy brought, where both were asked
-    for.
+    for.  `row` are plans to be carried out after the plan, one after the other, each proven in the
+    scene that those before leave; `row_ends` says why there are no more, empty where as many were
+    found as were asked for.
     """
 
     candidates: tuple[Candidate, ...]
@@ -302,3 +312,10 @@ class PlanResult:
     planner: str = "rrtconnect"
     beside: "tuple[PlanResult, ...]" = ()
     bound: float = field(default_factory=float, metadata=LATER)
+    row: tuple[Proven, ...] = field(default_factory=tuple, metadata=LATER)
+    row_ends: str = field(default_factory=str, metadata=LATER)
+
+    @property
+    def plans(self) -> tuple[Plan, ...]:
+        """The plan and those after it."""
+        return () if self.plan is None else (self.plan, *(one.plan for one in self.row))

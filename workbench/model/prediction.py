@@ -1,6 +1,20 @@
-"""What a study of many piles says about a threshold: to be looked at before one is chosen."""
+"""What studies say beforehand: of a threshold, and of bins that are emptied in simulation."""
 
 from dataclasses import dataclass
+from typing import Literal
+
+Seen = Literal["truth", "scan"]
+"""Whether plans are made with the true poses or with those found in a simulated scan."""
+
+TOGETHER = "+"
+"""Joins the names of parts that fall into one pile."""
+
+FAILURES = ("missed", "crooked", "turned")
+"""Kinds of failed picks: the fingers close on nothing, on a part that lies elsewhere, or on one
+that lies there but for its roll, which the scan did not show, and that is not held so."""
+
+CHANGE_KINDS = ("fingers", "grasps", "lifts", "margins", "bin", "arms", "order", "tool")
+"""Kinds of single changes of a cell that are tried where a bin does not empty."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,3 +44,94 @@ class Predictions:
     def near(self, threshold: float) -> Forecast | None:
         """The forecast for the threshold [m] that is nearest to this one."""
         return min(self.forecasts, key=lambda one: abs(one.threshold - threshold), default=None)
+
+
+@dataclass(frozen=True, slots=True)
+class PileTask:
+    """One pile: of which cell and parts, how many, by which seed, and how it is emptied.
+
+    `part` is one of the cell's, `all` for all of them in turn, or others by name or path, joined by
+    `TOGETHER`; empty: the cell's first.  `settles`: the rest moves by physics as a part is lifted.
+    `bounds`: what stays is tried by all grasps of the tool, too.  `change`: words of a change of
+    the cell (`app.emptying.changes`) that the pile is emptied with, empty for none; it lies as
+    without it, and what stays is told without a nearest fix.  `picks`: plans in a row after one
+    look, at most.
+    """
+
+    cell: str
+    part: str
+    count: int
+    seed: int
+    seen: Seen = "truth"
+    settles: bool = True
+    strategy: str = "auto"
+    bounds: bool = False
+    change: str = ""
+    picks: int = 1
+
+
+@dataclass(frozen=True, slots=True)
+class LeftPart:
+    """A part that stayed in the bin: `part-3` is the third that fell.
+
+    `kind` is the word of the verdict that got furthest, `not found` or `stopped`, `reason` a
+    sentence about it; `nearest_fix` is the smallest change of a grasp that takes it, empty when
+    none was found; `any_grasp` what a search through all grasps of the tool said, empty when nobody
+    asked.
+    """
+
+    part: str
+    kind: str
+    reason: str
+    nearest_fix: str
+    any_grasp: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class EmptiedPile:
+    """What became of a pile.
+
+    Of `parts`, `taken` came out as planned; `failed` counts the failed picks by kind, in the order
+    of `FAILURES`, `touches` the legs on which something met that the plan held apart, and
+    `knocked_out` the parts that fell out of the bin.  `cycles` are approvals: plans carried
+    out, or rows of them; `scans` are looks into the bin.  `motion_seconds` [s] is predicted by the
+    plans, `planning` [s] was measured for every look, `stages` [s] by stage in all, and `finding`
+    [s] for the parts in the scans.
+    `more` is how many of those left come out by any grasp of the tool, None when nobody asked;
+    `rolled` how many of those taken had another roll than found, which the localizer had said.
+    `outcomes` says of every pick in turn what kind of failure it was, empty for a part taken.
+    """
+
+    task: PileTask
+    parts: int
+    taken: int
+    failed: tuple[int, ...]
+    touches: int
+    knocked_out: int
+    cycles: int
+    scans: int
+    motion_seconds: float
+    left: tuple[LeftPart, ...]
+    planning: tuple[float, ...]
+    stages: tuple[tuple[str, float], ...]
+    finding: float
+    more: int | None = None
+    rolled: int = 0
+    outcomes: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Emptying:
+    """Piles emptied in simulation, in the cell that has this digest.
+
+    Those without a change of the cell come first, in the order of their seeds; after them, where
+    changes were tried, the same piles with each.
+    """
+
+    cell_digest: str
+    piles: tuple[EmptiedPile, ...]
+
+    @property
+    def plain(self) -> tuple[EmptiedPile, ...]:
+        """The piles that were emptied in the cell as it is."""
+        return tuple(one for one in self.piles if not one.task.change)

@@ -1,7 +1,7 @@
 """What lets a plan out to the robot, and what came back."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from workbench.model.digest import LATER, digest_of
 from workbench.model.errors import InputError
@@ -57,6 +57,10 @@ class Approval:
     The plan goes out at `speed_share` (`SLOWEST`..1) of the speed at which it was planned: every
     motion takes so many times longer.  `is_stepped`: the robot waits before each step until a
     person lets that one run.
+
+    It may be for a row of plans that go out one after the other: `row` names those after this one,
+    each by the digests of plan and proof.  What lets the next one out is `onward`, whose `first` is
+    the digest of the approval as it was given; empty for that one itself.
     """
 
     plan_digest: str
@@ -71,6 +75,8 @@ class Approval:
     ran: str = field(default_factory=str, metadata=LATER)
     speed_share: float = field(default_factory=_full_speed, metadata=LATER)
     is_stepped: bool = field(default_factory=bool, metadata=LATER)
+    row: tuple[tuple[str, str], ...] = field(default_factory=tuple, metadata=LATER)
+    first: str = field(default_factory=str, metadata=LATER)
     digest: str = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -84,6 +90,14 @@ class Approval:
     def manner(self) -> Manner:
         """How the plan goes out."""
         return self.speed_share, self.is_stepped
+
+    def onward(self) -> "Approval | None":
+        """The same people's agreement to the next plan of the row; None where there is none."""
+        if not self.row:
+            return None
+        (plan, proof), *rest = self.row
+        first = self.first or self.digest
+        return replace(self, plan_digest=plan, proof_digest=proof, row=tuple(rest), first=first)
 
     @property
     def people(self) -> tuple[str, ...]:

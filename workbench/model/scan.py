@@ -128,7 +128,7 @@ class Objection(enum.StrEnum):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Discarded:
+class RejectedHypothesis:
     """A pose that was thought possible, and why it is not among the detections.
 
     `score` as that of a detection; `rival` counts the detections from 0: the one that it lost to.
@@ -184,13 +184,13 @@ class ScaleCheck:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LocalizationResult:
-    """What a search brought: the parts, best first, and the best of what was discarded.
+    """What a search brought: the parts, best first, and the best of what was rejected.
 
     `scales` are of those kinds of which enough is seen to tell their size.
     """
 
     detections: tuple[Detection, ...]
-    discarded: tuple[Discarded, ...] = ()
+    rejected: tuple[RejectedHypothesis, ...] = ()
     scales: tuple[ScaleCheck, ...] = ()
 
 
@@ -212,7 +212,7 @@ class Obstacle:
 
 
 @dataclass(frozen=True, slots=True)
-class SearchWishes:
+class SearchOverrides:
     """How one search differs from the usual.
 
     `detail` is how fine the scan is looked at, 1 being usual: finer finds small features and takes
@@ -225,14 +225,14 @@ class SearchWishes:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Search:
-    """A search in the current scan: its seed and wishes, what was found, and how long it took [s].
+    """A search in the current scan: seed, overrides, what was found, and how long it took [s].
 
     `number` is that of the entry that began it.
     """
 
     number: int
     seed: int
-    wishes: SearchWishes
+    overrides: SearchOverrides
     detections: tuple[Detection, ...]
     seconds: float
 

@@ -51,7 +51,7 @@ class Localizer(Protocol):
 
         Returns:
             `detections` with `T_world_part` and scores 0..1, the surest first, each of a part of
-            the cell; `discarded` says what was looked at and not taken, and may be empty.
+            the cell; `rejected` says what was looked at and not taken, and may be empty.
 
         Raises:
             JobCancelled: `cancelled` said so.

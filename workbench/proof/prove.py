@@ -1,8 +1,15 @@
 """The proof: everything about a plan is looked at anew, in the scene as it is known, or refused."""
 
+from itertools import product
+
+import numpy as np
+import pinocchio as pin
+
 from workbench.model.cell import Cell
-from workbench.model.plan import Plan, Proof
-from workbench.model.scan import Scene
+from workbench.model.part import Part
+from workbench.model.plan import Plan, Proof, Violation
+from workbench.model.scan import Detection, Obstacle, Scene
+from workbench.proof.bodies import gap_of, roll_axis, turned_pieces
 from workbench.proof.form import form_violations, limit_violations, range_violations
 from workbench.proof.robot import tree_of
 from workbench.proof.rules import (
@@ -11,6 +18,7 @@ from workbench.proof.rules import (
     roll_violations,
 )
 from workbench.proof.search import SIGHT
+from workbench.proof.stages import tcp
 from workbench.proof.walk import Walk
 
 RESOLUTION = 0.0005
@@ -66,3 +74,59 @@ def prove(
         clearances=() if walked is None else walked.clearances,
         apart=() if walked is None else walked.apart,
     )
+
+
+def scene_after(cell: Cell, plan: Plan) -> Scene:
+    """What is in the bin and at the places once a proven plan was carried out.
+
+    The parts taken are gone from the bin.  Each is in the way where the hand has let go of it,
+    unless the arm passes parts on.
+
+    Args:
+        cell: as it is now.
+        plan: in whose scene it holds that nothing moves but what is taken; see `may_have_moved`.
+    """
+    tree, taken = tree_of(cell), {one.detection for one in plan.arms}
+    boxes: list[Obstacle] = []
+    for one in plan.arms:
+        arm, found = cell.arm(one.arm), plan.detections[one.detection]
+        if not arm.passes_parts_on:
+            T_world_tcp = tcp(tree, tree.rest, arm, np.asarray(one.leg("place").q[-1]))
+            boxes.append(_box_around(cell.part(found.part), found, T_world_tcp * one.T_tcp_part))
+    rest = tuple(one for number, one in enumerate(plan.detections) if number not in taken)
+    return Scene(plan.scan_digest, rest, (*plan.obstacles, *boxes))
+
+
+def may_have_moved(cell: Cell, plan: Plan) -> Violation | None:
+    """A part that stays, and may lie otherwise once the plan was carried out; None for none.
+
+    Those are parts nearer to a taken one than the policy's `pair_gap`: from then on the scan does
+    not say where they are.
+    """
+    taken = {one.detection: one.arm for one in plan.arms}
+    pieces = [turned_pieces(cell.part(one.part), one) for one in plan.detections]
+    for number, stays in product(taken, range(len(plan.detections))):
+        if stays in taken:
+            continue
+        for one, other in product(pieces[number], pieces[stays]):
+            gap = min(gap_of(a, b, cell.policy.pair_gap) for a, b in product(one, other))
+            if gap < cell.policy.pair_gap:
+                pair = (f"part-{number + 1}", f"part-{stays + 1}")
+                problem = f"part-{stays + 1} may move when part-{number + 1} is taken"
+                return Violation(problem, taken[number], "extract", None, pair, gap)
+    return None
+
+
+def _box_around(part: Part, found: Detection, T_world_part: pin.SE3) -> Obstacle:
+    """A box that holds a part at a pose; of one whose roll is not known, at every turn."""
+    points, R, origin = part.mesh.points, np.eye(3), np.zeros(3)
+    if not found.roll_known:
+        origin, direction = roll_axis(part, found)
+        R = pin.Quaternion.FromTwoVectors(np.array([0.0, 0.0, 1.0]), np.array(direction)).matrix()
+    seen = (points - origin) @ R
+    low, high = seen.min(axis=0), seen.max(axis=0)
+    if not found.roll_known:
+        radius = np.full(2, np.linalg.norm(seen[:, :2], axis=1).max())
+        low, high = np.append(-radius, low[2]), np.append(radius, high[2])
+    T_part_box = pin.SE3(R, origin + R @ ((low + high) / 2))
+    return Obstacle(T_world_part * T_part_box, high - low)

@@ -10,7 +10,7 @@ from typing import Any
 from workbench.app.picking.pipeline import plan_pick
 from workbench.formats.cells.reading import read_cell
 from workbench.model.candidate import Candidate, Reason
-from workbench.model.cell import Wishes
+from workbench.model.cell import PlanOverrides
 from workbench.perception.simulation.piles import drop_parts
 from workbench.planning.planners.clock import working_time
 from workbench.plugins.progress import Report, silent
@@ -46,15 +46,15 @@ def measure(
     part = cell.parts[0]
     seeds = range(seed, seed + scenes)
     piles = [drop_parts((part,) * parts, cell.bin, seed=s) for s in seeds]
-    wishes = Wishes(planner=planner)
-    plan_pick(cell, piles[0], "warm", strategy=strategy, wishes=wishes, seed=0)
+    overrides = PlanOverrides(planner=planner)
+    plan_pick(cell, piles[0], "warm", strategy=strategy, overrides=overrides, seed=0)
     seconds: dict[str, list[float]] = {stage: [] for stage in STAGES}
     cycles: list[float] = []
     fates: Counter[str] = Counter()
     for number, (one, pile) in enumerate(zip(seeds, piles, strict=True)):
         report(number / scenes, f"pile {one}")
         began = working_time()
-        result = plan_pick(cell, pile, "study", strategy=strategy, wishes=wishes, seed=one)
+        result = plan_pick(cell, pile, "study", strategy=strategy, overrides=overrides, seed=one)
         whole = working_time() - began
         fates.update(fates_of(result.candidates, len(pile)))
         for stage, value in result.seconds.items():

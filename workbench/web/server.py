@@ -2,6 +2,8 @@
 
 import asyncio
 import concurrent.futures
+import errno
+import logging
 import socket
 import ssl
 import threading
@@ -10,6 +12,7 @@ from collections.abc import Iterable
 from contextlib import ExitStack
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 from aiohttp import web
 
@@ -33,6 +36,8 @@ from workbench.web.page.pieces import PATH
 from workbench.web.page.presence import Presence
 from workbench.web.page.relay import Relay, Upstream
 from workbench.web.page.shell import Shell
+
+log = logging.getLogger(__name__)
 
 MOST_BODY = 1024 * 1024
 """Bytes of a request; who takes more reads it piece by piece."""
@@ -138,7 +143,7 @@ def serve_front(
         connections = Connections(access.sessions)
         limits = ConnectionLimits(_is_login, time.monotonic, room_for(descriptors()))
         relay = Relay(upstream, connections)
-        logins = Logins(pages, Lockout(store), first, connections, title)
+        logins = Logins(pages, Lockout(store), first, connections, title, relay.ahead)
         presence = Presence(connections, bar, stop)
         app = web.Application(
             middlewares=[limits.note, guard(Origins(scheme, options.host, options.names))],
@@ -152,6 +157,20 @@ def serve_front(
         running.start()
         undo.pop_all()
     return Front(f"{scheme}://{_written(options.host)}:{port}", first, store, running)
+
+
+def tell_of_loop(loop: asyncio.AbstractEventLoop, context: dict[str, Any]) -> None:
+    """Log what nobody waited for: in full, but for connections that broke off.
+
+    These end at any moment, in the libraries as well, and are no fault of anybody's here.
+    """
+    error = context.get("exception")
+    if isinstance(error, OSError) and (
+        isinstance(error, ConnectionError) or error.errno == errno.ENOTCONN
+    ):
+        log.debug("a connection broke off: %s", error)
+    else:
+        loop.default_exception_handler(context)
 
 
 async def _is_login(request: web.Request) -> bool:
@@ -222,6 +241,7 @@ class _Running:
 
     async def _serve_until_stopped(self) -> None:
         self.loop, self.stop = asyncio.get_running_loop(), asyncio.Event()
+        self.loop.set_exception_handler(tell_of_loop)
         # Requests go on when the browser goes: a password is being tried in a thread, and how
         # many of them there are is counted by their requests.
         runner = web.AppRunner(self.app, shutdown_timeout=CLOSING_SECONDS)

@@ -23,6 +23,7 @@ from workbench.app.core.commands import (
     Command,
     FindParts,
     ForgetAvoided,
+    GoOn,
     JobEnded,
     LinkEnded,
     MakePlan,
@@ -32,6 +33,7 @@ from workbench.app.core.commands import (
     Sent,
     Stop,
     TakeScan,
+    TryEmptying,
     UseDetections,
     UseScan,
     WantThreshold,
@@ -45,6 +47,7 @@ from workbench.model.digest import digest_of
 from workbench.model.errors import CommandRefused, InputError
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.plan import UNSIGNED
+from workbench.model.prediction import Emptying
 from workbench.model.release import Receipt
 
 RECEIPT = Receipt(NOW, "right", "start", "startR#", 1, 4)
@@ -113,8 +116,13 @@ class AnySequence(RuleBasedStateMachine):
             case MakePlan(threshold=threshold):
                 self.threshold = self.asked = threshold
                 self.said.clear()
+            case GoOn(plan=MakePlan(threshold=threshold)):
+                self.threshold = self.asked = threshold
+                self.said.clear()
             case WantThreshold(threshold=threshold):
                 self.threshold = threshold
+                if after.job is not None and after.job.then is not None:
+                    self.asked = threshold
             case TakeScan() | FindParts():
                 self.said.clear()
             case Opened():
@@ -186,7 +194,7 @@ class AnySequence(RuleBasedStateMachine):
                 Phase.PLANNED: Approve(digest) if state.watched else WatchPlan(digest),
                 Phase.APPROVED: SendPlan(digest),
                 Phase.SENDING: LinkEnded("" if holds else "lost", 1),
-                Phase.DONE: TakeScan(seed),
+                Phase.DONE: GoOn(TakeScan(seed)) if holds else TakeScan(seed),
                 Phase.FAULT: AcknowledgeFault(),
             }
             command = sensible[state.phase]
@@ -244,6 +252,10 @@ class AnySequence(RuleBasedStateMachine):
     def find(self, seed, is_compared):
         self.attempt(FindParts(seed, is_compared=is_compared))
 
+    @rule(seed=SEEDS, piles=st.integers(0, 2))
+    def try_emptying(self, seed, piles):
+        self.attempt(TryEmptying(count=2, piles=piles, seed=seed))
+
     @rule(seed=SEEDS)
     def use_detections(self, seed):
         self.attempt(UseDetections(self.samples.detections(seed)))
@@ -266,6 +278,7 @@ class AnySequence(RuleBasedStateMachine):
             "scan": self.samples.scan(seed),
             "localize": self.samples.detections(seed),
             "plan": self.samples.planned(scene, seed, holds=holds),
+            "emptying": Emptying(self.line.state.cell.digest, ()),
         }
         name = job.name if job is not None else "plan"
         match kind:

@@ -23,11 +23,11 @@ from workbench.app.core.commands import (
 )
 from workbench.app.core.effects import Send, StopJob, StopSending
 from workbench.app.core.state import Phase
-from workbench.model.cell import Wishes
+from workbench.model.cell import PlanOverrides
 from workbench.model.digest import digest_of
 from workbench.model.errors import CommandRefused, InputError, JobCancelled
 from workbench.model.release import Receipt
-from workbench.model.scan import SearchWishes
+from workbench.model.scan import SearchOverrides
 
 RECEIPT = Receipt(NOW, "right", "start", "startR#", 1, 4)
 
@@ -64,7 +64,7 @@ def test_the_line_goes_from_a_scan_to_a_finished_cycle(line, samples):
     assert line.ended(scan).phase is Phase.SCANNED
     line.do(FindParts(seed=5))
     assert line.ended(detections).phase is Phase.LOCALIZED
-    line.do(MakePlan("right", 0.3, 6, Wishes("sbl", 900, "highest", 0.01, 0.8)))
+    line.do(MakePlan("right", 0.3, 6, PlanOverrides("sbl", 900, "highest", 0.01, 0.8)))
     result = samples.planned(scan.digest)
     assert line.ended(result).phase is Phase.PLANNED
     assert line.do(WatchPlan(result.plan.digest)).watched == ("ada",)
@@ -79,7 +79,7 @@ def test_the_line_goes_from_a_scan_to_a_finished_cycle(line, samples):
         "scan",
         {"seed": 4, "parts": 3, "part": ""},
     )
-    wanted = {"scan": scan, "seed": 5, "wishes": SearchWishes()}
+    wanted = {"scan": scan, "seed": 5, "overrides": SearchOverrides()}
     assert (finding.name, dict(finding.arguments)) == ("localize", wanted)
     assert planning.name == "plan"
     assert dict(planning.arguments) == {
@@ -88,7 +88,7 @@ def test_the_line_goes_from_a_scan_to_a_finished_cycle(line, samples):
         "scan": scan,
         "strategy": "right",
         "threshold": 0.3,
-        "wishes": Wishes("sbl", 900, "highest", 0.01, 0.8),
+        "overrides": PlanOverrides("sbl", 900, "highest", 0.01, 0.8),
         "placed": (),
         "avoided": (),
         "seed": 6,
@@ -250,7 +250,7 @@ def test_each_plan_for_the_same_parts_stands_once_and_says_how_it_is_made_again(
     assert [first.digest, second.digest] == [one.plan.digest, other.plan.digest]
     assert (first.asked, first.threshold, first.seed) == ("right", 0.3, 7)
     assert state.plan.digest == second.digest
-    line.do(MakePlan(first.asked, first.threshold, first.seed, first.wishes))
+    line.do(MakePlan(first.asked, first.threshold, first.seed, first.overrides))
     state = line.ended(one)
     assert [outline.digest for outline in state.outlines] == [first.digest, second.digest]
     assert state.plan.digest == first.digest

@@ -26,6 +26,7 @@ from workbench.app.core.state import Phase
 from workbench.formats.cells.reading import read_cell
 from workbench.model.errors import CommandRefused
 from workbench.model.geometry import Box, Capsule, Cylinder, Mesh, Sphere, pose_from_rpy
+from workbench.model.release import Vote
 from workbench.planning.kinematics.robot import Kinematics
 
 
@@ -117,6 +118,20 @@ def test_another_plan_has_to_be_watched_again(watched, samples):
 
 
 # -- two people
+
+
+@pytest.mark.parametrize("again", ["Ada", "ada", " ADA", "Ａda"])
+def test_one_person_is_not_two_whoever_counts(samples, cell, again):
+    line = planned_line(samples, replace(cell, approvers=2))
+    state = line.state
+
+    def approved(other):
+        vote = Vote(state.plan.digest, other, NOW)
+        return approve(state.cell, state.plan, state.proof, "Ada", NOW, (vote,))
+
+    with pytest.raises(CommandRefused, match="2 different people"):
+        approved(again)
+    assert approved("Bob").people == ("Bob", "Ada")
 
 
 def test_the_number_of_people_changes_no_plan(cell):

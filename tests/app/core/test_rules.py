@@ -36,7 +36,7 @@ from workbench.app.core.rights import NEXT, RIGHTS, obstacle
 from workbench.app.core.rules import allowed, approve, staleness
 from workbench.app.core.state import Job, Phase, State
 from workbench.formats.cells.reading import read_cell
-from workbench.model.cell import Wishes
+from workbench.model.cell import PlanOverrides
 from workbench.model.errors import CommandRefused
 from workbench.model.scan import Detection
 
@@ -283,4 +283,4 @@ def test_a_plan_bent_in_memory_after_approval_is_not_sent(approved):
     ],
 )
 def test_every_wish_is_checked(planned, wish, expected):
-    assert expected in refusal(planned, MakePlan(wishes=Wishes(**wish)))
+    assert expected in refusal(planned, MakePlan(overrides=PlanOverrides(**wish)))

@@ -21,7 +21,7 @@ from workbench.app.runtime.bench import Bench
 from workbench.journal.journal import Journal
 from workbench.model.errors import CommandRefused
 from workbench.model.geometry import pose_from_rpy
-from workbench.model.scan import SearchWishes
+from workbench.model.scan import SearchOverrides
 
 
 @pytest.fixture
@@ -46,10 +46,10 @@ def test_searches_in_a_scan_are_kept_and_one_is_taken(bench, samples, clock):
     bench.do(UseScan(samples.scan()), "ada")
     first, second = samples.detections(1), samples.detections(2)
     search(bench, clock, first)
-    state = search(bench, clock, second, FindParts(4, SearchWishes(1.5, 0.2)), 2.0)
+    state = search(bench, clock, second, FindParts(4, SearchOverrides(1.5, 0.2)), 2.0)
     one, other = state.searches
     assert (one.detections, one.seed, one.seconds) == (first, 0, pytest.approx(0.5))
-    assert (other.wishes, other.seed) == (SearchWishes(1.5, 0.2), 4)
+    assert (other.overrides, other.seed) == (SearchOverrides(1.5, 0.2), 4)
     assert other.seconds == pytest.approx(2.0)
     assert state.detections is second
     state = bench.do(UseDetections(one.detections, "search 1 is taken"), "ben")
@@ -103,12 +103,13 @@ def test_remarks_gather_until_parts_are_found_anew(bench, samples, clock):
 
 
 @pytest.mark.parametrize(
-    "wishes", [SearchWishes(0.1), SearchWishes(9.0), SearchWishes(1, 1.5), SearchWishes(np.nan)]
+    "overrides",
+    [SearchOverrides(0.1), SearchOverrides(9.0), SearchOverrides(1, 1.5), SearchOverrides(np.nan)],
 )
-def test_wishes_out_of_range_are_refused(bench, samples, wishes):
+def test_wishes_out_of_range_are_refused(bench, samples, overrides):
     bench.do(UseScan(samples.scan()), "ada")
     with pytest.raises(CommandRefused, match="must lie between"):
-        bench.do(FindParts(0, wishes), "ada")
+        bench.do(FindParts(0, overrides), "ada")
 
 
 def test_the_check_of_the_bin_follows_scan_and_cell(bench, samples):
@@ -125,11 +126,11 @@ def test_the_check_of_the_bin_follows_scan_and_cell(bench, samples):
 
 def test_the_session_tells_the_same_when_it_is_read_again(bench, samples, clock, tmp_path):
     bench.do(UseScan(samples.scan()), "ada")
-    search(bench, clock, samples.detections(), FindParts(2, SearchWishes(0.5)))
+    search(bench, clock, samples.detections(), FindParts(2, SearchOverrides(0.5)))
     bench.do(UseDetections(samples.detections(), "part-1 was corrected by hand"), "ben")
     before = bench.state
     bench.close()
     again = Bench(bench.cell, Journal(tmp_path / "s"), effects=Idle)
-    assert again.state.searches[0].wishes == SearchWishes(0.5)
+    assert again.state.searches[0].overrides == SearchOverrides(0.5)
     assert again.state.remarks == before.remarks
     again.close()

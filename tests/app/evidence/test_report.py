@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from workbench.app.evidence.pages import html_page, pdf_pages
+from workbench.app.evidence.pages import COLUMNS, _lines, html_page, pdf_pages
 from workbench.app.evidence.report import Table, tables_of
 from workbench.app.evidence.signing import time_stamp_request
 from workbench.app.records.replay import replay
@@ -62,6 +62,21 @@ def test_the_report_tells_who_when_what_was_shown_proven_sent_and_heard(tables):
     (report,) = tables[4].rows
     assert report[2:4] == ("Ada", "ReportPick")
     assert len(tables[5].rows) == 54 - 43
+    assert [row[3] for row in tables[5].rows if row[3].startswith("JobEnded")] == [
+        "JobEnded (scan)",
+        "JobEnded (parts)",
+        "JobEnded (plan)",
+    ]
+    assert told["plan"].endswith(": 1 part, strategy left, one-at-a-time")
+
+
+def test_what_a_printed_row_says_goes_on_under_itself_and_long_names_push_nothing_off_the_page():
+    long = Table("Log", "", ("who", "says"), (("Anna", "word " * 60), ("n" * 64, "x" * 300)))
+    lines = [line for line, _ in _lines("Evidence", [long])]
+    assert all(len(line) <= COLUMNS for line in lines)
+    row = next(place for place, line in enumerate(lines) if line.startswith("Anna"))
+    begins = lines[row].index("word")
+    assert lines[row + 1][:begins].isspace() and lines[row + 1][begins:].startswith("word")
 
 
 def test_a_page_runs_and_fetches_nothing_whatever_a_session_holds(tables):

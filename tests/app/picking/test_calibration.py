@@ -1,13 +1,13 @@
-"""Sightings of the plate in the state: taken, left out, kept, recorded, computed again."""
+"""Observations of the plate in the state: taken, left out, kept, recorded, computed again."""
 
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from workbench.app.core.commands import ChangeCell, JobEnded, SightPlate, UndoCell, UseSightings
+from workbench.app.core.commands import ChangeCell, JobEnded, SightPlate, UndoCell, UseObservations
 from workbench.app.core.rights import WORKER
-from workbench.app.core.value_checks import MOST_SIGHTINGS
+from workbench.app.core.value_checks import MOST_OBSERVATIONS
 from workbench.app.picking.calibration import calibrated, moved_by, with_calibration
 from workbench.app.picking.held_plate import simulated_sight, suggested_poses
 from workbench.app.review.recompute import recomputed
@@ -49,7 +49,7 @@ def poses(yumi):
 
 
 @pytest.fixture(scope="module")
-def sightings(yumi, poses):
+def observations(yumi, poses):
     arm = yumi.arms[0]
     return tuple(
         sight_plate(
@@ -74,10 +74,10 @@ def test_the_suggested_poses_are_seen_and_different(yumi, poses):
     assert np.abs(poses[0] - poses[1]).max() > 0.1
 
 
-def test_a_scanner_that_hangs_elsewhere_is_found(yumi, sightings):
+def test_a_scanner_that_hangs_elsewhere_is_found(yumi, observations):
     mount = replace(yumi.scanner, T_world_scanner=yumi.scanner.T_world_scanner * WRONG)
     wrong = replace(yumi, scanner=mount)
-    found = calibrated(wrong, sightings)
+    found = calibrated(wrong, observations)
     off = yumi.scanner.T_world_scanner.actInv(found.T_world_scanner)
     assert np.linalg.norm(off.translation) < 0.0008
     distance, angle, shift = moved_by(wrong, found)
@@ -89,12 +89,12 @@ def test_a_scanner_that_hangs_elsewhere_is_found(yumi, sightings):
     assert moved_by(after, found)[0] < 1e-12
 
 
-def test_sightings_of_two_plates_or_of_none_are_refused(yumi, sightings):
+def test_observations_of_two_plates_or_of_none_are_refused(yumi, observations):
     with pytest.raises(InputError, match="no pose was scanned"):
         calibrated(yumi, ())
-    other = replace(sightings[1], plate=BallPlate(0.015, np.array([0.09, 0.1, 0.12])))
+    other = replace(observations[1], plate=BallPlate(0.015, np.array([0.09, 0.1, 0.12])))
     with pytest.raises(InputError, match="of another plate"):
-        calibrated(yumi, (sightings[0], other, *sightings[2:]))
+        calibrated(yumi, (observations[0], other, *observations[2:]))
 
 
 def test_a_pose_is_scanned_recorded_and_computed_again(bench, poses, tmp_path):
@@ -103,34 +103,34 @@ def test_a_pose_is_scanned_recorded_and_computed_again(bench, poses, tmp_path):
     assert (state.job.name, job.arguments["name"]) == ("sight", "pose 1")
     seen = JOBS["sight"](bench.cell, job.arguments, lambda done, note: None, lambda: False)
     state = bench.do(JobEnded(state.number, seen), WORKER)
-    assert [one.name for one in state.sightings] == ["pose 1"] and "pose 1" in state.message
-    left = replace(state.sightings[0], is_used=False)
-    state = bench.do(UseSightings((left,), "pose 1 is left out"), "ada")
-    assert not state.sightings[0].is_used
+    assert [one.name for one in state.observations] == ["pose 1"] and "pose 1" in state.message
+    left = replace(state.observations[0], is_used=False)
+    state = bench.do(UseObservations((left,), "pose 1 is left out"), "ada")
+    assert not state.observations[0].is_used
     bench.close()
     journal = Journal(tmp_path / "session")
     assert [(one.task, one.says) for one in recomputed(journal)] == [("sight", "equal")]
     again = Bench(bench.cell, journal, effects=Worker)
-    assert np.array_equal(again.state.sightings[0].balls, seen.balls)
+    assert np.array_equal(again.state.observations[0].balls, seen.balls)
     again.close()
 
 
-def test_poses_stay_when_the_cell_changes_and_a_calibration_is_undone(bench, sightings):
-    bench.do(UseSightings(sightings, "from elsewhere"), "ada")
-    found = calibrated(bench.state.cell, sightings)
+def test_poses_stay_when_the_cell_changes_and_a_calibration_is_undone(bench, observations):
+    bench.do(UseObservations(observations, "from elsewhere"), "ada")
+    found = calibrated(bench.state.cell, observations)
     before = bench.state.cell.digest
     state = bench.do(ChangeCell(with_calibration(bench.cell, found, 5.0, "ada"), "calib"), "ada")
-    assert state.cell.scanner.calibration is not None and len(state.sightings) == 5
+    assert state.cell.scanner.calibration is not None and len(state.observations) == 5
     state = bench.do(UndoCell(), "ada")
     assert state.cell.digest == before and state.cell.scanner.calibration is None
 
 
-def test_so_many_poses_are_taken_and_no_more(bench, poses, sightings):
-    many = tuple(replace(sightings[0], name=f"pose {k}") for k in range(MOST_SIGHTINGS))
-    bench.do(UseSightings(many, "from elsewhere"), "ada")
+def test_so_many_poses_are_taken_and_no_more(bench, poses, observations):
+    many = tuple(replace(observations[0], name=f"pose {k}") for k in range(MOST_OBSERVATIONS))
+    bench.do(UseObservations(many, "from elsewhere"), "ada")
     with pytest.raises(CommandRefused, match="remove one of them first"):
         bench.do(SightPlate("right", poses[0], PLATE), "ada")
-    bench.do(UseSightings(many[1:], "pose 0 is removed"), "ada")
+    bench.do(UseObservations(many[1:], "pose 0 is removed"), "ada")
     assert bench.do(SightPlate("right", poses[0], PLATE), "ada").job is not None
 
 

@@ -3,6 +3,7 @@
 import json
 import multiprocessing
 import sqlite3
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -52,6 +53,24 @@ def test_it_says_who_when_which_plan_and_that_nobody_has_watched_it(record):
     assert ended["is_unwatched"] is True
     assert ended["receipts"][0]["sent"] == "inR#"
     assert ended["problem"] == "the controller closed the link"
+
+
+def test_a_row_is_taken_whole_or_not_at_all(record):
+    first = replace(approval(), row=(("e" * 64, "f"), ("0" * 64, "1")))
+    second = first.onward()
+    third = second.onward()
+    assert third.onward() is None
+    assert [one.plan_digest[0] for one in (first, second, third)] == ["a", "e", "0"]
+    assert (second.first, third.first) == (first.digest, first.digest) and first.first == ""
+    assert {one.until for one in (second, third)} == {first.until}
+    assert second.people == first.people
+    record.take(second)
+    with pytest.raises(CommandRefused, match="has gone out"):
+        record.take(first, second, third)
+    assert [kind for kind, _ in entries(record)] == ["Approval"]
+    record.end(second, (), "the row had ended before")
+    record.take(first, second, third)
+    assert len(entries(record)) == 5
 
 
 def test_a_plan_goes_out_once(record):

@@ -27,7 +27,9 @@ from workbench.app.core.commands import (
     Sent,
     Stop,
     TakeScan,
+    TryEmptying,
     UseDetections,
+    UseObservations,
     UseScan,
     WantThreshold,
     WatchPlan,
@@ -39,15 +41,25 @@ from workbench.app.records.record import command_form, entry_of, entry_record
 from workbench.app.records.replay import replay
 from workbench.app.records.sessions import new_session
 from workbench.journal.journal import Journal
-from workbench.model.cell import Arm
+from workbench.model.cell import Arm, PlanOverrides
 from workbench.model.digest import canonical, digest_of
 from workbench.model.errors import FileError, JobCancelled, JournalError
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.part import PartPlace
+from workbench.model.prediction import EmptiedPile, Emptying, LeftPart, PileTask
 from workbench.model.release import Receipt
-from workbench.model.scan import Detection, Scan
+from workbench.model.scan import Detection, Scan, SearchOverrides
 
 NOW = 1_700_000_000.0
+
+
+def emptied(cell) -> Emptying:
+    left = (LeftPart("part-2", "no path", "no way was found", ""),)
+    pile = EmptiedPile(
+        PileTask(cell.name, "peg", 2, 7, "scan"), 2, 1, (0, 1, 0), 0, 0, 2, 5, 7.5, left,
+        (0.25, 0.5), (("propose", 0.1), ("prove", 0.2)), 1.5, outcomes=("", "crooked"),
+    )  # fmt: skip
+    return Emptying(cell.digest, (pile,))
 
 
 def commands(samples):
@@ -72,6 +84,8 @@ def commands(samples):
         JobEnded(2, samples.detections()),
         JobEnded(3, planned),
         JobEnded(4, samples.refused()),
+        TryEmptying(("peg",), 5, 2, 7, "scan", ("lifts", "bin")),
+        JobEnded(7, emptied(samples.cell)),
         JobEnded(5, FileError("scan.ply", "is truncated")),
         JobEnded(6, JobCancelled("cancelled")),
         Sent(Receipt(NOW, "right", "in", "inR#*1.00*", 2, 9)),
@@ -130,6 +144,23 @@ def test_every_command_comes_back_as_it_was(samples):
             command.result, FileError
         )
         assert command_form(again.command).files == form.files
+
+
+def test_commands_on_record_by_their_first_names_are_read():
+    """A command and three fields were renamed in 0.2.0; sessions keep their first names."""
+
+    def read(kind, form):
+        body = {"at": 1.0, "actor": "ada", "role": "engineer", "command": form, "after": {}}
+        return entry_of(2, kind, json.dumps(body).encode(), None)[0].command
+
+    planned = MakePlan(overrides=PlanOverrides(planner="sbl"))
+    form = command_form(planned).form
+    assert form["wishes"]["planner"] == "sbl" and "overrides" not in form
+    assert canonical(read("MakePlan", form)) == form
+    sought = command_form(FindParts(3, SearchOverrides(0.5, 0.1))).form
+    assert sought["wishes"]["detail"] == 0.5 and canonical(read("FindParts", sought)) == sought
+    left = {"sightings": [], "says": "none is left"}
+    assert isinstance(read("UseSightings", left), UseObservations)
 
 
 def test_values_come_back_with_their_digests_and_protected(samples):
@@ -191,6 +222,17 @@ def test_a_session_computed_again_goes_through_the_same_states(journal, cell, sa
         assert getattr(end, field).digest == getattr(last, field).digest
     assert digest_of(end.detections) == digest_of(last.detections)
     assert journal.verify() == ()
+
+
+def test_what_became_of_piles_is_on_record_and_comes_back(journal, cell, samples):
+    found = emptied(cell)
+    run(journal, cell, (TryEmptying(), JobEnded(2, found), *cycle_after(samples)))
+    end = list(replay(journal, cell))[-1][1]
+    assert end.emptying == found and end.phase is Phase.SCANNED
+
+
+def cycle_after(samples):
+    return (TakeScan(), JobEnded(4, samples.scan(points=3000)))
 
 
 def test_people_can_read_scan_plan_proof_and_approval_from_the_folder(journal, cell, samples):

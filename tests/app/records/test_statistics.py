@@ -11,6 +11,7 @@ from workbench.app.core.commands import (
     CancelJob,
     Entry,
     FindParts,
+    GoOn,
     JobEnded,
     LinkEnded,
     MakePlan,
@@ -101,6 +102,32 @@ def test_a_cycle_is_counted_with_its_stages(written, samples):
     assert (pick.part, pick.grasp, pick.arm, pick.result) == ("peg", "top", "right", "picked")
     assert counted.picks_per_hour == pytest.approx(3600 / 18)
     assert [(s, m) for s, m, _ in counted.stage_medians()][:2] == [("scan", 2.0), ("find parts", 3)]
+
+
+def test_a_cycle_that_was_gone_on_to_is_counted_with_its_stages(written, samples):
+    written.cycle(samples)
+    written.do(GoOn())
+    written.now += 1
+    written.ended(samples.scan(seed=1))
+    written.now += 2
+    written.ended(samples.detections())
+    written.now += 3
+    written.ended(samples.planned(written.state.scene_digest))
+    first, second = statistics(written.rows).cycles
+    assert (first.end, second.end, second.strategy) == ("done", "", "right")
+    assert dict(second.seconds) == {"scan": 2.0, "find parts": 3.0, "plan": 4.0}
+    assert second.at == 19.0 + first.at
+
+
+def test_a_task_that_nobody_goes_on_from_begins_no_other(written, samples):
+    written.cycle(samples)
+    written.do(GoOn())
+    written.ended(samples.scan(seed=1))
+    written.do(CancelJob())
+    written.do(FindParts())
+    written.now += 4
+    written.ended(())
+    assert dict(statistics(written.rows).cycles[1].seconds) == {"scan": 1.0, "find parts": 5.0}
 
 
 def test_a_person_knows_better_than_the_controller(written, samples):

@@ -8,6 +8,7 @@ from canned import make_results
 
 from workbench.app.review.likeness import MOVED, Likeness, resemblance
 from workbench.model.geometry import pose_from_rpy
+from workbench.model.prediction import EmptiedPile, Emptying, PileTask
 from workbench.model.scan import Detection, Scan
 
 
@@ -163,3 +164,16 @@ def test_what_became_of_candidates_and_of_the_plan_is_compared(results):
     assert (
         "1 of 60 candidates with another verdict" in resemblance(results.cell, planned, other).says
     )
+
+
+def test_piles_emptied_again_are_equal_whatever_the_clock_says(results):
+    pile = EmptiedPile(PileTask("peg_cell", "peg", 3, 5), 3, 2, (0, 0, 0), 0, 0, 2, 4, 7.5, (),
+                       (0.2,), (("propose", 0.2),), 0.0)  # fmt: skip
+    kept = Emptying(results.cell.digest, (pile,))
+    slower = replace(pile, planning=(0.9,), stages=(("propose", 0.9),), finding=1.0)
+    assert resemblance(results.cell, kept, replace(kept, piles=(slower,))).says == "equal"
+    other = resemblance(results.cell, kept, replace(kept, piles=(replace(pile, taken=1),)))
+    assert other.likeness is Likeness.OTHER
+    assert "seed 5: 1 of 3 parts taken instead of 2" in other.says
+    fewer = resemblance(results.cell, kept, replace(kept, piles=()))
+    assert fewer.likeness is Likeness.OTHER and "0 piles instead of 1" in fewer.says

@@ -30,7 +30,7 @@ from workbench.app.records.replay import replay
 from workbench.app.runtime.bench import Bench
 from workbench.app.runtime.live import Live
 from workbench.journal.journal import Journal
-from workbench.model.cell import Wishes
+from workbench.model.cell import PlanOverrides
 from workbench.model.errors import CommandRefused, JournalError
 from workbench.model.release import Receipt
 
@@ -124,7 +124,7 @@ def test_a_planner_that_is_not_installed_is_refused_and_yet_computed_again(
     scan = samples.scan()
     bench.do(UseScan(scan), "ada")
     bench.do(UseDetections(samples.detections()), "ada")
-    foreign = MakePlan(wishes=Wishes(planner="foreign"))
+    foreign = MakePlan(overrides=PlanOverrides(planner="foreign"))
     with pytest.raises(CommandRefused, match=r"no planner 'foreign'; known: .*rrtconnect"):
         bench.do(foreign, "ada")
     with monkeypatch.context() as installed:
@@ -293,6 +293,18 @@ def test_stopping_comes_first_and_the_rest_of_the_end_later(bench, noted):
     assert noted[0].closed
     bench.stop_sending()
     assert len(noted[0].ran) == 1
+
+
+def test_a_session_that_somebody_writes_to_is_not_gone_on_with(cell, journal, clock, samples):
+    bench = Bench(cell, journal, now=clock, effects=Noted)
+    approved(bench, samples)
+    count, other = journal.count, Journal(journal.folder)
+    with pytest.raises(JournalError, match="is written to by process"):
+        Bench(cell, other, now=clock, effects=Noted)
+    other.close()
+    # Nothing was written into the middle of what goes on there.
+    assert bench.do(SendPlan(bench.state.plan.digest), "ada").number == count + 1
+    bench.close()
 
 
 def test_a_session_goes_on_where_it_ended(cell, journal, clock, samples):

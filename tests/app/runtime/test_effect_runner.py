@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 from addressed import at
 from full_disk import FullDisk
+from idle import Idle
 from waiting import PATIENCE, wait_until
 
 from workbench.app.core.commands import (
@@ -25,11 +26,13 @@ from workbench.app.core.commands import (
     SendPlan,
     Stop,
     TakeScan,
+    TryEmptying,
     UseDetections,
     UseScan,
     WantThreshold,
 )
 from workbench.app.core.state import Phase
+from workbench.app.picking import facts
 from workbench.app.records.replay import replay
 from workbench.app.runtime import effect_runner, insisting
 from workbench.app.runtime.bench import Bench
@@ -236,11 +239,32 @@ def test_what_a_search_discarded_is_shown_and_not_recorded(cell, tmp_path, machi
         state = bench.wait(lambda state: state.detections is not None, PATIENCE)
         findings = bench.live.findings
         assert findings is not None and findings.detections is state.detections
-        assert [one.words for one in findings.discarded] == ["reaches into part-1"]
+        assert [one.words for one in findings.rejected] == ["reaches into part-1"]
     finally:
         bench.close()
     *_, (_, last) = replay(Journal(tmp_path / "session"), cell)
     assert digest_of(last.detections) == digest_of(findings.detections)
+
+
+def test_films_of_emptied_piles_are_shown_and_not_recorded(
+    cell, tmp_path, machines, samples, monkeypatch
+):
+    # The cell of these tests is no place to pile up parts in: that is asked before the worker is.
+    monkeypatch.setattr(facts, "check_pile", lambda cell, count: None)
+    bench = Bench(cell, Journal(tmp_path / "session"), effects=machines)
+    try:
+        bench.do(TryEmptying(count=1, piles=1), "ada")
+        state = bench.wait(lambda state: state.emptying is not None, PATIENCE)
+        films = bench.live.films
+        assert films is not None and films.emptying is state.emptying
+        assert [film.task for film in films.films] == [one.task for one in state.emptying.plain]
+    finally:
+        bench.close()
+    *_, (_, last) = replay(Journal(tmp_path / "session"), cell)
+    assert last.emptying == films.emptying
+    again = Bench(cell, Journal(tmp_path / "session"), effects=Idle)
+    assert again.live.films is None and again.state.emptying == films.emptying
+    again.close()
 
 
 def test_a_disk_that_is_slow_to_take_a_draft_holds_nobody_up(bench, cell, monkeypatch):

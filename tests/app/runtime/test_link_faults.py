@@ -31,7 +31,6 @@ from workbench.app.core.state import Phase
 from workbench.app.picking.pipeline import plan_pick
 from workbench.app.records.replay import replay
 from workbench.app.runtime.bench import Bench
-from workbench.app.runtime.effect_runner import EffectRunner
 from workbench.app.runtime.robot_link import LinkRunner
 from workbench.devices.abb_simulated import serve_program as abb_serve_program
 from workbench.devices.abb_simulated.controller import SimulatedController
@@ -100,7 +99,7 @@ class Rig:
 
 
 @pytest.fixture
-def rig(tmp_path, yumi, found, planned):
+def rig(tmp_path, machines, yumi, found, planned):
     """A bench with an approved plan, beside a controller that will do something wrong."""
     made = []
 
@@ -117,7 +116,7 @@ def rig(tmp_path, yumi, found, planned):
         address = controller_by(protocol, "127.0.0.1", one.port, one.state_port)
         cell = dataclasses.replace(yumi, controller=address)
         ours = dataclasses.replace(PATIENT, clock=clock, **patience)
-        effects = functools.partial(EffectRunner, patience=ours)
+        effects = functools.partial(machines, patience=ours)
         bench = Bench(cell, Journal(tmp_path / "session"), effects=effects)
         made.append((bench, one, thread))
         bench.do(UseDetections(found), "ada")

@@ -96,6 +96,23 @@ def test_what_was_compiled_of_other_sources_is_forgotten(folder, monkeypatch, tm
     assert said() == 2, "numba has learned to see it: then this can go"
     make_ready(lambda done, note: None)
     assert said() == 42
+    inner.write_text(inner.read_text().replace("return 21", "return 4"))
+    compiled_code.forget_the_old()
+    assert said() == 8
+    kept = sorted(tmp_path.rglob("outer*.nbc"))
+    compiled_code.forget_the_old()
+    assert kept and sorted(tmp_path.rglob("outer*.nbc")) == kept, "it is of these sources"
+
+
+def test_a_script_runs_nothing_that_was_compiled_before_an_update(tmp_path, monkeypatch):
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
+    place = next(iter(compiled_code._kept()))
+    place.mkdir(parents=True)
+    old = place / "gjk.distance-1.py311.nbi"
+    old.write_bytes(b"names a module that is gone")
+    code = "import workbench as wb; wb.plan"
+    subprocess.run([sys.executable, "-c", code], check=True, capture_output=True)
+    assert not old.exists()
 
 
 @pytest.fixture

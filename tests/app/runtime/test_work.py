@@ -6,7 +6,7 @@ import pytest
 
 from workbench.app.runtime.work import JOBS
 from workbench.formats.cells.reading import read_cell
-from workbench.model.cell import Wishes
+from workbench.model.cell import PlanOverrides
 from workbench.model.errors import InputError, JobCancelled
 
 
@@ -39,7 +39,7 @@ def test_the_jobs_lead_from_a_seed_to_a_proven_plan(yumi):
         "scan": scan,
         "strategy": "auto",
         "threshold": 0.2,
-        "wishes": Wishes(planner="sbl"),
+        "overrides": PlanOverrides(planner="sbl"),
         "placed": (),
         "avoided": (),
         "seed": 0,

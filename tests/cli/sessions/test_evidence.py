@@ -122,6 +122,14 @@ def test_a_bundle_is_not_written_into_the_session(say, example):
     assert (said.code, "lies in the session" in said.err) == (2, True)
 
 
+@pytest.mark.parametrize("out", [".", "/"])
+def test_a_folder_is_no_name_for_a_bundle(say, example, tmp_path, monkeypatch, out):
+    monkeypatch.chdir(tmp_path)
+    assert say("evidence", example, "--out", out).problem == f"{out}: is not the name of a file"
+    exported = say("session", "export", example, "--out", out)
+    assert exported.code == 2 and exported.problem.startswith(out)
+
+
 def test_a_folder_that_is_no_session_is_told(say, tmp_path):
     said = say("evidence", tmp_path)
     assert (said.code, "is not the folder of a session" in said.err) == (2, True)

@@ -151,3 +151,14 @@ def test_three_arms_that_were_written_are_read_again(tmp_path: Path) -> None:
     again = read_cell(write_whole_cell(tmp_path / "again", cell, pairs))
     assert [arm.name for arm in again.arms] == list(NAMES)
     assert again.robot.disabled_pairs == cell.robot.disabled_pairs
+
+
+def test_parts_do_not_stay_and_go_at_once(tmp_path: Path) -> None:
+    folder = write_cell(tmp_path / "cell")
+    file = folder / "cell.toml"
+    text = file.read_text(encoding="utf-8")
+    both = 'name = "north"\nkeeps_parts = true\npasses_parts_on = true'
+    file.write_text(text.replace('name = "north"', both, 1), encoding="utf-8")
+    assert "arm[1].passes_parts_on: " in refused(folder)
+    file.write_text(file.read_text().replace("keeps_parts = true\n", ""), encoding="utf-8")
+    assert [arm.passes_parts_on for arm in read_cell(folder).arms] == [True, False, False]

@@ -78,10 +78,11 @@ def test_what_is_seldom_changed_comes_back_too(tmp_path):
     )
     folder = PosesFolder(str(tmp_path / "poses"), "keyed_cylinder")
     careful, *others = cell.arms
-    arms = (replace(careful, needs_roll=True), *others)
+    arms = (replace(careful, needs_roll=True, passes_parts_on=True), *others)
     changed = replace(cell, scanner=scanner, policy=policy, poses_folder=folder, arms=arms)
     again = written(tmp_path, changed)
     assert [arm.needs_roll for arm in again.arms] == [True, False]
+    assert [arm.passes_parts_on for arm in again.arms] == [True, False]
     assert digest_of(again.scanner) == digest_of(scanner)
     assert again.policy == policy
     assert digest_of(again.poses_folder) == digest_of(folder)

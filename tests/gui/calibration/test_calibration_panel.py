@@ -5,12 +5,12 @@ import threading
 import numpy as np
 
 import workbench.app.picking.held_plate
-from workbench.app.core.value_checks import MOST_SIGHTINGS
+from workbench.app.core.value_checks import MOST_OBSERVATIONS
 from workbench.gui.calibration.panel import SUGGEST, CalibrationPanel
 
 
 def test_every_pose_that_may_be_scanned_has_a_row(visitor):
-    assert len(CalibrationPanel(visitor)._rows) == MOST_SIGHTINGS
+    assert len(CalibrationPanel(visitor)._rows) == MOST_OBSERVATIONS
 
 
 def test_a_second_click_while_a_pose_is_looked_for_does_nothing(visitor, monkeypatch):

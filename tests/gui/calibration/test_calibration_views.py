@@ -20,12 +20,12 @@ from workbench.model.calibration import (
     BinCheck,
     Calibration,
     CalibrationRecord,
-    PlateSighting,
+    PlateObservation,
     PoseResidual,
 )
 from workbench.model.cell import PosesFolder
 from workbench.model.geometry import pose_from_rpy
-from workbench.model.scan import Remark, Search, SearchWishes
+from workbench.model.scan import Remark, Search, SearchOverrides
 
 NOW = 1_760_000_000.0
 DAY = 86_400.0
@@ -41,6 +41,8 @@ def test_an_old_or_missing_calibration_is_warned_of(cell):
     assert calibration_warning(cell, NOW) == "", "a simulated scanner hangs where the cell says"
     real = replace(cell, scanner=replace(cell.scanner, source="folder", address="scans"))
     assert "never calibrated" in calibration_warning(real, NOW)
+    merged = replace(cell, scanner=replace(cell.scanner, source="merged", address="views"))
+    assert calibration_warning(merged, NOW) == "", "its views are refused without a calibration"
     assert calibration_warning(with_record(cell, 89), NOW) == ""
     assert "91 days ago; 90 are allowed" in calibration_warning(with_record(cell, 91), NOW)
     assert "&lt;Anna&gt;: 8 poses, 0.12 mm RMS" in record_line(with_record(cell, 1), NOW)
@@ -61,16 +63,16 @@ def test_the_bin_has_a_light_and_a_sentence(cell):
 
 
 @pytest.fixture
-def sightings():
-    one = PlateSighting(
+def observations():
+    one = PlateObservation(
         "pose 1", "right", np.zeros(7), BallPlate(), np.eye(3), 0.0001, np.ones((4, 3))
     )
     return one, replace(one, name="pose <2>", is_used=False)
 
 
-def test_poses_have_residuals_lights_and_reasons(cell, sightings):
+def test_poses_have_residuals_lights_and_reasons(cell, observations):
     assert "Eight are advised" in poses_html((), "", None, ())
-    html = poses_html(sightings, "too few", 1, ("a", "b"))
+    html = poses_html(observations, "too few", 1, ("a", "b"))
     assert "pose &lt;2&gt;" in html and "left out by a person" in html
     residuals = (
         PoseResidual("pose 1", 0.00042, np.deg2rad(0.05), "good"),
@@ -78,7 +80,7 @@ def test_poses_have_residuals_lights_and_reasons(cell, sightings):
     )
     T = cell.scanner.T_world_scanner * pose_from_rpy((0.003, 0.004, 0), (0, 0, np.deg2rad(2)))
     found = Calibration(T, T, residuals, 0.0004, 0.0001, 0.001)
-    html = poses_html(sightings, found, None, ("a", "b"))
+    html = poses_html(observations, found, None, ("a", "b"))
     assert "0.42 mm" in html and "0.05°" in html and "12.0 mm &lt;off&gt;" in html
     answer = answer_html(cell, found, 2)
     assert "5.0 mm and 2.00°" in answer and "8 poses are better than 1" in answer
@@ -89,8 +91,8 @@ def test_poses_have_residuals_lights_and_reasons(cell, sightings):
 def test_searches_stand_side_by_side(detections):
     assert "to be compared" in searches_html((), None, ())
     searches = (
-        Search(3, 0, SearchWishes(), detections, 0.25),
-        Search(7, 5, SearchWishes(1.5, 0.8), detections[:1], 0.5),
+        Search(3, 0, SearchOverrides(), detections, 0.25),
+        Search(7, 5, SearchOverrides(1.5, 0.8), detections[:1], 0.5),
     )
     html = searches_html(searches, 7, ("a", "b"))
     assert html.count("<tr") == 3 and html.count("wb-chosen") == 1

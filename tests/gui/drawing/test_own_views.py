@@ -4,12 +4,12 @@ from types import SimpleNamespace
 
 import pytest
 
-from workbench.gui.drawing.own_views import has_lost_sighting
+from workbench.gui.drawing.own_views import has_lost_observation
 from workbench.gui.shared.own import Own
 
 
 def with_poses(*names: str):
-    return SimpleNamespace(sightings=tuple(SimpleNamespace(name=name) for name in names))
+    return SimpleNamespace(observations=tuple(SimpleNamespace(name=name) for name in names))
 
 
 THREE = with_poses("pose 1", "pose 2", "pose 3")
@@ -31,4 +31,4 @@ THREE = with_poses("pose 1", "pose 2", "pose 3")
     ],
 )
 def test_a_pose_that_was_removed_is_lost(number, before, now, is_lost):
-    assert has_lost_sighting(Own(sighting=number), before, now) is is_lost
+    assert has_lost_observation(Own(observation=number), before, now) is is_lost

@@ -7,8 +7,8 @@ import pytest
 
 from workbench.app.runtime.live import Live
 from workbench.gui.page.modes import ENDS, STANDS, Mode, mode_html, mode_of
-from workbench.gui.shared.look import Jogged, Look, SharedLook
-from workbench.gui.shared.own import Own
+from workbench.gui.shared.look import FilmMoment, Jogged, Look, SharedLook
+from workbench.gui.shared.own import Own, Showing
 
 
 @pytest.fixture
@@ -64,9 +64,22 @@ def test_what_one_does_alone_is_said_there_and_a_recording_never_looks_live(
         assert mode_of(replace(view_of(state), is_recorded=True)) is Mode.RECORDED
 
 
+def test_a_film_is_called_a_simulation_whatever_else_is_under_way(states, view_of, live):
+    showing = Showing(None, 5.0, {})
+    for state in states.all:
+        view = replace(
+            view_of(state, live=live), own=Own(film=showing), filmed=FilmMoment({}, (), "")
+        )
+        html = mode_html(view)
+        assert mode_of(view) is Mode.FILM and 'data-mode="film"' in html
+        assert "<b>Simulation</b>" in html and "in your view alone" in html
+        assert "not what is in the bin; nothing is sent" in html
+        assert "Solid: the robot, as its controller reports it" in html
+
+
 def test_each_mode_that_a_person_ends_says_how(states):
     assert set(STANDS) == set(Mode)
-    assert set(ENDS) == {Mode.PREVIEW, Mode.END, Mode.JOG, Mode.POSE}
+    assert set(ENDS) == {Mode.PREVIEW, Mode.END, Mode.JOG, Mode.POSE, Mode.FILM}
 
 
 def test_a_preview_after_a_cycle_is_ended_by_another_button(states, view_of, live):

@@ -85,8 +85,8 @@ def test_a_pose_of_a_calibration_that_is_gone_is_no_longer_chosen(page):
     def choose_and_lose() -> None:
         wait_until(lambda: renderer._panels, "the controls")
         ((_, visitor),) = renderer._visitors.items()
-        visitor.own.change(sighting=0)
-        wait_until(lambda: visitor.own.now.sighting is None, "the end of the choice")
+        visitor.own.change(observation=0)
+        wait_until(lambda: visitor.own.now.observation is None, "the end of the choice")
 
     async def sit_there() -> None:
         async with raw_browser(int(page.url.rpartition(":")[2])):

@@ -6,7 +6,7 @@ from workbench.app.core.commands import MakePlan
 from workbench.app.core.state import Outline
 from workbench.gui.plan.panel import PlanPanel
 from workbench.gui.plan.views import outlines_html
-from workbench.model.cell import Wishes
+from workbench.model.cell import PlanOverrides
 
 ONE = Outline("rrtconnect", 0.4, "alternated", parts=2, cycle=9.0, digest="a" * 64)
 OTHER = Outline("sbl", 0.2, "left", parts=1, cycle=8.0, digest="b" * 64)
@@ -31,7 +31,14 @@ def test_where_there_is_nothing_to_choose_nothing_can_be_pressed():
 def test_a_row_asks_for_the_plan_as_it_was_made(visitor, monkeypatch):
     asked = []
     one = Outline(
-        "sbl", 0.2, "left", digest="b", asked="auto", threshold=0.3, seed=7, wishes=Wishes("sbl")
+        "sbl",
+        0.2,
+        "left",
+        digest="b",
+        asked="auto",
+        threshold=0.3,
+        seed=7,
+        overrides=PlanOverrides("sbl"),
     )
     panel = PlanPanel(visitor)
     state = visitor.bench.state
@@ -47,4 +54,4 @@ def test_a_row_asks_for_the_plan_as_it_was_made(visitor, monkeypatch):
     (command,) = asked
     assert isinstance(command, MakePlan)
     assert (command.strategy, command.threshold, command.seed) == ("auto", 0.3, 7)
-    assert command.wishes.planner == "sbl"
+    assert command.overrides.planner == "sbl"

@@ -15,7 +15,7 @@ from workbench.gui.shared.look import Look, Pose
 from workbench.gui.shared.playback import joint_values, part_poses
 from workbench.gui.shared.viser_server import close_viser, open_viser
 from workbench.model.geometry import Box, pose_from_rpy
-from workbench.model.scan import Discarded, LocalizationResult, Objection
+from workbench.model.scan import LocalizationResult, Objection, RejectedHypothesis
 from workbench.planning.kinematics.robot import Kinematics
 from workbench.studies.load.raw_browser import unpacked
 
@@ -187,18 +187,18 @@ def test_discarded_poses_are_drawn_when_asked_for_and_of_this_search_only(
     server, scene, cell, states, view_of
 ):
     T = states.localized.detections[0].T_world_part
-    one = Discarded(cell.parts[0].name, T, 0.4, Objection.TWIN, 0)
+    one = RejectedHypothesis(cell.parts[0].name, T, 0.4, Objection.TWIN, 0)
     live = Live(findings=LocalizationResult(states.localized.detections, (one,)))
     hidden, shown = (
-        view_of(states.localized, Look(discarded=asked), live) for asked in (False, True)
+        view_of(states.localized, Look(rejected=asked), live) for asked in (False, True)
     )
     scene.draw(None, hidden)
-    assert node(server, "/discarded/1") is None
+    assert node(server, "/rejected/1") is None
     scene.draw(hidden, shown)
-    np.testing.assert_allclose(node(server, "/discarded/1").position, T.translation)
+    np.testing.assert_allclose(node(server, "/rejected/1").position, T.translation)
     vetoed = replace(states.localized, detections=states.localized.detections[:1])
     scene.draw(shown, replace(shown, state=vetoed))
-    assert node(server, "/discarded/1") is None
+    assert node(server, "/rejected/1") is None
 
 
 def test_a_chosen_candidate_shows_its_tool_and_goes_with_the_choice(server, scene, states, view_of):

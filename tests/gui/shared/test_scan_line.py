@@ -9,7 +9,13 @@ from workbench.gui.shared import views
 
 @pytest.mark.parametrize(
     ("source", "word"),
-    [("simulated", "simulated bin"), ("folder", "folder"), ("http", "address"), ("else", "cell")],
+    [
+        ("simulated", "simulated bin"),
+        ("folder", "folder"),
+        ("http", "address"),
+        ("merged", "each"),
+        ("else", "cell"),
+    ],
 )
 def test_a_scan_is_told_as_the_scanner_takes_it(states, source, word):
     cell = states.idle.cell

@@ -7,11 +7,11 @@ from html.parser import HTMLParser
 import numpy as np
 import pytest
 
-from workbench.app.core.state import Avoided, Outcome, Outline, Phase
+from workbench.app.core.state import Avoided, Job, Outcome, Outline, Phase
 from workbench.app.runtime.live import Live
 from workbench.app.runtime.worker import GettingReady
 from workbench.gui.cycle.approval_views import approval_line, facts_html
-from workbench.gui.parts.views import avoided_html, discarded_html
+from workbench.gui.parts.views import avoided_html, rejected_html
 from workbench.gui.plan.curves import lanes_html, now_html
 from workbench.gui.plan.views import outlines_html, plan_html
 from workbench.gui.shared import link_views, views
@@ -23,7 +23,7 @@ from workbench.model.part import Grasp
 from workbench.model.plan import at_least
 from workbench.model.prediction import Forecast, Predictions
 from workbench.model.release import LinkStatus, PartReport, Vote
-from workbench.model.scan import Discarded, Objection
+from workbench.model.scan import Objection, RejectedHypothesis
 from workbench.proof.stages import STRAIGHT
 
 NOW = 1_760_000_000.0
@@ -56,12 +56,12 @@ def classes_of_steps(html: str) -> list[str]:
 def test_discarded_poses_are_listed_with_score_and_reason():
     T = pose_from_rpy((0, 0, 0))
     some = (
-        Discarded(EVIL, T, 0.61, Objection.TWIN, 1),
-        Discarded("bolt", T, 0.2, Objection.FREE_SPACE),
+        RejectedHypothesis(EVIL, T, 0.61, Objection.TWIN, 1),
+        RejectedHypothesis("bolt", T, 0.2, Objection.FREE_SPACE),
     )
-    listed = Reader(discarded_html(some))
+    listed = Reader(rejected_html(some))
     assert set(listed.tags) <= TAGS | {"details", "summary", "ul"}
-    for word in ("2 poses discarded", "0.61", "a twin with a worse score of part-2", "0.20"):
+    for word in ("2 poses rejected", "0.61", "a twin with a worse score of part-2", "0.20"):
         assert word in listed.text
     assert EVIL in listed.text
 
@@ -82,6 +82,11 @@ def test_discarded_poses_are_listed_with_score_and_reason():
 )
 def test_the_strip_shows_what_is_done_and_what_comes_next(states, name, expected):
     assert classes_of_steps(views.strip_html(getattr(states, name))) == expected
+
+
+def test_a_task_that_is_no_step_keeps_no_step_busy(states):
+    busy = replace(states.localized, job=Job(7, "emptying"))
+    assert "busy" not in classes_of_steps(views.strip_html(busy))
 
 
 def test_every_phase_has_its_place_in_the_strip():

@@ -37,7 +37,7 @@ def test_rods_in_a_pile_of_brackets_are_something_unknown(cell, rod):
     scan = synthesize(lying, drop_parts((bracket,) * 8, cell.bin, seed=7000), seed=7000)
     findings = searched(scan, rod, replace(cell, parts=(rod,)), seed=7000)
     assert findings.detections == ()
-    assert Objection.UNKNOWN in {one.reason for one in findings.discarded}
+    assert Objection.UNKNOWN in {one.reason for one in findings.rejected}
 
 
 @pytest.mark.parametrize(

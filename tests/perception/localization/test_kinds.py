@@ -6,7 +6,7 @@ import pytest
 
 from workbench.formats.parts.reading import read_part
 from workbench.model.geometry import pose_from_rpy
-from workbench.model.scan import Detection, Discarded, LocalizationResult, Objection
+from workbench.model.scan import Detection, LocalizationResult, Objection, RejectedHypothesis
 from workbench.perception.localization.kinds import merged
 from workbench.perception.localization.localize import Searched
 from workbench.perception.parts.part_surface import prepare
@@ -42,8 +42,8 @@ def test_each_kind_is_found_as_what_it_is(mixed, seed):
     assert is_found.count(False) <= 1
 
 
-def searched(surface, *found, gains, discarded=()):
-    return Searched(LocalizationResult(found, discarded), surface, gains)
+def searched(surface, *found, gains, rejected=()):
+    return Searched(LocalizationResult(found, rejected), surface, gains)
 
 
 def test_where_two_kinds_share_room_the_one_stands_that_more_surface_speaks_for():
@@ -57,7 +57,7 @@ def test_where_two_kinds_share_room_the_one_stands_that_more_surface_speaks_for(
         ]
     )
     assert both.detections == (far, cylinder)
-    (lost,) = both.discarded
+    (lost,) = both.rejected
     assert (lost.part, lost.words) == ("bolt", "reaches into part-2")
 
 
@@ -68,16 +68,16 @@ def test_parts_of_one_kind_are_left_as_their_own_search_has_them():
 
 def test_rivals_keep_their_numbers():
     one, other = Detection("bolt", at(0), 0.5), Detection("bracket", at(0.3), 0.9)
-    twin = Discarded("bolt", at(0), 0.4, Objection.TWIN, 0)
-    outside = Discarded("bracket", at(1), 0.6, Objection.OUTSIDE)
+    twin = RejectedHypothesis("bolt", at(0), 0.4, Objection.TWIN, 0)
+    outside = RejectedHypothesis("bracket", at(1), 0.6, Objection.OUTSIDE)
     both = merged(
         [
-            searched(BOLT, one, gains=(1.0,), discarded=(twin,)),
-            searched(BRACKET, other, gains=(1.0,), discarded=(outside,)),
+            searched(BOLT, one, gains=(1.0,), rejected=(twin,)),
+            searched(BRACKET, other, gains=(1.0,), rejected=(outside,)),
         ]
     )
     assert both.detections == (other, one)
-    assert [(d.part, d.words) for d in both.discarded] == [
+    assert [(d.part, d.words) for d in both.rejected] == [
         ("bracket", "outside the bin"),
         ("bolt", "a twin with a worse score of part-2"),
     ]
@@ -85,12 +85,12 @@ def test_rivals_keep_their_numbers():
 
 def test_what_lost_to_one_that_lost_itself_names_the_one_that_stands():
     bolt, cylinder = Detection("bolt", at(0), 0.9), Detection("cylinder", at(0), 0.8)
-    twin = Discarded("bolt", at(0), 0.4, Objection.TWIN, 0)
+    twin = RejectedHypothesis("bolt", at(0), 0.4, Objection.TWIN, 0)
     both = merged(
         [
-            searched(BOLT, bolt, gains=(1e-4,), discarded=(twin,)),
+            searched(BOLT, bolt, gains=(1e-4,), rejected=(twin,)),
             searched(CYLINDER, cylinder, gains=(9e-4,)),
         ]
     )
     assert both.detections == (cylinder,)
-    assert [one.rival for one in both.discarded] == [0, 0]
+    assert [one.rival for one in both.rejected] == [0, 0]

@@ -62,10 +62,10 @@ def test_other_parts_are_found_in_a_rough_scan_too(cell, name):
 def test_what_is_discarded_says_why(cell, part):
     truth = drop_parts((part,) * 4, cell.bin, seed=3)
     findings = searched(synthesize(cell, truth, seed=3), part, cell, seed=0)
-    assert 0 < len(findings.discarded) <= 20
-    scores = [one.score for one in findings.discarded]
+    assert 0 < len(findings.rejected) <= 20
+    scores = [one.score for one in findings.rejected]
     assert scores == sorted(scores, reverse=True)
-    for one in findings.discarded:
+    for one in findings.rejected:
         lost = one.reason in (Objection.CLAIMED, Objection.TWIN, Objection.REACHES_INTO)
         assert (one.rival is not None) == lost
         if one.rival is not None:

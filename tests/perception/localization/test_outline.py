@@ -21,10 +21,10 @@ def test_bolts_in_a_pile_of_cylinders_are_pieces_of_them(cell):
     truth = drop_parts((cylinder,) * 8, cell.bin, seed=601)
     scan = synthesize(lying, truth, seed=601)
     findings = searched(scan, bolt, replace(cell, parts=(bolt,)), seed=601)
-    reasons = [one.reason for one in findings.discarded]
+    reasons = [one.reason for one in findings.rejected]
     assert reasons.count(Objection.GOES_ON) + reasons.count(Objection.UNKNOWN) >= 3
     assert findings.detections == ()
-    for one in findings.discarded:
+    for one in findings.rejected:
         assert one.rival is None or one.rival < len(findings.detections)
 
 

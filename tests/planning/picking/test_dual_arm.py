@@ -15,9 +15,9 @@ from workbench.model.geometry import pose_from_rpy
 from workbench.model.plan import LEG_NAMES, Guarantee, Step, Strategy, Violation
 from workbench.model.scan import Detection
 from workbench.perception.simulation.piles import drop_parts
+from workbench.planning.collision.arm_sweeps import ArmContact
 from workbench.planning.collision.contact import Contact
 from workbench.planning.collision.legs import phase_of, stretches
-from workbench.planning.collision.meeting import Meeting
 from workbench.planning.collision.world import World
 from workbench.planning.kinematics.chain import is_solution
 from workbench.planning.picking import dual_arm
@@ -288,7 +288,7 @@ def test_the_second_arm_sets_out_while_the_first_goes_home(cell, apart, in_turn)
 
 
 def test_where_the_arms_might_meet_they_take_turns(cell, apart, in_turn, monkeypatch):
-    met = Meeting(Contact(("one", "other"), -0.01, 0.005), in_turn.arms[0].legs[0].q[:2], (0, 0))
+    met = ArmContact(Contact(("one", "other"), -0.01, 0.005), in_turn.arms[0].legs[0].q[:2], (0, 0))
     monkeypatch.setattr(dual_arm, "_met", lambda world, pair: met)
     monkeypatch.setattr(dual_arm, "_around", lambda world, pair, rng: iter(()))
     assert overlapped(World(cell, apart), in_turn) is in_turn

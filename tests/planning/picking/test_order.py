@@ -6,7 +6,7 @@ import pytest
 from workbench.app.picking.pipeline import plan_pick
 from workbench.formats.cells.reading import read_cell
 from workbench.model.candidate import Pick
-from workbench.model.cell import ORDER_NAMES, Wishes
+from workbench.model.cell import ORDER_NAMES, PlanOverrides
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.scan import Detection
 from workbench.planning.collision.world import World
@@ -68,7 +68,12 @@ def test_the_thesis_gives_each_arm_its_side_and_the_farther_part_first(world, pi
 def test_every_order_leads_to_a_proven_plan(order):
     # With both arms at once, parts that the arms would meet over are left for later.
     result = plan_pick(
-        CELL, DETECTIONS, "test", strategy="alternated", wishes=Wishes(order=order), seed=0
+        CELL,
+        DETECTIONS,
+        "test",
+        strategy="alternated",
+        overrides=PlanOverrides(order=order),
+        seed=0,
     )
     assert result.plan is not None and result.proof.holds
     assert len(result.plan.arms) == 2

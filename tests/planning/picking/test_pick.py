@@ -9,7 +9,7 @@ from bending import with_grasps
 
 from workbench.app.picking.pipeline import plan_pick
 from workbench.model.candidate import Pick, Reason, Stage
-from workbench.model.cell import Wishes
+from workbench.model.cell import PlanOverrides
 from workbench.model.errors import InputError, JobCancelled
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.plan import LEG_NAMES, Guarantee, Strategy
@@ -204,7 +204,7 @@ def test_both_strategies_are_planned_and_what_can_be_sent_is_taken(cell, detecti
 
 
 def test_a_wider_margin_is_kept(cell, detections):
-    wide = plan_pick(cell, detections, "s", wishes=Wishes(margin=0.02))
+    wide = plan_pick(cell, detections, "s", overrides=PlanOverrides(margin=0.02))
     usual = plan_pick(cell, detections, "s")
     assert usual.proof.clearance < 0.02 <= wide.proof.clearance
 

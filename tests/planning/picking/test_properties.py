@@ -13,7 +13,7 @@ from workbench.app.picking.pipeline import judge, plan_pick
 from workbench.app.picking.proving import prove
 from workbench.formats.cells.reading import read_cell
 from workbench.model.candidate import Pick, Reason, Verdict
-from workbench.model.cell import Wishes
+from workbench.model.cell import PlanOverrides
 from workbench.model.errors import InputError
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.motion import MotionModel
@@ -59,7 +59,7 @@ def test_every_plan_holds_when_it_is_looked_at_four_times_as_closely(
         pile(seed, count),
         "test",
         strategy=strategy,
-        wishes=Wishes(planner=planner, order=order),
+        overrides=PlanOverrides(planner=planner, order=order),
         seed=seed,
     )
     if result.plan is None:
@@ -112,13 +112,13 @@ def test_the_same_request_gives_the_same_plan_in_other_processes_and_after_other
     code = (
         "import sys; from workbench.app.picking.pipeline import plan_pick\n"
         "from workbench.formats.cells.reading import read_cell\n"
-        "from workbench.model.cell import Wishes\n"
+        "from workbench.model.cell import PlanOverrides\n"
         "from workbench.perception.simulation.piles import drop_parts\n"
         "cell = read_cell('yumi')\n"
         "def digest(s, strategy, planner):\n"
         "    pile = drop_parts(cell.parts[:1] * 2, cell.bin, seed=s)\n"
-        "    w = Wishes(planner=planner)\n"
-        "    r = plan_pick(cell, pile, 'x', strategy=strategy, wishes=w, seed=s)\n"
+        "    w = PlanOverrides(planner=planner)\n"
+        "    r = plan_pick(cell, pile, 'x', strategy=strategy, overrides=w, seed=s)\n"
         "    return r.plan.digest if r.plan else str(r.verdict)\n"
         "for s in map(int, sys.argv[1].split(',')):\n"
         "    for asked in (('auto', 'sbl'), ('coordinated', 'rrtconnect')):\n"

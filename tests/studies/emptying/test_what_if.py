@@ -4,24 +4,26 @@ from dataclasses import replace
 
 import pytest
 
+from workbench.app.emptying.changes import changed
+from workbench.app.emptying.empty import fallen
+from workbench.app.emptying.what_if import ranked, tasks_with_changes
+from workbench.cli.measuring.emptying import kinds_of
 from workbench.formats.cells.reading import read_cell
 from workbench.model.errors import FileError, InputError
+from workbench.model.prediction import EmptiedPile, LeftPart, PileTask
 from workbench.studies.cases import run_cases
 from workbench.studies.emptying import kept
-from workbench.studies.emptying.changes import changed
-from workbench.studies.emptying.empty import emptied, pile_of
 from workbench.studies.emptying.kept import emptied_all
-from workbench.studies.emptying.scene import Left, Scene, Task
-from workbench.studies.emptying.what_if import kinds_of, ranked, tasks_with_changes
+from workbench.studies.emptying.piles import emptied
 
-PILE = Task("yumi", "", 2, 3, settles=False)
+PILE = PileTask("yumi", "", 2, 3, settles=False)
 
 
-def made(task: Task) -> Scene:
+def made(task: PileTask) -> EmptiedPile:
     """A pile as if it had been emptied: what is taken depends on the task alone."""
     taken = (len(task.change) + task.seed) % 3
-    left = tuple(Left(f"part-{k}", "tool collision", "why", "") for k in range(2 - taken))
-    return Scene(task, 2, taken, (0, 0, 0), 0, 0, taken, 2, float(taken), left, (0.1,),
+    left = tuple(LeftPart(f"part-{k}", "tool collision", "why", "") for k in range(2 - taken))
+    return EmptiedPile(task, 2, taken, (0, 0, 0), 0, 0, taken, 2, float(taken), left, (0.1,),
                  (("propose", 0.1),), 0.0)  # fmt: skip
 
 
@@ -61,7 +63,7 @@ def test_the_pile_lies_in_a_bin_that_is_moved_as_in_the_one_that_is_not():
     task = replace(PILE, change="bin turned by 90 degrees")
     cell = read_cell("yumi")
     other = changed(cell, task.change)
-    for a, b in zip(pile_of(PILE, cell), pile_of(task, other), strict=True):
+    for a, b in zip(fallen(cell, cell, PILE), fallen(cell, other, task), strict=True):
         at = cell.bin.T_world_bin.actInv(a.T_world_part)
         assert at.isApprox(other.bin.T_world_bin.actInv(b.T_world_part), 1e-9)
 
@@ -70,7 +72,7 @@ def test_a_study_that_was_stopped_goes_on_and_finds_the_same(tmp_path, monkeypat
     tasks = [replace(PILE, seed=seed) for seed in range(4)]
     done: list[int] = []
 
-    def broken(task: Task) -> Scene:
+    def broken(task: PileTask) -> EmptiedPile:
         if len(done) == 2:
             raise KeyboardInterrupt
         done.append(task.seed)
@@ -84,7 +86,7 @@ def test_a_study_that_was_stopped_goes_on_and_finds_the_same(tmp_path, monkeypat
         run(broken, tmp_path / "kept")
     rest: list[int] = []
 
-    def again(task: Task) -> Scene:
+    def again(task: PileTask) -> EmptiedPile:
         rest.append(task.seed)
         return made(task)
 
@@ -129,7 +131,7 @@ def test_piles_that_another_state_of_the_program_has_emptied_are_emptied_again(
     """The version says nothing: it is the same from one release to the next."""
     emptied_now: list[int] = []
 
-    def noted(task: Task) -> Scene:
+    def noted(task: PileTask) -> EmptiedPile:
         emptied_now.append(task.seed)
         return made(task)
 

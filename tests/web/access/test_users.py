@@ -118,6 +118,16 @@ def test_the_right_password_and_no_other_lets_in(users):
     assert users.by_password("nobody here", PASSWORD) is None
 
 
+def test_a_name_that_nobody_has_is_answered_after_as_much_work(users, monkeypatch):
+    tried = []
+    monkeypatch.setattr(
+        "workbench.web.access.users.is_right", lambda password, kept: tried.append(kept)
+    )
+    for name in ("Nobody", "", "x" * 1000):
+        assert users.by_password(name, "seven brown pallets") is None
+    assert tried == [passwords.NOBODYS] * 3
+
+
 def test_ways_of_writing_a_name_are_one(users):
     assert users.by_password("ANNA WEISS", PASSWORD) == Person("Anna Weiß", Role.OPERATOR)
     with pytest.raises(InputError, match="already"):

@@ -4,19 +4,22 @@ import io
 import json
 import threading
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 
 import numpy as np
 import pytest
 import requests
 from waiting import PATIENCE
 
+from workbench.app.core.commands import JobEnded
 from workbench.app.core.people import Person, Role
-from workbench.app.core.rights import NOBODY
+from workbench.app.core.rights import NOBODY, WORKER
 from workbench.app.picking.proving import check
 from workbench.app.runtime.live import Live
 from workbench.app.runtime.worker import GettingReady
 from workbench.formats.plans.certificates import read_certificate
 from workbench.formats.plans.plan_files import read_plan
+from workbench.model.prediction import EmptiedPile, Emptying, LeftPart, PileTask
 from workbench.model.scan import LocalizationResult, ScaleCheck
 from workbench.web.api.calls import CALLS
 from workbench.web.api.fields import LARGEST_BODY
@@ -103,6 +106,21 @@ def test_a_task_is_told_while_it_runs_and_can_be_cancelled(site):
     assert site.get("/jobs/current").json()["job"] is None
 
 
+def test_a_program_goes_on_after_a_cycle_and_a_person_approves(site):
+    digest = plan(site)
+    assert "approved first" in detail(site.post("/go-on"), 409)
+    for path in ("/watch", "/approve", "/send"):
+        assert site.post(path, plan=digest).ok
+    site.reach("done")
+    answer = site.post("/go-on", seed=1, threshold=0.25, least_score=0.1)
+    assert answer.status_code == 202 and answer.json()["job"] is not None
+    site.reach("planned")
+    state = site.get("/state").json()
+    assert state["approved_by"] == [] and state["watched"] == []
+    assert site.bench.state.planned_threshold == 0.25
+    assert [str(row.kind) for row in site.bench.entries()][-4:] == ["GoOn", *["JobEnded"] * 3]
+
+
 def test_what_tasks_wait_for_is_told_with_the_state_and_with_the_task(site):
     assert site.get("/state").json()["getting_ready"] is None
     site.effects.hold.set()
@@ -113,6 +131,30 @@ def test_what_tasks_wait_for_is_told_with_the_state_and_with_the_task(site):
     answer = site.get("/jobs/current").json()
     assert answer["getting_ready"] == told
     assert (answer["job"]["done"], answer["job"]["note"]) == (0.4, "getting ready")
+
+
+def test_piles_are_emptied_and_what_came_of_them_is_read_as_the_study_prints_it(site):
+    site.effects.hold.set()
+    wanted = {"part": "keyed_cylinder", "parts": 2, "piles": 1, "seed": 5, "changes": "lifts"}
+    begun = site.post("/emptying", **wanted).json()["job"]
+    assert site.get("/jobs/current").json()["job"]["name"] == "emptying"
+    task = PileTask("yumi", "keyed_cylinder", 2, 5)
+    left = (LeftPart("part-2", "no path", "no way was found", ""),)
+    plain = EmptiedPile(task, 2, 1, (0, 0, 0), 0, 0, 1, 4, 5.0, left, (0.1,), (("prove", 0.1),),
+                        0.0, outcomes=("",))  # fmt: skip
+    more = replace(plain, task=replace(task, change="straight up alone"), taken=2, left=())
+    site.bench.do(JobEnded(begun, Emptying("0" * 64, (plain, more))), WORKER)
+    found = site.get("/emptying").json()
+    assert (found["taken"], found["parts"], found["taken_share"]) == (1, 2, 0.5)
+    assert found["scenes"][0]["left"][0]["reason"] == "no way was found"
+    assert [one["parts_gained"] for one in found["what_if"]] == [1]
+    for wrong, status, says in (
+        ({"part": "screw"}, 409, "part 'screw' is not known; there are keyed_cylinder"),
+        ({"parts": 0}, 400, "parts"),
+        ({"seen": "guess"}, 400, "seen"),
+        ({"changes": "lifts+colours"}, 409, "kind of change 'colours' is not known"),
+    ):
+        assert says in detail(site.post("/emptying", **wrong), status)
 
 
 @pytest.mark.parametrize("read", [read for read in READS if read.missing], ids=lambda r: r.path)

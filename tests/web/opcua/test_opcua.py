@@ -13,7 +13,7 @@ from workbench.app.core.commands import Approve, TakeControl, WatchPlan
 from workbench.app.core.people import Person, Role
 from workbench.model.errors import InputError
 from workbench.web.access.lockout import MOST, WHILE
-from workbench.web.opcua.door import Door, Options
+from workbench.web.opcua.admission import Door, Options
 from workbench.web.opcua.server import MOST_CLIENTS, NAMESPACE, OpcUa
 from workbench.web.opcua.values import VARIABLES
 

@@ -18,7 +18,7 @@ from workbench.app.runtime.bench import Bench
 from workbench.app.runtime.robot_link import LinkRunner
 from workbench.devices.abb_simulated.controller import SimulatedController
 from workbench.journal.journal import Journal
-from workbench.web.opcua.door import Options
+from workbench.web.opcua.admission import Options
 from workbench.web.opcua.robotics.tables import types
 from workbench.web.opcua.server import OpcUa
 

@@ -24,6 +24,7 @@ from workbench.model.errors import FileError, InputError
 from workbench.web.access.lockout import Lockout
 from workbench.web.access.store import Store
 from workbench.web.access.users import Users
+from workbench.web.opcua.admission import Door, Logins, Options
 from workbench.web.opcua.bounds import CALLER, Caller
 from workbench.web.opcua.certificates import (
     MOST_REJECTED,
@@ -36,7 +37,6 @@ from workbench.web.opcua.certificates import (
     read_certificate,
     trust,
 )
-from workbench.web.opcua.door import Door, Logins, Options
 from workbench.web.opcua.server import NAMESPACE, OpcUa
 
 PLC = Person("plc", Role.OPERATOR)

@@ -8,6 +8,8 @@ from attackers import PASSWORD, run
 
 from workbench.studies.load.raw_browser import raw_browser
 from workbench.web.page.pieces import PATH, PIECES, cut
+from workbench.web.page.relay import Upstream
+from workbench.web.server import Options, serve_front
 
 PAGE = '<head><script data-p="{}" data-ss="1">const a=de(d.p);</script></head>'
 
@@ -64,7 +66,56 @@ def test_a_browser_gets_a_small_page_and_keeps_its_pieces(front):
                 f"{PATH}/{names_in(page)[0]}", **{"Accept-Encoding": "identity"}
             )
             assert plain == 200 and len(text) > sizes[0]
+
+    run(look())
+
+
+def test_who_is_at_the_login_fetches_the_pieces_and_nothing_else_ahead(front):
+    async def look():
         async with raw_browser(front.url) as stranger:
-            assert (await stranger.get(f"{PATH}/{names_in(page)[0]}"))[0] == 401
+            _, form = await stranger.get("/login")
+            ahead = re.search('data-pieces="(.*?)"', form)[1].split()
+            assert len(ahead) == PIECES
+            program = ""
+            for one in ahead:
+                status, text = await stranger.get(one)
+                assert status == 200
+                program += text
+            assert (await stranger.get("/scene/"))[0] == 303
+            await stranger.log_in("Vera", PASSWORD)
+            # They are those of the page: it is whole with what was fetched before.
+            _, page = await stranger.get("/scene/")
+            assert [f"{PATH}/{name}" for name in names_in(page)] == ahead
+            assert len(program) > 500_000 and '"' not in program
+
+    run(look())
+
+
+def test_the_login_is_there_though_the_page_behind_it_does_not_answer(tmp_path):
+    nobody = Upstream("http://127.0.0.1:9", "secret")
+    front = serve_front(nobody, tmp_path / "users.sqlite", Options(port=0), title="alone")
+    try:
+
+        async def look():
+            async with raw_browser(front.url) as browser:
+                status, form = await browser.get("/login")
+                assert status == 200 and 'data-pieces=""' in form
+
+        run(look())
+    finally:
+        front.close()
+
+
+def test_files_of_ours_go_packed_and_not_again_to_who_has_them(front):
+    async def look():
+        async with raw_browser(front.url) as browser:
+            async with browser.session.get(front.url + "/static/tour.js") as answer:
+                assert answer.headers["Content-Encoding"] == "gzip"
+                tag, text = answer.headers["ETag"], await answer.text()
+                assert answer.content_length < len(text) / 2
+            plain = {"Accept-Encoding": "identity"}
+            assert await browser.get("/static/tour.js", **plain) == (200, text)
+            assert await browser.get("/static/tour.js", **{"If-None-Match": tag}) == (304, "")
+            assert (await browser.get("/static/tour.js", **{"If-None-Match": '"x"'}))[0] == 200
 
     run(look())

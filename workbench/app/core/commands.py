@@ -21,13 +21,14 @@ from workbench.app.core.reports import (
     Sent,
     Started,
 )
-from workbench.model.calibration import BallPlate, PlateSighting
-from workbench.model.cell import Cell, Wishes
-from workbench.model.digest import LATER
+from workbench.model.calibration import BallPlate, PlateObservation
+from workbench.model.cell import Cell, PlanOverrides
+from workbench.model.digest import LATER, called
 from workbench.model.geometry import Floats, frozen, put
 from workbench.model.part import Entry as GraspEntry
 from workbench.model.part import GraspPair
-from workbench.model.scan import Detection, Scan, SearchWishes
+from workbench.model.prediction import Seen
+from workbench.model.scan import Detection, Scan, SearchOverrides
 from workbench.model.symmetry import Symmetry
 
 Bytes = NDArray[np.uint8]
@@ -62,7 +63,7 @@ class FindParts:
     """
 
     seed: int = 0
-    wishes: SearchWishes = field(default_factory=SearchWishes)
+    overrides: SearchOverrides = field(default_factory=SearchOverrides, metadata=called("wishes"))
     is_compared: bool = field(default_factory=bool, metadata=LATER)
 
 
@@ -94,13 +95,10 @@ class SightPlate:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class UseSightings:
-    """Go on with these sightings of the plate: some removed, or left out of the calibration.
+class UseObservations:
+    """Go on with these observations of the plate, some left out; `says` tells people so."""
 
-    `says` tells people what was done.
-    """
-
-    sightings: tuple[PlateSighting, ...]
+    observations: tuple[PlateObservation, ...] = field(metadata=called("sightings"))
     says: str
 
 
@@ -114,7 +112,21 @@ class MakePlan:
     strategy: str = "auto"
     threshold: float = 0.2
     seed: int = 0
-    wishes: Wishes = field(default_factory=Wishes)
+    overrides: PlanOverrides = field(default_factory=PlanOverrides, metadata=called("wishes"))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class GoOn:
+    """After a finished cycle: scan, find parts and plan, each as soon as the one before is done.
+
+    It ends with a plan that waits for its approval, or earlier: with whatever needs a person, and
+    when the one who has asked for it gives control away or has gone.  It approves and sends
+    nothing.
+    """
+
+    scan: TakeScan = field(default_factory=TakeScan)
+    find: FindParts = field(default_factory=FindParts)
+    plan: MakePlan = field(default_factory=MakePlan)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -256,6 +268,23 @@ class ImportPart:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class TryEmptying:
+    """Empty piles in simulation, in the cell as it is; nothing real has to do with it.
+
+    `kinds` are the parts that fall, one of each in turn, of those that the cell picks; empty: all
+    of them.  `count` of them make a pile, and of `piles` each has the next seed.  `changes` are
+    kinds of single changes of the cell (`CHANGE_KINDS`) with which the same piles are emptied too.
+    """
+
+    kinds: tuple[str, ...] = ()
+    count: int = 15
+    piles: int = 3
+    seed: int = 0
+    seen: Seen = "truth"
+    changes: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class DropDraft:
     """Forget the changes of a part's grasps that an earlier session has not saved."""
 
@@ -315,8 +344,9 @@ Command = (
     | FindParts
     | UseDetections
     | SightPlate
-    | UseSightings
+    | UseObservations
     | MakePlan
+    | GoOn
     | WantThreshold
     | WatchPlan
     | Approve
@@ -332,6 +362,7 @@ Command = (
     | RedoCell
     | EditPart
     | ImportPart
+    | TryEmptying
     | DropDraft
     | SaveCell
     | EmptyPallets

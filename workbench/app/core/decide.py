@@ -41,6 +41,7 @@ from workbench.app.core.release import (
 )
 from workbench.app.core.results import (
     compared,
+    emptying_words,
     with_detections,
     with_outside_detections,
     with_plan,
@@ -53,12 +54,14 @@ from workbench.app.core.state import (
     ScanState,
     State,
     begun,
+    counted,
     stale_by,
 )
-from workbench.model.calibration import PlateSighting
+from workbench.model.calibration import PlateObservation
 from workbench.model.errors import CommandRefused, JobCancelled, WorkbenchError
 from workbench.model.part import Part
 from workbench.model.plan import PlanResult
+from workbench.model.prediction import Emptying
 from workbench.model.release import Vote, manner_words
 from workbench.model.scan import Scan, Search
 
@@ -77,9 +80,8 @@ def decide(state: State, entry: commands.Entry) -> Outcome:
     """
     state = replace(state, number=entry.number)
     match entry.command:
-        case commands.TakeScan(seed=seed, parts=parts, part=part):
-            arguments = {"seed": seed, "parts": parts, "part": part}
-            return _begin(state, entry, "scan", arguments, "scanning")
+        case commands.TakeScan() as command:
+            return _take_scan(state, entry, command)
         case commands.UseScan(scan=scan):
             return _with_scan(state, scan, entry.at), ()
         case commands.FindParts() as command:
@@ -88,12 +90,14 @@ def decide(state: State, entry: commands.Entry) -> Outcome:
             return with_outside_detections(state, entry, command), ()
         case commands.SightPlate() as command:
             return _sight_plate(state, entry, command)
-        case commands.UseSightings(sightings=sightings, says=says):
-            return replace(state, sightings=sightings, message=says), ()
+        case commands.UseObservations(observations=observations, says=says):
+            return replace(state, observations=observations, message=says), ()
         case commands.MakePlan() as command:
             return _make_plan(state, entry, command)
+        case commands.GoOn(scan=scan) as command:
+            return _take_scan(state, entry, scan, then=command)
         case commands.WantThreshold(threshold=threshold):
-            return replace(state, wanted_threshold=threshold), ()
+            return _wanting(state, threshold), ()
         case commands.WatchPlan(is_told=is_told):
             return _watched(state, entry.actor, is_told=is_told), ()
         case commands.Approve() as vote:
@@ -125,6 +129,9 @@ def decide(state: State, entry: commands.Entry) -> Outcome:
         case commands.ImportPart(name=name) as command:
             says = f"making the part {name} of {command.file}"
             return _begin(state, entry, "import", {"command": command}, says)
+        case commands.TryEmptying(piles=piles, count=count) as command:
+            says = f"emptying {counted(piles, 'pile')} of {counted(count, 'part')} in simulation"
+            return _begin(state, entry, "emptying", {"command": command}, says)
         case commands.DropDraft(part=part):
             return replace(state, message=f"the draft of {part} is dropped"), (RemoveDraft(part),)
         case commands.EmptyPallets():
@@ -139,7 +146,7 @@ def decide(state: State, entry: commands.Entry) -> Outcome:
             | commands.DenyControl()
             | commands.ReleaseControl()
         ) as about:
-            return with_control(state, about, entry.actor), ()
+            return _waiting_for(state, with_control(state, about, entry.actor)), ()
         case commands.AcknowledgeChanges():
             return acknowledged(state, entry.actor), ()
         case commands.Started() as start:
@@ -152,8 +159,8 @@ def decide(state: State, entry: commands.Entry) -> Outcome:
             return replace(state, message=f"poses from outside cannot be used: {problem}"), ()
         case commands.JobEnded(result=Part() as part) as ended:
             return _part_made(state, ended, part)
-        case commands.JobEnded():
-            return _job_ended(state, entry.command, entry.at), ()
+        case commands.JobEnded() as ended:
+            return _gone_on(state, _job_ended(state, ended, entry.at), entry)
         case commands.Sent(receipt=receipt):
             return with_receipt(state, receipt), ()
         case commands.LinkEnded():
@@ -188,16 +195,74 @@ def _watched(state: State, actor: str, *, is_told: bool) -> State:
     return replace(state, watched=watched, told=told, message=message)
 
 
-def _find_parts(state: State, entry: commands.Entry, command: commands.FindParts) -> Outcome:
+def _wanting(state: State, threshold: float) -> State:
+    """The state in which another threshold is wanted, also of a plan that is gone on to."""
+    job = state.job
+    if job is not None and job.then is not None:
+        then = replace(job.then, plan=replace(job.then.plan, threshold=threshold))
+        state = replace(state, job=replace(job, then=then))
+    return replace(state, wanted_threshold=threshold)
+
+
+def _waiting_for(before: State, after: State) -> State:
+    """The state after a word about control: nobody goes on in the name of who has given it away."""
+    job = after.job
+    if job is None or job.then is None or after.control == before.control:
+        return after
+    message = f"{after.message}; after this task nothing goes on by itself"
+    return replace(after, job=replace(job, then=None), message=message)
+
+
+def _gone_on(before: State, after: State, entry: commands.Entry) -> Outcome:
+    """What follows by itself when the task of `before` has ended, where that was asked for."""
+    job = before.job
+    if job is None or job.then is None or after.job is not None:
+        return after, ()
+    match job.name, after.phase:
+        case "scan", Phase.SCANNED:
+            return _find_parts(after, entry, job.then.find, then=job.then)
+        case "localize", Phase.LOCALIZED:
+            return _make_plan(after, entry, job.then.plan)
+        case "scan" | "localize", _:
+            return replace(after, message=f"{after.message}; going on ends here"), ()
+        case _:
+            return after, ()
+
+
+def _take_scan(
+    state: State,
+    entry: commands.Entry,
+    command: commands.TakeScan,
+    then: commands.GoOn | None = None,
+) -> Outcome:
+    arguments = {"seed": command.seed, "parts": command.parts, "part": command.part}
+    return _begin(state, entry, "scan", arguments, "scanning", then=then)
+
+
+def _find_parts(
+    state: State,
+    entry: commands.Entry,
+    command: commands.FindParts,
+    then: commands.GoOn | None = None,
+) -> Outcome:
     if state.scan is None:
         raise CommandRefused("there is no scan to find parts in")
-    arguments = {"scan": state.scan, "seed": command.seed, "wishes": command.wishes}
-    about = {"seed": command.seed, "wishes": command.wishes, "is_compared": command.is_compared}
-    return _begin(state, entry, "localize", arguments, "finding parts", **about)
+    arguments = {"scan": state.scan, "seed": command.seed, "overrides": command.overrides}
+    return _begin(
+        state,
+        entry,
+        "localize",
+        arguments,
+        "finding parts",
+        seed=command.seed,
+        overrides=command.overrides,
+        is_compared=command.is_compared,
+        then=then,
+    )
 
 
 def _sight_plate(state: State, entry: commands.Entry, command: commands.SightPlate) -> Outcome:
-    numbers = (one.name.rpartition(" ")[2] for one in state.sightings)
+    numbers = (one.name.rpartition(" ")[2] for one in state.observations)
     last = max((int(number) for number in numbers if number.isdecimal()), default=0)
     arguments = {
         "name": f"pose {last + 1}",
@@ -218,7 +283,7 @@ def _make_plan(state: State, entry: commands.Entry, command: commands.MakePlan) 
         "scan": state.scan,
         "strategy": command.strategy,
         "threshold": command.threshold,
-        "wishes": command.wishes,
+        "overrides": command.overrides,
         "placed": state.placed,
         "avoided": avoided_parts(state, entry.at),
         "seed": command.seed,
@@ -228,7 +293,7 @@ def _make_plan(state: State, entry: commands.Entry, command: commands.MakePlan) 
         "strategy": command.strategy,
         "threshold": command.threshold,
         "seed": command.seed,
-        "planning": command.wishes,
+        "planning": command.overrides,
     }
     return _begin(state, entry, "plan", arguments, "planning", **about)
 
@@ -298,12 +363,14 @@ def _job_ended(state: State, ended: commands.JobEnded, at: float) -> State:
         case ("scan", Scan()):
             return _with_scan(state, result, at)
         case ("localize", tuple()):
-            search = Search(job.number, job.seed, job.wishes, result, max(0.0, at - job.at))
+            search = Search(job.number, job.seed, job.overrides, result, max(0.0, at - job.at))
             return (compared if job.is_compared else with_detections)(state, search)
-        case ("sight", PlateSighting()):
-            sightings = (*state.sightings, result)
-            message = f"{result.name}: the plate is seen, {len(sightings)} so far"
-            return replace(state, sightings=sightings, message=message)
+        case ("sight", PlateObservation()):
+            observations = (*state.observations, result)
+            message = f"{result.name}: the plate is seen, {len(observations)} so far"
+            return replace(state, observations=observations, message=message)
+        case ("emptying", Emptying()):
+            return replace(state, emptying=result, message=emptying_words(result))
         case ("plan", PlanResult()):
             return with_plan(state, result, job)
         case _:

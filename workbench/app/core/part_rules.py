@@ -3,9 +3,18 @@
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import PurePosixPath
+from typing import get_args
 
-from workbench.app.core.commands import EditPart, ImportPart
-from workbench.app.core.value_checks import check_among, check_number, check_text
+from workbench.app.core.commands import EditPart, ImportPart, TryEmptying
+from workbench.app.core.value_checks import (
+    MOST_PARTS,
+    MOST_PILES,
+    SEED_LIMIT,
+    check_among,
+    check_integer,
+    check_number,
+    check_text,
+)
 from workbench.formats.files.units import UNITS
 from workbench.formats.files.whole_files import MB
 from workbench.formats.meshes.cad_files import KINDS, LARGEST_CAD
@@ -15,6 +24,7 @@ from workbench.model.cell import Cell
 from workbench.model.errors import CommandRefused, InputError
 from workbench.model.part import Entry, GraspLibrary, GraspPattern, Part
 from workbench.model.part_edits import edited
+from workbench.model.prediction import CHANGE_KINDS, Seen
 from workbench.model.symmetry import Symmetry
 
 DENSITIES = (10.0, 25_000.0)
@@ -52,6 +62,25 @@ def check_edit(cell: Cell, edit: EditPart) -> None:
         raise CommandRefused(str(error)) from error
     if after.digest == part.digest:
         raise CommandRefused(f"nothing of part {part.name} was changed")
+
+
+def check_emptying(cell: Cell, command: TryEmptying) -> None:
+    """Piles of parts that the cell picks, no more of them than can be emptied in one task.
+
+    Raises:
+        CommandRefused: other parts, too many or too few, or changes of a kind that there is not.
+    """
+    known = tuple(part.name for part in cell.parts)
+    for kind in command.kinds:
+        check_among("part", kind, known)
+    if len(set(command.kinds)) < len(command.kinds):
+        raise CommandRefused(f"each part is named once, not {', '.join(command.kinds)}")
+    check_integer("parts", command.count, 1, MOST_PARTS)
+    check_integer("piles", command.piles, 1, MOST_PILES)
+    check_integer("seed", command.seed, 0, SEED_LIMIT - MOST_PILES)
+    check_among("seen", command.seen, get_args(Seen))
+    for kind in command.changes:
+        check_among("kind of change", kind, CHANGE_KINDS)
 
 
 def check_import(cell: Cell, command: ImportPart) -> None:

@@ -3,13 +3,14 @@
 from dataclasses import dataclass, field
 
 from workbench.app.provenance.inventory import Inventory
-from workbench.model.calibration import PlateSighting
+from workbench.model.calibration import PlateObservation
 from workbench.model.cell import Cell
 from workbench.model.digest import LATER
 from workbench.model.errors import WorkbenchError
 from workbench.model.geometry import put
 from workbench.model.part import Part
 from workbench.model.plan import PlanResult
+from workbench.model.prediction import Emptying
 from workbench.model.release import PartReport, Receipt
 from workbench.model.scan import Detection, Scan
 
@@ -66,12 +67,20 @@ class PosesRefused:
 class JobEnded:
     """The worker finished job `number`.
 
-    `result` is a `Scan`, a tuple of `Detection`, a `PlanResult`, a `PlateSighting`, a `Part`, or
-    the error that ended it.
+    `result` is a `Scan`, a tuple of `Detection`, a `PlanResult`, a `PlateObservation`, a `Part`, an
+    `Emptying`, or the error that ended it.
     """
 
     number: int
-    result: "Scan | tuple[Detection, ...] | PlanResult | PlateSighting | Part | WorkbenchError"
+    result: (
+        Scan
+        | tuple[Detection, ...]
+        | PlanResult
+        | PlateObservation
+        | Part
+        | Emptying
+        | WorkbenchError
+    )
 
 
 @dataclass(frozen=True, slots=True, eq=False)

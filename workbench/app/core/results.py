@@ -17,6 +17,7 @@ from workbench.app.core.state import (
 )
 from workbench.model.digest import digest_of
 from workbench.model.plan import PlanResult
+from workbench.model.prediction import Emptying
 from workbench.model.scan import Remark, Search
 
 MOST_SEARCHES, MOST_REMARKS = 6, 30
@@ -111,6 +112,15 @@ def with_plan(state: State, result: PlanResult, job: Job) -> State:
         wanted_threshold=state.wanted_threshold,
         message=message,
     )
+
+
+def emptying_words(found: Emptying) -> str:
+    """What came of piles emptied in simulation, in one sentence."""
+    plain = found.plain
+    taken, parts = sum(one.taken for one in plain), sum(one.parts for one in plain)
+    words = f"{taken} of {counted(parts, 'part')} taken out of {counted(len(plain), 'pile')}"
+    tried = len({one.task.change for one in found.piles} - {""})
+    return f"{words} in simulation" + (f"; {counted(tried, 'change')} tried" if tried else "")
 
 
 def _outlines(state: State, result: PlanResult, job: Job) -> tuple[Outline, ...]:

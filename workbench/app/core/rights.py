@@ -32,6 +32,7 @@ JOBS: Mapping[str, str] = {
     "plan": "the planning",
     "sight": "the scan of the plate",
     "import": "the new part",
+    "emptying": "the emptying",
 }
 """What people call the tasks of the worker."""
 
@@ -65,6 +66,7 @@ RIGHTS: Mapping[type, Right] = {
     commands.MakePlan: Right(
         "planning", frozenset({Phase.LOCALIZED, Phase.PLANNED, Phase.APPROVED})
     ),
+    commands.GoOn: Right("going on", frozenset({Phase.DONE})),
     commands.WantThreshold: Right("another threshold", SAFE, beside_job=True),
     # Several people may have to approve, each of whom has to see the plan: only one is in control.
     commands.WatchPlan: Right(
@@ -97,12 +99,16 @@ RIGHTS: Mapping[type, Right] = {
     ),
     commands.EmptyPallets: Right("emptying the pallets", SAFE),
     commands.SightPlate: Right("a scan of the plate", SAFE, role=Role.ENGINEER),
-    commands.UseSightings: Right("a change of the calibration's poses", SAFE, role=Role.ENGINEER),
+    commands.UseObservations: Right(
+        "a change of the calibration's poses", SAFE, role=Role.ENGINEER
+    ),
     commands.ChangeCell: Right("a change of the cell", SAFE, role=Role.ENGINEER),
     commands.UndoCell: Right("an undo", SAFE, role=Role.ENGINEER),
     commands.RedoCell: Right("a redo", SAFE, role=Role.ENGINEER),
     commands.EditPart: Right("a change of grasps", SAFE, role=Role.ENGINEER),
     commands.ImportPart: Right("a new part", SAFE, role=Role.ENGINEER),
+    # It moves nothing, but it keeps the worker for itself, and is about how the cell is made.
+    commands.TryEmptying: Right("emptying piles in simulation", SAFE, role=Role.ENGINEER),
     commands.DropDraft: Right("dropping a draft", SAFE, role=Role.ENGINEER),
     commands.SaveCell: Right("saving the cell", SAFE, role=Role.ENGINEER),
     commands.AskForControl: Right(

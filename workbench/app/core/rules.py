@@ -1,13 +1,13 @@
 """What may happen now: pure checks; every refusal says what to do instead."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from types import MappingProxyType
 from typing import assert_never
 
 from workbench.app.core import commands
 from workbench.app.core.control import control_problem
 from workbench.app.core.outcomes import outcome_problem, step_problem
-from workbench.app.core.part_rules import check_edit, check_import, part_of
+from workbench.app.core.part_rules import check_edit, check_emptying, check_import, part_of
 from workbench.app.core.people import Role
 from workbench.app.core.release import (
     changes_problem,
@@ -21,8 +21,8 @@ from workbench.app.core.rights import MACHINES, NOBODY, RIGHTS, lacks_right, lac
 from workbench.app.core.state import State
 from workbench.app.core.value_checks import (
     DETAIL,
+    MOST_OBSERVATIONS,
     MOST_PARTS,
-    MOST_SIGHTINGS,
     SEED_LIMIT,
     check_among,
     check_cell,
@@ -30,14 +30,14 @@ from workbench.app.core.value_checks import (
     check_detections,
     check_integer,
     check_number,
+    check_overrides,
     check_person,
     check_text,
-    check_wishes,
 )
 from workbench.model.cell import Cell
 from workbench.model.digest import digest_of
 from workbench.model.errors import CommandRefused, NotAllowed
-from workbench.model.plan import UNSIGNED, Plan, Proof
+from workbench.model.plan import UNSIGNED, Plan, Proof, Proven
 from workbench.model.release import AS_PLANNED, SLOWEST, Approval, Manner, Vote
 from workbench.model.scan import ALL_KINDS
 from workbench.plugins.robot_link import misfit
@@ -87,14 +87,10 @@ def allowed(
     if problem := obstacle(state, type(command)):
         raise CommandRefused(problem)
     match command:
-        case commands.TakeScan(seed=seed, parts=parts, part=part):
-            check_among("part", part, ("", ALL_KINDS, *(one.name for one in state.cell.parts)))
-            check_integer("seed", seed, 0, SEED_LIMIT - 1)
-            check_integer("parts", parts, 1, MOST_PARTS)
-        case commands.FindParts(seed=seed, wishes=wishes) as command:
-            check_integer("seed", seed, 0, SEED_LIMIT - 1)
-            check_number("detail", wishes.detail, *DETAIL, "of the usual")
-            check_number("least score", wishes.least_score, 0.0, 1.0, "")
+        case commands.TakeScan() as command:
+            _check_scan(state.cell, command)
+        case commands.FindParts() as command:
+            _check_search(command)
             if state.scan is None:
                 raise CommandRefused("finding parts is not possible now: take a scan first")
             if command.is_compared and not state.detections:
@@ -105,22 +101,25 @@ def allowed(
         case commands.SightPlate(arm=arm, q=q, seed=seed):
             check_integer("seed", seed, 0, SEED_LIMIT - 1)
             check_configuration(state.cell, arm, q)
-            if len(state.sightings) >= MOST_SIGHTINGS:
+            if len(state.observations) >= MOST_OBSERVATIONS:
                 raise CommandRefused(
-                    f"up to {MOST_SIGHTINGS} poses are taken; remove one of them first"
+                    f"up to {MOST_OBSERVATIONS} poses are taken; remove one of them first"
                 )
-        case commands.UseSightings(sightings=sightings, says=says):
+        case commands.UseObservations(observations=observations, says=says):
             check_text("says", says)
-            if len(sightings) > MOST_SIGHTINGS:
-                raise CommandRefused(f"up to {MOST_SIGHTINGS} poses are taken")
-            for one in sightings:
+            if len(observations) > MOST_OBSERVATIONS:
+                raise CommandRefused(f"up to {MOST_OBSERVATIONS} poses are taken")
+            for one in observations:
                 check_text("name", one.name)
                 check_configuration(state.cell, one.arm, one.q)
-        case commands.MakePlan(strategy=strategy, threshold=threshold, seed=seed, wishes=wishes):
-            check_integer("seed", seed, 0, SEED_LIMIT - 1)
-            check_wishes(state.cell, wishes)
-            check_number("threshold", threshold, 0.0, 1.0, "m")
-            check_among("strategy", strategy, strategies_of(state.cell))
+        case commands.MakePlan() as command:
+            _check_planning(state.cell, command)
+        case commands.GoOn(scan=scan, find=find, plan=planning):
+            _check_scan(state.cell, scan)
+            _check_search(find)
+            _check_planning(state.cell, planning)
+            if find.is_compared:
+                raise CommandRefused("going on takes what it finds, so that is not only compared")
         case commands.Approve(plan_digest=digest, speed_share=share, is_stepped=is_stepped):
             plan = _named_plan(state, digest)
             check_number("speed share", share, SLOWEST, 1.0, "of the planned speed")
@@ -172,6 +171,8 @@ def allowed(
             check_edit(state.cell, edit)
         case commands.ImportPart() as command:
             check_import(state.cell, command)
+        case commands.TryEmptying() as command:
+            check_emptying(state.cell, command)
         case commands.DropDraft(part=part):
             part_of(state.cell, part)
         case commands.EmptyPallets():
@@ -217,6 +218,7 @@ def approve(
     is_unwatched: bool = False,
     ran: str = "",
     manner: Manner = AS_PLANNED,
+    row: Sequence[Proven] = (),
 ) -> Approval:
     """A person's vote for exactly this plan, valid as long as the cell's policy says.
 
@@ -230,12 +232,17 @@ def approve(
         is_unwatched: the plan was not played to its end before who approves it; on record.
         ran: digest of the inventory of what runs here; on record.
         manner: at which share of the planned speed it is sent, and whether step by step.
+        row: what the vote lets out after the plan, one after the other.
 
     Raises:
-        CommandRefused: nobody is named, the proof does not hold, plan, proof and cell do not
+        CommandRefused: nobody is named, a proof does not hold, plan, proof and cell do not
             belong together, or too few people have given a vote.
     """
     check_approvable(cell, plan, proof, actor, manner)
+    for one in row:
+        check_approvable(cell, one.plan, one.proof, actor, manner)
+        if one.plan.scan_digest != plan.scan_digest:
+            raise CommandRefused("plans of a row are made after one scan, these are not")
     approval = Approval(
         plan_digest=plan.digest,
         proof_digest=proof.digest,
@@ -249,6 +256,7 @@ def approve(
         ran=ran,
         speed_share=manner[0],
         is_stepped=manner[1],
+        row=tuple((one.plan.digest, one.proof.digest) for one in row),
     )
     _refuse(lacks_people(cell, approval))
     return approval
@@ -330,6 +338,25 @@ def _check_actor(command: commands.Command, actor: str) -> None:
     is_allowed = (right.by_anybody and actor in MACHINES) or actor == right.also_by
     if not right.by_machine and not is_allowed:
         check_person(actor)
+
+
+def _check_scan(cell: Cell, command: commands.TakeScan) -> None:
+    check_among("part", command.part, ("", ALL_KINDS, *(one.name for one in cell.parts)))
+    check_integer("seed", command.seed, 0, SEED_LIMIT - 1)
+    check_integer("parts", command.parts, 1, MOST_PARTS)
+
+
+def _check_search(command: commands.FindParts) -> None:
+    check_integer("seed", command.seed, 0, SEED_LIMIT - 1)
+    check_number("detail", command.overrides.detail, *DETAIL, "of the usual")
+    check_number("least score", command.overrides.least_score, 0.0, 1.0, "")
+
+
+def _check_planning(cell: Cell, command: commands.MakePlan) -> None:
+    check_integer("seed", command.seed, 0, SEED_LIMIT - 1)
+    check_overrides(cell, command.overrides)
+    check_number("threshold", command.threshold, 0.0, 1.0, "m")
+    check_among("strategy", command.strategy, strategies_of(cell))
 
 
 def _named_plan(state: State, digest: str) -> Plan:

@@ -5,14 +5,16 @@ import enum
 from dataclasses import dataclass, field
 from typing import Any, cast
 
+from workbench.app.core.commands import GoOn
 from workbench.app.provenance.inventory import Inventory
-from workbench.model.calibration import PlateSighting
+from workbench.model.calibration import PlateObservation
 from workbench.model.candidate import Candidate, Verdict
-from workbench.model.cell import Cell, Wishes
+from workbench.model.cell import Cell, PlanOverrides
 from workbench.model.digest import LATER
 from workbench.model.plan import Plan, Proof
+from workbench.model.prediction import Emptying
 from workbench.model.release import Approval, PartReport, Receipt, Vote
-from workbench.model.scan import Detection, Obstacle, Remark, Scan, Search, SearchWishes
+from workbench.model.scan import Detection, Obstacle, Remark, Scan, Search, SearchOverrides
 
 
 class Phase(enum.StrEnum):
@@ -34,7 +36,8 @@ class Job:
 
     `number` is that of the entry that began it, `at` [s since the epoch] when.  A planning has its
     `strategy`, `threshold` [m], `seed`, and as `planning` what it wants otherwise than the cell; a
-    search for parts its `seed` and `wishes`, and `is_compared`: what it finds is not taken at once.
+    search its `seed` and `overrides`, and `is_compared`: what it finds is not taken at once.
+    `then`: what it brings is gone on with, as is wanted there; None where a person decides.
     """
 
     number: int
@@ -42,10 +45,11 @@ class Job:
     at: float = 0.0
     threshold: float | None = None
     seed: int = 0
-    wishes: SearchWishes = field(default_factory=SearchWishes)
+    overrides: SearchOverrides = field(default_factory=SearchOverrides)
     strategy: str = ""
-    planning: Wishes = field(default_factory=Wishes)
+    planning: PlanOverrides = field(default_factory=PlanOverrides)
     is_compared: bool = False
+    then: GoOn | None = field(default_factory=lambda: None, metadata=LATER)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -54,7 +58,7 @@ class Outline:
 
     `planning` and `cycle` [s]; `apart` [m] the smallest distance between the arms; `verdict` says
     why there is no plan, or what speaks against it.  Who asks for it again by the strategy
-    `asked`, with `threshold` [m], `seed` and `wishes`, gets the same plan.
+    `asked`, with `threshold` [m], `seed` and `overrides`, gets the same plan.
     """
 
     planner: str
@@ -70,7 +74,7 @@ class Outline:
     asked: str = ""
     threshold: float = 0.0
     seed: int = 0
-    wishes: Wishes = field(default_factory=Wishes)
+    overrides: PlanOverrides = field(default_factory=PlanOverrides)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -107,7 +111,8 @@ class SessionState:
     has it, and `cell_problem` says why the file cannot be used as it is now.
     `placed` are parts on pallets, or where they may be since a fault.  `failures` counts failed
     picks in a row, over all cycles, and `avoided` says where.
-    `sightings` are those of a calibration that is being made.
+    `observations` are those of a calibration that is being made.
+    `emptying` is what came of the piles that were emptied in simulation last, in whichever cell.
     `ran` is what runs since the last start; `changed` says how that differs from the start before,
     the session `changed_since`, until somebody has acknowledged it.
     `control` is the name of who is in control, empty while nobody is; `asking` are those who have
@@ -123,7 +128,8 @@ class SessionState:
     placed: tuple[Detection, ...] = ()
     failures: int = 0
     avoided: tuple[Avoided, ...] = ()
-    sightings: tuple[PlateSighting, ...] = ()
+    observations: tuple[PlateObservation, ...] = ()
+    emptying: Emptying | None = None
     ran: Inventory | None = None
     changed: tuple[str, ...] = ()
     changed_since: str = ""

@@ -10,12 +10,14 @@ import numpy as np
 import pinocchio as pin
 
 from workbench.app.core.rights import MACHINES
-from workbench.model.cell import ORDER_NAMES, Cell, Wishes
+from workbench.model.cell import ORDER_NAMES, Cell, PlanOverrides
 from workbench.model.errors import CommandRefused, InputError
 from workbench.model.geometry import Floats
 from workbench.model.scan import Detection
 
 MOST_PARTS = 30
+MOST_PILES = 20
+"""That are emptied in one task."""
 SEED_LIMIT = 2**31
 LONGEST_NAME = 80
 LONGEST_TEXT = 200
@@ -23,7 +25,7 @@ FARTHEST = 20.0
 """[m] Nothing of a cell stands further from its origin."""
 DETAIL = (0.3, 2.0)
 """Share of the usual detail that a search may have."""
-MOST_SIGHTINGS = 60
+MOST_OBSERVATIONS = 60
 MOST_ITERATIONS = 100_000
 LARGEST_MARGIN = 0.2
 """[m]"""
@@ -90,22 +92,22 @@ def check_among(name: str, value: Any, known: tuple[str, ...]) -> None:
         raise CommandRefused(f"{name} {value!r} is not known; there are {', '.join(known)}")
 
 
-def check_wishes(cell: Cell, wishes: Wishes) -> None:
+def check_overrides(cell: Cell, overrides: PlanOverrides) -> None:
     """What is wished of a planning is possible in this cell.
 
     Raises:
         CommandRefused: it is not.
     """
-    if wishes.planner is not None:
-        check_text("planner", wishes.planner)
-    if wishes.order is not None:
-        check_among("order", wishes.order, ORDER_NAMES)
-    if wishes.iterations is not None:
-        check_integer("iterations", wishes.iterations, 1, MOST_ITERATIONS)
-    if wishes.margin is not None:
-        check_number("margin", wishes.margin, cell.policy.margin, LARGEST_MARGIN, "m")
-    if wishes.metric is not None:
-        check_number("metric", wishes.metric, 0.05, 1.0, "of the joint before")
+    if overrides.planner is not None:
+        check_text("planner", overrides.planner)
+    if overrides.order is not None:
+        check_among("order", overrides.order, ORDER_NAMES)
+    if overrides.iterations is not None:
+        check_integer("iterations", overrides.iterations, 1, MOST_ITERATIONS)
+    if overrides.margin is not None:
+        check_number("margin", overrides.margin, cell.policy.margin, LARGEST_MARGIN, "m")
+    if overrides.metric is not None:
+        check_number("metric", overrides.metric, 0.05, 1.0, "of the joint before")
 
 
 def check_detections(cell: Cell, detections: tuple[Detection, ...]) -> None:

@@ -20,7 +20,7 @@ table { border-collapse: collapse; width: 100%; font-size: 0.86rem; }
 th, td { text-align: left; vertical-align: top; padding: 0.25rem 0.6rem 0.25rem 0;
   border-bottom: 1px solid #d9dde3; overflow-wrap: anywhere; }
 th { color: #4a4f57; font-weight: 600; }
-th[scope=row] { width: 9.5rem; }
+th[scope=row] { width: 9.5rem; } th[scope=col] { white-space: nowrap; }
 .nowrap { white-space: nowrap; font-variant-numeric: tabular-nums; }
 @media print { body { margin: 0; max-width: none; font-size: 9pt; } tr { break-inside: avoid; } }
 @page { size: A4; margin: 15mm; }
@@ -89,22 +89,30 @@ def pdf_pages(title: str, tables: Iterable[Table]) -> bytes | None:
         for number, sheet in enumerate(sheets, 1):
             figure = Figure(figsize=INCHES)
             foot = f"{title}, page {number} of {len(sheets)}"
-            for height, text in ((0.955, "\n".join(sheet)), (0.03, foot)):
-                figure.text(
-                    *(0.07, height, text), family=FONT, size=7.2, va="top", linespacing=1.25
-                )
+            # Both weights are equally wide and high: each is drawn where the other one leaves room.
+            plain = "\n".join("" if is_bold else text for text, is_bold in sheet)
+            bold = "\n".join(text if is_bold else "" for text, is_bold in sheet)
+            for height, text, weight in (
+                (0.955, plain, "normal"),
+                (0.955, bold, "bold"),
+                (0.03, foot, "normal"),
+            ):
+                place = figure.text(0.07, height, text, va="top", size=7.2, linespacing=1.25)
+                place.set_fontfamily(FONT)
+                place.set_fontweight(weight)
             pages.savefig(figure)
     return content.getvalue()
 
 
-def _lines(title: str, tables: Iterable[Table]) -> Iterator[str]:
-    yield title
+def _lines(title: str, tables: Iterable[Table]) -> Iterator[tuple[str, bool]]:
+    """The lines of the report, and which of them are headings."""
+    yield title, True
     for table in tables:
-        yield ""
-        yield table.title.upper()
-        yield from textwrap.wrap(table.says, COLUMNS)
+        yield "", False
+        yield table.title.upper(), True
+        yield from ((line, False) for line in _wrapped(table.says))
         if not table.rows:
-            yield "None."
+            yield "None.", False
             continue
         rows = (table.columns, *table.rows) if table.columns else table.rows
         widths = [
@@ -112,7 +120,26 @@ def _lines(title: str, tables: Iterable[Table]) -> Iterator[str]:
             for column in zip(*rows, strict=True)
         ]
         for row in rows:
-            cells = (cell.ljust(width) for cell, width in zip(row, widths, strict=True))
-            text = "".join(one if one.isprintable() else " " for one in "  ".join(cells))
-            indent = " " * (widths[0] + 2)
-            yield from textwrap.wrap(text.rstrip(), COLUMNS, subsequent_indent=indent)
+            yield from ((line, row is table.columns) for line in _cells(row, widths))
+
+
+def _cells(row: tuple[str, ...], widths: list[int]) -> list[str]:
+    """A row of a table; what the last cell says goes on under itself."""
+    row = tuple("".join(one if one.isprintable() else " " for one in cell) for cell in row)
+    *before, last = row
+    head = "".join(
+        cell.ljust(width) + "  " for cell, width in zip(before, widths[:-1], strict=True)
+    )
+    if len(head) > COLUMNS - SHORT:
+        return _wrapped(head) + _wrapped(last, "    ", "    ")
+    return _wrapped(last, head, " " * len(head)) or [head.rstrip()]
+
+
+def _wrapped(text: str, first: str = "", others: str = "") -> list[str]:
+    return textwrap.wrap(
+        text,
+        COLUMNS,
+        initial_indent=first,
+        subsequent_indent=others,
+        break_on_hyphens=False,
+    )

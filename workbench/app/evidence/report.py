@@ -14,6 +14,7 @@ from workbench.app.core.commands import (
     Approve,
     Entry,
     FindParts,
+    GoOn,
     JobEnded,
     LinkEnded,
     MakePlan,
@@ -27,11 +28,25 @@ from workbench.app.core.commands import (
     WatchPlan,
 )
 from workbench.app.core.rights import MACHINES
-from workbench.app.core.state import Phase, State
-from workbench.model.plan import Plan, Proof
+from workbench.app.core.state import Phase, State, counted
+from workbench.model.plan import Plan, PlanResult, Proof
 from workbench.model.release import manner_words
+from workbench.model.scan import Scan
 
-USUAL = (TakeScan, FindParts, MakePlan, WantThreshold, WatchPlan, Approve, SendPlan, NextStep)
+BROUGHT: Mapping[type[object], str] = {Scan: "scan", tuple: "parts", PlanResult: "plan"}
+"""What a task brought, by the type of its result."""
+
+USUAL = (
+    GoOn,
+    TakeScan,
+    FindParts,
+    MakePlan,
+    WantThreshold,
+    WatchPlan,
+    Approve,
+    SendPlan,
+    NextStep,
+)
 """What people do in every cycle; whatever else they do is an intervention."""
 
 
@@ -57,7 +72,11 @@ def tables_of(head: Mapping[str, str], moments: Iterable[Moment], broke: str = "
         broke: why they end before the journal does; empty when they do not.
     """
     told = list(moments)
-    says = "Times are UTC by the clock of the machine. Digests are SHA-256."
+    says = (
+        "Times are UTC by the clock of the machine. Digests are SHA-256. Whether anything was "
+        "changed since it was signed is told by verify.py with the signer's public key, not by "
+        "this report."
+    )
     if broke:
         says += f" The session could not be computed again to its end: {broke}."
     tables = [Table("Session", says, (), tuple(head.items()))]
@@ -130,15 +149,22 @@ def _cycle(number: int, cycle: list[Moment]) -> Table:
 
 
 def _plan(plan: Plan, proof: Proof) -> Iterator[tuple[str, str]]:
-    yield "plan", f"{plan.digest}, {plan.strategy}, {len(plan.arms)} parts, {plan.guarantee}"
-    yield "cell and scan", f"{plan.cell_digest}, {plan.scan_digest}"
+    of = counted(len(plan.arms), "part")
+    yield "plan", f"{plan.digest}: {of}, strategy {plan.strategy}, {plan.guarantee}"
+    yield "cell", plan.cell_digest
+    yield "scan", plan.scan_digest
     verdict = "holds" if proof.holds else f"does not hold: {proof.violations[0]}"
     yield (
         "proof",
-        f"{proof.digest}, {verdict}; {proof.checks} states, smallest clearance on free legs "
-        f"{proof.clearance * 1000:.1f} mm, to {proof.resolution * 1000:g} mm, corners rounded by "
-        f"{proof.zone:g}",
+        f"{proof.digest}: {verdict}; {proof.checks} states, smallest clearance on free legs "
+        f"{proof.clearance * 1000:.1f} mm, to {proof.resolution * 1000:g} mm; {_corners(proof)}",
     )
+
+
+def _corners(proof: Proof) -> str:
+    if proof.zone == 0.0:
+        return "where the robot stops at every waypoint"
+    return f"corners sharp or rounded by up to {proof.zone:.0%} of the shorter segment beside them"
 
 
 def _shown(before: list[Moment], state: State) -> Iterator[tuple[str, str]]:
@@ -182,7 +208,8 @@ def _heard(after: list[Moment]) -> Iterator[tuple[str, str]]:
                 yield "stop", f"{clock(entry.at)} by {entry.actor} (entry {entry.number})"
             case LinkEnded(fault=fault, parts_placed=placed, parts=parts):
                 said = f"fault: {fault}" if fault else state.message
-                yield "the robot said", f"{clock(entry.at)} {said}; {placed} parts placed"
+                put = counted(placed, "part")
+                yield "the robot said", f"{clock(entry.at)} {said}; {put} placed"
                 for part in parts:
                     became = {True: "picked", False: "failed", None: "not known"}[part.is_picked]
                     why = f"; {part.why}" if part.why else ""
@@ -208,14 +235,17 @@ def _interventions(told: list[Moment]) -> Table:
 def _log(told: list[Moment]) -> Table:
     shown = [(e, s) for e, s in told if not isinstance(e.command, Sent)]
     rows = tuple(
-        (str(e.number), clock(e.at), e.actor, _kind(e), s.message, str(s.phase)) for e, s in shown
+        (str(e.number), clock(e.at), e.actor, _kind(e), str(s.phase), s.message) for e, s in shown
     )
     left_out = len(told) - len(shown)
     says = f"Every entry after the first but {left_out} messages to the robot, which wire.txt has."
-    return Table("Log", says, ("entry", "when", "who", "what", "says", "phase"), rows)
+    return Table("Log", says, ("entry", "when", "who", "what", "phase", "says"), rows)
 
 
 def _kind(entry: Entry) -> str:
-    if isinstance(entry.command, JobEnded):
-        return f"JobEnded ({type(entry.command.result).__name__})"
-    return type(entry.command).__name__
+    if not isinstance(entry.command, JobEnded):
+        return type(entry.command).__name__
+    result = entry.command.result
+    if isinstance(result, Exception):
+        return "JobEnded (failed)"
+    return f"JobEnded ({BROUGHT.get(type(result), type(result).__name__)})"

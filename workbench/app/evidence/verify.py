@@ -119,15 +119,15 @@ def chain_problems(entries: list[Entry]) -> Iterator[str]:
     """Where the chain does not hold, or entries contradict one another."""
     if not entries:
         yield "the journal has no entry"
-    previous = FIRST
-    for place, entry in enumerate(entries, 1):
-        if entry.number != place:
-            yield f"entry {entry.number} stands where entry {place} should"
+    expected, previous = 1, FIRST
+    for entry in entries:
+        if entry.number != expected:
+            yield f"entry {entry.number} stands where entry {expected} should"
         if entry.previous != previous:
             yield f"entry {entry.number} does not follow from the one before it"
         if _rehashed(entry) != entry.hash:
             yield f"entry {entry.number} was changed after it was written"
-        previous = entry.hash
+        expected, previous = entry.number + 1, entry.hash
     yield from _contradictions(entries)
     yield from step_problems((one.number, one.kind, body_of(one)) for one in entries)
 
@@ -387,7 +387,7 @@ def main(arguments: list[str] | None = None) -> int:
         # Names in the file may hold anything, also what a terminal obeys.
         print("".join(one if one.isprintable() else ascii(one)[1:-1] for one in line))
     if problems:
-        print(f"{typed.bundle}: CHANGED, {len(problems)} problems")
+        print(f"{typed.bundle}: CHANGED, {len(problems)} problem{'s' * (len(problems) > 1)}")
         return 1
     if missing:
         print(f"{typed.bundle}: nothing shows a change, but who made it is not known")

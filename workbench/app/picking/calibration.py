@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pinocchio as pin
 
-from workbench.model.calibration import Calibration, PlateSighting
+from workbench.model.calibration import Calibration, PlateObservation
 from workbench.model.cell import Arm, Cell
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats, shift_and_turn
@@ -14,16 +14,16 @@ from workbench.perception.calibration.calibrate import PlatePose, calibrate
 from workbench.planning.kinematics.robot import Kinematics
 
 
-def calibrated(cell: Cell, sightings: Sequence[PlateSighting]) -> Calibration:
+def calibrated(cell: Cell, observations: Sequence[PlateObservation]) -> Calibration:
     """Where the scanner is, by the robot's kinematics and what was seen of the plate.
 
     Raises:
-        InputError: the sightings do not belong together, are too few, too similar or at odds.
+        InputError: the observations do not belong together, are too few, too similar or at odds.
     """
-    if not sightings:
+    if not observations:
         raise InputError("no pose was scanned yet; a calibration needs 4, 8 are better")
-    first = sightings[0]
-    for one in sightings:
+    first = observations[0]
+    for one in observations:
         sides = np.asarray(one.plate.sides)
         if one.arm != first.arm or not np.array_equal(sides, first.plate.sides):
             raise InputError(
@@ -32,7 +32,7 @@ def calibrated(cell: Cell, sightings: Sequence[PlateSighting]) -> Calibration:
     kinematics, arm = Kinematics(cell), cell.arm(first.arm)
     poses = [
         PlatePose(one.name, flange_pose(kinematics, arm, one.q), one.balls, one.is_used)
-        for one in sightings
+        for one in observations
     ]
     return calibrate(poses, first.plate.centres)
 

@@ -5,8 +5,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from workbench.app.core.commands import Command, LinkEnded, MakePlan
+from workbench.app.core.commands import Command, GoOn, LinkEnded, MakePlan, TryEmptying
 from workbench.app.core.state import State
+from workbench.app.picking.pile_check import check_pile, with_kinds
 from workbench.model.calibration import BinCheck
 from workbench.model.cell import Bin, Cell
 from workbench.model.errors import CommandRefused, InputError
@@ -53,18 +54,24 @@ def with_facts(state: State, command: Command) -> Command:
 
 
 def check_installed(state: State, command: Command) -> None:
-    """Look whether what a command needs is installed, and can be loaded.
+    """Look whether what a command needs is there: a planner that can be loaded, room for a pile.
 
     Not a rule: what was done may be computed again where less is installed.
 
     Raises:
         CommandRefused: it is not; the message says what there is.
     """
-    if isinstance(command, MakePlan):
-        try:
-            planner_named(command.wishes.on(state.cell.policy).planner)
-        except InputError as error:
-            raise CommandRefused(str(error)) from error
+    command = command.plan if isinstance(command, GoOn) else command
+    try:
+        match command:
+            case MakePlan(overrides=overrides):
+                planner_named(overrides.on(state.cell.policy).planner)
+            case TryEmptying(kinds=kinds, count=count):
+                check_pile(with_kinds(state.cell, kinds), count)
+            case _:
+                pass
+    except InputError as error:
+        raise CommandRefused(str(error)) from error
 
 
 def put_down(cell: Cell, plan: Plan) -> tuple[Detection, ...]:

@@ -9,7 +9,7 @@ import numpy as np
 
 from workbench.app.core.rules import strategies_of
 from workbench.model.candidate import Candidate, Pick, Reason, Stage, Verdict
-from workbench.model.cell import Cell, Wishes
+from workbench.model.cell import Cell, PlanOverrides
 from workbench.model.errors import InputError, JobCancelled
 from workbench.model.plan import Plan, PlanResult, Proof
 from workbench.model.scan import Detection, Obstacle, Scene
@@ -23,7 +23,7 @@ from workbench.plugins.progress import Cancelled, Report, never, silent
 from workbench.plugins.robot_link import misfit
 from workbench.proof.prove import prove
 
-AS_THE_CELL = Wishes()
+AS_THE_CELL = PlanOverrides()
 
 NOTHING: Mapping[int, str] = MappingProxyType({})
 
@@ -38,7 +38,7 @@ def plan_pick(
     *,
     strategy: str = "auto",
     threshold: float | None = None,
-    wishes: Wishes = AS_THE_CELL,
+    overrides: PlanOverrides = AS_THE_CELL,
     obstacles: tuple[Obstacle, ...] = (),
     avoided: Mapping[int, str] = NOTHING,
     seed: int = 0,
@@ -57,7 +57,7 @@ def plan_pick(
         scan_digest: what they were found in.
         strategy: see `check_strategy`.
         threshold: [m] distance between the parts; None takes the cell's policy.
-        wishes: what this request changes of the cell's policy.
+        overrides: what this request changes of the cell's policy.
         obstacles: what the scan shows beside the parts.
         avoided: indices of parts that are left alone for now, and why; they stay obstacles.
         seed: of everything random.
@@ -71,7 +71,7 @@ def plan_pick(
     if not detections:
         raise InputError("no parts were given, so there is nothing to plan")
     check_strategy(cell, strategy)
-    policy = wishes.on(cell.policy)
+    policy = overrides.on(cell.policy)
     began = working_time()
     seconds: dict[str, float] = dict.fromkeys(("propose", "resolve"), 0.0)
 

@@ -85,16 +85,19 @@ class ApprovalRecord:
                 "give the command without --digest, and read again"
             )
 
-    def take(self, approval: Approval) -> None:
-        """Put an approval on record, once a plan.
+    def take(self, *approvals: Approval) -> None:
+        """Put an approval on record, once a plan; of a row that for each plan, or none of them.
 
         Raises:
-            CommandRefused: this plan was let out before, or is being at this moment.
+            CommandRefused: one of the plans was let out before, or is being at this moment.
         """
         with self._opened() as journal:
-            _refuse_second(_entries(journal), approval.plan_digest)
+            entries = _entries(journal)
+            for one in approvals:
+                _refuse_second(entries, one.plan_digest)
             try:
-                journal.append(APPROVAL, _bytes(canonical(approval)))
+                for one in approvals:
+                    journal.append(APPROVAL, _bytes(canonical(one)))
             except JournalError as error:
                 raise CommandRefused(
                     f"another command approves at this moment; nothing was sent ({error})"

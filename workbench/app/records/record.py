@@ -15,32 +15,41 @@ from workbench.app.core.commands import (
     Command,
     Entry,
     JobEnded,
+    UseObservations,
 )
 from workbench.app.core.people import Role
 from workbench.app.core.rights import MACHINES
 from workbench.app.core.state import State
 from workbench.app.records.forms import ReadFile, large_arrays, restored
-from workbench.model.calibration import PlateSighting
+from workbench.model.calibration import PlateObservation
 from workbench.model.cell import Cell
-from workbench.model.digest import canonical
+from workbench.model.digest import canonical, digest_of
 from workbench.model.errors import JobCancelled, JournalError, WorkbenchError
 from workbench.model.part import Part
 from workbench.model.plan import PlanResult
+from workbench.model.prediction import Emptying
 from workbench.model.scan import Detection, Scan
 
-Result = Scan | tuple[Detection, ...] | PlanResult | PlateSighting | Part | WorkbenchError
+Result = (
+    Scan | tuple[Detection, ...] | PlanResult | PlateObservation | Part | Emptying | WorkbenchError
+)
 
 SESSION = "Session"
 SESSION_FORMAT = "workbench-session/1"
 
-COMMANDS: Mapping[str, type] = {kind.__name__: kind for kind in get_args(Command)}
+COMMANDS: Mapping[str, type] = {
+    **{kind.__name__: kind for kind in get_args(Command)},
+    "UseSightings": UseObservations,
+}
+"""The commands by their names on record; those of older sessions are among them."""
 
 RESULTS: Mapping[Any, str] = {
     Scan: "scan",
     tuple[Detection, ...]: "detections",
     PlanResult: "plan",
-    PlateSighting: "sighting",
+    PlateObservation: "sighting",
     Part: "part",
+    Emptying: "emptying",
 }
 """What a record calls the results of jobs; an error is told by its type and text."""
 
@@ -137,6 +146,7 @@ def summary(state: State) -> Mapping[str, Any]:
         "control": state.control or None,
         "ran": None if state.ran is None else state.ran.digest,
         "changed": list(state.changed) or None,
+        "emptied": None if state.emptying is None else digest_of(state.emptying),
         "asking": list(state.asking) or None,
     }
 

@@ -17,6 +17,7 @@ from typing import Any, Literal
 from workbench.app.core.commands import (
     CancelJob,
     FindParts,
+    GoOn,
     JobEnded,
     LinkEnded,
     MakePlan,
@@ -32,7 +33,7 @@ from workbench.model.errors import JournalError
 
 Result = Literal["picked", "failed", "unknown"]
 
-SCANS = frozenset({TakeScan.__name__, UseScan.__name__})
+SCANS = frozenset({TakeScan.__name__, UseScan.__name__, GoOn.__name__})
 """A cycle begins with one of these, or with poses from outside after the one before has ended."""
 
 COUNTED = SCANS | {
@@ -193,7 +194,11 @@ class Count:
                 continue
             try:
                 body = json.loads(row.body)
-                self._take(row.kind, row.number, float(body["at"]), body["command"])
+                at, stage = float(body["at"]), self._begun[0]
+                self._take(row.kind, row.number, at, body["command"])
+                if row.kind == JobEnded.__name__ and body["after"]["job"] == row.number:
+                    # It was gone on with what that task has brought.
+                    self._begun = (STAGES[STAGES.index(stage) + 1], at, row.number)
             except (AttributeError, LookupError, TypeError, ValueError) as error:
                 raise JournalError(
                     f"entry {row.number} ({row.kind}) cannot be read: {error!r}"

@@ -6,14 +6,15 @@ tolerated here is below what any later stage looks at; whatever is more is named
 """
 
 import enum
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from workbench.model.calibration import PlateSighting
+from workbench.model.calibration import PlateObservation
 from workbench.model.cell import Cell
 from workbench.model.digest import digest_of
 from workbench.model.plan import Plan, PlanResult, Proof
+from workbench.model.prediction import EmptiedPile, Emptying
 from workbench.model.scan import Detection, Scan
 from workbench.perception.localization.pose_error import pose_error
 from workbench.proof.prove import prove
@@ -63,7 +64,7 @@ def resemblance(cell: Cell, kept: object, again: object) -> Resemblance:
 
     Args:
         cell: in which both were computed.
-        kept: scan, detections, sighting or planning as recorded.
+        kept: scan, detections, observation or planning as recorded.
         again: the same task's result of now.
     """
     match kept, again:
@@ -71,10 +72,12 @@ def resemblance(cell: Cell, kept: object, again: object) -> Resemblance:
             return _scans(kept, again)
         case tuple(), tuple():
             return _parts(cell, kept, again)
-        case PlateSighting(), PlateSighting():
-            return _sightings(kept, again)
+        case PlateObservation(), PlateObservation():
+            return _observations(kept, again)
         case PlanResult(), PlanResult():
             return _plannings(cell, kept, again)
+        case Emptying(), Emptying():
+            return _emptyings(kept, again)
         case _:
             return EQUAL if digest_of(kept) == digest_of(again) else _other("")
 
@@ -154,7 +157,7 @@ def _part_problem(one: Detection, other: Detection, distance: float, turn: float
     return ""
 
 
-def _sightings(kept: PlateSighting, again: PlateSighting) -> Resemblance:
+def _observations(kept: PlateObservation, again: PlateObservation) -> Resemblance:
     if digest_of(kept) == digest_of(again):
         return EQUAL
     apart = float(np.linalg.norm(kept.balls - again.balls, axis=1).max())
@@ -162,6 +165,24 @@ def _sightings(kept: PlateSighting, again: PlateSighting) -> Resemblance:
     if apart > MOVED or not same_place:
         return _other(f"a ball lies {_millimetres(apart)} elsewhere" if same_place else "")
     return _within(_millimetres(apart))
+
+
+def _emptyings(kept: Emptying, again: Emptying) -> Resemblance:
+    """What was measured by the clock is never the same, and no part of the result."""
+
+    def timeless(one: EmptiedPile) -> EmptiedPile:
+        return replace(one, planning=(), stages=(), finding=0.0)
+
+    if len(kept.piles) != len(again.piles):
+        return _other(f"{len(again.piles)} piles instead of {len(kept.piles)}")
+    for one, other in zip(kept.piles, again.piles, strict=True):
+        if timeless(one) != timeless(other):
+            what = f", {one.task.change}" if one.task.change else ""
+            return _other(
+                f"seed {one.task.seed}{what}: {other.taken} of {other.parts} parts taken instead "
+                f"of {one.taken}, or others"
+            )
+    return EQUAL
 
 
 def _plannings(cell: Cell, kept: PlanResult, again: PlanResult) -> Resemblance:

@@ -7,6 +7,7 @@ from workbench.app.core.commands import JobEnded
 from workbench.app.core.decide import decide
 from workbench.app.core.effects import StartJob
 from workbench.app.core.state import State
+from workbench.app.emptying.film import Filmed
 from workbench.app.records.replay import replay
 from workbench.app.records.sessions import cell_of
 from workbench.app.review.likeness import Likeness, resemblance
@@ -41,15 +42,14 @@ def recomputed(journal: Journal) -> Iterator[Comparison]:
     before = State(cell, number=1, saved=cell.digest)
     begun: dict[int, tuple[Cell, StartJob]] = {}
     for entry, after in replay(journal, cell):
-        if isinstance(entry.command, JobEnded):
-            if entry.command.number in begun:
-                comparison = _compared(*begun.pop(entry.command.number), entry.command.result)
-                if comparison is not None:
-                    yield comparison
-        else:
-            for effect in decide(before, entry)[1]:
-                if isinstance(effect, StartJob):
-                    begun[effect.number] = (before.cell, effect)
+        if isinstance(entry.command, JobEnded) and entry.command.number in begun:
+            comparison = _compared(*begun.pop(entry.command.number), entry.command.result)
+            if comparison is not None:
+                yield comparison
+        # The end of a task may begin the next one.
+        for effect in decide(before, entry)[1]:
+            if isinstance(effect, StartJob):
+                begun[effect.number] = (before.cell, effect)
         before = after
 
 
@@ -66,5 +66,7 @@ def _compared(cell: Cell, job: StartJob, kept: object) -> Comparison | None:
         return Comparison(job.number, job.name, Likeness.OTHER, f"failed: {error}")
     if isinstance(again, LocalizationResult):
         again = again.detections
+    if isinstance(again, Filmed):
+        again = again.emptying
     found = resemblance(cell, kept, again)
     return Comparison(job.number, job.name, found.likeness, found.says)

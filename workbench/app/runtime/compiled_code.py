@@ -63,16 +63,20 @@ def only_one(use: Use) -> Generator[None]:
 
 
 def forget_the_old() -> None:
-    """Delete what was compiled from other sources, if nothing is ready yet.
+    """Delete what was compiled from other sources; costs next to nothing where there is none.
 
     numba looks at the file that a function stands in, not at those of the functions that were
-    compiled into it: after an update some would go on as before.
+    compiled into it: after an update some would go on as before, and others would not load.
     """
-    with only_one("seeing"), only_one("planning"):
-        if not any(is_ready(use) for use in USES):
+    if any(map(is_ready, USES)) or _is_of_these_sources(_origin()):
+        return
+    # Nobody can write where nothing is kept, either.
+    with contextlib.suppress(OSError), only_one("seeing"), only_one("planning"):
+        if not any(map(is_ready, USES)) and not _is_of_these_sources(_origin()):
             for place in _kept():
                 for file in place.glob("*.nb[ic]"):
                     file.unlink(missing_ok=True)
+            _origin().write_text(_fingerprint())
 
 
 def take_shipped() -> None:
@@ -126,6 +130,11 @@ def _stamp(use: Use) -> Path:
         return _shipped_stamp(use)
     name = hashlib.sha256(os.fsencode(_package())).hexdigest()[:12]
     return Path(kept) / f"workbench-{name}-{use}.ready"
+
+
+def _origin() -> Path:
+    """The file that says of which sources all code is that is kept, ready or not."""
+    return _stamp("planning").with_suffix(".origin")
 
 
 def _shipped_stamp(use: Use) -> Path:

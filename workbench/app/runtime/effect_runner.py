@@ -22,6 +22,7 @@ from workbench.app.core.effects import (
     WriteCell,
 )
 from workbench.app.core.rights import CELL_FILE, WORKER
+from workbench.app.emptying.film import Filmed
 from workbench.app.runtime.insisting import insist
 from workbench.app.runtime.jobs import WORK, Jobs
 from workbench.app.runtime.live import Live
@@ -222,6 +223,9 @@ class EffectRunner:
         if isinstance(result, LocalizationResult):
             self._show(findings=result)
             result = result.detections
+        if isinstance(result, Filmed):
+            self._show(films=result)
+            result = result.emptying
         try:
             self._insist(JobEnded(number, result))
         except Exception as error:

@@ -7,6 +7,7 @@ a sending, where the rules compare them with the start of the plan.
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+from workbench.app.emptying.film import Filmed
 from workbench.app.runtime.worker import GettingReady
 from workbench.model.release import LinkStatus
 from workbench.model.scan import Detection, LocalizationResult
@@ -21,8 +22,9 @@ class Live:
     it does not count as their time.  `joints` (name -> rad) is what the controller reported
     last, `robot` its own word for what it does; both are empty while it reports nothing.  `link`
     is how the last connection for motion stands, or how it ended.
-    `findings` are of the last search for parts, with what it discarded: the journal keeps the
-    parts alone, since the rest decides nothing and can be computed again.  `unrecorded` says why
+    `findings` are of the last search for parts, with what it rejected: the journal keeps the
+    parts alone, since the rest decides nothing and can be computed again.  So are `films` of the
+    piles that were emptied last: the same seeds bring them again.  `unrecorded` says why
     the end of a task or of a sending is not on record yet; empty otherwise.  `is_saving`: the
     cell is being written, or the last time it could not be.
     """
@@ -35,6 +37,7 @@ class Live:
     robot: str = ""
     link: LinkStatus = field(default_factory=LinkStatus)
     findings: LocalizationResult | None = None
+    films: Filmed | None = None
     getting_ready: GettingReady | None = None
     unrecorded: str = ""
     is_saving: bool = False

@@ -7,17 +7,19 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 
+from workbench.app.emptying.film import Filmed
+from workbench.app.emptying.piles import emptied_piles
 from workbench.app.picking.held_plate import simulated_sight
 from workbench.app.picking.part_import import imported_part
 from workbench.app.picking.pipeline import plan_pick
 from workbench.app.runtime.readiness import make_ready
 from workbench.app.runtime.worker import JobFunction
-from workbench.model.calibration import PlateSighting
+from workbench.model.calibration import PlateObservation
 from workbench.model.cell import Cell
 from workbench.model.errors import InputError, JobCancelled
 from workbench.model.part import Part
 from workbench.model.plan import PlanResult
-from workbench.model.scan import Detection, LocalizationResult, Obstacle, Scan, SearchWishes
+from workbench.model.scan import Detection, LocalizationResult, Obstacle, Scan, SearchOverrides
 from workbench.perception.calibration.balls import sight_plate
 from workbench.perception.scene.unexplained import unexplained
 from workbench.planning.collision.rolled import axis_of
@@ -36,22 +38,22 @@ def find_parts(
     cell: Cell, arguments: Mapping[str, Any], report: Report, cancelled: Cancelled
 ) -> LocalizationResult:
     """All parts of the cell, each kind found in `scan` with `seed`, the surest first."""
-    wishes: SearchWishes = arguments.get("wishes", SearchWishes())
+    overrides: SearchOverrides = arguments.get("overrides", SearchOverrides())
     found = localized(
         arguments["scan"],
         cell,
         seed=arguments["seed"],
-        detail=wishes.detail,
+        detail=overrides.detail,
         report=report,
         cancelled=cancelled,
     )
-    sure = tuple(one for one in found.detections if one.score >= wishes.least_score)
+    sure = tuple(one for one in found.detections if one.score >= overrides.least_score)
     return replace(found, detections=sure)
 
 
 def sight(
     cell: Cell, arguments: Mapping[str, Any], report: Report, cancelled: Cancelled
-) -> PlateSighting:
+) -> PlateObservation:
     """The reference plate, held by `arm` at `q`, in a scan of the cell's scanner."""
     arm, q, plate = cell.arm(arguments["arm"]), arguments["q"], arguments["plate"]
     report(0.1, "the scanner looks at the plate")
@@ -123,7 +125,7 @@ def plan(
         arguments["scan_digest"],
         strategy=arguments["strategy"],
         threshold=arguments["threshold"],
-        wishes=arguments["wishes"],
+        overrides=arguments["overrides"],
         obstacles=(*seen, *boxes_around(cell, arguments["placed"])),
         avoided=dict(arguments["avoided"]),
         seed=arguments["seed"],
@@ -132,12 +134,20 @@ def plan(
     )
 
 
+def emptying(
+    cell: Cell, arguments: Mapping[str, Any], report: Report, cancelled: Cancelled
+) -> Filmed:
+    """Piles emptied in simulation, as the command `TryEmptying` wants them."""
+    return emptied_piles(cell, arguments["command"], report, cancelled)
+
+
 JOBS: Mapping[str, JobFunction] = {
     "scan": scan,
     "localize": find_parts,
     "sight": sight,
     "plan": plan,
     "import": import_part,
+    "emptying": emptying,
 }
 """By the names that `decide` gives them."""
 

@@ -84,6 +84,9 @@ class StudyEmptying:
     """Whether the rest moves and settles by physics as a part is lifted out."""
     strategy: str = "auto"
     """Which arms work and how, as in plan --strategy."""
+    picks: int = 1
+    """Plans in a row after one look, at most; with more than one the same piles are emptied by one
+    plan a look, too, to be compared."""
     bound: bool = False
     """Try many grasps of the tool on what stays: where one takes it, a library could."""
     what_if: str = ""

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Literal
 
-from tyro.conf import Positional, subcommand
+from tyro.conf import Positional, arg, subcommand
 
 from workbench.cli.arguments.access import USERS, UserCommands
 from workbench.cli.arguments.names import (
@@ -125,8 +125,8 @@ class Localize:
     """PLY or PCD file in the scanner's frame, with the cell's unit and axes of clouds."""
     out: Path
     """JSON file of poses to write."""
-    discarded: bool = False
-    """Tell also which poses were thought possible and discarded, and why."""
+    rejected: Annotated[bool, arg(aliases=["--discarded"])] = False
+    """Tell also which poses were thought possible and rejected, and why."""
     seed: Seed = 0
     detail: float = 1.0
     """How fine the scan is looked at, 0.3 to 2; finer sees smaller features and takes longer."""
@@ -185,6 +185,9 @@ class Plan:
     """Distance [m] kept to everything on free legs, at least the cell's."""
     metric: float | None = None
     """How much each joint counts of the one before it when planners measure, 0.05 to 1."""
+    picks: int = 1
+    """Plans in a row at most, each proven in the scene that those before leave, as far as no part
+    that stays may have moved; the second is written to OUT-2.json, and so on."""
     seed: Seed = 0
     part: PartOfPoses = None
     json: Json = False
@@ -210,7 +213,8 @@ class Send:
     """Prove a plan, approve it by its digest, and send it to a robot controller.
 
     What there is to know of the plan is printed first.  At a terminal the digest is asked for; in a
-    script the command is given once to read, and again with --digest.  A plan goes out once.
+    script the command is given once to read, and again with --digest.  A plan goes out once.  Plans
+    made in a row go out by one approval, one after the other, until anything is in doubt.
     """
 
     plan: Positional[Path]
@@ -221,8 +225,10 @@ class Send:
     """Port on which it takes motion."""
     approve_as: str
     """Name of the person who has looked at the plan and answers for it."""
+    row: Positional[tuple[Path, ...]] = ()
+    """Files of the plans that follow it in a row, in the order in which plan --picks wrote them."""
     digest: str | None = None
-    """The plan's digest, as it was printed before: its first 12 characters, or more."""
+    """The digest of the plan or row, as it was printed before: 12 characters of it, or more."""
     scan: Path | None = None
     """PLY or PCD file of the scan that the plan was made for, for the proof."""
     poses: Path | None = None

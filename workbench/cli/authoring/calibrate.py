@@ -24,7 +24,7 @@ from workbench.formats.cells.edits import log_change, save_cell
 from workbench.formats.cells.reading import cell_path, read_cell
 from workbench.formats.clouds.scans import read_scan, write_cloud
 from workbench.formats.files.whole_files import make_folder
-from workbench.model.calibration import BallPlate, Calibration, PlateSighting
+from workbench.model.calibration import BallPlate, Calibration, PlateObservation
 from workbench.model.cell import Cell
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats, pose_from_rpy, shift_and_turn
@@ -47,7 +47,7 @@ def calibrate(typed: arguments.Calibrate) -> int:
         _simulate(cell, typed)
     found = read_scanned_poses(typed.poses, cell)
     mount = replace(cell.scanner, unit=found.unit)
-    sightings: list[PlateSighting] = []
+    observations: list[PlateObservation] = []
     missed: list[str] = []
     with progress("calibrate") as report:
         for number, pose in enumerate(found.poses):
@@ -55,13 +55,13 @@ def calibrate(typed: arguments.Calibrate) -> int:
             report(number / len(found.poses), name)
             scan = read_scan(pose.scan, mount, key=f"`unit` in {FILE}, or that of the cell")
             try:
-                sightings.append(sight_plate(scan, found.plate, name, found.arm, pose.q))
+                observations.append(sight_plate(scan, found.plate, name, found.arm, pose.q))
             except InputError as error:
                 missed.append(str(error))
     if not typed.json:
         for problem in missed:
             print(f"left out: {problem}")
-    calibration = calibrated(cell, sightings)
+    calibration = calibrated(cell, observations)
     if typed.json:
         print_json(_form(cell, calibration, missed))
     else:

@@ -1,24 +1,31 @@
 """`workbench study emptying`: full bins, emptied as far as it goes."""
 
+from dataclasses import replace
 from typing import Any
 
 from workbench.app.core.value_checks import MOST_PARTS, SEED_LIMIT
+from workbench.app.emptying.summary import summary
+from workbench.app.emptying.what_if import ranked, tasks_with_changes
 from workbench.app.picking.pipeline import check_strategy
+from workbench.app.picking.row import MOST_PICKS, check_picks
 from workbench.app.runtime.readiness import make_ready
 from workbench.cli.arguments.studies import StudyEmptying
 from workbench.cli.exits import SUCCESS
 from workbench.cli.terminal import check_number, check_whole, print_json, print_table, progress
 from workbench.formats.cells.reading import read_cell
-from workbench.studies.emptying.empty import cell_of, check_task
+from workbench.model.errors import InputError
+from workbench.model.prediction import CHANGE_KINDS, PileTask
 from workbench.studies.emptying.kept import emptied_all
+from workbench.studies.emptying.piles import cell_of, check_task
 from workbench.studies.emptying.plot import draw_emptying
-from workbench.studies.emptying.scene import Task
-from workbench.studies.emptying.summary import summary
-from workbench.studies.emptying.what_if import kinds_of, ranked, tasks_with_changes
 
+ALL = "all"
 MOST_PILES = 1_000_000
 LONGEST = 3600.0
 """[s] A scan or an approval takes no longer."""
+
+COMPARED = ("taken_share", "parts_per_hour", "cycles", "scans", "failed_picks", "touches")
+"""What is told of the same piles, emptied by one plan a look."""
 
 MOST_TOLD = 30
 """Parts that stayed are told up to here; --json tells all."""
@@ -29,11 +36,12 @@ def emptying(typed: StudyEmptying) -> int:
     check_whole("--scenes", typed.scenes, 1, MOST_PILES)
     check_whole("--parts", typed.parts, 1, MOST_PARTS)
     check_whole("--seed", typed.seed, 0, SEED_LIMIT - typed.scenes)
+    check_whole("--picks", typed.picks, 1, MOST_PICKS)
     check_whole("--workers", typed.workers, 1, 1024)
     check_number("--scan-seconds", typed.scan_seconds, 0.0, LONGEST)
     check_number("--approval-seconds", typed.approval_seconds, 0.0, LONGEST)
     tasks = [
-        Task(
+        PileTask(
             typed.cell,
             typed.part,
             typed.parts,
@@ -42,15 +50,19 @@ def emptying(typed: StudyEmptying) -> int:
             typed.settle,
             typed.strategy,
             typed.bound,
+            picks=typed.picks,
         )
         for seed in range(typed.seed, typed.seed + typed.scenes)
     ]
     cell = read_cell(typed.cell)
     check_strategy(cell, typed.strategy)
+    check_picks(cell, typed.picks)
     check_task(tasks[0])
     kinds = kinds_of(typed.what_if) if typed.what_if else frozenset[str]()
     if kinds:
         tasks = tasks_with_changes(cell_of(typed.cell, typed.part), tasks, kinds)
+    if typed.picks > 1:
+        tasks += [replace(one, picks=1) for one in tasks if not one.change]
     with progress("emptying") as report:
         make_ready(report, ("planning", "seeing") if typed.seen == "scan" else ("planning",))
         scenes = emptied_all(
@@ -61,9 +73,14 @@ def emptying(typed: StudyEmptying) -> int:
             report=report,
         )
     seconds = {"scan_seconds": typed.scan_seconds, "approval_seconds": typed.approval_seconds}
-    found = summary([one for one in scenes if not one.task.change], **seconds)
+    plain = [one for one in scenes if not one.task.change]
+    found = summary([one for one in plain if one.task.picks == typed.picks], **seconds)
+    if typed.picks > 1:
+        single = summary([one for one in plain if one.task.picks == 1], **seconds)
+        found["one_pick"] = {key: single[key] for key in COMPARED}
     if kinds:
-        found["what_if"] = ranked(scenes, **seconds)
+        changed = [one for one in scenes if one.task.picks == typed.picks]
+        found["what_if"] = ranked(changed, **seconds)
     title = f"{cell.name}: {typed.scenes} piles of {typed.parts}, {found['taken_share']:.0%} taken"
     if typed.plot is not None:
         draw_emptying(typed.plot, found, title)
@@ -74,6 +91,35 @@ def emptying(typed: StudyEmptying) -> int:
     if kinds:
         _print_changes(found)
     return SUCCESS
+
+
+def kinds_of(text: str) -> frozenset[str]:
+    """Kinds of changes from words as they are typed, `all` or some joined by `+`.
+
+    Raises:
+        InputError: a word is no kind.
+    """
+    if text == ALL:
+        return frozenset(CHANGE_KINDS)
+    kinds = text.split("+")
+    for kind in kinds:
+        if kind not in CHANGE_KINDS:
+            raise InputError(
+                f"--what-if: {kind!r:.40} is no kind of change; "
+                f"there are {', '.join(CHANGE_KINDS)}, and {ALL}"
+            )
+    return frozenset(kinds)
+
+
+def _compared(found: dict[str, Any]) -> str:
+    """How fast the same piles are emptied by one plan a look, where that was asked for."""
+    single = found.get("one_pick")
+    if single is None or single["parts_per_hour"] is None:
+        return ""
+    return (
+        f" with {found['cycles']} approvals and {found['scans']} scans; with one pick a scan "
+        f"{single['parts_per_hour']:.0f}, {single['cycles']} and {single['scans']}"
+    )
 
 
 def _print_changes(found: dict[str, Any]) -> None:
@@ -125,7 +171,7 @@ def _print(found: dict[str, Any], title: str) -> None:
     if found["bound_share"] is not None:
         print(f"by all grasps of the tool, in the library or not: {found['bound_share']:.1%}")
     if found["parts_per_hour"] is not None:
-        print(f"{found['parts_per_hour']:.0f} parts an hour")
+        print(f"{found['parts_per_hour']:.0f} parts an hour{_compared(found)}")
     left = [(one["seed"], part) for one in found["scenes"] for part in one["left"]]
     if not left:
         print("nothing stayed in the bins")

@@ -10,7 +10,7 @@ from workbench.cli.terminal import check_number, check_whole, print_table, progr
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.clouds.scans import read_scan, write_cloud
 from workbench.formats.plans.pose_files import write_poses
-from workbench.model.scan import Detection, Discarded, SearchWishes
+from workbench.model.scan import Detection, RejectedHypothesis, SearchOverrides
 from workbench.perception.scene.bin_check import check_bin
 from workbench.perception.scene.sensor import sensor_model
 from workbench.perception.simulation.piles import pile_of
@@ -40,12 +40,12 @@ def localize(typed: arguments.Localize) -> int:
     check_whole("--seed", typed.seed, 0, SEED_LIMIT - 1)
     check_number("--detail", typed.detail, *DETAIL)
     check_number("--least-score", typed.least_score, 0.0, 1.0)
-    wishes = SearchWishes(typed.detail, typed.least_score)
+    overrides = SearchOverrides(typed.detail, typed.least_score)
     cell = read_cell(typed.cell)
     with progress("localize") as report:
         make_ready(report, ("seeing",))
         cloud = read_scan(typed.scan, cell.scanner)
-        given = {"scan": cloud, "seed": typed.seed, "wishes": wishes}
+        given = {"scan": cloud, "seed": typed.seed, "overrides": overrides}
         findings = find_parts(cell, given, report, cancelled=never)
     found = findings.detections
     write_poses(typed.out, found)
@@ -62,9 +62,9 @@ def localize(typed: arguments.Localize) -> int:
     )
     columns = ("#", "part", "x mm", "y mm", "z mm", "score", "visible", "sure", "± mm", "± degrees")
     print_table(f"{typed.out}: {len(found)} found", columns, rows)
-    if typed.discarded:
+    if typed.rejected:
         columns = ("part", "x mm", "y mm", "z mm", "score", "why it is none")
-        print_table("Discarded", columns, [_discarded_words(one) for one in findings.discarded])
+        print_table("Rejected", columns, [_rejected_words(one) for one in findings.rejected])
     for size in findings.scales:
         if size.is_off:
             print(f"size: {size.words} (± {size.deviation * 100:.1f} %, by {size.count} parts)")
@@ -84,6 +84,6 @@ def _sureness(one: Detection) -> tuple[str, str, str]:
     return f"{one.probability:.0%}", f"{place * 1000:.2f}", f"{np.rad2deg(turn):.2f}"
 
 
-def _discarded_words(one: Discarded) -> tuple[str, ...]:
+def _rejected_words(one: RejectedHypothesis) -> tuple[str, ...]:
     place = (f"{p * 1000:.1f}" for p in one.T_world_part.translation)
     return (one.part, *place, f"{one.score:.2f}", one.words)

@@ -6,6 +6,7 @@ from pathlib import Path
 
 from workbench.app.core.value_checks import LARGEST_MARGIN, MOST_ITERATIONS, SEED_LIMIT
 from workbench.app.picking.pipeline import check_strategy, plan_pick
+from workbench.app.picking.row import MOST_PICKS, check_picks, parts_taken, plan_row, renumbered
 from workbench.app.runtime.readiness import make_ready
 from workbench.cli.arguments import top as arguments
 from workbench.cli.exits import NO_PLAN, SUCCESS
@@ -31,7 +32,7 @@ from workbench.formats.cells.reading import read_cell
 from workbench.formats.clouds.scans import read_scan
 from workbench.formats.plans.plan_files import write_plan
 from workbench.formats.plans.pose_files import read_poses
-from workbench.model.cell import Cell, Wishes
+from workbench.model.cell import Cell, PlanOverrides
 from workbench.model.digest import digest_of
 from workbench.model.errors import InputError
 from workbench.model.geometry import pose_from_rpy
@@ -49,13 +50,17 @@ def plan(typed: arguments.Plan) -> int:
         check_whole("--iterations", typed.iterations, 1, MOST_ITERATIONS)
     cell = read_cell(typed.cell)
     check_strategy(cell, typed.strategy)
+    check_whole("--picks", typed.picks, 1, MOST_PICKS)
+    check_picks(cell, typed.picks)
     if typed.margin is not None:
         check_number("--margin", typed.margin, cell.policy.margin, LARGEST_MARGIN)
     if typed.metric is not None:
         check_number("--metric", typed.metric, 0.05, 1.0)
     if typed.planner is not None:
         planner_named(typed.planner)
-    wishes = Wishes(typed.planner, typed.iterations, typed.order, typed.margin, typed.metric)
+    overrides = PlanOverrides(
+        typed.planner, typed.iterations, typed.order, typed.margin, typed.metric
+    )
     detections = detections_from(cell, typed.poses, typed.part)
     with progress("plan") as report:
         make_ready(report, ("planning",))
@@ -63,13 +68,14 @@ def plan(typed: arguments.Plan) -> int:
         warm_up(cell)
         obstacles = obstacles_in(cell, typed.scan, detections)
         ready, began = seconds_since_start(), time.perf_counter()
-        result = plan_pick(
+        result = plan_row(
             cell,
             detections,
             digest_of(detections),
+            picks=typed.picks,
             strategy=typed.strategy,
             threshold=typed.threshold,
-            wishes=wishes,
+            overrides=overrides,
             obstacles=obstacles,
             seed=typed.seed,
             report=report,
@@ -78,11 +84,18 @@ def plan(typed: arguments.Plan) -> int:
     is_good = result.plan is not None and result.proof is not None and result.proof.holds
     if is_good and result.plan is not None:
         write_plan(typed.out, result.plan, result.proof)
+        for number, one in enumerate(result.row, 2):
+            write_plan(_numbered(typed.out, number), one.plan, one.proof)
     if typed.json:
         _print_form(typed.out, result, is_good, ready, planning)
     else:
         _print_words(typed.out, result, is_good, ready, planning)
     return SUCCESS if is_good else NO_PLAN
+
+
+def _numbered(out: Path, number: int) -> Path:
+    """The file of a plan of a row: `plan.json`, `plan-2.json`, ..."""
+    return out.with_name(f"{out.stem}-{number}{out.suffix}")
 
 
 def warm_up(cell: Cell) -> None:
@@ -158,6 +171,16 @@ def _print_form(
                 None if other.plan is None else plan_form(other.plan, other.bound)
                 for other in result.beside
             ],
+            "row": [
+                {
+                    "file": str(_numbered(out, number)),
+                    "plan": plan_form(one.plan, 0.0),
+                    "parts": parts_taken(result.plans[0], one.plan),
+                    "proof": proof_form(one.proof),
+                }
+                for number, one in enumerate(result.row, 2)
+            ],
+            "row_ends": result.row_ends,
             "obstacles": len(result.obstacles),
             "candidates": [candidate_form(candidate) for candidate in result.candidates],
             "start_ms": milliseconds(ready),
@@ -181,6 +204,12 @@ def _print_words(
         print(f"{out if is_good else 'not written'}: {plan_words(result.plan, result.bound)}")
     if result.proof is not None:
         print(proof_words(result.proof))
+    for number, one in enumerate(result.row, 2):
+        words = f"{plan_words(one.plan, 0.0)}\n{proof_words(one.proof)}"
+        said = renumbered(words, result.plans[0], one.plan.detections)
+        print(f"then {_numbered(out, number)}: {said}")
+    if result.row_ends:
+        print(f"nothing in a row after that: {result.row_ends}")
     for other in result.beside:
         print(f"beside it: {_beside_words(other)}")
     print(f"start {milliseconds(ready)} ms: interpreter, libraries, cell, compiled kernels")

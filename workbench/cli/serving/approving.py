@@ -2,17 +2,49 @@
 
 import sys
 import threading
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from workbench.app.core.release import moved_away
+from workbench.app.picking.row import renumbered
 from workbench.app.records.approvals import SHORTEST
 from workbench.model.cell import Cell
+from workbench.model.digest import digest_of
 from workbench.model.errors import CommandRefused, LinkError, ProtocolError
-from workbench.model.plan import Plan, Proof, at_least
+from workbench.model.plan import Plan, Proof, Proven, at_least
 from workbench.plugins.robot_link import link_named
 
 REPORTS = 2.0
 """[s] A controller that reports its joints does so within."""
+
+
+def row_digest(plans: Sequence[Plan]) -> str:
+    """What a person repeats who lets plans out: the digest of the plan, or that of their row."""
+    digests = [plan.digest for plan in plans]
+    return digests[0] if len(digests) == 1 else digest_of(tuple(digests))
+
+
+def row_facts(cell: Cell, plans: Sequence[Proven], told: str, start: str) -> dict[str, str]:
+    """What a person has to read before plans in a row are approved; see `facts_of`."""
+    first = plans[0]
+    facts = facts_of(cell, first.plan, first.proof, told, start)
+    if len(plans) == 1:
+        return facts
+    row = row_digest([one.plan for one in plans])
+    facts = {"Row": f"{row}: {len(plans)} plans by one approval", **facts}
+    for number, one in enumerate(plans[1:], 2):
+        told = f"by what is left of plan {number - 1}"
+        more = facts_of(cell, one.plan, one.proof, told, "")
+        for name in ("Cell", "Robot", "Controller", "Preview"):
+            del more[name]
+        words = {f"{number}. {name}": value for name, value in more.items()}
+        numbered = (f"{number}. Arm ", f"{number}. Smallest")
+        facts |= {
+            name: renumbered(value, first.plan, one.plan.detections)
+            if name.startswith(numbered)
+            else value
+            for name, value in words.items()
+        }
+    return facts
 
 
 def facts_of(cell: Cell, plan: Plan, proof: Proof, told: str, start: str) -> dict[str, str]:
@@ -106,13 +138,15 @@ def typed_digest(actor: str) -> str:
     return sys.stdin.readline().strip()
 
 
-def check_digest(plan: Plan, given: str) -> None:
-    """Refuse a digest that is not this plan's, or too short to tell it from others.
+def check_digest(plans: Sequence[Plan], given: str) -> None:
+    """Refuse a digest that is not that of the plan or row, or too short to tell it from others.
 
     Raises:
         CommandRefused: nothing is approved.
     """
-    if len(given) < SHORTEST or not plan.digest.startswith(given):
+    if len(given) < SHORTEST or not row_digest(plans).startswith(given):
+        what = "plan" if len(plans) == 1 else "row of plans"
         raise CommandRefused(
-            f"{given[:64]!r} is not the digest of this plan; nothing was approved and nothing sent"
+            f"{given[:64]!r} is not the digest of this {what}; nothing was approved and nothing "
+            "sent"
         )

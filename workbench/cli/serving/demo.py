@@ -13,6 +13,7 @@ from workbench.app.core.commands import (
     TakeScan,
     WatchPlan,
 )
+from workbench.app.core.release import moved_away
 from workbench.app.core.reports import Started
 from workbench.app.core.state import Phase, State
 from workbench.app.core.value_checks import SEED_LIMIT
@@ -35,6 +36,7 @@ from workbench.cli.terminal import (
 )
 from workbench.formats.cells.reading import read_cell
 from workbench.model.errors import LinkError, WorkbenchError
+from workbench.model.plan import Plan
 from workbench.plugins.progress import Report
 from workbench.plugins.robot_link import link_named
 
@@ -43,6 +45,9 @@ PARTS = 2
 
 LOOK = 0.1
 """Progress is shown this often [s]."""
+
+REPORTED = 10.0
+"""How long [s] a report may take that shows the robot where the next plan starts."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -144,6 +149,7 @@ class Cycle:
         plan, proof = state.plan, state.proof
         if plan is None or proof is None or not proof.holds:
             raise NoPlan(state.message)
+        self._see_it_at_the_start(plan)
         # Nobody looks: the record says who has let this plan out, a demonstration.
         self._bench.do(WatchPlan(plan.digest, is_told=True), ACTOR)
         self._stage("approve", Approve(plan.digest), Phase.APPROVED)
@@ -152,6 +158,15 @@ class Cycle:
             raise LinkError(state.fault)
         if self._are_parts_told(state) and state.parts_placed != len(plan.arms):
             raise LinkError(state.message)
+
+    def _see_it_at_the_start(self, plan: Plan) -> None:
+        """Wait for the report that the robot has come back: it is told after the plan's end.
+
+        Where it really stands elsewhere the approval is refused, and says by how much.
+        """
+        cell, until = self._bench.state.cell, time.monotonic() + REPORTED
+        while moved_away(cell, plan, self._bench.live.joints) and time.monotonic() < until:
+            time.sleep(LOOK / 10)
 
     def _are_parts_told(self, state: State) -> bool:
         """Whether the controller says what became of parts; of some only the end is known."""

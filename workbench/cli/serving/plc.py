@@ -35,8 +35,8 @@ def plc(bench: Bench, typed: Serve) -> Generator[None]:
         return
     check_whole("--opcua", typed.opcua, 1, 65535)
     try:
+        from workbench.web.opcua.admission import Logins, Options
         from workbench.web.opcua.certificates import CERTIFICATE
-        from workbench.web.opcua.door import Logins, Options
         from workbench.web.opcua.server import OpcUa
     except ModuleNotFoundError as error:
         raise InputError(f"--opcua needs {NEEDED}") from error

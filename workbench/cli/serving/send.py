@@ -1,24 +1,43 @@
-"""`workbench send`: a plan proven, approved by its digest, and sent."""
+"""`workbench send`: a plan, or a row of plans, proven, approved by its digest, and sent."""
 
 import sys
 import time
 from collections import Counter
+from collections.abc import Sequence
 from dataclasses import replace
+from pathlib import Path
+from typing import Any
 
+from workbench.app.core.release import moved_away
 from workbench.app.core.rules import approve, check_approvable
-from workbench.app.picking.proving import adopted, prove
+from workbench.app.picking.proving import adopted
+from workbench.app.picking.row import MOST_PICKS, prove_row
 from workbench.app.records.approvals import CUT_SHORT, ApprovalRecord
 from workbench.app.runtime.readiness import make_ready
 from workbench.cli.arguments import top as arguments
 from workbench.cli.picking.planning import cell_of, detections_from
-from workbench.cli.serving.approving import check_digest, facts_of, start_words, typed_digest
+from workbench.cli.serving.approving import (
+    REPORTS,
+    check_digest,
+    reported_joints,
+    row_digest,
+    row_facts,
+    start_words,
+    typed_digest,
+)
 from workbench.cli.serving.controller import HIGHEST_PORT
 from workbench.cli.terminal import check_whole, print_json, progress
 from workbench.formats.clouds.scans import read_scan
 from workbench.formats.plans.plan_files import read_plan
 from workbench.model.cell import Cell, Controller
 from workbench.model.digest import canonical
-from workbench.model.errors import CommandRefused, FileError, JournalError, WorkbenchError
+from workbench.model.errors import (
+    CommandRefused,
+    FileError,
+    InputError,
+    JournalError,
+    WorkbenchError,
+)
 from workbench.model.plan import Plan
 from workbench.model.release import Approval, Receipt
 from workbench.plugins.robot_link import controller_by
@@ -26,49 +45,71 @@ from workbench.plugins.robot_link import send as send_plan
 
 
 def send(typed: arguments.Send) -> int:
-    """Prove, approve and send a plan; nothing is sent unless everything before it holds."""
+    """Prove, approve and send plans; nothing is sent unless everything before it holds."""
     check_whole("--port", typed.port, 1, HIGHEST_PORT)
     if typed.state_port is not None:
         check_whole("--state-port", typed.state_port, 1, HIGHEST_PORT)
-    plan, stated = read_plan(typed.plan)
-    if stated and stated != plan.digest:
-        raise FileError(
-            typed.plan,
-            f"was changed after the plan was made: it states digest {stated[:12]}, its content "
-            f"has {plan.digest[:12]}; make a new plan",
-        )
-    cell = cell_of(plan, typed.cell)
-    if not stated:
-        plan = adopted(cell, plan)
+    files = (typed.plan, *typed.row)
+    if len(files) > MOST_PICKS:
+        raise InputError(f"a row has at most {MOST_PICKS} plans, not {len(files)}")
+    cell, plans = _read(files, typed.cell)
     cell = replace(cell, controller=_controller(cell, typed))
     if typed.digest is not None:
-        check_digest(plan, typed.digest)
+        check_digest(plans, typed.digest)
     record = ApprovalRecord(typed.record)
     with progress("send") as report:
         make_ready(report, ("planning",))
         report(0.0, "proving the plan")
         scan = None if typed.scan is None else read_scan(typed.scan, cell.scanner)
         poses = None if typed.poses is None else detections_from(cell, typed.poses, typed.part)
-        proof = prove(cell, plan, detections=poses, scan=scan)
-    check_approvable(cell, plan, proof, typed.approve_as)
+        row = list(prove_row(cell, plans, detections=poses, scan=scan))
+    for one in row:
+        check_approvable(cell, one.plan, one.proof, typed.approve_as)
     if cell.approvers > 1:
         raise CommandRefused(
             f"the cell wants {cell.approvers} people to approve a plan; a command is one person's"
         )
-    facts = facts_of(cell, plan, proof, _told(typed), start_words(cell, plan))
+    start = start_words(cell, plans[0])
+    if len(row) > 1:
+        _check_told(cell)
+    facts, digest = row_facts(cell, row, _told(typed), start), row_digest(plans)
     if typed.digest is None:
-        record.show(plan.digest, typed.approve_as, time.time(), facts)
+        record.show(digest, typed.approve_as, time.time(), facts)
         for name, value in facts.items():
             print(f"{name:>20}  {value}", file=sys.stderr if typed.json else sys.stdout, flush=True)
-        check_digest(plan, typed_digest(typed.approve_as))
+        check_digest(plans, typed_digest(typed.approve_as))
     valid = cell.policy.approval_minutes * 60.0
-    record.check_shown(plan.digest, typed.approve_as, time.time(), valid, facts)
+    record.check_shown(digest, typed.approve_as, time.time(), valid, facts)
     # Reading takes its time.
-    if start_words(cell, plan) != facts["Robot"]:
+    if start_words(cell, plans[0]) != facts["Robot"]:
         raise CommandRefused("what is reported of the robot is otherwise now; read again")
-    approval = approve(cell, plan, proof, typed.approve_as, time.time(), is_unwatched=True)
-    record.take(approval)
-    return _sent(typed, plan, approval, cell, record)
+    first, *rest = row
+    now, actor = time.time(), typed.approve_as
+    approval = approve(cell, first.plan, first.proof, actor, now, is_unwatched=True, row=rest)
+    approvals = [approval]
+    while (following := approvals[-1].onward()) is not None:
+        approvals.append(following)
+    record.take(*approvals)
+    forms = _sent_in_turn(typed, plans, approvals, cell, record)
+    if typed.json:
+        more = {"row": forms[1:]} if len(forms) > 1 else {}
+        print_json({"ok": True, **forms[0], **more})
+    return 0
+
+
+def _read(files: Sequence[Path], name: str | None) -> tuple[Cell, tuple[Plan, ...]]:
+    """The plans in the files, and the cell of the first."""
+    plans: list[Plan] = []
+    for file in files:
+        plan, stated = read_plan(file)
+        if stated and stated != plan.digest:
+            raise FileError(
+                file,
+                f"was changed after the plan was made: it states digest {stated[:12]}, its content "
+                f"has {plan.digest[:12]}; make a new plan",
+            )
+        plans.append(plan if stated else adopted(cell_of(plan, name), plan))
+    return cell_of(plans[0], name), tuple(plans)
 
 
 def _controller(cell: Cell, typed: arguments.Send) -> Controller:
@@ -85,10 +126,86 @@ def _told(typed: arguments.Send) -> str:
     return f"compared with {' and '.join(told)}" if told else "by the plan's own word"
 
 
+def _check_told(cell: Cell) -> None:
+    """Look whether anybody can know, between two plans, how it stands.
+
+    Raises:
+        CommandRefused: the controller does not say what became of parts, or where the robot is.
+    """
+    link = cell.controller.link
+    if not cell.controller.motion.reports_progress:
+        raise CommandRefused(
+            f"the robot link {link} does not tell what became of each part, so only one plan can "
+            "be sent at a time"
+        )
+    if not reported_joints(cell):
+        raise CommandRefused(
+            "the controller reports no joints, so only one plan can be sent at a time"
+        )
+
+
+def _sent_in_turn(
+    typed: arguments.Send,
+    plans: Sequence[Plan],
+    approvals: Sequence[Approval],
+    cell: Cell,
+    record: ApprovalRecord,
+) -> list[dict[str, Any]]:
+    """Send one plan after the other as long as all is well; what was said of each.
+
+    What is in doubt ends the row, and the approvals of what was not sent with it.
+    """
+    forms: list[dict[str, Any]] = []
+    waiting = list(approvals)
+    try:
+        for plan in plans:
+            if forms:
+                _check_onward(cell, plan, forms[-1], len(forms), len(plans))
+            forms.append(_sent(typed, plan, waiting.pop(0), cell, record))
+    finally:
+        # Nothing of these was sent.
+        for approval in waiting:
+            _end(record, approval, [], "the row had ended before")
+    return forms
+
+
+def _check_onward(cell: Cell, plan: Plan, before: dict[str, Any], done: int, count: int) -> None:
+    """Look whether the next plan of a row may follow.
+
+    Raises:
+        CommandRefused: a part was not picked, or the robot does not stand where the plan starts.
+    """
+    ended = f"the row has ended after {done} of {count} plans"
+    for part in before["parts"]:
+        if part["is_picked"] is not True:
+            raise CommandRefused(f"{ended}: the pick of arm {part['arm']} failed, {part['why']}")
+    # What is reported may be as old as the last bit of the motion.
+    until = time.monotonic() + REPORTS
+    while problem := _elsewhere(cell, plan):
+        if time.monotonic() > until:
+            raise CommandRefused(f"{ended}: {problem}")
+
+
+def _elsewhere(cell: Cell, plan: Plan) -> str:
+    """Why it is not known that the robot stands where a plan starts; empty when it is."""
+    try:
+        joints = reported_joints(cell)
+    except CommandRefused as error:
+        return str(error)
+    return moved_away(cell, plan, joints) if joints else "the controller reports no joints"
+
+
+def _end(record: ApprovalRecord, approval: Approval, receipts: list[Receipt], problem: str) -> None:
+    try:
+        record.end(approval, receipts, problem)
+    except JournalError as error:
+        print(f"the end of this sending is not on record: {error}", file=sys.stderr)
+
+
 def _sent(
     typed: arguments.Send, plan: Plan, approval: Approval, cell: Cell, record: ApprovalRecord
-) -> int:
-    """Send an approved plan, and put on record what became of it."""
+) -> dict[str, Any]:
+    """Send an approved plan, put on record what became of it, and tell it."""
     receipts: list[Receipt] = []
     problem, began = CUT_SHORT, time.monotonic()
     try:
@@ -102,19 +219,12 @@ def _sent(
         problem = str(error)
         raise
     finally:
-        try:
-            record.end(approval, receipts, problem)
-        except JournalError as error:
-            print(f"the end of this sending is not on record: {error}", file=sys.stderr)
+        _end(record, approval, receipts, problem)
     seconds = time.monotonic() - began
     sent = Counter(one.arm or "both" for one in receipts if one.sent)
     parts = [one.part for one in receipts if one.part is not None]
     protocol = cell.controller.link
-    if typed.json:
-        form = {"ok": True, "digest": plan.digest, "approved_by": approval.actor}
-        form |= {"watched": not approval.is_unwatched, "protocol": protocol, "messages": dict(sent)}
-        print_json({**form, "parts": canonical(parts), "seconds": round(seconds, 3)})
-    else:
+    if not typed.json:
         counts = ", ".join(f"{count} for {arm}" for arm, count in sent.items())
         print(
             f"plan {plan.digest[:12]} approved by {approval.actor}, who has not seen it played, "
@@ -123,4 +233,6 @@ def _sent(
         print(f"messages by {protocol}: {counts}; the controller has ended the last motion")
         for part in parts:
             print(f"arm {part.arm}: {'picked' if part.is_picked else f'failed, {part.why}'}")
-    return 0
+    form = {"digest": plan.digest, "approved_by": approval.actor}
+    form |= {"watched": not approval.is_unwatched, "protocol": protocol, "messages": dict(sent)}
+    return {**form, "parts": canonical(parts), "seconds": round(seconds, 3)}

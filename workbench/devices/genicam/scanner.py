@@ -3,11 +3,9 @@
 from dataclasses import dataclass
 from typing import Literal
 
-import numpy as np
-
 from workbench.devices.genicam.camera import Camera, Frame, connected, one_frame
 from workbench.devices.genicam.depth import DepthScale, organised
-from workbench.formats.clouds.scans import BESIDE, FEW
+from workbench.devices.scanners.organised import scan_of
 from workbench.model.cell import Cell
 from workbench.model.errors import JobCancelled, LinkError
 from workbench.model.scan import Scan
@@ -77,22 +75,12 @@ class GenicamScanner:
 
     def _scan(self, frame: Frame, means: DepthScale, named: str) -> Scan:
         """The scan of a frame, if it lies where the scanner can measure."""
-        points = organised(frame.counts, means)
-        rows, columns = frame.counts.shape
-        measured = np.flatnonzero(np.isfinite(points[..., 2]))
-        if not len(measured):
-            raise LinkError(f"frame {frame.number} has no pixel with a measurement")
-        points = points.reshape(-1, 3)[measured]
-        away = np.linalg.norm(points, axis=1)
-        nearest, farthest = (float(value) for value in np.quantile(away, (FEW, 1 - FEW)))
-        if nearest > self._mount.far * BESIDE or farthest < self._mount.near / BESIDE:
-            raise LinkError(
-                f"frame {frame.number} is {nearest:.4g} to {farthest:.4g} m away, and the scanner "
-                f"measures from {self._mount.near:g} to {self._mount.far:g} m (near_mm, far_mm): "
-                f"is the scale of {means.scale * 1000:g} mm a count right (scale_mm)?"
-            )
-        source = f"{named} frame {frame.number}"
-        return Scan(points, self._mount.T_world_scanner, source, measured, (columns, rows))
+        return scan_of(
+            organised(frame.counts, means),
+            self._mount,
+            f"{named} frame {frame.number}",
+            f"is the scale of {means.scale * 1000:g} mm a count right (scale_mm)?",
+        )
 
 
 def _set(camera: Camera, options: GenicamOptions) -> None:

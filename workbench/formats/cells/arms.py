@@ -98,11 +98,14 @@ def _arm(table: Table, robot: Robot, tools: dict[str, Tool]) -> Arm:
         part_places=of_part,
         keeps_parts=table.flag("keeps_parts", False),
         needs_roll=table.flag("needs_roll", False),
+        passes_parts_on=table.flag("passes_parts_on", False),
         tools=tuple(_known_tool(table, "tools", one, tools) for one in names),
     )
     table.finish()
     if not re.fullmatch(r"[A-Z]", arm.controller_id):
         raise table.error(id_key, f"{arm.controller_id!r} is not one capital letter")
+    if arm.keeps_parts and arm.passes_parts_on:
+        raise table.error("passes_parts_on", "parts that are passed on do not stay: keeps_parts")
     return arm
 
 

@@ -37,10 +37,15 @@ def read_scanner(table: Table) -> ScannerMount:
         options = read_options(table, load("workbench.scanners", mount.source).Options)
         mount = replace(mount, options=options)
     table.finish()
-    if mount.source in ("folder", "http") and not mount.address:
+    if mount.source in ("folder", "http", "merged") and not mount.address:
         raise table.error("address", f"source {mount.source!r} needs one")
     if mount.source == "http" and not mount.address.startswith(("http://", "https://")):
         raise table.error("address", f"{mount.address!r} does not begin with http:// or https://")
+    if mount.source == "http" and "@" in mount.address.split("/")[2]:
+        # Not shown: it would go on into logs.
+        raise table.error("address", "holds a login; `login` and so on in [scanner.options] say it")
+    if mount.source == "merged" and mount.calibration is not None:
+        raise table.error("calibration", "a merged scanner has none: each of its views has its own")
     if not mount.near < mount.far:
         raise table.error("near_mm", "must be less than far_mm")
     return mount
@@ -49,7 +54,7 @@ def read_scanner(table: Table) -> ScannerMount:
 def _address(table: Table) -> str:
     """As it is; only a folder is one beside the cell file, so that has an absolute path."""
     address = table.text("address", "", empty=True)
-    is_folder = table.text("source", "simulated") == "folder"
+    is_folder = table.text("source", "simulated") in ("folder", "merged")
     if not address or not is_folder or "://" in address:
         return address
     return str((table.path.parent / address).resolve())

@@ -33,6 +33,7 @@ from workbench.model.part import Part
 from workbench.model.robot import Link, Robot
 from workbench.plugins.planner import planner_names
 from workbench.plugins.robot_link import controller_by, link_named, usual_link
+from workbench.plugins.scanner import scanner_of
 
 MOST_APPROVERS = 4
 
@@ -87,6 +88,8 @@ def read_cell(name: str | Path) -> Cell:
     )
     with refused_at(table, "controller.protocol"):
         link_named(cell.controller.link).check(cell)
+    with refused_at(table, "scanner.source"):
+        scanner_of(cell)
     if not cell.parts:
         raise table.error("parts", "names no part; at least one is needed")
     table.once("fixture.name", (fixture.name for fixture in cell.fixtures))

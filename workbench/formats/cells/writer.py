@@ -177,6 +177,8 @@ def _arm(arm: Arm) -> Iterator[str]:
     yield f"acceleration_deg = {number(np.rad2deg(arm.acceleration[0]))}"
     if arm.keeps_parts:
         yield "keeps_parts = true        # they stay at their places, as on a pallet"
+    if arm.passes_parts_on:
+        yield "passes_parts_on = true    # each is taken away before the arm brings another"
     if arm.needs_roll:
         yield "needs_roll = true         # only parts whose roll the scan shows are put there"
     for T in arm.Ts_world_place:

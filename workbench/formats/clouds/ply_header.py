@@ -42,13 +42,34 @@ _END = re.compile(rb"\nend_header[ \t]*\r?\n")
 _COUNT = re.compile(r"[0-9]{1,18}")
 
 
+@dataclass(slots=True)
+class Element:
+    """So many rows with properties (name, NumPy kind without byte order, or `LIST`)."""
+
+    name: str
+    count: int
+    properties: list[tuple[str, str]] = field(default_factory=list[tuple[str, str]])
+
+    def size(self, path: Path) -> int:
+        """How long [bytes] a row is.
+
+        Raises:
+            FileError: that is not known beforehand.
+        """
+        if any(kind == LIST for _, kind in self.properties):
+            raise FileError(
+                path, f"element {shown(self.name)}: lists ahead of what is read are not supported"
+            )
+        return sum(np.dtype(kind).itemsize for _, kind in self.properties)
+
+
 @dataclass(frozen=True, slots=True)
 class Header:
     """What a reader of the vertices needs.
 
     `count` vertices with scalar `properties` (name, NumPy kind without byte order) begin
     `skip_bytes` (binary) or `skip_lines` (ascii) after offset `end`; `notes` are the texts
-    of the `obj_info` lines.
+    of the `obj_info` lines, `after` the elements that follow.
     """
 
     encoding: str
@@ -58,18 +79,16 @@ class Header:
     end: int
     skip_bytes: int
     skip_lines: int
+    after: tuple[Element, ...]
+
+    def size(self, path: Path) -> int:
+        """How long [bytes] a vertex is."""
+        return Element("vertex", self.count, list(self.properties)).size(path)
 
     @property
     def names(self) -> tuple[str, ...]:
         """The names of the properties."""
         return tuple(name for name, _ in self.properties)
-
-
-@dataclass(slots=True)
-class _Element:
-    name: str
-    count: int
-    properties: list[tuple[str, str]] = field(default_factory=list[tuple[str, str]])
 
 
 def read_header(path: Path, content: bytes) -> Header:
@@ -79,7 +98,7 @@ def read_header(path: Path, content: bytes) -> Header:
         FileError: not that of a PLY file with vertices of scalar properties x, y, z.
     """
     lines, end = _split(path, content)
-    encoding, elements, notes = "", list[_Element](), list[str]()
+    encoding, elements, notes = "", list[Element](), list[str]()
     for number, line in enumerate(lines[1:], start=2):
         match line.split():
             case ["format", given, "1.0"] if given in ENCODINGS and not encoding:
@@ -89,7 +108,7 @@ def read_header(path: Path, content: bytes) -> Header:
             case ["obj_info", *words]:
                 notes.append(" ".join(words))
             case ["element", name, count] if _COUNT.fullmatch(count):
-                elements.append(_Element(name, int(count)))
+                elements.append(Element(name, int(count)))
             case ["property", "list", size, item, name] if {
                 size,
                 item,
@@ -113,8 +132,9 @@ def read_header(path: Path, content: bytes) -> Header:
         properties=tuple(vertex.properties),
         notes=tuple(notes),
         end=end,
-        skip_bytes=0 if encoding == "ascii" else sum(_size(path, one) for one in before),
+        skip_bytes=0 if encoding == "ascii" else sum(one.count * one.size(path) for one in before),
         skip_lines=sum(one.count for one in before),
+        after=tuple(elements[len(before) + 1 :]),
     )
 
 
@@ -130,7 +150,7 @@ def _split(path: Path, content: bytes) -> tuple[list[str], int]:
     return [line.strip() for line in lines], end.end()
 
 
-def _check_vertex(path: Path, vertex: _Element) -> None:
+def _check_vertex(path: Path, vertex: Element) -> None:
     names = [name for name, _ in vertex.properties]
     for name in ("x", "y", "z"):
         if name not in names:
@@ -140,11 +160,3 @@ def _check_vertex(path: Path, vertex: _Element) -> None:
             raise FileError(path, f"property {shown(name)}: vertices with lists are not supported")
         if names.count(name) > 1:
             raise FileError(path, f"property {shown(name)} is declared twice")
-
-
-def _size(path: Path, element: _Element) -> int:
-    if any(kind == LIST for _, kind in element.properties):
-        raise FileError(
-            path, f"element {shown(element.name)}: lists ahead of the vertices are not supported"
-        )
-    return element.count * sum(np.dtype(kind).itemsize for _, kind in element.properties)

@@ -2,7 +2,8 @@
 
 A scan of a cell's scanner comes in by `read_scan` or `parse_scan`, which go by the unit that the
 cell file gives.  An organised PLY file carries the line `obj_info resolution <columns> <rows>` in
-its header and the vertex property `pixel`, row * columns + column.
+its header and the vertex property `pixel`, row * columns + column.  A file of Photoneo's tells the
+size of its image and where its camera is otherwise: see `photoneo`.
 """
 
 import re
@@ -15,6 +16,7 @@ import numpy as np
 import pinocchio as pin
 
 from workbench.formats.clouds.pcd import read_pcd
+from workbench.formats.clouds.photoneo import camera_of
 from workbench.formats.clouds.ply_header import Header, read_header
 from workbench.formats.files.text_rows import read_rows
 from workbench.formats.files.toml_keys import shown
@@ -197,8 +199,12 @@ def _ply(path: Path, content: bytes) -> tuple[Floats, tuple[int, int] | None, bo
         raise FileError(path, "is an empty cloud: it declares 0 points")
     names = ("x", "y", "z", "pixel") if "pixel" in header.names else ("x", "y", "z")
     columns = _ascii if header.encoding == "ascii" else _binary
-    resolution = _resolution(path, header.notes)
-    return columns(path, content, header, names), resolution, resolution is not None
+    values, resolution = columns(path, content, header, names), _resolution(path, header.notes)
+    camera = camera_of(path, content, header)
+    if camera is not None:
+        values[:, :3] = camera.seen(values[:, :3])
+        resolution = resolution or camera.resolution
+    return values, resolution, resolution is not None
 
 
 def write_cloud(path: str | Path, scan: Scan, *, unit: str = "m", axes: str = Z_FORWARD) -> None:

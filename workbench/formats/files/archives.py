@@ -6,7 +6,6 @@ to more than a disk holds; none of that reaches the disk.
 
 import contextlib
 import lzma
-import os
 import re
 import stat
 import tempfile
@@ -16,6 +15,7 @@ from collections.abc import Generator, Iterable, Mapping
 from pathlib import Path, PurePosixPath
 from typing import IO
 
+from workbench.formats.files.whole_files import partial_of
 from workbench.model.errors import FileError
 
 MOST_FILES = 100_000
@@ -45,7 +45,7 @@ def write_archive(path: Path, content: Mapping[str, Path | bytes]) -> None:
     Raises:
         FileError: something cannot be read or written.
     """
-    partial = path.with_name(f".{path.name}.{os.getpid()}.partial")
+    partial = partial_of(path)
     try:
         with zipfile.ZipFile(partial, "w", zipfile.ZIP_DEFLATED, compresslevel=6) as archive:
             for name, source in content.items():

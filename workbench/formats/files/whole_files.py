@@ -100,6 +100,18 @@ def write_whole(path: Path, content: bytes) -> None:
         raise FileError(repr(str(path)), "is not the name of a file") from None
 
 
+def partial_of(path: Path) -> Path:
+    """Where a file is written that then takes the place of another, all at once.
+
+    Raises:
+        FileError: the path, such as `.`, is not the name of a file.
+    """
+    try:
+        return path.with_name(f".{path.name}.{os.getpid()}.partial")
+    except ValueError:
+        raise FileError(path, "is not the name of a file") from None
+
+
 def sync_folder(folder: Path) -> None:
     """Have the names in a folder on the disk.
 

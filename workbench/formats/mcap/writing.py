@@ -2,13 +2,13 @@
 
 import contextlib
 import json
-import os
 from collections.abc import Generator, Mapping
 from pathlib import Path
 from typing import Any
 
 from mcap.writer import Writer
 
+from workbench.formats.files.whole_files import partial_of
 from workbench.formats.mcap.foxglove import SCHEMAS, nanoseconds
 from workbench.model.errors import FileError
 
@@ -55,7 +55,7 @@ def mcap_file(path: Path) -> Generator[McapFile]:
     Raises:
         FileError: it cannot be written.
     """
-    partial = path.with_name(f".{path.name}.{os.getpid()}.partial")
+    partial = partial_of(path)
     try:
         with partial.open("wb") as file:
             writer = Writer(file)

@@ -6,8 +6,8 @@ from dataclasses import replace
 import numpy as np
 import viser
 
-from workbench.app.core.commands import ChangeCell, Command, SaveCell, SightPlate, UseSightings
-from workbench.app.core.value_checks import MOST_SIGHTINGS
+from workbench.app.core.commands import ChangeCell, Command, SaveCell, SightPlate, UseObservations
+from workbench.app.core.value_checks import MOST_OBSERVATIONS
 from workbench.app.picking.calibration import calibrated, with_calibration
 from workbench.gui.help.groups import group
 from workbench.gui.shared.calibration_views import (
@@ -19,11 +19,11 @@ from workbench.gui.shared.calibration_views import (
 from workbench.gui.shared.look import View
 from workbench.gui.shared.views import line, not_saved
 from workbench.gui.shared.visitor import Visitor
-from workbench.model.calibration import BallPlate, Calibration, PlateSighting
+from workbench.model.calibration import BallPlate, Calibration, PlateObservation
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats
 
-MOST_ROWS = MOST_SIGHTINGS
+MOST_ROWS = MOST_OBSERVATIONS
 
 SUGGESTED = 12
 """Poses that are suggested one after the other."""
@@ -100,30 +100,30 @@ class CalibrationPanel:
 
     def show(self, old: View | None, new: View) -> None:
         """Bring what is shown from `old` to `new`."""
-        state, chosen = new.state, new.own.sighting
+        state, chosen = new.state, new.own.observation
         self._where.content = line(self._says_where(new), kind="hint")
         if self._after.value != new.own.is_calibrated:
             self._after.value = new.own.is_calibrated
         is_same = (
             old is not None
             and old.state is state
-            and old.own.sighting == chosen
+            and old.own.observation == chosen
             and old.calibration is new.calibration
             and old.overlay is new.overlay
         )
         if is_same:
             return
-        sightings, found = state.sightings, new.calibration
+        observations, found = state.observations, new.calibration
         self._record.content = record_line(state.cell, new.at)
-        self._table.content = poses_html(sightings, found, chosen, self._rows)
-        self._answer.content = answer_html(state.cell, found, len(sightings))
-        self._overlay.content = overlay_line(new.overlay) if sightings else ""
+        self._table.content = poses_html(observations, found, chosen, self._rows)
+        self._answer.content = answer_html(state.cell, found, len(observations))
+        self._overlay.content = overlay_line(new.overlay) if observations else ""
         admit = self._visitor.admit
         admit(self._take, state, SightPlate)
         for button in (self._leave, self._remove):
-            admit(button, state, UseSightings, otherwise=CHOOSE if chosen is None else "")
-        if chosen is not None and chosen < len(sightings):
-            self._leave.label = "Leave out" if sightings[chosen].is_used else "Use again"
+            admit(button, state, UseObservations, otherwise=CHOOSE if chosen is None else "")
+        if chosen is not None and chosen < len(observations):
+            self._leave.label = "Leave out" if observations[chosen].is_used else "Use again"
         self._after.disabled = not isinstance(found, Calibration)
         missing = "" if isinstance(found, Calibration) else found or "scan the plate first"
         admit(self._apply, state, ChangeCell, otherwise=missing)
@@ -151,9 +151,9 @@ class CalibrationPanel:
     def _look_at(self, number: int) -> None:
         """Look at a pose of the table, or away from it."""
         own = self._visitor.own
-        if number < len(self._visitor.bench.state.sightings):
+        if number < len(self._visitor.bench.state.observations):
             self._visitor.turn_away()
-            own.change(sighting=None if own.now.sighting == number else number)
+            own.change(observation=None if own.now.observation == number else number)
 
     def _plate(self) -> BallPlate:
         return BallPlate(float(self._ball.value) / 2000, np.array(self._sides.value) / 1000)
@@ -171,7 +171,7 @@ class CalibrationPanel:
             raise InputError("the controller does not report where the robot is")
         else:
             q = np.asarray(arm.home)
-        self._visitor.own.change(sighting=None)
+        self._visitor.own.change(observation=None)
         return SightPlate(arm.name, q, self._plate(), seed=state.number)
 
     def _suggest_next(self) -> None:
@@ -201,27 +201,30 @@ class CalibrationPanel:
         q = left.pop(0)
         jog = {one.name: np.asarray(one.home) for one in cell.arms} | {arm.name: q}
         visitor.turn_away()
-        visitor.own.change(jog=jog, sighting=None)
+        visitor.own.change(jog=jog, observation=None)
 
     @property
-    def _chosen(self) -> tuple[int, tuple[PlateSighting, ...]]:
-        sightings, number = self._visitor.bench.state.sightings, self._visitor.own.now.sighting
-        if number is None or number >= len(sightings):
+    def _chosen(self) -> tuple[int, tuple[PlateObservation, ...]]:
+        observations, number = (
+            self._visitor.bench.state.observations,
+            self._visitor.own.now.observation,
+        )
+        if number is None or number >= len(observations):
             raise InputError(CHOOSE)
-        return number, sightings
+        return number, observations
 
     def _left_out(self) -> Command:
-        number, sightings = self._chosen
-        one = sightings[number]
+        number, observations = self._chosen
+        one = observations[number]
         changed = replace(one, is_used=not one.is_used)
         says = f"{one.name} is {'used again' if changed.is_used else 'left out'}"
-        return UseSightings((*sightings[:number], changed, *sightings[number + 1 :]), says)
+        return UseObservations((*observations[:number], changed, *observations[number + 1 :]), says)
 
     def _removed(self) -> Command:
-        number, sightings = self._chosen
-        self._visitor.own.change(sighting=None)
-        rest = sightings[:number] + sightings[number + 1 :]
-        return UseSightings(rest, f"{sightings[number].name} is removed")
+        number, observations = self._chosen
+        self._visitor.own.change(observation=None)
+        rest = observations[:number] + observations[number + 1 :]
+        return UseObservations(rest, f"{observations[number].name} is removed")
 
     def _applied(self) -> Command:
         visitor = self._visitor
@@ -229,7 +232,7 @@ class CalibrationPanel:
         if not by:
             raise InputError("type your name: it is kept with the calibration")
         state = self._visitor.bench.state
-        found = calibrated(state.cell, state.sightings)
+        found = calibrated(state.cell, state.observations)
         cell = with_calibration(state.cell, found, time.time(), by)
         says = f"the scanner is calibrated by {by}: {found.used} poses"
         return ChangeCell(cell, says)

@@ -21,11 +21,12 @@ from workbench.app.core.value_checks import MOST_PARTS, SEED_LIMIT
 from workbench.app.picking.facts import bin_check_of
 from workbench.gui.cycle.approval import ApprovalDialog
 from workbench.gui.cycle.approval_views import approval_line
+from workbench.gui.cycle.going_on import GoOnButton
 from workbench.gui.cycle.outcomes import OutcomeInputs
+from workbench.gui.cycle.overrides import OverridesInputs
 from workbench.gui.cycle.step_button import StepButton
 from workbench.gui.cycle.strategies import strategy_hint, strategy_words
 from workbench.gui.cycle.threshold import ThresholdInput
-from workbench.gui.cycle.wishes import WishesInputs
 from workbench.gui.help.groups import group
 from workbench.gui.scene.fix_inputs import FixInputs
 from workbench.gui.shared.calibration_views import bin_html
@@ -115,10 +116,11 @@ class CyclePanel:
                 "Stop", icon=viser.Icon.HAND_STOP, color="red", hint=NO_SAFETY
             )
             self._send = gui.add_button("Send", icon=viser.Icon.SEND)
+            self._go_on = GoOnButton(visitor, self._seed, self._wanted_next)
         self._outcomes = OutcomeInputs(visitor, ROW)
         with group(gui, "How it is planned", expand_by_default=False):
             gui.add_html(ROW)
-            self._wishes = WishesInputs(gui, visitor.cell.policy)
+            self._overrides = OverridesInputs(gui, visitor.cell.policy)
         self._dialog = ApprovalDialog(visitor)
         self._react()
 
@@ -147,6 +149,7 @@ class CyclePanel:
         problem = visitor.refusal(state, Approve(_digest(state)), new.at, joints)
         self._approval_line.content = approval_line(state, new.at, problem)
         self._send_line.content = send_line(state)
+        self._go_on.show(new)
         is_stepped = self._step.show(new)
         # The button beside Stop lets the robot move, and none stands where Send was just pressed.
         self._send.visible = self._send_line.visible = not is_stepped
@@ -202,7 +205,10 @@ class CyclePanel:
         """A browser may send one that the cell does not have: that is refused with the plan."""
         return self._strategies.get(str(self._strategy.value), "")
 
-    def _wanted_scan(self) -> Command:
+    def _wanted_next(self) -> tuple[TakeScan, FindParts, MakePlan]:
+        return self._wanted_scan(), self._wanted_parts(), self._wanted_plan()
+
+    def _wanted_scan(self) -> TakeScan:
         return TakeScan(whole(self._seed.value), whole(self._parts.value), self._kind.value)
 
     def _wanted_bin(self) -> Command:
@@ -213,15 +219,15 @@ class CyclePanel:
         says = f"the bin is moved by {check.shift * 1000:.1f} mm to where it is seen"
         return ChangeCell(moved(state.cell, BIN, check.T_world_bin), says)
 
-    def _wanted_parts(self) -> Command:
+    def _wanted_parts(self) -> FindParts:
         return FindParts(whole(self._seed.value))
 
-    def _wanted_plan(self) -> Command:
+    def _wanted_plan(self) -> MakePlan:
         return MakePlan(
             self._strategies[self._strategy.value],
             self._threshold.metres,
             whole(self._seed.value),
-            self._wishes.wishes,
+            self._overrides.overrides,
         )
 
     def _wanted_sending(self) -> Command:

@@ -1,4 +1,4 @@
 """What is worked out beside the drawing, and who has seen it.
 
-Imports `shared`, `scene` and `cell`.
+Imports `shared`, `scene`, `cell` and `emptying`.
 """

@@ -46,13 +46,14 @@ class OwnScene:
                 draw_measured(self._scene, new.own.measured)
             if is_first or old.visited is not new.visited:
                 draw_visited(self._scene, new.visited)
-            if new.jogged is None and new.overlay is None:
+            if new.jogged is None and new.overlay is None and new.filmed is None:
                 self._give_back()
             elif (
                 is_first
                 or not self._frames
                 or old.jogged is not new.jogged
                 or old.overlay is not new.overlay
+                or old.filmed is not new.filmed
                 or old.look.time != new.look.time
                 or old.look.shapes != new.look.shapes
                 or old.live.joints != new.live.joints
@@ -87,7 +88,7 @@ class OwnScene:
 
     def _clear(self) -> None:
         self._give_back()
-        for name in ("/sighting", "/jog_meets", "/measured", "/nearest", "/nearest_points"):
+        for name in ("/observation", "/jog_meets", "/measured", "/nearest", "/nearest_points"):
             self._scene.remove_by_name(name)
 
 

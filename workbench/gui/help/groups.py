@@ -8,6 +8,7 @@ import viser
 
 SCAN, FIND, PLAN, SEND = "scan", "find-parts", "plan", "send"
 GRASPS, CELL, CALIBRATION = "put-grasps-on-a-part", "change-the-cell", "calibrate-the-scanner"
+EMPTYING = "empty-a-full-bin-in-simulation"
 
 HELP: Mapping[str, tuple[str, str]] = {
     "1 · Scan": (
@@ -42,7 +43,7 @@ HELP: Mapping[str, tuple[str, str]] = {
         "say-what-became-of-the-parts",
     ),
     "How it is planned": (
-        "These are wishes for the next planning, and begin as the cell has them. More "
+        "These are overrides for the next planning, and begin as the cell has them. More "
         "iterations find ways that are harder to find; a larger margin keeps farther from "
         "everything. The proof holds every plan to the margins of the cell, whatever is wished.",
         PLAN,
@@ -127,6 +128,39 @@ HELP: Mapping[str, tuple[str, str]] = {
         "A part is made of a file: STEP, STL, OBJ or PLY. Where the file has no unit, say it. "
         "The part is in the cell then, without grasps.",
         GRASPS,
+    ),
+    "Piles to empty": (
+        "Parts fall into a simulated bin, and plan after plan takes them out, until nothing can be "
+        "taken any more. The cell is tried as it is now, with what is not saved yet. While it runs "
+        "the worker does nothing else; Cancel task ends it.",
+        EMPTYING,
+    ),
+    "What came of it": (
+        "What all piles together have brought, and each of them in a row. A click on a heading "
+        "sorts, a click on a row chooses the pile for the film. Touches and failed picks should be "
+        "none: where there are some, margins or poses are not what they should be.",
+        EMPTYING,
+    ),
+    "Film of the chosen pile": (
+        "The see-through robot takes the parts as planned, the rest settles, and the next plan "
+        "follows. At the end each part that stays is coloured by why; a click on it or on its row "
+        "marks both. You alone see it: the solid robot is the real one.",
+        EMPTYING,
+    ),
+    "How the piles went empty": (
+        "Parts taken after each pick, a curve for each pile. Where a curve is level a pick has "
+        "failed. It ends with the last pick: what is missing to the full pile stays in the bin.",
+        EMPTYING,
+    ),
+    "What changes bring": (
+        "The same piles were emptied with single changes of the cell, one at a time. Those that "
+        "gain most come first. Nothing of the cell was changed by that.",
+        EMPTYING,
+    ),
+    "Seconds of people and scanner": (
+        "What a scan takes, and a person who approves a plan. They count in the parts an hour, "
+        "beside the motion and the computing as measured here. They change nothing else.",
+        EMPTYING,
     ),
     "1 · Plate": (
         "The calibration looks for a plate of three balls that an arm holds. Its sizes stand "

@@ -23,6 +23,7 @@ class Mode(enum.StrEnum):
     END = "End of preview"
     JOG = "Jog"
     POSE = "Scanned pose"
+    FILM = "Simulation"
     RECORDED = "Recorded"
 
 
@@ -34,6 +35,7 @@ STANDS = {
     Mode.END: "where the plan has it",
     Mode.JOG: "moved by you, in your view alone",
     Mode.POSE: "as it stood when the plate was scanned",
+    Mode.FILM: "empties a simulated pile, in your view alone",
     Mode.RECORDED: "the recorded plan",
 }
 """Where the see-through robot stands."""
@@ -43,6 +45,7 @@ ENDS = {
     Mode.END: "Ends with To the start, or Send",
     Mode.JOG: "Ends with End jogging, Play, or Send",
     Mode.POSE: "Ends with a click on the row, Play, or Send",
+    Mode.FILM: "Ends with End film, and with the next scan, plan, preview or sending",
 }
 """What starts the next mode, where a person does."""
 
@@ -52,11 +55,14 @@ ENDS_AFTER_CYCLE = "Ends with End preview"
 NOTES = {
     Mode.PREVIEW: "Parts: as planned; nothing is sent",
     Mode.END: "Parts: as planned; nothing was sent",
+    Mode.FILM: "Parts: a simulated pile, not what is in the bin; nothing is sent",
 }
 
 
 def mode_of(view: View) -> Mode:
     """What this browser looks at."""
+    if view.filmed is not None:
+        return Mode.FILM
     if view.jogged is not None:
         return Mode.JOG
     if view.overlay is not None:
@@ -105,7 +111,7 @@ def _missed(view: View) -> str:
 
 def _robots(view: View, mode: Mode) -> list[tuple[str, str]]:
     """What robots are drawn, each with the style of its mark."""
-    is_planned = bool(view.planned_arms) or mode in (Mode.JOG, Mode.POSE)
+    is_planned = bool(view.planned_arms) or mode in (Mode.JOG, Mode.POSE, Mode.FILM)
     if view.look.shapes:
         # There is one robot of these: where another one would be see-through, or else the real one.
         stands = STANDS[mode] if is_planned else _real(view)

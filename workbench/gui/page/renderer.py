@@ -15,13 +15,15 @@ from workbench.app.core.state import Phase, State
 from workbench.app.picking.facts import bin_check_of
 from workbench.app.review.history import History
 from workbench.app.runtime.bench import Bench
+from workbench.gui.drawing.film_scene import FilmScene
 from workbench.gui.drawing.fixes import Fixes
 from workbench.gui.drawing.following import keep_up
 from workbench.gui.drawing.own_scene import OwnScene
-from workbench.gui.drawing.own_views import OwnViews, has_lost_sighting
+from workbench.gui.drawing.own_views import OwnViews, has_lost_observation, is_news
 from workbench.gui.drawing.player import Player
 from workbench.gui.drawing.poses import PoseFinder
 from workbench.gui.drawing.reach import Reaches
+from workbench.gui.emptying.reel import advanced
 from workbench.gui.page.header import Header
 from workbench.gui.page.presence import Presence
 from workbench.gui.page.tabs import tabs_of
@@ -143,11 +145,18 @@ class Renderer:
             self._closed.wait(max(0.0, FRAME - elapsed))
             now = time.monotonic()
             _shielded(partial(self._player.step, self._drawn, self._visitors, now - last))
+            _shielded(partial(self._run_films, now - last))
             _shielded(self._draw)
             last = now
 
+    def _run_films(self, elapsed: float) -> None:
+        """Move the films of browsers on; the first drawing after Play was pressed only begins."""
+        for number, view in self._shown.items():
+            if view.own.film is not None and view.own.film.is_playing:
+                self._visitors[number].own.show(partial(advanced, elapsed=elapsed))
+
     def _patience(self) -> float:
-        if self._look.now.is_playing:
+        if self._look.now.is_playing or any(map(_plays_film, self._visitors.values())):
             return FRAME
         view = self._drawn
         if view is not None and view.state.phase is Phase.SENDING:
@@ -191,10 +200,14 @@ class Renderer:
             if follows and held is not None and held.browser == visitor.number:
                 # Who has lost control in the middle of a drag cannot let go of it.
                 self._look.change(held=None)
-            if is_begun or is_sending or is_other or follows:
+            if is_begun or is_sending or is_other:
                 visitor.own.end()
-            elif has_lost_sighting(visitor.own.now, old and old.state, new.state):
-                visitor.own.change(sighting=None)
+            elif follows:
+                visitor.own.let_go()
+            elif has_lost_observation(visitor.own.now, old and old.state, new.state):
+                visitor.own.change(observation=None)
+            if visitor.own.now.film is not None and old is not None and is_news(old, new):
+                visitor.own.change(film=None)
 
     def _show(self, visitor: Visitor, shared: View) -> None:
         """Bring one browser's controls, and what it alone sees, to the newest view."""
@@ -247,7 +260,7 @@ class Renderer:
         before = self._drawn
         if (
             before is not None
-            and before.state.sightings is state.sightings
+            and before.state.observations is state.observations
             and before.state.cell is state.cell
         ):
             return before.calibration
@@ -281,7 +294,8 @@ class Renderer:
         # All at once: what is pressed before somebody listens would be lost.
         with client.atomic():
             header = Header(visitor, self._theme, self._style)
-            panels = (header, OwnScene(visitor), *tabs_of(visitor, self._woken.set))
+            scenes = (OwnScene(visitor), FilmScene(visitor))
+            panels = (header, *scenes, *tabs_of(visitor, self._woken.set))
             for panel in panels:
                 panel.show(None, view)
             visitor.show_told()
@@ -301,6 +315,11 @@ class Renderer:
         _shielded(partial(visitor.end, is_gone=False))
         visitor.gui.reset()
         self._welcome(visitor.client, view, is_dark=visitor.is_dark)
+
+
+def _plays_film(visitor: Visitor) -> bool:
+    film = visitor.own.now.film
+    return film is not None and film.is_playing
 
 
 def _count(presence: Presence, client: viser.ClientHandle, now: float, *, is_here: bool) -> None:

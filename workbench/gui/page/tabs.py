@@ -11,6 +11,7 @@ from workbench.gui.calibration.panel import CalibrationPanel
 from workbench.gui.candidates.panel import CandidatesPanel
 from workbench.gui.cell.panel import CellPanel
 from workbench.gui.cycle.panel import CyclePanel
+from workbench.gui.emptying.panel import EmptyingPanel
 from workbench.gui.grasps.panel import GraspsPanel
 from workbench.gui.parts.panel import PartsPanel
 from workbench.gui.plan.panel import PlanPanel
@@ -41,6 +42,7 @@ def tabs_of(visitor: Visitor, woken: Callable[[], None]) -> tuple[Panel, ...]:
         ("Plan", lambda: PlanPanel(visitor)),
         ("Robot", lambda: RobotPanel(visitor)),
         ("Cell", lambda: CellPanel(visitor)),
+        ("Emptying", lambda: EmptyingPanel(visitor)),
         ("Statistics", lambda: StatisticsPanel(visitor)),
     ]
     # Nothing in these is for anybody else, ever; the others are worth looking at.

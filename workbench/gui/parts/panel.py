@@ -15,8 +15,8 @@ from workbench.gui.help.groups import group
 from workbench.gui.parts.views import (
     MOST_ROWS,
     avoided_html,
-    discarded_html,
     parts_html,
+    rejected_html,
     remarks_html,
 )
 from workbench.gui.scene.pose_inputs import PoseInputs
@@ -65,9 +65,9 @@ class PartsPanel:
             hint="Our JSON, or a HALCON tuple file: rows of [R|t] in the world frame, mm.",
         )
         self._table = gui.add_html("")
-        self._discarded = gui.add_html("", visible=False)
-        self._show_discarded = gui.add_checkbox(
-            "Show discarded poses",
+        self._rejected = gui.add_html("", visible=False)
+        self._show_rejected = gui.add_checkbox(
+            "Show rejected poses",
             False,
             visible=False,
             hint="Red and translucent in the scene, for everybody.",
@@ -97,7 +97,7 @@ class PartsPanel:
         self._add.on_click(lambda _: self._add_one())
         visitor.on_press(self._forget, ForgetAvoided)
         visitor.by_hand(
-            self._show_discarded, lambda shown: visitor.look.change(discarded=bool(shown))
+            self._show_rejected, lambda shown: visitor.look.change(rejected=bool(shown))
         )
 
     def show(self, old: View | None, new: View) -> None:
@@ -123,16 +123,16 @@ class PartsPanel:
         self._visitor.admit(self._veto, state, UseDetections, otherwise=missing)
         missing = "" if state.parts_before else NOT_DONE
         self._visitor.admit(self._undo, state, UseDetections, otherwise=missing)
-        self._show_discarded.disabled = bool(self._visitor.lacks(state, TakeScan))
+        self._show_rejected.disabled = bool(self._visitor.lacks(state, TakeScan))
         self._remarks.content = remarks_html(state.remarks, state.cell.poses_folder)
         self._draw(found)
 
     def _draw_discarded(self, old: View | None, new: View) -> None:
-        if old is None or old.discarded is not new.discarded:
-            self._discarded.content = discarded_html(new.discarded)
-            self._discarded.visible = self._show_discarded.visible = bool(new.discarded)
-        if self._show_discarded.value != new.look.discarded:
-            self._show_discarded.value = new.look.discarded
+        if old is None or old.rejected is not new.rejected:
+            self._rejected.content = rejected_html(new.rejected)
+            self._rejected.visible = self._show_rejected.visible = bool(new.rejected)
+        if self._show_rejected.value != new.look.rejected:
+            self._show_rejected.value = new.look.rejected
 
     def _follow(self, found: tuple[Detection, ...]) -> None:
         """Keep the choice among these parts; where there were none, the first is chosen."""

@@ -9,7 +9,7 @@ from workbench.gui.shared.colours import part_colour
 from workbench.gui.shared.tables import clickable, marked
 from workbench.gui.shared.views import clock, line, mm, table_html
 from workbench.model.cell import PosesFolder
-from workbench.model.scan import Detection, Discarded, Remark
+from workbench.model.scan import Detection, RejectedHypothesis, Remark
 
 MOST_ROWS = 30
 """Parts that can be listed: as many as a bin may hold."""
@@ -74,14 +74,14 @@ def remarks_html(remarks: Sequence[Remark], folder: PosesFolder | None) -> str:
     return table + (line(watched, kind="hint") if watched else "")
 
 
-def discarded_html(discarded: Sequence[Discarded]) -> str:
+def rejected_html(rejected: Sequence[RejectedHypothesis]) -> str:
     """A fold that lists poses which were thought possible, and why they are no parts."""
     rows = "".join(
-        f"<li>{one.score:.2f} {escape(one.part)}: {escape(one.words)}</li>" for one in discarded
+        f"<li>{one.score:.2f} {escape(one.part)}: {escape(one.words)}</li>" for one in rejected
     )
     return (
-        '<div class="wb-tree wb-discarded"><details>'
-        f"<summary>{len(discarded)} poses discarded</summary><ul>{rows}</ul></details></div>"
+        '<div class="wb-tree wb-rejected"><details>'
+        f"<summary>{len(rejected)} poses rejected</summary><ul>{rows}</ul></details></div>"
     )
 
 

@@ -166,7 +166,7 @@ class PlanPanel:
             visitor.tell("Refused", problem)
             return
         one = state.outlines[number]
-        visitor.ask(lambda: MakePlan(one.asked, one.threshold, one.seed, one.wishes))
+        visitor.ask(lambda: MakePlan(one.asked, one.threshold, one.seed, one.overrides))
 
     def _play_or_pause(self) -> None:
         visitor, look = self._visitor, self._visitor.look

@@ -9,7 +9,7 @@ from workbench.gui.shared.own import Visited
 from workbench.gui.shared.solids import Colour
 from workbench.model.cell import Cell
 from workbench.model.geometry import Floats
-from workbench.model.scan import Discarded
+from workbench.model.scan import RejectedHypothesis
 
 
 def add_lines(
@@ -41,12 +41,14 @@ def draw_reach(scene: viser.SceneApi, reached: tuple[Floats, Floats] | None) -> 
     )
 
 
-def draw_discarded(scene: viser.SceneApi, cell: Cell, discarded: tuple[Discarded, ...]) -> None:
-    """Poses that a search has discarded, red and translucent."""
-    scene.remove_by_name("/discarded")
-    for number, one in enumerate(discarded):
+def draw_rejected(
+    scene: viser.SceneApi, cell: Cell, rejected: tuple[RejectedHypothesis, ...]
+) -> None:
+    """Poses that a search has rejected, red and translucent."""
+    scene.remove_by_name("/rejected")
+    for number, one in enumerate(rejected):
         mesh = cell.part(one.part).mesh
-        add_body(scene, f"/discarded/{number + 1}", mesh, one.T_world_part, rgb_of(BAD), 0.25)
+        add_body(scene, f"/rejected/{number + 1}", mesh, one.T_world_part, rgb_of(BAD), 0.25)
 
 
 def draw_measured(scene: viser.SceneApi, points: tuple[Floats, ...]) -> None:

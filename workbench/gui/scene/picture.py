@@ -9,7 +9,7 @@ from workbench.formats.meshes.triangles import triangles_of
 from workbench.gui.scene.candidate import DrawnCandidates
 from workbench.gui.scene.cloud import PaintedCloud, avoided_red, in_short, painted_cloud
 from workbench.gui.scene.held import DrawnHeld
-from workbench.gui.scene.marks import add_lines, draw_discarded, draw_reach
+from workbench.gui.scene.marks import add_lines, draw_reach, draw_rejected
 from workbench.gui.scene.meets import add_body
 from workbench.gui.scene.robot import PLANNED, ROBOT, ROBOT_CHECKED, DrawnRobot, place
 from workbench.gui.scene.searches import draw_search
@@ -36,7 +36,7 @@ from workbench.gui.shared.solids import with_hard_edges
 from workbench.model.cell import Cell
 from workbench.model.digest import digest_of
 from workbench.model.geometry import Floats
-from workbench.model.scan import Detection, Discarded, Obstacle, Scan
+from workbench.model.scan import Detection, Obstacle, RejectedHypothesis, Scan
 from workbench.planning.collision.bodies import obstacle_label
 from workbench.planning.kinematics.robot import Kinematics
 
@@ -73,7 +73,7 @@ class Scene:
         self._most_points = most_points
         self._planned_is_solid = planned_is_solid
         self._parts: list[viser.FrameHandle] = []
-        self._discarded: tuple[Discarded, ...] = ()
+        self._rejected: tuple[RejectedHypothesis, ...] = ()
         self._cloud: PaintedCloud | None = None
         aim_camera(server, cell)
         self._build(cell)
@@ -104,7 +104,7 @@ class Scene:
         if is_other_robot(self._cell, cell):
             self._scene.reset()
             self._parts = []
-            self._discarded = ()
+            self._rejected = ()
             self._build(cell)
             return True
         self._cell, self._kinematics = cell, Kinematics(cell)
@@ -160,10 +160,10 @@ class Scene:
             draw_search(self._scene, state, new.look.search)
         if old is None or old.look.held is not new.look.held:
             self._held.draw(new.look.held)
-        shown = new.discarded if new.look.discarded else ()
-        if shown is not self._discarded:
-            draw_discarded(self._scene, self._cell, shown)
-            self._discarded = shown
+        shown = new.rejected if new.look.rejected else ()
+        if shown is not self._rejected:
+            draw_rejected(self._scene, self._cell, shown)
+            self._rejected = shown
         if is_other_plan or are_other_parts or is_other_time or are_other_shapes or is_elsewhere:
             self._pose(new)
         self._candidates.draw(old, new)

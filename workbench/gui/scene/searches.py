@@ -1,4 +1,4 @@
-"""Searches for parts in one scan, side by side: with other wishes, in a table and in the scene."""
+"""Searches for parts in one scan, side by side: other seeds and settings, table and scene."""
 
 from collections.abc import Sequence
 from html import escape
@@ -16,7 +16,7 @@ from workbench.gui.shared.tables import clickable, marked
 from workbench.gui.shared.views import line
 from workbench.gui.shared.visitor import Visitor, whole
 from workbench.model.errors import InputError
-from workbench.model.scan import Search, SearchWishes
+from workbench.model.scan import Search, SearchOverrides
 
 MOST_ROWS = 6
 
@@ -104,9 +104,9 @@ class SearchInputs:
             self._asked = None if job is None else job.number
 
     def _wanted(self) -> Command:
-        wishes = SearchWishes(float(self._detail.value) / 100, float(self._least.value))
+        overrides = SearchOverrides(float(self._detail.value) / 100, float(self._least.value))
         is_compared = bool(self._visitor.bench.state.detections)
-        return FindParts(whole(self._seed.value), wishes, is_compared)
+        return FindParts(whole(self._seed.value), overrides, is_compared)
 
     def _taken(self) -> Command:
         state = self._visitor.bench.state
@@ -145,7 +145,7 @@ def _row(place: int, search: Search, is_chosen: bool, button: str) -> str:
     gaps = [one.gap for one in found if one.gap is not None]
     values = (
         str(place + 1),
-        f"{search.wishes.detail:.0%}",
+        f"{search.overrides.detail:.0%}",
         str(search.seed),
         str(len(found)),
         f"{np.mean([one.score for one in found]):.2f}" if found else "",
@@ -154,8 +154,8 @@ def _row(place: int, search: Search, is_chosen: bool, button: str) -> str:
     )
     cells = "".join(f'<td class="wb-number">{escape(value)}</td>' for value in values)
     tip = f"scores {', '.join(f'{one.score:.2f}' for one in found)}" if found else "no part"
-    if search.wishes.least_score > 0:
-        tip += f"; none below {search.wishes.least_score:.2f}"
+    if search.overrides.least_score > 0:
+        tip += f"; none below {search.overrides.least_score:.2f}"
     return f'<tr{marked(is_chosen)} title="{escape(tip)}" {clickable(button)}>{cells}</tr>'
 
 

@@ -8,7 +8,7 @@ import viser
 from workbench.app.core.state import State
 from workbench.app.picking.calibration import calibrated
 from workbench.gui.shared.colours import BAD, BESIDE_BIN, BUSY, GOOD, rgb_of
-from workbench.model.calibration import Calibration, PlateSighting
+from workbench.model.calibration import Calibration, PlateObservation
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats
 from workbench.planning.kinematics.robot import Kinematics
@@ -40,17 +40,17 @@ class Overlay:
 def solved(state: State) -> Calibration | str:
     """The answer of the poses scanned so far, or why there is none."""
     try:
-        return calibrated(state.cell, state.sightings)
+        return calibrated(state.cell, state.observations)
     except InputError as error:
         return str(error)
 
 
-def overlay(state: State, sighting: PlateSighting, found: Calibration | None) -> Overlay:
+def overlay(state: State, observation: PlateObservation, found: Calibration | None) -> Overlay:
     """One pose over the robot.
 
     Args:
         state: whose cell it is.
-        sighting: the pose.
+        observation: the pose.
         found: has the scanner's pose; None: as the cell has it.
     """
     # Open3D takes a second to load: the page does not wait for it.
@@ -58,27 +58,27 @@ def overlay(state: State, sighting: PlateSighting, found: Calibration | None) ->
 
     cell = state.cell
     T = cell.scanner.T_world_scanner if found is None else found.T_world_scanner
-    points = sighting.points @ T.rotation.T + T.translation
-    links = Kinematics(cell).link_poses(cell.joint_values({sighting.arm: sighting.q}))
+    points = observation.points @ T.rotation.T + T.translation
+    links = Kinematics(cell).link_poses(cell.joint_values({observation.arm: observation.q}))
     away = distances_to_robot(cell, links, points)
     colours = np.full((len(points), 3), BESIDE_BIN, dtype=np.uint8)
     near = away < NEAR
     colours[near] = rgb_of(BAD)
     colours[away < OFF] = rgb_of(BUSY)
     colours[away < CLOSE] = rgb_of(GOOD)
-    balls = sighting.balls @ T.rotation.T + T.translation
+    balls = observation.balls @ T.rotation.T + T.translation
     middle = float(np.median(away[near])) if near.any() else None
-    radius = sighting.plate.radius
-    return Overlay(sighting.arm, sighting.q, points, colours, balls, radius, middle)
+    radius = observation.plate.radius
+    return Overlay(observation.arm, observation.q, points, colours, balls, radius, middle)
 
 
 def draw_overlay(scene: viser.SceneApi, shown: Overlay | None) -> None:
     """Its points and balls; the robot is posed by the scene."""
-    scene.remove_by_name("/sighting")
+    scene.remove_by_name("/observation")
     if shown is None:
         return
     scene.add_point_cloud(
-        "/sighting/points",
+        "/observation/points",
         shown.points.astype(np.float32),
         shown.colours,
         point_size=0.0022,
@@ -88,10 +88,14 @@ def draw_overlay(scene: viser.SceneApi, shown: Overlay | None) -> None:
     for number, ball in enumerate(shown.balls, start=1):
         position = tuple(ball.tolist())
         scene.add_icosphere(
-            f"/sighting/ball-{number}", shown.radius, (90, 110, 200), opacity=0.6, position=position
+            f"/observation/ball-{number}",
+            shown.radius,
+            (90, 110, 200),
+            opacity=0.6,
+            position=position,
         )
         scene.add_label(
-            f"/sighting/ball-{number}/label",
+            f"/observation/ball-{number}/label",
             str(number),
             font_screen_scale=0.8,
             position=(0.0, 0.0, 2 * shown.radius),

@@ -12,7 +12,7 @@ from workbench.gui.shared.calibrating import CLOSE, OFF, Overlay
 from workbench.gui.shared.colours import BAD, BUSY, GOOD, MUTED
 from workbench.gui.shared.tables import clickable, marked
 from workbench.gui.shared.views import line, mm, sentence, table_html
-from workbench.model.calibration import BinCheck, Calibration, Light, PlateSighting, PoseResidual
+from workbench.model.calibration import BinCheck, Calibration, Light, PlateObservation, PoseResidual
 from workbench.model.cell import Cell
 
 DAY = 24 * 3600.0
@@ -32,8 +32,8 @@ def calibration_warning(cell: Cell, now: float) -> str:
     """What is to be said against the scanner's pose; empty when nothing."""
     old = days_old(cell, now)
     if old is None:
-        # A made-up scanner hangs where the cell says.
-        is_real = cell.scanner.source != "simulated"
+        # A made-up scanner hangs where the cell says, and a merged one takes no view without it.
+        is_real = cell.scanner.source not in ("simulated", "merged")
         return "the scanner's pose was never calibrated" if is_real else ""
     if old > cell.scanner.calibration_days:
         limit = cell.scanner.calibration_days
@@ -75,21 +75,21 @@ def bin_html(state: State, check: BinCheck | None, now: float) -> str:
 
 
 def poses_html(
-    sightings: Sequence[PlateSighting],
+    observations: Sequence[PlateObservation],
     found: Calibration | str,
     chosen: int | None,
     rows: Sequence[str],
 ) -> str:
     """A row for each pose: its residuals, its light, and why it does not count."""
-    if not sightings:
+    if not observations:
         return line("No pose yet. Eight are advised, four are needed.", kind="hint")
-    residuals: Sequence[PoseResidual | None] = [None] * len(sightings)
+    residuals: Sequence[PoseResidual | None] = [None] * len(observations)
     if isinstance(found, Calibration):
         residuals = found.residuals
     body = "".join(
-        _pose_row(sighting, residual, number == chosen, rows[number])
-        for number, (sighting, residual) in enumerate(
-            zip(sightings[: len(rows)], residuals, strict=False)
+        _pose_row(observation, residual, number == chosen, rows[number])
+        for number, (observation, residual) in enumerate(
+            zip(observations[: len(rows)], residuals, strict=False)
         )
     )
     return (
@@ -100,15 +100,15 @@ def poses_html(
 
 
 def _pose_row(
-    sighting: PlateSighting, residual: PoseResidual | None, is_chosen: bool, button: str
+    observation: PlateObservation, residual: PoseResidual | None, is_chosen: bool, button: str
 ) -> str:
     distance = angle = ""
-    says, colour = "yes" if sighting.is_used else "left out by a person", MUTED
+    says, colour = "yes" if observation.is_used else "left out by a person", MUTED
     if residual is not None:
         distance, angle = mm(residual.distance, 2), f"{np.rad2deg(residual.angle):.2f}°"
         colour = LIGHTS[residual.light]
         says = residual.left_out or "yes"
-    dot = f'<span class="wb-verdict" style="background:{colour}">{escape(sighting.name)}</span>'
+    dot = f'<span class="wb-verdict" style="background:{colour}">{escape(observation.name)}</span>'
     return (
         f'<tr{marked(is_chosen)} title="{escape(says)}" {clickable(button)}><td>{dot}</td>'
         f'<td class="wb-number">{escape(distance)}</td><td class="wb-number">{escape(angle)}</td>'

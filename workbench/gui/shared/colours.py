@@ -46,6 +46,12 @@ def verdict_colour(kind: str) -> str:
     return BUSY if kind == MARGIN_NOT_KEPT else VERDICTS[Reason(kind)]
 
 
+def left_colour(kind: str) -> str:
+    """Of a part that stays in the bin, by the word for why; grey where that is no verdict."""
+    known = {str(reason): colour for reason, colour in VERDICTS.items()}
+    return known.get(kind, MUTED)
+
+
 JOINTS = ("#1c7ed6", "#e8590c", "#2f9e44", "#ae3ec9", "#0ca678", "#f08c00", "#e64980", "#495057")
 """Of curves, by axis: blue, orange and green come first."""
 

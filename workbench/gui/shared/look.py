@@ -16,7 +16,7 @@ from workbench.gui.shared.own import NOTHING_OWN, Own, Visited
 from workbench.gui.shared.playback import Moment, Run, moments
 from workbench.model.calibration import BinCheck, Calibration
 from workbench.model.geometry import Floats, Shape
-from workbench.model.scan import Discarded
+from workbench.model.scan import RejectedHypothesis
 from workbench.planning.collision.contact import Contact
 from workbench.planning.picking.nearest_fix import Fix
 
@@ -52,7 +52,7 @@ class Look:
     browser that moved the time last, None when nobody did (it plays); `browser` let it play, None:
     no browser did.  `shapes` and `frames` say whether collision shapes and frames are shown,
     `reach` of which arm the reach is; `search` is a search whose parts are drawn beside those
-    found, by its number; `discarded` says whether the poses that the last search discarded are
+    found, by its number; `rejected` says whether the poses that the last search rejected are
     shown; `held` is what somebody drags at this moment; `fixed` is
     the digest of the cell that the fix has made which was applied last.
     """
@@ -69,7 +69,7 @@ class Look:
     frames: bool = False
     reach: str = ""
     search: int | None = None
-    discarded: bool = False
+    rejected: bool = False
     held: Held | None = None
     fixed: str = ""
 
@@ -132,6 +132,32 @@ class Jogged:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class FilmPart:
+    """A part at a moment of a film: which one fell, of which kind, where, and why it stays.
+
+    `kind` is empty while it is not told that it stays.
+    """
+
+    number: int
+    part: str
+    T_world_part: pin.SE3
+    kind: str = ""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FilmMoment:
+    """A moment of the film of an emptied pile.
+
+    `arms` says how every arm stands, by name, `parts` lists those that are there, and `says` tells
+    what goes on.
+    """
+
+    arms: Mapping[str, Moment]
+    parts: tuple[FilmPart, ...]
+    says: str
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class View:
     """Everything that the page shows.
 
@@ -145,8 +171,8 @@ class View:
     played it has not seen yet.
 
     The rest is of one browser alone, and as if it did nothing in the view that all share: its `own`
-    look, `jogged` while the robot is moved by hand there, and `overlay`, the pose of a calibration
-    that is laid over the robot.
+    look, `jogged` while the robot is moved by hand there, `overlay`, the pose of a calibration
+    that is laid over the robot, and `filmed`, the moment of a film that is shown there.
     """
 
     state: State
@@ -166,6 +192,7 @@ class View:
     own: Own = NOTHING_OWN
     jogged: Jogged | None = None
     overlay: Overlay | None = None
+    filmed: FilmMoment | None = None
 
     @property
     def pose(self) -> Pose | None:
@@ -220,7 +247,7 @@ class View:
 
     @property
     def moments(self) -> dict[str, Moment]:
-        """How every arm is planned, by name: on its plan, as it is jogged, or as in a sighting."""
+        """How every arm is planned, by name: on its plan, jogged, as observed, or as filmed."""
         cell = self.state.cell
         now = moments(cell, self.runs, self.look.time)
         if self.jogged is not None:
@@ -230,6 +257,8 @@ class View:
             }
         if self.overlay is not None:
             now[self.overlay.arm] = Moment(self.overlay.q, 0.0, None)
+        if self.filmed is not None:
+            now |= self.filmed.arms
         return now
 
     @property
@@ -241,12 +270,12 @@ class View:
         return place
 
     @property
-    def discarded(self) -> tuple[Discarded, ...]:
-        """What the search discarded that brought the detections as they are now."""
+    def rejected(self) -> tuple[RejectedHypothesis, ...]:
+        """What the search rejected that brought the detections as they are now."""
         findings = self.live.findings
         if findings is None or findings.detections is not self.state.detections:
             return ()
-        return findings.discarded
+        return findings.rejected
 
     @property
     def plan_seconds(self) -> float:

@@ -1,10 +1,11 @@
-"""What one browser alone looks at: a robot moved by hand, a pose over a scan, a distance."""
+"""What one browser alone looks at: a robot moved by hand, a posed one, a film, a distance."""
 
 import threading
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
+from workbench.app.emptying.film import Film
 from workbench.model.geometry import Floats
 from workbench.model.plan import Plan
 from workbench.proof.spot import Spot
@@ -21,25 +22,43 @@ class Visited:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class Showing:
+    """A film of an emptied pile that somebody looks at, at `time` [s] on its clock.
+
+    It is `seconds` long, and `speed` is how many times as fast as planned it plays; `kinds` says by
+    number why a part stays in the bin, `chosen` is the number of the one that is looked at.
+    """
+
+    film: Film
+    seconds: float
+    kinds: Mapping[int, str]
+    time: float = 0.0
+    is_playing: bool = True
+    speed: float = 1.0
+    chosen: int | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Own:
     """What somebody does in their own view; nobody else sees anything of it.
 
-    `jog` holds the arms that are moved by hand, arm -> configuration (n,) [rad]; `sighting` is the
-    pose of a calibration that is laid over the robot, `is_calibrated` says with which pose of the
-    scanner; `measured` are the points (3,) [m] that were clicked on, up to two; `visited` is the
-    place of the plan that is looked at.
+    `jog` holds the arms that are moved by hand, arm -> configuration (n,) [rad]; `observation` is
+    the pose of a calibration that is laid over the robot, `is_calibrated` says with which pose of
+    the scanner; `film` is what is shown of an emptied pile; `measured` are the points (3,) [m] that
+    were clicked on, up to two; `visited` is the place of the plan that is looked at.
     """
 
     jog: Mapping[str, Floats] | None = None
-    sighting: int | None = None
+    observation: int | None = None
     is_calibrated: bool = True
+    film: Showing | None = None
     measured: tuple[Floats, ...] = ()
     visited: Visited | None = None
 
     @property
     def hides_robot(self) -> bool:
         """Whether the robot stands elsewhere here than for everybody else."""
-        return self.jog is not None or self.sighting is not None
+        return self.jog is not None or self.observation is not None or self.film is not None
 
 
 NOTHING_OWN = Own()
@@ -65,12 +84,30 @@ class OwnLook:
         return self._now
 
     def change(self, **fields: Any) -> None:
-        """Replace fields of the look."""
+        """Replace fields of the look; a robot that is moved by hand, or posed, is in no film."""
+        if fields.get("jog") is not None or fields.get("observation") is not None:
+            fields = {**fields, "film": None}
         with self._lock:
             self._now = replace(self._now, **fields)
+        self._changed()
+
+    def show(self, changed: Callable[[Showing], Showing]) -> None:
+        """Go on with the film that is looked at, if one is, as `changed` makes it of how it was."""
+        with self._lock:
+            if self._now.film is None:
+                return
+            film = changed(self._now.film)
+            if film is self._now.film:
+                return
+            self._now = replace(self._now, film=film)
         self._changed()
 
     def end(self) -> None:
         """See the robot again where everybody sees it."""
         if self._now.hides_robot:
-            self.change(jog=None, sighting=None)
+            self.change(jog=None, observation=None, film=None)
+
+    def let_go(self) -> None:
+        """Move no robot, as only those may who are not mere followers; a film goes on."""
+        if self._now.jog is not None or self._now.observation is not None:
+            self.change(jog=None, observation=None)

@@ -82,12 +82,14 @@ def short(digest: str) -> str:
 def strip_html(state: State) -> str:
     """The steps of a cycle as a strip: done, current, to come."""
     done = REACHED[state.phase]
-    current = JOB_STEPS.get(state.job.name, done) if state.job is not None else done
+    step = None if state.job is None else JOB_STEPS.get(state.job.name)
+    current = done if step is None else step
     items: list[str] = []
     for number, name in enumerate(STEPS):
         look = "done" if number < done else "ahead"
         if number == current:
-            look = "busy" if state.job is not None or state.phase is Phase.SENDING else "next"
+            # A task that is no step of the cycle keeps none of them busy.
+            look = "busy" if step is not None or state.phase is Phase.SENDING else "next"
             if state.phase is Phase.FAULT:
                 look = "fault"
         mark = {"done": "✓", "fault": "!"}.get(look, str(number + 1))
@@ -189,6 +191,7 @@ def not_redone(state: State) -> str:
 SCANS = {
     "simulated": "Drops the parts into the simulated bin and scans it from above.",
     "folder": "Takes the next scan from the folder that the cell's scanner writes to.",
+    "merged": "Takes a scan of each of the cell's scanners, one after the other.",
     "http": "Asks the address of the cell's scanner for a scan.",
 }
 """What the scan step does, by the scanner's source."""

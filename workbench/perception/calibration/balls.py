@@ -12,7 +12,7 @@ import numpy as np
 import open3d as o3d
 from scipy.spatial import cKDTree  # pyright: ignore[reportAttributeAccessIssue]
 
-from workbench.model.calibration import BallPlate, PlateSighting
+from workbench.model.calibration import BallPlate, PlateObservation
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats
 from workbench.model.scan import Scan
@@ -42,7 +42,7 @@ FARTHEST = 20.0
 """[m] Points further from the scanner along one of its axes are outliers."""
 
 KEPT = 15_000
-"""Points of a scan that are kept with a sighting."""
+"""Points of a scan that are kept with an observation."""
 
 
 def find_balls(points: Floats, radius: float) -> tuple[Floats, Floats]:
@@ -111,13 +111,13 @@ def _fitted(
     return centre, float(np.sqrt(np.mean(left**2))), len(rows)
 
 
-def sight_plate(scan: Scan, plate: BallPlate, name: str, arm: str, q: Floats) -> PlateSighting:
+def sight_plate(scan: Scan, plate: BallPlate, name: str, arm: str, q: Floats) -> PlateObservation:
     """The plate in a scan.
 
     Args:
         scan: organised or not; the robot, the bin and anything else may be in it.
         plate: what to look for.
-        name: of the sighting, for people.
+        name: of the observation, for people.
         arm: that holds the plate, at `q` (n,) [rad].
         q: see there.
 
@@ -142,4 +142,4 @@ def sight_plate(scan: Scan, plate: BallPlate, name: str, arm: str, q: Floats) ->
     three = list(best[1])
     spread = float(np.sqrt(np.mean(spreads[three] ** 2)))
     points = scan.points[:: -(-len(scan.points) // KEPT)]
-    return PlateSighting(name, arm, q, plate, centres[three], spread, points)
+    return PlateObservation(name, arm, q, plate, centres[three], spread, points)

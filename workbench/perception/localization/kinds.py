@@ -6,11 +6,11 @@ from dataclasses import replace
 import pinocchio as pin
 
 from workbench.model.cell import Cell
-from workbench.model.scan import Detection, Discarded, LocalizationResult, Objection, Scan
+from workbench.model.scan import Detection, LocalizationResult, Objection, RejectedHypothesis, Scan
 from workbench.perception.localization.choice import reaches_into
 from workbench.perception.localization.judging import Sought
 from workbench.perception.localization.localize import (
-    MOST_DISCARDED,
+    MOST_REJECTED,
     Searched,
     sought,
     together,
@@ -60,7 +60,7 @@ def merged(brought: Sequence[Searched]) -> LocalizationResult:
     detection reaches into one of another kind, that stands for which more surface speaks.
 
     Returns:
-        All detections that stand, best score first, and the best of all that was discarded.
+        All detections that stand, best score first, and the best of all that was rejected.
     """
     claims = [
         (gain, k, one)
@@ -79,18 +79,20 @@ def merged(brought: Sequence[Searched]) -> LocalizationResult:
     found = sorted((one for _, one in standing), key=lambda one: -one.score)
     place = {id(one): number for number, one in enumerate(found)}
     place |= {id(one): place[id(rival)] for one, rival in lost}
-    discarded = [
+    rejected = [
         replace(one, rival=None if one.rival is None else place[id(each.detections[one.rival])])
         for each in (one.findings for one in brought)
-        for one in each.discarded
+        for one in each.rejected
     ]
-    discarded += [
-        Discarded(one.part, one.T_world_part, one.score, Objection.REACHES_INTO, place[id(one)])
+    rejected += [
+        RejectedHypothesis(
+            one.part, one.T_world_part, one.score, Objection.REACHES_INTO, place[id(one)]
+        )
         for one, _ in lost
     ]
-    discarded.sort(key=lambda one: -one.score)
+    rejected.sort(key=lambda one: -one.score)
     scales = tuple(scale for one in brought for scale in one.findings.scales)
-    return LocalizationResult(tuple(found), tuple(discarded[:MOST_DISCARDED]), scales)
+    return LocalizationResult(tuple(found), tuple(rejected[:MOST_REJECTED]), scales)
 
 
 def _overlap(

@@ -13,7 +13,7 @@ from workbench.model.cell import Cell
 from workbench.model.errors import JobCancelled
 from workbench.model.geometry import Floats
 from workbench.model.part import Part
-from workbench.model.scan import Detection, Discarded, LocalizationResult, Objection, Scan
+from workbench.model.scan import Detection, LocalizationResult, Objection, RejectedHypothesis, Scan
 from workbench.perception.localization.assessment import Assessment, assess
 from workbench.perception.localization.cad_scale import scale_check
 from workbench.perception.localization.certainty import covariance, probability_of
@@ -55,8 +55,8 @@ TOLERANCE_OVER_NOISE = 4.0
 RIM = 2
 """Pixels around a part found that do not vote for others: edges, where normals are mixed."""
 
-MOST_DISCARDED = 20
-"""Discarded hypotheses that are told of, the best first."""
+MOST_REJECTED = 20
+"""Rejected hypotheses that are told of, the best first."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -88,11 +88,11 @@ def _searched(scan: Scan, one: Sought, standing: Judged) -> Searched:
     order = sorted(range(len(choice.chosen)), key=lambda k: -choice.chosen[k].sighting.score)
     gains = tuple(choice.chosen[k].sighting.gain * one.maps.pitch**2 for k in order)
     detections = tuple(_detection(scan, one, choice.chosen[k], standing.ratios[k]) for k in order)
-    discarded = _discarded(scan, one, choice, order)
+    rejected = _rejected(scan, one, choice, order)
     poses = [chosen.pose for chosen in choice.chosen]
     scale = scale_check(one.part.name, one.maps, one.surface, poses, one.tolerance)
     scales = () if scale is None else (scale,)
-    return Searched(LocalizationResult(detections, discarded, scales), one.surface, gains)
+    return Searched(LocalizationResult(detections, rejected, scales), one.surface, gains)
 
 
 def sought(
@@ -206,20 +206,20 @@ def _noise(cell: Cell, scan: Scan, scene: SceneModel) -> float:
     return scene.sensor.deviation(float(distance), otherwise=cell.scanner.depth_noise)
 
 
-def _discarded(
+def _rejected(
     scan: Scan, one: Sought, choice: Choice, order: Sequence[int]
-) -> tuple[Discarded, ...]:
+) -> tuple[RejectedHypothesis, ...]:
     """The best of those rejected; `order` is that of the chosen ones as detections."""
     rank = {k: place for place, k in enumerate(order)}
     return tuple(
-        Discarded(
+        RejectedHypothesis(
             part=one.part.name,
             T_world_part=scan.T_world_scanner * pin.SE3(rejected.pose),
             score=rejected.sighting.score,
             reason=rejected.reason,
             rival=None if rejected.rival is None else rank[rejected.rival],
         )
-        for rejected in _different(one.surface, choice)[:MOST_DISCARDED]
+        for rejected in _different(one.surface, choice)[:MOST_REJECTED]
     )
 
 

@@ -18,14 +18,12 @@ from workbench.perception.simulation.physics import (
     model_of,
     poses_of,
 )
+from workbench.perception.simulation.room import check_room, radius_of, words_of
 
 BETWEEN_DROPS = 0.35
 """[s] of simulated time."""
 
 ATTEMPTS = 10
-
-FULL = 0.6
-"""Share of the bin that parts can fill: long ones lie more loosely than that."""
 
 OUTSIDE = 0.001
 """[m] How far a part may reach into a wall or the floor (contacts yield a little)."""
@@ -75,38 +73,9 @@ def drop_parts(parts: Sequence[Part], bin: Bin, *, seed: int) -> tuple[Detection
         fallen = list(zip(parts, Ts_bin_part, strict=True))
         if all(is_inside(part.mesh.points, T, bin) for part, T in fallen):
             return tuple(Detection(part.name, bin.T_world_bin * T) for part, T in fallen)
-    raise InputError(f"{_words(parts)} did not stay in the bin in {ATTEMPTS} attempts; take fewer")
-
-
-def check_room(parts: Sequence[Part], bin: Bin) -> None:
-    """Look whether parts fit into a bin at all, one by one and together.
-
-    Raises:
-        InputError: one is longer than the bin, or together they fill too much of it.
-    """
-    for part in parts:
-        if 2 * radius_of(part) > float(np.linalg.norm(bin.size[:2])):
-            raise InputError(f"part {part.name} is too large for the bin")
-    room = float(np.prod(bin.size)) * FULL
-    volume = sum(_volume(part) for part in parts)
-    if volume > room:
-        most = int(len(parts) * room / volume)
-        raise InputError(f"{_words(parts)} do not fit into the bin; take {most} or fewer")
-
-
-def _words(parts: Sequence[Part]) -> str:
-    return f"{len(parts)} parts {', '.join(dict.fromkeys(part.name for part in parts))}"
-
-
-def radius_of(part: Part) -> float:
-    """Of the ball about the part's frame that holds it [m]."""
-    return float(np.linalg.norm(part.mesh.points, axis=1).max())
-
-
-def _volume(part: Part) -> float:
-    """Of the part [m3], by the divergence theorem."""
-    a, b, c = part.mesh.points[part.mesh.triangles.T]
-    return abs(float(np.einsum("ni,ni->", a, np.cross(b, c)))) / 6
+    raise InputError(
+        f"{words_of(parts)} did not stay in the bin in {ATTEMPTS} attempts; take fewer"
+    )
 
 
 def _starts(

@@ -11,7 +11,7 @@ from workbench.model.cell import Bin, Cell
 from workbench.model.part import Part
 from workbench.model.scan import Detection
 from workbench.perception.simulation.physics import TIMESTEP, come_to_rest, model_of, poses_of
-from workbench.perception.simulation.piles import radius_of
+from workbench.perception.simulation.room import radius_of
 
 LIFT_SPEED = 0.25
 """[m/s] At which a part is lifted; pushed parts move more at higher speeds."""

@@ -101,7 +101,7 @@ def first_fits(
 
 @njit(cache=True)
 def _scratch(around: Around) -> tuple[Floats, Floats, Floats]:
-    """Room for rotations and centres, of the tool's solids and then of what stands around."""
+    """Scratch for rotations and centres, of the tool's solids and then of what stands around."""
     tools, still = len(around.radius), len(around.owner)
     R, c = np.empty((tools + still, 3, 3)), np.empty((tools + still, 3))
     for g in range(still):

@@ -26,9 +26,9 @@ import numpy as np
 from workbench.model.candidate import Pick, Reason, Stage, Verdict
 from workbench.model.geometry import Floats
 from workbench.model.plan import LEG_NAMES, ArmPlan, Guarantee, Leg, LegName, Plan, Step, Strategy
+from workbench.planning.collision.arm_sweeps import ArmContact, ArmSweep, first_contact, standing
 from workbench.planning.collision.contact import Contact
 from workbench.planning.collision.legs import HOLDING, LEAVING, Run, lead_of, phase_of
-from workbench.planning.collision.meeting import Course, Meeting, first_meeting, standing
 from workbench.planning.collision.motion import Curves, chain_contact, walked
 from workbench.planning.collision.world import World
 from workbench.planning.picking.in_step import in_step
@@ -275,20 +275,20 @@ def _enter(world: World, pair: Pair) -> None:
         world.allow_start_contacts(world.configuration(starts))
 
 
-def _course(world: World, task: Task) -> Course:
+def _sweep_of(world: World, task: Task) -> ArmSweep:
     curves = walked(np.asarray(task.leg.q), world.policy.zone)
-    return Course(task.plan.arm, curves.points)
+    return ArmSweep(task.plan.arm, curves.points)
 
 
-def _met(world: World, pair: Pair) -> Meeting | None:
+def _met(world: World, pair: Pair) -> ArmContact | None:
     """Where the arms meet, or one what the other has placed, on the ways that they have."""
     _enter(world, pair)
     for task in pair:
         contact = along_placed(world, task.plan.arm, np.asarray(task.leg.q))
         if contact is not None:
-            return Meeting(contact, (pair[0].leg.q[0], pair[1].leg.q[0]), (0, 0))
-    first, second = (_course(world, task) for task in pair)
-    return first_meeting(world, world.configuration({}), first, second)
+            return ArmContact(contact, (pair[0].leg.q[0], pair[1].leg.q[0]), (0, 0))
+    first, second = (_sweep_of(world, task) for task in pair)
+    return first_contact(world, world.configuration({}), first, second)
 
 
 def _around(world: World, pair: Pair, rng: np.random.Generator) -> Iterator[Pair]:
@@ -298,13 +298,13 @@ def _around(world: World, pair: Pair, rng: np.random.Generator) -> Iterator[Pair
         if MOTIONS[task.name] != "joint":
             continue
         columns, base = world.kinematics.columns[task.plan.arm], world.configuration({})
-        way, goal = _course(world, pair[master]), np.asarray(task.leg.q[-1])
+        way, goal = _sweep_of(world, pair[master]), np.asarray(task.leg.q[-1])
         lead = lead_of(task.leg, world.policy.straight_points)
         begin = standing(task.plan.arm, lead[0])
         if len(lead) > 1:
-            begin = Course(task.plan.arm, walked(lead, world.policy.zone).points)
+            begin = ArmSweep(task.plan.arm, walked(lead, world.policy.zone).points)
         ends = (begin, standing(task.plan.arm, goal))
-        if any(first_meeting(world, base, end, way) is not None for end in ends):
+        if any(first_contact(world, base, end, way) is not None for end in ends):
             continue
         if along_placed(world, task.plan.arm, lead) is not None:
             continue
@@ -316,12 +316,12 @@ def _around(world: World, pair: Pair, rng: np.random.Generator) -> Iterator[Pair
             columns: np.ndarray = columns,
             among: np.ndarray = among,
             arm: str = task.plan.arm,
-            way: Course = way,
+            way: ArmSweep = way,
         ) -> tuple[Contact, Floats] | None:
             found = chain_contact(world, columns, base, curves, among=among)
             if found is not None:
                 return found[:2]
-            met = first_meeting(world, base, Course(arm, curves.points), way)
+            met = first_contact(world, base, ArmSweep(arm, curves.points), way)
             return None if met is None else (met.contact, met.q[0])
 
         chain, weights = world.chains[task.plan.arm], joint_weights(len(columns), world.policy)
@@ -367,7 +367,7 @@ def _passes(world: World, moving: Task, waiting: Task, *, is_done: bool) -> bool
     if along_placed(world, moving.plan.arm, np.asarray(moving.leg.q)) is not None:
         return False
     post = standing(waiting.plan.arm, q)
-    return first_meeting(world, world.configuration({}), _course(world, moving), post) is None
+    return first_contact(world, world.configuration({}), _sweep_of(world, moving), post) is None
 
 
 def _before(name: LegName) -> LegName | None:

@@ -1,4 +1,4 @@
-"""A full bin, emptied: pile after pile, plan after plan, until nothing can be taken any more.
+"""The study of emptying: piles by their cell's name, kept in a folder, drawn.
 
-Imports nothing of other studies.
+Imports nothing of other studies.  How a pile is emptied stands in `app.emptying`.
 """

@@ -7,28 +7,28 @@ from functools import cache, lru_cache
 from pathlib import Path
 from typing import Any
 
+from workbench.app.emptying.changes import changed
 from workbench.app.provenance.gathering import files_digest
 from workbench.formats.files.json_keys import json_text, parse_object
 from workbench.formats.files.whole_files import MB, make_folder, read_whole, write_whole
 from workbench.model.errors import FileError
+from workbench.model.prediction import EmptiedPile, LeftPart, PileTask
 from workbench.plugins.progress import Report
 from workbench.studies.cases import run_cases
-from workbench.studies.emptying.changes import changed
-from workbench.studies.emptying.empty import cell_of, emptied
-from workbench.studies.emptying.scene import Left, Scene, Task
+from workbench.studies.emptying.piles import cell_of, emptied
 
 MOST = 10 * MB
 """[bytes] No pile needs as much."""
 
 
 def emptied_all(
-    tasks: Sequence[Task],
+    tasks: Sequence[PileTask],
     *,
     folder: Path | None,
     workers: int,
     scheduler: str | None,
     report: Report,
-) -> list[Scene]:
+) -> list[EmptiedPile]:
     """All piles emptied, in the order of the tasks; see `run_cases`.
 
     Args:
@@ -49,7 +49,7 @@ def emptied_all(
     known = {task: scene for task in tasks if (scene := _read(folder, task)) is not None}
     rest = [task for task in tasks if task not in known]
 
-    def keep(task: Task, scene: Scene) -> None:
+    def keep(task: PileTask, scene: EmptiedPile) -> None:
         known[task] = scene
         path = _path(folder, task)
         write_whole(path, json_text(path, asdict(scene)))
@@ -59,7 +59,7 @@ def emptied_all(
     return [known[task] for task in tasks]
 
 
-def _path(folder: Path, task: Task) -> Path:
+def _path(folder: Path, task: PileTask) -> Path:
     """The file of a pile: another cell, part, seed or program has another one."""
     said = repr((asdict(task), _digest(task.cell, task.part, task.change), _program()))
     return folder / f"{hashlib.sha256(said.encode()).hexdigest()[:24]}.json"
@@ -76,7 +76,7 @@ def _digest(cell: str, part: str, change: str) -> str:
     return changed(cell_of(cell, part), change).digest
 
 
-def _read(folder: Path, task: Task) -> Scene | None:
+def _read(folder: Path, task: PileTask) -> EmptiedPile | None:
     """The pile as it was kept; None where it was not."""
     path = _path(folder, task)
     if not path.exists():
@@ -90,10 +90,10 @@ def _read(folder: Path, task: Task) -> Scene | None:
         ) from None
 
 
-def _scene(task: Task, content: dict[str, Any]) -> Scene:
+def _scene(task: PileTask, content: dict[str, Any]) -> EmptiedPile:
     if content.pop("task") != asdict(task):
         raise ValueError
-    left = tuple(Left(**one) for one in content.pop("left"))
+    left = tuple(LeftPart(**one) for one in content.pop("left"))
     stages = tuple((str(name), float(seconds)) for name, seconds in content.pop("stages"))
-    lists = {key: tuple(content.pop(key)) for key in ("failed", "planning")}
-    return Scene(task=task, left=left, stages=stages, **lists, **content)
+    lists = {key: tuple(content.pop(key)) for key in ("failed", "planning", "outcomes")}
+    return EmptiedPile(task=task, left=left, stages=stages, **lists, **content)

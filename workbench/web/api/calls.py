@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, get_args
 
 from workbench.app.core import commands
 from workbench.app.core.value_checks import (
@@ -12,11 +12,13 @@ from workbench.app.core.value_checks import (
     LONGEST_TEXT,
     MOST_ITERATIONS,
     MOST_PARTS,
+    MOST_PILES,
     SEED_LIMIT,
 )
-from workbench.model.cell import ORDER_NAMES, Wishes
+from workbench.model.cell import ORDER_NAMES, PlanOverrides
+from workbench.model.prediction import CHANGE_KINDS, TOGETHER, Seen
 from workbench.model.release import SLOWEST
-from workbench.model.scan import SearchWishes
+from workbench.model.scan import ALL_KINDS, SearchOverrides
 from workbench.plugins.planner import planner_names
 from workbench.web.api.fields import Field
 
@@ -67,17 +69,34 @@ RAN = Field(
 TO = Field("to", "name of somebody who has asked for control", _text(LONGEST_NAME))
 
 
-WISHES = ("planner", "order", "iterations", "margin", "metric")
+OVERRIDES = ("planner", "order", "iterations", "margin", "metric")
 
 
-def _localize(values: Values) -> commands.Command:
-    wishes = SearchWishes(values["detail"], values["least_score"])
-    return commands.FindParts(values["seed"], wishes)
+def _localize(values: Values) -> commands.FindParts:
+    overrides = SearchOverrides(values["detail"], values["least_score"])
+    return commands.FindParts(values["seed"], overrides)
 
 
-def _plan(values: Values) -> commands.Command:
-    wishes = Wishes(**{key: values[key] for key in WISHES})
-    return commands.MakePlan(values["strategy"], values["threshold"], values["seed"], wishes)
+def _plan(values: Values) -> commands.MakePlan:
+    overrides = PlanOverrides(**{key: values[key] for key in OVERRIDES})
+    return commands.MakePlan(values["strategy"], values["threshold"], values["seed"], overrides)
+
+
+def _emptying(values: Values) -> commands.Command:
+    kinds, changes = values["part"], values["changes"]
+    return commands.TryEmptying(
+        () if kinds in ("", ALL_KINDS) else tuple(kinds.split(TOGETHER)),
+        values["parts"],
+        values["piles"],
+        values["seed"],
+        values["seen"],
+        CHANGE_KINDS if changes == "all" else tuple(filter(None, changes.split(TOGETHER))),
+    )
+
+
+def _go_on(values: Values) -> commands.Command:
+    scan = commands.TakeScan(values["seed"], values["parts"])
+    return commands.GoOn(scan, _localize(values), _plan(values))
 
 
 def _watch(values: Values) -> commands.Command:
@@ -92,23 +111,47 @@ def _approve(values: Values) -> commands.Command:
     return commands.Approve(values["plan"], values["speed_share"], values["is_stepped"])
 
 
-CALLS: tuple[Call, ...] = (
-    Call(
-        "/scan",
-        "Take a scan.",
-        commands.TakeScan,
-        (SEED, Field("parts", "in the simulated pile", _whole(1, MOST_PARTS), 2)),
-        begins=True,
+SCAN_FIELDS = (SEED, Field("parts", "in the simulated pile", _whole(1, MOST_PARTS), 2))
+
+FIND_FIELDS = (
+    SEED,
+    Field("detail", "share of the usual detail", _number(*DETAIL), 1.0),
+    Field("least_score", "parts below are not taken", _number(0.0, 1.0), 0.0),
+)
+
+PLAN_FIELDS = (
+    SEED,
+    Field(
+        "strategy",
+        "which arms work: one of the `strategies` of the state",
+        _text(LONGEST_NAME),
+        "auto",
     ),
+    Field(
+        "threshold",
+        "[m] parts nearer to each other are taken one after the other",
+        _number(0.0, 1.0),
+        0.2,
+    ),
+    Field("planner", "of free legs", {"type": "string", "enum": planner_names()}, default=None),
+    Field("order", "of the parts", {"type": "string", "enum": ORDER_NAMES}, default=None),
+    Field("iterations", "of the planner", _whole(1, MOST_ITERATIONS), default=None),
+    Field(
+        "margin",
+        "[m] kept from everything; not less than the cell's",
+        _number(0.0, LARGEST_MARGIN),
+        default=None,
+    ),
+    Field("metric", "how much each joint counts of the one before", _number(0.05, 1.0), None),
+)
+
+CALLS: tuple[Call, ...] = (
+    Call("/scan", "Take a scan.", commands.TakeScan, SCAN_FIELDS, begins=True),
     Call(
         "/localize",
         "Find the parts in the scan.",
         commands.FindParts,
-        (
-            SEED,
-            Field("detail", "share of the usual detail", _number(*DETAIL), 1.0),
-            Field("least_score", "parts below are not taken", _number(0.0, 1.0), 0.0),
-        ),
+        FIND_FIELDS,
         begins=True,
         make=_localize,
     ),
@@ -116,40 +159,49 @@ CALLS: tuple[Call, ...] = (
         "/plan",
         "Judge all candidates, make a plan and prove it.",
         commands.MakePlan,
+        PLAN_FIELDS,
+        begins=True,
+        make=_plan,
+    ),
+    Call(
+        "/emptying",
+        "Empty piles in simulation, in the cell as it is; no robot moves.",
+        commands.TryEmptying,
         (
-            SEED,
             Field(
-                "strategy",
-                "which arms work: one of the `strategies` of the state",
-                _text(LONGEST_NAME),
-                "auto",
+                "part",
+                "which of the cell's fall, joined by +; all of them in turn where none is named",
+                _text(LONGEST_TEXT),
+                "",
+            ),
+            Field("parts", "in a pile", _whole(1, MOST_PARTS), 15),
+            Field("piles", "each with the next seed", _whole(1, MOST_PILES), 3),
+            Field("seed", "of the first pile", _whole(0, SEED_LIMIT - MOST_PILES), 0),
+            Field(
+                "seen",
+                "planned with true poses, or with those found in simulated scans",
+                {"type": "string", "enum": get_args(Seen)},
+                "truth",
             ),
             Field(
-                "threshold",
-                "[m] parts nearer to each other are taken one after the other",
-                _number(0.0, 1.0),
-                0.2,
-            ),
-            Field(
-                "planner", "of free legs", {"type": "string", "enum": planner_names()}, default=None
-            ),
-            Field("order", "of the parts", {"type": "string", "enum": ORDER_NAMES}, default=None),
-            Field("iterations", "of the planner", _whole(1, MOST_ITERATIONS), default=None),
-            Field(
-                "margin",
-                "[m] kept from everything; not less than the cell's",
-                _number(0.0, LARGEST_MARGIN),
-                default=None,
-            ),
-            Field(
-                "metric",
-                "how much each joint counts of the one before",
-                _number(0.05, 1.0),
-                None,
+                "changes",
+                "of the cell, tried one at a time on the same piles: all, or kinds joined by + of "
+                + ", ".join(CHANGE_KINDS),
+                _text(LONGEST_TEXT),
+                "",
             ),
         ),
         begins=True,
-        make=_plan,
+        make=_emptying,
+    ),
+    Call(
+        "/go-on",
+        "After a finished cycle: scan, find and plan, each after the other; a person approves.",
+        commands.GoOn,
+        # One seed for all of it.
+        (*SCAN_FIELDS, *FIND_FIELDS[1:], *PLAN_FIELDS[1:]),
+        begins=True,
+        make=_go_on,
     ),
     Call(
         "/threshold",

@@ -6,14 +6,20 @@ from typing import Any
 
 from workbench.app.core.rules import strategies_of
 from workbench.app.core.state import State
+from workbench.app.emptying.summary import summary
+from workbench.app.emptying.what_if import ranked
 from workbench.app.records.statistics import GROUPS, Statistics
 from workbench.app.runtime.live import Live
 from workbench.model.candidate import Candidate, Verdict
 from workbench.model.digest import canonical
 from workbench.model.plan import Proof, Violation
+from workbench.model.prediction import Emptying
 from workbench.model.scan import Scan
 
 Form = dict[str, Any]
+
+SCAN_SECONDS = 1.0
+"""[s] As the study has it where nobody says otherwise."""
 
 
 def state_form(state: State, live: Live) -> Form:
@@ -132,6 +138,20 @@ def proof_form(proof: Proof) -> Form:
         "clearance": finite(proof.clearance),
         "nearest": None if proof.nearest is None else _place_form(proof.nearest),
         "violations": [_place_form(one) for one in proof.violations],
+    }
+
+
+def emptying_form(found: Emptying) -> Form:
+    """Piles emptied in simulation, as the study of emptying prints them.
+
+    Of the parts an hour a scan takes `SCAN_SECONDS`, and a person no time.
+    """
+    takes = {"scan_seconds": SCAN_SECONDS, "approval_seconds": 0.0}
+    is_tried = len(found.plain) < len(found.piles)
+    return {
+        "cell_digest": found.cell_digest,
+        **summary(found.plain, **takes),
+        "what_if": ranked(found.piles, **takes) if is_tried else [],
     }
 
 

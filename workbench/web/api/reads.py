@@ -105,6 +105,11 @@ def _certificate(source: Source) -> Any:
     return certificate_content(plan, plan.scene, proof)
 
 
+def _emptying(source: Source) -> Any:
+    found = source.state.emptying
+    return None if found is None else forms.emptying_form(found)
+
+
 def _statistics(source: Source) -> Any:
     return forms.statistics_form(source.statistics)
 
@@ -160,6 +165,13 @@ READS: tuple[Read, ...] = (
         _certificate,
         {"type": "object"},
         "make a plan whose proof holds first",
+    ),
+    Read(
+        "/emptying",
+        "What came of the piles that were emptied in simulation last.",
+        _emptying,
+        schemas.EMPTYING,
+        "empty piles first",
     ),
     Read("/statistics", "What this session has brought.", _statistics, schemas.STATISTICS),
     Read("/sessions", "This session and those beside it.", _sessions, schemas.SESSIONS),

@@ -108,6 +108,57 @@ JOB = record(
     job=or_none(record(number=WHOLE, name=TEXT, at=NUMBER, done=or_none(NUMBER), note=TEXT)),
     getting_ready=PREPARING,
 )
+EMPTYING = record(
+    cell_digest=DIGEST,
+    parts=WHOLE,
+    taken=WHOLE,
+    taken_share=or_none(NUMBER),
+    taken_rolled=WHOLE,
+    bound_share=or_none(NUMBER),
+    picks=WHOLE,
+    failed_picks=WHOLE,
+    failed_by_kind=by_name(WHOLE),
+    touches=WHOLE,
+    knocked_out=WHOLE,
+    cycles=WHOLE,
+    scans=WHOLE,
+    motion_seconds=NUMBER,
+    parts_per_hour=or_none(NUMBER),
+    planning_ms=or_none(record(median=NUMBER, p95=NUMBER)),
+    planning_ms_by_stage=by_name(NUMBER),
+    finding_ms=NUMBER,
+    left_by_reason=by_name(WHOLE),
+    scenes=many(
+        record(
+            seed=WHOLE,
+            parts=WHOLE,
+            taken=WHOLE,
+            cycles=WHOLE,
+            scans=WHOLE,
+            failed_picks=WHOLE,
+            failed_by_kind=by_name(WHOLE),
+            touches=WHOLE,
+            knocked_out=WHOLE,
+            motion_seconds=NUMBER,
+            left=many(record(part=TEXT, kind=TEXT, reason=TEXT, nearest_fix=TEXT, any_grasp=TEXT)),
+        )
+    ),
+    what_if=many(
+        record(
+            change=TEXT,
+            taken_share_before=or_none(NUMBER),
+            taken_share=or_none(NUMBER),
+            parts_gained=WHOLE,
+            taken_by_scene=many(WHOLE),
+            failed_picks=WHOLE,
+            touches=WHOLE,
+            cycles=WHOLE,
+            motion_seconds=NUMBER,
+            left_by_reason=by_name(WHOLE),
+        )
+    ),
+)
+"""As `workbench study emptying --json` prints it."""
 DONE = record(number=WHOLE, phase=PHASE, message=TEXT, job=or_none(WHOLE))
 PERSON = record(name=TEXT, role=TEXT, may=many(TEXT))
 SCAN = record(

@@ -32,7 +32,7 @@ LOGGERS = {
     "workbench.web": AT_ONCE,
     "workbench.web.opcua.bounds": AT_ONCE,
     "workbench.web.opcua.certificates": AT_ONCE,
-    "workbench.web.opcua.door": AT_ONCE,
+    "workbench.web.opcua.admission": AT_ONCE,
     "workbench.web.opcua.server": AT_ONCE,
     "aiohttp.server": AT_ONCE_BELOW,
     "asyncio": AT_ONCE_BELOW,

@@ -22,9 +22,9 @@ from asyncua.ua.status_codes import StatusCodes
 from workbench.app.runtime.bench import Bench
 from workbench.model.errors import FileError, InputError, WorkbenchError
 from workbench.web.http.origins import is_loopback
+from workbench.web.opcua.admission import PERSON, Door, Options
 from workbench.web.opcua.bounds import LIMITS, bound, is_bound
 from workbench.web.opcua.certificates import CERTIFICATE, KEY, application_uri, read_certificate
-from workbench.web.opcua.door import PERSON, Door, Options
 from workbench.web.opcua.methods import METHODS, Method
 from workbench.web.opcua.robotics.space import standard_space
 from workbench.web.opcua.robotics.system import OWN, System

@@ -2,6 +2,7 @@
 
 import asyncio
 import math
+from collections.abc import Awaitable, Callable
 
 from aiohttp import hdrs, web
 
@@ -34,6 +35,9 @@ NO_USERS = (
 )
 USED = "This link has been used, or is of an earlier start. " + NO_USERS
 
+Ahead = Callable[[], Awaitable[str]]
+"""Addresses of what a browser will need, see `Relay.ahead`."""
+
 
 class Logins:
     """The requests about logging in.
@@ -42,14 +46,21 @@ class Logins:
     """
 
     def __init__(
-        self, pages: Pages, lockout: Lockout, first: FirstKey, connections: Connections, title: str
+        self,
+        pages: Pages,
+        lockout: Lockout,
+        first: FirstKey,
+        connections: Connections,
+        title: str,
+        ahead: Ahead,
     ):
-        """Made by `serve_front`; `title` stands above the form."""
+        """Made by `serve_front`; `title` stands above the form, `ahead` is fetched meanwhile."""
         self._pages = pages
         self._lockout = lockout
         self._first = first
         self._connections = connections
         self._title = title
+        self._ahead = ahead
         self._trying = asyncio.Semaphore(AT_ONCE)
         self._waiting = 0
 
@@ -58,7 +69,8 @@ class Logins:
         if session_of(request) is not None:
             raise web.HTTPSeeOther("/")
         has_users = request.config_dict[ACCESS].users.are_there()
-        return self._form(request, 200, "" if has_users else NO_USERS)
+        pieces = await self._ahead()
+        return self._form(request, 200, "" if has_users else NO_USERS, pieces=pieces)
 
     async def login(self, request: web.Request) -> web.StreamResponse:
         """A form that was filled in."""
@@ -150,11 +162,10 @@ class Logins:
         )
 
     def _form(
-        self, request: web.Request, status: int, problem: str, name: str = ""
+        self, request: web.Request, status: int, problem: str, name: str = "", pieces: str = ""
     ) -> web.Response:
-        return self._pages.page(
-            request, "login.html", status, title=self._title, problem=problem, user=name
-        )
+        values = {"title": self._title, "problem": problem, "user": name, "pieces": pieces}
+        return self._pages.page(request, "login.html", status, **values)
 
 
 def _known(request: web.Request) -> str:

@@ -1,6 +1,7 @@
 """Our own pages and files: read once, filled in, and nothing else is ever served from a disk."""
 
 import gzip
+import hashlib
 import html
 import re
 from collections.abc import Mapping
@@ -14,6 +15,7 @@ from workbench.web.page.manual import read_manual
 
 TYPES: Mapping[str, str] = {
     "login.css": "text/css",
+    "login.js": "text/javascript",
     "shell.css": "text/css",
     "shell.js": "text/javascript",
     "manual.css": "text/css",
@@ -29,7 +31,7 @@ PAGES = ("login.html", "manual.html", "onward.html", "shell.html")
 
 @dataclass(frozen=True, slots=True)
 class Pages:
-    """The texts of our pages and the contents of their files, by name; and the manual as HTML."""
+    """The texts of our pages and their files (gzip), by name; and the manual as HTML."""
 
     texts: Mapping[str, str]
     files: Mapping[str, bytes]
@@ -44,7 +46,7 @@ class Pages:
         """
         return cls(
             {name: find("static", name).read_text(encoding="utf-8") for name in PAGES},
-            {name: find("static", name).read_bytes() for name in TYPES},
+            {name: gzip.compress(find("static", name).read_bytes(), mtime=0) for name in TYPES},
             read_manual(),
         )
 
@@ -70,15 +72,16 @@ class Pages:
         )
 
     async def file(self, request: web.Request) -> web.Response:
-        """One of our files."""
+        """One of our files; a browser that has it as it is gets no second copy."""
         name = request.match_info["name"]
         if name not in self.files:
             raise web.HTTPNotFound
-        return web.Response(
-            body=self.files[name],
-            content_type=TYPES[name],
-            headers={"Cache-Control": "no-cache"},
-        )
+        tag = f'"{hashlib.sha256(self.files[name]).hexdigest()[:32]}"'
+        headers = {"Cache-Control": "no-cache", "ETag": tag}
+        if request.headers.get(hdrs.IF_NONE_MATCH) == tag:
+            return web.Response(status=304, headers=headers)
+        body, encoding = packed_for(request, self.files[name])
+        return web.Response(body=body, content_type=TYPES[name], headers={**headers, **encoding})
 
 
 def packed_for(request: web.Request, packed: bytes) -> tuple[bytes, Mapping[str, str]]:

@@ -50,6 +50,9 @@ HEARTBEAT = 40.0
 ANSWER_SECONDS = 10.0
 """[s] How long viser may take to answer, or to open a websocket."""
 
+AHEAD_SECONDS = 1.0
+"""[s] How long a login may wait for what only makes the page quicker."""
+
 PROTOCOL = "viser-v"
 """Begins the name of the websocket protocol; viser compares the version behind it."""
 
@@ -122,15 +125,29 @@ class Relay:
         )
 
     async def piece(self, request: web.Request) -> web.StreamResponse:
-        """A piece of viser's page; its name is its digest, so it may be kept for good."""
-        if session_of(request) is None:
-            raise web.HTTPUnauthorized(text="Log in first.\n")
+        """A piece of viser's page; its name is its digest, so it may be kept for good.
+
+        It is for anybody, as the login page is: viser's program, which says nothing of the cell.
+        """
         piece = (await self._read()).pieces.get(request.match_info["name"])
         if piece is None:
             raise web.HTTPNotFound
         body, encoding = packed_for(request, piece)
         headers = {"Cache-Control": "private, max-age=31536000, immutable", **encoding}
         return web.Response(body=body, content_type="text/plain", charset="utf-8", headers=headers)
+
+    async def ahead(self) -> str:
+        """Addresses that browsers fetch while somebody types a password, with spaces between them.
+
+        On a slow line that is most of what a first visit waits for.  There are none while viser
+        does not answer, for which a login does not wait.
+        """
+        try:
+            async with asyncio.timeout(AHEAD_SECONDS):
+                pieces = (await self._read()).pieces
+        except (web.HTTPServiceUnavailable, TimeoutError):
+            return ""
+        return " ".join(f"{PATH}/{name}" for name in pieces)
 
     async def socket(self, request: web.Request) -> web.StreamResponse:
         """Viser's websocket, for as long as browser, login and viser hold."""

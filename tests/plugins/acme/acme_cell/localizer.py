@@ -47,7 +47,7 @@ class Twice:
 
         first, second = search(0), search(1)
         both = [one for one in first.detections if self._is_in(one, second.detections)]
-        return LocalizationResult(tuple(both), first.discarded)
+        return LocalizationResult(tuple(both), first.rejected)
 
     def _is_in(self, one: Detection, others: tuple[Detection, ...]) -> bool:
         p = one.T_world_part.translation

@@ -14,7 +14,7 @@ from workbench.model.geometry import Floats, Ints
 from workbench.planning.collision.bounds import Boxes
 from workbench.planning.collision.gjk import Cores
 from workbench.planning.collision.sweeping.groups import Groups, groups_of
-from workbench.planning.collision.sweeping.room import Room, room_for
+from workbench.planning.collision.sweeping.scratch import Scratch, scratch_for
 from workbench.planning.collision.sweeping.sweep import IS_CLEAR, Model, curve_swept
 from workbench.planning.kinematics.robot import Tree
 
@@ -38,18 +38,18 @@ class Edges(NamedTuple):
     is_all: bool
     groups: Groups
     model: Model
-    room: Room
+    scratch: Scratch
 
 
 @njit(cache=True)
 def edge_answer(a: Floats, b: Floats, edges: Edges) -> int:
     """`CLEAR`, `BLOCKED` or `ASK` for the straight motion from a to b (n,) [rad]."""
-    pending = edges.room.pending
+    pending = edges.scratch.pending
     for i in range(len(edges.columns)):
         pending[0, 0, i], pending[0, 1, i], pending[0, 2, i] = a[i], (a[i] + b[i]) / 2, b[i]
     found, _ = curve_swept(
         edges.columns, edges.resolution, edges.groups, edges.margins, edges.commons, edges.model,
-        edges.room, False,
+        edges.scratch, False,
     )  # fmt: skip
     if found >= 0:
         return BLOCKED
@@ -78,9 +78,9 @@ def edges_of(
         commons: per pair (p,) the deepest joint that carries both bodies.
         is_all: whether there are no other pairs to be looked at.
     """
-    room = room_for(columns, base, model.tree, model.boxes, model.cores)
+    scratch = scratch_for(columns, base, model.tree, model.boxes, model.cores)
     groups = groups_of(among, margins, model.first, model.second, model.boxes.joint)
-    return Edges(columns, resolution, margins, commons, is_all, groups, model, room)
+    return Edges(columns, resolution, margins, commons, is_all, groups, model, scratch)
 
 
 @cache
@@ -92,7 +92,7 @@ def no_edges(count: int) -> Edges:
     boxes = Boxes(whole, np.zeros((0, 3, 3)), none, none, flat)
     cores = Cores(none, whole, whole, flat, flat, flat, np.zeros(0, np.bool_), whole)
     model = Model(tree, boxes, whole, whole, cores)
-    room = room_for(whole, np.zeros(count), tree, boxes, cores)
-    room = room._replace(pending=np.zeros((1, 3, count)), middle=np.zeros(count))
+    scratch = scratch_for(whole, np.zeros(count), tree, boxes, cores)
+    scratch = scratch._replace(pending=np.zeros((1, 3, count)), middle=np.zeros(count))
     groups = groups_of(whole, flat, whole, whole, whole)
-    return Edges(whole, 0.0, flat, whole, False, groups, model, room)
+    return Edges(whole, 0.0, flat, whole, False, groups, model, scratch)

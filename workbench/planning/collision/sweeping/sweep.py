@@ -18,11 +18,11 @@ from workbench.planning.collision.sweeping.groups import (
     hubs_apart,
     move_to_front,
 )
-from workbench.planning.collision.sweeping.room import (
-    Room,
+from workbench.planning.collision.sweeping.scratch import (
+    Scratch,
     place_body,
     place_joints,
-    room_for,
+    scratch_for,
     walk_body,
 )
 from workbench.planning.kinematics.robot import Tree
@@ -75,20 +75,20 @@ def swept(
         there is no next one, or `TOO_LONG` when that takes more room than there is; and how many
         states were looked at.
     """
-    room = room_for(columns, base, model.tree, model.boxes, model.cores)
+    scratch = scratch_for(columns, base, model.tree, model.boxes, model.cores)
     groups = groups_of(among, margins, model.first, model.second, model.boxes.joint)
     looks = 0
     for curve in range(len(points)):
         for k in range(3):
             for i in range(len(columns)):
-                room.pending[0, k, i] = points[curve, k, i]
+                scratch.pending[0, k, i] = points[curve, k, i]
         found, looked = curve_swept(
-            columns, resolution, groups, margins, commons, model, room, True
+            columns, resolution, groups, margins, commons, model, scratch, True
         )
         looks += looked
         if found != IS_CLEAR:
-            return curve, found, room.middle, looks
-    return len(points), IS_CLEAR, room.middle, looks
+            return curve, found, scratch.middle, looks
+    return len(points), IS_CLEAR, scratch.middle, looks
 
 
 @njit(cache=True)
@@ -99,23 +99,28 @@ def curve_swept(
     margins: Floats,
     commons: Ints,
     model: Model,
-    room: Room,
+    scratch: Scratch,
     names: bool,
 ) -> tuple[int, int]:
-    """Look at the one curve that lies in `room.pending[0]` until a pair touches.
+    """Look at the one curve that lies in `scratch.pending[0]` until a pair touches.
 
     Arguments as those of `swept`: `margins` (p,) [m], the `columns` (n,) and `commons` (p,) are
-    numbers, without a unit.  The room must be that of these `columns`
+    numbers, without a unit.  The scratch must be that of these `columns`
     and of this model, the `groups` those of the pairs to be looked at.  Which pair of several
     touches is the one with the lowest number if it `names` it, or else any: what touched moves to
     the front, where it is looked at first the next time.
 
     Returns:
-        The pair that touches at `room.middle`, `IS_CLEAR` or `TOO_LONG`; how many states were
+        The pair that touches at `scratch.middle`, `IS_CLEAR` or `TOO_LONG`; how many states were
         looked at.
     """
     n, count = len(columns), len(groups.order)
-    pending, begins, sizes, open_pairs = room.pending, room.begins, room.sizes, room.open_pairs
+    pending, begins, sizes, open_pairs = (
+        scratch.pending,
+        scratch.begins,
+        scratch.sizes,
+        scratch.open_pairs,
+    )
     if count > len(open_pairs):
         return TOO_LONG, 0
     # Loops, here and below: numba takes seconds to compile the assignment of an array to a slice.
@@ -127,11 +132,11 @@ def curve_swept(
         for i in range(n):
             a, b, e = pending[at, 0, i], pending[at, 1, i], pending[at, 2, i]
             m = (a + 2.0 * b + e) / 4.0
-            room.middle[i] = m
-            room.q[columns[i]] = m
-            room.d[columns[i]] = max(abs(a - m), abs(e - m))
+            scratch.middle[i] = m
+            scratch.q[columns[i]] = m
+            scratch.d[columns[i]] = max(abs(a - m), abs(e - m))
         found, kept, furthest = _looked(
-            int(begins[at]), int(sizes[at]), used, margins, commons, model, groups, room, names
+            int(begins[at]), int(sizes[at]), used, margins, commons, model, groups, scratch, names
         )
         if found >= 0 and not names:
             move_to_front(found, groups)
@@ -168,10 +173,10 @@ def _looked(
     commons: Ints,
     model: Model,
     groups: Groups,
-    room: Room,
+    scratch: Scratch,
     names: bool,
 ) -> tuple[int, int, float]:
-    """Look at pairs at the state `room.q` for a motion of up to `room.d` around it.
+    """Look at pairs at the state `scratch.q` for a motion of up to `scratch.d` around it.
 
     Those numbered from `begin` on, `asked` of the open ones, are looked at; what the motion may
     bring closer than its margin is written behind the first `used`.  A group among them stands as
@@ -181,13 +186,13 @@ def _looked(
         A pair that touches, `IS_CLEAR` or `TOO_LONG`; how many open pairs are in use; the largest
         motion bound of those that were kept [m].
     """
-    tree, boxes, cores, open_pairs = model.tree, model.boxes, model.cores, room.open_pairs
+    tree, boxes, cores, open_pairs = model.tree, model.boxes, model.cores, scratch.open_pairs
     joint, radius, half = boxes.joint, boxes.radius, boxes.half
-    R, c, hubs, travel, done = room.R, room.c, room.hubs, room.travel, room.done
-    place_joints(tree, room)
+    R, c, hubs, travel, done = scratch.R, scratch.c, scratch.hubs, scratch.travel, scratch.done
+    place_joints(tree, scratch)
     # Number of this look: what stands in `done` for a body or more is where it is now.
-    room.look[0] += 1
-    look = room.look[0]
+    scratch.look[0] += 1
+    look = scratch.look[0]
     touching, kept, furthest = IS_CLEAR, used, 0.0
     for at in range(begin, begin + asked):
         entry = open_pairs[at]
@@ -199,11 +204,11 @@ def _looked(
                 a, b, common = int(model.first[k]), int(model.second[k]), int(commons[k])
                 move = hubs[joint[a], common] + hubs[joint[b], common]
                 margin = groups.margins[-1 - entry]
-                apart = hubs_apart(a, b, boxes, room)
+                apart = hubs_apart(a, b, boxes, scratch)
                 if apart >= margin + move:
                     continue
                 # Nothing touches, and looking closer helps less than going less far.
-                if apart >= margin and move > room.hub[joint[a], 3] + room.hub[joint[b], 3]:
+                if apart >= margin and move > scratch.hub[joint[a], 3] + scratch.hub[joint[b], 3]:
                     if kept >= len(open_pairs):
                         return TOO_LONG, kept, furthest
                     open_pairs[kept] = entry
@@ -214,9 +219,9 @@ def _looked(
             k = groups.pairs[number] if entry < 0 else entry
             a, b, common = int(model.first[k]), int(model.second[k]), int(commons[k])
             if done[a, 0] < look:
-                place_body(a, boxes, cores, room, look)
+                place_body(a, boxes, cores, scratch, look)
             if done[b, 0] < look:
-                place_body(b, boxes, cores, room, look)
+                place_body(b, boxes, cores, scratch, look)
             # By far the most pairs end here: balls around both, and what their links may move.
             margin, move = margins[k], hubs[joint[a], common] + hubs[joint[b], common]
             x, y, w = c[a, 0] - c[b, 0], c[a, 1] - c[b, 1], c[a, 2] - c[b, 2]
@@ -224,9 +229,9 @@ def _looked(
             if reach > 0 and far > reach * reach:
                 continue
             if done[a, 1] < look:
-                walk_body(a, tree, boxes, room, look)
+                walk_body(a, tree, boxes, scratch, look)
             if done[b, 1] < look:
-                walk_body(b, tree, boxes, room, look)
+                walk_body(b, tree, boxes, scratch, look)
             move = travel[a, common] + travel[b, common]
             reach = radius[a] + radius[b] + margin + move
             if reach > 0 and far > reach * reach:
@@ -245,7 +250,7 @@ def _looked(
                 # Clear now, and too far to go to be cleared by measuring: not worth it.
                 answer = UNCLEAR
                 if not margin <= lower < margin + move / 2 - LOOSENESS:
-                    answer = side(a, b, R, c, cores, float(margin), float(margin + move), room.W)
+                    answer = side(a, b, R, c, cores, float(margin), float(margin + move), scratch.W)
             if answer == CLEAR:
                 continue
             if answer == TOUCHES:

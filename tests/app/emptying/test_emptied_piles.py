@@ -1,0 +1,98 @@
+"""What a person asks for on the page: piles, the film of each, and changes."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from workbench.app.core.commands import TryEmptying
+from workbench.app.emptying.piles import emptied_piles
+from workbench.formats.cells.reading import read_cell
+from workbench.model.errors import InputError, JobCancelled
+from workbench.model.part import GraspLibrary
+from workbench.plugins.progress import never, silent
+
+ASKED = TryEmptying(count=4, piles=2, seed=12)
+
+
+@pytest.fixture(scope="module")
+def cell():
+    return read_cell("yumi")
+
+
+@pytest.fixture(scope="module")
+def told():
+    return []
+
+
+@pytest.fixture(scope="module")
+def found(cell, told):
+    return emptied_piles(cell, ASKED, lambda done, note: told.append((done, note)), never)
+
+
+def test_each_pile_has_the_next_seed_and_is_told_of(found, told, cell):
+    emptying = found.emptying
+    assert [one.task.seed for one in emptying.piles] == [12, 13]
+    assert emptying.cell_digest == cell.digest and emptying.plain == emptying.piles
+    shares = [done for done, _ in told]
+    assert shares == sorted(shares) and shares[0] >= 0.0 and shares[-1] <= 1.0
+    notes = [note for _, note in told]
+    assert "pile 1 of 2: 0 of 4 taken" in notes and "pile 2 of 2: the parts fall" in notes
+
+
+def test_the_film_of_a_pile_is_what_became_of_it(found):
+    for film, pile in zip(found.films, found.emptying.piles, strict=True):
+        picks = [pick for shot in film.shots for pick in shot.picks]
+        assert tuple(pick.outcome for pick in picks) == pile.outcomes
+        assert len(film.shots) == pile.cycles and len(film.fallen) == pile.parts == 4
+        assert {f"part-{k + 1}" for k, _ in film.left} == {one.part for one in pile.left}
+        there = {k for k, _ in film.fallen}
+        for shot in film.shots:
+            assert {k for k, _ in shot.before} == there
+            for pick in shot.picks:
+                assert pick.number in there
+                there = {k for k, _ in pick.after}
+                assert pick.number not in there
+        assert there == {k for k, _ in film.left}
+    assert any(pile.taken for pile in found.emptying.piles)
+
+
+def test_a_part_lies_in_the_hand_as_it_lay_in_the_bin(found, cell):
+    """At the moment of gripping the hand has it where the pile has it."""
+    from workbench.planning.kinematics.robot import Kinematics
+
+    kinematics = Kinematics(cell)
+    shot = next(shot for film in found.films for shot in film.shots)
+    pick = shot.picks[0]
+    q = np.asarray(shot.plan.arm(pick.arm).leg("extract").q[0])
+    held = kinematics.tcp_pose(cell.arm(pick.arm), q) * pick.T_tcp_part
+    lay = dict(shot.before)[pick.number].T_world_part
+    assert np.linalg.norm(held.translation - lay.translation) < 1e-4
+
+
+def test_changes_are_tried_on_the_same_piles(cell):
+    asked = replace(ASKED, count=2, piles=1, changes=("lifts",))
+    found = emptied_piles(cell, asked, silent, never)
+    changes = [one.task.change for one in found.emptying.piles]
+    assert changes[0] == "" and len(changes) > 1 and "" not in changes[1:]
+    assert len(found.films) == len(found.emptying.plain) == 1
+    assert {one.task.seed for one in found.emptying.piles} == {12}
+
+
+def test_who_cancels_gets_no_half_result(cell):
+    looks = []
+
+    def after_the_first_pile(done: float = 0.0, note: str = "") -> None:
+        looks.append(note)
+
+    with pytest.raises(JobCancelled, match="cancelled"):
+        emptied_piles(cell, ASKED, after_the_first_pile, lambda: any("pile 2" in n for n in looks))
+
+
+def test_what_cannot_be_piled_up_or_taken_is_refused(cell):
+    part = replace(cell.parts[0], library=GraspLibrary(()))
+    with pytest.raises(InputError, match="part keyed_cylinder has no grasp"):
+        emptied_piles(replace(cell, parts=(part,)), ASKED, silent, never)
+    small = replace(cell, bin=replace(cell.bin, size=cell.bin.size * 0.5))
+    with pytest.raises(InputError, match=r"do not fit into the bin; take \d+ or fewer"):
+        emptied_piles(small, replace(ASKED, count=30), silent, never)

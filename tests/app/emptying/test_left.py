@@ -1,0 +1,39 @@
+"""Why a part stayed."""
+
+from workbench.app.emptying.left import left_in
+from workbench.formats.cells.reading import read_cell
+from workbench.model.candidate import Reason, Stage, Verdict
+from workbench.model.geometry import pose_from_rpy
+from workbench.model.scan import Detection
+
+
+def lying(cell, x: float) -> Detection:
+    T = cell.bin.T_world_bin * pose_from_rpy((x, 0, 0.019), (0, 1.5707963, 0))
+    return Detection(cell.parts[0].name, T)
+
+
+def test_parts_are_named_as_they_fell_with_the_verdict_that_got_furthest():
+    cell = read_cell("yumi")
+    # The second one lies within the first: nothing can take either.
+    pile = [(3, lying(cell, 0.0)), (8, lying(cell, 0.004))]
+    told = left_in(cell, pile, refusal=None, seed=0)
+    assert [one.part for one in told] == ["part-4", "part-9"]
+    assert all(one.reason.startswith("none of 30 candidates works (") for one in told)
+    assert any("part-4" in one.reason or "part-9" in one.reason for one in told)
+    assert not any("part-1 " in one.reason or "part-2 " in one.reason for one in told)
+
+
+def test_a_part_that_a_grasp_could_take_says_what_stood_against_the_plan():
+    cell = read_cell("yumi")
+    refusal = Verdict(Reason.NO_PATH, Stage.ROUTE, note="no way home")
+    (told,) = left_in(cell, [(0, lying(cell, 0.0))], refusal=refusal, seed=0)
+    assert told.kind == "no path" and "no way home" in told.reason
+    (unseen,) = left_in(cell, [(0, lying(cell, 0.0))], refusal=None, seed=0)
+    assert unseen.kind == "not found"
+
+
+def test_a_part_left_by_failed_picks_says_that_and_nothing_of_a_plan():
+    cell = read_cell("yumi")
+    (told,) = left_in(cell, [(0, lying(cell, 0.0))], refusal=None, seed=0, is_stopped=True)
+    assert told.kind == "stopped" and "stopped after 3 failed picks in a row" in told.reason
+    assert "found" not in told.reason and "no plan" not in told.reason

@@ -1,0 +1,50 @@
+"""What is told of all piles follows from each of them."""
+
+import pytest
+
+from workbench.app.emptying.summary import summary
+from workbench.model.prediction import EmptiedPile, LeftPart, PileTask
+
+
+def scene(seed: int, taken: int, left: int, failed=(0, 0, 0)) -> EmptiedPile:
+    stays = tuple(
+        LeftPart(f"part-{k + 1}", "tool collision", "in the way", "") for k in range(left)
+    )
+    return EmptiedPile(
+        task=PileTask("yumi", "", taken + left, seed),
+        parts=taken + left,
+        taken=taken,
+        failed=failed,
+        touches=0,
+        knocked_out=0,
+        cycles=taken,
+        scans=taken + 3,
+        motion_seconds=10.0 * taken,
+        left=stays,
+        planning=(0.1, 0.3),
+        stages=(("propose", 0.4),),
+        finding=0.0,
+    )
+
+
+def test_shares_and_rates_are_those_of_all_piles_together():
+    found = summary([scene(0, 6, 2), scene(1, 0, 8)], scan_seconds=1.0, approval_seconds=2.0)
+    assert found["taken_share"] == pytest.approx(6 / 16)
+    seconds = 60 + 0.8 + (9 + 3) * 1.0 + 6 * 2.0
+    assert found["parts_per_hour"] == pytest.approx(3600 * 6 / seconds)
+    assert found["planning_ms"] == {"median": pytest.approx(200), "p95": pytest.approx(300)}
+    assert found["planning_ms_by_stage"] == {"propose": pytest.approx(200)}
+    assert found["left_by_reason"] == {"tool collision": 10}
+    assert [one["seed"] for one in found["scenes"]] == [0, 1]
+    assert found["scenes"][0]["left"][1]["part"] == "part-2"
+
+
+def test_failed_picks_are_picks_and_counted_by_kind():
+    found = summary([scene(0, 3, 0, failed=(2, 1, 0))], scan_seconds=0.0, approval_seconds=0.0)
+    assert (found["picks"], found["failed_picks"]) == (6, 3)
+    assert found["failed_by_kind"] == {"missed": 2, "crooked": 1, "turned": 0}
+
+
+def test_no_piles_have_no_shares():
+    found = summary([], scan_seconds=1.0, approval_seconds=0.0)
+    assert found["taken_share"] is None and found["planning_ms"] is None

@@ -1,0 +1,270 @@
+"""One pile taken out of the bin, plan after plan, as far as it goes."""
+
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from workbench.app.core.outcomes import AVOID_SCANS, MOST_FAILURES, SAME_PLACE
+from workbench.app.core.value_checks import SEED_LIMIT
+from workbench.app.emptying.bound import bound_of
+from workbench.app.emptying.film import FilmedPick, Shot, unseen
+from workbench.app.emptying.left import left_in
+from workbench.app.emptying.taking import carried_out, failure, in_turn
+from workbench.app.picking.pile_check import kinds_in_turn
+from workbench.app.picking.row import plan_row
+from workbench.model.candidate import Verdict
+from workbench.model.cell import Cell
+from workbench.model.errors import JobCancelled
+from workbench.model.plan import Plan, PlanResult
+from workbench.model.prediction import FAILURES, EmptiedPile, PileTask
+from workbench.model.scan import Detection, Obstacle, SearchOverrides
+from workbench.perception.scene.unexplained import unexplained
+from workbench.perception.simulation.piles import drop_parts
+from workbench.perception.simulation.synthesize import synthesize
+from workbench.perception.simulation.unloading import is_in_bin, unloaded
+from workbench.planning.kinematics.chain import chain_of
+from workbench.planning.planners.clock import working_time
+from workbench.plugins.localizer import find_parts
+from workbench.plugins.progress import Cancelled, Report, never, silent
+
+IDLE = 3
+"""So many looks in a row that bring no plan end it."""
+
+SEEDS = 1000
+"""Each pile has so many seeds for its looks; no bin takes as many."""
+
+
+@dataclass(slots=True)
+class _Tally:
+    """What has happened so far with one pile."""
+
+    taken: int = 0
+    rolled: int = 0
+    failed: Counter[str] = field(default_factory=Counter[str])
+    touches: int = 0
+    knocked_out: int = 0
+    cycles: int = 0
+    scans: int = 0
+    motion: float = 0.0
+    planning: list[float] = field(default_factory=list[float])
+    stages: Counter[str] = field(default_factory=Counter[str])
+    finding: float = 0.0
+    seen: tuple[Detection, ...] = ()
+    outcomes: list[str] = field(default_factory=list[str])
+
+
+def emptied(
+    cell: Cell,
+    task: PileTask,
+    pile: Sequence[Detection],
+    *,
+    report: Report = silent,
+    cancelled: Cancelled = never,
+    film: Callable[[Shot], None] = unseen,
+) -> EmptiedPile:
+    """Take the parts of a pile out until nothing can be taken, or pick after pick fails.
+
+    The seed of the task decides everything: it is the same wherever this runs, but for the measured
+    times.
+
+    Args:
+        cell: that is tried, with the task's change where it has one; its parts are those of the
+            pile.
+        task: how it is emptied.
+        pile: how the parts lie, from `fallen`.
+        report: is told how much is taken.
+        cancelled: asked now and then; True ends it.
+        film: is shown every plan that is carried out.
+
+    Raises:
+        JobCancelled: `cancelled` said so.
+    """
+    lying = list(enumerate(pile))
+    tally = _Tally()
+    refusal: Verdict | None = None
+    avoided: list[tuple[Detection, int]] = []
+    idle = failures = 0
+    while lying and idle < IDLE and failures < MOST_FAILURES:
+        if cancelled():
+            raise JobCancelled("the emptying was cancelled")
+        report(tally.taken / max(task.count, 1), f"{tally.taken} of {task.count} taken")
+        seed = (task.seed * SEEDS + tally.scans) % SEED_LIMIT
+        tally.scans += 1
+        avoided = [(one, age - 1) for one, age in avoided if age > 0]
+        truth = [one for _, one in lying]
+        result = _look_and_plan(cell, task, truth, avoided, seed, tally, cancelled)
+        plan = None if result is None else result.plan
+        if result is None or plan is None or result.proof is None or not result.proof.holds:
+            has_pick = result is not None and any(one.verdict.is_ok for one in result.candidates)
+            refusal = result.verdict if result is not None and has_pick else None
+            # What is left alone for a while gets its turn before this counts as the end.
+            idle += not avoided
+            continue
+        idle = 0
+        tally.cycles += 1
+        for plan in result.plans:
+            before = tuple(lying)
+            missed, picks = _carry_out(cell, task, plan, lying, tally)
+            film(Shot(plan, before, picks))
+            failures = failures + len(missed) if len(missed) == len(plan.arms) else 0
+            avoided += [(plan.detections[number], AVOID_SCANS) for number in missed]
+            if missed:
+                # Whatever is in doubt ends a row.
+                break
+    known = _as_seen(lying, tally.seen)
+    left = left_in(
+        cell,
+        known,
+        refusal=refusal,
+        seed=task.seed,
+        is_stopped=failures >= MOST_FAILURES,
+        fixes=not task.change,
+    )
+    more = None
+    if task.bounds:
+        rest = [one for _, one in lying]
+        told, more = bound_of(cell, rest, settles=task.settles, seed=task.seed)
+        left = tuple(
+            replace(one, any_grasp=str(found)) for one, found in zip(left, told, strict=True)
+        )
+    return EmptiedPile(
+        task,
+        task.count,
+        tally.taken,
+        tuple(tally.failed[kind] for kind in FAILURES),
+        tally.touches,
+        tally.knocked_out,
+        tally.cycles,
+        tally.scans,
+        tally.motion,
+        left,
+        tuple(tally.planning),
+        tuple(tally.stages.items()),
+        tally.finding,
+        more,
+        tally.rolled,
+        tuple(tally.outcomes),
+    )
+
+
+def fallen(plain: Cell, cell: Cell, task: PileTask) -> tuple[Detection, ...]:
+    """The task's parts in the bin of `cell`, lying in it as they fall into that of `plain`.
+
+    Raises:
+        InputError: they do not fit.
+    """
+    pile = drop_parts(kinds_in_turn(plain.parts, task.count), plain.bin, seed=task.seed)
+    if not task.change:
+        return pile
+    step = cell.bin.T_world_bin * plain.bin.T_world_bin.inverse()
+    return tuple(replace(one, T_world_part=step * one.T_world_part) for one in pile)
+
+
+def _look_and_plan(
+    cell: Cell,
+    task: PileTask,
+    lying: Sequence[Detection],
+    avoided: Sequence[tuple[Detection, int]],
+    seed: int,
+    tally: _Tally,
+    cancelled: Cancelled,
+) -> PlanResult | None:
+    """A plan for what is seen; None when nothing is."""
+    detections, digest = tuple(lying), "study"
+    obstacles: tuple[Obstacle, ...] = ()
+    if task.seen == "scan":
+        scan = synthesize(cell, lying, seed=seed)
+        began = working_time()
+        usual = SearchOverrides().detail
+        found = find_parts(scan, cell, seed=seed, detail=usual, cancelled=cancelled)
+        detections = found.detections
+        obstacles = unexplained(cell, scan, detections)
+        tally.finding += working_time() - began
+        tally.seen = detections
+        digest = scan.digest
+    if not detections:
+        return None
+    result = plan_row(
+        cell,
+        detections,
+        digest,
+        picks=task.picks,
+        strategy=task.strategy,
+        obstacles=obstacles,
+        avoided=_left_alone(detections, [one for one, _ in avoided]),
+        seed=seed,
+        cancelled=cancelled,
+    )
+    tally.planning.append(sum(result.seconds.values()))
+    tally.stages.update(result.seconds)
+    return result
+
+
+def _as_seen(
+    lying: Sequence[tuple[int, Detection]], seen: Sequence[Detection]
+) -> list[tuple[int, Detection]]:
+    """What lies in the bin as it lies, its roll unknown where the last scan does not show it."""
+
+    def of(one: Detection) -> Detection:
+        for found in seen:
+            off = found.T_world_part.translation - one.T_world_part.translation
+            if not found.roll_known and found.part == one.part and np.linalg.norm(off) < SAME_PLACE:
+                return replace(one, roll_known=False, roll_axis=found.roll_axis)
+        return one
+
+    return [(number, of(one)) for number, one in lying]
+
+
+def _left_alone(detections: Sequence[Detection], failed: Sequence[Detection]) -> Mapping[int, str]:
+    """Numbers of the parts whose pick has failed a short while ago, and why they are left."""
+    return {
+        number: "a pick of it has failed"
+        for number, one in enumerate(detections)
+        for other in failed
+        if one.part == other.part
+        and np.linalg.norm(one.T_world_part.translation - other.T_world_part.translation)
+        <= SAME_PLACE
+    }
+
+
+def _carry_out(
+    cell: Cell, task: PileTask, plan: Plan, lying: list[tuple[int, Detection]], tally: _Tally
+) -> tuple[list[int], tuple[FilmedPick, ...]]:
+    """Take the plan's parts out of `lying`; the detections whose picks failed, and all picks."""
+    tally.motion += plan.cycle_seconds
+    failed: list[int] = []
+    picks: list[FilmedPick] = []
+    for arm_plan in in_turn(plan):
+        truth = [one for _, one in lying]
+        taking = carried_out(cell, truth, arm_plan, plan.detections[arm_plan.detection].part)
+        tally.touches += taking.touches
+        kind = failure(taking, plan.detections[arm_plan.detection])
+        tally.outcomes.append(kind)
+        if kind:
+            tally.failed[kind] += 1
+            failed.append(arm_plan.detection)
+        else:
+            tally.taken += 1
+            tally.rolled += taking.is_turned
+        if taking.number is None:
+            picks.append(FilmedPick(arm_plan.arm, None, arm_plan.T_tcp_part, kind, tuple(lying)))
+            continue
+        number, gripped = lying[taking.number]
+        q_grasp = np.asarray(arm_plan.leg("approach").q[-1])
+        T_world_tcp = chain_of(cell, cell.arm(arm_plan.arm)).pose(q_grasp)
+        rest = [entry for k, entry in enumerate(lying) if k != taking.number]
+        if task.settles:
+            settled = unloaded(cell, truth, taking.number, taking.way)
+            rest = [(number, one) for (number, _), one in zip(rest, settled, strict=True)]
+        stays = [
+            (number, one)
+            for number, one in rest
+            if is_in_bin(cell.bin, cell.part(one.part), one.T_world_part)
+        ]
+        tally.knocked_out += len(rest) - len(stays)
+        lying[:] = stays
+        T_tcp_part = T_world_tcp.actInv(gripped.T_world_part)
+        picks.append(FilmedPick(arm_plan.arm, number, T_tcp_part, kind, tuple(stays)))
+    return failed, tuple(picks)

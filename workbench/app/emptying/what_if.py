@@ -1,0 +1,71 @@
+"""Which single change of a cell gains most: the same piles emptied with each, and ranked."""
+
+from collections.abc import Collection, Sequence
+from dataclasses import replace
+from typing import Any
+
+from workbench.app.emptying.changes import changes_of
+from workbench.app.emptying.summary import summary
+from workbench.model.cell import Cell
+from workbench.model.prediction import EmptiedPile, PileTask
+
+
+def tasks_with_changes(
+    cell: Cell, tasks: Sequence[PileTask], kinds: Collection[str]
+) -> list[PileTask]:
+    """The tasks, and after them the same piles with every change of these kinds.
+
+    Changes that change nothing in the cell are left out.
+    """
+    wanted = [
+        change.words
+        for change in changes_of(cell)
+        if change.kind in kinds and change.made(cell) is not None
+    ]
+    return [
+        *tasks,
+        *(replace(task, change=words, bounds=False) for words in wanted for task in tasks),
+    ]
+
+
+def ranked(
+    scenes: Sequence[EmptiedPile], *, scan_seconds: float, approval_seconds: float
+) -> list[dict[str, Any]]:
+    """What each change brought, the most first, as it is printed as JSON.
+
+    Args:
+        scenes: of the piles without a change and with each.
+        scan_seconds: [s] see `summary`.
+        approval_seconds: [s] see `summary`.
+    """
+    by_change: dict[str, list[EmptiedPile]] = {}
+    for scene in scenes:
+        by_change.setdefault(scene.task.change, []).append(scene)
+    found = {
+        words: summary(some, scan_seconds=scan_seconds, approval_seconds=approval_seconds)
+        for words, some in by_change.items()
+    }
+    before = found.pop("")
+    rows = [
+        {
+            "change": words,
+            "taken_share_before": before["taken_share"],
+            "taken_share": one["taken_share"],
+            "parts_gained": one["taken"] - before["taken"],
+            "taken_by_scene": [scene["taken"] for scene in one["scenes"]],
+            "failed_picks": one["failed_picks"],
+            "touches": one["touches"],
+            "cycles": one["cycles"],
+            "motion_seconds": one["motion_seconds"],
+            "left_by_reason": one["left_by_reason"],
+        }
+        for words, one in found.items()
+    ]
+    # What the clock says is no part of the order: it is the same each time.
+    return sorted(
+        rows,
+        key=lambda row: (
+            -row["parts_gained"], row["failed_picks"] + row["touches"], row["motion_seconds"],
+            row["change"],
+        ),
+    )  # fmt: skip

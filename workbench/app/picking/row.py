@@ -1,0 +1,211 @@
+"""Several plans after one scan, to be carried out one after the other."""
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from workbench.app.picking.pipeline import NOTHING, plan_pick
+from workbench.app.picking.proving import prove
+from workbench.model.cell import Cell
+from workbench.model.errors import CommandRefused, InputError
+from workbench.model.plan import Plan, PlanResult, Proven
+from workbench.model.scan import Detection, Obstacle, Scan, Scene
+from workbench.planning.collision.world import World
+from workbench.planning.planners.clock import working_time
+from workbench.plugins.progress import Report, silent
+from workbench.proof.prove import may_have_moved, scene_after
+from workbench.proof.prove import prove as prove_in
+
+MOST_PICKS = 10
+"""Plans after one scan."""
+
+TAKEN_LAST = "parts that lie near it may move with it, so it is taken last"
+
+
+def plan_row(
+    cell: Cell,
+    detections: tuple[Detection, ...],
+    scan_digest: str,
+    *,
+    picks: int = 1,
+    obstacles: tuple[Obstacle, ...] = (),
+    avoided: Mapping[int, str] = NOTHING,
+    report: Report = silent,
+    **asked: Any,
+) -> PlanResult:
+    """As `plan_pick`, and plans after it as far as the scan stays true.
+
+    Each plan is made and proven in the scene that those before leave (`scene_after`), and begins
+    where they end, since every plan begins and ends at home.  Parts that have nothing near go
+    first, since a plan that takes one of a heap ends the row.
+
+    Args:
+        cell: with its parts and policy.
+        detections: the parts found, at least one.
+        scan_digest: what they were found in.
+        picks: plans at most.
+        obstacles: what the scan shows beside the parts.
+        avoided: indices of parts that are left alone for now, and why.
+        report: progress.
+        asked: else as `plan_pick`.
+
+    Raises:
+        InputError: as `plan_pick`, or the cell does not say which parts may move.
+        JobCancelled: see there.
+    """
+    check_picks(cell, picks)
+    scene, left = Scene(scan_digest, detections, obstacles), dict(avoided)
+    first = _next(cell, scene, left, report, is_last=picks == 1, **asked)
+    if not _holds(first) or first.plan is None or picks == 1:
+        return first
+    row: list[Proven] = []
+    began, plan, ends = working_time(), first.plan, ""
+    while not ends and 1 + len(row) < picks:
+        moved = may_have_moved(cell, plan)
+        if moved is not None:
+            ends = renumbered(moved.problem, first.plan, plan.detections)
+            break
+        left = _left(plan, left)
+        scene = scene_after(cell, plan)
+        if not scene.detections:
+            ends = "no part is left"
+            break
+        note = f"plan {2 + len(row)} of {picks}"
+        told = _named(report, note)
+        result = _next(cell, scene, left, told, is_last=2 + len(row) == picks, **asked)
+        if result.plan is None or result.proof is None:
+            words = f"no plan after that: {result.verdict}"
+            ends = renumbered(words, first.plan, scene.detections)
+        elif not result.proof.holds:
+            words = f"the proof of the next plan does not hold: {result.proof.violations[0]}"
+            ends = renumbered(words, first.plan, scene.detections)
+        else:
+            plan = result.plan
+            row.append(Proven(plan, result.proof))
+    seconds = {**first.seconds, "row": working_time() - began}
+    return replace(first, row=tuple(row), row_ends=ends, seconds=seconds)
+
+
+def check_picks(cell: Cell, picks: int) -> None:
+    """Look whether so many plans after one scan can be asked for in a cell.
+
+    Raises:
+        InputError: they cannot.
+    """
+    if not 1 <= picks <= MOST_PICKS:
+        raise InputError(f"1 to {MOST_PICKS} picks a scan can be asked for, not {picks!r}")
+    if picks > 1 and cell.policy.pair_gap <= 0:
+        raise InputError(
+            f"cell {cell.name} has no pair_gap_mm in its [policy], so nobody knows which parts "
+            "move when one is taken; more than one pick a scan needs that"
+        )
+
+
+def prove_row(
+    cell: Cell,
+    plans: Sequence[Plan],
+    *,
+    detections: Sequence[Detection] | None = None,
+    scan: Scan | None = None,
+) -> tuple[Proven, ...]:
+    """Each plan with its proof in the scene that those before leave, as far as these hold.
+
+    Args:
+        cell: as it is now.
+        plans: to be carried out in this order.
+        detections: the parts known to be in the bin at first; see `proving.scene_of`.
+        scan: in which they were found; see there.
+
+    Raises:
+        CommandRefused: a part that stays may have moved by the time a plan begins.
+    """
+    found = [Proven(plans[0], prove(cell, plans[0], detections=detections, scan=scan))]
+    for number, (before, plan) in enumerate(pairwise(plans), 2):
+        if not found[-1].proof.holds:
+            break
+        moved = may_have_moved(cell, before)
+        if moved is not None or cell.policy.pair_gap <= 0:
+            why = "the cell has no pair_gap_mm" if moved is None else str(moved)
+            raise CommandRefused(
+                f"plan {number} of the row cannot follow plan {number - 1}, since nobody knows how "
+                f"the parts lie then: {why}"
+            )
+        found.append(Proven(plan, prove_in(cell, scene_after(cell, before), plan)))
+    return tuple(found)
+
+
+def parts_taken(first: Plan, plan: Plan) -> tuple[int, ...]:
+    """Numbers of the parts that a plan of a row takes, in the list of the first plan of that row.
+
+    Its own list has no longer what those before take.
+    """
+    return tuple(_number(first, plan.detections[one.detection]) for one in plan.arms)
+
+
+def renumbered(words: str, first: Plan, detections: Sequence[Detection]) -> str:
+    """Words about a later plan, of its own `detections`, by the numbers of the first of the row."""
+
+    def by_first(found: re.Match[str]) -> str:
+        number = int(found[1]) - 1
+        if not 0 <= number < len(detections):
+            # A grasp may be called anything.
+            return found[0]
+        return f"part-{_number(first, detections[number]) + 1}"
+
+    return re.sub(r"\bpart-(\d+)", by_first, words)
+
+
+def _number(first: Plan, one: Detection) -> int:
+    """The number in the first plan's list; digits of a file may differ in the last place."""
+    T = one.T_world_part.homogeneous
+    away = [np.abs(known.T_world_part.homogeneous - T).max() for known in first.detections]
+    return int(np.argmin(away))
+
+
+def _next(
+    cell: Cell,
+    scene: Scene,
+    avoided: Mapping[int, str],
+    report: Report,
+    *,
+    is_last: bool,
+    **asked: Any,
+) -> PlanResult:
+    """A plan for a scene, by parts that lie alone where another one is to follow."""
+
+    def planned(left: Mapping[int, str]) -> PlanResult:
+        return plan_pick(
+            cell,
+            scene.detections,
+            scene.scan_digest,
+            obstacles=scene.obstacles,
+            avoided=left,
+            report=report,
+            **asked,
+        )
+
+    heaps = World(cell, scene.detections, scene.obstacles).part_ways.heaps
+    heaped = {number for number, heap in enumerate(heaps) if heaps.count(heap) > 1}
+    if is_last or not heaped or len(heaped | set(avoided)) == len(heaps):
+        return planned(avoided)
+    result = planned({**dict.fromkeys(heaped, TAKEN_LAST), **avoided})
+    return result if _holds(result) else planned(avoided)
+
+
+def _holds(result: PlanResult) -> bool:
+    return result.plan is not None and result.proof is not None and result.proof.holds
+
+
+def _left(plan: Plan, avoided: Mapping[int, str]) -> dict[int, str]:
+    """What is avoided, by the numbers of the parts that stay once a plan was carried out."""
+    taken = {one.detection for one in plan.arms}
+    stay = [number for number in range(len(plan.detections)) if number not in taken]
+    return {stay.index(number): why for number, why in avoided.items() if number in stay}
+
+
+def _named(report: Report, name: str) -> Report:
+    return lambda done, note: report(done, f"{name}: {note}")

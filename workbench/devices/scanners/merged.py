@@ -1,0 +1,129 @@
+"""The scanner `merged`: several scanners, each with a calibrated pose of its own, as one cloud.
+
+A cell has one scanner, in whose frame all points are.  This one takes a scan of each view, one
+after the other, so that none lights what another looks at, and puts the points together in its own
+frame by the poses in the world that the views were calibrated to.  Where its own frame lies moves
+no point in the world: it is where the bin is looked at from when parts are searched.
+"""
+
+import re
+import time
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from workbench.formats.cells.devices import read_scanner
+from workbench.formats.clouds.scans import MOST_POINTS
+from workbench.formats.files.toml_keys import read_toml
+from workbench.model.cell import Cell, ScannerMount
+from workbench.model.errors import FileError, InputError, JobCancelled, LinkError
+from workbench.model.geometry import Floats
+from workbench.model.scan import Scan
+from workbench.plugins.options import option
+from workbench.plugins.progress import Cancelled, Report
+from workbench.plugins.scanner import Scanner, ScanRequest, scanner_of
+
+MERGED, SIMULATED = "merged", "simulated"
+FEWEST_VIEWS, MOST_VIEWS = 2, 8
+DAY = 24 * 3600.0
+
+
+@dataclass(frozen=True, slots=True)
+class MergedOptions:
+    """The keys of `merged` under `[scanner.options]`."""
+
+    views: str = option(
+        says="files in the folder `address`, commas between; each has a table [scanner]"
+    )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class View:
+    """One of the scanners: the file that describes it, where it hangs, and its driver."""
+
+    file: Path
+    mount: ScannerMount
+    scanner: Scanner
+
+
+class MergedScanner:
+    """The scans of several scanners as one; if one of them fails there is none."""
+
+    Options = MergedOptions
+
+    def __init__(self, cell: Cell, options: MergedOptions):
+        self._mount = cell.scanner
+        self._views = _views(cell, options)
+
+    def scan(self, request: ScanRequest, report: Report, cancelled: Cancelled) -> Scan:
+        """Take a scan of each view; see `Scanner`."""
+        for view in self._views:
+            _check_calibration(view, time.time())
+        clouds, told = list[Floats](), list[str]()
+        for number, view in enumerate(self._views):
+
+            def share(done: float, note: str, view: View = view, number: int = number) -> None:
+                report((number + done) / len(self._views), f"{view.file.name}: {note}")
+
+            try:
+                scan = view.scanner.scan(request, share, cancelled)
+            except (FileError, LinkError) as error:
+                raise LinkError(f"view {view.file.name}: {error}") from None
+            if cancelled():
+                raise JobCancelled("the scan was cancelled")
+            T = self._mount.T_world_scanner.actInv(scan.T_world_scanner)
+            clouds.append(scan.points @ T.rotation.T + T.translation)
+            told.append(f"{len(scan.points):,} of {view.file.name}")
+        points = np.concatenate(clouds)
+        if len(points) > MOST_POINTS:
+            raise LinkError(
+                f"scanner: {len(points)} points in all, at most {MOST_POINTS} are taken"
+            )
+        return Scan(points, self._mount.T_world_scanner, f"merged: {', '.join(told)}")
+
+
+def _views(cell: Cell, options: MergedOptions) -> tuple[View, ...]:
+    """The views that are named, ready to take one scan.
+
+    Raises:
+        InputError: these are no names of files, or too few or too many.
+        FileError: a file cannot be read, or is of another `merged`.
+    """
+    names = [name for name in re.split(r"[,\s]+", options.views) if name]
+    if not FEWEST_VIEWS <= len(names) <= MOST_VIEWS or len(set(names)) < len(names):
+        raise InputError(
+            f"views: {FEWEST_VIEWS} to {MOST_VIEWS} different files are expected, not "
+            f"{options.views!r}"
+        )
+    if any("/" in name for name in names):
+        raise InputError(f"views: names of files in `address` are expected, not {options.views!r}")
+    views: list[View] = []
+    for name in names:
+        table = read_toml(Path(cell.scanner.address) / name).table("scanner")
+        mount = read_scanner(table)
+        if mount.source == MERGED:
+            raise table.error("source", "a view is one scanner, and none that is merged itself")
+        # The parts, the bin and the robot are those of the cell: one world.
+        scanner = scanner_of(replace(cell, scanner=mount))
+        views.append(View(table.path, mount, scanner))
+    return tuple(views)
+
+
+def _check_calibration(view: View, now: float) -> None:
+    """A view whose pose nobody has measured, or long ago, would put its points anywhere.
+
+    Raises:
+        LinkError: it is such a view.
+    """
+    record = view.mount.calibration
+    if view.mount.source == SIMULATED:
+        return
+    if record is None:
+        raise LinkError(f"view {view.file.name}: its pose was never calibrated")
+    days = (now - record.at) / DAY
+    if days > view.mount.calibration_days:
+        raise LinkError(
+            f"view {view.file.name}: it was calibrated {days:.0f} days ago, and "
+            f"{view.mount.calibration_days:g} are allowed (calibration_days)"
+        )

@@ -1,0 +1,37 @@
+"""The points of a camera's image as a scan, if they lie where the scanner can measure."""
+
+import numpy as np
+
+from workbench.formats.clouds.scans import BESIDE, FEW
+from workbench.model.cell import ScannerMount
+from workbench.model.errors import LinkError
+from workbench.model.geometry import Floats
+from workbench.model.scan import Scan
+
+
+def scan_of(points: Floats, mount: ScannerMount, source: str, doubt: str) -> Scan:
+    """A scan of one image.
+
+    Args:
+        points: (rows, columns, 3) [m] in the scanner's frame, NaN where nothing was measured.
+        mount: where the scanner hangs, and how far it measures.
+        source: names the image.
+        doubt: what to look at when the points lie far from where the scanner measures.
+
+    Raises:
+        LinkError: nothing was measured, or far from there.
+    """
+    rows, columns, _ = points.shape
+    flat = points.reshape(-1, 3)
+    measured = np.flatnonzero(np.isfinite(flat).all(axis=1))
+    if not len(measured):
+        raise LinkError(f"{source} has no pixel with a measurement")
+    flat = flat[measured]
+    away = np.linalg.norm(flat, axis=1)
+    nearest, farthest = (float(value) for value in np.quantile(away, (FEW, 1 - FEW)))
+    if nearest > mount.far * BESIDE or farthest < mount.near / BESIDE:
+        raise LinkError(
+            f"{source} is {nearest:.4g} to {farthest:.4g} m away, and the scanner "
+            f"measures from {mount.near:g} to {mount.far:g} m (near_mm, far_mm): {doubt}"
+        )
+    return Scan(flat, mount.T_world_scanner, source, measured, (columns, rows))

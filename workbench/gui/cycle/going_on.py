@@ -1,0 +1,53 @@
+"""The button that begins the next cycle after a finished one."""
+
+from collections.abc import Callable
+
+import viser
+
+from workbench.app.core.commands import FindParts, GoOn, MakePlan, TakeScan
+from workbench.app.core.state import Phase
+from workbench.app.core.value_checks import SEED_LIMIT
+from workbench.gui.shared.look import View
+from workbench.gui.shared.views import line
+from workbench.gui.shared.visitor import Visitor, whole
+
+SAYS = "Scans, finds the parts and plans; then a person looks and approves."
+
+
+class GoOnButton:
+    """Seen once a cycle has ended well.  What it begins ends before anything is approved."""
+
+    def __init__(
+        self,
+        visitor: Visitor,
+        seed: viser.GuiInputHandle[int],
+        wanted: Callable[[], tuple[TakeScan, FindParts, MakePlan]],
+    ):
+        """Add the button, unseen.
+
+        Args:
+            visitor: whose it is.
+            seed: the field with the seed, that of the next pile once this was pressed.
+            wanted: what the buttons for each step would ask for.
+        """
+        self._visitor, self._seed, self._wanted = visitor, seed, wanted
+        gui = visitor.gui
+        self._line = gui.add_html(line(SAYS, kind="hint", span=2), visible=False)
+        self._button = gui.add_button("Go on", icon=viser.Icon.REPEAT, visible=False, hint=SAYS)
+        self._button.on_click(lambda _: self._pressed())
+
+    def _pressed(self) -> None:
+        # The same seed would let the same simulated pile fall again.
+        before = whole(self._seed.value)
+        if isinstance(before, int):
+            self._seed.value = (before + 1) % SEED_LIMIT
+        if not self._visitor.ask(lambda: GoOn(*self._wanted())):
+            self._seed.value = before
+
+    def show(self, new: View) -> None:
+        """Bring it up to date."""
+        state, visitor = new.state, self._visitor
+        is_there = state.phase is Phase.DONE and state.job is None and not new.is_recorded
+        self._line.visible = self._button.visible = is_there
+        if is_there:
+            visitor.allow(self._button, visitor.refusal(state, GoOn(), new.at))

@@ -1,0 +1,45 @@
+"""How the piles went empty: parts taken over picks, a curve for each pile."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from workbench.gui.shared.colours import JOINTS
+from workbench.gui.shared.plots import Curve, Plot
+from workbench.model.prediction import EmptiedPile
+
+MOST_CURVES = len(JOINTS)
+"""As many piles have a colour of their own; the others are not drawn."""
+
+FEWEST = 5.0
+"""Picks on the axis at least."""
+
+
+def taken_plot(piles: Sequence[EmptiedPile]) -> Plot:
+    """Parts taken after each pick, from none on; a failed pick makes a curve level.
+
+    A curve ends with the last pick of its pile.
+    """
+    shown = piles[:MOST_CURVES]
+    most = max((len(one.outcomes) for one in shown), default=0)
+    curves = tuple(
+        Curve(f"seed {one.task.seed}", JOINTS[number], _taken(one, most))
+        for number, one in enumerate(shown)
+    )
+    title = "Parts taken over picks"
+    if len(piles) > len(shown):
+        title += f", of the first {len(shown)} piles"
+    high = float(max((one.parts for one in shown), default=1))
+    return Plot(title, "parts", np.arange(most + 1.0), curves, 0.0, high, "pick")
+
+
+def end_of(plot: Plot) -> float:
+    """Where the axis of the picks ends: with room for its name, and whole numbers on it."""
+    return 1.1 * max(float(plot.times[-1]), FEWEST)
+
+
+def _taken(pile: EmptiedPile, most: int) -> np.ndarray:
+    taken = np.full(most + 1, np.nan)
+    steps = [not outcome for outcome in pile.outcomes]
+    taken[: len(steps) + 1] = np.cumsum([0, *steps])
+    return taken

@@ -1,0 +1,195 @@
+"""A film of an emptied pile on one clock: where arms and parts are at each of its moments.
+
+Arms move as planned, and what they hold moves with them.  Of how the rest settles only the ends are
+known: in between the parts are shown on the straight way from how they lay to how they come to lie,
+while the part is lifted.
+"""
+
+from bisect import bisect_right
+from dataclasses import dataclass, replace
+from itertools import accumulate
+
+import numpy as np
+import pinocchio as pin
+
+from workbench.app.emptying.film import Film, FilmedPick, Shot
+from workbench.gui.shared.look import FilmMoment, FilmPart
+from workbench.gui.shared.own import Showing
+from workbench.gui.shared.playback import Run, interpolated, moments, timeline
+from workbench.model.cell import Cell
+from workbench.model.plan import LegName
+from workbench.planning.kinematics.robot import Kinematics
+
+LOOK = 0.5
+"""[s] That a look into the bin is shown, before each plan and after the last."""
+
+FAILED = {
+    "missed": "closes on nothing: missed",
+    "crooked": "takes a part that lies elsewhere: crooked",
+    "turned": "takes a part whose roll is another: turned",
+}
+"""What an arm does whose pick fails, by the kind of failure."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Stretch:
+    """A shot on the film's clock: it begins at `start` [s] with a look, and `runs` after that."""
+
+    shot: Shot
+    runs: tuple[Run, ...]
+    start: float
+    end: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Reel:
+    """All shots of a film one after the other; `seconds` is how long it is."""
+
+    film: Film
+    stretches: tuple[Stretch, ...]
+    seconds: float
+
+
+def reel_of(film: Film) -> Reel:
+    """A film laid on one clock."""
+    runs = [timeline(shot.plan) for shot in film.shots]
+    lengths = [LOOK + max((run.end for run in one), default=0.0) for one in runs]
+    ends = tuple(accumulate(lengths))
+    stretches = tuple(
+        Stretch(shot, one, end - length, end)
+        for shot, one, length, end in zip(film.shots, runs, lengths, ends, strict=True)
+    )
+    return Reel(film, stretches, (ends[-1] if ends else 0.0) + LOOK)
+
+
+class Projector:
+    """Works out moments of films.
+
+    Concurrency: one thread.
+    """
+
+    def __init__(self) -> None:
+        self._reel: Reel | None = None
+        self._kinematics: Kinematics | None = None
+        self._cell: Cell | None = None
+
+    def moment(self, cell: Cell, showing: Showing) -> FilmMoment:
+        """How everything is at a moment of a film, in the cell in which it was made."""
+        if self._kinematics is None or self._cell is not cell:
+            self._cell, self._kinematics = cell, Kinematics(cell)
+        if self._reel is None or self._reel.film is not showing.film:
+            self._reel = reel_of(showing.film)
+        return moment_of(cell, self._kinematics, self._reel, showing)
+
+
+def moment_of(cell: Cell, kinematics: Kinematics, reel: Reel, showing: Showing) -> FilmMoment:
+    """How everything is at the moment of a film that is looked at.
+
+    Args:
+        cell: in which it was made.
+        kinematics: of that cell.
+        reel: the film on its clock.
+        showing: which moment, and why parts stay.
+    """
+    film, time = reel.film, showing.time
+    number = bisect_right([one.start for one in reel.stretches], time) - 1
+    if number < 0 or time >= reel.stretches[-1].end:
+        left = tuple(
+            FilmPart(k, one.part, one.T_world_part, showing.kinds.get(k, ""))
+            for k, one in film.left
+        )
+        return FilmMoment(moments(cell, (), 0.0), left, _end_words(film))
+    stretch = reel.stretches[number]
+    now = time - stretch.start - LOOK
+    poses = _parts(cell, kinematics, stretch, now)
+    kinds = dict(film.fallen)
+    parts = tuple(FilmPart(k, kinds[k].part, T) for k, T in sorted(poses.items()))
+    before = sum(not pick.outcome for one in reel.stretches[:number] for pick in one.shot.picks)
+    return FilmMoment(
+        moments(cell, stretch.runs, now), parts, _words(film, stretch, now, before, number)
+    )
+
+
+def _parts(cell: Cell, kinematics: Kinematics, stretch: Stretch, now: float) -> dict[int, pin.SE3]:
+    """`T_world_part` of each part that is there `now` [s] on the plan's clock, by its number."""
+    poses = {k: one.T_world_part for k, one in stretch.shot.before}
+    for pick in stretch.shot.picks:
+        lift = _run(stretch, pick, "extract")
+        share = float(np.clip((now - lift.start) / max(lift.end - lift.start, 1e-9), 0.0, 1.0))
+        if share <= 0.0:
+            continue
+        after = dict(pick.after)
+        for k in tuple(poses):
+            if k == pick.number:
+                poses[k] = _held(cell, kinematics, stretch, pick, now)
+            elif k in after:
+                poses[k] = pin.SE3.Interpolate(poses[k], after[k].T_world_part, share)
+            elif share >= 1.0 and not _was_taken(stretch, k):
+                # It has fallen out of the bin.
+                del poses[k]
+    return poses
+
+
+def _was_taken(stretch: Stretch, number: int) -> bool:
+    return any(pick.number == number for pick in stretch.shot.picks)
+
+
+def _run(stretch: Stretch, pick: FilmedPick, leg: LegName) -> Run:
+    return next(run for run in stretch.runs if run.arm == pick.arm and run.leg.name == leg)
+
+
+def _held(
+    cell: Cell, kinematics: Kinematics, stretch: Stretch, pick: FilmedPick, now: float
+) -> pin.SE3:
+    """Where a part is that an arm has taken: in its hand, or where that has let go of it."""
+    held = [
+        run for run in stretch.runs if run.arm == pick.arm and run.leg.holding and run.start <= now
+    ]
+    run = held[-1] if held else _run(stretch, pick, "extract")
+    q = interpolated(run.leg.q, run.leg.t, min(now, run.end) - run.start)
+    return kinematics.tcp_pose(cell.arm(pick.arm), q) * pick.T_tcp_part
+
+
+def _words(film: Film, stretch: Stretch, now: float, taken: int, number: int) -> str:
+    """What goes on: which plan, how much is taken, and what the arms do."""
+    head = f"Plan {number + 1} of {len(film.shots)}"
+    lifted = [pick for pick in stretch.shot.picks if now >= _run(stretch, pick, "extract").end]
+    taken += sum(not pick.outcome for pick in lifted)
+    doing = [_does(pick) for pick in lifted] or [_goes_to(stretch.shot)]
+    if now < 0.0:
+        doing = ["a look into the bin"]
+    return f"{head}, {taken} of {len(film.fallen)} taken: {'; '.join(doing)}"
+
+
+def _goes_to(shot: Shot) -> str:
+    arms = [f"{pick.arm} to {_name(pick.number)}" for pick in shot.picks]
+    return f"arm {', '.join(arms)}" if len(arms) == 1 else f"arms {', '.join(arms)}"
+
+
+def _does(pick: FilmedPick) -> str:
+    if pick.outcome:
+        return f"{pick.arm} {FAILED.get(pick.outcome, pick.outcome)}"
+    return f"{pick.arm} has {_name(pick.number)}"
+
+
+def _name(number: int | None) -> str:
+    return "a part that is not there" if number is None else f"part-{number + 1}"
+
+
+def _end_words(film: Film) -> str:
+    taken = sum(not pick.outcome for shot in film.shots for pick in shot.picks)
+    stays = f"{len(film.left)} stay" if film.left else "the bin is empty"
+    return f"The end: {taken} of {len(film.fallen)} taken, {stays}"
+
+
+def end_of(reel: Reel) -> float:
+    """When the last plan has ended: from then on what stays is told [s]."""
+    return reel.stretches[-1].end if reel.stretches else 0.0
+
+
+def advanced(showing: Showing, elapsed: float) -> Showing:
+    """A film so much later [s] by the clock on the wall, if it plays; it stops at its end."""
+    if not showing.is_playing:
+        return showing
+    time = min(showing.time + elapsed * showing.speed, showing.seconds)
+    return replace(showing, time=time, is_playing=time < showing.seconds)

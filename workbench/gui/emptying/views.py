@@ -1,0 +1,237 @@
+"""What the tab says of piles that were emptied in simulation, as text and HTML."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from html import escape
+from typing import Any, Literal
+
+from workbench.app.core.state import counted
+from workbench.gui.shared.colours import left_colour
+from workbench.gui.shared.tables import clickable, marked
+from workbench.gui.shared.views import line, sentence, table_html
+from workbench.model.prediction import EmptiedPile, Emptying
+
+Column = Literal["seed", "taken", "left", "failed", "touches", "plans", "motion"]
+
+COLUMNS: Mapping[Column, tuple[str, str]] = {
+    "seed": ("Seed", "of the pile: the same seed gives the same pile"),
+    "taken": ("Taken", "parts that came out as planned"),
+    "left": ("Stay", "parts that nothing took"),
+    "failed": ("Failed", "picks that missed, or took a part otherwise than planned"),
+    "touches": ("Touches", "straight legs on which something met that the plan held apart"),
+    "plans": ("Plans", "made, proven and carried out"),
+    "motion": ("Motion [s]", "as planned, in all"),
+}
+
+NOTHING_YET = (
+    "How much of a full bin this cell would empty is shown here, and what stays, once piles were "
+    "emptied."
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Order:
+    """How one browser sorts the table of piles."""
+
+    column: Column = "seed"
+    is_descending: bool = False
+
+
+def sort_key(pile: EmptiedPile, column: Column) -> float:
+    """By what a column sorts."""
+    match column:
+        case "seed":
+            return pile.task.seed
+        case "taken":
+            return pile.taken
+        case "left":
+            return len(pile.left)
+        case "failed":
+            return sum(pile.failed)
+        case "touches":
+            return pile.touches
+        case "plans":
+            return pile.cycles
+        case "motion":
+            return pile.motion_seconds
+
+
+def ordered(piles: Sequence[EmptiedPile], order: Order) -> tuple[int, ...]:
+    """Indices of the piles in the order wanted; equal ones keep that of their seeds."""
+    return tuple(
+        sorted(
+            range(len(piles)),
+            key=lambda number: sort_key(piles[number], order.column),
+            reverse=order.is_descending,
+        )
+    )
+
+
+def asked_words(found: Emptying) -> str:
+    """Which piles they were, in one sentence."""
+    task = found.piles[0].task
+    plain = found.plain
+    seen = "true poses" if task.seen == "truth" else "simulated scans"
+    seeds = f"{plain[0].task.seed} to {plain[-1].task.seed}" if len(plain) > 1 else f"{task.seed}"
+    return (
+        f"{counted(len(plain), 'pile')} of {counted(task.count, 'part')} {task.part}, "
+        f"seed {seeds}, by {seen}, in simulation."
+    )
+
+
+def summary_html(found: Emptying, told: Mapping[str, Any], is_stale: bool) -> str:
+    """What came of all piles together.
+
+    Args:
+        found: the piles.
+        told: their `summary`.
+        is_stale: the cell is another one now.
+    """
+    kinds = ", ".join(f"{count} {kind}" for kind, count in told["failed_by_kind"].items() if count)
+    failed = f"{told['failed_picks']} failed" + (f" ({kinds})" if kinds else "")
+    planning, hourly = told["planning_ms"], told["parts_per_hour"]
+    knocked = f", {told['knocked_out']} knocked out of the bin" if told["knocked_out"] else ""
+    rows = [
+        ("Taken", f"{told['taken']} of {told['parts']} parts, {told['taken_share']:.0%}{knocked}"),
+        ("Picks", f"{told['picks']}, {failed}, {_touches(told['touches'])}"),
+        ("Parts an hour", "-" if hourly is None else f"{hourly:.0f}"),
+        (
+            "Planning",
+            "-"
+            if planning is None
+            else f"{planning['median']:.0f} ms median, {planning['p95']:.0f} ms at 95 %",
+        ),
+        ("Stay", _reasons(told["left_by_reason"])),
+    ]
+    stale = "The cell has changed since; empty the piles again to see what that changes."
+    warning = line(stale, kind="warn") if is_stale else ""
+    share = 100.0 * (told["taken_share"] or 0.0)
+    bar = f'<div class="wb-bar"><i style="width:{share:.1f}%"></i></div>'
+    return line(asked_words(found), kind="hint") + warning + table_html(rows) + bar
+
+
+def _touches(count: int) -> str:
+    return "1 touch" if count == 1 else f"{count} touches"
+
+
+def _reasons(reasons: Mapping[str, int]) -> str:
+    if not reasons:
+        return "nothing"
+    return ", ".join(f"{count} {kind}" for kind, count in reasons.items())
+
+
+def piles_html(
+    piles: Sequence[EmptiedPile],
+    shown: Sequence[int],
+    order: Order,
+    chosen: int | None,
+    *,
+    headings: Mapping[Column, str],
+    rows: Sequence[str],
+) -> str:
+    """The table of piles; a click on a row chooses it.
+
+    Args:
+        piles: all of them.
+        shown: their indices, as they are sorted.
+        order: how, for the arrow in the heading.
+        chosen: index of the one that is looked at.
+        headings: ids of unseen buttons, by column.
+        rows: ids of unseen buttons, by place.
+    """
+    arrow = " ▾" if order.is_descending else " ▴"
+    head = "".join(
+        f'<th class="wb-number" title="{escape(tip)}" {clickable(headings[column])}>{escape(title)}'
+        f"{arrow if column == order.column else ''}</th>"
+        for column, (title, tip) in COLUMNS.items()
+    )
+    body = "".join(
+        _pile_row(piles[number], rows[place], is_chosen=number == chosen)
+        for place, number in enumerate(shown)
+    )
+    return (
+        '<div class="wb-list"><table class="wb-table wb-piles"><thead><tr>'
+        f"{head}</tr></thead><tbody>{body}</tbody></table></div>"
+    )
+
+
+def _pile_row(pile: EmptiedPile, button: str, *, is_chosen: bool) -> str:
+    kinds = ", ".join(f"{one.part} {one.kind}" for one in pile.left)
+    values = (
+        f"{pile.task.seed}",
+        f"{pile.taken} of {pile.parts}",
+        f"{len(pile.left)}",
+        f"{sum(pile.failed)}",
+        f"{pile.touches}",
+        f"{pile.cycles}",
+        f"{pile.motion_seconds:.1f}",
+    )
+    cells = "".join(f'<td class="wb-number">{escape(value)}</td>' for value in values)
+    tip = f"stay: {kinds}" if kinds else "nothing stays"
+    return f'<tr{marked(is_chosen)} title="{escape(tip)}" {clickable(button)}>{cells}</tr>'
+
+
+def left_html(pile: EmptiedPile, chosen: int | None, rows: Sequence[str]) -> str:
+    """The parts that stayed in a pile, each with why and what would take it.
+
+    Args:
+        pile: whose.
+        chosen: number of the part that is looked at, from 0 on.
+        rows: ids of unseen buttons, by place.
+    """
+    if not pile.left:
+        return line("Nothing stays of this pile.", kind="hint")
+    body = "".join(
+        f"<tr{marked(one.part == _name(chosen))} {clickable(rows[place])}>"
+        f"<td>{escape(one.part)}</td>"
+        f'<td><span class="wb-verdict" style="background:{left_colour(one.kind)}">'
+        f"{escape(one.kind)}</span> {escape(sentence(one.reason))}."
+        f'<div class="wb-pair">{escape(fix_words(one.nearest_fix))}</div></td></tr>'
+        for place, one in enumerate(pile.left[: len(rows)])
+    )
+    return (
+        '<div class="wb-list"><table class="wb-table wb-left"><thead><tr><th>Stays</th>'
+        f"<th>Why, and what would take it</th></tr></thead><tbody>{body}</tbody></table></div>"
+    )
+
+
+def fix_words(nearest_fix: str) -> str:
+    """The smallest change that takes a part, or that there is none."""
+    if not nearest_fix:
+        return "No small change of a grasp takes it."
+    return f"Smallest change that takes it: {nearest_fix}."
+
+
+def changes_html(rows: Sequence[Mapping[str, Any]]) -> str:
+    """What single changes of the cell bring on the same piles, as `ranked` has them."""
+    if not rows:
+        return ""
+    body = "".join(
+        # Words of the change as they are: some begin with a key of the cell file.
+        f'<tr title="{escape(row["change"])}"><td>{escape(row["change"])}</td>'
+        f'<td class="wb-number">{row["taken_share_before"]:.0%}</td>'
+        f'<td class="wb-number">{row["taken_share"]:.0%}</td>'
+        f'<td class="wb-number wb-{_sign(row["parts_gained"])}">{_gained(row["parts_gained"])}</td>'
+        f'<td class="wb-number">{row["failed_picks"] + row["touches"]}</td>'
+        f'<td class="wb-number">{row["motion_seconds"]:.1f}</td></tr>'
+        for row in rows
+    )
+    return (
+        '<div class="wb-list"><table class="wb-table wb-what-if"><thead><tr><th>Change</th>'
+        '<th class="wb-number">Before</th><th class="wb-number">With it</th>'
+        '<th class="wb-number">Parts</th>'
+        '<th class="wb-number" title="failed picks, and touches">Failed</th>'
+        f'<th class="wb-number">Motion [s]</th></tr></thead><tbody>{body}</tbody></table></div>'
+    )
+
+
+def _gained(parts: int) -> str:
+    return f"{parts:+d}" if parts else "0"
+
+
+def _sign(gained: int) -> str:
+    return "gain" if gained > 0 else "loss" if gained < 0 else "same"
+
+
+def _name(number: int | None) -> str:
+    return "" if number is None else f"part-{number + 1}"

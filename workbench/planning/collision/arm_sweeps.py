@@ -1,0 +1,110 @@
+"""Whether two arms can meet while each goes its own way, at whatever speed.
+
+The question has two parameters, how far each arm has come.  It is answered as for one arm
+(`motion`): at a state in the middle of both ways no pair may be closer than its margin plus the
+most that the rest of both ways can bring it nearer; otherwise the longer way is halved.
+"""
+
+from collections import deque
+from dataclasses import dataclass
+
+import numpy as np
+from numba import njit
+
+from workbench.model.geometry import Floats, Ints
+from workbench.planning.collision.contact import Contact
+from workbench.planning.collision.motion import RESOLUTION, halved
+from workbench.planning.collision.world import World
+
+MOST_LOOKS = 20_000
+"""After so many looks the arms count as meeting: they come that close over a long way."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ArmSweep:
+    """The way of one arm: its name and the control points (k, 3, n) [rad] of its curves."""
+
+    arm: str
+    points: Floats
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ArmContact:
+    """Where two arms come too close: `q`, (n,) [rad] of each, and their curves, counted from 0."""
+
+    contact: Contact
+    q: tuple[Floats, Floats]
+    curves: tuple[int, int]
+
+
+def standing(arm: str, q: Floats) -> ArmSweep:
+    """An arm that stays at `q` (n,) [rad]."""
+    return ArmSweep(arm, np.array([[q, q, q]]))
+
+
+def first_contact(
+    world: World, base: Floats, first: ArmSweep, second: ArmSweep, resolution: float = RESOLUTION
+) -> ArmContact | None:
+    """The first place found where two arms come too close; None when there surely is none.
+
+    Args:
+        world: in a phase in which both arms may move; only pairs between the two are looked at.
+        base: whole configuration (nq,) of all other joints.
+        first: the way of one arm.
+        second: the way of the other.
+        resolution: [m] see `motion`.
+    """
+    q, d = base.copy(), np.zeros(len(base))
+    columns = [world.kinematics.columns[sweep.arm] for sweep in (first, second)]
+    pending: deque[tuple[tuple[Floats, Floats], tuple[int, int], Ints]] = deque()
+    among = world.pairs.between(first.arm, second.arm)
+    pending.append(((first.points, second.points), (0, 0), among))
+    looks = 0
+    while pending:
+        ways, starts, among = pending.popleft()
+        middles, spans = [], []
+        for way, column in zip(ways, columns, strict=True):
+            middle, span = _middle(way)
+            q[column], d[column] = middle, span
+            middles.append(middle)
+            spans.append(float(span.max()))
+        contact, unclear, move = world.look(q, d, among)
+        looks += 1
+        at = (starts[0] + len(ways[0]) // 2, starts[1] + len(ways[1]) // 2)
+        if contact is not None:
+            return ArmContact(contact, (middles[0], middles[1]), at)
+        if len(unclear) == 0 or move <= resolution:
+            continue
+        if looks > MOST_LOOKS:
+            return ArmContact(world.nearest(q, unclear), (middles[0], middles[1]), at)
+        longer = 0 if spans[0] >= spans[1] else 1
+        way, start = ways[longer], starts[longer]
+        if len(way) > 1:
+            half = len(way) // 2
+            parts = ((way[:half], start), (way[half:], start + half))
+        else:
+            _, _, left, right = halved(way[0])
+            parts = ((left[None], start), (right[None], start))
+        for part, begin in parts:
+            if longer == 0:
+                pending.append(((part, ways[1]), (begin, starts[1]), unclear))
+            else:
+                pending.append(((ways[0], part), (starts[0], begin), unclear))
+    return None
+
+
+@njit(cache=True)
+def _middle(points: Floats) -> tuple[Floats, Floats]:
+    """A state in the middle of a chain of curves (k, 3, n), and the most any joint leaves it."""
+    half = len(points) // 2
+    n = points.shape[2]
+    middle, span = np.empty(n), np.zeros(n)
+    for i in range(n):
+        if half:
+            middle[i] = points[half, 0, i]
+        else:
+            middle[i] = (points[0, 0, i] + 2.0 * points[0, 1, i] + points[0, 2, i]) / 4.0
+        for k in range(len(points)):
+            for j in range(3):
+                span[i] = max(span[i], abs(points[k, j, i] - middle[i]))
+    return middle, span

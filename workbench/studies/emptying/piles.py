@@ -1,0 +1,62 @@
+"""A pile of the study, by the name of its cell: what a worker anywhere is given."""
+
+from dataclasses import replace
+from functools import lru_cache
+
+from workbench.app.emptying import empty
+from workbench.app.emptying.changes import changed
+from workbench.app.picking.pile_check import check_pile, kinds_in_turn
+from workbench.app.picking.pipeline import plan_pick
+from workbench.formats.cells.reading import read_cell
+from workbench.formats.parts.reading import read_part
+from workbench.model.cell import Cell
+from workbench.model.prediction import TOGETHER, EmptiedPile, PileTask
+from workbench.model.scan import ALL_KINDS, SearchOverrides
+from workbench.perception.simulation.piles import drop_parts
+from workbench.perception.simulation.synthesize import synthesize
+from workbench.planning.collision.world import World
+from workbench.planning.picking.propose import propose
+from workbench.plugins.localizer import find_parts
+
+
+def cell_of(name: str, part: str) -> Cell:
+    """The cell, picking what `PileTask.part` names.
+
+    Raises:
+        InputError: cell or part cannot be read.
+    """
+    cell = read_cell(name)
+    if part in ("", ALL_KINDS):
+        return cell if part else replace(cell, parts=cell.parts[:1])
+    known = {one.name: one for one in cell.parts}
+    kinds = (known[one] if one in known else read_part(one) for one in part.split(TOGETHER))
+    return replace(cell, parts=tuple(kinds))
+
+
+def check_task(task: PileTask) -> None:
+    """Look whether a pile can be made and anything in it be taken at all.
+
+    Raises:
+        InputError: cell or part cannot be read, or see `check_pile`.
+    """
+    check_pile(cell_of(task.cell, task.part), task.count)
+
+
+def emptied(task: PileTask) -> EmptiedPile:
+    """Drop a pile and empty it; see `app.emptying.empty`."""
+    cell = _warm(task.cell, task.part, task.seen, task.change)
+    pile = empty.fallen(cell_of(task.cell, task.part), cell, task)
+    return empty.emptied(cell, task, pile)
+
+
+@lru_cache(maxsize=4)
+def _warm(name: str, part: str, seen: str, change: str) -> Cell:
+    """The cell, after one plan: compiled code is loaded before a clock runs."""
+    cell = changed(cell_of(name, part), change)
+    pile = drop_parts(kinds_in_turn(cell.parts, 2), cell.bin, seed=0)
+    if seen == "scan":
+        scan = synthesize(cell, pile, seed=0)
+        find_parts(scan, cell, seed=0, detail=SearchOverrides().detail)
+    plan_pick(cell, pile, "warm")
+    propose(World(cell, pile))  # also spares, which that plan did not need
+    return cell
