@@ -126,7 +126,7 @@ def test_the_other_arm_goes_on_beside_a_part_that_stays(stays, apart):
     ).plan
     assert prove(stays, scene, plan).holds
     elsewhere = replace(plan, obstacles=())
-    told = prove(stays, scene, elsewhere).findings
+    told = prove(stays, scene, elsewhere).violations
     assert "leaves out obstacle seen-1" in str(told[0])
 
 
