@@ -26,7 +26,7 @@ SQUARE = 1e-3
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Camera:
-    """The camera at `place` (3,) of the file, in its unit, with axes `R` (3, 3) in columns.
+    """The camera at `place` (3,), in the file's unit, with axes `R` (3, 3) in columns.
 
     `resolution` is that of the image (columns, rows), None where not every pixel is in the file.
     """
@@ -36,7 +36,7 @@ class Camera:
     resolution: tuple[int, int] | None
 
     def seen(self, points: Floats) -> Floats:
-        """Points (n, 3) of the file from the camera; (0, 0, 0), not measured, stays as it is."""
+        """Points (n, 3) from the camera, in the file's unit; (0, 0, 0), not measured, stays."""
         measured = np.isfinite(points).all(axis=1, keepdims=True)
         measured &= points.any(axis=1, keepdims=True)
         return np.where(measured, (points - self.place) @ self.R, points)
