@@ -9,12 +9,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from workbench.formats.cells.reading import read_cell
 from workbench.model.digest import canonical
 from workbench.model.errors import FileError, InputError
 from workbench.model.geometry import pose_from_matrix, pose_from_rpy
 from workbench.model.part import Grasp, GraspLibrary, GraspPattern
 from workbench.model.plan import ArmPlan, Guarantee, Leg, Plan, Step, Strategy
-from workbench.model.scan import Detection, Scan
+from workbench.model.scan import Detection, LocalizationResult, Scan
 
 angles = st.floats(-3.0, 3.0)
 lengths = st.floats(-2.0, 2.0)
@@ -148,3 +149,16 @@ def test_a_strategy_is_its_text_wherever_it_goes():
 def test_what_no_arm_can_be_called_is_no_strategy(text):
     with pytest.raises(InputError, match="the name of an arm is expected"):
         Strategy(text)
+
+
+def test_values_say_what_they_are_in_a_line_and_in_a_notebook():
+    cell = read_cell("yumi")
+    T = pin.SE3(np.eye(3), np.array([0.1, 0.2, 0.0304]))
+    found = Detection("<b>bolt", T, score=0.913, roll_known=False)
+    line = "<Detection part: <b>bolt, place: (100.0, 200.0, 30.4) mm, score: 0.91, roll: not known>"
+    assert repr(found) == line
+    assert "&lt;b&gt;bolt" in found._repr_html_() and "<b>" not in found._repr_html_()
+    result = LocalizationResult((found,))
+    assert repr(result) == "<LocalizationResult found: <b>bolt 0.91, rejected: 0>"
+    for value in (cell, cell.parts[0]):
+        assert value.name in repr(value) and len(repr(value)) < 300

@@ -1,11 +1,13 @@
 """Candidates for a pick, the closed vocabulary of verdicts, and picks."""
 
 import enum
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
 import pinocchio as pin
 
+from workbench.model.digest import Told
 from workbench.model.geometry import Floats, copied, frozen, put
 from workbench.model.part import Grasp
 
@@ -78,8 +80,8 @@ class Verdict:
         return f"{text} ({self.note})" if self.note else text
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Candidate:
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class Candidate(Told):
     """One detection taken by one grasp with one arm, with the verdict so far.
 
     `detection` is the index among the detections of the scan.  `rank` orders the choice:
@@ -95,6 +97,12 @@ class Candidate:
 
     def __post_init__(self) -> None:
         put(self, T_world_tcp=copied(self.T_world_tcp))
+
+    @property
+    def facts(self) -> Mapping[str, object]:
+        """What people want to know of it."""
+        part, verdict = f"part-{self.detection + 1}", str(self.verdict)
+        return {"part": part, "grasp": self.grasp.name, "arm": self.arm, "verdict": verdict}
 
 
 @dataclass(frozen=True, slots=True, eq=False)

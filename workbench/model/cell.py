@@ -8,7 +8,7 @@ import numpy as np
 import pinocchio as pin
 
 from workbench.model.calibration import CalibrationRecord
-from workbench.model.digest import LATER, called, digest_of
+from workbench.model.digest import LATER, Told, called, digest_of
 from workbench.model.errors import InputError
 from workbench.model.geometry import Box, Floats, Solid, copied, frozen, pose_from_rpy, put
 from workbench.model.motion import MotionModel
@@ -319,8 +319,8 @@ class PlanOverrides:
         return replace(policy, **{name: v for name, v in wished.items() if v is not None})
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Cell:
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class Cell(Told):
     """Everything that a plan depends on besides the scan: one digest covers it all.
 
     Neither the controller's address nor `approvers` is in the digest: where a plan is sent, and
@@ -345,6 +345,14 @@ class Cell:
     def __post_init__(self) -> None:
         put(self, T_world_robot=copied(self.T_world_robot))
         put(self, digest=digest_of(self, without=frozenset({"controller", "approvers"})))
+
+    @property
+    def facts(self) -> Mapping[str, object]:
+        """What people want to know of it."""
+        arms = ", ".join(f"{one.name} ({one.tool.name})" for one in self.arms)
+        parts = ", ".join(one.name for one in self.parts)
+        link, digest = self.controller.link, self.digest[:12]
+        return {"name": self.name, "arms": arms, "parts": parts, "link": link, "digest": digest}
 
     @property
     def zone(self) -> float:

@@ -1,4 +1,4 @@
-"""One canonical form for every value, and the digest made from it.
+"""One canonical form for every value, the digest made from it, and what people read of a value.
 
 The canonical form is what JSON can hold: a dataclass becomes an object of its fields, a pose
 its 4 x 4 matrix, an array nested lists (a large one its own digest and shape).  The plan file
@@ -10,6 +10,7 @@ import enum
 import hashlib
 import json
 from collections.abc import Mapping
+from html import escape
 from typing import Any
 
 import numpy as np
@@ -27,6 +28,34 @@ def called(name: str) -> dict[str, str]:
 
 LARGE = 4096
 """Arrays with more elements than this enter by the digest of their bytes."""
+
+
+class Told:
+    """A value that says what it is in a line, and as a table in a notebook.
+
+    The dataclass that derives from it is made with `repr=False`: all fields of a cell fill a book.
+    """
+
+    __slots__ = ()
+
+    @property
+    def facts(self) -> Mapping[str, object]:
+        """What people want to know of it, by names."""
+        return {}
+
+    def __repr__(self) -> str:
+        """The facts in a line."""
+        told = ", ".join(f"{name}: {fact}" for name, fact in self.facts.items())
+        return f"<{type(self).__name__} {told}>"
+
+    def _repr_html_(self) -> str:
+        """The facts as a table, for notebooks; names may hold anything."""
+        rows = "".join(
+            f"<tr><th style='text-align:left'>{escape(name)}</th>"
+            f"<td style='text-align:left'>{escape(str(fact))}</td></tr>"
+            for name, fact in self.facts.items()
+        )
+        return f"<table><caption>{type(self).__name__}</caption>{rows}</table>"
 
 
 def canonical(value: Any, *, without: frozenset[str] = frozenset()) -> Any:

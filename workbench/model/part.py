@@ -1,12 +1,12 @@
 """A part to be picked, the grasps that people put on it, and where it shall lie in the end."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 import pinocchio as pin
 
-from workbench.model.digest import digest_of
+from workbench.model.digest import Told, digest_of
 from workbench.model.geometry import Floats, Mesh, Solid, copied, frozen, put
 from workbench.model.symmetry import Symmetry, turn_about
 
@@ -184,8 +184,8 @@ TURNED = "@"
 """In a grasp's name, before the turn of the part's symmetry that it comes from."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Part:
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class Part(Told):
     """A part: its surface, convex solids for collision and physics, symmetry and grasps.
 
     `grasps` are those of the library and what the symmetry makes of them, no grip twice.
@@ -202,6 +202,13 @@ class Part:
 
     def __post_init__(self) -> None:
         put(self, digest=digest_of(self), grasps=_with_symmetry(self.library, self.symmetry))
+
+    @property
+    def facts(self) -> Mapping[str, object]:
+        """What people want to know of it."""
+        size = " x ".join(f"{one * 1000:.0f}" for one in np.ptp(self.mesh.points, axis=0))
+        grasps, triangles = len(self.grasps), len(self.mesh.triangles)
+        return {"name": self.name, "mm": size, "grasps": grasps, "triangles": triangles}
 
 
 def grasps_of(entry: Entry) -> tuple[Grasp, ...]:

@@ -12,7 +12,7 @@ import pinocchio as pin
 
 from workbench.model.candidate import Candidate, Verdict
 from workbench.model.cell import ARM_NAME
-from workbench.model.digest import LATER, called, digest_of
+from workbench.model.digest import LATER, Told, called, digest_of
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats, copied, frozen, put
 from workbench.model.scan import Detection, Obstacle, Scene
@@ -149,8 +149,8 @@ class Step:
         return " and ".join(f"{arm} {leg}" for arm, leg in self.runs)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Plan:
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class Plan(Told):
     """What will be sent, and all that it was made from.
 
     `detections` are all parts known in the bin: those taken and those that are obstacles;
@@ -175,6 +175,13 @@ class Plan:
 
     def __post_init__(self) -> None:
         put(self, seconds=dict(self.seconds), digest=digest_of(self, without=UNSIGNED))
+
+    @property
+    def facts(self) -> Mapping[str, object]:
+        """What people want to know of it."""
+        taken = ", ".join(f"{a.arm} arm part-{a.detection + 1} by {a.grasp}" for a in self.arms)
+        cycle, digest = f"{self.cycle_seconds:.1f} s", self.digest[:12]
+        return {"strategy": self.strategy, "takes": taken, "cycle": cycle, "digest": digest}
 
     def arm(self, name: str) -> ArmPlan:
         """That arm's part of the plan; KeyError when the arm does not take part."""
@@ -243,8 +250,8 @@ class Violation:
         return text
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Proof:
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class Proof(Told):
     """What was checked again, independently of the planner, on what will be sent.
 
     `checks` states were looked at; between two of them no point of the robot moves further
@@ -279,6 +286,17 @@ class Proof:
         )
 
     @property
+    def facts(self) -> Mapping[str, object]:
+        """What people want to know of it."""
+        if not self.holds:
+            return {"holds": "no", "violations": len(self.violations), "first": self.violations[0]}
+        return {
+            "holds": "yes",
+            "clearance": at_least(self.clearance),
+            "plan": self.plan_digest[:12],
+        }
+
+    @property
     def holds(self) -> bool:
         """Whether nothing was found against the plan."""
         return not self.violations
@@ -292,8 +310,8 @@ class Proven:
     proof: Proof
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class PlanResult:
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class PlanResult(Told):
     """What a planning job brings: every candidate judged, and the plan or why there is none.
 
     `bound` [s] is what no plan for the same parts can be quicker than, by the candidates that work;
@@ -314,6 +332,15 @@ class PlanResult:
     bound: float = field(default_factory=float, metadata=LATER)
     row: tuple[Proven, ...] = field(default_factory=tuple, metadata=LATER)
     row_ends: str = field(default_factory=str, metadata=LATER)
+
+    @property
+    def facts(self) -> Mapping[str, object]:
+        """What people want to know of it."""
+        works = sum(one.verdict.is_ok for one in self.candidates)
+        told = {"candidates": f"{works} of {len(self.candidates)} work"}
+        if self.plan is None or self.proof is None:
+            return {**told, "no plan": self.verdict}
+        return {**told, **self.plan.facts, **self.proof.facts}
 
     @property
     def plans(self) -> tuple[Plan, ...]:

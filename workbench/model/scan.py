@@ -1,12 +1,13 @@
 """What the scanner saw, and the parts found in it."""
 
 import enum
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
 import pinocchio as pin
 
-from workbench.model.digest import LATER, digest_of
+from workbench.model.digest import LATER, Told, digest_of
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats, copied, frozen, put
 
@@ -14,8 +15,8 @@ ALL_KINDS = "all"
 """In place of a part's name: every kind that the cell picks, one of each in turn."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Scan:
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class Scan(Told):
     """A point cloud in the scanner's frame.
 
     `points` (n, 3) [m], all finite; when the scanner delivers an organised cloud, `pixels`
@@ -49,14 +50,21 @@ class Scan:
         put(self, digest=digest_of(self, without=frozenset({"at", "source"})))
 
     @property
+    def facts(self) -> Mapping[str, object]:
+        """What people want to know of it."""
+        of = "" if self.resolution is None else f" of {self.resolution[0]} x {self.resolution[1]}"
+        points, source = f"{len(self.points):,}{of}", self.source
+        return {"points": points, "source": source, "digest": self.digest[:12]}
+
+    @property
     def points_world(self) -> Floats:
         """The points (n, 3) [m] in the world frame."""
         T = self.T_world_scanner
         return self.points @ T.rotation.T + T.translation
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Detection:
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class Detection(Told):
     """One part found: its pose, and how much speaks for and against it.
 
     `score` 0..1; `visible` 0..1, the fraction of the surface facing the scanner that was
@@ -101,6 +109,14 @@ class Detection:
             probability=None if self.probability is None else float(self.probability),
             roll_axis=None if self.roll_axis is None else frozen(self.roll_axis),
         )
+
+    @property
+    def facts(self) -> Mapping[str, object]:
+        """What people want to know of it."""
+        x, y, z = self.T_world_part.translation * 1000
+        turns = {} if self.roll_known else {"roll": "not known"}
+        place, score = f"({x:.1f}, {y:.1f}, {z:.1f}) mm", f"{self.score:.2f}"
+        return {"part": self.part, "place": place, "score": score, **turns}
 
     @property
     def deviations(self) -> tuple[float, float] | None:
@@ -182,8 +198,8 @@ class ScaleCheck:
         ).replace("%", " %")
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class LocalizationResult:
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class LocalizationResult(Told):
     """What a search brought: the parts, best first, and the best of what was rejected.
 
     `scales` are of those kinds of which enough is seen to tell their size.
@@ -192,6 +208,12 @@ class LocalizationResult:
     detections: tuple[Detection, ...]
     rejected: tuple[RejectedHypothesis, ...] = ()
     scales: tuple[ScaleCheck, ...] = ()
+
+    @property
+    def facts(self) -> Mapping[str, object]:
+        """What people want to know of it."""
+        found = ", ".join(f"{one.part} {one.score:.2f}" for one in self.detections)
+        return {"found": found or "nothing", "rejected": len(self.rejected)}
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -17,6 +17,7 @@ from workbench.devices.scanners.http import HttpScanner
 from workbench.devices.scanners.logins import HttpOptions, secret_of
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.clouds.scans import write_cloud
+from workbench.model.digest import canonical
 from workbench.model.errors import FileError, InputError, LinkError
 from workbench.plugins.options import options_of
 from workbench.testing import check_scanner
@@ -160,7 +161,8 @@ certificate_sha256 = "{site.fingerprint}"
     monkeypatch.setenv(VARIABLE, PASSWORD + "!")
     with pytest.raises(LinkError) as refused:
         JOBS["scan"](cell, request, lambda *what: told.append(what), lambda: False)
-    kept = [repr(cell), repr(scan), repr(told), str(refused.value), caplog.text, text]
+    values = [str(canonical(cell)), str(canonical(scan)), repr(told)]
+    kept = [*values, str(refused.value), caplog.text, text]
     for secret in (PASSWORD, PASSWORD.encode("unicode_escape").decode(), ENCODED):
         assert not any(secret in one for one in kept)
     wait_until(lambda: ENCODED in site.seen, "the secret, which this test looks for")
