@@ -115,10 +115,10 @@ __all__ = [
 ]
 
 
-# Scripts come here without a command that makes ready: they take what was compiled ahead, too, and
-# must not run what was compiled from the sources before an update.
-take_shipped()
+# Scripts come here without a command that makes ready: they must not run what was compiled from the
+# sources before an update, and take what was compiled ahead.
 forget_the_old()
+take_shipped()
 
 
 def simulate_scan(cell: Cell, truth: Sequence[Detection], *, seed: int = 0) -> Scan:

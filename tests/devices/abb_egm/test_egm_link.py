@@ -112,12 +112,13 @@ def _stand(arms: Sequence[TwinArm]) -> bool:
 def test_a_doubt_ends_the_motion_on_the_way(planned, fault, says):
     cell, plan, approval = planned
     taken = []
-    # Held up for 240 ms: a twin in haste would make that up before anybody notices.
+    # Held up for 240 ms: a twin in haste would make that up before anybody notices, and what comes
+    # at once may be heard in two pieces.
     speed = 1.0 if "jitter" in fault else 100.0
     # A busy machine is silent, too: where nothing else waits, a second lasts a minute.
     is_slow = "motors-off" in fault
     patience = replace(PATIENT, clock=lambda: time.monotonic() / 60) if is_slow else PATIENT
-    silence_ms = 300 if "cut" in fault else 200
+    silence_ms = {"cut@1": 300, "jitter@1": 100}.get(fault, 200)
     with twin_of(cell, silence_ms=silence_ms, speed=speed, faults=[fault]) as (twin, there):
         with pytest.raises(LinkError, match=says):
             for receipt in send(plan, approval, there, patience=patience):

@@ -49,6 +49,7 @@ def make_ready(report: Report, uses: Sequence[Use] = USES) -> bool:
     """
     if all(map(is_ready, uses)):
         return True
+    forget_the_old()
     take_shipped()
     missing: list[Use] = [use for use in uses if not is_ready(use)]
     if not missing:
@@ -58,7 +59,6 @@ def make_ready(report: Report, uses: Sequence[Use] = USES) -> bool:
     shares: dict[Use, float] = dict.fromkeys(missing, 0.0)
     running = set(missing)
     try:
-        forget_the_old()
         with contextlib.ExitStack() as stack:
             for use in missing:
                 stack.enter_context(_compiling(use, told))
