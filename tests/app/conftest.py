@@ -1,7 +1,7 @@
 """A cell small enough to be made in a moment, and values of every stage that belong to it."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pinocchio as pin
@@ -18,6 +18,7 @@ from workbench.model.plan import (
     Plan,
     PlanResult,
     Proof,
+    Proven,
     Step,
     Strategy,
     Violation,
@@ -32,9 +33,13 @@ HERE = pin.SE3.Identity()
 
 @dataclass(frozen=True)
 class Samples:
-    """Makes values that belong together; equal arguments give equal digests."""
+    """Makes values that belong together; equal arguments give equal digests.
+
+    `always`: each planning whose proof holds brings three plans in a row.
+    """
 
     cell: Cell
+    always: bool = False
 
     def scan(self, seed: int = 0, points: int = 50) -> Scan:
         drawn = np.random.default_rng(seed).normal(size=(points, 3))
@@ -80,6 +85,8 @@ class Samples:
 
     def planned(self, scan_digest: str, seed: int = 0, *, holds: bool = True) -> PlanResult:
         plan = self.plan(scan_digest, seed)
+        if self.always and holds:
+            return replace(self, always=False).row(scan_digest, seed)
         verdict = Verdict(Reason.OK, Stage.ROUTE)
         return PlanResult(
             (self.candidate(verdict),),
@@ -89,6 +96,18 @@ class Samples:
             dict(plan.seconds),
         )
 
+    def row(self, scan_digest: str, seed: int = 0, picks: int = 3) -> PlanResult:
+        """A plan and those after it, each in what the one before leaves."""
+        lying = (*self.detections(), *self.detections(1), *self.detections(2))[:picks]
+        plans = [
+            replace(self.plan(scan_digest, seed), detections=lying[number:])
+            for number in range(picks)
+        ]
+        first, *rest = (Proven(plan, self.proof(plan)) for plan in plans)
+        result = self.planned(scan_digest, seed)
+        ends = "no part is left" if picks < 4 else ""
+        return replace(result, plan=first.plan, proof=first.proof, row=tuple(rest), row_ends=ends)
+
     def refused(self) -> PlanResult:
         verdict = Verdict(
             Reason.IN_COLLISION, Stage.GRASP, ("link", "bin_floor"), -0.002, np.array([0.1])
@@ -97,6 +116,12 @@ class Samples:
 
     def candidate(self, verdict: Verdict) -> Candidate:
         return Candidate(0, Grasp("top", HERE, 0.04, 0.03), "right", HERE, 0.5, verdict)
+
+
+def told_cell() -> Cell:
+    """The cell by a robot link that tells what became of each part."""
+    policy = Policy(approval_minutes=5.0, pair_gap=0.01, picks=3)
+    return replace(made_cell(), policy=policy, controller=controller_by("abb-socket/2"))
 
 
 def made_cell(name: str = "sample", port: int = 1025) -> Cell:
@@ -145,3 +170,9 @@ def samples(cell: Cell) -> Samples:
 @pytest.fixture(scope="session")
 def make_cell() -> Callable[..., Cell]:
     return made_cell
+
+
+@pytest.fixture(scope="session")
+def in_rows() -> Samples:
+    """Samples of a cell that can have rows of plans."""
+    return Samples(told_cell())

@@ -310,6 +310,37 @@ class Proven:
     proof: Proof
 
 
+def number_in(first: Plan, one: Detection) -> int:
+    """The index of a part in the list of the first plan of a row.
+
+    Later plans have lists without what those before take; digits of a file may differ in the last
+    place.
+    """
+    T = one.T_world_part.homogeneous
+    away = [np.abs(known.T_world_part.homogeneous - T).max() for known in first.detections]
+    return int(np.argmin(away))
+
+
+def parts_taken(first: Plan, plan: Plan) -> tuple[int, ...]:
+    """Indices of the parts that a plan of a row takes, in the list of the first one of the row."""
+    if plan is first:
+        return tuple(one.detection for one in plan.arms)
+    return tuple(number_in(first, plan.detections[one.detection]) for one in plan.arms)
+
+
+def renumbered(words: str, first: Plan, detections: Sequence[Detection]) -> str:
+    """Words about a later plan, of its own `detections`, by the numbers of the first of the row."""
+
+    def by_first(found: re.Match[str]) -> str:
+        number = int(found[1]) - 1
+        if not 0 <= number < len(detections):
+            # A grasp may be called anything.
+            return found[0]
+        return f"part-{number_in(first, detections[number]) + 1}"
+
+    return re.sub(r"\bpart-(\d+)", by_first, words)
+
+
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
 class PlanResult(Told):
     """What a planning job brings: every candidate judged, and the plan or why there is none.

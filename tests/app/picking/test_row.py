@@ -8,17 +8,16 @@ import pytest
 
 from workbench.app.picking.pipeline import plan_pick
 from workbench.app.picking.row import (
-    MOST_PICKS,
     check_picks,
-    parts_taken,
     plan_row,
     prove_row,
-    renumbered,
 )
 from workbench.formats.cells.reading import read_cell
+from workbench.model.cell import MOST_PICKS
 from workbench.model.digest import digest_of
 from workbench.model.errors import CommandRefused, InputError
 from workbench.model.geometry import pose_from_rpy
+from workbench.model.plan import parts_taken, renumbered
 from workbench.model.scan import Detection, Scene
 from workbench.planning.collision.world import World
 from workbench.planning.kinematics.robot import Kinematics
@@ -235,7 +234,7 @@ def test_too_many_picks_or_none_are_refused(cell, picks):
 
 def test_a_cell_that_does_not_say_what_moves_has_no_rows(cell, apart):
     plain = replace(cell, policy=replace(cell.policy, pair_gap=0.0))
-    with pytest.raises(InputError, match=r"has no pair_gap_mm in its \[policy\]"):
+    with pytest.raises(InputError, match=r"needs a pair_gap_mm in \[policy\]"):
         asked(plain, apart, 2)
     check_picks(plain, 1)
 

@@ -29,10 +29,10 @@ from workbench.app.records.statistics import (
     GROUPS,
     Count,
     Statistics,
-    csv_text,
     statistics,
     together,
 )
+from workbench.app.records.statistics_table import csv_text
 from workbench.journal.journal import Row
 from workbench.model.errors import JobCancelled, JournalError, LinkError
 from workbench.model.release import PartReport, Receipt

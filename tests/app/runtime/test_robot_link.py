@@ -15,7 +15,7 @@ from workbench.model.errors import JobCancelled, LinkError
 from workbench.model.release import LinkStatus, Receipt, RobotState
 from workbench.plugins.robot_link import USUAL
 
-APPROVAL = SimpleNamespace(digest="0" * 64)
+APPROVAL = SimpleNamespace(digest="0" * 64, first="")
 
 
 class Rig:

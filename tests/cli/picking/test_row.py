@@ -5,12 +5,12 @@ import json
 import numpy as np
 import pytest
 
-from workbench.app.picking.row import parts_taken
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.files.shipped import find
 from workbench.formats.plans.plan_files import read_plan
 from workbench.formats.plans.pose_files import write_poses
 from workbench.model.geometry import pose_from_rpy
+from workbench.model.plan import parts_taken
 from workbench.model.scan import Detection
 
 

@@ -3,11 +3,11 @@
 from dataclasses import replace
 
 from workbench.app.core.commands import CellRead, EditPart
-from workbench.app.core.differences import difference
 from workbench.app.core.effects import KeepDrafts, UseCell
 from workbench.app.core.part_rules import edited_part
 from workbench.app.core.release import without_approval
 from workbench.app.core.state import Phase, PlanState, ScanState, State, begun, stale_by
+from workbench.formats.cells.differences import difference
 from workbench.model.cell import Cell
 from workbench.model.digest import digest_of
 from workbench.model.part_edits import differ_in_grasps_only, with_part

@@ -11,7 +11,14 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from workbench.app.core.people import Role
+from workbench.app.core.people import (
+    AskForControl,
+    DenyControl,
+    GiveControl,
+    ReleaseControl,
+    Role,
+    TakeControl,
+)
 from workbench.app.core.reports import (
     CellRead,
     JobEnded,
@@ -137,28 +144,45 @@ class WantThreshold:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class WatchPlan:
-    """The plan with this digest was played to its end before somebody's eyes.
+class ShortenRow:
+    """Carry out only the first `picks` plans of the row that begins with the plan of this digest.
 
-    `is_told`: a program says so, and no browser has confirmed that it has drawn it.
+    What was left out so comes back with a larger number.
+    """
+
+    plan_digest: str
+    picks: int
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class WatchPlan:
+    """The plan with this digest was played to its end before somebody's eyes, and its row with it.
+
+    `row` are the digests of the plans after it.  `is_told`: a program says so, and no browser has
+    confirmed that it has drawn it.
     """
 
     plan_digest: str
     is_told: bool = field(default_factory=bool, metadata=LATER)
+    row: tuple[str, ...] = field(default_factory=tuple, metadata=LATER)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Approve:
-    """A person's vote for the plan with this digest, sent in this manner; see `Approval`."""
+    """A person's vote for the plan with this digest, sent in this manner; see `Approval`.
+
+    It is for those after it as well, the digests of which are its `row`.
+    """
 
     plan_digest: str
     speed_share: float = field(default_factory=lambda: 1.0, metadata=LATER)
     is_stepped: bool = field(default_factory=bool, metadata=LATER)
+    row: tuple[str, ...] = field(default_factory=tuple, metadata=LATER)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SendPlan:
-    """Send the approved plan with this digest to the robot."""
+    """Send the approved plan with this digest to the robot, and its row as far as all is well."""
 
     plan_digest: str
 
@@ -179,7 +203,8 @@ class Stop:
 class ReportPick:
     """What became of a part of the plan, as a person saw it or a gripper felt it.
 
-    `detection` is the part's index in the plan, `why` what is known about a failure.
+    `detection` is the part's index in the plan, of a row in the first one; `why` is what is known
+    about a failure.
     """
 
     detection: int
@@ -303,41 +328,6 @@ class SaveCell:
     remark: str
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class AskForControl:
-    """A person would like to be in control; who is may hand it over, or keep it."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class TakeControl:
-    """A person is in control from now on: nobody was, or an engineer takes it over."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class GiveControl:
-    """Hand control over to somebody who has asked for it."""
-
-    to: str
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class DenyControl:
-    """Keep control: what `to` has asked for is answered with no."""
-
-    to: str
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class ReleaseControl:
-    """Nobody is in control any more.
-
-    `of` is whose it was when that person's last browser has gone, as the front door saw it;
-    empty: of the one who gives this.
-    """
-
-    of: str = ""
-
-
 Command = (
     TakeScan
     | UseScan
@@ -348,6 +338,7 @@ Command = (
     | MakePlan
     | GoOn
     | WantThreshold
+    | ShortenRow
     | WatchPlan
     | Approve
     | SendPlan

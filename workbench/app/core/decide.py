@@ -35,6 +35,7 @@ from workbench.app.core.release import (
     acknowledged,
     has_seen,
     opened_again,
+    shortened,
     started,
     votes_of_others,
     without_approval,
@@ -46,6 +47,7 @@ from workbench.app.core.results import (
     with_outside_detections,
     with_plan,
 )
+from workbench.app.core.rows import following, row_said, with_next_plan
 from workbench.app.core.rules import approve
 from workbench.app.core.state import (
     Job,
@@ -98,6 +100,8 @@ def decide(state: State, entry: commands.Entry) -> Outcome:
             return _take_scan(state, entry, scan, then=command)
         case commands.WantThreshold(threshold=threshold):
             return _wanting(state, threshold), ()
+        case commands.ShortenRow(picks=picks):
+            return shortened(state, picks, entry.actor), ()
         case commands.WatchPlan(is_told=is_told):
             return _watched(state, entry.actor, is_told=is_told), ()
         case commands.Approve() as vote:
@@ -107,7 +111,8 @@ def decide(state: State, entry: commands.Entry) -> Outcome:
         case commands.NextStep(number=number):
             return with_step(state, number, entry.actor, entry.at), (LetStep(number),)
         case commands.Stop():
-            return replace(state, message=f"{entry.actor} stops the sending"), (StopSending(),)
+            says = f"{entry.actor} stops the sending"
+            return replace(state, message=says, stopped_by=entry.actor), (StopSending(),)
         case commands.CancelJob():
             return _cancel(state, entry)
         case commands.AcknowledgeFault():
@@ -164,7 +169,8 @@ def decide(state: State, entry: commands.Entry) -> Outcome:
         case commands.Sent(receipt=receipt):
             return with_receipt(state, receipt), ()
         case commands.LinkEnded():
-            return after_sending(state, entry.command, entry.at), ()
+            ended = entry.command
+            return with_next_plan(state, after_sending(state, ended, entry.at), ended, entry)
         case _:
             assert_never(entry.command)
 
@@ -321,8 +327,9 @@ def _approved(state: State, entry: commands.Entry, vote: commands.Approve) -> St
             is_unwatched=bool(unseen),
             ran="" if state.ran is None else state.ran.digest,
             manner=manner,
+            row=state.row,
         )
-        message = f"plan {state.plan.digest[:12]} approved by {_names(votes)}{how}"
+        message = f"{row_said(state)} approved by {_names(votes)}{how}"
         if unseen:
             message += f"; no page has shown it to {' and '.join(unseen)}"
         state = replace(state, phase=Phase.APPROVED, approval=approval)
@@ -336,10 +343,10 @@ def _names(votes: tuple[Vote, ...]) -> str:
 def _send(state: State, entry: commands.Entry) -> Outcome:
     if state.plan is None or state.approval is None:
         raise CommandRefused("there is no approved plan to send")
-    message = f"{entry.actor} sends plan {state.plan.digest[:12]}"
+    message = f"{entry.actor} sends {row_said(state)}"
     until = state.approval.until
     after = begun(state, RunState, phase=Phase.SENDING, message=message, let_until=until)
-    return after, (Send(state.plan, state.approval),)
+    return after, (Send(state.plan, state.approval, following(state)),)
 
 
 def _cancel(state: State, entry: commands.Entry) -> Outcome:

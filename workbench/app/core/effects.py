@@ -31,10 +31,15 @@ class StopJob:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Send:
-    """Send a plan to the robot; answered by `Sent` for each message and one `LinkEnded`."""
+    """Send a plan to the robot; answered by `Sent` for each message and one `LinkEnded`.
+
+    `following` is what may go out after it, in a row: its end is told when the robot is reported to
+    stand where that one starts.
+    """
 
     plan: Plan
     approval: Approval
+    following: Plan | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -7,8 +7,8 @@ from workbench.app.core.commands import LinkEnded, ReportPick
 from workbench.app.core.rights import ROBOT_LINK
 from workbench.app.core.state import Avoided, Outcome, Phase, State, counted
 from workbench.model.cell import Cell
-from workbench.model.plan import Plan
-from workbench.model.release import Receipt
+from workbench.model.plan import Plan, number_in, parts_taken
+from workbench.model.release import PartReport, Receipt
 from workbench.model.scan import Detection
 
 AVOID_SCANS = 3
@@ -79,16 +79,17 @@ def after_sending(state: State, ended: LinkEnded, at: float) -> State:
     state = replace(state, placed=(*state.placed, *(ended.placed or ())))
     for part in ended.parts:
         if part.is_picked is not None:
-            said = ReportPick(part.detection, part.is_picked, part.why)
+            said = ReportPick(_in_row(state, part), part.is_picked, part.why)
             # What somebody has reported meanwhile is not counted a second time.
             if not outcome_problem(state, said):
                 state = with_outcome(state, said, ROBOT_LINK, at)
-    state = replace(state, parts_placed=ended.parts_placed, part_reports=ended.parts, waits=0)
+    placed = state.parts_placed + ended.parts_placed
+    state = replace(state, parts_placed=placed, part_reports=ended.parts, waits=0)
     if ended.fault:
         message = f"fault while sending: {ended.fault}"
         return replace(state, phase=Phase.FAULT, fault=ended.fault, message=message)
-    expected = len(state.plan.arms) if state.plan is not None else 0
-    message = f"cycle finished, {ended.parts_placed} of {counted(expected, 'part')} reported placed"
+    expected = sum(len(plan.arms) for plan in _begun(state))
+    message = f"cycle finished, {placed} of {counted(expected, 'part')} reported placed"
     for part in ended.parts:
         if part.is_picked is False:
             message += f"; {part.arm} arm failed: {part.why}"
@@ -101,7 +102,7 @@ def outcome_problem(state: State, command: ReportPick) -> str:
         return "there is no plan whose parts were picked"
     if command.is_picked not in (True, False):
         return f"a pick has succeeded or failed, {command.is_picked!r} is neither"
-    taken = [one.detection for one in state.plan.arms]
+    taken = [number for plan in _begun(state) for number in parts_taken(state.plans[0], plan)]
     if command.detection not in taken:
         parts = ", ".join(f"part-{number + 1}" for number in taken)
         return f"the plan does not take that part; it takes {parts}"
@@ -124,7 +125,7 @@ def with_outcome(state: State, command: ReportPick, actor: str, at: float) -> St
     """
     if state.plan is None:
         return state
-    detection = state.plan.detections[command.detection]
+    detection = state.plans[0].detections[command.detection]
     outcome = Outcome(command.detection, command.is_picked, actor, command.why)
     others = tuple(one for one in state.outcomes if one.detection != command.detection)
     elsewhere = tuple(one for one in state.avoided if not _is_at(state.cell, detection, one))
@@ -144,6 +145,18 @@ def with_outcome(state: State, command: ReportPick, actor: str, at: float) -> St
         mark = Avoided(detection.part, place, until, AVOID_SCANS, command.why)
         state = replace(state, avoided=(*elsewhere, mark))
     return escalated(state)
+
+
+def _begun(state: State) -> tuple[Plan, ...]:
+    """The plans that were sent, the one on its way among them."""
+    return state.plans[: len(state.sent_before) + 1]
+
+
+def _in_row(state: State, part: PartReport) -> int:
+    """The part's index in the first plan of the row."""
+    if state.plan is None or not state.sent_before:
+        return part.detection
+    return number_in(state.plans[0], state.plan.detections[part.detection])
 
 
 def escalated(state: State) -> State:

@@ -1,4 +1,4 @@
-"""People: who asks for something, and what they are there for."""
+"""People: who asks for something, what they are there for, and their words about control."""
 
 from dataclasses import dataclass
 from enum import StrEnum
@@ -31,3 +31,38 @@ class Person:
 
     name: str
     role: Role
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class AskForControl:
+    """A person would like to be in control; who is may hand it over, or keep it."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class TakeControl:
+    """A person is in control from now on: nobody was, or an engineer takes it over."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class GiveControl:
+    """Hand control over to somebody who has asked for it."""
+
+    to: str
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class DenyControl:
+    """Keep control: what `to` has asked for is answered with no."""
+
+    to: str
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ReleaseControl:
+    """Nobody is in control any more.
+
+    `of` is whose it was when that person's last browser has gone, as the front door saw it;
+    empty: of the one who gives this.
+    """
+
+    of: str = ""

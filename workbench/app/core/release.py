@@ -14,7 +14,7 @@ import numpy as np
 
 from workbench.app.core.commands import Started
 from workbench.app.core.rights import NOBODY, changes_said
-from workbench.app.core.state import Phase, State
+from workbench.app.core.state import Phase, State, counted
 from workbench.model.cell import Arm, Cell
 from workbench.model.geometry import Floats
 from workbench.model.plan import Plan
@@ -140,6 +140,66 @@ def has_seen(state: State, actor: str) -> bool:
     """Whether a page has drawn the plan to its end before a person; a program's word is none."""
     drawn = [name for name in state.watched if name not in state.told]
     return any(is_same_person(name, actor) or name == NOBODY for name in drawn)
+
+
+def other_row(state: State, named: tuple[str, ...]) -> str:
+    """Why the plans named are not those that follow the plan; empty when they are.
+
+    Who has seen or read one row has said nothing about another one.
+    """
+    have = tuple(one.plan.digest for one in state.row)
+    if named == have:
+        return ""
+    there = ", ".join(digest[:12] for digest in have) or "none"
+    return (
+        f"the plans that follow this one are {there}, not those that were named: look at the "
+        "current row and decide again"
+    )
+
+
+def unapproved_row(state: State, approval: Approval) -> str:
+    """Why an approval does not cover exactly the plans that follow; empty when it does."""
+    if approval.row == tuple((one.plan.digest, one.proof.digest) for one in state.row):
+        return ""
+    return "the approval is for another row of plans; have this one approved"
+
+
+def untold(state: State) -> str:
+    """Why nobody could know, between two plans of the row, how it stands; else empty."""
+    motion = state.cell.controller.motion
+    if not state.row or motion.reports_progress:
+        return ""
+    return (
+        f"the robot link {motion.link} does not tell what became of each part, so one plan can be "
+        "sent at a time; shorten the row to one plan"
+    )
+
+
+def length_problem(state: State, picks: int) -> str:
+    """Why a row cannot be made so long; empty when it can."""
+    most = 1 + len(state.row) + len(state.left_out)
+    if not 1 <= picks <= most:
+        return f"the row can have 1 to {most} picks, not {picks}"
+    if picks == 1 + len(state.row):
+        return f"the row has {counted(picks, 'pick')} already"
+    return ""
+
+
+def shortened(state: State, picks: int, actor: str) -> State:
+    """The state in which a person wants a row of so many plans: what was approved is void.
+
+    Who has seen all of a row has seen a shorter one, too.
+    """
+    every = (*state.row, *state.left_out)
+    is_shorter = picks <= len(state.row)
+    return replace(
+        without_approval(state),
+        row=every[: picks - 1],
+        left_out=every[picks - 1 :],
+        watched=state.watched if is_shorter else (),
+        told=state.told if is_shorter else (),
+        message=f"{actor} wants {counted(picks, 'pick')} of {1 + len(every)} in this row",
+    )
 
 
 def stale_because(state: State, plan: Plan, joints: Mapping[str, float]) -> str:

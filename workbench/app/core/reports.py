@@ -96,9 +96,11 @@ class LinkEnded:
 
     `parts` says of each part of the plan what the controller told of it; `placed` are the parts
     that lie on pallets now, or may lie there, None as long as nobody has worked that out.
+    `row_ends` says why no plan of a row may follow, as the link or the bench knows it.
     """
 
     fault: str = ""
     parts_placed: int = 0
     parts: tuple[PartReport, ...] = ()
     placed: tuple[Detection, ...] | None = None
+    row_ends: str = field(default_factory=str, metadata=LATER)

@@ -96,6 +96,8 @@ def with_plan(state: State, result: PlanResult, job: Job) -> State:
             f"plan ready: {result.plan.strategy}, {result.plan.cycle_seconds:.1f} s, "
             f"smallest clearance {result.proof.clearance * 1000:.1f} mm"
         )
+        if result.row:
+            message += f"; {counted(len(result.row), 'more plan')} in a row after it"
     return begun(
         state,
         PlanState,
@@ -107,6 +109,8 @@ def with_plan(state: State, result: PlanResult, job: Job) -> State:
         seconds=tuple(result.seconds.items()),
         obstacles=result.obstacles,
         bound=result.bound,
+        row=result.row,
+        row_ends=result.row_ends,
         outlines=_outlines(state, result, job),
         planned_threshold=job.threshold,
         wanted_threshold=state.wanted_threshold,

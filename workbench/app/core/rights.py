@@ -68,6 +68,9 @@ RIGHTS: Mapping[type, Right] = {
     ),
     commands.GoOn: Right("going on", frozenset({Phase.DONE})),
     commands.WantThreshold: Right("another threshold", SAFE, beside_job=True),
+    commands.ShortenRow: Right(
+        "another length of the row", frozenset({Phase.PLANNED, Phase.APPROVED})
+    ),
     # Several people may have to approve, each of whom has to see the plan: only one is in control.
     commands.WatchPlan: Right(
         "a preview", frozenset({Phase.PLANNED, Phase.APPROVED}), without_control=True

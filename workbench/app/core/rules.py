@@ -13,8 +13,12 @@ from workbench.app.core.release import (
     changes_problem,
     is_same_person,
     lacks_people,
+    length_problem,
+    other_row,
     said_already,
     stale_because,
+    unapproved_row,
+    untold,
     unwatched,
 )
 from workbench.app.core.rights import MACHINES, NOBODY, RIGHTS, lacks_right, lacks_role, obstacle
@@ -34,7 +38,7 @@ from workbench.app.core.value_checks import (
     check_person,
     check_text,
 )
-from workbench.model.cell import Cell
+from workbench.model.cell import MOST_PICKS, Cell
 from workbench.model.digest import digest_of
 from workbench.model.errors import CommandRefused, NotAllowed
 from workbench.model.plan import UNSIGNED, Plan, Proof, Proven
@@ -120,7 +124,7 @@ def allowed(
             _check_planning(state.cell, planning)
             if find.is_compared:
                 raise CommandRefused("going on takes what it finds, so that is not only compared")
-        case commands.Approve(plan_digest=digest, speed_share=share, is_stepped=is_stepped):
+        case commands.Approve(digest, speed_share=share, is_stepped=is_stepped, row=row):
             plan = _named_plan(state, digest)
             check_number("speed share", share, SLOWEST, 1.0, "of the planned speed")
             if is_stepped not in (True, False):
@@ -128,7 +132,9 @@ def allowed(
             _check_scene(state, plan)
             if state.proof is None:
                 raise CommandRefused("the plan has no proof, so it cannot be approved")
-            check_approvable(state.cell, plan, state.proof, actor, (share, is_stepped))
+            _refuse(other_row(state, row) or untold(state))
+            for one in state.whole_row:
+                check_approvable(state.cell, one.plan, one.proof, actor, (share, is_stepped))
             _refuse(stale_because(state, plan, joints))
             _refuse(unwatched(state, actor))
             _refuse(said_already(state, actor, now, (share, is_stepped)))
@@ -138,15 +144,26 @@ def allowed(
             _refuse(unwalked(state.cell, state.proof))
             if state.approval is not None:
                 _refuse(misfit(plan, state.cell, state.approval.manner))
+                _refuse(unapproved_row(state, state.approval) or untold(state))
             _refuse(stale_because(state, plan, joints))
+            if state.row and not joints:
+                raise CommandRefused(
+                    "the controller reports no joints, so nobody knows where the robot stands "
+                    "between two plans; shorten the row to one plan"
+                )
         case commands.NextStep(number=number):
             check_integer("number", number, 1, SEED_LIMIT - 1)
             _refuse(step_problem(state, number, now))
         case commands.AcknowledgeChanges(ran=ran):
             check_text("ran", ran)
             _refuse(changes_problem(state, ran))
-        case commands.WatchPlan(plan_digest=digest):
+        case commands.WatchPlan(plan_digest=digest, row=row):
             _named_plan(state, digest)
+            _refuse(other_row(state, row))
+        case commands.ShortenRow(plan_digest=digest, picks=picks):
+            _named_plan(state, digest)
+            check_integer("picks", picks, 1, MOST_PICKS)
+            _refuse(length_problem(state, picks))
         case commands.WantThreshold(threshold=threshold):
             check_number("threshold", threshold, 0.0, 1.0, "m")
         case commands.ReportPick():

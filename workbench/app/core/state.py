@@ -11,7 +11,7 @@ from workbench.model.calibration import PlateObservation
 from workbench.model.candidate import Candidate, Verdict
 from workbench.model.cell import Cell, PlanOverrides
 from workbench.model.digest import LATER
-from workbench.model.plan import Plan, Proof
+from workbench.model.plan import Plan, Proof, Proven
 from workbench.model.prediction import Emptying
 from workbench.model.release import Approval, PartReport, Receipt, Vote
 from workbench.model.scan import Detection, Obstacle, Remark, Scan, Search, SearchOverrides
@@ -168,6 +168,9 @@ class PlanState(PartsState):
     `wanted_threshold` the one that is wanted now.  `outlines` are of all plannings for these
     parts, the latest last; each plan stands there once, where it was made first.  `bound` [s] is
     what no plan for the parts of this one can be quicker than, 0 where nobody has asked.
+
+    `row` are proven plans to be carried out after the plan, and `row_ends` says why there are no
+    more.  `left_out` were after those, until a person has shortened the row.
     """
 
     candidates: tuple[Candidate, ...] | None = None
@@ -181,6 +184,9 @@ class PlanState(PartsState):
     wanted_threshold: float | None = None
     stale: str = ""
     bound: float = 0.0
+    row: tuple[Proven, ...] = field(default_factory=tuple, metadata=LATER)
+    row_ends: str = field(default_factory=str, metadata=LATER)
+    left_out: tuple[Proven, ...] = field(default_factory=tuple, metadata=LATER)
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
@@ -205,6 +211,11 @@ class RunState(ReleaseState):
     said became of it.  Of a plan sent step by step: `waits` is the step that the robot stands
     before, 0 while it moves, `let` the last one that a person has let run, and `let_until` [s since
     the epoch] when nobody may let one run any more.
+
+    Of a row `plan` and `proof` are those that are carried out now, and `sent_before` those before;
+    what is said of messages and steps is of the plan alone, outcomes and parts placed are of the
+    whole row.
+    `stopped_by` names who has stopped the sending: nothing of the row follows.
     """
 
     receipts: tuple[Receipt, ...] = ()
@@ -214,6 +225,23 @@ class RunState(ReleaseState):
     waits: int = 0
     let: int = 0
     let_until: float = 0.0
+    sent_before: tuple[Proven, ...] = field(default_factory=tuple, metadata=LATER)
+    stopped_by: str = field(default_factory=str, metadata=LATER)
+
+    @property
+    def whole_row(self) -> tuple[Proven, ...]:
+        """What was carried out, the plan, and what is to follow; empty without a proven plan."""
+        if self.plan is None or self.proof is None:
+            return ()
+        return (*self.sent_before, Proven(self.plan, self.proof), *self.row)
+
+    @property
+    def plans(self) -> tuple[Plan, ...]:
+        """The plans of the whole row in order; the same row has the same values here."""
+        if self.plan is None:
+            return ()
+        before = (one.plan for one in self.sent_before)
+        return (*before, self.plan, *(one.plan for one in self.row))
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)

@@ -10,7 +10,7 @@ import numpy as np
 import pinocchio as pin
 
 from workbench.app.core.rights import MACHINES
-from workbench.model.cell import ORDER_NAMES, Cell, PlanOverrides
+from workbench.model.cell import MOST_PICKS, ORDER_NAMES, Cell, PlanOverrides, picks_problem
 from workbench.model.errors import CommandRefused, InputError
 from workbench.model.geometry import Floats
 from workbench.model.scan import Detection
@@ -106,6 +106,10 @@ def check_overrides(cell: Cell, overrides: PlanOverrides) -> None:
         check_integer("iterations", overrides.iterations, 1, MOST_ITERATIONS)
     if overrides.margin is not None:
         check_number("margin", overrides.margin, cell.policy.margin, LARGEST_MARGIN, "m")
+    if overrides.picks is not None:
+        check_integer("picks", overrides.picks, 1, MOST_PICKS)
+    if problem := picks_problem(overrides.on(cell.policy)):
+        raise CommandRefused(problem)
     if overrides.metric is not None:
         check_number("metric", overrides.metric, 0.05, 1.0, "of the joint before")
 

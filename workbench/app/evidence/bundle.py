@@ -108,7 +108,7 @@ def verify_script() -> bytes:
     script = inspect.getsource(verify)
     for module, name, says in (
         (ed25519, "is_signed", "Ed25519, after RFC 8032, section 5.1.7"),
-        (steps, "step_problems", "Speed and steps"),
+        (steps, "approval_problems, step_problems", "Approvals, rows, speed and steps"),
         (zip_frame, "frame_problems", "The zip file"),
     ):
         inside = inspect.getsource(module).partition('"""\n\n')[2]

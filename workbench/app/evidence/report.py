@@ -123,14 +123,17 @@ def _people(told: list[Moment]) -> Table:
 
 
 def _cycles(told: list[Moment]) -> Iterator[list[Moment]]:
-    """From one sending to the next: all moments from the end of the cycle before."""
+    """From one sending to the next: all moments from the end of the cycle before.
+
+    Of a row the end of a sending is the beginning of the next one, too.
+    """
     cycle: list[Moment] = []
     for moment in told:
         cycle.append(moment)
         if isinstance(moment[0].command, LinkEnded):
             yield cycle
-            cycle = []
-    if any(isinstance(entry.command, SendPlan) for entry, _ in cycle):
+            cycle = [moment] if moment[1].phase is Phase.SENDING else []
+    if any(isinstance(entry.command, SendPlan | LinkEnded) for entry, _ in cycle):
         yield cycle
 
 
@@ -141,11 +144,20 @@ def _cycle(number: int, cycle: list[Moment]) -> Table:
     rows: list[tuple[str, str]] = []
     if state.plan is not None and state.proof is not None:
         rows += _plan(state.plan, state.proof)
+    rows += _in_row(state)
     rows += _shown(before, state)
     rows += _approved(before, state)
-    rows.append(("sent", f"{clock(entry.at)} by {entry.actor} (entry {entry.number})"))
+    sender = f"by {entry.actor}" if isinstance(entry.command, SendPlan) else "after the one before"
+    rows.append(("sent", f"{clock(entry.at)} {sender} (entry {entry.number})"))
     rows += _heard(cycle[sent + 1 :])
     return Table(f"Sending {number}", "", (), tuple(rows))
+
+
+def _in_row(state: State) -> Iterator[tuple[str, str]]:
+    if len(state.plans) > 1:
+        place = f"plan {len(state.sent_before) + 1} of {len(state.plans)}"
+        digests = ", ".join(plan.digest[:12] for plan in state.plans)
+        yield "row", f"{place} by one approval: {digests}"
 
 
 def _plan(plan: Plan, proof: Proof) -> Iterator[tuple[str, str]]:

@@ -26,7 +26,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from workbench.app.evidence.ed25519 import is_signed
-from workbench.app.evidence.steps import step_problems
+from workbench.app.evidence.steps import approval_problems, step_problems
 from workbench.app.evidence.zip_frame import frame_problems
 
 FORMAT = "workbench-evidence/1"
@@ -44,9 +44,6 @@ KNOWN = {
     *(("trigger", name) for name in ("entries_stay", "entries_remain")),
 }
 """What a journal's database has; a view could stand in the place of a table."""
-
-STARTS = {"Opened", "Started"}
-"""Kinds of entries after which no approval counts that was given before."""
 
 BACK = 1.0
 """[s] By so much a clock may be set back without a word."""
@@ -128,29 +125,9 @@ def chain_problems(entries: list[Entry]) -> Iterator[str]:
         if _rehashed(entry) != entry.hash:
             yield f"entry {entry.number} was changed after it was written"
         expected, previous = entry.number + 1, entry.hash
-    yield from _contradictions(entries)
-    yield from step_problems((one.number, one.kind, body_of(one)) for one in entries)
-
-
-def _contradictions(entries: list[Entry]) -> Iterator[str]:
-    """A sending goes by the newest approval, of that plan, that holds then; each serves once."""
-    given = None
-    for entry in entries:
-        if entry.kind in STARTS:
-            given = None
-        elif entry.kind == "Approve":
-            given = body_of(entry).get("approval")
-        elif entry.kind == "SendPlan":
-            said, approval = body_of(entry), body_of(entry).get("approval")
-            if not isinstance(approval, dict):
-                yield f"entry {entry.number} sends a plan without an approval"
-            elif approval.get("plan_digest") != said.get("command", {}).get("plan_digest"):
-                yield f"entry {entry.number} sends another plan than the one approved"
-            elif not approval.get("at", 0) <= said.get("at", 0) < approval.get("until", 0):
-                yield f"entry {entry.number} sends a plan when its approval did not hold"
-            elif approval != given:
-                yield f"entry {entry.number} sends by an approval not given before it, or used"
-            given = None
+    told = [(one.number, one.kind, body_of(one)) for one in entries]
+    yield from approval_problems(told)
+    yield from step_problems(told)
 
 
 def clock_remarks(entries: list[Entry]) -> Iterator[str]:

@@ -1,27 +1,21 @@
 """Several plans after one scan, to be carried out one after the other."""
 
-import re
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from itertools import pairwise
 from typing import Any
 
-import numpy as np
-
 from workbench.app.picking.pipeline import NOTHING, plan_pick
 from workbench.app.picking.proving import prove
-from workbench.model.cell import Cell
+from workbench.model.cell import Cell, picks_problem
 from workbench.model.errors import CommandRefused, InputError
-from workbench.model.plan import Plan, PlanResult, Proven
+from workbench.model.plan import Plan, PlanResult, Proven, renumbered
 from workbench.model.scan import Detection, Obstacle, Scan, Scene
 from workbench.planning.collision.world import World
 from workbench.planning.planners.clock import working_time
 from workbench.plugins.progress import Report, silent
 from workbench.proof.prove import may_have_moved, scene_after
 from workbench.proof.prove import prove as prove_in
-
-MOST_PICKS = 10
-"""Plans after one scan."""
 
 TAKEN_LAST = "parts that lie near it may move with it, so it is taken last"
 
@@ -96,13 +90,8 @@ def check_picks(cell: Cell, picks: int) -> None:
     Raises:
         InputError: they cannot.
     """
-    if not 1 <= picks <= MOST_PICKS:
-        raise InputError(f"1 to {MOST_PICKS} picks a scan can be asked for, not {picks!r}")
-    if picks > 1 and cell.policy.pair_gap <= 0:
-        raise InputError(
-            f"cell {cell.name} has no pair_gap_mm in its [policy], so nobody knows which parts "
-            "move when one is taken; more than one pick a scan needs that"
-        )
+    if problem := picks_problem(replace(cell.policy, picks=picks)):
+        raise InputError(f"cell {cell.name}: {problem}")
 
 
 def prove_row(
@@ -136,34 +125,6 @@ def prove_row(
             )
         found.append(Proven(plan, prove_in(cell, scene_after(cell, before), plan)))
     return tuple(found)
-
-
-def parts_taken(first: Plan, plan: Plan) -> tuple[int, ...]:
-    """Numbers of the parts that a plan of a row takes, in the list of the first plan of that row.
-
-    Its own list has no longer what those before take.
-    """
-    return tuple(_number(first, plan.detections[one.detection]) for one in plan.arms)
-
-
-def renumbered(words: str, first: Plan, detections: Sequence[Detection]) -> str:
-    """Words about a later plan, of its own `detections`, by the numbers of the first of the row."""
-
-    def by_first(found: re.Match[str]) -> str:
-        number = int(found[1]) - 1
-        if not 0 <= number < len(detections):
-            # A grasp may be called anything.
-            return found[0]
-        return f"part-{_number(first, detections[number]) + 1}"
-
-    return re.sub(r"\bpart-(\d+)", by_first, words)
-
-
-def _number(first: Plan, one: Detection) -> int:
-    """The number in the first plan's list; digits of a file may differ in the last place."""
-    T = one.T_world_part.homogeneous
-    away = [np.abs(known.T_world_part.homogeneous - T).max() for known in first.detections]
-    return int(np.argmin(away))
 
 
 def _next(

@@ -4,13 +4,10 @@ A pure function from the entries of a journal to a value; entries are told by th
 and only those that count are read, so that the many messages on the wire cost nothing.
 """
 
-import csv
-import io
 import json
 from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
-from datetime import UTC, datetime
 from statistics import median
 from typing import Any, Literal
 
@@ -181,6 +178,10 @@ class Count:
         self._begun: tuple[str, float, int] = NOTHING_BEGUN
         self._parts: tuple[str, ...] = ()
         self._judged: Uses = NO_USES
+        # Of a row: what each plan takes, and its parts by the numbers of the first; which is sent.
+        self._row: tuple[tuple[PickRecord, ...], ...] = ()
+        self._numbers: tuple[tuple[int, ...], ...] = ()
+        self._place = 0
 
     def add(self, rows: Iterable[Row]) -> None:
         """Count entries, in their order.
@@ -196,6 +197,8 @@ class Count:
                 body = json.loads(row.body)
                 at, stage = float(body["at"]), self._begun[0]
                 self._take(row.kind, row.number, at, body["command"])
+                if row.kind == LinkEnded.__name__ and body["after"].get("phase") == "sending":
+                    self._follows()
                 if row.kind == JobEnded.__name__ and body["after"]["job"] == row.number:
                     # It was gone on with what that task has brought.
                     self._begun = (STAGES[STAGES.index(stage) + 1], at, row.number)
@@ -265,16 +268,29 @@ class Count:
         if plan is None:
             self._change(end="no plan", strategy="", picks=(), until=at)
             return
-        picks = tuple(
-            PickRecord(
-                arm["detection"],
-                plan["detections"][arm["detection"]]["part"],
-                arm["grasp"],
-                arm["arm"],
-            )
-            for arm in plan["arms"]
+        plans = [plan, *(one["plan"] for one in result.get("row", ()))]
+        first = [one["T_world_part"] for one in plan["detections"]]
+        self._numbers = (
+            tuple(range(len(first))),
+            *(
+                tuple(first.index(part["T_world_part"]) for part in one["detections"])
+                for one in plans[1:]
+            ),
         )
-        self._change(end="", strategy=plan["strategy"], picks=picks, until=at)
+        self._row = tuple(
+            tuple(
+                PickRecord(
+                    numbers[arm["detection"]],
+                    one["detections"][arm["detection"]]["part"],
+                    arm["grasp"],
+                    arm["arm"],
+                )
+                for arm in one["arms"]
+            )
+            for one, numbers in zip(plans, self._numbers, strict=True)
+        )
+        self._place = 0
+        self._change(end="", strategy=plan["strategy"], picks=self._row[0], until=at)
         self._begun = ("approve", at, 0)
 
     def _sent(self, at: float) -> None:
@@ -288,15 +304,26 @@ class Count:
         # The controller's word on each part, where its protocol has one.
         for part in command.get("parts", ()):
             if part["is_picked"] is not None:
-                self._reported(part)
+                number = part["detection"]
+                if self._place:
+                    number = self._numbers[self._place][number]
+                self._reported({**part, "detection": number})
         picks = self._cycles[-1].picks
-        if not command["fault"] and command["parts_placed"] == len(picks):
+        sent = {one.detection for one in self._row[self._place]} if self._row else set[int]()
+        if not command["fault"] and command["parts_placed"] == len(sent):
             # It has counted every part, unless somebody says otherwise.
             picks = tuple(
-                pick if pick.result != "unknown" else replace(pick, result="picked")
+                replace(pick, result="picked")
+                if pick.result == "unknown" and pick.detection in sent
+                else pick
                 for pick in picks
             )
         self._change(end="fault" if command["fault"] else "done", picks=picks, until=at)
+
+    def _follows(self) -> None:
+        """The next plan of the row is on its way, in the same cycle."""
+        self._place += 1
+        self._change(end="", picks=(*self._cycles[-1].picks, *self._row[self._place]))
 
     def _reported(self, report: Any) -> None:
         result: Result = "picked" if report["is_picked"] else "failed"
@@ -350,34 +377,3 @@ def together(parts: Iterable[Statistics]) -> Statistics:
     return Statistics(
         tuple(sorted(cycles, key=lambda cycle: cycle.at)), tuple(refusals.most_common()), uses
     )
-
-
-def csv_text(value: Statistics) -> str:
-    """A row for each part that was sent for, with a head; times in seconds, UTC."""
-    out = io.StringIO()
-    writer = csv.writer(out)
-    stages = [f"{stage.replace(' ', '_')}_s" for stage in STAGES]
-    head = ("scan_at", "end_at", "end", "strategy", "arm", "part", "grasp", "result", "why")
-    writer.writerow((*head, *stages))
-    for cycle, pick in value.picks:
-        times = (datetime.fromtimestamp(at, UTC).isoformat() for at in (cycle.at, cycle.until))
-        seconds = [f"{cycle.seconds[s]:.3f}" if s in cycle.seconds else "" for s in STAGES]
-        writer.writerow(
-            (
-                *times,
-                cycle.end,
-                cycle.strategy,
-                pick.arm,
-                _cell(pick.part),
-                _cell(pick.grasp),
-                pick.result,
-                _cell(pick.why),
-                *seconds,
-            )
-        )
-    return out.getvalue()
-
-
-def _cell(text: str) -> str:
-    """A text that no spreadsheet takes for a formula."""
-    return f"'{text}" if text[:1] in ("=", "+", "-", "@", "\t", "\r") else text

@@ -3,6 +3,7 @@
 import threading
 import time
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Protocol
 
@@ -142,7 +143,7 @@ class Bench:
             CommandRefused: the rules do not admit it, or it could not be recorded (`NotRecorded`).
         """
         # How the robot stands counts where a plan is let out, and is on record there.
-        joints = self.live.joints if isinstance(command, Approve | SendPlan) else NOT_REPORTED
+        joints = self.live.joints if self._asks_for_joints(command) else NOT_REPORTED
         # Looked at before anything is made of its content, which may be anything.
         allowed(self._state, command, actor, self._now(), joints, role)
         check_installed(self._state, command)
@@ -156,6 +157,10 @@ class Bench:
             allowed(before, command, actor, now, joints, role)
             if isinstance(command, SendPlan) and (problem := self._ages.lapsed(before)):
                 raise CommandRefused(problem)
+            if isinstance(command, LinkEnded) and (problem := self._ages.lapsed(before)):
+                # No plan of a row goes out by votes that have lapsed.
+                command = replace(command, row_ends=problem)
+                form = command_form(command)
             entry = Entry(before.number + 1, now, actor, command, joints, role)
             after, effects = decide(before, entry)
             record = entry_record(entry, form, after)
@@ -175,6 +180,12 @@ class Bench:
             self._publish(after)
             self._run(effects)
         return after
+
+    def _asks_for_joints(self, command: Command) -> bool:
+        """Whether how the robot stands counts in a command: where it lets a plan go out."""
+        if isinstance(command, LinkEnded):
+            return bool(self._state.row) and not command.fault
+        return isinstance(command, Approve | SendPlan)
 
     @property
     def head(self) -> tuple[int, str]:
@@ -256,7 +267,7 @@ class Bench:
             self.do(JobEnded(self._state.job.number, ended), WORKER)
         if self._state.phase is Phase.SENDING:
             fault = "the workbench was ended while sending; look how far the robot has come"
-            self.do(LinkEnded(fault, self._state.parts_placed), ROBOT_LINK)
+            self.do(LinkEnded(fault), ROBOT_LINK)
         # A session that has only begun has nothing that could end.
         if self._journal.count > 1:
             self.do(Opened(), SESSION_START)

@@ -98,8 +98,8 @@ class EffectRunner:
                 self._jobs.start(number, name, arguments)
             case StopJob(number=number):
                 self._jobs.cancel(number)
-            case Send(plan=plan, approval=approval):
-                self._robot.send(plan, approval)
+            case Send(plan=plan, approval=approval, following=following):
+                self._robot.send(plan, approval, following)
             case LetStep(number=number):
                 self._robot.let(number)
             case StopSending():

@@ -10,6 +10,7 @@ from dataclasses import dataclass, field, replace
 from typing import cast
 
 from workbench.app.core.commands import Command, LinkEnded, Sent
+from workbench.app.core.release import moved_away
 from workbench.app.core.rights import ROBOT_LINK
 from workbench.app.core.state import State
 from workbench.app.runtime.insisting import insist
@@ -39,6 +40,7 @@ class Run:
     `before` is what the controller reported last before it, `receipts` what has gone out since.
     `doubt` says why the sending must not go on from the time `doubted_at` [s] of `clock` on.
     `let` is the last step of the plan that a person has let run, where each waits for that.
+    `following` is the plan that may go out after it, in a row.
     """
 
     plan: Plan
@@ -49,6 +51,7 @@ class Run:
     doubt: str = ""
     doubted_at: float = 0.0
     let: int = 0
+    following: Plan | None = None
 
     def is_to_stop(self) -> bool:
         """Whether somebody stops it, or what is reported does not fit what was sent."""
@@ -111,10 +114,19 @@ class LinkRunner:
         """Go on with another cell; not while something is sent."""
         self._cell = cell
 
-    def send(self, plan: Plan, approval: Approval) -> None:
-        """Begin to send; each message and the end are given to `do`."""
-        self._stopped = threading.Event()
-        run = Run(plan, self._report, self._stopped, self._patience.clock)
+    def send(self, plan: Plan, approval: Approval, following: Plan | None = None) -> None:
+        """Begin to send; each message and the end are given to `do`.
+
+        Args:
+            plan: what is sent.
+            approval: that lets it out.
+            following: the plan that may go out after it.
+        """
+        if not approval.first:
+            self._stopped = threading.Event()
+        # Of a row all plans have one: a stop that comes between two of them stops the next one.
+        stopped = self._stopped
+        run = Run(plan, self._report, stopped, self._patience.clock, following=following)
         self._current = run
         self._runs.put((run, approval))
 
@@ -144,7 +156,10 @@ class LinkRunner:
         fault = ""
         try:
             fault = self._spoken(run, approval)
-            self._end(fault, *self._outcome(run, fault))
+            outcome = self._outcome(run, fault)
+            if run.following is not None and not fault:
+                self._see_it_at(run.following)
+            self._end(fault, *outcome)
         except Exception as error:
             # Whatever it is, the sending must not seem to go on for ever.
             log.exception("the end of a sending cannot be told as it was")
@@ -158,6 +173,8 @@ class LinkRunner:
         fault, is_silent = "", self._is_silent()
         self._show_link(LinkStatus(phase="connecting"))
         try:
+            if run.stopped.is_set():
+                raise JobCancelled("stopped before anything of this plan was sent")
             self._spend(approval)
             # Where the link says nothing, nobody else compares what is done with what was said.
             self._run = run if is_silent else None
@@ -231,6 +248,20 @@ class LinkRunner:
             self._show(unrecorded=f"{how}; {problem}" if problem else "")
 
         insist(self._do, ended, ROBOT_LINK, giving_up=self._giving_up, tell=tell)
+
+    def _see_it_at(self, plan: Plan) -> None:
+        """Between two plans: show how the robot stands once that is where the next one starts.
+
+        What is reported may be as old as the last bit of the motion; the rules decide by it.
+        """
+        cell = self._cell
+
+        def stands(report: RobotState) -> bool:
+            return not report.moving and not moved_away(cell, plan, self._by_joint(report.joints))
+
+        report = self._awaited(stands)
+        if report is not None:
+            self._show(joints=self._by_joint(report.joints))
 
     def _see_it_stand(self, run: Run) -> None:
         """After a stop by closing the link, which nobody acknowledges: what the reports say."""

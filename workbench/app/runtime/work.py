@@ -11,7 +11,7 @@ from workbench.app.emptying.film import Filmed
 from workbench.app.emptying.piles import emptied_piles
 from workbench.app.picking.held_plate import simulated_sight
 from workbench.app.picking.part_import import imported_part
-from workbench.app.picking.pipeline import plan_pick
+from workbench.app.picking.row import plan_row
 from workbench.app.runtime.readiness import make_ready
 from workbench.app.runtime.worker import JobFunction
 from workbench.model.calibration import PlateObservation
@@ -115,14 +115,15 @@ def _box_around(part: Part, placed: Detection) -> Obstacle:
 def plan(
     cell: Cell, arguments: Mapping[str, Any], report: Report, cancelled: Cancelled
 ) -> PlanResult:
-    """Candidates, plan and proof for `detections` in `scan`, if there is one; see `plan_pick`."""
+    """Candidates, plan and proof for `detections` in `scan`, if there is one; see `plan_row`."""
     scan, detections = arguments["scan"], arguments["detections"]
     report(0.0, "looking for obstacles that no model explains")
     seen = () if scan is None else unexplained(cell, scan, detections)
-    return plan_pick(
+    return plan_row(
         cell,
         detections,
         arguments["scan_digest"],
+        picks=arguments["overrides"].on(cell.policy).picks,
         strategy=arguments["strategy"],
         threshold=arguments["threshold"],
         overrides=arguments["overrides"],

@@ -7,12 +7,13 @@ from workbench.app.core.value_checks import MOST_PARTS, SEED_LIMIT
 from workbench.app.emptying.summary import summary
 from workbench.app.emptying.what_if import ranked, tasks_with_changes
 from workbench.app.picking.pipeline import check_strategy
-from workbench.app.picking.row import MOST_PICKS, check_picks
+from workbench.app.picking.row import check_picks
 from workbench.app.runtime.readiness import make_ready
 from workbench.cli.arguments.studies import StudyEmptying
 from workbench.cli.exits import SUCCESS
 from workbench.cli.terminal import check_number, check_whole, print_json, print_table, progress
 from workbench.formats.cells.reading import read_cell
+from workbench.model.cell import MOST_PICKS
 from workbench.model.errors import InputError
 from workbench.model.prediction import CHANGE_KINDS, PileTask
 from workbench.studies.emptying.kept import emptied_all

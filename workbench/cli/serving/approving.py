@@ -5,12 +5,11 @@ import threading
 from collections.abc import Mapping, Sequence
 
 from workbench.app.core.release import moved_away
-from workbench.app.picking.row import renumbered
 from workbench.app.records.approvals import SHORTEST
 from workbench.model.cell import Cell
 from workbench.model.digest import digest_of
 from workbench.model.errors import CommandRefused, LinkError, ProtocolError
-from workbench.model.plan import Plan, Proof, Proven, at_least
+from workbench.model.plan import Plan, Proof, Proven, at_least, renumbered
 from workbench.plugins.robot_link import link_named
 
 REPORTS = 2.0

@@ -11,7 +11,7 @@ from typing import Any
 from workbench.app.core.release import moved_away
 from workbench.app.core.rules import approve, check_approvable
 from workbench.app.picking.proving import adopted
-from workbench.app.picking.row import MOST_PICKS, prove_row
+from workbench.app.picking.row import prove_row
 from workbench.app.records.approvals import CUT_SHORT, ApprovalRecord
 from workbench.app.runtime.readiness import make_ready
 from workbench.cli.arguments import top as arguments
@@ -29,7 +29,7 @@ from workbench.cli.serving.controller import HIGHEST_PORT
 from workbench.cli.terminal import check_whole, print_json, progress
 from workbench.formats.clouds.scans import read_scan
 from workbench.formats.plans.plan_files import read_plan
-from workbench.model.cell import Cell, Controller
+from workbench.model.cell import MOST_PICKS, Cell, Controller
 from workbench.model.digest import canonical
 from workbench.model.errors import (
     CommandRefused,

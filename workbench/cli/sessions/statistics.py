@@ -8,10 +8,10 @@ from workbench.app.records.session_archive import opened
 from workbench.app.records.statistics import (
     GROUPS,
     Statistics,
-    csv_text,
     statistics,
     together,
 )
+from workbench.app.records.statistics_table import csv_text
 from workbench.cli.arguments import top as arguments
 from workbench.cli.exits import SUCCESS
 from workbench.cli.terminal import milliseconds, print_json, print_table

@@ -18,6 +18,7 @@ from workbench.formats.robots.dh import read_dh
 from workbench.formats.robots.urdf import read_srdf, read_urdf
 from workbench.model.cell import (
     LIFT_NAMES,
+    MOST_PICKS,
     ORDER_NAMES,
     Arm,
     Bin,
@@ -27,6 +28,7 @@ from workbench.model.cell import (
     LocalizerChoice,
     Policy,
     PosesFolder,
+    picks_problem,
 )
 from workbench.model.errors import FileError
 from workbench.model.part import Part
@@ -251,7 +253,10 @@ def _policy(table: Table) -> tuple[Policy, int]:
         lifts=_lifts(table, usual.lifts),
         pair_gap=length("pair_gap_mm", usual.pair_gap, 1000),
         least_air=length("least_air_mm", 0.0, 1000) if table.has("least_air_mm") else None,
+        picks=table.whole("picks", usual.picks, low=1, high=MOST_PICKS),
     )
+    if problem := picks_problem(policy):
+        raise table.error("picks", problem)
     approvers = table.whole("approvers", 1, low=1, high=MOST_APPROVERS)
     table.finish()
     return policy, approvers

@@ -114,6 +114,8 @@ def _policy(cell: Cell) -> Iterator[str]:
         yield f"pair_gap_mm = {number(policy.pair_gap * 1000)}"
     if policy.least_air is not None:
         yield f"least_air_mm = {number(policy.least_air * 1000)}"
+    if policy.picks != usual.picks:
+        yield f"picks = {policy.picks}"
     yield f"approvers = {cell.approvers}             # different people who approve each plan"
 
 

@@ -5,7 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 import viser
 
-from workbench.app.records.statistics import CycleRecord, csv_text
+from workbench.app.records.statistics import CycleRecord
+from workbench.app.records.statistics_table import csv_text
 from workbench.gui.shared.colours import JOINTS
 from workbench.gui.shared.look import View
 from workbench.gui.shared.plots import Curve, Plot, legend_html, plot_html

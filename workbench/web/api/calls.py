@@ -15,7 +15,7 @@ from workbench.app.core.value_checks import (
     MOST_PILES,
     SEED_LIMIT,
 )
-from workbench.model.cell import ORDER_NAMES, PlanOverrides
+from workbench.model.cell import MOST_PICKS, ORDER_NAMES, PlanOverrides
 from workbench.model.prediction import CHANGE_KINDS, TOGETHER, Seen
 from workbench.model.release import SLOWEST
 from workbench.model.scan import ALL_KINDS, SearchOverrides
@@ -61,6 +61,12 @@ SEED = Field("seed", "the same seed gives the same result", _whole(0, SEED_LIMIT
 PLAN = Field(
     "plan", "digest of the plan that is meant", {"type": "string", "pattern": "^[0-9a-f]{64}$"}
 )
+ROW = Field(
+    "row",
+    "digests of the plans after it, in their order, joined by +; empty: it stands alone",
+    {"type": "string", "pattern": r"^([0-9a-f]{64}(\+[0-9a-f]{64}){0,8})?$"},
+    "",
+)
 RAN = Field(
     "ran",
     "digest of what runs now, as the state has it",
@@ -69,7 +75,7 @@ RAN = Field(
 TO = Field("to", "name of somebody who has asked for control", _text(LONGEST_NAME))
 
 
-OVERRIDES = ("planner", "order", "iterations", "margin", "metric")
+OVERRIDES = ("planner", "order", "iterations", "margin", "metric", "picks")
 
 
 def _localize(values: Values) -> commands.FindParts:
@@ -99,8 +105,16 @@ def _go_on(values: Values) -> commands.Command:
     return commands.GoOn(scan, _localize(values), _plan(values))
 
 
+def _row(values: Values) -> tuple[str, ...]:
+    return tuple(filter(None, values["row"].split(TOGETHER)))
+
+
+def _shorten(values: Values) -> commands.Command:
+    return commands.ShortenRow(values["plan"], values["picks"])
+
+
 def _watch(values: Values) -> commands.Command:
-    return commands.WatchPlan(values["plan"], is_told=True)
+    return commands.WatchPlan(values["plan"], is_told=True, row=_row(values))
 
 
 def _plan_digest(kind: type) -> Callable[[Values], commands.Command]:
@@ -108,7 +122,8 @@ def _plan_digest(kind: type) -> Callable[[Values], commands.Command]:
 
 
 def _approve(values: Values) -> commands.Command:
-    return commands.Approve(values["plan"], values["speed_share"], values["is_stepped"])
+    manner = values["speed_share"], values["is_stepped"]
+    return commands.Approve(values["plan"], *manner, _row(values))
 
 
 SCAN_FIELDS = (SEED, Field("parts", "in the simulated pile", _whole(1, MOST_PARTS), 2))
@@ -143,6 +158,7 @@ PLAN_FIELDS = (
         default=None,
     ),
     Field("metric", "how much each joint counts of the one before", _number(0.05, 1.0), None),
+    Field("picks", "plans in a row after this scan, at most", _whole(1, MOST_PICKS), None),
 )
 
 CALLS: tuple[Call, ...] = (
@@ -210,18 +226,27 @@ CALLS: tuple[Call, ...] = (
         (Field("threshold", "[m]", _number(0.0, 1.0)),),
     ),
     Call(
+        "/row",
+        "Carry out only so many plans of the row; a larger number brings back what was left out.",
+        commands.ShortenRow,
+        (PLAN, Field("picks", "plans in all, the first one among them", _whole(1, MOST_PICKS))),
+        make=_shorten,
+    ),
+    Call(
         "/watch",
-        "Say that the plan was played to its end before whoever asks; it is on record as told.",
+        "Say that the plan was played to its end before whoever asks, and those after it; it is "
+        "on record as told.",
         commands.WatchPlan,
-        (PLAN,),
+        (PLAN, ROW),
         make=_watch,
     ),
     Call(
         "/approve",
-        "Approve the plan: a person's vote.",
+        "Approve the plan and those after it: a person's vote.",
         commands.Approve,
         (
             PLAN,
+            ROW,
             Field("speed_share", "of the planned speed", _number(SLOWEST, 1.0), 1.0),
             Field("is_stepped", "wait before each step", {"type": "boolean"}, default=False),
         ),
@@ -229,7 +254,7 @@ CALLS: tuple[Call, ...] = (
     ),
     Call(
         "/send",
-        "Send the approved plan to the robot, which moves then.",
+        "Send the approved plan to the robot, which moves then, and those after it in their turn.",
         commands.SendPlan,
         (PLAN,),
         make=_plan_digest(commands.SendPlan),
@@ -259,7 +284,11 @@ CALLS: tuple[Call, ...] = (
         "Say what became of a part of the plan.",
         commands.ReportPick,
         (
-            Field("detection", "index of the part in the plan", _whole(0, 10_000)),
+            Field(
+                "detection",
+                "index of the part in the plan, of a row in the first",
+                _whole(0, 10_000),
+            ),
             Field("is_picked", "whether it was", {"type": "boolean"}),
             Field("why", "what is known about a failure", _text(LONGEST_TEXT), ""),
         ),

@@ -5,14 +5,14 @@ from collections.abc import Mapping
 from typing import Any
 
 from workbench.app.core.rules import strategies_of
-from workbench.app.core.state import State
+from workbench.app.core.state import Phase, State
 from workbench.app.emptying.summary import summary
 from workbench.app.emptying.what_if import ranked
 from workbench.app.records.statistics import GROUPS, Statistics
 from workbench.app.runtime.live import Live
 from workbench.model.candidate import Candidate, Verdict
 from workbench.model.digest import canonical
-from workbench.model.plan import Proof, Violation
+from workbench.model.plan import Proof, Violation, parts_taken
 from workbench.model.prediction import Emptying
 from workbench.model.scan import Scan
 
@@ -47,6 +47,9 @@ def state_form(state: State, live: Live) -> Form:
         "strategy": None if state.plan is None else str(state.plan.strategy),
         "strategies": list(strategies_of(state.cell)),
         "holds": None if state.proof is None else state.proof.holds,
+        "row": [_row_form(state, number) for number in range(len(state.whole_row))],
+        "row_ends": state.row_ends,
+        "row_left_out": len(state.left_out),
         "watched": list(state.watched),
         "approved_by": [] if state.approval is None else list(state.approval.people),
         "approved_unwatched": state.approval is not None and state.approval.is_unwatched,
@@ -60,6 +63,21 @@ def state_form(state: State, live: Live) -> Form:
             {"detection": one.detection, "is_picked": one.is_picked, "by": one.by, "why": one.why}
             for one in state.outcomes
         ],
+    }
+
+
+def _row_form(state: State, number: int) -> Form:
+    """One plan of the row; `parts` are indices in the first one, as people number them."""
+    one, now = state.whole_row[number], len(state.sent_before)
+    is_now = number == now and state.phase in (Phase.SENDING, Phase.DONE, Phase.FAULT)
+    return {
+        "plan": one.plan.digest,
+        "proof": one.proof.digest,
+        "holds": one.proof.holds,
+        "clearance": finite(one.proof.clearance),
+        "cycle_seconds": one.plan.cycle_seconds,
+        "parts": list(parts_taken(state.plans[0], one.plan)),
+        "is_sent": number < now or is_now,
     }
 
 

@@ -93,6 +93,11 @@ def _plan(source: Source) -> Any:
     return None if state.plan is None else plan_content(state.plan, state.proof)
 
 
+def _row(source: Source) -> Any:
+    row = source.state.whole_row
+    return [plan_content(one.plan, one.proof) for one in row] if row else None
+
+
 def _proof(source: Source) -> Any:
     proof = source.state.proof
     return None if proof is None else forms.proof_form(proof)
@@ -158,6 +163,14 @@ READS: tuple[Read, ...] = (
         "make a plan first",
     ),
     Read("/plan", "The plan, as its file has it.", _plan, schemas.PLAN, "make a plan first"),
+    Read(
+        "/row",
+        "The plans of the row as their files have them, the first one first; `plan` is the one "
+        "that is carried out now, or would be next.",
+        _row,
+        {"type": "array", "items": schemas.PLAN},
+        "make a plan first",
+    ),
     Read("/proof", "The proof of the plan.", _proof, schemas.PROOF, "make a plan first"),
     Read(
         "/proof/certificate",

@@ -90,6 +90,19 @@ STATE = record(
     strategy=or_none(TEXT),
     strategies=many(TEXT),
     holds=or_none(FLAG),
+    row=many(
+        record(
+            plan=DIGEST,
+            proof=DIGEST,
+            holds=FLAG,
+            clearance=or_none(NUMBER),
+            cycle_seconds=NUMBER,
+            parts=many(WHOLE),
+            is_sent=FLAG,
+        )
+    ),
+    row_ends=TEXT,
+    row_left_out=WHOLE,
     watched=many(TEXT),
     approved_by=many(TEXT),
     approved_unwatched=FLAG,

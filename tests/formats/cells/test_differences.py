@@ -4,11 +4,13 @@ from dataclasses import replace
 
 import pinocchio as pin
 
-from workbench.app.core.differences import difference
+from workbench.formats.cells.differences import difference
+from workbench.formats.cells.reading import read_cell
 from workbench.model.cell import Fixture
 
 
-def test_fixtures_are_told_in_the_order_of_the_cells(cell):
+def test_fixtures_are_told_in_the_order_of_the_cells():
+    cell = replace(read_cell("tx2_90"), fixtures=())
     names = [f"fixture {number}" for number in range(20)]
     full = replace(cell, fixtures=tuple(Fixture(n, pin.SE3.Identity(), ()) for n in names))
     gone = "fixture 0 was taken away, fixture 1 was taken away, fixture 2 was taken away"
