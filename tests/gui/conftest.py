@@ -125,7 +125,7 @@ def view_of():
     """Makes the view of a state, looked at from the start of its plan."""
 
     def make(state: State, look: Look | None = None, live: Live | None = None) -> View:
-        runs = timeline(state.plan) if state.plan is not None else ()
+        runs = timeline(*state.plans)
         return View(state, live or Live(), look or Look(), runs, NOW)
 
     return make

@@ -60,7 +60,12 @@ def bench_at(tmp_path, machines, samples):
 def controller(cell):
     """Starts simulated controllers; they end with the test."""
     with in_threads() as started:
-        yield lambda speed, of=cell: started(SimulatedController(of, speed=speed, patience=PATIENT))
+
+        def make(speed, of=cell, faults=()):
+            made = SimulatedController(of, speed=speed, faults=faults, patience=PATIENT)
+            return started(made)
+
+        yield make
 
 
 @pytest.fixture

@@ -93,7 +93,7 @@ def test_scrubbing_moves_arms_and_parts_without_making_them_anew(
     end = view_of(states.planned, Look(time=result.plan.cycle_seconds, follows=False))
     scene.draw(start, end)
     assert node(server, "/parts/part-1") is part
-    T = part_poses(cell, Kinematics(cell), result.plan, end.runs, end.look.time)[0]
+    T = part_poses(cell, Kinematics(cell), (result.plan,), end.runs, end.look.time)[0]
     np.testing.assert_allclose(part.position, T.translation)
     assert not np.allclose(pose_of(part), before[0])
     scene.draw(end, start)

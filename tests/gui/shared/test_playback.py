@@ -128,7 +128,7 @@ def test_joint_values_name_every_joint_of_every_arm(cell, runs):
 
 def test_parts_lie_where_they_were_found_at_the_start(cell, kinematics, plan, runs):
     for T, detection in zip(
-        part_poses(cell, kinematics, plan, runs, 0.0), plan.detections, strict=True
+        part_poses(cell, kinematics, (plan,), runs, 0.0), plan.detections, strict=True
     ):
         assert T.isApprox(detection.T_world_part)
 
@@ -136,7 +136,7 @@ def test_parts_lie_where_they_were_found_at_the_start(cell, kinematics, plan, ru
 def test_a_part_is_taken_up_from_where_it_was_found(cell, kinematics, plan, runs):
     for arm in plan.arms:
         start = next(run.start for run in runs if run.arm == arm.arm and run.leg.holding)
-        T = part_poses(cell, kinematics, plan, runs, start)[arm.detection]
+        T = part_poses(cell, kinematics, (plan,), runs, start)[arm.detection]
         found = plan.detections[arm.detection].T_world_part
         assert np.linalg.norm(T.translation - found.translation) < 1e-3
 
@@ -148,11 +148,11 @@ def test_a_part_moves_with_the_hand_and_stays_where_it_was_placed(cell, kinemati
         middle = (carried[1].start + carried[1].end) / 2
         q = moments(cell, runs, middle)[arm.name].q
         in_hand = kinematics.tcp_pose(arm, q) * arm_plan.T_tcp_part
-        T = part_poses(cell, kinematics, plan, runs, middle)[arm_plan.detection]
+        T = part_poses(cell, kinematics, (plan,), runs, middle)[arm_plan.detection]
         assert T.isApprox(in_hand)
         released = kinematics.tcp_pose(arm, carried[-1].leg.q[-1]) * arm_plan.T_tcp_part
         for time in (carried[-1].end + 0.01, plan.cycle_seconds + 5):
-            T = part_poses(cell, kinematics, plan, runs, time)[arm_plan.detection]
+            T = part_poses(cell, kinematics, (plan,), runs, time)[arm_plan.detection]
             assert T.isApprox(released)
 
 

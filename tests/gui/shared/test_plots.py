@@ -34,7 +34,7 @@ def test_ticks_are_few_round_and_inside(low, width):
 
 def test_every_plot_of_a_plan_has_a_cursor_and_goes_to_the_slider(cell, result):
     runs, seconds = timeline(result.plan), result.plan.cycle_seconds
-    plots = plots_of(cell, runs, seconds, result.proof)
+    plots = plots_of(cell, runs, seconds, [result.proof])
     assert [plot.unit for plot in plots] == ["mm", "mm", "%", "deg", "deg"]
     for plot in plots:
         html = plot_html(plot, seconds, "slider-7")
@@ -46,7 +46,7 @@ def test_every_plot_of_a_plan_has_a_cursor_and_goes_to_the_slider(cell, result):
 
 def test_clearance_and_the_distance_of_the_arms_have_axes_of_their_own(cell, result):
     clear, apart, *_ = plots_of(
-        cell, timeline(result.plan), result.plan.cycle_seconds, result.proof
+        cell, timeline(result.plan), result.plan.cycle_seconds, [result.proof]
     )
     assert clear.bounds[1] <= 100.0 < apart.bounds[1]
 

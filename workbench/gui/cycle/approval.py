@@ -40,7 +40,7 @@ class ApprovalDialog:
         self._visitor = visitor
         self._lock = threading.Lock()
         self._close: Callable[[], None] | None = None
-        self._digest = ""
+        self._named: tuple[str, tuple[str, ...]] = ("", ())
         self._chosen: Callable[[], Manner] = lambda: AS_PLANNED
         self._fields: tuple[viser.GuiDropdownHandle[str] | viser.GuiCheckboxHandle, ...] = ()
 
@@ -51,15 +51,17 @@ class ApprovalDialog:
         with self._lock:
             if self._close is not None or plan is None or proof is None:
                 return
-            self._digest = plan.digest
+            # One press is for all plans that are shown, and for no other.
+            self._named = named = plan.digest, row_of(state)
             # Sent as one: letters typed before somebody listens to the field would be lost.
             with visitor.client.atomic():
-                modal = visitor.gui.add_modal("Approve this plan")
+                what = f"these {1 + len(state.row)} plans" if state.row else "this plan"
+                modal = visitor.gui.add_modal(f"Approve {what}")
                 self._close = modal.close
                 with modal:
                     links, joints = PlanLinks(visitor, self.close), visitor.bench.live.joints
                     visitor.gui.add_html(facts_html(state, plan, proof, joints, time.time(), links))
-                    self._add_word(state, plan.digest)
+                    self._add_word(state, named)
 
     def _add_manner(self, state: State) -> Manner:
         """Speed and steps as the controller can do them; first as others voted for this plan."""
@@ -87,7 +89,7 @@ class ApprovalDialog:
         self._chosen = lambda: (by_words.get(speed.value, math.nan), bool(steps.value))
         return manner
 
-    def _add_word(self, state: State, digest: str) -> None:
+    def _add_word(self, state: State, named: tuple[str, tuple[str, ...]]) -> None:
         """How it is sent, the name, the way back and the vote; who is logged in has a name."""
         visitor, gui = self._visitor, self._visitor.gui
         gui.add_html(BESIDE)
@@ -111,10 +113,10 @@ class ApprovalDialog:
         for field in self._fields:
             field.on_update(said)
         if name is None:
-            confirm.on_click(lambda _: self._approve(digest, ""))
+            confirm.on_click(lambda _: self._approve(named, ""))
             return
         field = name
-        confirm.on_click(lambda _: self._approve(digest, field.value.strip()))
+        confirm.on_click(lambda _: self._approve(named, field.value.strip()))
 
         @field.on_update
         async def _(event: Any) -> None:
@@ -129,7 +131,8 @@ class ApprovalDialog:
             is_open = self._close is not None
         if not is_open:
             return
-        command, joints = Approve(self._digest, *self._chosen()), new.live.joints
+        plan, row = self._named
+        command, joints = Approve(plan, *self._chosen(), row), new.live.joints
         if problem := self._visitor.refusal(new.state, command, new.at, joints):
             self.close()
             self._visitor.tell("Approval closed", problem)
@@ -141,10 +144,15 @@ class ApprovalDialog:
         if take_away is not None:
             take_away()
 
-    def _approve(self, digest: str, name: str) -> None:
-        manner = self._chosen()
-        if self._visitor.ask(lambda: Approve(digest, *manner), name):
+    def _approve(self, named: tuple[str, tuple[str, ...]], name: str) -> None:
+        (plan, row), manner = named, self._chosen()
+        if self._visitor.ask(lambda: Approve(plan, *manner, row), name):
             self.close()
+
+
+def row_of(state: State) -> tuple[str, ...]:
+    """The digests of the plans after the plan."""
+    return tuple(one.plan.digest for one in state.row)
 
 
 def _word_of(name: str, manner: Manner) -> str:

@@ -4,11 +4,12 @@ from collections.abc import Mapping
 
 from workbench.app.core.release import moved_away, standing_votes
 from workbench.app.core.state import Phase, State, counted
+from workbench.gui.cycle.row import takes_words
 from workbench.gui.scene.nearest import PlanLinks, go_html, nearest_words, straight_words
 from workbench.gui.shared.views import clock, line, sentence, short, table_html
 from workbench.model.cell import Cell
 from workbench.model.motion import MotionModel
-from workbench.model.plan import Guarantee, Plan, Proof, cycle_words
+from workbench.model.plan import Guarantee, Plan, Proof, at_least, cycle_words
 from workbench.model.release import manner_words
 
 
@@ -82,6 +83,12 @@ def facts_html(
         rows.append(
             (f"{arm.arm.capitalize()} arm", f"part-{arm.detection + 1} ({part}), grasp {arm.grasp}")
         )
+    for number, one in enumerate(state.row, 2):
+        # Each by the numbers of the scan; all of it stands in the tab of the plan.
+        nearest, seconds = at_least(one.proof.clearance), one.plan.cycle_seconds
+        proven = f"clear by {nearest}, proof {short(one.proof.digest)}"
+        takes = takes_words(state, one)
+        rows.append((f"Plan {number}", f"{takes}; {seconds:.1f} s, {proven}"))
     rows += [
         ("Free ways", nearest_words(state, plan, proof)),
         ("Straight ways", straight_words(state, proof)),

@@ -10,7 +10,7 @@ from workbench.gui.shared.look import View
 from workbench.gui.shared.views import line
 from workbench.gui.shared.visitor import Visitor
 from workbench.model.errors import InputError
-from workbench.model.plan import ArmPlan
+from workbench.model.plan import parts_taken
 
 
 class OutcomeInputs:
@@ -51,11 +51,11 @@ class OutcomeInputs:
             self._why.value = ""
 
     def _word(self, arm: str, is_picked: bool) -> Command:
-        planned = _planned(self._visitor.bench.state, arm)
-        if planned is None:
+        number = _taken_last(self._visitor.bench.state, arm)
+        if number is None:
             raise InputError(f"the {arm} arm had no part in the plan")
         why = "" if is_picked else self._why.value.strip()[:LONGEST_TEXT]
-        return ReportPick(planned.detection, is_picked, why)
+        return ReportPick(number, is_picked, why)
 
     def show(self, old: View | None, new: View) -> None:
         """Bring what is shown from `old` to `new`."""
@@ -67,20 +67,25 @@ class OutcomeInputs:
         is_sent = state.plan is not None and not self._visitor.obstacle(state, ReportPick)
         self._folder.visible = is_sent
         for arm, (text, picked, failed) in self._rows.items():
-            planned = _planned(state, arm) if is_sent else None
+            number = _taken_last(state, arm) if is_sent else None
             for control in (text, picked, failed):
-                control.visible = planned is not None
-            if planned is None:
+                control.visible = number is not None
+            if number is None:
                 continue
-            said = next((o for o in state.outcomes if o.detection == planned.detection), None)
+            said = next((o for o in state.outcomes if o.detection == number), None)
             picked.disabled = said is not None and said.is_picked
             failed.disabled = said is not None and not said.is_picked
             words = "" if said is None else (" picked" if said.is_picked else " failed")
             kind = "result" if said is None or said.is_picked else "bad"
             tip = "" if said is None else f"said by {said.by}; {said.why}"
-            text.content = line(f"part-{planned.detection + 1}{words}", kind=kind, span=1, tip=tip)
+            text.content = line(f"part-{number + 1}{words}", kind=kind, span=1, tip=tip)
 
 
-def _planned(state: State, arm: str) -> ArmPlan | None:
-    arms = state.plan.arms if state.plan is not None else ()
-    return next((one for one in arms if one.arm == arm), None)
+def _taken_last(state: State, arm: str) -> int | None:
+    """The part, by its number in the scan, that an arm takes last of all that was sent."""
+    for plan in reversed(state.plans[: len(state.sent_before) + 1]):
+        numbers = parts_taken(state.plans[0], plan)
+        for number, one in zip(numbers, plan.arms, strict=True):
+            if one.arm == arm:
+                return number
+    return None

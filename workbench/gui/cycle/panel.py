@@ -1,6 +1,7 @@
 """The tab that runs a cycle: scan, find, plan, approve, send."""
 
 import time
+from dataclasses import replace
 from typing import Any
 
 import viser
@@ -19,11 +20,12 @@ from workbench.app.core.release import moved_away, standing_votes
 from workbench.app.core.state import Phase, State
 from workbench.app.core.value_checks import MOST_PARTS, SEED_LIMIT
 from workbench.app.picking.facts import bin_check_of
-from workbench.gui.cycle.approval import ApprovalDialog
+from workbench.gui.cycle.approval import ApprovalDialog, row_of
 from workbench.gui.cycle.approval_views import approval_line
 from workbench.gui.cycle.going_on import GoOnButton
 from workbench.gui.cycle.outcomes import OutcomeInputs
 from workbench.gui.cycle.overrides import OverridesInputs
+from workbench.gui.cycle.row import RowInputs
 from workbench.gui.cycle.step_button import StepButton
 from workbench.gui.cycle.strategies import strategy_hint, strategy_words
 from workbench.gui.cycle.threshold import ThresholdInput
@@ -100,9 +102,12 @@ class CyclePanel:
                 "Strategy", tuple(self._strategies), hint=strategy_hint(visitor.cell)
             )
             self._threshold = ThresholdInput(visitor, self._strategy_asked)
+            self._row = RowInputs(visitor)
+            self._row.add_wanted()
             self._plan = gui.add_button("Plan", icon=viser.Icon.ROUTE)
             self._threshold.add_forecast()
             self._plan_line = gui.add_html("")
+            self._row.add_row()
             self._help_line = gui.add_html("", visible=False)
             self._fix = FixInputs(visitor)
         with group(gui, "4 · Approve, 5 · Send to the robot") as sending:
@@ -144,9 +149,11 @@ class CyclePanel:
         self._visitor.admit(self._move_bin, state, ChangeCell)
         self._parts_line.content = parts_line(state, new.live.wrong_sizes(state.detections))
         self._plan_line.content = plan_line(state)
+        self._row.show(new)
         joints = new.live.joints
         visitor = self._visitor
-        problem = visitor.refusal(state, Approve(_digest(state)), new.at, joints)
+        approval = Approve(_digest(state), row=row_of(state))
+        problem = visitor.refusal(state, approval, new.at, joints)
         self._approval_line.content = approval_line(state, new.at, problem)
         self._send_line.content = send_line(state)
         self._go_on.show(new)
@@ -157,7 +164,7 @@ class CyclePanel:
             (self._scan, TakeScan()),
             (self._find, FindParts()),
             (self._plan, MakePlan()),
-            (self._approve, Approve(_digest(state))),
+            (self._approve, approval),
             (self._send, SendPlan(_digest(state))),
             (self._stop, Stop()),
         )
@@ -227,7 +234,7 @@ class CyclePanel:
             self._strategies[self._strategy.value],
             self._threshold.metres,
             whole(self._seed.value),
-            self._overrides.overrides,
+            replace(self._overrides.overrides, picks=self._row.picks),
         )
 
     def _wanted_sending(self) -> Command:

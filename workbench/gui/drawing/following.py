@@ -19,7 +19,7 @@ def keep_up(
         before: the state that was looked at before, None when there was none.
         state: that is looked at from now on.
         live: where the robot is reported to be.
-        runs: the timeline of the state's plan.
+        runs: the timeline of the state's plan, or of its row.
     """
     if before is not None and _is_other_scene(before, state):
         look.change(time=0.0, is_playing=False, candidate=None, pose=0, by=None, follows=True)
@@ -30,7 +30,7 @@ def keep_up(
         # A hand on the scrubber that came a moment too late would hold the picture for good.
         if at != look.now.time or not look.now.follows:
             look.change(time=at, is_playing=False, by=None, follows=True)
-    was_done = before is not None and before.phase is Phase.DONE and before.plan is state.plan
+    was_done = before is not None and before.phase is Phase.DONE and before.plans == state.plans
     if state.phase is Phase.DONE and not was_done:
         # The last reports of a quick robot may never have been drawn, those of a cycle that was
         # done before this page began never were.
@@ -43,7 +43,7 @@ def _is_other_scene(before: State, state: State) -> bool:
 
     In a recorded session one also goes back, to before the plan was sent.
     """
-    is_new = before.plan is not state.plan or before.candidates is not state.candidates
+    is_new = before.plans != state.plans or before.candidates is not state.candidates
     is_sent_now = state.phase is Phase.SENDING and before.phase is not Phase.SENDING
     is_sent_later = state.phase not in SENT and before.phase in SENT
     return is_new or is_sent_now or is_sent_later

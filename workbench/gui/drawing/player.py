@@ -16,8 +16,12 @@ from workbench.model.plan import Plan
 log = logging.getLogger(__name__)
 
 
+Row = tuple[Plan, ...]
+"""A plan and those after it, which are played as one film; two are equal when they are the same."""
+
+
 class Player:
-    """Moves the time on, and tells the bench when somebody has seen a plan from start to end.
+    """Moves the time on, and tells the bench when somebody has seen a row from start to end.
 
     Concurrency: the renderer's thread.
     """
@@ -27,8 +31,8 @@ class Player:
         self._bench = bench
         self._look = look
         self._audience: Audience | None = None
-        self._key: tuple[int | None, Plan | None] = (None, None)
-        self._told: Plan | None = None
+        self._key: tuple[int | None, Row] = (None, ())
+        self._told: Row = ()
         self._at = 0.0
 
     def step(self, view: View | None, visitors: Mapping[int, Visitor], elapsed: float) -> None:
@@ -43,7 +47,7 @@ class Player:
         if view is None:
             return
         visitor = visitors.get(look.browser) if look.browser is not None else None
-        audience = self._audience_of(view.state.plan, visitor)
+        audience = self._audience_of(view.state.plans, visitor)
         is_away = look.browser is not None and visitor is None
         if is_away or (visitor is not None and visitor.own.now.hides_robot):
             # Nobody sees there what plays.
@@ -57,22 +61,22 @@ class Player:
                 self._go_on(look.time, view.plan_seconds, audience, elapsed)
         elif audience is not None and (look.time != self._at or self._at < view.plan_seconds):
             audience.stop()
-        if audience is None or visitor is None or view.state.plan is None:
+        if audience is None or visitor is None or not view.state.plans:
             return
         if audience.is_on and not audience.unseen(view.plan_seconds):
             if not look.is_playing:
                 audience.stop()
-            self._tell_watched(view.state.plan, visitor.person)
+            self._tell_watched(view.state.plans, visitor.person)
 
     def drawn(self, view: View) -> None:
         """A view was sent to all browsers."""
         if self._audience is not None and view.look.time == self._at:
             self._audience.drawn(view.look.time)
 
-    def unseen(self, plan: Plan | None, end: float) -> tuple[Span, ...]:
-        """What of a plan up to its end [s] the browser that played it last has not seen yet."""
+    def unseen(self, row: Row, end: float) -> tuple[Span, ...]:
+        """What of a row up to its end [s] the browser that played it last has not seen yet."""
         audience = self._audience
-        is_played = plan is not None and self._key[1] is plan
+        is_played = row != () and self._key[1] == row
         return audience.unseen(end) if audience is not None and is_played else ()
 
     def close(self) -> None:
@@ -88,26 +92,27 @@ class Player:
             if not audience.is_on or time != self._at or time >= end:
                 begin = audience.begin(begin)
                 # What was refused once may be taken the next time.
-                self._told = None
+                self._told = ()
             limit = min(end, audience.limit)
         self._at = max(begin, min(begin + elapsed, limit))
         self._look.change(time=self._at, is_playing=self._at < end, by=None)
 
-    def _audience_of(self, plan: Plan | None, visitor: Visitor | None) -> Audience | None:
-        """The audience of this plan in this browser; another one has seen nothing of it."""
-        number = visitor.number if visitor is not None and plan is not None else None
-        if self._key[0] != number or self._key[1] is not plan:
+    def _audience_of(self, row: Row, visitor: Visitor | None) -> Audience | None:
+        """The audience of this row in this browser; another one has seen nothing of it."""
+        number = visitor.number if visitor is not None and row else None
+        if self._key != (number, row):
             self.close()
-            self._audience = Audience(visitor.client) if visitor and plan is not None else None
-            self._key = (number, plan)
+            self._audience = Audience(visitor.client) if visitor and row else None
+            self._key = (number, row)
         return self._audience
 
-    def _tell_watched(self, plan: Plan, person: Person) -> None:
+    def _tell_watched(self, row: Row, person: Person) -> None:
         state = self._bench.state
-        if self._told is plan or (person.name in state.watched and person.name not in state.told):
+        if self._told == row or (person.name in state.watched and person.name not in state.told):
             return
-        self._told = plan
+        self._told = row
+        first, *rest = (plan.digest for plan in row)
         try:
-            self._bench.do(WatchPlan(plan.digest), person.name, person.role)
+            self._bench.do(WatchPlan(first, row=tuple(rest)), person.name, person.role)
         except WorkbenchError as error:
             log.info("that the plan was watched is not taken: %s", error)

@@ -25,7 +25,7 @@ def scene_html(state: State) -> bytes:
     """
     server = open_viser("127.0.0.1", 0)
     try:
-        runs = timeline(state.plan) if state.plan is not None else ()
+        runs = timeline(*state.plans)
         # Who stands where does not matter any more: the robot is shown where the plan has it.
         view = View(state, Live(), Look(follows=False), runs, 0.0)
         scene = Scene(server, state.cell, most_points=MOST_POINTS, planned_is_solid=True)

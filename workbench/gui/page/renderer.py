@@ -233,8 +233,8 @@ class Renderer:
     def _view(self) -> View:
         state = self._bench.state
         before = self._drawn.state if self._drawn is not None else None
-        if before is None or before.plan is not state.plan:
-            self._runs = timeline(state.plan) if state.plan is not None else ()
+        if before is None or before.plans != state.plans:
+            self._runs = timeline(*state.plans)
         live = self._bench.live
         keep_up(self._look, before, state, live, self._runs)
         look = self._look.now
@@ -252,7 +252,7 @@ class Renderer:
             self._calibration(state),
             bin_check_of(state),
             isinstance(self._bench, History),
-            self._player.unseen(state.plan, max((run.end for run in self._runs), default=0.0)),
+            self._player.unseen(state.plans, max((run.end for run in self._runs), default=0.0)),
         )
 
     def _calibration(self, state: State) -> Calibration | str:

@@ -1,6 +1,6 @@
 """The plan over time: the lanes of the arms, and curves of joints and clearance."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from html import escape
 
 import numpy as np
@@ -137,12 +137,19 @@ def speed_curve(arm: Arm, cell: Cell, runs: tuple[Run, ...], seconds: float) -> 
 
 
 def plots_of(
-    cell: Cell, runs: tuple[Run, ...], seconds: float, proof: Proof | None
+    cell: Cell, runs: tuple[Run, ...], seconds: float, proofs: Sequence[Proof]
 ) -> tuple[Plot, ...]:
-    """The curves of a plan: what it keeps clear, how far apart arms are, speeds, and axes."""
+    """The curves of a plan: what it keeps clear, how far apart arms are, speeds, and axes.
+
+    `proofs` are those of the plans of a row, which `runs` are of; of none nothing is kept clear.
+    """
     found: list[Plot] = []
-    if proof is not None:
-        times, free, straight, arms = clearance_curves(runs, proof)
+    if proofs:
+        each = [
+            clearance_curves(tuple(run for run in runs if run.plan == place), proof)
+            for place, proof in enumerate(proofs)
+        ]
+        times, free, straight, arms = (np.concatenate(one) for one in zip(*each, strict=True))
         ways = (
             Curve("free ways", JOINTS[0], free),
             Curve("straight ways", LEGS["extract"], straight),

@@ -62,7 +62,7 @@ class PlanPanel:
     def show(self, old: View | None, new: View) -> None:
         """Bring what is shown from `old` to `new`."""
         is_other = old is None or old.state.outlines is not new.state.outlines
-        if is_other or (old is not None and old.state.plan is not new.state.plan):
+        if is_other or (old is not None and old.state.plans != new.state.plans):
             self._draw_plan(new)
         if old is None or old.state is not new.state:
             problem = self._problem(new.state)
@@ -121,7 +121,7 @@ class PlanPanel:
         self._nearest.content = (
             "" if proof is None else proof_html(state, state.plan, proof, self._links)
         )
-        self._plots = plots_of(cell, runs, seconds, state.proof)
+        self._plots = plots_of(cell, runs, seconds, [one.proof for one in state.whole_row])
         slider = element_id(self._time)
         for (drawn, _), plot in zip(self._drawn, self._plots, strict=False):
             drawn.content = plot_html(plot, seconds, slider)

@@ -33,8 +33,9 @@ def nearest_words(state: State, plan: Plan, proof: Proof) -> str:
     words = f"{at_least(proof.clearance)}, {place.arm} arm on {place.leg}"
     spot = nearest_place(state.cell, plan, proof)
     if spot is not None:
-        run = _run(timeline(plan), place.arm, place.leg)
-        words += f" at {run.start + spot.seconds:.2f} s{_others(plan, run, spot)}"
+        runs = _runs_of(state, plan)
+        run = _run(runs, place.arm, place.leg)
+        words += f" at {run.start + spot.seconds:.2f} s{_others(runs, run, spot)}"
     return f"{words}: {place.pair[0]} and {place.pair[1]}"
 
 
@@ -95,8 +96,8 @@ class PlanLinks:
             visitor.tell("Nothing to show", "on its free legs the plan comes near nothing")
             return
         self._before()
-        runs = timeline(plan)
-        time = _run(runs, proof.nearest.arm, proof.nearest.leg).start + spot.seconds
+        run = _run(_runs_of(state, plan), proof.nearest.arm, proof.nearest.leg)
+        runs, time = timeline(*state.plans), run.start + spot.seconds
         visitor.own.end()
         visitor.look.change(time=time, is_playing=False, by=None)
         visitor.own.change(visited=Visited(plan, time, spot, at_least(proof.clearance)))
@@ -118,14 +119,23 @@ class PlanLinks:
         self._visitor.client.send_file_download(name, content, save_immediately=True)
 
 
+def _runs_of(state: State, plan: Plan) -> tuple[Run, ...]:
+    """The legs of one plan of the row, on the clock of the whole row."""
+    row = state.plans
+    place = next((place for place, one in enumerate(row) if one is plan), None)
+    if place is None:
+        return timeline(plan)
+    return tuple(run for run in timeline(*row) if run.plan == place)
+
+
 def _run(runs: tuple[Run, ...], arm: str, leg: str) -> Run:
     return next(run for run in runs if (run.arm, run.leg.name) == (arm, leg))
 
 
-def _others(plan: Plan, run: Run, spot: Spot) -> str:
+def _others(runs: tuple[Run, ...], run: Run, spot: Spot) -> str:
     """Where another arm is meanwhile, if that is not where the plan has it then."""
     said = ""
-    for other in timeline(plan):
+    for other in runs:
         if other.start != run.start or other.arm == run.arm:
             continue
         seconds = spot.others.get(other.arm, 0.0)

@@ -127,7 +127,7 @@ class Scene:
         if is_other_scan:
             self._cloud = self._painted(state.scan, state.detections)
         are_other_obstacles = before is None or before.obstacles is not state.obstacles
-        is_other_plan = before is None or before.plan is not state.plan
+        is_other_plan = before is None or before.plans != state.plans
         are_other_parts = before is None or before.detections is not state.detections
         if are_other_parts:
             self._add_parts(state.detections or ())
@@ -289,9 +289,9 @@ class Scene:
             self._planned.show_arms(planned)
         if self._checked is not None:
             self._pose_robot(self._checked, view.moments if planned else view.real)
-        plan, detections = view.state.plan, view.state.detections or ()
-        if plan is not None and len(plan.detections) == len(self._parts):
-            poses = part_poses(self._cell, self._kinematics, plan, view.runs, view.look.time)
+        row, detections = view.state.plans, view.state.detections or ()
+        if row and len(row[0].detections) == len(self._parts):
+            poses = part_poses(self._cell, self._kinematics, row, view.runs, view.look.time)
         else:
             poses = tuple(detection.T_world_part for detection in detections)
         for node, T in zip(self._parts, poses, strict=True):

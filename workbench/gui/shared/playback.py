@@ -1,6 +1,6 @@
 """Where everything is at a moment of a plan: the pure half of the scrubber."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -8,7 +8,7 @@ import pinocchio as pin
 
 from workbench.model.cell import Arm, Cell
 from workbench.model.geometry import Floats
-from workbench.model.plan import Leg, Plan
+from workbench.model.plan import Leg, Plan, parts_taken
 from workbench.planning.kinematics.robot import Kinematics
 
 AHEAD = 2.0
@@ -26,12 +26,16 @@ NOWHERE = 0.3
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Run:
-    """One leg of one arm on the plan's clock; `start`, `end` [s]."""
+    """One leg of one arm on the clock of a plan, or of a row; `start`, `end` [s].
+
+    `plan` is the place of its plan in the row.
+    """
 
     arm: str
     leg: Leg
     start: float
     end: float
+    plan: int = 0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -46,18 +50,19 @@ class Moment:
     leg: Leg | None
 
 
-def timeline(plan: Plan) -> tuple[Run, ...]:
-    """Every leg with its start on the plan's clock.
+def timeline(*row: Plan) -> tuple[Run, ...]:
+    """Every leg with its start on one clock, that of a plan or of all plans of a row.
 
     The steps run one after the other, the legs within a step at the same time; a step lasts
     as long as the longest of its legs.
     """
     runs: list[Run] = []
     clock = 0.0
-    for step in plan.sequence:
-        legs = [(arm, plan.arm(arm).leg(name)) for arm, name in step.runs]
-        runs += [Run(arm, leg, clock, clock + leg.seconds) for arm, leg in legs]
-        clock += max((leg.seconds for _, leg in legs), default=0.0)
+    for place, plan in enumerate(row):
+        for step in plan.sequence:
+            legs = [(arm, plan.arm(arm).leg(name)) for arm, name in step.runs]
+            runs += [Run(arm, leg, clock, clock + leg.seconds, place) for arm, leg in legs]
+            clock += max((leg.seconds for _, leg in legs), default=0.0)
     return tuple(runs)
 
 
@@ -146,22 +151,27 @@ def joint_values(cell: Cell, now: Mapping[str, Moment]) -> dict[str, float]:
 
 
 def part_poses(
-    cell: Cell, kinematics: Kinematics, plan: Plan, runs: tuple[Run, ...], time: float
+    cell: Cell, kinematics: Kinematics, row: Sequence[Plan], runs: tuple[Run, ...], time: float
 ) -> tuple[pin.SE3, ...]:
-    """`T_world_part` of every detection of the plan at `time` [s].
+    """`T_world_part` of every detection of the first plan of a row at `time` [s].
 
     A part lies where it was found until its arm extracts it, then moves with the hand, and
     stays where the hand left it.
     """
-    poses = [detection.T_world_part for detection in plan.detections]
-    for arm_plan in plan.arms:
-        carried = [
-            run for run in runs if run.arm == arm_plan.arm and run.leg.holding and run.start <= time
-        ]
-        if carried:
-            arm, run = cell.arm(arm_plan.arm), carried[-1]
-            q = interpolated(run.leg.q, run.leg.t, min(time, run.end) - run.start)
-            poses[arm_plan.detection] = kinematics.tcp_pose(arm, q) * arm_plan.T_tcp_part
+    poses = [detection.T_world_part for detection in row[0].detections]
+    for place, plan in enumerate(row):
+        for number, arm_plan in zip(parts_taken(row[0], plan), plan.arms, strict=True):
+            carried = [
+                run
+                for run in runs
+                if (run.plan, run.arm) == (place, arm_plan.arm)
+                and run.leg.holding
+                and run.start <= time
+            ]
+            if carried:
+                arm, run = cell.arm(arm_plan.arm), carried[-1]
+                q = interpolated(run.leg.q, run.leg.t, min(time, run.end) - run.start)
+                poses[number] = kinematics.tcp_pose(arm, q) * arm_plan.T_tcp_part
     return tuple(poses)
 
 

@@ -154,7 +154,7 @@ def _box(kind: str, left: str, right: str = "") -> str:
 
 def parts_placed(state: State) -> str:
     """How many parts the controller says are placed, of how many."""
-    expected = len(state.plan.arms) if state.plan is not None else 0
+    expected = sum(len(plan.arms) for plan in state.plans)
     return f"{state.parts_placed} of {expected} placed"
 
 
@@ -244,7 +244,8 @@ def _takes(state: State) -> str:
     plan = state.plan
     if plan is None:
         return ""
-    return f"{plan.strategy.words}, {cycle_words(plan.cycle_seconds, state.bound)}"
+    words = f"{plan.strategy.words}, {cycle_words(plan.cycle_seconds, state.bound)}"
+    return words if len(state.plans) < 2 else f"{len(state.plans)} in a row, the first {words}"
 
 
 def plan_line(state: State) -> str:

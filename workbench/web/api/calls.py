@@ -286,7 +286,7 @@ CALLS: tuple[Call, ...] = (
         (
             Field(
                 "detection",
-                "index of the part in the plan, of a row in the first",
+                "index of the part in the plan, or the first one",
                 _whole(0, 10_000),
             ),
             Field("is_picked", "whether it was", {"type": "boolean"}),

@@ -1,0 +1,146 @@
+"""The plans of a row: how many are wanted, what each takes, and the way to carry out fewer."""
+
+from html import escape
+
+import viser
+
+from workbench.app.core.commands import Command, ShortenRow
+from workbench.app.core.state import Phase, State, counted
+from workbench.gui.shared.look import View
+from workbench.gui.shared.views import clearance_words, line, sentence, short
+from workbench.gui.shared.visitor import Visitor, whole
+from workbench.model.cell import MOST_PICKS, Cell
+from workbench.model.plan import Proven, parts_taken
+
+TWO = '<div class="wb-buttons wb-two"></div>'
+"""A mark that lays two buttons side by side, see the style sheet."""
+
+
+class RowInputs:
+    """How many plans are wanted after one scan, and the row that the last planning has brought.
+
+    Concurrency: clicks give commands; the renderer's thread draws.
+    """
+
+    def __init__(self, visitor: Visitor):
+        """Nothing is added yet."""
+        self._visitor = visitor
+        self._shown: object = None
+
+    def add_wanted(self) -> None:
+        """Add the field for how many are wanted, in cells that say which parts may move."""
+        policy = self._visitor.cell.policy
+        self._wanted = self._visitor.gui.add_number(
+            "Picks",
+            policy.picks,
+            min=1,
+            max=MOST_PICKS,
+            step=1,
+            visible=can_have_rows(self._visitor.cell),
+            hint="Plans in a row after one scan, as far as it stays true; one approval for all.",
+        )
+
+    def add_row(self) -> None:
+        """Add what the row is, unseen while there is none."""
+        gui, visitor = self._visitor.gui, self._visitor
+        self._table = gui.add_html("", visible=False)
+        self._mark = gui.add_html(TWO, visible=False)
+        self._fewer = gui.add_button(
+            "Leave out the last",
+            icon=viser.Icon.MINUS,
+            color="gray",
+            visible=False,
+            hint="The row ends one plan earlier; what was approved has to be approved again.",
+        )
+        self._more = gui.add_button(
+            "Bring one back",
+            icon=viser.Icon.PLUS,
+            color="gray",
+            visible=False,
+            hint="The plan that was left out last is carried out again; it has to be played first.",
+        )
+        visitor.on_press(self._fewer, lambda: self._other(-1))
+        visitor.on_press(self._more, lambda: self._other(1))
+
+    @property
+    def picks(self) -> int | None:
+        """How many plans are wanted; None where the cell has no rows."""
+        return whole(self._wanted.value) if self._wanted.visible else None
+
+    def _other(self, by: int) -> Command:
+        state = self._visitor.bench.state
+        digest = "" if state.plan is None else state.plan.digest
+        return ShortenRow(digest, 1 + len(state.row) + by)
+
+    def show(self, new: View) -> None:
+        """Bring it up to date."""
+        state, visitor = new.state, self._visitor
+        self._wanted.visible = can_have_rows(state.cell)
+        is_row = bool(state.row or state.left_out or state.sent_before)
+        self._table.visible = is_row or bool(state.row_ends)
+        self._table.content = row_html(state) if self._table.visible else ""
+        is_open = bool(state.row or state.left_out) and state.phase in (
+            Phase.PLANNED,
+            Phase.APPROVED,
+        )
+        for control in (self._mark, self._fewer, self._more):
+            control.visible = is_open and not new.is_recorded
+        if is_open:
+            for button, by in ((self._fewer, -1), (self._more, 1)):
+                visitor.allow(button, visitor.refusal(state, self._other(by), new.at))
+
+
+def can_have_rows(cell: Cell) -> bool:
+    """Whether a cell says which parts may move when one is taken."""
+    return cell.policy.pair_gap > 0
+
+
+def row_html(state: State) -> str:
+    """What each plan of the row takes, how near it comes to anything, and why there are no more."""
+    rows = "".join(
+        _row(state, number, one) for number, one in enumerate((*state.whole_row, *state.left_out))
+    )
+    heads = "".join(f"<th>{title}</th>" for title in ("", "Takes", "Time", "Proof"))
+    table = (
+        f'<table class="wb-facts wb-plans"><thead><tr>{heads}</tr></thead>'
+        f"<tbody>{rows}</tbody></table>"
+    )
+    many = len(state.plans) + len(state.left_out) > 1
+    words = row_words(state)
+    return (table if many else "") + (line(f"{sentence(words)}.", kind="hint") if words else "")
+
+
+def row_words(state: State) -> str:
+    """How long the row is, and why it ends there."""
+    count = len(state.plans)
+    words = f"{counted(count, 'pick')} in a row"
+    if state.left_out:
+        words += f", {len(state.left_out)} left out"
+    if count + len(state.left_out) == 1 and not state.row_ends:
+        return ""
+    return words + (f"; {state.row_ends}" if state.row_ends else "")
+
+
+def _row(state: State, number: int, one: Proven) -> str:
+    now, count = len(state.sent_before), len(state.plans)
+    is_out = number >= count
+    mark = str(number + 1)
+    if number < now or (number == now and state.phase is Phase.DONE):
+        mark = "✓"
+    elif number == now and state.phase is Phase.SENDING:
+        mark = "▶"
+    takes = takes_words(state, one)
+    proof = clearance_words(one.proof) if one.proof.holds else "does not hold"
+    title = f"plan {short(one.plan.digest)}, proof {short(one.proof.digest)}"
+    style = ' style="opacity:.5;text-decoration:line-through"' if is_out else ""
+    return (
+        f'<tr title="{escape(title)}"{style}><td>{mark}</td><td>{escape(takes)}</td>'
+        f'<td class="wb-number">{one.plan.cycle_seconds:.1f} s</td><td>{escape(proof)}</td></tr>'
+    )
+
+
+def takes_words(state: State, one: Proven) -> str:
+    """The parts that a plan of the row takes, by the numbers of the scan, and with which arm."""
+    numbers = parts_taken(state.plans[0], one.plan)
+    pairs = zip(numbers, one.plan.arms, strict=True)
+    return ", ".join(f"part-{number + 1} {arm.arm}" for number, arm in pairs)
