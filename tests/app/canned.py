@@ -19,17 +19,22 @@ from workbench.model.cell import Cell
 from workbench.model.errors import CommandRefused
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.plan import PlanResult
+from workbench.model.release import PartReport
 from workbench.model.scan import Detection, Scan
 
 
 @dataclass(frozen=True)
 class Results:
-    """What each stage brings, all of the same cycle."""
+    """What each stage brings, all of the same cycle.
+
+    `tells`: the robot says where it stands, and what became of each part.
+    """
 
     cell: Cell
     scan: Scan
     detections: tuple[Detection, ...]
     planned: PlanResult
+    tells: bool = False
 
 
 def make_results() -> Results:
@@ -53,7 +58,8 @@ class Canned:
     """Effects whose results come at once; while `hold` is set, no job ends."""
 
     def __init__(self, results: Results, do) -> None:
-        self.live = Live()
+        home = results.cell.joint_values({arm.name: arm.home for arm in results.cell.arms})
+        self.live = Live(joints=home) if results.tells else Live()
         self.hold = threading.Event()
         self._results, self._do = results, do
         self._wanted: queue.SimpleQueue = queue.SimpleQueue()
@@ -81,7 +87,9 @@ class Canned:
                 found = {"scan": results.scan, "localize": results.detections}
                 self._do(JobEnded(number, found.get(name, results.planned)), WORKER)
             case Send(plan=plan) if not self.hold.is_set():
-                self._do(LinkEnded("", len(plan.arms)), ROBOT_LINK)
+                told = plan.arms if results.tells else ()
+                parts = tuple(PartReport(one.arm, one.detection, True) for one in told)
+                self._do(LinkEnded("", len(plan.arms), parts), ROBOT_LINK)
             case StopSending():
                 self._do(LinkEnded("stopped", 0), ROBOT_LINK)
             case _:

@@ -185,7 +185,9 @@ def test_a_role_that_is_not_enough_is_forbidden(site):
 def _some(field):
     if field.name in ("plan", "ran"):
         return "0" * 64
-    return {"integer": 0, "number": 0.5, "boolean": True, "string": "x"}[field.schema["type"]]
+    if field.schema["type"] == "integer":
+        return field.schema["minimum"]
+    return {"number": 0.5, "boolean": True, "string": "x"}[field.schema["type"]]
 
 
 def test_a_login_without_a_name_approves_nothing(site, people):

@@ -54,6 +54,8 @@ def with_next_plan(state: State, after: State, ended: LinkEnded, entry: Entry) -
         plan=one.plan,
         proof=one.proof,
         row=state.row[1:],
+        # What was asked for the first one.
+        bound=0.0,
         sent_before=done,
         approval=approval,
         receipts=(),

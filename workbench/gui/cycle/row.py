@@ -12,8 +12,7 @@ from workbench.gui.shared.visitor import Visitor, whole
 from workbench.model.cell import MOST_PICKS, Cell
 from workbench.model.plan import Proven, parts_taken
 
-TWO = '<div class="wb-buttons wb-two"></div>'
-"""A mark that lays two buttons side by side, see the style sheet."""
+SAYS = "Several picks after one scan, as far as it stays true; one approval for all of them."
 
 
 class RowInputs:
@@ -25,35 +24,35 @@ class RowInputs:
     def __init__(self, visitor: Visitor):
         """Nothing is added yet."""
         self._visitor = visitor
-        self._shown: object = None
 
     def add_wanted(self) -> None:
         """Add the field for how many are wanted, in cells that say which parts may move."""
-        policy = self._visitor.cell.policy
-        self._wanted = self._visitor.gui.add_number(
+        gui, policy = self._visitor.gui, self._visitor.cell.policy
+        self._line = gui.add_html("", visible=False)
+        self._wanted = gui.add_number(
             "Picks",
             policy.picks,
             min=1,
             max=MOST_PICKS,
             step=1,
             visible=can_have_rows(self._visitor.cell),
-            hint="Plans in a row after one scan, as far as it stays true; one approval for all.",
+            hint=SAYS,
         )
 
     def add_row(self) -> None:
         """Add what the row is, unseen while there is none."""
         gui, visitor = self._visitor.gui, self._visitor
         self._table = gui.add_html("", visible=False)
-        self._mark = gui.add_html(TWO, visible=False)
+        self._mark = gui.add_html(line("Length of the row:", kind="hint", span=1), visible=False)
         self._fewer = gui.add_button(
-            "Leave out the last",
+            "Leave out last",
             icon=viser.Icon.MINUS,
             color="gray",
             visible=False,
             hint="The row ends one plan earlier; what was approved has to be approved again.",
         )
         self._more = gui.add_button(
-            "Bring one back",
+            "Bring back",
             icon=viser.Icon.PLUS,
             color="gray",
             visible=False,
@@ -75,9 +74,11 @@ class RowInputs:
     def show(self, new: View) -> None:
         """Bring it up to date."""
         state, visitor = new.state, self._visitor
-        self._wanted.visible = can_have_rows(state.cell)
-        is_row = bool(state.row or state.left_out or state.sent_before)
-        self._table.visible = is_row or bool(state.row_ends)
+        self._wanted.visible = self._line.visible = can_have_rows(state.cell)
+        words = row_words(state)
+        shown = f"{sentence(words)}." if words else SAYS
+        self._line.content = line(shown, kind="result" if words else "hint", span=2)
+        self._table.visible = bool(state.row or state.left_out or state.sent_before)
         self._table.content = row_html(state) if self._table.visible else ""
         is_open = bool(state.row or state.left_out) and state.phase in (
             Phase.PLANNED,
@@ -96,27 +97,24 @@ def can_have_rows(cell: Cell) -> bool:
 
 
 def row_html(state: State) -> str:
-    """What each plan of the row takes, how near it comes to anything, and why there are no more."""
+    """What each plan of the row takes, how long that is, and how near it comes to anything."""
     rows = "".join(
         _row(state, number, one) for number, one in enumerate((*state.whole_row, *state.left_out))
     )
     heads = "".join(f"<th>{title}</th>" for title in ("", "Takes", "Time", "Proof"))
-    table = (
+    return (
         f'<table class="wb-facts wb-plans"><thead><tr>{heads}</tr></thead>'
         f"<tbody>{rows}</tbody></table>"
     )
-    many = len(state.plans) + len(state.left_out) > 1
-    words = row_words(state)
-    return (table if many else "") + (line(f"{sentence(words)}.", kind="hint") if words else "")
 
 
 def row_words(state: State) -> str:
-    """How long the row is, and why it ends there."""
+    """How long the row is, and why it ends there; empty where nobody has asked for more than one."""
     count = len(state.plans)
     words = f"{counted(count, 'pick')} in a row"
     if state.left_out:
         words += f", {len(state.left_out)} left out"
-    if count + len(state.left_out) == 1 and not state.row_ends:
+    if count + len(state.left_out) < 2 and (not count or not state.row_ends):
         return ""
     return words + (f"; {state.row_ends}" if state.row_ends else "")
 

@@ -245,7 +245,9 @@ def _takes(state: State) -> str:
     if plan is None:
         return ""
     words = f"{plan.strategy.words}, {cycle_words(plan.cycle_seconds, state.bound)}"
-    return words if len(state.plans) < 2 else f"{len(state.plans)} in a row, the first {words}"
+    if len(state.plans) < 2:
+        return words
+    return f"{len(state.plans)} in a row, number {len(state.sent_before) + 1}: {words}"
 
 
 def plan_line(state: State) -> str:
