@@ -151,8 +151,9 @@ class Cycle:
             raise NoPlan(state.message)
         self._see_it_at_the_start(plan)
         # Nobody looks: the record says who has let this plan out, a demonstration.
-        self._bench.do(WatchPlan(plan.digest, is_told=True), ACTOR)
-        self._stage("approve", Approve(plan.digest), Phase.APPROVED)
+        row = tuple(one.plan.digest for one in state.row)
+        self._bench.do(WatchPlan(plan.digest, is_told=True, row=row), ACTOR)
+        self._stage("approve", Approve(plan.digest, row=row), Phase.APPROVED)
         state = self._stage("send", SendPlan(plan.digest), Phase.DONE, Phase.FAULT)
         if state.phase is Phase.FAULT:
             raise LinkError(state.fault)

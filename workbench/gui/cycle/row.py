@@ -28,7 +28,6 @@ class RowInputs:
     def add_wanted(self) -> None:
         """Add the field for how many are wanted, in cells that say which parts may move."""
         gui, policy = self._visitor.gui, self._visitor.cell.policy
-        self._line = gui.add_html("", visible=False)
         self._wanted = gui.add_number(
             "Picks",
             policy.picks,
@@ -38,6 +37,7 @@ class RowInputs:
             visible=can_have_rows(self._visitor.cell),
             hint=SAYS,
         )
+        self._line = gui.add_html("", visible=False)
 
     def add_row(self) -> None:
         """Add what the row is, unseen while there is none."""
@@ -103,13 +103,13 @@ def row_html(state: State) -> str:
     )
     heads = "".join(f"<th>{title}</th>" for title in ("", "Takes", "Time", "Proof"))
     return (
-        f'<table class="wb-facts wb-plans"><thead><tr>{heads}</tr></thead>'
-        f"<tbody>{rows}</tbody></table>"
+        f'<div class="wb-span3"><table class="wb-facts wb-plans"><thead><tr>{heads}</tr></thead>'
+        f"<tbody>{rows}</tbody></table></div>"
     )
 
 
 def row_words(state: State) -> str:
-    """How long the row is, and why it ends there; empty where nobody has asked for more than one."""
+    """How long the row is, and why it ends there; empty where one plan alone was asked for."""
     count = len(state.plans)
     words = f"{counted(count, 'pick')} in a row"
     if state.left_out:
