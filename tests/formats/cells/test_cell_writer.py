@@ -75,6 +75,7 @@ def test_what_is_seldom_changed_comes_back_too(tmp_path):
         lifts=("up", "off-wall"),
         least_air=0.002,
         pair_gap=0.004,
+        picks=4,
     )
     folder = PosesFolder(str(tmp_path / "poses"), "keyed_cylinder")
     careful, *others = cell.arms

@@ -215,3 +215,17 @@ def test_a_cell_that_names_no_other_lift_has_the_digest_of_before(folder: Path) 
     silent = read_cell(with_policy(folder, ""))
     assert read_cell(with_policy(folder, 'lifts = ["leaning"]')).digest == silent.digest
     assert read_cell(with_policy(folder, 'lifts = ["up"]')).digest != silent.digest
+
+
+def test_picks_a_scan_need_a_gap_and_change_no_digest_where_one_is_wanted(folder: Path) -> None:
+    digest = read_cell(folder).digest
+    path = with_change(folder, "[policy]", "[policy]\npicks = 1")
+    assert (read_cell(path).policy.picks, read_cell(path).digest) == (1, digest)
+    with_change(folder, "picks = 1", "picks = 3")
+    with pytest.raises(FileError, match=r"(?s)cell\.toml.*picks.*needs a pair_gap_mm"):
+        read_cell(path)
+    with_change(folder, "picks = 3", "picks = 3\npair_gap_mm = 10")
+    assert read_cell(path).policy.picks == 3
+    with_change(folder, "picks = 3", "picks = 11")
+    with pytest.raises(FileError, match=r"picks.*11 is not a whole number from 1 to 10"):
+        read_cell(path)
