@@ -67,9 +67,6 @@ class Tool:
         return max([*(solid.reach for solid in self.body), *fingers], default=0.0)
 
 
-MOST_PICKS = 10
-"""Plans in a row after one scan."""
-
 ARM_NAME = r"[A-Za-z0-9_][A-Za-z0-9_-]{0,39}"
 """What an arm can be called."""
 
@@ -277,8 +274,7 @@ class Policy:
     clear (`planning.picking.lifts`).  `least_air` [m]: fingers may arrive less open than a grasp
     says where there is no room, as long as so much is left on each side of its grip; None: as the
     grasp says.  `pair_gap` [m]: parts nearer to each other are of one heap, of which a plan takes
-    but one, since the others may move as it is lifted; 0: any two are taken.  `picks`: plans that
-    are wanted in a row after one scan (`app.picking.row`), which needs a `pair_gap`.
+    but one: the others may move; 0: any two are taken.  `picks`: plans in a row wanted after a scan.
     """
 
     margin: float = 0.005
@@ -303,18 +299,6 @@ class Policy:
     sink: float = field(default_factory=lambda: 0.001, metadata=LATER)
     release: float = field(default_factory=lambda: 0.01, metadata=LATER)
     picks: int = field(default_factory=lambda: 1, metadata=LATER)
-
-
-def picks_problem(policy: Policy) -> str:
-    """Why a policy cannot ask for so many plans after one scan; empty when it can."""
-    if not 1 <= policy.picks <= MOST_PICKS:
-        return f"1 to {MOST_PICKS} picks a scan can be asked for, not {policy.picks!r}"
-    if policy.picks > 1 and policy.pair_gap <= 0:
-        return (
-            "more than one pick a scan needs a pair_gap_mm in [policy]: without it nobody knows "
-            "which parts move when one is taken"
-        )
-    return ""
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,7 +11,7 @@ import numpy as np
 import pinocchio as pin
 
 from workbench.model.candidate import Candidate, Verdict
-from workbench.model.cell import ARM_NAME
+from workbench.model.cell import ARM_NAME, Policy
 from workbench.model.digest import LATER, Told, called, digest_of
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats, copied, frozen, put
@@ -25,6 +25,9 @@ UNSIGNED = frozenset({"seconds", "digest"})
 LegName = Literal["reach", "approach", "extract", "return", "place", "home"]
 LEG_NAMES: tuple[LegName, ...] = ("reach", "approach", "extract", "return", "place", "home")
 
+
+MOST_PICKS = 10
+"""Plans in a row after one scan."""
 
 STRATEGY_WORDS = ("auto", "alternated", "coordinated", "both", "single")
 """What a request can ask for besides an arm by its name, so that no arm is called so."""
@@ -308,6 +311,18 @@ class Proven:
 
     plan: Plan
     proof: Proof
+
+
+def picks_problem(policy: Policy) -> str:
+    """Why a policy cannot ask for so many plans after one scan; empty when it can."""
+    if not 1 <= policy.picks <= MOST_PICKS:
+        return f"1 to {MOST_PICKS} picks a scan can be asked for, not {policy.picks!r}"
+    if policy.picks > 1 and policy.pair_gap <= 0:
+        return (
+            "more than one pick a scan needs a pair_gap_mm in [policy]: without it nobody knows "
+            "which parts move when one is taken"
+        )
+    return ""
 
 
 def number_in(first: Plan, one: Detection) -> int:

@@ -38,6 +38,7 @@ from workbench.app.core.release import (
     shortened,
     started,
     votes_of_others,
+    with_watched,
     without_approval,
 )
 from workbench.app.core.results import (
@@ -103,7 +104,7 @@ def decide(state: State, entry: commands.Entry) -> Outcome:
         case commands.ShortenRow(picks=picks):
             return shortened(state, picks, entry.actor), ()
         case commands.WatchPlan(is_told=is_told):
-            return _watched(state, entry.actor, is_told=is_told), ()
+            return with_watched(state, entry.actor, is_told=is_told), ()
         case commands.Approve() as vote:
             return _approved(state, entry, vote), ()
         case commands.SendPlan():
@@ -187,18 +188,6 @@ def _begin(
     job = Job(state.number, name, entry.at, **about)
     after = replace(without_approval(state), job=job, message=message)
     return after, (StartJob(job.number, name, arguments),)
-
-
-def _watched(state: State, actor: str, *, is_told: bool) -> State:
-    told, watched = state.told, state.watched
-    if actor not in watched:
-        watched, told = (*watched, actor), (*told, actor) if is_told else told
-    elif not is_told:
-        told = tuple(name for name in told if name != actor)
-    message = "the plan was played to its end"
-    if is_told:
-        message = f"a program says that the plan was played to its end before {actor}"
-    return replace(state, watched=watched, told=told, message=message)
 
 
 def _wanting(state: State, threshold: float) -> State:

@@ -38,10 +38,10 @@ from workbench.app.core.value_checks import (
     check_person,
     check_text,
 )
-from workbench.model.cell import MOST_PICKS, Cell
+from workbench.model.cell import Cell
 from workbench.model.digest import digest_of
 from workbench.model.errors import CommandRefused, NotAllowed
-from workbench.model.plan import UNSIGNED, Plan, Proof, Proven
+from workbench.model.plan import MOST_PICKS, UNSIGNED, Plan, Proof, Proven
 from workbench.model.release import AS_PLANNED, SLOWEST, Approval, Manner, Vote
 from workbench.model.scan import ALL_KINDS
 from workbench.plugins.robot_link import misfit

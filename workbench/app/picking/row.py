@@ -7,9 +7,9 @@ from typing import Any
 
 from workbench.app.picking.pipeline import NOTHING, plan_pick
 from workbench.app.picking.proving import prove
-from workbench.model.cell import Cell, picks_problem
+from workbench.model.cell import Cell
 from workbench.model.errors import CommandRefused, InputError
-from workbench.model.plan import Plan, PlanResult, Proven, renumbered
+from workbench.model.plan import Plan, PlanResult, Proven, picks_problem, renumbered
 from workbench.model.scan import Detection, Obstacle, Scan, Scene
 from workbench.planning.collision.world import World
 from workbench.planning.planners.clock import working_time

@@ -29,7 +29,7 @@ from workbench.cli.serving.controller import HIGHEST_PORT
 from workbench.cli.terminal import check_whole, print_json, progress
 from workbench.formats.clouds.scans import read_scan
 from workbench.formats.plans.plan_files import read_plan
-from workbench.model.cell import MOST_PICKS, Cell, Controller
+from workbench.model.cell import Cell, Controller
 from workbench.model.digest import canonical
 from workbench.model.errors import (
     CommandRefused,
@@ -38,7 +38,7 @@ from workbench.model.errors import (
     JournalError,
     WorkbenchError,
 )
-from workbench.model.plan import Plan
+from workbench.model.plan import MOST_PICKS, Plan
 from workbench.model.release import Approval, Receipt
 from workbench.plugins.robot_link import controller_by
 from workbench.plugins.robot_link import send as send_plan

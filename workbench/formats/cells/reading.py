@@ -18,7 +18,6 @@ from workbench.formats.robots.dh import read_dh
 from workbench.formats.robots.urdf import read_srdf, read_urdf
 from workbench.model.cell import (
     LIFT_NAMES,
-    MOST_PICKS,
     ORDER_NAMES,
     Arm,
     Bin,
@@ -28,10 +27,10 @@ from workbench.model.cell import (
     LocalizerChoice,
     Policy,
     PosesFolder,
-    picks_problem,
 )
 from workbench.model.errors import FileError
 from workbench.model.part import Part
+from workbench.model.plan import MOST_PICKS, picks_problem
 from workbench.model.robot import Link, Robot
 from workbench.plugins.planner import planner_names
 from workbench.plugins.robot_link import controller_by, link_named, usual_link
