@@ -274,7 +274,7 @@ class Policy:
     clear (`planning.picking.lifts`).  `least_air` [m]: fingers may arrive less open than a grasp
     says where there is no room, as long as so much is left on each side of its grip; None: as the
     grasp says.  `pair_gap` [m]: parts nearer to each other are of one heap, of which a plan takes
-    but one: the others may move; 0: any two are taken.  `picks`: plans in a row wanted after a scan.
+    but one: the others may move; 0: any two are taken.  `picks`: plans in a row after one scan.
     """
 
     margin: float = 0.005

@@ -1,7 +1,10 @@
 """A row of plans over real TCP: plan after plan, until all is done or the first thing is odd."""
 
 import json
+import subprocess
+import sys
 import time
+import zipfile
 from dataclasses import replace
 
 import numpy as np
@@ -20,6 +23,7 @@ from workbench.app.core.commands import (
     WatchPlan,
 )
 from workbench.app.core.state import Phase
+from workbench.app.evidence.bundle import write_bundle
 from workbench.app.evidence.steps import approval_problems, step_problems
 from workbench.app.picking.row import plan_row
 from workbench.app.records.replay import replay
@@ -117,8 +121,26 @@ def test_a_row_goes_out_plan_after_plan_and_is_on_record(bench, cell, planned):
         made.do(SendPlan(result.plan.digest), "ada")
     folder = made.folder
     made.close()
-    *_, (_, last) = replay(Journal(folder), replace(cell, controller=made.cell.controller))
+    journal = Journal(folder)
+    *_, (_, last) = replay(journal, replace(cell, controller=made.cell.controller))
     assert [plan.digest for plan in last.plans] == [plan.digest for plan in result.plans]
+    write_bundle(journal, folder / "bundle.zip", time.time())
+    journal.close()
+    with zipfile.ZipFile(folder / "bundle.zip") as archive:
+        archive.extract("verify.py", folder)
+        report = archive.read("report.html").decode()
+        certified = {name for name in archive.namelist() if name.startswith("certificates/")}
+    assert {name[-17:-5] for name in certified} == {plan.digest[:12] for plan in result.plans}
+    checked = subprocess.run(
+        [sys.executable, "-I", folder / "verify.py", folder / "bundle.zip"],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert checked.returncode == 2, checked.stdout
+    assert "nothing shows a change" in checked.stdout
+    for number in (1, 2, 3):
+        assert f"Sending {number}" in report and f"plan {number} of 3 by one approval" in report
 
 
 @pytest.mark.parametrize(

@@ -13,7 +13,7 @@ from workbench.app.records.record import SESSION, entry_of
 from workbench.formats.plans.certificates import LIBRARIES, certificate_bytes
 from workbench.journal.journal import Row
 from workbench.model.errors import JournalError, WorkbenchError
-from workbench.model.plan import PlanResult
+from workbench.model.plan import PlanResult, Proven
 
 MadeWith = dict[str, str]
 
@@ -56,6 +56,7 @@ def certificates(
                 planned.append((row, made_with))
             if body.get("approval"):
                 approved.add(body["after"]["plan"])
+                approved |= {plan for plan, _ in body["approval"].get("row", ())}
         except (AttributeError, KeyError, TypeError, ValueError, WorkbenchError) as error:
             raise JournalError(f"entry {row.number} ({row.kind}) cannot be read") from error
     seen: set[str] = set()
@@ -64,12 +65,13 @@ def certificates(
         result = entry.command.result if isinstance(entry.command, JobEnded) else None
         if not isinstance(result, PlanResult) or result.plan is None or result.proof is None:
             continue
-        plan, proof = result.plan, result.proof
-        is_wanted = plan.digest in approved if only_approved else proof.holds
-        if is_wanted and plan.digest not in seen:
-            seen.add(plan.digest)
-            content = certificate_bytes(plan, plan.scene, proof, made_with)
-            yield Certified(row.number, plan.digest, content)
+        for one in (Proven(result.plan, result.proof), *result.row):
+            digest = one.plan.digest
+            is_wanted = digest in approved if only_approved else one.proof.holds
+            if is_wanted and digest not in seen:
+                seen.add(digest)
+                content = certificate_bytes(one.plan, one.plan.scene, one.proof, made_with)
+                yield Certified(row.number, digest, content)
 
 
 def _made_with(ran: Inventory) -> MadeWith:
