@@ -130,7 +130,7 @@ def test_a_hand_that_turns_on_its_way_out_is_refused(cell, detections, result, a
         leg = one.leg("home")
         q = np.array(leg.q)
         q[1, -1] += np.deg2rad(2.0)
-        bent = with_leg(plan, one.arm, "home", q=q, t=leg.t * 2)
+        bent = with_leg(plan, one.arm, "home", q=q, t=leg.t * 4)
         assert deepest(cell, bent, bent.arm(one.arm), "home", bent.arm(one.arm)) > 0.0
         said = [str(violation) for violation in prove(cell, bent).violations]
         assert said == [f"arm {one.arm} leg home after waypoint 0: is not straight"]
