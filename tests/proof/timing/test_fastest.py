@@ -6,6 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from judged_times import at_rest_between, curve_at, soonest
 
+from workbench.planning.picking.execution import timed
 from workbench.proof.timing.fastest import ceilings, fastest, seconds, uneven_at
 from workbench.proof.timing.pace import CORNER, STRAIGHT, from_rest_to_rest, marks_of
 
@@ -106,6 +107,21 @@ def test_from_rest_to_rest_all_joints_in_proportion(seed, share):
     found = from_rest_to_rest(step, np.array([least * share]), VELOCITY, ACCELERATION)
     if abs(share - 1.0) > 0.002:
         assert (found is None) is (share > 1.0)
+
+
+@pytest.mark.parametrize("zone", [0.0, 0.1, 0.2, 0.45])
+@pytest.mark.parametrize("seed", range(20, 26))
+def test_what_planning_has_timed_is_possible(seed, zone):
+    """Joints whose limits differ, too: one may be slow, another one lazy."""
+    path = path_of(seed, 8)
+    times, steps = np.diff(timed(path, VELOCITY, ACCELERATION, zone)), np.diff(path, axis=0)
+    if zone == 0.0:
+        assert from_rest_to_rest(steps, times, VELOCITY, ACCELERATION) is None
+        return
+    slopes, widths = marks_of(steps, zone)
+    x = fastest(slopes, widths, VELOCITY, ACCELERATION)
+    most = ceilings(slopes, VELOCITY * 1.001)
+    assert uneven_at(slopes, widths, x, most, ACCELERATION * 1.001, times) == -1
 
 
 def test_a_way_to_an_equal_waypoint_takes_any_time():

@@ -53,14 +53,18 @@ def timed(path: Floats, velocity: Floats, acceleration: Floats, zone: float) -> 
 
 
 def _stopping(path: Floats, velocity: Floats, acceleration: Floats) -> Floats:
-    """Times (m,) [s] with a stop at every waypoint: slower, and possible on every path."""
+    """Times (m,) [s] with a stop at every waypoint: slower, and possible on every path.
+
+    All joints move in proportion, so the one that is fast soonest and the one that brakes longest
+    hold up all others.
+    """
     steps = np.abs(np.diff(path, axis=0))
+    # Of a whole way: [s] at full speed, [s2] at full acceleration.
+    fast, hard = (steps / velocity).max(axis=1), (steps / acceleration).max(axis=1)
     # Up to speed and down again, or never quite up to speed.
-    ramps = velocity / acceleration
-    times = np.where(
-        steps >= velocity * ramps, steps / velocity + ramps, 2 * np.sqrt(steps / acceleration)
-    )
-    return np.concatenate([[0.0], np.cumsum(np.maximum(times.max(axis=1), STANDSTILL))])
+    has_time = fast**2 > hard
+    times = np.where(has_time, fast + hard / np.where(has_time, fast, 1.0), 2 * np.sqrt(hard))
+    return np.concatenate([[0.0], np.cumsum(np.maximum(times, STANDSTILL))])
 
 
 def _pieces(steps: Floats, zone: float) -> tuple[Floats, Floats, Floats, Ints]:
