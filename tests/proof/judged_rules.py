@@ -4,7 +4,7 @@ from itertools import pairwise
 
 import numpy as np
 from judged_files import Files, turned, unit
-from judged_times import at_rest_between, soonest
+from judged_times import COARSE, FINE, at_rest_between, soonest
 
 LEGS = ("reach", "approach", "extract", "return", "place", "home")
 HOLDING = ("extract", "return", "place")
@@ -145,11 +145,17 @@ def _times(files: Files, one, name: str, q, t, speeds) -> str:
     if zone > 0 and (is_late or files.corners == "streamed"):
         key = q.tobytes(), t.tobytes(), velocity.tobytes(), most, zone
         if key not in _known_times:
-            soon = soonest(q, zone, velocity, acceleration)
-            is_way_late = bool((np.diff(t) < SOON_OF_ONE * soon).any())
-            _known_times[key] = is_way_late or t[-1] < SOON * soon.sum()
+            _known_times[key] = all(
+                _is_late(np.diff(t), soonest(q, zone, velocity, acceleration, pieces))
+                for pieces in (COARSE, FINE)
+            )
         is_late = _known_times[key]
     return f"{name}: too soon" if is_late else ""
+
+
+def _is_late(times, soon) -> bool:
+    """Whether a leg, or one way in it, would have to take longer (m,) [s]."""
+    return bool((times < SOON_OF_ONE * soon).any() or times.sum() < SOON * soon.sum())
 
 
 def _grasp(files: Files, plan, one) -> str:
