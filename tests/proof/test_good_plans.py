@@ -5,8 +5,9 @@ from judge import Judge
 from judge_studies import FULL_BINS, cell_and_files, of_emptying, of_threshold, refused
 
 
-@pytest.mark.parametrize("seed", [0, 3, 4])
+@pytest.mark.parametrize("seed", [0, 41, 47])
 def test_plans_of_the_threshold_study_stay_good(seed):
+    """In two of these piles planning asked for 1.8 and 4.6 times the acceleration of the arm."""
     cell, files = cell_and_files("yumi")
     plans, judge = list(of_threshold(cell, seed)), Judge()
     assert plans
