@@ -13,21 +13,26 @@ BROWSER := chromium fonts-dejavu-core
 STAND_INS := apache2-bin aravis-tools
 
 # What `make test-fast` leaves out: browsers, whole commands, and what takes longest in its folder.
-SLOW := browser cli examples packaging perception plugins portable studies testing web \
-	test_new_part.py test_new_robot.py test_site.py test_skips.py \
-	app/core/test_any_sequence.py app/picking/test_calibration.py app/picking/test_part_import.py \
-	app/runtime/test_killed.py app/runtime/test_link_faults.py app/runtime/test_readiness.py \
-	devices/abb_socket/test_abb_program_link.py devices/rapid formats/cells/test_cell_edits.py \
-	formats/klampt/test_klampt_robot.py formats/parts/test_part_import.py \
-	gui/drawing/test_watching.py gui/page/test_renderer.py gui/scene/test_gizmo_drag.py \
-	planning/collision/test_motion.py planning/grasps/test_part_rays.py \
+SLOW := browser cells cli examples packaging perception plugins portable proof studies testing \
+	web test_new_part.py test_new_robot.py test_site.py test_skips.py app/core/test_any_sequence.py \
+	app/emptying app/evidence app/picking/test_calibration.py app/picking/test_first_scan.py \
+	app/picking/test_part_import.py app/picking/test_row.py app/runtime/test_effect_runner.py \
+	app/runtime/test_jobs.py app/runtime/test_killed.py app/runtime/test_link_faults.py \
+	app/runtime/test_readiness.py devices/abb_egm devices/abb_socket/test_abb_program_link.py \
+	devices/abb_socket/test_stepped.py devices/genicam devices/rapid \
+	devices/scanners/test_merged.py formats/cells/test_cell_edits.py \
+	formats/klampt/test_klampt_robot.py formats/parts/test_part_import.py gui/cell/test_jog.py \
+	gui/drawing/test_film.py gui/drawing/test_watching.py gui/grasps/test_grasp_controls.py \
+	gui/page/test_renderer.py gui/scene/test_gizmo_drag.py gui/scene/test_measure.py \
+	gui/scene/test_scene.py planning/collision/test_motion.py planning/collision/test_tool_check.py \
+	planning/grasps/test_part_rays.py planning/grasps/test_part_symmetry.py \
 	planning/picking/test_dual_arm.py planning/picking/test_golden_plans.py \
 	planning/picking/test_properties.py planning/planners/test_planners.py \
-	proof robots/test_third_party.py
+	robots/test_third_party.py
 
-# Whole files to three workers, in the order of tests/conftest.py: what takes longest first.  Three
+# Whole files to four workers, in the order of tests/conftest.py: what takes longest first.  Four
 # for two cores, since many tests wait: for a plan that is played, a time that is over, a browser.
-WORKERS := -n 3 --dist loadfile --no-loadscope-reorder
+WORKERS := -n 4 --dist loadfile --no-loadscope-reorder
 
 # More for the command behind a target: make run ARGS="--port 9000", make test ARGS="-k plan"
 ARGS :=

@@ -1,6 +1,7 @@
 """What holds for all tests."""
 
 import ctypes
+import os
 import platform
 from collections import defaultdict
 from collections.abc import Iterable
@@ -14,6 +15,9 @@ import workbench  # noqa: F401 - before NumPy is: it says which instructions tha
 # How long an example takes is a matter of the machine; what is slow shows in the benchmarks.
 settings.register_profile("workbench", deadline=None, suppress_health_check=[HealthCheck.too_slow])
 settings.load_profile("workbench")
+
+# As the command line does: piles fall unseen.
+os.environ.setdefault("MUJOCO_GL", "disable")
 
 M_TRIM_THRESHOLD, M_MMAP_MAX = -1, -4
 """Of malloc.h."""

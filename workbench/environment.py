@@ -18,6 +18,8 @@ V3 = frozenset(["abm", "avx2", "bmi1", "bmi2", "f16c", "fma", "movbe"])
 def prepare() -> None:
     """Set it, for this process and those that it starts."""
     _take_common_instructions()
+    # TBB comes last: where an old one is installed, numba warns of it at every start.
+    os.environ.setdefault("NUMBA_THREADING_LAYER_PRIORITY", "omp tbb workqueue")
     _keep_compiled_code()
 
 

@@ -3,6 +3,7 @@
 import math
 
 import numpy as np
+from playwright.sync_api import expect
 
 from workbench.gui.scene import surroundings
 
@@ -61,3 +62,14 @@ def field(screen, label: str):
         f"//label[normalize-space(.)='{label}']/ancestor::*[.//input][1]"
     ).locator("visible=true")
     return row.locator("input:visible").last
+
+
+def watch(screen, bench, wait) -> None:
+    """Play the plan to its end, as soon as the page can: the last that is drawn of one is Play."""
+    screen.wait_for("play it first")
+    screen.tab("Plan")
+    expect(screen.button("Play")).to_be_enabled()
+    screen.tab("Cycle")
+    screen.page.mouse.move(200, 400)
+    screen.page.keyboard.press("k")
+    wait(lambda: bench.state.watched, "the end of the plan")

@@ -4,7 +4,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from hands import first_look, settle
+from hands import first_look, settle, watch
 from playwright.sync_api import expect
 
 import workbench.gui.page.renderer
@@ -114,10 +114,8 @@ def test_who_is_logged_in_approves_with_their_own_name(
     for step, phase in (("Scan", "scanned"), ("Find parts", "localized"), ("Plan", "planned")):
         bob.press(step)
         reaches(phase)
-    bob.wait_for("play it first")
-    bob.page.mouse.move(200, 400)
-    bob.page.keyboard.press("k")
-    wait(lambda: bench.state.watched == ("Bob",), "the end of the plan")
+    watch(bob, bench, wait)
+    assert bench.state.watched == ("Bob",)
     bob.press("Approve")
     bob.press("Approve as Bob")
     state = reaches("approved")

@@ -4,7 +4,7 @@ import re
 
 import numpy as np
 import pytest
-from hands import field
+from hands import field, watch
 from playwright.sync_api import expect
 
 from workbench.app.core.commands import TakeScan, WantThreshold, WatchPlan
@@ -29,17 +29,6 @@ def run_to_plan(screen, reaches):
     reaches("localized")
     screen.press("Plan")
     return reaches("planned")
-
-
-def watch(screen, bench, wait) -> None:
-    """Play the plan to its end, as soon as the page can: the last that is drawn of one is Play."""
-    screen.wait_for("play it first")
-    screen.tab("Plan")
-    expect(screen.button("Play")).to_be_enabled()
-    screen.tab("Cycle")
-    screen.page.mouse.move(200, 400)
-    screen.page.keyboard.press("k")
-    wait(lambda: bench.state.watched, "the end of the plan")
 
 
 def seen(bench) -> None:

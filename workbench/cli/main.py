@@ -4,6 +4,7 @@ import importlib
 import os
 import sys
 from collections.abc import Mapping, Sequence
+from typing import Annotated
 
 import tyro
 
@@ -30,6 +31,8 @@ def main(args: Sequence[str] | None = None) -> int:
         The exit code; see `exits`.
     """
     typed = parse(args)
+    # Piles fall unseen: otherwise MuJoCo asks a process of its own which library opens windows.
+    os.environ.setdefault("MUJOCO_GL", "disable")
     try:
         code = run(typed)
         sys.stdout.flush()
@@ -50,8 +53,10 @@ def main(args: Sequence[str] | None = None) -> int:
 
 def parse(args: Sequence[str] | None = None) -> top.Arguments:
     """The command that was typed; ends the process after `--help`, and with 2 when it is none."""
+    # Without these words tyro looks for some in the source of `typing`: half of what help took.
+    kinds = Annotated[top.Arguments, tyro.conf.arg(help="What to do.")]
     return tyro.cli(  # type: ignore[return-value]
-        top.Arguments,  # type: ignore[arg-type]
+        kinds,  # type: ignore[arg-type]
         prog="workbench",
         description=DESCRIPTION,
         args=args,
@@ -91,7 +96,7 @@ HOW: Mapping[type, str] = {
     studies.StudyEmptying: "measuring.emptying:emptying",
     studies.StudyBop: "measuring.bop:study_bop",
     nested.CellNew: "authoring.new_cell:new_cell",
-    nested.CellCheck: "authoring.cell:check_cell",
+    nested.CellCheck: "authoring.cell_check:check_cell",
     nested.CellShow: "authoring.cell:show_cell",
     nested.CellSchema: "authoring.cell:print_schema",
     part.PartImport: "authoring.part:import_part",

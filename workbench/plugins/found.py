@@ -7,13 +7,7 @@ cannot be loaded is told of by `plugins`, and never stops what does not use it.
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
-from importlib.metadata import (
-    Distribution,
-    EntryPoint,
-    PackageNotFoundError,
-    distribution,
-    distributions,
-)
+from importlib.metadata import EntryPoint, PackageNotFoundError, distribution, entry_points
 from typing import Any, Literal, get_args
 
 from workbench.model.errors import InputError
@@ -144,21 +138,11 @@ def _own() -> dict[Group, dict[str, _Found]]:
 @cache
 def _foreign() -> dict[Group, dict[str, list[_Found]]]:
     found: dict[Group, dict[str, list[_Found]]] = {group: {} for group in GROUPS}
-    seen: set[str] = {OURS}
-    for package in distributions():
-        name = _name(package)
-        # What lies behind another of the same name on the path is not what gets imported.
-        if name in seen:
-            continue
-        seen.add(name)
-        for entry in package.entry_points:
-            if entry.group in GROUPS:
-                group: Group = entry.group
+    declared = entry_points()
+    for group in GROUPS:
+        for entry in declared.select(group=group):
+            package: Any = entry.dist
+            name = str(package.name).lower().replace("_", "-")
+            if name != OURS:
                 found[group].setdefault(entry.name, []).append((entry, name, package.version))
     return found
-
-
-def _name(package: Distribution) -> str:
-    # A folder that pip has left behind half removed has no name.
-    metadata: Any = package.metadata
-    return str(metadata["Name"] or "nameless").lower().replace("_", "-")

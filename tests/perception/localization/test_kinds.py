@@ -2,11 +2,14 @@
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from workbench.formats.parts.reading import read_part
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.scan import Detection, LocalizationResult, Objection, RejectedHypothesis
+from workbench.perception.localization import localize
+from workbench.perception.localization.hypotheses import hypotheses
 from workbench.perception.localization.kinds import merged
 from workbench.perception.localization.localize import Searched
 from workbench.perception.parts.part_surface import prepare
@@ -40,6 +43,23 @@ def test_each_kind_is_found_as_what_it_is(mixed, seed):
     judged, is_found = compare(KINDS, truth, found)
     assert all(one.is_right for one in judged)
     assert is_found.count(False) <= 1
+
+
+def test_where_another_kind_stands_nothing_more_is_looked_for(mixed, monkeypatch):
+    """All six are found at the first look: of each kind's pixels hardly any are left."""
+    left = {}
+
+    def counted(maps, glance, surface, *rest, seed):
+        left[surface.diameter, seed[1]] = np.count_nonzero(maps.foreground)
+        return hypotheses(maps, glance, surface, *rest, seed=seed)
+
+    monkeypatch.setattr(localize, "hypotheses", counted)
+    truth = drop_parts(KINDS * 2, mixed.bin, seed=3)
+    found = find_parts(synthesize(mixed, truth, seed=3), mixed, seed=0).detections
+    assert len(found) == 6
+    first = {diameter: count for (diameter, number), count in left.items() if number == 0}
+    assert len(first) == 3
+    assert all(count < 0.05 * first[of] for (of, number), count in left.items() if number)
 
 
 def searched(surface, *found, gains, rejected=()):

@@ -59,7 +59,7 @@ def judge(monkeypatch):
         claimed = np.repeat(np.arange(len(parts)), AREA)
         maps = SimpleNamespace(depth=np.zeros((len(parts), AREA)))
         choice = Choice(claimed, parts, rejected or [])
-        (one,) = judged([Sought(None, None, maps, TOLERANCE, SPREAD, choice)])  # type: ignore[arg-type]
+        (one,) = judged([Sought(None, None, maps, maps, TOLERANCE, SPREAD, all, choice)])  # type: ignore[arg-type]
         return one
 
     return outcome

@@ -1,30 +1,13 @@
-"""`workbench cell`: what a cell is made of, and whether it can work before anything is scanned."""
+"""`workbench cell show` and `schema`: what a cell is made of, and what may stand in its file."""
 
-from collections import Counter
-from collections.abc import Iterator, Sequence
 from dataclasses import fields
 
-import numpy as np
-
-from workbench.app.runtime.readiness import make_ready
-from workbench.cli.arguments.nested import CellCheck, CellSchema, CellShow
-from workbench.cli.exits import NO_PLAN, SUCCESS
-from workbench.cli.terminal import print_json, print_table, progress
+from workbench.cli.arguments.nested import CellSchema, CellShow
+from workbench.cli.exits import SUCCESS
+from workbench.cli.terminal import print_table
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.cells.schema import schema_text
-from workbench.model.cell import Arm, Cell
 from workbench.model.geometry import Floats
-from workbench.studies.reach import PlacedPart, Reach, reach_of
-from workbench.studies.targets import Target
-
-SLOW = np.deg2rad(1.0)
-"""[rad/s] A joint that turns no faster has probably a limit that was never filled in."""
-
-NO_SPEED = 100.0
-"""[rad/s] A joint that turns faster has probably no limit."""
-
-WIDE = 4 * np.pi
-"""[rad] A joint whose range is wider has probably no limits."""
 
 
 def print_schema(typed: CellSchema) -> int:
@@ -84,141 +67,3 @@ def show_cell(typed: CellShow) -> int:
 
 def _mm(lengths: Floats) -> str:
     return ", ".join(f"{value * 1000:.0f}" for value in lengths)
-
-
-def check_cell(typed: CellCheck) -> int:
-    """Print what was found; the exit code is 0 only when nothing speaks against the cell."""
-    cell = read_cell(typed.cell)
-    reaches: list[Reach] = []
-    with progress("check") as report:
-        make_ready(report, ("planning",))
-        for number, arm in enumerate(cell.arms):
-            report(number / len(cell.arms), f"{arm.name} arm")
-            reaches.append(reach_of(cell, arm))
-    problems = [
-        problem
-        for arm, reach in zip(cell.arms, reaches, strict=True)
-        for problem in _problems(cell, arm, reach)
-    ]
-    if typed.json:
-        print_json(
-            {
-                "ok": not problems,
-                "cell": cell.name,
-                "digest": cell.digest,
-                "arms": [_form(reach) for reach in reaches],
-                "problems": problems,
-            }
-        )
-        return SUCCESS if not problems else NO_PLAN
-    print(f"cell {cell.name}, digest {cell.digest[:12]}, parts: {_names(cell)}")
-    for arm in cell.arms:
-        print_table(
-            f"{arm.name} arm: axes as the controller counts them",
-            ("axis", "joint", "lower deg", "upper deg", "speed deg/s", "home deg"),
-            _axes(cell, arm),
-        )
-    print_table(
-        "Reach: tool straight down over a grid in the bin, and the places",
-        ("arm", "poses in the bin", "clear", "in collision", "out of reach", "places reached"),
-        [_words(reach) for reach in reaches],
-    )
-    for problem in problems:
-        print(f"problem: {problem}")
-    if not problems:
-        print("nothing speaks against this cell")
-    return SUCCESS if not problems else NO_PLAN
-
-
-def _names(cell: Cell) -> str:
-    return ", ".join(part.name for part in cell.parts) or "none"
-
-
-def _problems(cell: Cell, arm: Arm, reach: Reach) -> Iterator[str]:
-    lower, upper, velocity = cell.robot.limits(arm.joints)
-    for joint, low, high, fast in zip(arm.joints, lower, upper, velocity, strict=True):
-        if fast <= SLOW:
-            yield f"{arm.name} arm: joint {joint} has no speed worth the name ({fast:g} rad/s)"
-        if fast >= NO_SPEED:
-            yield f"{arm.name} arm: joint {joint} has no speed limit ({fast:g} rad/s)"
-        if high - low > WIDE + 1e-6:
-            turns = f"turns {np.rad2deg(high - low):.0f} degrees"
-            yield f"{arm.name} arm: joint {joint} {turns}: are there no limits?"
-    if reach.at_home is not None:
-        one, other = reach.at_home.pair
-        distance = reach.at_home.distance * 1000
-        yield f"{arm.name} arm: at home {one} and {other} are {distance:.1f} mm apart"
-    if not any(target.outcome == "clear" for target in reach.bin):
-        yield f"{arm.name} arm: reaches no pose in the bin with the tool pointing down"
-    if not reach.places and not reach.part_places:
-        yield f"{arm.name} arm: has no place where it may release a part"
-    elif reach.places and not any(target.outcome == "clear" for target in reach.places):
-        yield f"{arm.name} arm: reaches none of its places"
-    for placed in reach.part_places:
-        if not placed.is_clear:
-            where = f"{arm.name} arm: at place {placed.number} of parts {placed.part}"
-            yield f"{where} {_not_placed(placed, cell.policy.margin * 1000)}"
-
-
-def _not_placed(placed: PlacedPart, margin_mm: float) -> str:
-    """What speaks against a part at a place."""
-    by_each = f"by each of {placed.grasps} grasps"
-    if placed.stands_in:
-        return f"is nearer than {margin_mm:g} mm to {placed.stands_in}"
-    if not placed.grasps:
-        return "has no grasp that the arm may use"
-    if not placed.reached:
-        return f"is out of reach {by_each}, {placed.away * 1000:.0f} mm at best"
-    return (
-        f"is out of reach or brings the arm nearer than {margin_mm:g} mm to something {by_each} "
-        f"({placed.reached} reach it)"
-    )
-
-
-def _axes(cell: Cell, arm: Arm) -> list[tuple[str, ...]]:
-    lower, upper, velocity = (np.rad2deg(one) for one in cell.robot.limits(arm.joints))
-    home = np.rad2deg(np.asarray(arm.home))
-    rows: list[tuple[str, ...]] = []
-    for axis, (k, sign) in enumerate(zip(arm.axis_order, arm.axis_signs, strict=True), start=1):
-        low, high = sorted((sign * lower[k], sign * upper[k]))
-        values = (low, high, velocity[k], sign * home[k])
-        rows.append((str(axis), arm.joints[k], *(f"{value:.1f}" for value in values)))
-    return rows
-
-
-def _share(targets: Sequence[Target | PlacedPart]) -> dict[str, int]:
-    return dict(Counter(target.outcome for target in targets))
-
-
-def _words(reach: Reach) -> tuple[str, ...]:
-    of_all = (*reach.places, *reach.part_places)
-    found, places = _share(reach.bin), _share(of_all)
-    return (
-        reach.arm,
-        str(len(reach.bin)),
-        *(
-            f"{found.get(outcome, 0) / len(reach.bin):.0%}"
-            for outcome in ("clear", "in collision", "out of reach")
-        ),
-        f"{places.get('clear', 0)} of {len(of_all)}",
-    )
-
-
-def _form(reach: Reach) -> dict[str, object]:
-    return {
-        "arm": reach.arm,
-        "clear_at_home": reach.at_home is None,
-        "bin": _share(reach.bin),
-        "places": _share(reach.places),
-        "part_places": [
-            {
-                "number": one.number,
-                "part": one.part,
-                "outcome": one.outcome,
-                "stands_in": one.stands_in,
-                "grasps": one.grasps,
-                "reached": one.reached,
-            }
-            for one in reach.part_places
-        ],
-    }

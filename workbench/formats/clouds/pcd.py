@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from workbench.formats.files.text_rows import read_rows
 from workbench.formats.files.toml_keys import shown
@@ -135,6 +134,8 @@ def _ascii(path: Path, content: bytes, layout: Layout, count: int) -> Floats:
 
 def _compressed(path: Path, data: bytes, layout: Layout, count: int) -> Floats:
     """Field by field, packed by LZF behind the two sizes."""
+    from workbench.formats.clouds.lzf import unpack  # what compiles is large; most are not packed
+
     if len(data) < 8:
         raise FileError(path, "is cut off")
     packed, size = np.frombuffer(data, "<u4", 2).tolist()
@@ -142,7 +143,7 @@ def _compressed(path: Path, data: bytes, layout: Layout, count: int) -> Floats:
     if size != count * row.itemsize or len(data) < 8 + packed:
         raise FileError(path, "is cut off, or its sizes do not fit its points")
     unpacked = np.zeros(size, np.uint8)
-    if _unpack(np.frombuffer(data, np.uint8, packed, 8), unpacked) != size:
+    if unpack(np.frombuffer(data, np.uint8, packed, 8), unpacked) != size:
         raise FileError(path, "its compressed data is broken")
     points = np.empty((count, 3))
     start = 0
@@ -156,37 +157,3 @@ def _compressed(path: Path, data: bytes, layout: Layout, count: int) -> Floats:
                 points[:, AXES.index(name)] = column[:, 0]
         start += length
     return points
-
-
-@njit(cache=True)
-def _unpack(packed: np.ndarray, out: np.ndarray) -> int:
-    """Unpack LZF data; how much was written, -1 when it is broken."""
-    at, to = 0, 0
-    while at < len(packed):
-        control = int(packed[at])
-        at += 1
-        if control < 32:
-            length = control + 1
-            if at + length > len(packed) or to + length > len(out):
-                return -1
-            for k in range(length):
-                out[to + k] = packed[at + k]
-            at, to = at + length, to + length
-            continue
-        length = control >> 5
-        if length == 7:
-            if at >= len(packed):
-                return -1
-            length += int(packed[at])
-            at += 1
-        if at >= len(packed):
-            return -1
-        source = to - ((control & 31) << 8) - int(packed[at]) - 1
-        at += 1
-        length += 2
-        if source < 0 or to + length > len(out):
-            return -1
-        for k in range(length):
-            out[to + k] = out[source + k]
-        to += length
-    return to

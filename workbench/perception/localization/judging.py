@@ -5,12 +5,12 @@ last.  What something unknown explains better goes, the worst first, since parts
 other; then what does not end where it should.  The rest is asked again, until nothing goes.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from workbench.model.geometry import Bools
+from workbench.model.geometry import Bools, Floats
 from workbench.model.part import Part
 from workbench.model.scan import Objection
 from workbench.perception.localization.choice import Choice, Rejection
@@ -25,15 +25,18 @@ from workbench.perception.parts.part_surface import PartSurface
 class Sought:
     """What the search for one part has taken so far.
 
-    `maps` are those of the scan for this part; `tolerance` [m] see `sightings.look`, `spread` [m]
-    see `likelihood`.
+    `maps` are those of the scan for this part, `glance` the same, coarser; `tolerance` [m] see
+    `sightings.look`, `spread` [m] see `likelihood`.  `are_possible` says which of poses (k, 4, 4)
+    may be at all, (k,).
     """
 
     part: Part
     surface: PartSurface
     maps: DepthMap
+    glance: DepthMap
     tolerance: float
     spread: float
+    are_possible: Callable[[Floats], Bools]
     choice: Choice
 
 
@@ -97,6 +100,17 @@ def judged(brought: Sequence[Sought]) -> list[Judged]:
         )
         for k, one in enumerate(brought)
     ]
+
+
+def taken_by_others(brought: Sequence[Sought], k: int) -> Bools:
+    """The pixels (pixels,) of kind `k`'s maps that parts of other kinds explain which stand."""
+    maps = brought[k].maps
+    taken = np.zeros(maps.depth.size, np.bool_)
+    for j, (other, standing) in enumerate(zip(brought, judged(brought), strict=True)):
+        if j != k:
+            for one in standing.choice.chosen:
+                taken[look(maps, other.surface, one.pose, other.tolerance).explained] = True
+    return taken
 
 
 def _areas(brought: Sequence[Sought]) -> dict[tuple[int, int], list[np.ndarray]]:

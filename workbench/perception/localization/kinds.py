@@ -2,17 +2,22 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import count
 
+import numpy as np
 import pinocchio as pin
 
 from workbench.model.cell import Cell
+from workbench.model.errors import JobCancelled
 from workbench.model.scan import Detection, LocalizationResult, Objection, RejectedHypothesis, Scan
 from workbench.perception.localization.choice import reaches_into
-from workbench.perception.localization.judging import Sought
+from workbench.perception.localization.hypotheses import EFFORTS
+from workbench.perception.localization.judging import Sought, taken_by_others
 from workbench.perception.localization.localize import (
     MOST_REJECTED,
     Searched,
-    sought,
+    look_for,
+    mapped,
     together,
 )
 from workbench.perception.parts.part_surface import PartSurface
@@ -30,26 +35,24 @@ def all_kinds(
     cancelled: Cancelled,
 ) -> LocalizationResult:
     """All parts of all kinds that a cell picks; see `plugins.localizer.Localizer.find`."""
-    brought: list[Sought | PartSurface] = []
+    steps = count()
+
+    def step(note: str) -> None:
+        if cancelled():
+            raise JobCancelled("the search for parts was cancelled")
+        report(1.0 - 0.88 ** (next(steps) / len(cell.parts)), note)
+
     scene = scene_model(scan, cell)
-    for number, part in enumerate(cell.parts):
-        before = number / len(cell.parts)
-
-        def report_share(done: float, note: str, before: float = before) -> None:
-            report(before + done / len(cell.parts), note)
-
-        brought.append(
-            sought(
-                scan,
-                part,
-                cell,
-                seed=seed,
-                detail=detail,
-                scene=scene,
-                report=report_share,
-                cancelled=cancelled,
-            )
-        )
+    brought: list[Sought | PartSurface] = []
+    for part in cell.parts:
+        step(f"prepare {part.name} and map the scan")
+        brought.append(mapped(scan, part, cell, detail=detail, scene=scene))
+    found = [one for one in brought if isinstance(one, Sought)]
+    for number in range(len(EFFORTS)):
+        for k, one in enumerate(found):
+            # At first each kind looks everywhere: what two of them take is one of them (`merged`).
+            taken = taken_by_others(found, k) if number else np.zeros(one.maps.depth.size, np.bool_)
+            look_for(one, number, taken, seed=seed, step=step)
     return merged(together(scan, brought))
 
 

@@ -1,8 +1,7 @@
 """Finding the parts in a scan: hypotheses by voting, fits, and verification by drawing them."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from itertools import count
 from typing import Any
 
 import numpy as np
@@ -10,8 +9,7 @@ import pinocchio as pin
 from scipy.ndimage import binary_dilation
 
 from workbench.model.cell import Cell
-from workbench.model.errors import JobCancelled
-from workbench.model.geometry import Floats
+from workbench.model.geometry import Bools, Floats
 from workbench.model.part import Part
 from workbench.model.scan import Detection, LocalizationResult, Objection, RejectedHypothesis, Scan
 from workbench.perception.localization.assessment import Assessment, assess
@@ -38,7 +36,6 @@ from workbench.perception.localization.poses import distinct
 from workbench.perception.localization.sightings import look
 from workbench.perception.parts.part_surface import PartSurface, prepare
 from workbench.perception.scene.scene_model import SceneModel
-from workbench.plugins.progress import Cancelled, Report
 
 PIXELS_ACROSS = 70
 """Pixels of the working map over the part's diameter, if the scan is dense enough."""
@@ -95,51 +92,25 @@ def _searched(scan: Scan, one: Sought, standing: Judged) -> Searched:
     return Searched(LocalizationResult(detections, rejected, scales), one.surface, gains)
 
 
-def sought(
-    scan: Scan,
-    part: Part,
-    cell: Cell,
-    *,
-    seed: int,
-    detail: float,
-    scene: SceneModel,
-    report: Report,
-    cancelled: Cancelled,
+def mapped(
+    scan: Scan, part: Part, cell: Cell, *, detail: float, scene: SceneModel
 ) -> Sought | PartSurface:
-    """All instances of a part in the cell's bin, as far as the scan shows them.
-
-    Point-pair features of the scan inside the bin vote for poses; they are fitted by projective
-    ICP, and verified by drawing the mesh: what the scan measures must lie where the pose predicts
-    it, and the scan must not look through the part.  The best are taken one after the other, each
-    after a close look at the poses that its near-symmetries could be mistaken for.  Then what is
-    left of the scan votes again, more thoroughly, until nothing more is found.
+    """The search for a part before anything is found; see `look_for`.
 
     Args:
         scan: organised or not.
         part: what to look for.
         cell: its bin says where; its scanner how noisy the points are, if the scan does not.
-        seed: of the choice of points that vote.
         detail: how fine the scan is looked at; 1 is usual.
         scene: what surrounds the parts, and how good the scan is.
-        report: is told the share done, 0..1, and what is being done.
-        cancelled: is asked now and then whether to give up.
 
     Returns:
-        What was taken and what was not; of a scan with nothing in the bin, the part alone.
+        What `look_for` adds to; of a scan with nothing in the bin, the part alone.
 
     Raises:
-        JobCancelled: `cancelled` said so.
         InputError: the part's mesh has no surface.
     """
-
-    def step(done: float, note: str) -> None:
-        if cancelled():
-            raise JobCancelled("the search for parts was cancelled")
-        report(done, note)
-
-    step(0.0, f"prepare {part.name}")
     surface = prepare(part)
-    step(0.2, "map the scan")
     pitch = surface.diameter / (PIXELS_ACROSS * detail)
     maps = make_map(scan, cell.bin, scene.bin, size=surface.diameter, pitch=pitch)
     if maps is None:
@@ -147,43 +118,59 @@ def sought(
     noise = _noise(cell, scan, scene)
     tolerance = max(TOLERANCE * surface.diameter, TOLERANCE_OVER_NOISE * noise)
     spread = max(SPREAD_OVER_NOISE * noise, LEAST_SPREAD * tolerance)
-    glance = _coarser(maps, surface)
     T_scanner_bin = scan.T_world_scanner.inverse() * cell.bin.T_world_bin
-    steps = count()
-
-    def next_step(note: str) -> None:
-        step(1.0 - 0.7 * 0.9 ** next(steps), note)
-
-    def assess_next(pose: Floats) -> Assessment:
-        next_step("look closely")
-        return assess(maps, glance, surface, pose, tolerance)
-
-    def seen(pose: Floats) -> Hypothesis:
-        return Hypothesis(pose, look(maps, surface, pose, tolerance))
 
     def are_possible(poses: Floats) -> np.ndarray:
         return are_in_bin(surface, poses, T_scanner_bin, cell.bin, scene.bin)
 
     choice = Choice(np.full(maps.depth.size, -1), [], [])
-    for number, effort in enumerate(EFFORTS):
-        next_step("vote")
-        free = _without_claimed(maps, choice)
-        if np.count_nonzero(free.foreground) < LEAST_PIXELS:
-            break
-        poses, outside = hypotheses(
-            free,
-            _coarser(free, surface),
-            surface,
-            tolerance,
-            are_possible,
-            effort,
-            seed=(seed, number),
-        )
-        choose(choice, surface, [seen(pose) for pose in poses], assess_next, spread, tolerance)
-        choice.rejected += [
-            Rejection(one.pose, one.sighting, Objection.OUTSIDE) for one in map(seen, outside)
-        ]
-    return Sought(part, surface, maps, tolerance, spread, choice)
+    glance = _coarser(maps, surface)
+    return Sought(part, surface, maps, glance, tolerance, spread, are_possible, choice)
+
+
+def look_for(
+    one: Sought, number: int, taken: Bools, *, seed: int, step: Callable[[str], None]
+) -> None:
+    """Look for a part in what is left of the scan, the more thoroughly the higher the number.
+
+    Point-pair features of the scan inside the bin vote for poses; they are fitted by projective
+    ICP, and verified by drawing the mesh: what the scan measures must lie where the pose predicts
+    it, and the scan must not look through the part.  The best are taken one after the other, each
+    after a close look at the poses that its near-symmetries could be mistaken for.
+
+    Args:
+        one: what was taken before; what is taken now and what is not is added to its choice.
+        number: from 0, of the effort in `hypotheses.EFFORTS`.
+        taken: (pixels,) of its maps in which parts of other kinds are known to lie.
+        seed: of the choice of points that vote.
+        step: told what is being done; it may raise to give up.
+    """
+
+    def assess_next(pose: Floats) -> Assessment:
+        step("look closely")
+        return assess(one.maps, one.glance, one.surface, pose, one.tolerance)
+
+    def seen(pose: Floats) -> Hypothesis:
+        return Hypothesis(pose, look(one.maps, one.surface, pose, one.tolerance))
+
+    step("vote")
+    free = _without(one.maps, (one.choice.claimed >= 0) | taken)
+    if np.count_nonzero(free.foreground) < LEAST_PIXELS:
+        return
+    poses, outside = hypotheses(
+        free,
+        _coarser(free, one.surface),
+        one.surface,
+        one.tolerance,
+        one.are_possible,
+        EFFORTS[number],
+        seed=(seed, number),
+    )
+    found = [seen(pose) for pose in poses]
+    choose(one.choice, one.surface, found, assess_next, one.spread, one.tolerance)
+    one.choice.rejected += [
+        Rejection(each.pose, each.sighting, Objection.OUTSIDE) for each in map(seen, outside)
+    ]
 
 
 def _coarser(maps: DepthMap, surface: PartSurface) -> DepthMap:
@@ -191,12 +178,11 @@ def _coarser(maps: DepthMap, surface: PartSurface) -> DepthMap:
     return maps.halved() if surface.diameter / maps.pitch >= 2 * FEWEST_ACROSS else maps
 
 
-def _without_claimed(maps: DepthMap, choice: Choice) -> DepthMap:
-    """The scan without what the chosen parts explain, and without the rims around it."""
-    claimed = (choice.claimed >= 0).reshape(maps.depth.shape)
+def _without(maps: DepthMap, claimed: Bools) -> DepthMap:
+    """The scan without the pixels (pixels,) that parts explain, and without the rims around."""
     if not claimed.any():
         return maps
-    rims: Any = binary_dilation(claimed, iterations=RIM)
+    rims: Any = binary_dilation(claimed.reshape(maps.depth.shape), iterations=RIM)
     return replace(maps, foreground=maps.foreground & ~rims)
 
 
