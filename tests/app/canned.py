@@ -55,11 +55,15 @@ def make_results() -> Results:
 
 
 class Canned:
-    """Effects whose results come at once; while `hold` is set, no job ends."""
+    """Effects whose results come at once; while `hold` is set, no job ends.
+
+    `sent` are the digests of all plans that went out to a robot.
+    """
 
     def __init__(self, results: Results, do) -> None:
         home = results.cell.joint_values({arm.name: arm.home for arm in results.cell.arms})
         self.live = Live(joints=home) if results.tells else Live()
+        self.sent: list[str] = []
         self.hold = threading.Event()
         self._results, self._do = results, do
         self._wanted: queue.SimpleQueue = queue.SimpleQueue()
@@ -67,6 +71,8 @@ class Canned:
         self._thread.start()
 
     def run(self, effect) -> None:
+        if isinstance(effect, Send):
+            self.sent.append(effect.plan.digest)
         self._wanted.put(effect)
 
     def close(self) -> None:

@@ -109,16 +109,16 @@ class Files:
         return known[self.cell["controller"]["protocol"]]
 
 
-def read(folder: Path, parts: Path) -> Files:
-    """The files in a folder, and those of the parts that it names."""
-    cell = tomllib.loads((folder / "cell.toml").read_text())
-    kinds = {
-        name: tomllib.loads((parts / name / "part.toml").read_text()) for name in cell["parts"]
-    }
-    grasps = {
-        name: list(_grasps(tomllib.loads((parts / name / "grasps.toml").read_text())["grasp"]))
-        for name in cell["parts"]
-    }
+def read(folder: Path, parts: Path, name: str = "cell.toml") -> Files:
+    """A cell's file in a folder, and those of the parts that it names, there or by their path."""
+    cell = tomllib.loads((folder / name).read_text())
+    kinds, grasps = {}, {}
+    for part in cell["parts"]:
+        where = parts / part if (parts / part).is_dir() else folder / part
+        table = tomllib.loads((where / "part.toml").read_text())
+        kinds[table["name"]] = table
+        found = tomllib.loads((where / "grasps.toml").read_text())["grasp"]
+        grasps[table["name"]] = list(_grasps(found))
     files = Files(folder, cell, kinds, grasps)
     robot = ElementTree.parse(folder / cell["robot"]["urdf"]).getroot()
     above = {}

@@ -4,6 +4,7 @@ from itertools import pairwise
 
 import numpy as np
 from judged_files import Files, turned, unit
+from judged_times import COARSE, FINE, at_rest_between, soonest
 
 LEGS = ("reach", "approach", "extract", "return", "place", "home")
 HOLDING = ("extract", "return", "place")
@@ -14,6 +15,13 @@ NEAR, NEAR_TURN = 0.001 + 1e-6, np.deg2rad(1.0) + 1e-6
 
 ASIDE, ASIDE_BETWEEN, TURN = 0.002 + 1e-6, 0.0051, np.deg2rad(1.5) + 1e-4
 """[m, m, rad] How far a straight way may be off at and between waypoints, and what samples miss."""
+
+SOON, SOON_OF_ONE = 0.99, 0.9
+"""Of the least time of a leg, and of one way in it: a linear program asks limits at places, and has
+marks elsewhere."""
+
+_known_times: dict[tuple, bool] = {}
+"""What a linear program has said: bends leave most legs as they are."""
 
 
 def rule_broken(files: Files, scene, plan) -> str:
@@ -116,20 +124,38 @@ def _legs(files: Files, one) -> str:
 
 
 def _times(files: Files, one, name: str, q, t, speeds) -> str:
-    """Mean speeds are reached somewhere between waypoints, and so are changes between them."""
+    """Mean speeds are reached somewhere between waypoints, and no way is passed too soon."""
     if t[0] != 0 or (np.diff(t) <= 0).any():
         return f"{name}: times do not increase"
     share = 1.002 / (1 - files.policy("zone"))
+    velocity = speeds * files.cell["policy"]["speed"]
     means = np.diff(q, axis=0) / np.diff(t)[:, None]
-    if (np.abs(means) > speeds * files.cell["policy"]["speed"] * share).any():
+    if (np.abs(means) > velocity * share).any():
         return f"{name}: too fast"
-    most = np.deg2rad(files.arm(one.arm).get("acceleration_deg", 600)) * share
+    most = np.deg2rad(files.arm(one.arm).get("acceleration_deg", 600))
     rests = [np.zeros(q.shape[1])]
     for k, (before, after) in enumerate(pairwise([*rests, *means, *rests])):
         first, last = max(k - 1, 0), min(k + 1, len(t) - 1)
-        if (np.abs(after - before) > most * (t[last] - t[first])).any():
+        if (np.abs(after - before) > most * share * (t[last] - t[first])).any():
             return f"{name}: too hard"
-    return ""
+    acceleration = np.full(q.shape[1], most)
+    stops = [at_rest_between(step, velocity, acceleration) for step in np.diff(q, axis=0)]
+    is_late = bool((np.diff(t) < SOON * np.array(stops)).any())
+    zone = 0.0 if files.corners == "stop" else files.policy("zone")
+    if zone > 0 and (is_late or files.corners == "streamed"):
+        key = q.tobytes(), t.tobytes(), velocity.tobytes(), most, zone
+        if key not in _known_times:
+            _known_times[key] = all(
+                _is_late(np.diff(t), soonest(q, zone, velocity, acceleration, pieces))
+                for pieces in (COARSE, FINE)
+            )
+        is_late = _known_times[key]
+    return f"{name}: too soon" if is_late else ""
+
+
+def _is_late(times, soon) -> bool:
+    """Whether a leg, or one way in it, would have to take longer (m,) [s]."""
+    return bool((times < SOON_OF_ONE * soon).any() or times.sum() < SOON * soon.sum())
 
 
 def _grasp(files: Files, plan, one) -> str:

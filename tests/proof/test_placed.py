@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from bending import with_leg
+from bending import with_grasps, with_leg
 from through import deepest
 
 from workbench.app.picking.pipeline import plan_pick
@@ -12,6 +12,7 @@ from workbench.app.picking.proving import prove
 from workbench.formats.cells.reading import read_cell
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.scan import Detection
+from workbench.proof.walk import ROOM
 
 DOWN = (np.pi, 0.0, 0.0)
 
@@ -130,7 +131,22 @@ def test_a_hand_that_turns_on_its_way_out_is_refused(cell, detections, result, a
         leg = one.leg("home")
         q = np.array(leg.q)
         q[1, -1] += np.deg2rad(2.0)
-        bent = with_leg(plan, one.arm, "home", q=q, t=leg.t * 2)
+        bent = with_leg(plan, one.arm, "home", q=q, t=leg.t * 4)
         assert deepest(cell, bent, bent.arm(one.arm), "home", bent.arm(one.arm)) > 0.0
         said = [str(violation) for violation in prove(cell, bent).violations]
         assert said == [f"arm {one.arm} leg home after waypoint 0: is not straight"]
+
+
+def test_a_hand_that_is_wide_open_has_not_left_the_part_between_its_fingers(cell, detections):
+    """It keeps the whole margin as it opens; it goes straight all the same until it is past."""
+    wide = with_grasps(cell, lambda grasp: replace(grasp, opening=0.05))
+    plan = plan_pick(wide, detections, "scan", strategy="left", seed=0)
+    assert plan.proof.holds
+    (one,) = plan.plan.arms
+    q = np.array(one.leg("home").q)
+    assert deepest(wide, plan.plan, one, "home", one) > wide.policy.margin + ROOM
+    q[1, -1] += np.deg2rad(10.0)
+    q = wide.controller.motion.rounded(q)
+    bent = with_leg(plan.plan, one.arm, "home", q=q, t=one.leg("home").t * 20)
+    said = [str(violation) for violation in prove(wide, bent).violations]
+    assert said == [f"arm {one.arm} leg home after waypoint 0: is not straight"]

@@ -68,7 +68,9 @@ def test_a_part_put_down_elsewhere_fails(cell, result):
     answers, residuals = chain.solve(above, place[-1])
     assert is_solution(residuals)[0]
     place[-1] = home[0] = cell.controller.motion.rounded(answers[0])
-    bent = with_leg(with_leg(result.plan, arm.name, "place", q=place), arm.name, "home", q=home)
+    bent = result.plan
+    for name, q in (("place", place), ("home", home)):
+        bent = with_leg(bent, arm.name, name, q=q, t=bent.arm(arm.name).leg(name).t * 2)
     (violation,) = prove(cell, bent).violations
     assert str(violation) == f"arm {arm.name} leg place: the hand opens where the arm has no place"
 

@@ -1,9 +1,14 @@
 """The HTTP interface of a bench on loopback; who asks is told by a token."""
 
 import asyncio
+import json
+import sqlite3
 import threading
 from collections.abc import Iterator
-from dataclasses import dataclass
+from contextlib import closing
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
 
 import pytest
 import requests
@@ -31,6 +36,7 @@ class Site:
     effects: Canned
     url: str
     session: requests.Session
+    folder: Path
 
     def get(self, path: str, who: str = "ada", **about):
         return self.session.get(self.url + path, headers=self.token(who), timeout=PATIENCE, **about)
@@ -42,6 +48,19 @@ class Site:
 
     def token(self, who: str) -> dict[str, str]:
         return {"Authorization": f"Bearer {who}"} if who else {}
+
+    def stand(self, off: float) -> None:
+        """The controller reports joints so far [rad] from where plans start."""
+        arms = self.bench.state.cell.arms
+        homes = {j: q + off for arm in arms for j, q in zip(arm.joints, arm.home, strict=True)}
+        self.effects.live = replace(self.effects.live, joints=homes)
+
+    def on_record(self, kind: str) -> list[dict[str, Any]]:
+        """What the journal holds of a command, in its order."""
+        path = self.folder / "journal.sqlite"
+        with closing(sqlite3.connect(path)) as connection:
+            rows = connection.execute("SELECT body FROM entries WHERE kind = ?", (kind,)).fetchall()
+        return [json.loads(body) for (body,) in rows]
 
     def reach(self, phase: str) -> None:
         state = self.bench.wait(lambda state: state.phase == phase and not state.job, PATIENCE)
@@ -99,7 +118,8 @@ def site(results, people, heartbeat, tmp_path) -> Iterator[Site]:
 
     port = asyncio.run_coroutine_threadsafe(serve(), loop).result(PATIENCE)
     with requests.Session() as session:
-        yield Site(bench, made[0], f"http://127.0.0.1:{port}/api/v1", session)
+        url = f"http://127.0.0.1:{port}/api/v1"
+        yield Site(bench, made[0], url, session, tmp_path / "session")
     asyncio.run_coroutine_threadsafe(_ended(runner), loop).result(PATIENCE)
     loop.call_soon_threadsafe(loop.stop)
     thread.join()

@@ -21,12 +21,6 @@ SAME = 1e-9
 """[rad] Where configurations travel as they are, so far one leg may begin from the end of another.
 """
 
-SOONEST = 1e-9
-"""[s] Nothing moves within less, however little time a file gives it."""
-
-ROUNDING = 1.001
-"""What sums of rounded values may exceed a limit by."""
-
 HOLDING: frozenset[LegName] = frozenset({"extract", "return", "place"})
 LINEAR: frozenset[LegName] = frozenset({"approach", "extract", "place"})
 
@@ -182,41 +176,20 @@ def range_violations(cell: Cell, arm: Arm, leg: Leg) -> Iterator[Violation]:
 
 
 def limit_violations(cell: Cell, arm: Arm, leg: Leg) -> Iterator[Violation]:
-    """Limits of speeds, accelerations and fingers on one leg.
+    """Fingers beyond their stroke, what cannot be sent, and times that make no sense on one leg.
 
-    Where a joint has to be when tells its mean speed between two waypoints; the real one is that
-    somewhere.  So what is refused here breaks a limit for certain; in between, the controller keeps
-    its own.
+    Speeds and accelerations are asked by `timing.pace_violations`.
     """
 
-    def violation(problem: str, row: int | None = None) -> Violation:
-        return Violation(problem, arm.name, leg.name, row)
+    def violation(problem: str) -> Violation:
+        return Violation(problem, arm.name, leg.name)
 
-    velocity = cell.robot.limits(arm.joints)[2]
-    q, t = np.asarray(leg.q), np.asarray(leg.t)
-    if not cell.controller.motion.is_sendable(q):
+    if not cell.controller.motion.is_sendable(np.asarray(leg.q)):
         yield violation("holds a configuration finer than what can be sent")
     low, high = arm.tool.stroke
     if arm.tool.fingers and not low <= leg.opening <= high:
         yield violation(f"finger opening {leg.opening * 1e3:.1f} mm is outside the stroke")
-    steps = np.diff(t)
-    if t[0] != 0.0:
+    if leg.t[0] != 0.0:
         yield violation("does not begin at 0 s")
-    if np.any(steps <= 0):
+    if np.any(np.diff(leg.t) <= 0):
         yield violation("has times that do not increase")
-        return
-    # A rounded corner is shorter than its waypoints make it look, never by more than its zone.
-    means = np.diff(q, axis=0) / np.maximum(steps, SOONEST)[:, None]
-    most = velocity * cell.policy.speed * ROUNDING / (1.0 - cell.policy.zone)
-    too_fast = np.flatnonzero((np.abs(means) > most).any(axis=1))
-    if len(too_fast):
-        yield violation("is faster than the joints may turn", int(too_fast[0]))
-    # From rest to rest: the speed at the first mean has been reached since the start, and so on.
-    speeds = np.vstack([np.zeros(q.shape[1]), means, np.zeros(q.shape[1])])
-    spans = np.concatenate([steps[:1], steps[:-1] + steps[1:], steps[-1:]]).clip(min=SOONEST)
-    push = np.abs(np.diff(speeds, axis=0)) / spans[:, None]
-    too_hard = np.flatnonzero(
-        (push > arm.acceleration * ROUNDING / (1.0 - cell.policy.zone)).any(axis=1)
-    )
-    if len(too_hard):
-        yield violation("asks for more acceleration than the arm has", max(int(too_hard[0]) - 1, 0))

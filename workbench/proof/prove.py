@@ -19,6 +19,7 @@ from workbench.proof.rules import (
 )
 from workbench.proof.search import SIGHT
 from workbench.proof.stages import tcp
+from workbench.proof.timing.pace import pace_violations
 from workbench.proof.walk import Walk
 
 RESOLUTION = 0.0005
@@ -56,6 +57,7 @@ def prove(
     if not violations:
         tree = tree_of(cell)
         violations += [f for arm, leg in legs for f in limit_violations(cell, arm, leg)]
+        violations += pace_violations(cell, plan)
         violations += [f for _, one in arms for f in grasp_violations(cell, tree, plan, one)]
         violations += [f for _, one in arms for f in roll_violations(cell, tree, plan, one)]
         violations += pair_violations(cell, plan)

@@ -7,7 +7,7 @@ from math import prod
 import numpy as np
 
 from workbench.model.cell import Cell
-from workbench.model.geometry import Floats
+from workbench.model.geometry import Floats, Ints
 from workbench.model.plan import Guarantee, Plan, Proof, Violation, are_in_step
 from workbench.proof.bodies import bodies_of
 from workbench.proof.motion import Sets, moved
@@ -31,6 +31,9 @@ from workbench.proof.table import SLACK, Pairs, Situation, Table
 
 ROOM = 0.0005
 """[m] So much more than its margin away, a hand has left a part."""
+
+CLOSING = 0.001
+"""[m] Fingers that close are looked at so often; they are thicker."""
 
 MOST_TOGETHER = 1_000_000
 """Pairs of places on the ways of two arms, before they are halved: two of 120 waypoints have so
@@ -157,18 +160,36 @@ class Walk:
         return pairs.keeping(margins)
 
     def _left_at(self, step: Step, one: Moving) -> int:
-        """The first waypoint of the way home at which the hand has left the part."""
+        """The first waypoint of the way home at which the hand has left the part.
+
+        It keeps its margin from there on.  However wide the fingers are open, it has not left a
+        part that they would meet if they closed.
+        """
         pairs = self._pairs(situation_of(self._tree, step, one))
         rows = pairs.rows[pairs.left]
         away = self._cell.policy.margin + ROOM
         for number, values in enumerate(one.path):
             self._space.look(self._with(step, one, values))
-            if all(self._space.distance(int(row)) >= away for row in rows):
+            is_away = all(self._space.distance(int(row)) >= away for row in rows)
+            if is_away and not self._is_between(step, one, values, rows):
                 return number
         if np.diff(one.path, axis=0).any():
             problem = "the hand never leaves the part that it has let go of"
             self._violations.append(Violation(problem, one.arm.name, one.leg.name))
         return len(one.path)
+
+    def _is_between(self, step: Step, one: Moving, values: Floats, rows: Ints) -> bool:
+        """Whether fingers that close at joints (n,) [rad, m] would meet a part, in pairs (r,)."""
+        count, wide = len(one.arm.tool.fingers), one.fingers_after
+        if not count:
+            return False
+        for opening in np.linspace(wide, 0.0, 2 + int(wide / CLOSING)).tolist():
+            closed = values.copy()
+            closed[-count:] = opening / 2
+            self._space.look(self._with(step, one, closed))
+            if any(self._space.distance(int(row)) <= 0.0 for row in rows):
+                return True
+        return False
 
     # -- arms that move at once -------------------------------------------------------------
 

@@ -7,6 +7,7 @@ to be found and not that the file was changed.
 import json
 import shutil
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -340,12 +341,19 @@ def test_a_part_that_the_poses_do_not_have_is_found(good, say, made, tmp_path):
 
 
 def test_two_arms_at_once_are_refused_where_the_controller_moves_one(made, say, tmp_path):
-    """Also by an alternated plan, whose second arm sets out while the first goes home."""
+    """Also by an alternated plan, whose second arm sets out while the first goes home.
+
+    There is time for a stop at each waypoint.
+    """
     folder = Path(shutil.copytree(find("robots", "yumi"), tmp_path / "yumi"))
     text = (folder / "cell.toml").read_text()
     assert '"abb-socket/2"' in text
     (folder / "cell.toml").write_text(text.replace('"abb-socket/2"', '"abb-socket"'))
     assert any(len(step.runs) == 2 for step in made.sequence)
+    arms = (
+        replace(one, legs=tuple(replace(leg, t=leg.t * 4) for leg in one.legs)) for one in made.arms
+    )
+    made = replace(made, arms=tuple(arms))
     plan, certificate = tmp_path / "plan.json", tmp_path / "certificate.json"
     plan.write_text(json.dumps(plan_content(made)))
     assert say("prove", plan, "--certificate", certificate).code == SUCCESS

@@ -9,6 +9,8 @@ from contextlib import closing
 import numpy as np
 import pytest
 
+import workbench.cli.serving.approving as approving
+import workbench.cli.serving.send as sending
 from workbench.cli.main import main
 from workbench.cli.serving.approving import row_digest
 from workbench.formats.cells.reading import read_cell
@@ -111,6 +113,7 @@ def test_a_row_is_approved_as_one_and_sent_plan_after_plan(files, robot, words, 
     assert [one["plan_digest"] for one in (first, *rest)] == own
     assert [digest for digest, _ in first["row"]] == own[1:]
     assert len({one["first"] for one in rest}) == 1 and rest[0]["until"] == first["until"]
+    assert all(one["is_unwatched"] is True for one in (first, *rest)), "nobody has seen any"
     assert [body["problem"] for kind, body in found if kind == "Ended"] == ["", "", ""]
     arrived = robot[1]()
     told = say("send", plans[1], *words)
@@ -136,6 +139,33 @@ def test_a_pick_that_fails_ends_the_row_and_the_approval_of_the_rest(
     assert robot[1]() == arrived, "nothing goes out twice"
     told = say("send", plans[1], *words)
     assert told.code == 2 and "this is no terminal" in told.problem, "it may be approved anew"
+
+
+@pytest.mark.parametrize("begun", [0, 1])
+def test_a_robot_that_stands_elsewhere_before_a_plan_is_not_sent_it(
+    files, robot, words, say, tmp_path, monkeypatch, begun
+):
+    """Before the first nothing is approved; before the second the row ends."""
+    _, plans = files
+    digest, reported = shown(say, plans, words), approving.reported_joints
+    seen = robot[1]()
+
+    def elsewhere(cell):
+        joints = reported(cell)
+        is_due = begun == 0 or robot[1]() > seen
+        return {name: q + np.deg2rad(3.0) for name, q in joints.items()} if is_due else joints
+
+    for module in (approving, sending):
+        monkeypatch.setattr(module, "reported_joints", elsewhere)
+    told = say("send", *plans, *words, "--digest", digest)
+    assert told.code == 2 and "the robot has moved" in told.err
+    words_of = [kind for kind, _ in entries(tmp_path)]
+    ends = [bool(body["receipts"]) for kind, body in entries(tmp_path) if kind == "Ended"]
+    if begun:
+        assert "the row has ended after 1 of 3 plans" in told.err
+        assert ends == [True, False, False]
+    else:
+        assert words_of == ["Shown"] and robot[1]() == seen
 
 
 @pytest.mark.parametrize("faults", [("drop:30",)])

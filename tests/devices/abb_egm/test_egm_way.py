@@ -66,3 +66,15 @@ def test_a_plan_that_was_timed_slower_is_ridden_slower():
     leg = leg_of(5, 0.2)
     slow = Leg(leg.name, leg.motion, False, 0.0, leg.q, leg.t * 2)
     assert way_of(slow, VELOCITY, ACCELERATION, 0.2).seconds == pytest.approx(2 * leg.seconds)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_what_is_streamed_keeps_the_limits_whatever_times_a_plan_has(seed):
+    """Of a plan's times the last counts, and where that is too soon, what limits allow."""
+    leg, draw = leg_of(10, 0.2, seed), np.random.default_rng(seed)
+    steps = draw.permutation(np.diff(leg.t)) * draw.uniform(0.1, 2.0, 9)
+    bent = Leg(leg.name, leg.motion, False, 0.0, leg.q, np.concatenate([[0.0], np.cumsum(steps)]))
+    qs = ridden(Ride(way_of(bent, VELOCITY, ACCELERATION, 0.2), 1.0, PERIOD))
+    assert np.all(np.abs(np.diff(qs, axis=0)) / PERIOD <= VELOCITY * 1.001)
+    assert np.all(np.abs(np.diff(qs, n=2, axis=0)) / PERIOD**2 <= ACCELERATION * 1.001)
+    assert len(qs) * PERIOD >= max(bent.seconds, leg.seconds) - PERIOD

@@ -154,7 +154,7 @@ def test_legs_in_step_are_proven_in_step_only(cell, apart, coordinated):
     """Side by side at any speeds is more than in step; the other way about it is not."""
     plan = coordinated.plan
     legs = [plan.arm(arm).leg("approach") for arm in ("right", "left")]
-    t = np.maximum(legs[0].t, legs[1].t)
+    t = np.maximum(legs[0].t, legs[1].t) * 2
     in_step = with_leg(with_leg(plan, "right", "approach", t=t), "left", "approach", t=t)
     in_step = replace(in_step, guarantee=Guarantee.SYNCHRONISED)
     assert prove(cell, in_step).holds

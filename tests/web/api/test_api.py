@@ -63,6 +63,34 @@ def test_a_whole_cycle_by_program(site, tmp_path):
     assert site.get("/statistics").json() == counted, "nothing is counted twice"
 
 
+def test_what_goes_out_is_what_was_approved_once_and_on_record(site):
+    """Whatever a program tries: without approval, another plan, a robot elsewhere, twice."""
+    digest = plan(site)
+    assert "have the plan approved first" in detail(site.post("/send", plan=digest), 409)
+    site.post("/watch", plan=digest)
+    assert "have the plan approved first" in detail(site.post("/send", plan=digest), 409)
+    site.stand(np.deg2rad(3.0))
+    assert "the robot has moved" in detail(site.post("/approve", plan=digest), 409)
+    site.stand(0.0)
+    assert site.post("/approve", plan=digest).status_code == 200
+    assert site.effects.sent == []
+    assert "look at the current one" in detail(site.post("/send", plan="0" * 64), 409)
+    site.stand(np.deg2rad(3.0))
+    assert "the robot has moved" in detail(site.post("/send", plan=digest), 409)
+    site.stand(0.0)
+    assert site.effects.sent == []
+    assert site.post("/send", plan=digest).status_code == 202
+    site.reach("done")
+    for path in ("/send", "/approve"):
+        assert detail(site.post(path, plan=digest), 409)
+    assert site.effects.sent == [digest]
+    (seen,), (word,), (out,) = map(site.on_record, ("WatchPlan", "Approve", "SendPlan"))
+    assert [one["actor"] for one in (seen, word, out)] == ["Ada"] * 3
+    assert {one["command"]["plan_digest"] for one in (seen, word, out)} == {digest}
+    assert seen["command"]["is_told"] is True, "no page has shown it"
+    assert word["joints"] and out["joints"], "how the robot stood"
+
+
 def test_what_a_cycle_has_made_can_be_read(site, results, tmp_path):
     digest = plan(site)
     file = tmp_path / "proof.json"

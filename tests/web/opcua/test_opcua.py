@@ -5,6 +5,7 @@ import contextlib
 import socket
 import struct
 
+import numpy as np
 import pytest
 from asyncua import Client, ua
 from waiting import PATIENCE
@@ -101,6 +102,40 @@ def test_a_plc_runs_a_cycle_that_a_person_approves(site, serve):
         assert await cell.read("PartsPlaced") == 2
 
     talk(serve(), conversation)
+
+
+def test_a_plc_sends_what_a_person_approved_once_and_approves_nothing(site, serve):
+    async def conversation(cell):
+        for method in ("Approve", "WatchPlan", "Watch"):
+            with pytest.raises(ua.UaError):
+                await cell.call(method, "0" * 64)
+        await cell.call("Scan", whole(0), whole(2))
+        await cell.until("Phase", "scanned")
+        await cell.call("FindParts", whole(0))
+        await cell.until("PartsFound", 2)
+        await cell.call("MakePlan", whole(0), "auto", 0.2)
+        await cell.until("Phase", "planned")
+        digest = await cell.read("PlanDigest")
+        site.bench.do(WatchPlan(digest, is_told=True), "Ada")
+        site.bench.do(Approve(digest), "Ada")
+        await cell.until("ApprovedBy", "Ada")
+        done, says = await cell.call("Send", "0" * 64)
+        assert not done and "look at the current one" in says
+        site.stand(np.deg2rad(3.0))
+        done, says = await cell.call("Send", digest)
+        assert not done and "the robot has moved" in says
+        assert site.effects.sent == []
+        site.stand(0.0)
+        assert (await cell.call("Send", digest))[0]
+        await cell.until("Phase", "done")
+        assert not (await cell.call("Send", digest))[0]
+        assert site.effects.sent == [digest]
+
+    talk(serve(), conversation)
+    (word,), (out,) = map(site.on_record, ("Approve", "SendPlan"))
+    assert (word["actor"], out["actor"]) == ("Ada", "plc")
+    assert out["command"]["plan_digest"] == site.bench.state.plan.digest
+    assert site.on_record("WatchPlan")[0]["command"]["is_told"] is True, "no page has shown it"
 
 
 def test_every_variable_is_there_and_only_read(serve):

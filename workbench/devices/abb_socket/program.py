@@ -127,20 +127,34 @@ def program_of(cell: Cell, plan: Plan, approval: Approval) -> Program:
 
 
 def _step(cell: Cell, plan: Plan, step: Step, before: dict[str, Leg], share: float) -> ProgramStep:
-    legs: list[ProgramLeg] = []
-    for name, leg_name in step.runs:
-        leg = plan.arm(name).leg(leg_name)
+    if len(step.runs) > 2:
+        raise InputError(f"the protocol abb-socket/2 moves one arm or two, not {len(step.runs)}")
+    legs = [plan.arm(name).leg(leg_name) for name, leg_name in step.runs]
+    is_sync = plan.guarantee is Guarantee.SYNCHRONISED and len(legs) == 2 and are_in_step(legs)
+    times = [
+        _seconds(cell, name, leg, share) for (name, _), leg in zip(step.runs, legs, strict=True)
+    ]
+    if is_sync:
+        times = [np.maximum(*times)] * 2
+    said: list[ProgramLeg] = []
+    for (name, leg_name), leg, seconds in zip(step.runs, legs, times, strict=True):
         hand, zone = _hand(leg, before.get(name)), cell.zone
-        seconds = np.maximum(np.round(np.diff(leg.t) / share, 3), 0.001)
-        legs.append(ProgramLeg(name, leg_name, zone, hand, leg.opening, leg.q, seconds))
+        said.append(ProgramLeg(name, leg_name, zone, hand, leg.opening, leg.q, seconds))
         before[name] = leg
-    if len(legs) == 1:
-        return ProgramStep("alone", tuple(legs))
-    if len(legs) != 2:
-        raise InputError(f"the protocol abb-socket/2 moves one arm or two, not {len(legs)}")
-    together = [plan.arm(arm).leg(name) for arm, name in step.runs]
-    is_sync = plan.guarantee is Guarantee.SYNCHRONISED and are_in_step(together)
-    return ProgramStep("sync" if is_sync else "free", tuple(legs))
+    mode: Mode = "alone" if len(said) == 1 else "sync" if is_sync else "free"
+    return ProgramStep(mode, tuple(said))
+
+
+def _seconds(cell: Cell, arm: str, leg: Leg, share: float) -> Floats:
+    """Times (m,) [s] from each waypoint to the next, whole milliseconds, never less than planned.
+
+    Nor less than a joint takes from one to the other at its allowed speed: a rounded corner is
+    shorter than the way to it and back, and the plan has timed that; a controller goes by the way.
+    """
+    speeds = cell.robot.limits(cell.arm(arm).joints)[2] * cell.policy.speed
+    least = (np.abs(np.diff(leg.q, axis=0)) / speeds).max(axis=1)
+    seconds = np.maximum(np.diff(leg.t), least) / share
+    return np.maximum(np.ceil(seconds * 1000 - 1e-6), 1) / 1000
 
 
 def _hand(leg: Leg, before: Leg | None) -> Hand:

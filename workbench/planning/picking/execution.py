@@ -26,6 +26,10 @@ CORNER_PIECES = 8
 STANDSTILL = 0.001
 """[s] No two waypoints are passed in less, be they equal: times have to increase."""
 
+STILL = 1e-9
+"""Share of q'' that q' has where a joint turns back: by less, `u` does not move the joint.  What is
+left of q' there is rounding, by which nothing may be divided."""
+
 WITHIN = 1e-9
 """Share of a squared speed that rounding may decide."""
 
@@ -53,14 +57,18 @@ def timed(path: Floats, velocity: Floats, acceleration: Floats, zone: float) -> 
 
 
 def _stopping(path: Floats, velocity: Floats, acceleration: Floats) -> Floats:
-    """Times (m,) [s] with a stop at every waypoint: slower, and possible on every path."""
+    """Times (m,) [s] with a stop at every waypoint: slower, and possible on every path.
+
+    All joints move in proportion, so the one that is fast soonest and the one that brakes longest
+    hold up all others.
+    """
     steps = np.abs(np.diff(path, axis=0))
+    # Of a whole way: [s] at full speed, [s2] at full acceleration.
+    fast, hard = (steps / velocity).max(axis=1), (steps / acceleration).max(axis=1)
     # Up to speed and down again, or never quite up to speed.
-    ramps = velocity / acceleration
-    times = np.where(
-        steps >= velocity * ramps, steps / velocity + ramps, 2 * np.sqrt(steps / acceleration)
-    )
-    return np.concatenate([[0.0], np.cumsum(np.maximum(times.max(axis=1), STANDSTILL))])
+    has_time = fast**2 > hard
+    times = np.where(has_time, fast + hard / np.where(has_time, fast, 1.0), 2 * np.sqrt(hard))
+    return np.concatenate([[0.0], np.cumsum(np.maximum(times, STANDSTILL))])
 
 
 def _pieces(steps: Floats, zone: float) -> tuple[Floats, Floats, Floats, Ints]:
@@ -131,7 +139,8 @@ def _ceiling(
             ceiling = min(ceiling, (velocity[j] / steepest) ** 2)
         for end in range(2):
             # Where `u` does not move the joint, `_between` says nothing of it.
-            if bend[j] != 0.0 and slope[end, j] + 2.0 * width * end * bend[j] == 0.0:
+            push = slope[end, j] + 2.0 * width * end * bend[j]
+            if bend[j] != 0.0 and abs(push) <= STILL * abs(bend[j]):
                 ceiling = min(ceiling, acceleration[j] / abs(bend[j]))
     return ceiling
 
@@ -172,7 +181,7 @@ def _between(
         for j in range(len(bend)):
             # At the end of the piece x has become x + 2 u width.
             push = slope[end, j] + 2.0 * width * end * bend[j]
-            if push == 0.0:
+            if push == 0.0 or abs(push) <= STILL * abs(bend[j]):
                 continue
             reach, tilt = acceleration[j] / abs(push), -bend[j] / push
             if tilt * x - reach > least:

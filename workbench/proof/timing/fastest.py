@@ -1,0 +1,269 @@
+"""Compiled: how fast a curve can be followed, and whether its waypoints can be passed on time.
+
+A curve q(s) is given by its slope q' at marks, between which it changes linearly; s grows by 1 from
+waypoint to waypoint.  With x the square of the speed ds/dt at a mark, and x linear in s between two
+marks, the acceleration of a joint, q' x' / 2 + q'' x, is linear in s: what holds at both ends of a
+piece holds in all of it.  Its speed is q' sqrt(x).  So a piece allows the pairs (x before, x after)
+of a convex polygon, which has (0, 0) in it.
+
+Of two motions the one that is faster at each mark is one, too: there is a fastest of all, and no
+motion passes from one waypoint to the next in less time.  Between given speeds at two waypoints
+everything is possible between the fastest and the slowest motion, as mixtures of both.
+"""
+
+import numpy as np
+from numba import njit
+
+from workbench.model.geometry import Floats
+
+SOONEST = 0.001
+"""[s] From a waypoint to an equal one."""
+
+HALVINGS, FEWER = 45, 20
+"""Of an interval in which a limit is looked for, and in which a speed is."""
+
+NEAR = 1e-9
+"""Share of a squared speed that rounding may decide."""
+
+SHARES = np.array([1.0, 0.85, 0.64, 0.3, 0.1, 0.0])
+"""Of the fastest squared speed at a waypoint, which are tried where simpler ways find nothing."""
+
+
+@njit(cache=True)
+def _room(
+    before: Floats, after: Floats, width: float, acceleration: Floats, x: float, is_before: bool
+) -> tuple[float, float]:  # pragma: no cover (compiled)
+    """The least and the largest x at one end of a piece, of which x at the other end is known.
+
+    The slopes (n,) are those at its two ends.  The least is above the largest where there is none.
+    """
+    least, largest = 0.0, np.inf
+    for j in range(len(before)):
+        bend = (after[j] - before[j]) / width
+        for end in range(2):
+            push = (after[j] if end else before[j]) / (2.0 * width)
+            first, second = (-push, push + bend) if end else (bend - push, push)
+            known, open_ = (first, second) if is_before else (second, first)
+            if abs(open_) < NEAR * SOONEST**2 * acceleration[j]:
+                if abs(known * x) > acceleration[j] * (1.0 + NEAR):
+                    return 1.0, 0.0
+                continue
+            one = (acceleration[j] - known * x) / open_
+            other = (-acceleration[j] - known * x) / open_
+            least, largest = max(least, min(one, other)), min(largest, max(one, other))
+    return least, largest
+
+
+@njit(cache=True)
+def _most(
+    before: Floats,
+    after: Floats,
+    width: float,
+    acceleration: Floats,
+    most: float,
+    lower: float,
+    upper: float,
+) -> float:  # pragma: no cover (compiled)
+    """The largest x, up to `most`, before a piece that leads to one from `lower` to `upper`.
+
+    -1 where there is none.
+    """
+    least, largest = _room(before, after, width, acceleration, most, True)
+    if max(least, lower) <= min(largest, upper):
+        return most
+    # Where it leads to either end, or, with `lower` 0, from standing still, is known to be one.
+    low = 0.0 if lower == 0.0 else -1.0
+    for x in (lower, upper):
+        least, largest = _room(before, after, width, acceleration, x, False)
+        if least <= min(largest, most):
+            low = max(low, min(largest, most))
+    if low < 0.0:
+        return low
+    # Mostly it is that; else it is looked for.
+    high, middle = most, low * (1.0 + NEAR)
+    for _ in range(HALVINGS):
+        if high <= low * (1.0 + NEAR):
+            break
+        least, largest = _room(before, after, width, acceleration, middle, True)
+        if max(least, lower) <= min(largest, upper):
+            low = middle
+        else:
+            high = middle
+        middle = (low + high) / 2.0
+    return low
+
+
+@njit(cache=True)
+def ceilings(slopes: Floats, velocity: Floats) -> Floats:  # pragma: no cover (compiled)
+    """The squared speeds (k,) [1/s2] at marks that the speeds of the joints allow.
+
+    In a piece of which one end is steep and the other fast, a joint would be faster in between than
+    at either: the steeper end counts for both.
+    """
+    most = np.full(len(slopes), SOONEST**-2)
+    for k in range(len(slopes) - 1):
+        for j in range(len(velocity)):
+            steep = max(abs(slopes[k, j]), abs(slopes[k + 1, j]))
+            if steep > 0.0:
+                limit = (velocity[j] / steep) ** 2
+                most[k], most[k + 1] = min(most[k], limit), min(most[k + 1], limit)
+    return most
+
+
+@njit(cache=True)
+def fastest(
+    slopes: Floats, widths: Floats, velocity: Floats, acceleration: Floats
+) -> Floats:  # pragma: no cover (compiled)
+    """The squared speeds (k,) [1/s2] at marks of the fastest motion from rest to rest.
+
+    Args:
+        slopes: q' (k, n) [rad, m] at the marks.
+        widths: of the pieces between them (k - 1,).
+        velocity: largest joint speeds (n,) [rad/s, m/s].
+        acceleration: largest joint accelerations (n,) [rad/s2, m/s2].
+    """
+    x = ceilings(slopes, velocity)
+    last = len(widths)
+    x[last] = 0.0
+    for k in range(last - 1, -1, -1):
+        x[k] = _most(slopes[k], slopes[k + 1], widths[k], acceleration, x[k], 0.0, x[k + 1])
+    x[0] = 0.0
+    for k in range(last):
+        _, largest = _room(slopes[k], slopes[k + 1], widths[k], acceleration, x[k], True)
+        x[k + 1] = max(min(x[k + 1], largest), 0.0)
+    return x
+
+
+@njit(cache=True)
+def seconds(x: Floats, widths: Floats) -> float:  # pragma: no cover (compiled)
+    """How long [s] it takes along marks at squared speeds (k,)."""
+    total = 0.0
+    for k in range(len(widths)):
+        speeds = np.sqrt(x[k]) + np.sqrt(x[k + 1])
+        if speeds == 0.0:
+            return np.inf
+        total += 2.0 * widths[k] / speeds
+    return total
+
+
+@njit(cache=True)
+def _between(
+    slopes: Floats, widths: Floats, acceleration: Floats, most: Floats, start: float, end: float
+) -> tuple[float, float]:  # pragma: no cover (compiled)
+    """The least and the longest time [s] from a squared speed to another; (inf, 0) for none.
+
+    `most` (k,) are the squared speeds that may not be exceeded.
+    """
+    last = len(widths)
+    lower, upper = np.zeros(last + 1), np.zeros(last + 1)
+    lower[last] = upper[last] = end
+    for k in range(last - 1, -1, -1):
+        low, high = _room(slopes[k], slopes[k + 1], widths[k], acceleration, lower[k + 1], False)
+        upper[k] = _most(
+            slopes[k], slopes[k + 1], widths[k], acceleration, most[k], lower[k + 1], upper[k + 1]
+        )
+        lower[k] = low if low <= min(high, upper[k]) else upper[k]
+        if upper[k] < 0.0:
+            return np.inf, 0.0
+    if start < lower[0] * (1.0 - NEAR) or start > upper[0] * (1.0 + NEAR):
+        return np.inf, 0.0
+    quick, slow = np.zeros(last + 1), np.zeros(last + 1)
+    quick[0] = slow[0] = min(max(start, lower[0]), upper[0])
+    for k in range(last):
+        _, largest = _room(slopes[k], slopes[k + 1], widths[k], acceleration, quick[k], True)
+        quick[k + 1] = max(min(largest, upper[k + 1]), lower[k + 1])
+        least, _ = _room(slopes[k], slopes[k + 1], widths[k], acceleration, slow[k], True)
+        slow[k + 1] = min(max(least, lower[k + 1]), upper[k + 1])
+    return seconds(quick, widths), seconds(slow, widths)
+
+
+@njit(cache=True)
+def _onward(
+    slopes: Floats,
+    widths: Floats,
+    acceleration: Floats,
+    most: Floats,
+    start: float,
+    end: float,
+    planned: float,
+    halvings: int,
+) -> float:  # pragma: no cover (compiled)
+    """The largest squared speed, up to `end`, that a segment can end with; -1 for none.
+
+    From `start`, in just the time that is planned [s].  Without `halvings` only `end` is tried.
+    """
+    low, high = start, end
+    quick, slow = _between(slopes, widths, acceleration, most, start, end)
+    if halvings and planned > slow * (1.0 + NEAR):
+        # The lower it ends, the longer it may take; no lower than where it only brakes.
+        for k in range(len(widths)):
+            low, _ = _room(slopes[k], slopes[k + 1], widths[k], acceleration, low, True)
+        low = min(low, end)
+        for _ in range(halvings):
+            middle = (low + high) / 2.0
+            _, slow = _between(slopes, widths, acceleration, most, start, middle)
+            if planned <= slow * (1.0 + NEAR):
+                low = middle
+            else:
+                high = middle
+        end = low
+        quick, slow = _between(slopes, widths, acceleration, most, start, end)
+    if quick <= planned * (1.0 + NEAR) and planned <= slow * (1.0 + NEAR):
+        return end
+    return -1.0
+
+
+@njit(cache=True)
+def uneven_at(
+    slopes: Floats,
+    widths: Floats,
+    quick: Floats,
+    most: Floats,
+    acceleration: Floats,
+    times: Floats,
+) -> int:  # pragma: no cover (compiled)
+    """The number of the first segment that cannot take as long as it should; -1 for none.
+
+    What is found is a motion: as fast as can be at each waypoint, or at the pace of the whole leg,
+    and slower where a segment takes longer than it could then; or by the speeds of `SHARES`, in any
+    order.  A motion with other speeds may be missed.
+
+    Args:
+        slopes: q' (k, n) [rad, m] at marks, equally many from each waypoint to the next.
+        widths: of the pieces between them (k - 1,).
+        quick: squared speeds (k,) [1/s2] of the fastest motion, or of one that is hardly slower.
+        most: those that the speeds of the joints allow (k,) [1/s2].
+        acceleration: largest joint accelerations (n,) [rad/s2, m/s2].
+        times: what each segment should take (m,) [s].
+    """
+    count, pieces = len(times), len(widths) // len(times)
+    farthest, pace = 0, min(seconds(quick, widths) / times.sum(), 1.0) ** 2
+    for share, halvings in ((1.0, 0), (pace, 0), (1.0, FEWER), (pace, FEWER)):
+        x = 0.0
+        for i in range(count):
+            a, b = i * pieces, (i + 1) * pieces
+            x = _onward(
+                slopes[a : b + 1], widths[a:b], acceleration, most[a : b + 1],
+                x, quick[b] * share, times[i], halvings,
+            )  # fmt: skip
+            if x < 0.0:
+                farthest = max(farthest, i)
+                break
+        if x >= 0.0:
+            return -1
+    is_open = np.ones(len(SHARES), np.bool_)
+    for i in range(count):
+        a, b = i * pieces, (i + 1) * pieces
+        reached = np.zeros(len(SHARES), np.bool_)
+        for n in range(len(SHARES)):
+            for m in range(len(SHARES)):
+                if is_open[m] and not reached[n]:
+                    soon, slow = _between(
+                        slopes[a : b + 1], widths[a:b], acceleration, most[a : b + 1],
+                        quick[a] * SHARES[m], quick[b] * SHARES[n],
+                    )  # fmt: skip
+                    reached[n] = soon <= times[i] <= slow
+        if not reached.any():
+            return max(farthest, i)
+        is_open = reached
+    return -1
