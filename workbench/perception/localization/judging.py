@@ -103,7 +103,7 @@ def judged(brought: Sequence[Sought]) -> list[Judged]:
 
 
 def taken_by_others(brought: Sequence[Sought], k: int) -> Bools:
-    """The pixels (pixels,) of kind `k`'s maps that parts of other kinds explain which stand."""
+    """Which pixels of kind `k`'s maps standing parts of other kinds explain: (pixels,), no unit."""
     maps = brought[k].maps
     taken = np.zeros(maps.depth.size, np.bool_)
     for j, (other, standing) in enumerate(zip(brought, judged(brought), strict=True)):

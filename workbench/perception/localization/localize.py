@@ -141,7 +141,7 @@ def look_for(
     Args:
         one: what was taken before; what is taken now and what is not is added to its choice.
         number: from 0, of the effort in `hypotheses.EFFORTS`.
-        taken: (pixels,) of its maps in which parts of other kinds are known to lie.
+        taken: (pixels,) no unit, those of its maps in which parts of other kinds are known to lie.
         seed: of the choice of points that vote.
         step: told what is being done; it may raise to give up.
     """
