@@ -54,6 +54,8 @@ def send(typed: arguments.Send) -> int:
         raise InputError(f"a row has at most {MOST_PICKS} plans, not {len(files)}")
     cell, plans = _read(files, typed.cell)
     cell = replace(cell, controller=_controller(cell, typed))
+    if len(plans) > 1:
+        _check_told(cell)
     if typed.digest is not None:
         check_digest(plans, typed.digest)
     record = ApprovalRecord(typed.record)
@@ -70,8 +72,6 @@ def send(typed: arguments.Send) -> int:
             f"the cell wants {cell.approvers} people to approve a plan; a command is one person's"
         )
     start = start_words(cell, plans[0])
-    if len(row) > 1:
-        _check_told(cell)
     facts, digest = row_facts(cell, row, _told(typed), start), row_digest(plans)
     if typed.digest is None:
         record.show(digest, typed.approve_as, time.time(), facts)
