@@ -27,6 +27,10 @@ LIBRARY = "pyrealsense2"
 GLANCE = 0.05
 """[s] Between two looks whether to end."""
 
+LAST_IMAGES = 5.0
+"""[s] So long after the last image that came a recording that was read to its end may hand over one
+more: they wait for us, also where other programs leave us little of the processor."""
+
 
 @dataclass(frozen=True, slots=True)
 class RealsenseOptions:
@@ -90,12 +94,15 @@ class RealsenseScanner:
         cancelled: Cancelled,
     ) -> "_Image":
         """The image, as soon as it is there."""
-        began = time.monotonic()
+        began = heard = time.monotonic()
+        skipped = 0
         while (waited := time.monotonic() - began) < self._mount.patience:
             if cancelled():
                 raise JobCancelled("the scan was cancelled")
             report(waited / self._mount.patience, f"waiting for an image of {named}")
-            is_over = has_ended()
+            if taking.skipped > skipped:
+                skipped, heard = taking.skipped, time.monotonic()
+            is_over = has_ended() and time.monotonic() - heard > LAST_IMAGES
             with suppress(queue.Empty):
                 return taking.images.get(timeout=GLANCE)
             if is_over:
