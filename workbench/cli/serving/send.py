@@ -54,7 +54,7 @@ def send(typed: arguments.Send) -> int:
         raise InputError(f"a row has at most {MOST_PICKS} plans, not {len(files)}")
     cell, plans = _read(files, typed.cell)
     cell = replace(cell, controller=_controller(cell, typed))
-    if len(plans) > 1:
+    if typed.row:
         _check_told(cell)
     if typed.digest is not None:
         check_digest(plans, typed.digest)
