@@ -361,6 +361,17 @@ def sends_garbage(link: socket.socket) -> None:
     link.recv(200)
 
 
+def test_a_plan_for_another_way_to_move_is_refused_with_what_to_do(line, say, tmp_path):
+    """It rounds corners, and takes less time than stops do."""
+    one_arm = tmp_path / "one_arm.json"
+    words = ("--poses", line.poses, "--out", one_arm, "--strategy", "right")
+    assert say("plan", "yumi", *words).code == 0
+    address = ("--host", "127.0.0.1", "--port", 9, "--protocol", "abb-socket")
+    said = say("send", one_arm, *address, "--approve-as", "Ada")
+    assert said.code == 2 and "more acceleration than the arm has" in said.problem
+    assert "abb-socket moves otherwise than the cell's abb-socket/2" in said.problem
+
+
 @pytest.mark.parametrize(
     ("talks", "protocol"),
     [
@@ -372,13 +383,15 @@ def sends_garbage(link: socket.socket) -> None:
     ],
 )
 def test_a_controller_that_breaks_off(line, say, send, tmp_path, talks, protocol):
+    folder = Path(shutil.copytree(find("robots", "yumi"), tmp_path / "yumi"))
+    text = (folder / "cell.toml").read_text()
+    (folder / "cell.toml").write_text(text.replace('"abb-socket/2"', f'"{protocol}"'))
     one_arm = tmp_path / "one_arm.json"
     words = ("--poses", line.poses, "--out", one_arm, "--strategy", "right")
-    assert say("plan", "yumi", *words).code == 0
+    assert say("plan", folder, *words).code == 0
     server, thread = one_that(talks)
     port = server.getsockname()[1]
-    address = ["--host", "127.0.0.1", "--port", port, "--protocol", protocol]
-    said = send(one_arm, *address)
+    said = send(one_arm, "--cell", folder, "--host", "127.0.0.1", "--port", port)
     thread.join(120)
     assert said.code == 4
     assert said.problem

@@ -53,6 +53,7 @@ def send(typed: arguments.Send) -> int:
     if len(files) > MOST_PICKS:
         raise InputError(f"a row has at most {MOST_PICKS} plans, not {len(files)}")
     cell, plans = _read(files, typed.cell)
+    usual = cell.controller
     cell = replace(cell, controller=_controller(cell, typed))
     if typed.row:
         _check_told(cell)
@@ -66,6 +67,11 @@ def send(typed: arguments.Send) -> int:
         poses = None if typed.poses is None else detections_from(cell, typed.poses, typed.part)
         row = list(prove_row(cell, plans, detections=poses, scan=scan))
     for one in row:
+        if not one.proof.holds and cell.controller.motion != usual.motion:
+            raise CommandRefused(
+                f"the proof does not hold: {one.proof.violations[0]}; {cell.controller.link} moves "
+                f"otherwise than the cell's {usual.link}: plan with a cell file that names it"
+            )
         check_approvable(cell, one.plan, one.proof, typed.approve_as)
     if cell.approvers > 1:
         raise CommandRefused(
