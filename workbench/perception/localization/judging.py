@@ -106,6 +106,8 @@ def taken_by_others(brought: Sequence[Sought], k: int) -> Bools:
     """Which pixels of kind `k`'s maps standing parts of other kinds explain: (pixels,), no unit."""
     maps = brought[k].maps
     taken = np.zeros(maps.depth.size, np.bool_)
+    if not any(other.choice.chosen for j, other in enumerate(brought) if j != k):
+        return taken
     for j, (other, standing) in enumerate(zip(brought, judged(brought), strict=True)):
         if j != k:
             for one in standing.choice.chosen:
