@@ -179,6 +179,8 @@ def _grasp(files: Files, plan, one) -> str:
         low, high = (grip, grip) if leg.name in HOLDING else (least, most)
         if not low - 2e-6 <= leg.opening <= high + 2e-6:
             return f"{leg.name}: fingers otherwise than the grasp says"
+    if abs(one.leg("reach").opening - one.leg("approach").opening) > 2e-6:
+        return "fingers move between two legs"
     return ""
 
 

@@ -26,6 +26,7 @@ from workbench.proof.stages import (
     situation_of,
     stages_of,
     steps_of,
+    waiting_fingers,
 )
 from workbench.proof.table import SLACK, Pairs, Situation, Table
 
@@ -138,7 +139,7 @@ class Walk:
             pairs = all_pairs.hiding(all_pairs.left)
             if stage.comes_off or stage.leaves:
                 pairs = self._as_it_begins(step, one, stage, pairs)
-            self._ask(step, one, ((stage.sets,),), pairs)
+            self._ask(step, one, ((stage.sets, *waiting_fingers(self._tree, step)),), pairs)
 
     def _pairs(self, now: Situation) -> Pairs:
         """The pairs of a situation of the step that was put last; the same are asked for often."""
@@ -243,7 +244,8 @@ class Walk:
         columns = [self._tree.columns[one.arm.name] for one in step.moving]
         path = np.hstack([_passed(one, times) for one in step.moving])
         motion, zone = self._cell.controller.motion, self._cell.policy.zone
-        asked = ((moved(np.concatenate(columns), path, motion, zone),),)
+        way = moved(np.concatenate(columns), path, motion, zone)
+        asked = ((way, *waiting_fingers(self._tree, step)),)
         found = search(
             self._space, step.base, asked, pairs, self._resolution, len(times), sight=FAR_SIGHT
         )
