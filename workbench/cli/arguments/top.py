@@ -188,6 +188,8 @@ class Plan:
     picks: int = 1
     """Plans in a row at most, each proven in the scene that those before leave, as far as no part
     that stays may have moved; the second is written to OUT-2.json, and so on."""
+    protocol: str | None = None
+    """Robot link that it is meant for, see `workbench plugins`; that of the cell when not given."""
     seed: Seed = 0
     part: PartOfPoses = None
     json: Json = False
