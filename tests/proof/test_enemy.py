@@ -1,15 +1,17 @@
 """Tries to have a plan proven that must not be: good plans, changed by somebody who wants to."""
 
-from collections.abc import Callable
-from dataclasses import replace
+from collections.abc import Callable, Iterator
+from dataclasses import fields, is_dataclass, replace
+from typing import Any
 
 import numpy as np
+import pinocchio as pin
 import pytest
 from bending import with_leg
 
 from workbench.model.geometry import pose_from_rpy
-from workbench.model.plan import Guarantee, Plan, Step, Strategy
-from workbench.model.scan import Scene
+from workbench.model.plan import UNSIGNED, Guarantee, Plan, Step, Strategy
+from workbench.model.scan import Obstacle, Scene
 from workbench.proof.prove import prove
 
 Change = Callable[[Plan], Plan]
@@ -110,3 +112,48 @@ def test_what_an_enemy_changes_is_found(cell, result, name):
     proof = prove(cell, Scene(plan.scan_digest, plan.detections, plan.obstacles), plan)
     assert not proof.holds
     assert any(says in str(one) for one in proof.violations), [str(v) for v in proof.violations]
+
+
+def others(value: Any) -> Iterator[Any]:
+    """The value with each thing in it changed, one at a time, by as little as can be."""
+    if is_dataclass(value):
+        for one in fields(value):
+            if one.init and one.name not in UNSIGNED:
+                for other in others(getattr(value, one.name)):
+                    yield replace(value, **{one.name: other})
+    elif isinstance(value, tuple):
+        yield from (
+            value[:k] + (other,) + value[k + 1 :]
+            for k, v in enumerate(value)
+            for other in others(v)
+        )
+        yield (*value, value[-1]) if value else value
+    elif isinstance(value, np.ndarray):
+        for k in np.ndindex(value.shape):
+            other = np.array(value)
+            other[k] = np.nextafter(other[k], np.inf)
+            yield other
+    elif isinstance(value, pin.SE3):
+        yield pin.SE3(value.rotation, np.nextafter(value.translation, np.inf))
+        yield pin.SE3(np.nextafter(value.rotation, np.inf), value.translation)
+    elif isinstance(value, Strategy):
+        yield Strategy(f"{value}x")
+    elif isinstance(value, Guarantee):
+        yield from (one for one in Guarantee if one is not value)
+    elif isinstance(value, bool):
+        yield not value
+    elif isinstance(value, str):
+        yield value + "x"
+    elif isinstance(value, int):
+        yield value + 1
+    elif isinstance(value, float):
+        yield np.nextafter(value, np.inf).item()
+
+
+def test_no_two_plans_that_differ_in_anything_have_one_digest(result):
+    """One waypoint by a last bit, a name by a letter: what was approved is another plan then."""
+    box = Obstacle(pose_from_rpy((0.1, 0.2, 0.3)), np.array([0.01, 0.02, 0.03]))
+    plan = replace(result.plan, obstacles=(box,))
+    digests = [plan.digest, *(other.digest for other in others(plan))]
+    assert len(digests) > 500
+    assert len(set(digests)) == len(digests)

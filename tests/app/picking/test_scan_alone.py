@@ -1,4 +1,4 @@
-"""A plan beside a scan, and no poses: its own word for parts counts as far as the scan shows them."""
+"""A plan beside a scan without poses: its word for parts counts as far as the scan shows them."""
 
 from dataclasses import replace
 
