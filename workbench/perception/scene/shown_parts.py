@@ -1,4 +1,4 @@
-"""Which parts a scan shows where they are said to be: one that it does not show may not be there."""
+"""Which parts a scan shows where they are said to be: others may not be there."""
 
 import numpy as np
 import open3d as o3d
@@ -16,15 +16,18 @@ ASIDE = TOLERANCE / 2
 
 
 def shown(cell: Cell, scan: Scan, detections: tuple[Detection, ...]) -> Bools:
-    """Whether a scan shows each of some parts (k,), where they are said to be.
+    """Whether a scan shows each of some parts, where they are said to be.
 
-    A point belongs to the surface that it is nearest to, of parts, bin and fixtures.  So a part that
-    lies elsewhere, or is not there, has none, or has them beside its surface.
+    A point belongs to the surface that it is nearest to, of parts, bin and fixtures.  So a part
+    that lies elsewhere, or is not there, has none, or has them beside its surface.
 
     Args:
         cell: bin and fixtures.
         scan: what was seen.
         detections: the parts.
+
+    Returns:
+        For each part (k,), no unit.
     """
     T, near = scan.T_world_scanner, np.zeros(len(scan.points), bool)
     for one in detections:
