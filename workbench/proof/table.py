@@ -170,7 +170,7 @@ class Table:
         return (one >= 0) & (other >= 0) & (one != other) & ~both_low
 
     def are_fingers(self, rows: Ints) -> Bools:
-        """Whether one of the two of pairs (r,) is a finger."""
+        """True (r,) where one of the two of a pair is a finger; `rows` (r,) are indices."""
         return self._finger[self.first[rows]] | self._finger[self.second[rows]]
 
     def is_rolled(self, row: int) -> bool:

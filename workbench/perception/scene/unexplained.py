@@ -107,7 +107,7 @@ def known_surfaces(
 ) -> tuple[o3d.t.geometry.RaycastingScene, Ints]:
     """All known surfaces in some frame, the world's for None, and whose each is.
 
-    Whose they are is said as by `explained_by`, by the number of the geometry (g,).
+    Whose they are is said as by `explained_by`, for the index (g,) of each geometry.
     """
     T_frame_world = pin.SE3.Identity() if T_frame_world is None else T_frame_world
     scene = o3d.t.geometry.RaycastingScene(nthreads=1)
