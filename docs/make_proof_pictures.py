@@ -30,6 +30,8 @@ from workbench.proof.robot import tree_of
 from workbench.proof.space import Space
 from workbench.proof.stages import STRAIGHT, carried, situation_of, steps_of
 from workbench.proof.table import Table
+from workbench.proof.timing.fastest import fastest
+from workbench.proof.timing.pace import marks_of
 
 PICTURES = Path(__file__).with_name("pictures")
 WIDTH, HEIGHT, LEFT, BOTTOM = 560.0, 210.0, 46.0, 34.0
@@ -222,7 +224,7 @@ def life(cell: Cell, plan: Plan, proof: Proof) -> None:
 
     def heights(start: float, stop: float) -> Floats:
         times = np.linspace(start, stop, 60)
-        poses = [part_poses(cell, kinematics, plan, runs, t)[one.detection] for t in times]
+        poses = [part_poses(cell, kinematics, (plan,), runs, t)[one.detection] for t in times]
         return np.stack([times, [1e3 * T.translation[2] for T in poses]], axis=1)
 
     lift = heights(mine["extract"].start, mine["extract"].end)
@@ -285,6 +287,38 @@ def bounds(cell: Cell, plan: Plan, proof: Proof) -> None:
     sketch.write("bounds")
 
 
+def pace(cell: Cell, plan: Plan, proof: Proof) -> None:
+    """The fastest motion along a leg, which touches limits, and who asks for more."""
+    arm, leg = cell.arm(plan.arms[0].arm), plan.arms[0].leg("place")
+    slopes, widths = marks_of(np.diff(leg.q, axis=0), cell.zone)
+    velocity = cell.robot.limits(arm.joints)[2] * cell.policy.speed
+    x = fastest(slopes, widths, velocity, arm.acceleration)
+    times = np.append(0.0, np.cumsum(2 * widths / (np.sqrt(x[:-1]) + np.sqrt(x[1:]))))
+    speeds = 100 * (np.abs(slopes) / velocity).max(axis=1) * np.sqrt(x)
+    rise, bend = (np.diff(a, axis=0) / widths[:, None] for a in (x[:, None], slopes))
+    ends = [
+        k * rise / 2 + bend * v[:, None] for k, v in ((slopes[:-1], x[:-1]), (slopes[1:], x[1:]))
+    ]
+    pushes = 100 * np.abs(np.stack(ends, axis=1) / arm.acceleration).max(axis=2).ravel()
+    both = np.repeat(times, 2)[1:-1]
+    quick = replace(leg, t=0.98 * times[-1] / leg.seconds * np.asarray(leg.t))
+    legs = tuple(quick if one is leg else one for one in plan.arms[0].legs)
+    said = prove(cell, replace(plan, arms=(replace(plan.arms[0], legs=legs), *plan.arms[1:])))
+    sketch = Sketch("The fastest motion along a leg", (0.0, leg.seconds), (0.0, 150.0))
+    sketch.axes(
+        _marks(0.0, leg.seconds), (0, 50, 100), "share of what is allowed [%] over time [s]"
+    )
+    for passed in times[:: len(widths) // (len(leg.q) - 1)]:
+        sketch.way(np.array([[passed, 0.0], [passed, 100.0]]), "thin")
+    sketch.way(np.stack([both, pushes], axis=1), "warm")
+    sketch.way(np.stack([times, speeds], axis=1), "good")
+    sketch.note(0, "speed of the joint that is nearest to its limit", "good")
+    sketch.note(1, "acceleration of the joint that is nearest to its limit", "warm")
+    sketch.note(0, f"takes {times[-1]:.2f} s, the plan {leg.seconds:.2f} s", "", LEFT + 330)
+    sketch.note(2, f"in 0.98 of that: {said.violations[0].problem}", "bad")
+    sketch.write("pace")
+
+
 def _sampled(cell: Cell, plan: Plan, runs: tuple[Run, ...], most: float) -> list[Floats]:
     """Distances of what moves from all else, up to `most` [mm], on free legs: (n, 2) [s, mm]."""
     tree = tree_of(cell)
@@ -340,6 +374,7 @@ DRAWN: tuple[Callable[[Cell, Plan, Proof], None], ...] = (
     fingers,
     life,
     asked,
+    pace,
     bounds,
 )
 

@@ -361,17 +361,6 @@ def sends_garbage(link: socket.socket) -> None:
     link.recv(200)
 
 
-def test_a_plan_for_another_way_to_move_is_refused_with_what_to_do(line, say, tmp_path):
-    """It rounds corners, and takes less time than stops do."""
-    one_arm = tmp_path / "one_arm.json"
-    words = ("--poses", line.poses, "--out", one_arm, "--strategy", "right")
-    assert say("plan", "yumi", *words).code == 0
-    address = ("--host", "127.0.0.1", "--port", 9, "--protocol", "abb-socket")
-    said = say("send", one_arm, *address, "--approve-as", "Ada")
-    assert said.code == 2 and "more acceleration than the arm has" in said.problem
-    assert "abb-socket moves otherwise than the cell's abb-socket/2" in said.problem
-
-
 @pytest.mark.parametrize(
     ("talks", "protocol"),
     [

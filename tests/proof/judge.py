@@ -84,15 +84,25 @@ class _Run:
         broken = self._hands()
         if broken:
             return Refusal(broken)
+        waiting = [arm for arm, slides in self.scene.fingers.items() if len(slides)]
         for step in self.plan.sequence:
             ways = [self._way(self.plan.arm(arm), name) for arm, name in step.runs]
-            key = self._key(ways)
-            if key not in self.judge._known:
-                self.judge._known[key] = self._step(ways)
-            if self.judge._known[key] is not None:
-                return self.judge._known[key]
+            waiting = [arm for arm in waiting if all(arm != way.arm for way in ways)]
+            # Nobody knows how open the fingers are of an arm that has not moved yet.
+            for end in range(2 if waiting else 1):
+                for arm in waiting:
+                    self.q[self.scene.fingers[arm]] = self._stroke(arm)[end] / 2
+                key = self._key(ways)
+                if key not in self.judge._known:
+                    self.judge._known[key] = self._step(ways)
+                if self.judge._known[key] is not None:
+                    return self.judge._known[key]
             self._after(ways)
         return None
+
+    def _stroke(self, arm: str) -> np.ndarray:
+        """[m] The least and the widest opening of an arm's fingers."""
+        return np.array(self.files.tool(arm).get("stroke_mm", (0, 0))) / 1000
 
     def _key(self, ways) -> bytes:
         """All that a step depends on."""
@@ -147,6 +157,8 @@ class _Run:
         fingers = None
         if after != leg.opening and len(slides):
             fingers = whole(path[-1], leg.opening), whole(path[-1], after)
+        if name == "reach" and len(slides):
+            fingers = tuple(whole(path[0], opening) for opening in self._stroke(one.arm))
         return Way(one, leg, one.arm, chords, fingers)
 
     def _bows(self, path):
@@ -166,7 +178,8 @@ class _Run:
 
     def _after(self, ways) -> None:
         for way in ways:
-            end = way.fingers[1] if way.fingers else way.chords[len(way.leg.q) - 2][1]
+            is_last = way.fingers and way.leg.name != "reach"
+            end = way.fingers[1] if is_last else way.chords[len(way.leg.q) - 2][1]
             for columns in (self.scene.columns[way.arm], self.scene.fingers[way.arm]):
                 self.q[columns] = end[columns]
             if way.leg.name == "approach":

@@ -8,6 +8,7 @@ from typing import Any
 from xml.etree import ElementTree
 
 import numpy as np
+from judged_symmetry import about, made, unit
 
 
 def turned(rpy_deg) -> np.ndarray:
@@ -28,11 +29,6 @@ def pose_of(table) -> np.ndarray:
     T[:3, :3] = turned(table.get("rpy_deg", (0, 0, 0)))
     T[:3, 3] = np.array(table.get("position_mm", (0, 0, 0))) / 1000
     return T
-
-
-def unit(vector) -> np.ndarray:
-    vector = np.array(vector, float)
-    return vector / np.linalg.norm(vector)
 
 
 @dataclass(eq=False)
@@ -61,6 +57,18 @@ class Files:
     def tool(self, arm: str) -> dict[str, Any]:
         name = self.arm(arm)["tool"]
         return next(tool for tool in self.cell["tool"] if tool["name"] == name)
+
+    def meant(self, kind: str, name: str) -> list[dict[str, Any]]:
+        """The grasps that a name may mean: an authored one, or what a turn of the part makes of it.
+
+        The name has the turn behind the other's.
+        """
+        authored, _, turn = name.partition("@")
+        found = [grasp for grasp in self.grasps[kind] if grasp["name"] == authored]
+        if not turn:
+            return found
+        moves = made(self.parts[kind], turn)
+        return [grasp | {"T": move @ grasp["T"]} for grasp in found for move in moves]
 
     def policy(self, key: str) -> float:
         """A length of the policy [m], or another number of it."""
@@ -158,16 +166,7 @@ def _grasps(tables):
         through = np.array(pattern.get("through_mm", (0, 0, 0))) / 1000
         for row, offset in enumerate(pattern.get("offsets_mm", (0,)), start=1):
             for column, angle in enumerate(pattern.get("angles_deg", (0,)), start=1):
-                turn = _about(axis, np.deg2rad(angle), through)
+                turn = about(axis, np.deg2rad(angle), through)
                 moved = np.eye(4)
                 moved[:3, 3] = axis * offset / 1000
                 yield table | {"name": f"{table['name']}-{row}-{column}", "T": turn @ moved @ T}
-
-
-def _about(axis, angle, through) -> np.ndarray:
-    """The matrix (4, 4) of a turn about an axis (3,) through a point (3,) [m]."""
-    K = np.cross(np.eye(3), axis)
-    T = np.eye(4)
-    T[:3, :3] = np.eye(3) + np.sin(angle) * K + (1 - np.cos(angle)) * K @ K
-    T[:3, 3] = through - T[:3, :3] @ through
-    return T

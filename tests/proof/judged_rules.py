@@ -3,7 +3,8 @@
 from itertools import pairwise
 
 import numpy as np
-from judged_files import Files, turned, unit
+from judged_files import Files, turned
+from judged_symmetry import turns, unit
 from judged_times import COARSE, FINE, at_rest_between, soonest
 
 LEGS = ("reach", "approach", "extract", "return", "place", "home")
@@ -160,7 +161,7 @@ def _is_late(times, soon) -> bool:
 
 def _grasp(files: Files, plan, one) -> str:
     kind = plan.detections[one.detection].part
-    grasp = next((g for g in files.grasps[kind] if g["name"] == one.grasp), None)
+    grasp = next(iter(files.meant(kind, one.grasp)), None)
     if grasp is None:
         return "no such grasp"
     if not grasp.get("enabled", True):
@@ -178,13 +179,14 @@ def _grasp(files: Files, plan, one) -> str:
         low, high = (grip, grip) if leg.name in HOLDING else (least, most)
         if not low - 2e-6 <= leg.opening <= high + 2e-6:
             return f"{leg.name}: fingers otherwise than the grasp says"
+    if abs(one.leg("reach").opening - one.leg("approach").opening) > 2e-6:
+        return "fingers move between two legs"
     return ""
 
 
 def is_off(files: Files, plan, one, hand) -> str:
     """What is wrong with where a hand is: `hand` gives its pose (4, 4) at joints (n,) [rad]."""
     kind = plan.detections[one.detection].part
-    grasp = next(g for g in files.grasps[kind] if g["name"] == one.grasp)
     T_part = plan.detections[one.detection].T_world_part.homogeneous
     T_grasp = hand(one.leg("approach").q[-1])
     if not _near(T_grasp @ one.T_tcp_part.homogeneous, T_part):
@@ -193,16 +195,25 @@ def is_off(files: Files, plan, one, hand) -> str:
     if len(files.tool(one.arm).get("finger", ())) == 2:
         halves.append(np.eye(4))
         halves[1][:3, :3] = turned((0, 0, 180))
-    T_part_tcp = np.linalg.inv(one.T_tcp_part.homogeneous)
-    if not any(_as_authored(grasp, T_part_tcp @ half) for half in halves):
-        return "the part is otherwise in the hand"
     T_put = hand(one.leg("place").q[-1])
     if not any(_near(T_put, T @ half) for T in files.places(one.arm) for half in halves):
         T_lies, shall = T_put @ np.linalg.inv(T_grasp) @ T_part, files.part_places(one.arm, kind)
-        fold = files.parts[kind].get("symmetry", {}).get("fold", 1)
-        assert fold == 1 or not shall, "the judge tries no turns of a symmetry"
-        if not any(_lies(place, T_lies) for place in shall):
+        if not any(_lies(place, T_lies, files.parts[kind]) for place in shall):
             return "no place is there"
+    T_part_tcp = np.linalg.inv(one.T_tcp_part.homogeneous)
+    held = [
+        grasp
+        for grasp in files.meant(kind, one.grasp)
+        if any(_as_authored(grasp, T_part_tcp @ half) for half in halves)
+    ]
+    if not held:
+        return "the part is otherwise in the hand"
+    wrong = [_other_way(grasp, T_part, one, hand) for grasp in held]
+    return "" if "" in wrong else wrong[0]
+
+
+def _other_way(grasp, T_part, one, hand) -> str:
+    """The first straight leg that is none, or leads elsewhere than a grasp says."""
     turn = T_part[:3, :3] @ grasp["T"][:3, :3]
     length = grasp.get("approach_length_mm", 60) / 1000
     ways = {"approach": turn @ unit(grasp.get("approach", (0, 0, 1))) * length, "place": None}
@@ -221,18 +232,23 @@ def _near(T, other) -> bool:
     return np.linalg.norm(T[:3, 3] - other[:3, 3]) <= NEAR and turn <= NEAR_TURN
 
 
-def _lies(place, T) -> bool:
-    """Whether a part lies as a place asks, at some turn about its z: tried a quarter degree apart.
+def _lies(place, T, part) -> bool:
+    """Whether a part lies as a place asks, at some turn about its z and by some turn of its own.
 
-    What samples miss of a turn is allowed on top.
+    Turns about z are tried a quarter degree apart, its own by any angle a degree apart.  What
+    samples miss is allowed on top.
     """
-    if np.linalg.norm(T[:3, 3] - place["T"][:3, 3]) > place["far"] + 1e-6:
-        return False
-    off, step = place["T"][:3, :3].T @ T[:3, :3], np.deg2rad(0.25)
-    turns = np.append(np.arange(-place["free"], place["free"], step), place["free"])
-    turns = np.array([turned((0, 0, np.rad2deg(a))) for a in turns])
-    cosines = (np.einsum("nij,ij->n", turns, off) - 1) / 2
-    return bool(np.arccos(np.clip(cosines, -1, 1)).min() <= place["turn"] + step / 2 + 1e-6)
+    off, step, of_its_own = np.linalg.inv(place["T"]) @ T, np.deg2rad(0.25), 1.0
+    about_z = np.append(np.arange(-place["free"], place["free"], step), place["free"])
+    about_z = np.array([turned((0, 0, np.rad2deg(a))) for a in about_z])
+    missed = (step + np.deg2rad(of_its_own)) / 2 + 1e-6
+    for S in turns(part, of_its_own):
+        far = np.linalg.norm(about_z @ S[:3, 3] - off[:3, 3], axis=1)
+        cosines = (np.einsum("nij,ij->n", about_z, off[:3, :3] @ S[:3, :3].T) - 1) / 2
+        is_there = far <= place["far"] + missed * np.linalg.norm(S[:3, 3]) + 1e-6
+        if (is_there & (np.arccos(np.clip(cosines, -1, 1)) <= place["turn"] + missed)).any():
+            return True
+    return False
 
 
 def _as_authored(grasp, T_part_tcp) -> bool:

@@ -61,6 +61,9 @@ def grasp_violations(cell: Cell, tree: Tree, plan: Plan, one: ArmPlan) -> Iterat
             yield Violation(_opening(leg, grasp.grip), arm.name, leg.name)
         elif leg.name not in HOLDING and not _fits(leg.opening, grasp, arm, cell):
             yield Violation(_opening(leg, grasp.opening), arm.name, leg.name)
+    if abs(one.leg("reach").opening - one.leg("approach").opening) > 1e-6:
+        # Nothing is looked at between two legs.
+        yield Violation("does not begin with its fingers as reach has them", arm.name, "approach")
     T_world_part = plan.detections[one.detection].T_world_part
     T_grasp, T_put = (
         tcp(tree, tree.rest, arm, np.asarray(one.leg(name).q[-1])) for name in ("approach", "place")

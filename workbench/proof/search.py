@@ -186,9 +186,8 @@ class _Search:
             once = close.items[order[np.unique(close.items[order, 2], return_index=True)[1]]]
             once = once[~self._space.known(self._pairs.rows[once[:, 2]])]
             planes(once, self._ways(sets, q, once), self._asked, *compiled)
-            items = self._sifted(batch, close.items, world, spreads).items
-            if len(items) and not self.is_over():
-                self._exhaust(*inside(self._base, blocks, items))
+            if not self.is_over():
+                self._exhaust(*inside(self._base, blocks, close.items))
 
     def _ways(self, batch: Batch, q: Floats, items: Ints) -> Floats:
         """Measure pairs in the middles `q` (k, nq) of sets: ways (n, 3) [m] from one to other."""

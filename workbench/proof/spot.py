@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
 import pinocchio as pin
@@ -12,7 +13,7 @@ from workbench.model.plan import Plan, Violation
 from workbench.proof.bodies import bodies_of
 from workbench.proof.robot import Tree, tree_of
 from workbench.proof.space import Space
-from workbench.proof.stages import Moving, Step, carried, steps_of
+from workbench.proof.stages import Moving, Step, carried, steps_of, waiting_fingers
 from workbench.proof.table import Table
 
 SAMPLES = 61
@@ -111,9 +112,17 @@ def _states(
         {other.arm.name: float(t)} for other, times in zip(others, ways, strict=True) for t in times
     ]
     fingers = len(one.arm.tool.fingers)
-    openings = np.linspace(one.leg.opening, one.fingers_after, 5 if fingers else 1)
-    for when in at_once + at_any:
+    openings = [one.leg.opening]
+    if fingers:
+        ends = (one.leg.opening, one.fingers_after)
+        # Before the first leg they may be anywhere.
+        is_first = one.leg.name == "reach" and seconds == 0.0
+        openings += np.linspace(*(one.arm.tool.stroke if is_first else ends), 5).tolist()
+    waits = waiting_fingers(tree, step)
+    for when, share in product(at_once + at_any, np.linspace(0.0, 1.0, 5 if waits else 1)):
         q = step.base.copy()
+        for sets in waits:
+            q[sets.columns] = (1.0 - share) * sets.corners[0, 0] + share * sets.corners[0, 1]
         for other in others:
             values = other.path[0].copy()
             values[: len(other.arm.joints)] = other.leg.at(when[other.arm.name])

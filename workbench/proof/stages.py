@@ -51,11 +51,13 @@ class Moving:
 class Step:
     """Legs that run at once; `base` (nq,) [rad, m] has all else where it stands.
 
-    `held` and `placed`: numbers of parts that are in a hand, or where it has put them, as these
-    legs begin.
+    `waiting` are the arms that have not moved yet: their fingers are closed in `base`, and may be
+    anywhere, see `waiting_fingers`.  `held` and `placed`: numbers of parts that are in a hand, or
+    where it has put them, as these legs begin.
     """
 
     moving: tuple[Moving, ...]
+    waiting: tuple[Arm, ...]
     base: Floats
     held: Mapping[int, ArmPlan]
     placed: Mapping[int, ArmPlan]
@@ -66,9 +68,11 @@ def steps_of(cell: Cell, tree: Tree, plan: Plan) -> Iterator[Step]:
     q = tree.rest.copy()
     held: dict[int, ArmPlan] = {}
     placed: dict[int, ArmPlan] = {}
+    waiting = list(cell.arms)
     for step in plan.sequence:
         moving = tuple(_moving(cell, plan.arm(arm), name) for arm, name in step.runs)
-        yield Step(moving, q.copy(), dict(held), dict(placed))
+        waiting = [arm for arm in waiting if all(arm is not one.arm for one in moving)]
+        yield Step(moving, tuple(waiting), q.copy(), dict(held), dict(placed))
         for one in moving:
             q[tree.columns[one.arm.name]] = _whole(one.arm, one.leg.q[-1], one.fingers_after)
             number, name = one.plan.detection, one.leg.name
@@ -102,7 +106,7 @@ def stages_of(cell: Cell, tree: Tree, step: Step, one: Moving, left_at: int) -> 
         left_at: on the way home, the waypoint from which on the hand has left the part.
     """
     name, now = one.leg.name, situation_of(tree, step, one)
-    sets = moved(tree.columns[one.arm.name], one.path, cell.controller.motion, cell.policy.zone)
+    sets = _way_of(cell, tree, one)
     if name == "extract":
         first, rest = _cut(sets, *_released(tree, step, one, cell.policy.release))
         yield Stage(first, now, comes_off=True)
@@ -142,10 +146,34 @@ def situation_of(tree: Tree, step: Step, *ones: Moving) -> Situation:
 
 def course_of(cell: Cell, tree: Tree, one: Moving) -> Sets:
     """All configurations of a leg, fingers included, for what does not depend on its stages."""
-    sets = moved(tree.columns[one.arm.name], one.path, cell.controller.motion, cell.policy.zone)
+    sets = _way_of(cell, tree, one)
     if one.fingers_after == one.leg.opening:
         return sets
     return sets.with_others(fingers_of(tree, one))
+
+
+def _way_of(cell: Cell, tree: Tree, one: Moving) -> Sets:
+    """The way of a leg; before the first one the fingers may be anywhere in their stroke."""
+    columns, arm = tree.columns[one.arm.name], one.arm
+    sets = moved(columns, one.path, cell.controller.motion, cell.policy.zone)
+    if one.leg.name != "reach" or not arm.tool.fingers:
+        return sets
+    closed, wide = (_whole(arm, one.leg.q[0], opening) for opening in arm.tool.stroke)
+    return sets.with_others(changed(columns, closed, wide, 0))
+
+
+def waiting_fingers(tree: Tree, step: Step) -> tuple[Sets, ...]:
+    """Where fingers may be of arms that have not moved yet: anywhere in their stroke.
+
+    The last plan left them open, or a person moved them.  One block of sets, or none.
+    """
+    some = [arm for arm in step.waiting if arm.tool.fingers]
+    if not some:
+        return ()
+    columns = np.concatenate([tree.columns[arm.name][len(arm.joints) :] for arm in some])
+    counts = [len(arm.tool.fingers) for arm in some]
+    closed, wide = np.repeat([arm.tool.stroke for arm in some], counts, axis=0).T / 2
+    return (changed(columns, closed, wide, 0),)
 
 
 def fingers_of(tree: Tree, one: Moving) -> Sets:

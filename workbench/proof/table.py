@@ -169,6 +169,10 @@ class Table:
         one, other = pairs.arms.T
         return (one >= 0) & (other >= 0) & (one != other) & ~both_low
 
+    def are_fingers(self, rows: Ints) -> Bools:
+        """True (r,) where one of the two of a pair is a finger; `rows` (r,) are indices."""
+        return self._finger[self.first[rows]] | self._finger[self.second[rows]]
+
     def is_rolled(self, row: int) -> bool:
         """Whether one of a pair is the room of all turns: how deep it is says nothing of the part.
 

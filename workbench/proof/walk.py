@@ -26,6 +26,7 @@ from workbench.proof.stages import (
     situation_of,
     stages_of,
     steps_of,
+    waiting_fingers,
 )
 from workbench.proof.table import SLACK, Pairs, Situation, Table
 
@@ -86,6 +87,7 @@ class Walk:
         self._numbers = {arm.name: k for k, arm in enumerate(cell.arms)}
         self._violations: list[Violation] = []
         self._asked: list[_Question] = []
+        self._known: dict[tuple[object, ...], Pairs] = {}
 
     def result(self) -> Walked:
         """Walk all steps, then look more closely at where things come nearest."""
@@ -113,6 +115,7 @@ class Walk:
     def _put(self, step: Step) -> None:
         """Every part where it is during a step: lying, in a hand, or where it was put."""
         self._space.put_parts(self._plan, carried(self._cell, self._tree, step))
+        self._known.clear()
 
     # -- one arm, all others standing -----------------------------------------------------
 
@@ -136,10 +139,14 @@ class Walk:
             pairs = all_pairs.hiding(all_pairs.left)
             if stage.comes_off or stage.leaves:
                 pairs = self._as_it_begins(step, one, stage, pairs)
-            self._ask(step, one, ((stage.sets,),), pairs)
+            self._ask(step, one, ((stage.sets, *waiting_fingers(self._tree, step)),), pairs)
 
     def _pairs(self, now: Situation) -> Pairs:
-        return self._table.pairs(now, self._space.joints)
+        """The pairs of a situation of the step that was put last; the same are asked for often."""
+        key = now.moves.tobytes(), now.straight, now.target, now.lets_go
+        if key not in self._known:
+            self._known[key] = self._table.pairs(now, self._space.joints)
+        return self._known[key]
 
     def _as_it_begins(self, step: Step, one: Moving, stage: Stage, pairs: Pairs) -> Pairs:
         """Pairs with what they have to keep where they may begin closer than otherwise."""
@@ -179,16 +186,23 @@ class Walk:
         return len(one.path)
 
     def _is_between(self, step: Step, one: Moving, values: Floats, rows: Ints) -> bool:
-        """Whether fingers that close at joints (n,) [rad, m] would meet a part, in pairs (r,)."""
-        count, wide = len(one.arm.tool.fingers), one.fingers_after
-        if not count:
-            return False
-        for opening in np.linspace(wide, 0.0, 2 + int(wide / CLOSING)).tolist():
-            closed = values.copy()
-            closed[-count:] = opening / 2
+        """Whether fingers that close at joints (n,) [rad, m] would meet a part, in pairs (r,).
+
+        Each moves by half of what the opening changes: where the nearest is `d` away from the part,
+        none meets it before the opening is less by `2 d`.
+        """
+        rows = rows[self._table.are_fingers(rows)]
+        opening, closed = one.fingers_after, values.copy()
+        while len(rows):
+            closed[-len(one.arm.tool.fingers) :] = opening / 2
             self._space.look(self._with(step, one, closed))
-            if any(self._space.distance(int(row)) <= 0.0 for row in rows):
+            nearest = min(self._space.distance(int(row)) for row in rows)
+            # What is no number is not away.
+            if not nearest > 0.0:
                 return True
+            if opening <= 0.0:
+                return False
+            opening = max(opening - max(2 * nearest, CLOSING), 0.0)
         return False
 
     # -- arms that move at once -------------------------------------------------------------
@@ -230,7 +244,8 @@ class Walk:
         columns = [self._tree.columns[one.arm.name] for one in step.moving]
         path = np.hstack([_passed(one, times) for one in step.moving])
         motion, zone = self._cell.controller.motion, self._cell.policy.zone
-        asked = ((moved(np.concatenate(columns), path, motion, zone),),)
+        way = moved(np.concatenate(columns), path, motion, zone)
+        asked = ((way, *waiting_fingers(self._tree, step)),)
         found = search(
             self._space, step.base, asked, pairs, self._resolution, len(times), sight=FAR_SIGHT
         )

@@ -254,6 +254,16 @@ def test_plans_in_another_order_or_twice_are_not_proven(cell, row):
         assert not last.proof.holds
 
 
+def test_the_second_plan_is_not_proven_in_the_scan_of_the_first(cell, apart, row):
+    """It would still have the parts that the first has taken."""
+    first, second = row.plan, row.row[0].plan
+    assert len(second.detections) < len(first.detections)
+    other = replace(second, detections=first.detections, obstacles=first.obstacles)
+    _, proven = prove_row(cell, [first, other], detections=apart)
+    problems = " ".join(violation.problem for violation in proven.proof.violations)
+    assert "is not in the scan" in problems
+
+
 def test_after_a_plan_that_does_not_hold_nothing_is_proven(cell, apart, row):
     (only,) = prove_row(cell, row.plans, detections=apart[:3])
     assert not only.proof.holds

@@ -137,3 +137,18 @@ def test_what_the_poses_of_a_halcon_file_are_of_can_be_said(say, line, command, 
     words = (line.plan, "--poses", POSES, "--part", "washer")
     said = say(command, *words, *(robot if command == "send" else ()))
     assert said.code == 2 and "no part 'washer'" in said.problem
+
+
+def test_a_plan_for_another_way_to_move_is_refused_with_what_to_do(line, say, tmp_path):
+    """It rounds corners, and takes less time than stops do."""
+    plan, words = tmp_path / "plan.json", ("plan", "yumi", "--poses", line.poses)
+    words = (*words, "--out", plan, "--strategy", "right")
+    assert say(*words).code == 0
+    robot = ("--host", "127.0.0.1", "--port", 9, "--protocol", "abb-socket")
+    sending = ("send", plan, *robot, "--approve-as", "Ada", "--record", tmp_path)
+    problem = say(*sending).problem
+    assert "more acceleration than the arm has" in problem
+    assert "otherwise than the cell's abb-socket/2: plan with --protocol abb-socket" in problem
+    assert say(*words, "--protocol", "abb-socket").code == 0
+    said = say(*sending)
+    assert "holds" in said.out and "nobody has approved the plan" in said.problem

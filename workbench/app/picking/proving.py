@@ -44,12 +44,13 @@ def scene_of(
     """What is known to be in the bin when a plan is looked at.
 
     A part of which the plan knows nothing is something in the scan that no part explains, and so an
-    obstacle that the plan leaves out.
+    obstacle that the plan leaves out.  One that the scan does not show is not known to be there.
 
     Args:
         cell: as it is now.
         plan: the plan.
-        detections: the parts known to be in the bin; None takes the plan's word for them.
+        detections: the parts known to be in the bin; None takes the plan's word for those of them
+            that the scan shows.
         scan: in which they were found; without it the plan's word for other obstacles is taken.
     """
     found = plan.detections if detections is None else tuple(detections)
@@ -65,7 +66,17 @@ def scene_of(
         from workbench.perception.scene.unexplained import unexplained
 
         obstacles = unexplained(cell, scan, found)
+        if detections is None:
+            found = _shown(cell, scan, found)
     return Scene(digest, found, obstacles)
+
+
+def _shown(cell: Cell, scan: Scan, parts: tuple[Detection, ...]) -> tuple[Detection, ...]:
+    """Those of some parts that a scan shows."""
+    from workbench.perception.scene.shown_parts import shown
+
+    return tuple(one for one, is_shown in zip(parts, shown(cell, scan, parts), strict=True)
+                 if is_shown)  # fmt: skip
 
 
 def adopted(cell: Cell, plan: Plan, scan: Scan | None = None) -> Plan:
@@ -92,5 +103,6 @@ def check(cell: Cell, certificate: Certificate, scan: Scan | None = None) -> Pro
     plan, scene, proof = certificate.plan, certificate.scene, certificate.proof
     if scan is not None:
         scene = scene_of(cell, plan, detections=scene.detections, scan=scan)
+        scene = replace(scene, detections=_shown(cell, scan, scene.detections))
     resolution = min(proof.resolution, layer.RESOLUTION)
     return layer.prove(cell, scene, plan, resolution=resolution, stated=proof)

@@ -189,6 +189,8 @@ class Plan:
     """Plans in a row at most, each proven in the scene that those before leave, as far as no part
     that stays may have moved; the second is written to OUT-2.json, and so on; the cell's when not
     given."""
+    protocol: str | None = None
+    """Robot link that it is meant for, see `workbench plugins`; that of the cell when not given."""
     seed: Seed = 0
     part: PartOfPoses = None
     json: Json = False

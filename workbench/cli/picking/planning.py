@@ -39,6 +39,7 @@ from workbench.model.geometry import pose_from_rpy
 from workbench.model.plan import MOST_PICKS, Plan, PlanResult, parts_taken, renumbered
 from workbench.model.scan import Detection, Obstacle
 from workbench.plugins.planner import planner_named
+from workbench.plugins.robot_link import spoken_to_by
 
 
 def plan(typed: arguments.Plan) -> int:
@@ -49,6 +50,8 @@ def plan(typed: arguments.Plan) -> int:
     if typed.iterations is not None:
         check_whole("--iterations", typed.iterations, 1, MOST_ITERATIONS)
     cell = read_cell(typed.cell)
+    if typed.protocol is not None:
+        cell = spoken_to_by(cell, typed.protocol)
     check_strategy(cell, typed.strategy)
     picks = cell.policy.picks if typed.picks is None else typed.picks
     check_whole("--picks", picks, 1, MOST_PICKS)

@@ -70,7 +70,8 @@ def send(typed: arguments.Send) -> int:
         if not one.proof.holds and cell.controller.motion != usual.motion:
             raise CommandRefused(
                 f"the proof does not hold: {one.proof.violations[0]}; {cell.controller.link} moves "
-                f"otherwise than the cell's {usual.link}: plan with a cell file that names it"
+                f"otherwise than the cell's {usual.link}: plan with --protocol "
+                f"{cell.controller.link}"
             )
         check_approvable(cell, one.plan, one.proof, typed.approve_as)
     if cell.approvers > 1:

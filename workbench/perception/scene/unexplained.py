@@ -45,7 +45,7 @@ def explained_by(cell: Cell, detections: tuple[Detection, ...], points: Floats) 
     Returns:
         The number of the detection, `OF_THE_CELL` for bin and fixtures, or `UNEXPLAINED`.
     """
-    scene, owners = _known(cell, detections, pin.SE3.Identity())
+    scene, owners = known_surfaces(cell, detections)
     return _owners(scene, owners, points)
 
 
@@ -73,7 +73,7 @@ def unexplained(cell: Cell, scan: Scan, detections: tuple[Detection, ...]) -> tu
     if len(left) == 0:
         return ()
     voxels = counted(left, CUBE)
-    scene, owners = _known(cell, detections, T_bin_world)
+    scene, owners = known_surfaces(cell, detections, T_bin_world)
     voxels = voxels.only(_owners(scene, owners, voxels.centres) == UNEXPLAINED)
     if len(voxels.counts) == 0:
         return ()
@@ -102,10 +102,14 @@ def _solids(cell: Cell) -> list[tuple[pin.SE3, Solid]]:
     return [(T * solid.T_owner_shape, solid) for T, solids in owners for solid in solids]
 
 
-def _known(
-    cell: Cell, detections: tuple[Detection, ...], T_frame_world: pin.SE3
+def known_surfaces(
+    cell: Cell, detections: tuple[Detection, ...], T_frame_world: pin.SE3 | None = None
 ) -> tuple[o3d.t.geometry.RaycastingScene, Ints]:
-    """All known surfaces in some frame, and whose each is."""
+    """All known surfaces in some frame, the world's for None, and whose each is.
+
+    Whose they are is said as by `explained_by`, for the index (g,) of each geometry.
+    """
+    T_frame_world = pin.SE3.Identity() if T_frame_world is None else T_frame_world
     scene = o3d.t.geometry.RaycastingScene(nthreads=1)
     solids = _solids(cell)
     for T, solid in solids:

@@ -20,8 +20,9 @@ MOST_PAIRINGS = 16
 class Phase:
     """What is true during one leg.
 
-    `moving`: the arms that move.  `openings`: arm -> finger opening [m]; arms not named keep
-    their fingers closed.  `held`: arm -> (detection, `T_tcp_part`).  `placed`: arm -> (detection,
+    `moving`: the arms that move.  `openings`: arm -> finger opening [m]; of arms not named, fingers
+    are closed as they move, and as far open as they can be where they stand: nobody knows how they
+    were left.  `held`: arm -> (detection, `T_tcp_part`).  `placed`: arm -> (detection,
     `T_tcp_part`, configuration (n,) [rad] in which it has let go of it); there the part stays.
     `targets`: arm -> the part that its tool is about to take.  `straight`: arms whose tool and held
     part may come as near as the policy's `near_margin`.

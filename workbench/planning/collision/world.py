@@ -111,7 +111,8 @@ class World:
         for g in self._loose:
             body = self._bodies[g]
             if body.finger is not None:
-                opening = phase.openings.get(body.owner, 0.0)
+                usual = 0.0 if body.owner in phase.moving else self.arm(body.owner).tool.stroke[1]
+                opening = phase.openings.get(body.owner, usual)
                 if self._placed.get(g) != opening:
                     T = body.T_joint_body.copy()
                     T.translation += opening / 2 * body.finger
