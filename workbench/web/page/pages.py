@@ -3,6 +3,7 @@
 import gzip
 import hashlib
 import html
+import json
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -11,7 +12,10 @@ from aiohttp import hdrs, web
 
 from workbench.formats.files.shipped import find
 from workbench.web.http.headers import page_policy
+from workbench.web.page.languages import language_of
 from workbench.web.page.manual import read_manual
+from workbench.words.catalogs import LANGUAGES
+from workbench.words.words import ENGLISH, script_messages, words_of
 
 TYPES: Mapping[str, str] = {
     "login.css": "text/css",
@@ -21,6 +25,7 @@ TYPES: Mapping[str, str] = {
     "manual.css": "text/css",
     "tour.css": "text/css",
     "tour.js": "text/javascript",
+    "words.js": "text/javascript",
     "logo.svg": "image/svg+xml",
     "logo-dark.svg": "image/svg+xml",
 }
@@ -31,9 +36,9 @@ PAGES = ("login.html", "manual.html", "onward.html", "shell.html")
 
 @dataclass(frozen=True, slots=True)
 class Pages:
-    """The texts of our pages and their files (gzip), by name; and the manual as HTML."""
+    """The texts of our pages by name and language, their files (gzip), and the manual as HTML."""
 
-    texts: Mapping[str, str]
+    texts: Mapping[tuple[str, str], str]
     files: Mapping[str, bytes]
     manual: str
 
@@ -45,7 +50,11 @@ class Pages:
             FileError: one is missing.
         """
         return cls(
-            {name: find("static", name).read_text(encoding="utf-8") for name in PAGES},
+            {
+                (name, language): _said(find("static", name).read_text(encoding="utf-8"), language)
+                for name in PAGES
+                for language in LANGUAGES
+            },
             {name: gzip.compress(find("static", name).read_bytes(), mtime=0) for name in TYPES},
             read_manual(),
         )
@@ -54,14 +63,15 @@ class Pages:
         self, request: web.Request, name: str, status: int = 200, **values: str
     ) -> web.Response:
         """A page with its places `{{name}}` filled in; what is put there is text, never HTML."""
-        text = re.sub(
-            r"\{\{(\w+)\}\}", lambda place: html.escape(values[place[1]]), self.texts[name]
-        )
+        text = self.texts[name, language_of(request)]
+        text = re.sub(r"\{\{(\w+)\}\}", lambda place: html.escape(values[place[1]]), text)
         return self._answer(request, text, status)
 
     async def show_manual(self, request: web.Request) -> web.Response:
         """The manual, which is HTML made of our own text."""
-        return self._answer(request, self.texts["manual.html"].replace("{{manual}}", self.manual))
+        return self._answer(
+            request, self.texts["manual.html", ENGLISH].replace("{{manual}}", self.manual)
+        )
 
     def _answer(self, request: web.Request, text: str, status: int = 200) -> web.Response:
         return web.Response(
@@ -82,6 +92,14 @@ class Pages:
             return web.Response(status=304, headers=headers)
         body, encoding = packed_for(request, self.files[name])
         return web.Response(body=body, content_type=TYPES[name], headers={**headers, **encoding})
+
+
+def _said(page: str, language: str) -> str:
+    """A page in a language; what its scripts say comes along, and its places stay."""
+    words = words_of(language)
+    page = words.html(page).replace('<html lang="en">', f'<html lang="{language}">')
+    said = json.dumps(script_messages(language), ensure_ascii=False)
+    return page.replace("{{words}}", html.escape(said))
 
 
 def packed_for(request: web.Request, packed: bytes) -> tuple[bytes, Mapping[str, str]]:
