@@ -14,13 +14,15 @@ from typing import Any
 import viser
 from viser import _messages as messages
 
-from workbench.words.words import Words
+from workbench.words.words import ENGLISH, Words
 
 Say = Callable[[Any], Any]
 
 
 def speak(client: viser.ClientHandle, words: Words) -> None:
     """Have a browser told everything in a language from now on; before any widget is made."""
+    if words.language == ENGLISH:
+        return
     connection = client._websock_connection
     queue = connection.queue_message
     choices: dict[str, dict[str, str]] = {}

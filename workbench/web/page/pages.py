@@ -7,6 +7,7 @@ import json
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cache
 
 from aiohttp import hdrs, web
 
@@ -14,8 +15,7 @@ from workbench.formats.files.shipped import find
 from workbench.web.http.headers import page_policy
 from workbench.web.page.languages import language_of
 from workbench.web.page.manual import read_manual
-from workbench.words.catalogs import LANGUAGES
-from workbench.words.words import ENGLISH, script_messages, words_of
+from workbench.words.words import script_messages, words_of
 
 TYPES: Mapping[str, str] = {
     "login.css": "text/css",
@@ -36,9 +36,9 @@ PAGES = ("login.html", "manual.html", "onward.html", "shell.html")
 
 @dataclass(frozen=True, slots=True)
 class Pages:
-    """The texts of our pages by name and language, their files (gzip), and the manual as HTML."""
+    """The texts of our pages and their files (gzip), by name; and the manual as HTML."""
 
-    texts: Mapping[tuple[str, str], str]
+    texts: Mapping[str, str]
     files: Mapping[str, bytes]
     manual: str
 
@@ -50,11 +50,7 @@ class Pages:
             FileError: one is missing.
         """
         return cls(
-            {
-                (name, language): _said(find("static", name).read_text(encoding="utf-8"), language)
-                for name in PAGES
-                for language in LANGUAGES
-            },
+            {name: find("static", name).read_text(encoding="utf-8") for name in PAGES},
             {name: gzip.compress(find("static", name).read_bytes(), mtime=0) for name in TYPES},
             read_manual(),
         )
@@ -63,15 +59,13 @@ class Pages:
         self, request: web.Request, name: str, status: int = 200, **values: str
     ) -> web.Response:
         """A page with its places `{{name}}` filled in; what is put there is text, never HTML."""
-        text = self.texts[name, language_of(request)]
+        text = _said(self.texts[name], language_of(request))
         text = re.sub(r"\{\{(\w+)\}\}", lambda place: html.escape(values[place[1]]), text)
         return self._answer(request, text, status)
 
     async def show_manual(self, request: web.Request) -> web.Response:
         """The manual, which is HTML made of our own text."""
-        return self._answer(
-            request, self.texts["manual.html", ENGLISH].replace("{{manual}}", self.manual)
-        )
+        return self._answer(request, self.texts["manual.html"].replace("{{manual}}", self.manual))
 
     def _answer(self, request: web.Request, text: str, status: int = 200) -> web.Response:
         return web.Response(
@@ -94,6 +88,7 @@ class Pages:
         return web.Response(body=body, content_type=TYPES[name], headers={**headers, **encoding})
 
 
+@cache
 def _said(page: str, language: str) -> str:
     """A page in a language; what its scripts say comes along, and its places stay."""
     words = words_of(language)
