@@ -39,7 +39,7 @@ ARGS :=
 
 export PYTHON
 
-.PHONY: help run test test-fast test-portable lint docs everything bench pictures bundle constraints clean
+.PHONY: help run test test-fast test-portable lint docs everything bench pictures words bundle constraints clean
 
 help:
 	@echo "make run       start the workbench on the simulated YuMi cell and print its link"
@@ -50,6 +50,7 @@ help:
 	@echo "make docs      make the documents a site in build/site, without a network"
 	@echo "make bench     measure what the README promises"
 	@echo "make pictures  make the pictures of the documents anew"
+	@echo "make words     bring the catalogs of languages up to date with what the page says"
 	@echo "make bundle    make one file that installs the workbench without a network"
 	@echo "make everything  install what lint, docs and test need, in one go"
 	@echo "make clean     remove everything that make made"
@@ -102,6 +103,10 @@ bench: $(VENV)/.test $(VENV)/.compiled
 pictures: $(VENV)/.test $(VENV)/.compiled
 	@bash setup/debian.sh $(BROWSER)
 	PYTHONPATH=$(CURDIR)/tests/browser:$(CURDIR)/tests/devices:$(CURDIR)/tests $(BIN)/python docs/make_pictures.py $(ARGS)
+
+# After a text of the page was changed: what is new stands in the catalogs, to be translated.
+words: $(VENV)/.test
+	$(BIN)/python -m workbench.words.extract
 
 bundle: $(VENV)/.test $(VENV)/.compiled
 	$(BIN)/python setup/bundle.py $(ARGS)

@@ -22,6 +22,7 @@ COLUMNS = {
     "web": (3.5, 6),
     "gui": (6, 10.5),
     "studies": (10.5, 12),
+    "words": (5, 7),
     "testing": (0, 2),
     "app": (2, 12),
     "perception": (0, 3),

@@ -9,15 +9,15 @@ const OVER = 4401;  // close code: the login has ended
 const SILENT_MS = 6000;  // the server says something every 2 s: after this it is out of reach
 
 const LOOK_MS = 200;  // between two looks at what the scene says of itself
-const AWAY = "No connection: Stop may not reach the robot. Trying again.";
+const AWAY = word("No connection: Stop may not reach the robot. Trying again.");
 
-const NOT_STOPPED = "Not stopped: ";
+const NOT_STOPPED = `${word("Not stopped:")} `;
 
 const stop = document.getElementById("stop");
 const line = document.getElementById("link");
 const scene = document.getElementById("scene");
 
-const SILENT = "the server does not answer. Use the emergency stop.";
+const SILENT = word("the server does not answer. Use the emergency stop.");
 
 let presence = null;  // the websocket that the bar hears by
 let stopped = null;   // what is done when it answers a stop
@@ -41,7 +41,7 @@ async function again() {
     }
     if (answer.ok) {
       const who = await answer.json();
-      const shown = document.querySelector(".role").textContent;
+      const shown = document.querySelector(".role").dataset.role;
       if (who.name !== document.getElementById("name").textContent || who.role !== shown) {
         location.reload();
         return;
@@ -104,7 +104,7 @@ function put(name, text, kind) {
 function say(bar) {
   document.dispatchEvent(new CustomEvent("bar", { detail: bar }));
   put("robot", bar.robot, bar.kind);
-  put("fault", bar.fault ? `Fault: ${bar.fault}` : "", "bad");
+  put("fault", bar.fault ? `${word("Fault:")} ${bar.fault}` : "", "bad");
   // What was said of a stop belongs to that sending, or to the robot as it stood then.
   const stands = bar.can_stop ? "can be stopped" : bar.robot;
   if (stands !== stood && line.textContent.startsWith(NOT_STOPPED)) line.textContent = "";
@@ -112,14 +112,16 @@ function say(bar) {
   hasRobot = bar.has_robot;
   stop.hidden = !hasRobot;
   stop.disabled = !bar.can_stop;
+  // The page comes anew in another language, and the stop would be away meanwhile.
+  LANGUAGE.disabled = bar.can_stop;
   stop.title = bar.can_stop
-    ? "Asks the controller to stop and closes the link. Not a safety function: in danger use the emergency stop."
+    ? word("Asks the controller to stop and closes the link. Not a safety function: in danger use the emergency stop.")
     : bar.why;
 }
 
 async function halt() {
   // Not by the scene: it may hang.  And by two ways at once: on a poor network one is late.
-  line.textContent = "Stopping";
+  line.textContent = word("Stopping");
   const ways = [stopByRequest(), stopByPresence()];
   try {
     await Promise.any(ways);

@@ -10,42 +10,46 @@ const GAP = 16;       // pixels between the card and what it stands beside
 
 const EDGE = 8;       // and to the edge of the window
 
+// Buttons that say a number or a name beside: known by what stands before it.
+const RUN = beginning("Run step {waits} of {steps}: {words}");
+const APPROVE = beginning("Approve as {name}{how}");
+
 const STEPS = [
-  { name: "scan", title: "Scan", on: "Cycle", press: ["Scan"],
-    says: "Parts fall into the simulated bin, and the scanner looks at them from above. Press Scan." },
-  { name: "find", title: "Find the parts", on: "Cycle", press: ["Find parts"],
-    says: "The shape of the part is searched for in the scan. Press Find parts. If none is found, choose "
-      + "another seed and scan again." },
-  { name: "grasps", title: "Look at the grasps", on: "Grasps", press: ["Back to cell", "Open part"],
-    isLook: true, says: "A grasp says where on the part a hand closes. In the tab Grasps press Open part to "
-      + "see them, then Back to cell." },
-  { name: "plan", title: "Plan", on: "Cycle", press: ["Plan"],
-    says: "Every grasp of every part is judged with each arm; from those that can be taken a motion is "
-      + "planned, and proven anew by other code. Press Plan. If none comes out, scan with another seed." },
-  { name: "judge", title: "See how grasps were judged", on: "Candidates", isLook: true,
-    row: ".wb-rows .wb-table tbody tr", says: "The tab Candidates has each grasp with its verdict. Click a "
-      + "row: the scene shows the hand there, and in red what it would meet." },
-  { name: "preview", title: "Watch the preview", on: "Plan", press: ["Pause", "Play"],
-    says: "In the tab Plan press Play, and watch the see-through robot to the end. Nothing is sent. What "
-      + "you have not seen you cannot approve." },
-  { name: "approve", title: "Approve", on: "Cycle", press: ["Approve"], dialog: "Approve as",
-    says: "Press Approve, read the facts of the plan, type your name where it is asked for, and press the "
-      + "button with your name. It holds for this plan, and for one sending." },
-  { name: "send", title: "Send", on: "Cycle", press: [/^Run step/, "Send"],
-    says: "Press Send, and the simulated robot moves. Stop is at the right end of the bar, all the time." },
+  { name: "scan", title: word("Scan"), on: word("Cycle"), press: [word("Scan")],
+    says: word("Parts fall into the simulated bin, and the scanner looks at them from above. Press Scan.") },
+  { name: "find", title: word("Find the parts"), on: word("Cycle"), press: [word("Find parts")],
+    says: word("The shape of the part is searched for in the scan. Press Find parts. If none is found, choose "
+      + "another seed and scan again.") },
+  { name: "grasps", title: word("Look at the grasps"), on: word("Grasps"), press: [word("Back to cell"), word("Open part")],
+    isLook: true, says: word("A grasp says where on the part a hand closes. In the tab Grasps press Open part to "
+      + "see them, then Back to cell.") },
+  { name: "plan", title: word("Plan"), on: word("Cycle"), press: [word("Plan")],
+    says: word("Every grasp of every part is judged with each arm; from those that can be taken a motion is "
+      + "planned, and proven anew by other code. Press Plan. If none comes out, scan with another seed.") },
+  { name: "judge", title: word("See how grasps were judged"), on: word("Candidates"), isLook: true,
+    row: ".wb-rows .wb-table tbody tr", says: word("The tab Candidates has each grasp with its verdict. Click a "
+      + "row: the scene shows the hand there, and in red what it would meet.") },
+  { name: "preview", title: word("Watch the preview"), on: word("Plan"), press: [word("Pause"), word("Play")],
+    says: word("In the tab Plan press Play, and watch the see-through robot to the end. Nothing is sent. What "
+      + "you have not seen you cannot approve.") },
+  { name: "approve", title: word("Approve"), on: word("Cycle"), press: [word("Approve")], dialog: APPROVE,
+    says: word("Press Approve, read the facts of the plan, type your name where it is asked for, and press the "
+      + "button with your name. It holds for this plan, and for one sending.") },
+  { name: "send", title: word("Send"), on: word("Cycle"), press: [RUN, word("Send")],
+    says: word("Press Send, and the simulated robot moves. Stop is at the right end of the bar, all the time.") },
 ];
 
-const FAULT = { title: "A fault came up", press: ["Acknowledge"],
-  says: "The bar says what it is. With a real robot you would go to the cell now. Press Acknowledge; "
-    + "a pick then begins with a new scan." };
+const FAULT = { title: word("A fault came up"), press: [word("Acknowledge")],
+  says: word("The bar says what it is. With a real robot you would go to the cell now. Press Acknowledge; "
+    + "a pick then begins with a new scan.") };
 
-const ASKED = { title: "Is this your first visit?",
-  says: "A tour leads through one pick on the simulated cell: from the scan to the robot that moves. You press "
-    + "everything yourself, and leave when you like. The key T brings the keyboard here." };
+const ASKED = { title: word("Is this your first visit?"),
+  says: word("A tour leads through one pick on the simulated cell: from the scan to the robot that moves. You press "
+    + "everything yourself, and leave when you like. The key T brings the keyboard here.") };
 
-const OVER = { title: "That was a pick",
-  says: "Say below the steps what became of the parts, or begin the next one with a new scan. "
-    + "Tour, in the bar above, begins this again." };
+const OVER = { title: word("That was a pick"),
+  says: word("Say below the steps what became of the parts, or begin the next one with a new scan. "
+    + "Tour, in the bar above, begins this again.") };
 
 const at = (id) => document.getElementById(id);
 const [card, ring, call, go, leave, scene] = ["card", "ring", "tour", "go", "leave", "scene"].map(at);
@@ -56,6 +60,11 @@ let isBefore = false;  // a pick that ended before the tour began is not the one
 let seen = new Set();  // what was looked at
 let isOpen = false;    // the part stood alone, with its grasps
 let shown = null;      // the element that was pointed at last
+
+function beginning(text) {
+  const before = word(text).split("{")[0].replace(/[.*+?^${}()|[\]\\]/g, "\\$&");
+  return new RegExp(`^${before}`);
+}
 
 function kept() {
   try {
@@ -107,7 +116,7 @@ function dialog() {
 
 function control(step) {
   // The tab, while what is in it is not shown.
-  const starts = dialog() && step.dialog && new RegExp(`^${step.dialog}`);
+  const starts = dialog() && step.dialog && step.dialog;
   const pressed = (step.press ?? []).map((one) => button(one)).find(Boolean);
   return (starts && button(starts, '[role="dialog"] button'))
     || (step.row && all(step.row)[0]) || pressed || button(step.on, '[role="tab"]') || null;
@@ -116,7 +125,7 @@ function control(step) {
 function look(step) {
   // What only this page sees: that the part was opened and left, that a row was chosen.
   if (step.name === "grasps") {
-    if (button("Back to cell")) isOpen = true;
+    if (button(word("Back to cell"))) isOpen = true;
     else if (isOpen) seen.add(step.name);
   }
   const isChosen = scene.contentDocument.querySelector(".wb-row-chosen");
@@ -163,12 +172,12 @@ function draw() {
   }
   const steps = offered();
   const number = steps.indexOf(step) + 1;
-  put("count", number ? `Step ${number} of ${steps.length}` : "");
+  put("count", number ? word("Step {number} of {count}", { number, count: steps.length }) : "");
   put("title", step.title);
   put("says", step.says);
   const target = step.press || step.row ? control(step) : null;
-  put("go", step === ASKED ? "Begin" : "Go to it");
-  put("leave", step === ASKED ? "Not now" : step === OVER ? "Close" : "Leave the tour");
+  put("go", step === ASKED ? word("Begin") : word("Go to it"));
+  put("leave", step === ASKED ? word("Not now") : step === OVER ? word("Close") : word("Leave the tour"));
   go.hidden = step === OVER;
   go.disabled = step !== ASKED && !target;
   if (target !== shown) target?.scrollIntoView({ block: "nearest" });

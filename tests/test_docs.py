@@ -144,7 +144,7 @@ def test_changes_and_commands_name_the_version_that_this_is():
 
 def test_every_layer_is_described():
     layers = {path.parent.name for path in (ROOT / "workbench").glob("*/__init__.py")}
-    assert len(layers) == 14
+    assert len(layers) == 15
     for layer in layers:
         assert f"| `{layer}` |" in ARCHITECTURE
 

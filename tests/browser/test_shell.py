@@ -35,7 +35,7 @@ class Shell:
             kind = KINDS[path.suffix]
             route.fulfill(body=(STATIC / path.name).read_text(encoding="utf-8"), content_type=kind)
         elif path.name == "":
-            shell = (STATIC / "shell.html").read_text(encoding="utf-8")
+            shell = (STATIC / "shell.html").read_text(encoding="utf-8").replace("{{words}}", "{}")
             route.fulfill(body=shell, content_type="text/html")
         else:
             route.fulfill(body=self._scene, content_type="text/html")

@@ -155,6 +155,7 @@ def visitor(bench, monkeypatch):
     monkeypatch.setattr(
         workbench.gui.shared.visitor, "person_of", lambda _: Person("Ada", Role.ENGINEER)
     )
+    monkeypatch.setattr(workbench.gui.shared.visitor, "language_of", lambda _: "en")
     told = []
     client = SimpleNamespace(
         client_id=1,

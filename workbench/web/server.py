@@ -30,7 +30,8 @@ from workbench.web.http.origins import WILDCARDS, Origins, is_loopback
 from workbench.web.http.sparing import sparing
 from workbench.web.page.bar import Bar, Stopper, stop_nothing, without_robot
 from workbench.web.page.connections import Connections
-from workbench.web.page.logins import Logins
+from workbench.web.page.languages import choice
+from workbench.web.page.logins import Logins, read_form
 from workbench.web.page.pages import Pages
 from workbench.web.page.pieces import PATH
 from workbench.web.page.presence import Presence
@@ -195,6 +196,7 @@ def _own_routes(
         web.post("/login", logins.login),
         web.get("/first", logins.by_link),
         web.post("/logout", logins.logout),
+        web.post("/language", choice(read_form)),
         web.get("/presence", presence.socket),
         web.get("/scene", relay.socket),
         web.get("/scene/", relay.page),

@@ -27,6 +27,7 @@ def look():
 def visitor_of(bench, look, monkeypatch):
     def make(person: Person) -> Visitor:
         monkeypatch.setattr(workbench.gui.shared.visitor, "person_of", lambda client: person)
+        monkeypatch.setattr(workbench.gui.shared.visitor, "language_of", lambda client: "en")
         return Visitor(SimpleNamespace(client_id=1, gui=None), bench, look)
 
     return make

@@ -204,7 +204,9 @@ def test_a_file_of_the_version_before_is_taken_along(tmp_path):
     with closing(Store(tmp_path / "users.sqlite")) as opened:
         Users(opened).add("Anna", Role.ENGINEER, PASSWORD)
     with closing(sqlite3.connect(tmp_path / "users.sqlite")) as old, old:
-        old.executescript("DROP TABLE browsers; PRAGMA user_version = 1;")
+        old.executescript(
+            "ALTER TABLE users DROP COLUMN language; DROP TABLE browsers; PRAGMA user_version = 1;"
+        )
     with closing(Store(tmp_path / "users.sqlite")) as opened:
         assert [user.name for user in Users(opened).all()] == ["Anna"]
         assert Lockout(opened).remember("Anna")
@@ -221,7 +223,8 @@ def test_browsers_that_were_known_before_browsers_were_shared_stay_known(tmp_pat
             " user TEXT NOT NULL REFERENCES users (key)"
             " ON DELETE CASCADE, expires_at REAL NOT NULL) STRICT;"
             "INSERT INTO before SELECT * FROM browsers; DROP TABLE browsers;"
-            "ALTER TABLE before RENAME TO browsers; PRAGMA user_version = 2;"
+            "ALTER TABLE before RENAME TO browsers;"
+            "ALTER TABLE users DROP COLUMN language; PRAGMA user_version = 2;"
         )
     with closing(Store(tmp_path / "users.sqlite")) as opened:
         lockout = Lockout(opened, clock)

@@ -32,13 +32,15 @@ from workbench.gui.scene.picture import Scene
 from workbench.gui.shared.calibrating import solved
 from workbench.gui.shared.look import Look, Pose, SharedLook, View
 from workbench.gui.shared.playback import Run, timeline
-from workbench.gui.shared.viser_server import person_of
+from workbench.gui.shared.viser_server import language_of, person_of
 from workbench.gui.shared.visitor import Panel, Visitor
 from workbench.gui.statistics.counting import Counted
+from workbench.gui.words.spoken import speak
 from workbench.model.calibration import Calibration
 from workbench.model.cell import Cell
 from workbench.model.digest import digest_of
 from workbench.model.prediction import Predictions
+from workbench.words.words import words_of
 
 log = logging.getLogger(__name__)
 
@@ -173,11 +175,11 @@ class Renderer:
         self._count_people(waiting)
         for client, is_here in waiting:
             if is_here:
+                _shielded(partial(speak, client, words_of(language_of(client))))
                 _shielded(partial(self._welcome, client, new))
             else:
                 self._bid_farewell(client)
         if old is not None and _needs_other_controls(old.state.cell, new.state.cell):
-            self._server.gui.set_panel_label(f"Cell {new.state.cell.name}")
             for visitor in tuple(self._visitors.values()):
                 _shielded(partial(self._rebuild, visitor, new))
         with self._server.atomic():
@@ -293,6 +295,7 @@ class Renderer:
         self._visitors[client.client_id] = visitor
         # All at once: what is pressed before somebody listens would be lost.
         with client.atomic():
+            client.gui.set_panel_label(f"Cell {view.state.cell.name}")
             header = Header(visitor, self._theme, self._style)
             scenes = (OwnScene(visitor), FilmScene(visitor))
             panels = (header, *scenes, *tabs_of(visitor, self._woken.set))

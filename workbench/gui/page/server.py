@@ -73,7 +73,6 @@ def serve(
     server = open_viser(host, port, secret)
     try:
         theme.apply(server.gui, is_dark=False)
-        server.gui.set_panel_label(f"Cell {bench.cell.name}")
         server.gui.main_panel.dock_right()
         server.gui.main_panel.set_width(PANEL_WIDTH)
         renderer = Renderer(

@@ -69,7 +69,7 @@ def now_html(time: float, seconds: float, doing: str) -> str:
 
 def doing(runs: tuple[Run, ...], time: float) -> str:
     """Which legs are under way at `time` [s]."""
-    active = [f"{run.arm} {run.leg.name}" for run in runs if run.start <= time < run.end]
+    active = [f"{run.arm}: {run.leg.name}" for run in runs if run.start <= time < run.end]
     return ", ".join(active) or ("at the end" if runs and time > 0 else "at home")
 
 

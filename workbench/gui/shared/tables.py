@@ -83,7 +83,7 @@ def stages_html(candidates: Sequence[Candidate]) -> str:
         if refused[stage]:
             told.append(f"{escape(stage)} <b>{left}</b> \u2212{refused[stage]}")
         left -= refused[stage]
-    told.append(f"left <b>{left}</b>")
+    told.append(f"remaining <b>{left}</b>")
     return f'<div class="wb-stages">{", ".join(told)}</div>'
 
 

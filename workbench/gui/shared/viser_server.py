@@ -29,11 +29,13 @@ from workbench.app.core.people import Person, Role
 from workbench.app.core.rights import NOBODY
 from workbench.gui.shared.icons import keep_icons
 from workbench.model.errors import InputError
+from workbench.words.choosing import first_guess, known
+from workbench.words.words import ENGLISH
 
 POLICY_VIOLATION = 1008
 """Close code of RFC 6455, section 7.4.1."""
 
-KEY, USER, ROLE = "X-WB-Key", "X-WB-User", "X-WB-Role"
+KEY, USER, ROLE, LANGUAGE = "X-WB-Key", "X-WB-User", "X-WB-Role", "X-WB-Language"
 """Headers by which the front shows its key and says whom it brings; the name is URL-quoted."""
 
 WAITING = 32 * 1024
@@ -79,6 +81,17 @@ def open_viser(host: str, port: int, secret: str | None = None) -> viser.ViserSe
     # A browser may have come in since the server started to listen.
     inner.disconnect_all_clients()
     return server
+
+
+def language_of(client: viser.ClientHandle) -> str:
+    """The language of a browser: as the front says, or else what the browser likes best."""
+    inner = client._viser_server._websock_server
+    connection = inner._live_connections.get(client.client_id)
+    if connection is None or connection.request is None:
+        return ENGLISH
+    headers = connection.request.headers
+    told = known(headers.get(LANGUAGE, ""))
+    return told or first_guess(", ".join(headers.get_all("Accept-Language")))
 
 
 def person_of(client: viser.ClientHandle) -> Person:
@@ -176,7 +189,7 @@ def _look_at(request: Request, secret: str | None) -> Response | None:
     """The answer to a request without the key, or None; a server without one believes no names."""
     headers = request.headers
     if secret is None:
-        for name in (KEY, USER, ROLE):
+        for name in (KEY, USER, ROLE, LANGUAGE):
             if name in headers:
                 del headers[name]
         return None

@@ -2,7 +2,7 @@
 
 import logging
 from collections.abc import Callable, Iterable, Mapping, Set
-from functools import partial
+from functools import cached_property, partial
 from pathlib import Path
 from typing import Any, Literal, Protocol
 
@@ -20,10 +20,11 @@ from workbench.gui.shared.look import CLOCK, PLAYBACK, SharedLook, SteeredLook, 
 from workbench.gui.shared.own import OwnLook
 from workbench.gui.shared.tables import named_css, told_css
 from workbench.gui.shared.views import sentence
-from workbench.gui.shared.viser_server import buttons_of, element_id, person_of
+from workbench.gui.shared.viser_server import buttons_of, element_id, language_of, person_of
 from workbench.model.cell import Cell
 from workbench.model.errors import CommandRefused, WorkbenchError
 from workbench.model.prediction import Predictions
+from workbench.words.words import Words, words_of
 
 log = logging.getLogger(__name__)
 
@@ -68,6 +69,11 @@ class Visitor:
         self._named: dict[str, tuple[str, str, str]] = {}
         self._style: viser.GuiHtmlHandle | None = None
         self._endings: list[tuple[Callable[[], None], bool]] = []
+
+    @cached_property
+    def words(self) -> Words:
+        """The words of this browser's language."""
+        return words_of(language_of(self.client))
 
     @property
     def is_recorded(self) -> bool:
@@ -227,7 +233,10 @@ class Visitor:
             # Those that nothing is ever explained of say what they were made with.
             for control in buttons_of(self.gui):
                 self._told.setdefault(element_id(control), control.hint or "")
-        rules = named_css(self._named) + told_css(self._told)
+        # Texts within styles are nothing that a translation of HTML finds.
+        say = self.words.say
+        named = {one: (say(x), say(y), say(z)) for one, (x, y, z) in self._named.items()}
+        rules = named_css(named) + told_css({one: say(told) for one, told in self._told.items()})
         content = f'<style class="wb-style">{rules}</style>'
         if self._style is None:
             self._style = self.gui.add_html(content)

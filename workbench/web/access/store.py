@@ -71,6 +71,10 @@ MIGRATIONS: tuple[str, ...] = (
     DROP TABLE browsers;
     ALTER TABLE shared_browsers RENAME TO browsers
     """,
+    """
+    -- In which the page is wanted, empty where nothing was chosen.
+    ALTER TABLE users ADD COLUMN language TEXT NOT NULL DEFAULT ''
+    """,
 )
 """Script number n leads from `user_version` n to n + 1; scripts are added, never edited."""
 

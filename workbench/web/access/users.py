@@ -114,6 +114,18 @@ class Users:
         """
         self._alter(name, "UPDATE users SET role = :to WHERE key = :key", role)
 
+    def language(self, name: str) -> str:
+        """In which language somebody wants the page; empty where they have not said so."""
+        rows = self._store.ask("SELECT language FROM users WHERE key = ?", folded(name))
+        return rows[0][0] if rows else ""
+
+    def keep_language(self, name: str, language: str) -> None:
+        """Remember in which language somebody wants the page; who is gone meanwhile wants none."""
+        with self._store.change() as connection:
+            connection.execute(
+                "UPDATE users SET language = ? WHERE key = ?", (language, folded(name))
+            )
+
     def set_password(self, name: str, password: str) -> None:
         """Give somebody another password.
 

@@ -13,7 +13,9 @@ from workbench.web.access.lockout import REMEMBERED, LockedOut, Lockout
 from workbench.web.access.users import LONGEST_NAME
 from workbench.web.http.refusals import refused
 from workbench.web.page.connections import Connections
+from workbench.web.page.languages import language_of
 from workbench.web.page.pages import Pages
+from workbench.words.words import words_of
 
 MOST_FORM = 4096
 """Bytes of a filled in form."""
@@ -74,7 +76,7 @@ class Logins:
 
     async def login(self, request: web.Request) -> web.StreamResponse:
         """A form that was filled in."""
-        form = await _form(request)
+        form = await read_form(request)
         name, password = str(form.get("name", "")), str(form.get("password", ""))
         shown = name[:LONGEST_NAME]
         if self._waiting >= MOST_WAITING:
@@ -164,7 +166,8 @@ class Logins:
     def _form(
         self, request: web.Request, status: int, problem: str, name: str = "", pieces: str = ""
     ) -> web.Response:
-        values = {"title": self._title, "problem": problem, "user": name, "pieces": pieces}
+        said = words_of(language_of(request)).say(problem)
+        values = {"title": self._title, "problem": said, "user": name, "pieces": pieces}
         return self._pages.page(request, "login.html", status, **values)
 
 
@@ -173,7 +176,7 @@ def _known(request: web.Request) -> str:
     return f"{request.config_dict[ACCESS].cookie}_known"
 
 
-async def _form(request: web.Request) -> dict[str, object]:
+async def read_form(request: web.Request) -> dict[str, object]:
     """What was filled in.
 
     Raises:

@@ -3,15 +3,19 @@
 import gzip
 import hashlib
 import html
+import json
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cache
 
 from aiohttp import hdrs, web
 
 from workbench.formats.files.shipped import find
 from workbench.web.http.headers import page_policy
+from workbench.web.page.languages import language_of
 from workbench.web.page.manual import read_manual
+from workbench.words.words import script_messages, words_of
 
 TYPES: Mapping[str, str] = {
     "login.css": "text/css",
@@ -21,6 +25,7 @@ TYPES: Mapping[str, str] = {
     "manual.css": "text/css",
     "tour.css": "text/css",
     "tour.js": "text/javascript",
+    "words.js": "text/javascript",
     "logo.svg": "image/svg+xml",
     "logo-dark.svg": "image/svg+xml",
 }
@@ -54,9 +59,8 @@ class Pages:
         self, request: web.Request, name: str, status: int = 200, **values: str
     ) -> web.Response:
         """A page with its places `{{name}}` filled in; what is put there is text, never HTML."""
-        text = re.sub(
-            r"\{\{(\w+)\}\}", lambda place: html.escape(values[place[1]]), self.texts[name]
-        )
+        text = _said(self.texts[name], language_of(request))
+        text = re.sub(r"\{\{(\w+)\}\}", lambda place: html.escape(values[place[1]]), text)
         return self._answer(request, text, status)
 
     async def show_manual(self, request: web.Request) -> web.Response:
@@ -82,6 +86,15 @@ class Pages:
             return web.Response(status=304, headers=headers)
         body, encoding = packed_for(request, self.files[name])
         return web.Response(body=body, content_type=TYPES[name], headers={**headers, **encoding})
+
+
+@cache
+def _said(page: str, language: str) -> str:
+    """A page in a language; what its scripts say comes along, and its places stay."""
+    words = words_of(language)
+    page = words.html(page).replace('<html lang="en">', f'<html lang="{language}">')
+    said = json.dumps(script_messages(language), ensure_ascii=False)
+    return page.replace("{{words}}", html.escape(said))
 
 
 def packed_for(request: web.Request, packed: bytes) -> tuple[bytes, Mapping[str, str]]:

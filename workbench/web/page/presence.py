@@ -6,7 +6,7 @@ connection has to be opened over, one of them is late; this one is open all the 
 
 import asyncio
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 from aiohttp import WSCloseCode, WSMsgType, web
@@ -16,7 +16,15 @@ from workbench.web.access.identity import session_of
 from workbench.web.page.bar import Bar, Stopper
 from workbench.web.page.connections import Connections
 from workbench.web.page.conversation import close
+from workbench.web.page.languages import language_of
 from workbench.web.page.relay import HEARTBEAT
+from workbench.words.words import words_of
+
+Say = Callable[[str], str]
+"""Says in somebody's language what is said in English."""
+
+SAID = ("robot", "fault", "why")
+"""What of a bar is for people; the rest is for the page's script."""
 
 STOP = "stop"
 """What a browser may say, and nothing else."""
@@ -50,10 +58,11 @@ class Presence:
                 raise web.HTTPTooManyRequests(text="Too many windows are open.\n")
             browser = web.WebSocketResponse(heartbeat=HEARTBEAT, max_msg_size=1024)
             await browser.prepare(request)
+            say = words_of(language_of(request)).say
             ways = (
-                asyncio.create_task(self._hear(browser, session.person)),
+                asyncio.create_task(self._hear(browser, session.person, say)),
                 asyncio.create_task(seat.over.wait()),
-                asyncio.create_task(self._tell(browser, session.person)),
+                asyncio.create_task(self._tell(browser, session.person, say)),
             )
             try:
                 await asyncio.wait(ways, return_when=asyncio.FIRST_COMPLETED)
@@ -65,20 +74,20 @@ class Presence:
             await close(browser, request.transport, code, "")
         return browser
 
-    async def _tell(self, browser: web.WebSocketResponse, person: Person) -> None:
+    async def _tell(self, browser: web.WebSocketResponse, person: Person, say: Say) -> None:
         told: Mapping[str, Any] | None = None
         at = 0.0
         while True:
             words, now = self._bar(person), time.monotonic()
             if words != told or now - at >= REPEAT:
-                await browser.send_json(words)
+                await browser.send_json({**words, **{one: say(words[one]) for one in SAID}})
                 told, at = words, now
             await asyncio.sleep(LOOK)
 
-    async def _hear(self, browser: web.WebSocketResponse, person: Person) -> None:
+    async def _hear(self, browser: web.WebSocketResponse, person: Person, say: Say) -> None:
         """Stop when the browser says so; return when it goes, or says anything else."""
         async for message in browser:
             if message.type is not WSMsgType.TEXT or message.data != STOP:
                 return
             why = await asyncio.to_thread(self._stop, person)
-            await browser.send_json({"stopped": not why, "why": why})
+            await browser.send_json({"stopped": not why, "why": say(why)})

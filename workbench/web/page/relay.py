@@ -32,6 +32,7 @@ from workbench.web.http.listening import MOST_UNSENT
 from workbench.web.http.refusals import refused
 from workbench.web.page.connections import Connections
 from workbench.web.page.conversation import CLOSE_SECONDS, Conversation
+from workbench.web.page.languages import language_of
 from workbench.web.page.pages import packed_for, sockets_of
 from workbench.web.page.pieces import PATH, cut
 
@@ -164,7 +165,7 @@ class Relay:
             if seat is None:
                 refused("websocket", why="too many", origin=request.remote, who=person.name)
                 raise web.HTTPTooManyRequests(text="Too many windows are open.\n")
-            async with await self._connected(person, protocol) as viser:
+            async with await self._connected(person, protocol, language_of(request)) as viser:
                 browser = web.WebSocketResponse(
                     protocols=(protocol,),
                     timeout=CLOSE_SECONDS,
@@ -179,14 +180,16 @@ class Relay:
                 await Conversation(browser, viser, seat, request).run()
         return browser
 
-    async def _connected(self, person: Person, protocol: str) -> ClientWebSocketResponse:
+    async def _connected(
+        self, person: Person, protocol: str, language: str
+    ) -> ClientWebSocketResponse:
         """A websocket to viser for somebody."""
         try:
             async with asyncio.timeout(ANSWER_SECONDS):
                 return await self._ready().ws_connect(
                     "/",
                     protocols=(protocol,),
-                    headers=self._credentials(person),
+                    headers={**self._credentials(person), "X-WB-Language": language},
                     max_msg_size=MOST_FROM_VISER,
                     timeout=ClientWSTimeout(ws_close=1.0),  # pyright: ignore[reportCallIssue]
                 )

@@ -4,7 +4,9 @@ from aiohttp import web
 
 from workbench import __version__
 from workbench.web.access.identity import session_of
+from workbench.web.page.languages import language_of
 from workbench.web.page.pages import Pages
+from workbench.words.words import words_of
 
 
 class Shell:
@@ -23,8 +25,14 @@ class Shell:
         session = session_of(request)
         if session is not None:
             person = session.person
+            role = person.role.value
             return self._pages.page(
-                request, "shell.html", title=self._title, user=person.name, role=person.role.value
+                request,
+                "shell.html",
+                title=self._title,
+                user=person.name,
+                role=role,
+                role_said=words_of(language_of(request)).say(role),
             )
         # A strict cookie does not come along on the way from another site, but it does on the
         # next step from here.

@@ -1,0 +1,94 @@
+"""A sentence is found by its message; names and numbers in it stay."""
+
+import pytest
+
+from workbench.words.choosing import first_guess, known
+from workbench.words.words import Words, words_of
+
+
+@pytest.fixture(scope="module")
+def words():
+    return Words(
+        "de",
+        {
+            "No plan: {verdict}": "Kein Plan: {verdict}",
+            "in collision": "in Kollision",
+            "{kind}: {pair} and {pair2}, {far}": "{kind}: {pair} und {pair2}, {far}",
+            "{distance} into each other": "{distance} ineinander",
+            "{arm} arm on {leg}": "Arm {arm} auf {leg}",
+            "{number} parts": "{number} Teile",
+            "there is no fault": "es gibt keine Störung",
+            "approach": "Anfahren",
+            "and": "und",
+            "Stop": "Stopp",
+        },
+    )
+
+
+@pytest.mark.parametrize(
+    ("english", "said"),
+    [
+        ("Stop", "Stopp"),
+        ("  Stop\n", "  Stopp\n"),
+        ("There is no fault.", "Es gibt keine Störung."),
+        ("12 parts", "12 Teile"),
+        ("1,200 parts", "1,200 Teile"),
+        ("12 parts, 3 parts", "12 Teile, 3 Teile"),
+        (
+            "No plan: in collision: palm and bin_floor, 3.1 mm into each other",
+            "Kein Plan: in Kollision: palm und bin_floor, 3.1 mm ineinander",
+        ),
+        ("left arm on approach; Stop", "Arm left auf Anfahren; Stopp"),
+        ("approach and Stop", "Anfahren und Stopp"),
+        ("certificate-8bf864650bb2.json", "certificate-8bf864650bb2.json"),
+        ("Stopped by nobody", "Stopped by nobody"),
+        ("", ""),
+    ],
+)
+def test_a_sentence_is_said_by_its_message(words, english, said):
+    assert words.say(english) == said
+    assert words.say(english) == said, "what is remembered is the same"
+
+
+def test_html_keeps_its_tags_and_what_was_typed_stays_text(words):
+    said = words.html('<b title="Stop">Stop</b> <i>&lt;b&gt; parts</i><style>a{Stop}</style>')
+    assert said == '<b title="Stopp">Stopp</b> <i>&lt;b&gt; Teile</i><style>a{Stop}</style>'
+    evil = words.html("No plan: &lt;script&gt;alert(1)&lt;/script&gt;")
+    assert evil == "Kein Plan: &lt;script&gt;alert(1)&lt;/script&gt;"
+
+
+def test_a_handler_of_a_tag_is_no_text(words):
+    tag = "<span onclick=\"if(event.key==='Stop'){go('Stop')}\">Stop</span>"
+    assert words.html(tag) == tag.replace(">Stop<", ">Stopp<")
+
+
+def test_markdown_keeps_its_marks(words):
+    assert words.markdown("**Stop** 12 parts\n\nStop") == "**Stopp** 12 Teile\n\nStopp"
+
+
+def test_chinese_sentences_end_as_those_do():
+    assert words_of("zh").say("There is no fault.") == "没有故障。"
+
+
+def test_english_is_left_alone():
+    assert words_of("en").say("Stop") == words_of("xx").say("Stop") == "Stop"
+
+
+@pytest.mark.parametrize(
+    ("accepted", "language"),
+    [
+        ("de-CH,de;q=0.9,en;q=0.8", "de"),
+        ("pt-BR, zh-CN;q=0.5, fr;q=0.7", "fr"),
+        ("nl", "en"),
+        ("", "en"),
+        ("it;q=0, es", "es"),
+        ("de;q=often, it", "it"),
+        ("*", "en"),
+    ],
+)
+def test_the_first_guess_is_what_the_browser_likes_best(accepted, language):
+    assert first_guess(accepted) == language
+
+
+def test_only_languages_that_there_are_can_be_chosen():
+    assert known("fr") == "fr" and known("xx") == known("../de") == known("") == ""

@@ -1,0 +1,97 @@
+"""Catalogs of messages: files in gettext's form (.po), one a language, read as they are.
+
+The English sentence is the key (`msgid`); what stands in braces is a place, named alike in both.  A
+message that has no translation yet is shown in English.
+"""
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+LANGUAGES: Mapping[str, str] = {
+    "en": "English",
+    "de": "Deutsch",
+    "it": "Italiano",
+    "fr": "Français",
+    "es": "Español",
+    "zh": "中文",
+}
+"""By their codes (ISO 639-1) as they call themselves."""
+
+CATALOGS = Path(__file__).parent / "catalogs"
+
+_LINE = re.compile(r'(?:(msgid|msgstr) )?"((?:[^"\\]|\\.)*)"')
+_ESCAPES = {"\\": "\\", '"': '"', "n": "\n", "t": "\t"}
+
+
+@dataclass(frozen=True, slots=True)
+class Catalog:
+    """One language's messages.
+
+    Attributes:
+        head: what stands above the messages: the glossary as comments, and gettext's own entry.
+        messages: translation by English message; empty where there is none yet.
+        places: files that a message is from, for translators.
+    """
+
+    head: str
+    messages: Mapping[str, str]
+    places: Mapping[str, tuple[str, ...]]
+
+    @classmethod
+    def read(cls, path: Path) -> "Catalog":
+        """Read a catalog.
+
+        Raises:
+            OSError: it cannot be read.
+            ValueError: a line is none of a catalog.
+        """
+        head, _, body = path.read_text(encoding="utf-8").partition("\n\n")
+        messages: dict[str, str] = {}
+        places: dict[str, tuple[str, ...]] = {}
+        for entry in filter(str.strip, body.split("\n\n")):
+            key, said, where = _entry(path, entry)
+            if key in messages:
+                raise ValueError(f"{path} has the message {key!r} twice")
+            messages[key], places[key] = said, where
+        return cls(head, messages, places)
+
+    def brought_to(self, wanted: Mapping[str, tuple[str, ...]]) -> "Catalog":
+        """With these messages, by their files; translations that are known stay."""
+        known = self.messages
+        return Catalog(self.head, {key: known.get(key, "") for key in wanted}, wanted)
+
+    def write(self, path: Path) -> None:
+        """Write it as `read` reads it."""
+        entries = [
+            f"#: {' '.join(self.places[key])}\nmsgid {_quoted(key)}\nmsgstr {_quoted(said)}"
+            for key, said in self.messages.items()
+        ]
+        path.write_text("\n\n".join([self.head.rstrip("\n"), *entries]) + "\n", encoding="utf-8")
+
+
+def places_in(text: str) -> tuple[str, ...]:
+    """The names of the places of a message, in order."""
+    return tuple(re.findall(r"\{(\w+)\}", text))
+
+
+def _entry(path: Path, entry: str) -> tuple[str, str, tuple[str, ...]]:
+    texts, now, where = {"msgid": "", "msgstr": ""}, "", list[str]()
+    for line in entry.splitlines():
+        if line.startswith("#"):
+            where += line.removeprefix("#:").split() if line.startswith("#:") else ()
+            continue
+        found = _LINE.fullmatch(line.strip())
+        now = (found[1] or now) if found else ""
+        if found is None or not now:
+            raise ValueError(f"{path}: {line!r} is no line of a catalog")
+        texts[now] += re.sub(r"\\(.)", lambda one: _ESCAPES.get(one[1], one[1]), found[2])
+    if not texts["msgid"]:
+        raise ValueError(f"{path}: an entry has no message: {entry[:60]!r}")
+    return texts["msgid"], texts["msgstr"], tuple(where)
+
+
+def _quoted(text: str) -> str:
+    said = text.replace("\\", "\\\\").replace('"', '\\"').replace("\n", "\\n").replace("\t", "\\t")
+    return f'"{said}"'

@@ -1,0 +1,251 @@
+"""Finds what the page shows in the sources; `python -m workbench.words.extract` updates catalogs.
+
+There are no marks in the code.  A text on the page is a literal of the page, of the front door, or
+a sentence of a layer below that reaches the page as a refusal, a reason or a note; so literals are
+what is looked for, and what is code, a style or a name is left out by its form.  Names and numbers
+within become places, named after what stands there.
+"""
+
+import ast
+import itertools
+import re
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+
+import workbench
+from workbench.words.catalogs import CATALOGS, LANGUAGES, Catalog
+from workbench.words.markup import TAG, texts_of
+from workbench.words.words import split_ends
+
+PACKAGE = Path(workbench.__file__).parent
+STATIC = PACKAGE.parent / "static"
+
+SHOWN = ("gui", "web/page", "app/core")
+"""Folders whose every text is for people at the page."""
+
+SENTENCES = (
+    "app/emptying",
+    "app/picking",
+    "app/runtime",
+    "model",
+    "perception/built_in.py",
+    "perception/localization/kinds.py",
+    "perception/localization/localize.py",
+    "perception/scene",
+    "planning/grasps",
+    "planning/picking",
+    "proof",
+)
+"""Folders, and files, of which only whole sentences come to the page: refusals, reasons, notes."""
+
+STATES = ("devices",)
+"""Folders of which single words come to the page: what robots report of themselves."""
+
+UNSEEN = frozenset(
+    {
+        "app/runtime/anchors.py",
+        "app/runtime/worker.py",
+        "gui/shared/viser_server.py",
+        "model/digest.py",
+        "model/geometry.py",
+        "model/motion.py",
+        "model/robot.py",
+        "model/symmetry.py",
+        "web/page/connections.py",
+        "web/page/conversation.py",
+        "web/page/manual.py",
+        "web/page/messages.py",
+        "web/page/pages.py",
+        "web/page/pieces.py",
+        "web/page/rate_limit.py",
+        "web/page/relay.py",
+        "web/page/uploads.py",
+    }
+)
+"""Files there whose texts go to logs, to the command line or to programs alone."""
+
+UNITS = ("cm", "deg", "mm", "ms", "rpy", "wb", "xyz")
+
+ALONE = frozenset(
+    """
+    acknowledging all alternated and apart approach approve approved at auto axis both busy
+    cancelling candidate closed coordinated crooked disabled engineer extract failed fault film
+    flat found good grasp grasps home idle joint known leaning linear missed moving nobody none
+    nothing off ok one-at-a-time operator pair pairs part parts picked pile pitch place placed
+    planning proof propose reach reading recorded rejected remaining resolve return roll
+    route scan scanned scanning scans sending simulated stands stopped stopping streamed symmetry
+    synchronised time-independent to touches touching turned unknown viewer vote waiting yaw
+    """.split()  # noqa: SIM905
+)
+"""Single words that are shown, among many that are names of something in the code."""
+
+SCRIPTS = ("shell.js", "tour.js")
+PAGES = ("shell.html", "login.html")
+
+MOST_VARIANTS = 8
+"""Of a text that is put together from alternatives."""
+
+_LOGS = ("debug", "info", "warning", "error", "exception")
+_NAME = re.compile(r"[a-z_][a-z0-9_]*", re.IGNORECASE)
+_PLACE = re.compile(r"(\bpart-)?\{(\w+)\}")
+_CODE = re.compile(
+    r"[{}<>\\]|\bconst |\w\(\)|\b(SELECT|INSERT|DELETE|UPDATE)\b|^[\w.+-]+/[\w.+-]+$|px\b|"
+    r" \| |^[#./]|--wb|: ?var\(|^(https?|ws)|;\w+:|\.(css|js|html|svg)$|\w=\"|rgba?\(|=="
+)
+
+
+def messages() -> Mapping[str, tuple[str, ...]]:
+    """All messages in English, with the files that have them, from the package down."""
+    found: dict[str, set[str]] = {}
+
+    def take(text: str, where: str) -> None:
+        if (said := tidy(text)) and _is_said(said):
+            found.setdefault(said, set()).add(where)
+
+    for folder in SHOWN + SENTENCES + STATES:
+        root = PACKAGE / folder
+        for path in [root] if root.is_file() else sorted(root.rglob("*.py")):
+            where = path.relative_to(PACKAGE).as_posix()
+            if where in UNSEEN:
+                continue
+            for text, is_name in _literals(ast.parse(path.read_text(encoding="utf-8"))):
+                is_sentence = folder in SENTENCES and " " in text and not is_name
+                if folder in SHOWN or is_sentence or text in ALONE:
+                    for piece in texts_of(text) if TAG.search(text) else (text,):
+                        take(piece, where)
+    for name in PAGES:
+        text = (STATIC / name).read_text(encoding="utf-8")
+        for piece in texts_of(text.replace("{{", "{").replace("}}", "}")):
+            take(piece, f"static/{name}")
+    for name in SCRIPTS:
+        for piece in _said_in_script((STATIC / name).read_text(encoding="utf-8")):
+            take(piece, f"static/{name}")
+    return {text: tuple(sorted(found[text])) for text in sorted(found)}
+
+
+def tidy(text: str) -> str:
+    """A text as a message: without what joins it to others, white space as one blank."""
+    return split_ends(" ".join(text.split()))[1]
+
+
+def _is_said(text: str) -> bool:
+    """Whether a text is for people, and no code, style, name of something or mere places."""
+    bare = _PLACE.sub("", text)
+    if (
+        text in LANGUAGES.values()
+        or _CODE.search(bare)
+        or not re.search(r"[A-Za-z]{2}|\ba\b", bare)
+    ):
+        return False
+    words = re.findall(r"[A-Za-z]{2,}|\ba\b", bare)
+    if " " in text.strip():
+        return any(word not in UNITS for word in words)
+    return text in ALONE or re.fullmatch(r"[A-Z][a-z]+[a-z-]*[:.…]?", bare) is not None
+
+
+def _literals(tree: ast.Module) -> Iterator[tuple[str, bool]]:
+    """Texts in a file, and whether each is no more than a name."""
+    skipped: set[int] = set()
+    for node in ast.walk(tree):
+        body = getattr(node, "body", None)
+        if isinstance(body, list):
+            for one in body:
+                if isinstance(one, ast.Expr) and isinstance(one.value, ast.Constant):
+                    skipped.add(id(one.value))
+        if isinstance(node, ast.JoinedStr):
+            skipped.update(map(id, node.values))
+        if isinstance(node, ast.Call) and _is_silent(node.func):
+            skipped.update(map(id, ast.walk(node)))
+        if isinstance(node, ast.Subscript | ast.AnnAssign):
+            inner = node.slice if isinstance(node, ast.Subscript) else node.annotation
+            skipped.update(map(id, ast.walk(inner)))
+        if isinstance(node, ast.Assert):
+            skipped.update(map(id, ast.walk(node)))
+    for node in ast.walk(tree):
+        if id(node) not in skipped and isinstance(node, ast.Constant | ast.JoinedStr):
+            for text in _variants(node):
+                yield text, isinstance(node, ast.Constant) and " " not in text
+        match node:
+            case ast.Call(func=ast.Name(id="counted"), args=[_, ast.Constant(value=str(noun))]):
+                yield f"{{number}} {noun}", False
+                yield f"{{number}} {noun}s", False
+            case _:
+                pass
+
+
+def _is_silent(called: ast.expr) -> bool:
+    """Whether what a call is given is shown to nobody: it goes to a log or is a pattern."""
+    if not isinstance(called, ast.Attribute) or not isinstance(called.value, ast.Name):
+        return False
+    return (called.value.id == "log" and called.attr in _LOGS) or called.value.id == "re"
+
+
+def _variants(node: ast.expr) -> list[str]:
+    """What a literal may read, with places for what is only known later."""
+    if isinstance(node, ast.Constant):
+        return [node.value] if isinstance(node.value, str) else []
+    assert isinstance(node, ast.JoinedStr)
+    taken: dict[str, int] = {}
+    pieces: list[list[str]] = []
+    for value in node.values:
+        if isinstance(value, ast.Constant):
+            pieces.append([str(value.value).replace("{", "\\").replace("}", "\\")])
+            continue
+        assert isinstance(value, ast.FormattedValue)
+        choices = _choices(value.value)
+        if choices is None:
+            name = _place(value.value)
+            taken[name] = taken.get(name, 0) + 1
+            choices = [f"{{{name}{taken[name] if taken[name] > 1 else ''}}}"]
+        pieces.append(choices)
+    whole = itertools.product(*pieces)
+    return ["".join(one) for one in itertools.islice(whole, MOST_VARIANTS)]
+
+
+def _choices(node: ast.expr) -> list[str] | None:
+    """The texts that an expression may be, where it says them itself."""
+    if isinstance(node, ast.Constant) and isinstance(node.value, str):
+        return [node.value]
+    if isinstance(node, ast.IfExp):
+        both = _choices(node.body), _choices(node.orelse)
+        return None if both[0] is None or both[1] is None else both[0] + both[1]
+    return None
+
+
+def _place(node: ast.expr) -> str:
+    """A name for what stands at a place."""
+    while True:
+        match node:
+            case ast.Call(func=ast.Name(), args=[first, *_]):
+                node = first
+            case ast.Call(func=ast.Attribute(value=value), args=[]):
+                node = value
+            case ast.Call(func=ast.Attribute(attr="join"), args=[first]):
+                node = first
+            case ast.Attribute(attr=name) | ast.Name(id=name):
+                return name.strip("_").lower() or "value"
+            case ast.BinOp(left=left, right=right):
+                node = right if isinstance(left, ast.Constant) else left
+            case ast.Subscript(value=value):
+                node = value
+            case _:
+                return "value"
+
+
+def _said_in_script(text: str) -> Iterator[str]:
+    """What stands in `word("...")`, pieces with a plus between them put together."""
+    for found in re.finditer(r'\bword\(\s*((?:"(?:[^"\\]|\\.)*"\s*\+?\s*)+)', text):
+        yield "".join(re.findall(r'"((?:[^"\\]|\\.)*)"', found[1]))
+
+
+def main() -> None:
+    """Write what is new into all catalogs, and drop what is said no more."""
+    wanted = messages()
+    for language in LANGUAGES:
+        if language != "en":
+            path = CATALOGS / f"{language}.po"
+            Catalog.read(path).brought_to(wanted).write(path)
+
+
+if __name__ == "__main__":
+    main()
