@@ -46,6 +46,7 @@ def test_it_holds_code_and_data_and_nothing_else(wheel):
         "workbench/shipped/robots/yumi/yumi.urdf",
         "workbench/shipped/parts/keyed_cylinder/grasps.toml",
         "workbench/shipped/static/page.css",
+        "workbench/words/catalogs/de.po",
     ):
         assert expected in names
     kept = {name.rpartition(".")[2] for name in names if "__pycache__" in name}
