@@ -16,7 +16,7 @@ from workbench.model.scan import Detection
 from workbench.planning.collision.legs import stretches
 from workbench.planning.collision.motion import chain_contact, curves_of, segment
 from workbench.planning.collision.world import World
-from workbench.planning.picking.execution import timed
+from workbench.planning.kinematics.execution import timed
 from workbench.plugins.robot_link import spoken_to_by
 
 PROTOCOLS = ["abb-socket", "abb-socket/2"]
