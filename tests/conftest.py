@@ -62,7 +62,12 @@ COUNTED = ("model/", "formats/", "planning/", "proof/", "devices/", "journal/", 
 The others pass through these layers too, in half the time when nobody counts, and what only they
 reach is not tested where it should be."""
 
+TRIED_OFTEN = ("test_any_sequence.py",)
+"""Not counted either, like whatever Hypothesis thinks up cases for: the same lines again and again,
+which take twice as long when somebody counts."""
 
+
+@pytest.hookimpl(trylast=True)  # behind Hypothesis, which marks its own
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Put what takes longest first, files staying whole, and have only some of it counted."""
     # Once for a file: there are ten times as many tests.
@@ -70,7 +75,8 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     places = {path: place_in_line(name) for path, name in names.items()}
     items.sort(key=lambda item: places[item.path])
     for item in items:
-        if not names[item.path].startswith(COUNTED):
+        is_counted = names[item.path].startswith(COUNTED) and item.path.name not in TRIED_OFTEN
+        if not is_counted or item.get_closest_marker("hypothesis") is not None:
             item.add_marker("no_cover")
 
 

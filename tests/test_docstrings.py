@@ -24,11 +24,12 @@ UNIT = re.compile(
 Described = tuple[str, str, str]
 
 
-def described() -> Iterator[Described]:
-    """Every public function that takes or gives arrays: its name, signature and docstrings."""
-    for path in sorted(PACKAGE.rglob("*.py")):
-        tree = ast.parse(path.read_text(encoding="utf-8"))
-        yield from _in(tree, str(path.relative_to(PACKAGE)), "")
+def with_arrays(path: Path) -> list[Described]:
+    """Every public function of a file that takes or gives arrays: name, signature, docstrings."""
+    tree = ast.parse(path.read_text(encoding="utf-8"))
+    return [
+        one for one in _in(tree, path.relative_to(PACKAGE).as_posix(), "") if ARRAYS.search(one[1])
+    ]
 
 
 def _in(node: ast.AST, name: str, around: str) -> Iterator[Described]:
@@ -71,13 +72,6 @@ def _signature(node: ast.FunctionDef) -> str:
     return " ".join(ast.unparse(one) for one in types if one is not None)
 
 
-WITH_ARRAYS = [one for one in described() if ARRAYS.search(one[1])]
-
-
-def test_there_are_many():
-    assert len(WITH_ARRAYS) > 250
-
-
 @pytest.mark.parametrize(
     ("says", "has_shape", "has_unit"),
     [
@@ -94,7 +88,13 @@ def test_what_counts_as_a_shape_and_a_unit(says, has_shape, has_unit):
     assert bool(UNIT.search(says)) is has_unit
 
 
-@pytest.mark.parametrize("name, says", [(name, says) for name, _, says in WITH_ARRAYS])
-def test_arrays_have_shapes_and_units(name, says):
-    missing = [word for word, law in (("shape", SHAPE), ("unit", UNIT)) if not law.search(says)]
-    assert missing == [], name
+def test_arrays_have_shapes_and_units():
+    those = [one for path in sorted(PACKAGE.rglob("*.py")) for one in with_arrays(path)]
+    assert len(those) > 250
+    missing = [
+        f"{name} lacks a {word}"
+        for name, _, says in those
+        for word, law in (("shape", SHAPE), ("unit", UNIT))
+        if not law.search(says)
+    ]
+    assert missing == []

@@ -4,16 +4,16 @@ import re
 from pathlib import Path
 
 import numpy as np
+from shipped import shipped
 
 from workbench.devices.abb_simulated.faults import FAULT_NAMES
 from workbench.devices.abb_socket.frames import Frames, framed
 from workbench.devices.abb_socket.messages import REQUEST, Commands, encode
 from workbench.devices.abb_socket.sending import VERSION, arms_of
 from workbench.devices.abb_socket.states import NEXT
-from workbench.formats.cells.reading import read_cell
 
 PAGE = (Path(__file__).parents[1] / "docs" / "protocol.md").read_text(encoding="utf-8")
-CELL = read_cell("yumi")
+CELL = shipped("yumi")
 
 
 def block(name: str) -> list[str]:

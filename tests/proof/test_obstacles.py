@@ -4,17 +4,17 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from shipped import shipped
 
 from workbench.app.picking.pipeline import plan_pick
 from workbench.app.picking.proving import prove
-from workbench.formats.cells.reading import read_cell
 from workbench.formats.plans.plan_files import read_plan, write_plan
 from workbench.model.candidate import Reason
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.scan import Detection, Obstacle
 from workbench.planning.collision.world import World
 
-CELL = read_cell("yumi")
+CELL = shipped("yumi")
 FLOOR = CELL.bin.T_world_bin.translation
 PART = Detection("keyed_cylinder", pose_from_rpy(FLOOR + (0.0, -0.05, 0.0191), (np.pi / 2, 0, 0.3)))
 

@@ -7,7 +7,7 @@ import numpy as np
 from workbench.model.geometry import Floats
 from workbench.plugins.planner import Planner, Search
 
-SEEDS = 20
+SEEDS = 12
 """Problems that are tried."""
 
 LEAST_SOLVED = 0.75

@@ -7,14 +7,15 @@ from pathlib import Path
 import numpy as np
 import open3d as o3d
 import pytest
+from shipped import shipped
 
-from workbench.formats.cells.reading import cell_path, read_cell
+from workbench.formats.cells.reading import cell_path
 from workbench.formats.clouds.scans import read_cloud
 from workbench.formats.plans.plan_files import read_plan
 from workbench.formats.plans.pose_files import read_poses
 
 PER_METRE = {"mm": 1000.0, "inch": 1 / 0.0254, "m": 1.0}
-CELL = read_cell("yumi")
+CELL = shipped("yumi")
 
 
 @dataclass(frozen=True)

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from shipped import shipped
 
 from workbench.devices.abb_socket.messages import LONGEST, Commands, Requests, encode, messages
-from workbench.formats.cells.reading import read_cell
 from workbench.model.errors import InputError, ProtocolError
 
-CELL = read_cell("yumi")
+CELL = shipped("yumi")
 RIGHT = CELL.arm("right")
 LOWER, UPPER, _ = CELL.robot.limits(RIGHT.joints)
 

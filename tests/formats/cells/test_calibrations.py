@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from shipped import shipped
 
 from workbench.formats.cells.calibrations import (
     FILE,
@@ -20,7 +21,7 @@ from workbench.model.calibration import BallPlate, CalibrationRecord
 from workbench.model.errors import FileError, InputError
 from workbench.model.geometry import pose_from_rpy
 
-SHIPPED = read_cell("yumi")
+SHIPPED = shipped("yumi")
 ARM = SHIPPED.arms[0]
 
 

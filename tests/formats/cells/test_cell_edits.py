@@ -9,6 +9,7 @@ import pinocchio as pin
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from shipped import shipped
 
 from workbench.formats.cells.edits import log_change, save_cell
 from workbench.formats.cells.reading import read_cell
@@ -23,7 +24,7 @@ def path(tmp_path):
     return tmp_path / "yumi" / "cell.toml"
 
 
-SHIPPED = read_cell("yumi")
+SHIPPED = shipped("yumi")
 
 
 def near(T: pin.SE3, U: pin.SE3) -> bool:

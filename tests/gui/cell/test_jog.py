@@ -8,9 +8,9 @@ import pytest
 from bending import with_nests
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from shipped import shipped
 
 from workbench.app.core.state import State
-from workbench.formats.cells.reading import read_cell
 from workbench.gui.cell.jog import JogFinder, led
 from workbench.gui.cell.views import cell_line, contacts_html, tree_html
 from workbench.gui.shared.things import (
@@ -26,7 +26,7 @@ from workbench.model.digest import digest_of
 from workbench.model.geometry import pose_from_rpy
 from workbench.planning.kinematics.chain import chain_of
 
-CELL = read_cell("yumi")
+CELL = shipped("yumi")
 ARM = CELL.arms[0]
 CHAIN = chain_of(CELL, ARM)
 

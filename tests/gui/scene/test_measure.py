@@ -5,10 +5,10 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from shipped import shipped
 
 import workbench.gui.cell.panel
 import workbench.gui.drawing.reach
-from workbench.formats.cells.reading import read_cell
 from workbench.gui.cell.panel import CellPanel
 from workbench.gui.cell.views import measured_line, reach_line
 from workbench.gui.drawing.reach import Reaches
@@ -19,7 +19,7 @@ from workbench.gui.shared.playback import moments
 from workbench.planning.kinematics.chain import chain_of
 from workbench.planning.kinematics.reach_map import reach_map
 
-CELL = read_cell("yumi")
+CELL = shipped("yumi")
 NONE = np.zeros((0, 3))
 DOWN = np.array([0.0, 0.0, -1.0])
 

@@ -19,7 +19,7 @@ from workbench.plugins.localizer import find_parts
 from workbench.studies.localization import compare
 
 KINDS = tuple(read_part(name) for name in ("keyed_cylinder", "bracket", "bolt"))
-CYLINDER, BRACKET, BOLT = (prepare(kind) for kind in KINDS)
+CYLINDER, BRACKET, BOLT = KINDS
 
 
 def at(x: float, y: float = 0.0):
@@ -62,8 +62,8 @@ def test_where_another_kind_stands_nothing_more_is_looked_for(mixed, monkeypatch
     assert all(count < 0.05 * first[of] for (of, number), count in left.items() if number)
 
 
-def searched(surface, *found, gains, rejected=()):
-    return Searched(LocalizationResult(found, rejected), surface, gains)
+def searched(kind, *found, gains, rejected=()):
+    return Searched(LocalizationResult(found, rejected), prepare(kind), gains)
 
 
 def test_where_two_kinds_share_room_the_one_stands_that_more_surface_speaks_for():

@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from shipped import shipped
 
-from workbench.formats.cells.reading import read_cell
 from workbench.model.cell import Fixture
 from workbench.model.geometry import Box, Solid, pose_from_rpy
 from workbench.model.scan import Scan
@@ -18,7 +18,7 @@ from workbench.perception.scene.unexplained import (
 from workbench.perception.simulation.piles import drop_parts
 from workbench.perception.simulation.synthesize import synthesize
 
-CELL = read_cell("yumi")
+CELL = shipped("yumi")
 PART = CELL.parts[0]
 
 

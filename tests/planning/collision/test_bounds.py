@@ -4,14 +4,14 @@ import numpy as np
 import pinocchio as pin
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from shipped import shipped
 
-from workbench.formats.cells.reading import read_cell
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.scan import Detection
 from workbench.planning.collision.pairing import Phase
 from workbench.planning.collision.world import World
 
-CELL = read_cell("yumi")
+CELL = shipped("yumi")
 T_WORLD_PART = CELL.bin.T_world_bin * pose_from_rpy((0.0, 0.05, 0.02), (1.57, 0.0, 0.3))
 WORLD = World(CELL, (Detection("keyed_cylinder", T_WORLD_PART),))
 LOWER = WORLD.kinematics.model.lowerPositionLimit

@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
+from shipped import shipped
 
 from workbench.app.picking.pipeline import plan_pick
-from workbench.formats.cells.reading import read_cell
 from workbench.model.candidate import Pick
 from workbench.model.cell import ORDER_NAMES, PlanOverrides
 from workbench.model.geometry import pose_from_rpy
@@ -15,7 +15,7 @@ from workbench.planning.picking.order import cost_of
 from workbench.planning.picking.propose import propose
 from workbench.planning.picking.resolve import resolve
 
-CELL = read_cell("yumi")
+CELL = shipped("yumi")
 FLOOR = CELL.bin.T_world_bin.translation
 # x, y in the bin, how high, the score, and how it is turned.
 LYING = (

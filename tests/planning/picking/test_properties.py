@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from shipped import shipped
 
 from workbench.app.picking.pipeline import judge, plan_pick
 from workbench.app.picking.proving import prove
-from workbench.formats.cells.reading import read_cell
 from workbench.model.candidate import Pick, Reason, Verdict
 from workbench.model.cell import PlanOverrides
 from workbench.model.errors import InputError
@@ -32,7 +32,7 @@ from workbench.planning.planners.clock import working_time
 
 MOTION = MotionModel("anything")
 
-CELL = read_cell("yumi")
+CELL = shipped("yumi")
 PART = CELL.parts[0]
 FLOOR = CELL.bin.T_world_bin.translation
 
