@@ -8,7 +8,7 @@ import numpy as np
 
 from workbench.model.candidate import Pick, Reason, Stage, Verdict
 from workbench.model.errors import JobCancelled
-from workbench.model.plan import ArmPlan, Plan, Strategy
+from workbench.model.plan import Plan, Strategy
 from workbench.planning.collision.world import World
 from workbench.planning.picking.dual_arm import CARRYING, coordinate, ends_are_clear, pairs_of
 from workbench.planning.picking.order import Cost, cost_of
@@ -21,7 +21,10 @@ ALIKE = 3
 """Grasps of a part that are looked at for an arm, where both arms may work at once."""
 
 WOVEN = 2
-"""Pairs of them that are planned."""
+"""Pairs of them that are planned, of which the quicker is taken."""
+
+TRIED = 4
+"""Of picks of the same parts by the same arms so many are tried until enough can be planned."""
 
 ENOUGH = 1.15
 """Times as long as its busier arm works: a plan that takes no longer is good enough."""
@@ -145,20 +148,24 @@ def _made(
 ) -> tuple[Plan, ...] | Verdict:
     """Plans for some picks, the quickest first, or why there is none."""
     world, is_free = request.world, request.may_work_at_once(assigned)
-    if not is_free:
-        return _routed(request, chosen, assigned, is_free=False)
     best: tuple[Plan, ...] = ()
     refusal: Verdict | None = None
-    for pair in _alike(request, assigned)[:WOVEN]:
+    tried = 0
+    for pair in islice(_alike(request, assigned, is_free=is_free), TRIED):
         if cancelled():
             raise JobCancelled("planning was cancelled")
-        found = _routed(request, chosen, pair, is_free=True)
+        found = _routed(request, chosen, pair, is_free=is_free)
         if isinstance(found, Verdict):
             refusal = refusal or found
+            if found.reason is Reason.OUT_OF_TIME:
+                break
             continue
         if not best or found[0].cycle_seconds < best[0].cycle_seconds:
             best = found
-        if best[0].cycle_seconds < ENOUGH * max(arm_seconds(one) for one in best[0].arms):
+        tried += 1
+        if not is_free or tried == WOVEN:
+            break
+        if best[0].cycle_seconds < ENOUGH * max(one.seconds for one in best[0].arms):
             break
     if request.strategy == Strategy.COORDINATED and len(best) > 1:
         # Whatever runs at once in it.
@@ -194,38 +201,37 @@ def _routed(
     return woven(world, plan, freely=is_free)
 
 
-def _alike(request: _Request, assigned: Sequence[Pick]) -> list[Sequence[Pick]]:
-    """Pairs of picks of the same parts by the same arms, those first that promise most.
+def _alike(request: _Request, assigned: Sequence[Pick], *, is_free: bool) -> list[Sequence[Pick]]:
+    """Picks of the same parts by the same arms, those first that promise most.
 
-    Where the arms can stand side by side at the ends of their legs they can work at once, mostly;
-    where not, one of them has to wait.
+    In turns these are the given ones.  Where both arms may be in the bin they can work at once,
+    mostly, when they can stand side by side at the ends of their legs; if not, one has to wait.
     """
     world = request.world
     if any(part.library.pairs for part in world.cell.parts):
         return [assigned]
     choices = [
         sorted(
-            (other for other in request.picks if _is_alike(one, other)), key=lambda p: p.seconds
+            (other for other in request.picks if _is_alike(one, other)),
+            key=lambda pick: pick.seconds,
         )[:ALIKE]
         for one in assigned
     ]
 
-    def promise(pair: Sequence[Pick]) -> float:
-        less, more = sorted(pick.seconds for pick in pair)
-        return more + (0.0 if ends_are_clear(world, pair) else WAITING * less)
+    def promise(picks: Sequence[Pick]) -> float:
+        if not is_free:
+            return sum(pick.seconds for pick in picks)
+        less, more = sorted(pick.seconds for pick in picks)
+        return more + (0.0 if ends_are_clear(world, picks) else WAITING * less)
 
-    return sorted(product(*choices), key=promise)
+    others = sorted(product(*choices), key=promise)
+    return others if is_free else [assigned, *(one for one in others if one != tuple(assigned))]
 
 
 def _is_alike(one: Pick, other: Pick) -> bool:
     """Whether two picks are of one part by one arm, and their grasps preferred alike."""
     a, b = one.candidate, other.candidate
     return (a.arm, a.detection, a.grasp.priority) == (b.arm, b.detection, b.grasp.priority)
-
-
-def arm_seconds(one: ArmPlan) -> float:
-    """How long an arm is at work [s]."""
-    return sum(leg.seconds for leg in one.legs)
 
 
 def _assignments(

@@ -197,10 +197,10 @@ def _grasp_solutions(
     if not found:
         return [], Verdict(Reason.OUT_OF_REACH, Stage.GRASP, distance=float(nearest), q=q_nearest)
     world.enter(approach_phase(candidate, arm))
-    times = pace.seconds(known[: len(found)] - home)
+    times: list[float] = pace.seconds(known[: len(found)] - home).tolist()
     clear: list[tuple[float, Floats, pin.SE3, float]] = []
     refusal: Verdict | None = None
-    for k in np.argsort(times, kind="stable").tolist():
+    for k in sorted(range(len(found)), key=times.__getitem__):
         q, T_world_tcp = found[k]
         contact, room = world.worst(world.configuration({arm.name: q}), reach=CLOSE)
         if contact is not None and room < 0:
