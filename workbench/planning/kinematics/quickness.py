@@ -61,6 +61,12 @@ def between(q: Floats, stops: Floats, pace: Pace) -> Floats:
     return pace.seconds(q[:, None] - stops).sum(axis=1)
 
 
+def legs_seconds(ends: Floats, pace: Pace) -> float:
+    """What legs from each of `ends` (m, n) [rad] to the next take at least [s], at rest between."""
+    far = np.diff(ends, axis=0)
+    return float(pace.seconds(far).sum())
+
+
 def drawn(chain: Chain, T_world_tcp: pin.SE3, q: Floats, stops: Floats, pace: Pace) -> Floats:
     """Configurations (k, n) [rad] moved along their families, to be nearer in time to `stops`.
 

@@ -224,7 +224,7 @@ def _alike(request: _Request, assigned: Sequence[Pick], *, is_free: bool) -> lis
         less, more = sorted(pick.seconds for pick in picks)
         return more + (0.0 if ends_are_clear(world, picks) else WAITING * less)
 
-    others = sorted(product(*choices), key=promise)
+    others: list[Sequence[Pick]] = sorted(product(*choices), key=promise)
     return others if is_free else [assigned, *(one for one in others if one != tuple(assigned))]
 
 

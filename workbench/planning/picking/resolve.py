@@ -20,7 +20,7 @@ from workbench.planning.collision.world import World
 from workbench.planning.grasps.every_turn import uneven
 from workbench.planning.grasps.rolls import UNSEEN, with_rolls
 from workbench.planning.kinematics.chain import Chain, is_solution
-from workbench.planning.kinematics.quickness import drawn, pace_of
+from workbench.planning.kinematics.quickness import drawn, legs_seconds, pace_of
 from workbench.planning.kinematics.straight import follow
 from workbench.planning.picking.lifts import clear_lifts, free_lifts, has_several
 from workbench.planning.picking.put_down import at_places, ways_down
@@ -42,11 +42,8 @@ MOST_CLEAR = 8
 SOON = 0.6
 """[s] Half of the random starting points are where joints at full speed get from home in this."""
 
-CLOSE = 0.01
-"""[m] Less room than this counts like up to `DETOUR` of extra time."""
-
-DETOUR = 0.1
-"""[s] See `CLOSE`."""
+CLOSE, DETOUR = 0.01, 0.1
+"""[m, s] Less room than this counts like up to so much extra time."""
 
 
 def resolve(world: World, candidate: Candidate, *, seed: int) -> Pick | Verdict:
@@ -273,17 +270,11 @@ def _completed(
         if isinstance(place, Verdict):
             # No other lift makes the places come nearer.
             return place
-        seconds = _seconds(world, arm, approach, extract, place)
+        straight = [way[[0, -1]] for way in (approach, extract, place)]
+        ends = np.vstack([arm.home, *straight, arm.home])
+        seconds = legs_seconds(ends, pace_of(world.chains[arm.name], world.policy.speed))
         return Pick(candidate, T_tcp_part, approach, extract, place, room, seconds, lift=name)
     return refusal or Verdict(Reason.EXTRACT_BLOCKED, Stage.EXTRACT)
-
-
-def _seconds(world: World, arm: Arm, *straight: Floats) -> float:
-    """What the legs of an arm take at least [s], from rest to rest each, by its straight ways."""
-    ends = [np.asarray(arm.home), *(q for way in straight for q in (way[0], way[-1])), arm.home]
-    far = np.diff(np.array(ends), axis=0)
-    pace = pace_of(world.chains[arm.name], world.policy.speed)
-    return float(pace.seconds(far[np.abs(far).max(axis=1) > 0.0]).sum())
 
 
 def _approach(
