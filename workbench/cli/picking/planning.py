@@ -50,8 +50,9 @@ def plan(typed: arguments.Plan) -> int:
         check_whole("--iterations", typed.iterations, 1, MOST_ITERATIONS)
     cell = read_cell(typed.cell)
     check_strategy(cell, typed.strategy)
-    check_whole("--picks", typed.picks, 1, MOST_PICKS)
-    check_picks(cell, typed.picks)
+    picks = cell.policy.picks if typed.picks is None else typed.picks
+    check_whole("--picks", picks, 1, MOST_PICKS)
+    check_picks(cell, picks)
     if typed.margin is not None:
         check_number("--margin", typed.margin, cell.policy.margin, LARGEST_MARGIN)
     if typed.metric is not None:
@@ -72,7 +73,7 @@ def plan(typed: arguments.Plan) -> int:
             cell,
             detections,
             digest_of(detections),
-            picks=typed.picks,
+            picks=picks,
             strategy=typed.strategy,
             threshold=typed.threshold,
             overrides=overrides,
