@@ -10,7 +10,7 @@ from rounded import RoundedPolyline
 from workbench.planning.collision.motion import RESOLUTION, chain_contact, curves_of, segment
 from workbench.planning.collision.pairing import Phase
 from workbench.planning.collision.world import World
-from workbench.planning.picking.execution import timed
+from workbench.planning.kinematics.execution import timed
 
 
 @settings(max_examples=50, deadline=None)
