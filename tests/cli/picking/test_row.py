@@ -70,6 +70,19 @@ def test_it_says_by_the_numbers_of_the_scan_what_follows_and_why_no_more(
     assert "nothing in a row after that: no part is left" in told.out
 
 
+def test_where_nobody_says_another_number_it_is_the_cells(say, path, poses, tmp_path):
+    cell = tmp_path / "cell.toml"
+    text = path.read_text()
+    assert text.count("[policy]") == 1
+    cell.write_text(text.replace("[policy]", "[policy]\npicks = 2"))
+    out = tmp_path / "plan.json"
+    told = say("plan", cell, "--poses", poses, "--out", out, "--json")
+    assert told.code == 0, told.err
+    assert len(json.loads(told.out)["row"]) == 1
+    told = say("plan", cell, "--poses", poses, "--out", out, "--picks", 1, "--json")
+    assert told.code == 0 and json.loads(told.out)["row"] == []
+
+
 def test_without_being_asked_there_is_one_plan(say, path, poses, tmp_path):
     out = tmp_path / "plan.json"
     told = say("plan", path, "--poses", poses, "--out", out, "--json")

@@ -8,7 +8,9 @@ from hypothesis import strategies as st
 from scipy.spatial import ConvexHull
 
 from workbench.formats.files.shipped import find
-from workbench.formats.meshes.convex_pieces import MOST_CORNERS, cache_folder, pieces_of
+from workbench.formats.meshes.convex_pieces import pieces_of
+from workbench.formats.meshes.cutting import MOST_CORNERS
+from workbench.formats.meshes.kept import cache_folder
 from workbench.formats.meshes.reading import as_convex
 from workbench.model.geometry import Mesh
 
@@ -75,15 +77,19 @@ def test_pieces_are_convex_to_whoever_reads_them_again(tmp_path):
 
 def test_what_was_divided_once_is_not_divided_again(own_cache, monkeypatch):
     first = pieces_of(bracket(), tolerance=0.01)
-    assert len(list(own_cache.iterdir())) == 1
+    kept = set(own_cache.iterdir())
 
     def never(*_):
         raise AssertionError("divided again")
 
-    monkeypatch.setattr("workbench.formats.meshes.convex_pieces._by_coacd", never)
+    monkeypatch.setattr("workbench.formats.meshes.cutting._by_coacd", never)
     again = pieces_of(bracket(), tolerance=0.01)
-    for one, other in zip(first.pieces, again.pieces, strict=True):
+    closer = pieces_of(bracket(), tolerance=0.009)
+    for one, other, third in zip(first.pieces, again.pieces, closer.pieces, strict=True):
         assert np.array_equal(one.points, other.points)
+        assert np.array_equal(one.points, third.points)
+    assert again.excess == first.excess
+    assert len(kept) < len(set(own_cache.iterdir())) == 3, "what was cut, and what two made of it"
 
 
 @pytest.mark.parametrize(
@@ -91,8 +97,8 @@ def test_what_was_divided_once_is_not_divided_again(own_cache, monkeypatch):
 )
 def test_a_spoiled_cache_is_made_anew(own_cache, content):
     first = pieces_of(bracket(), tolerance=0.01)
-    (kept,) = own_cache.iterdir()
-    kept.write_bytes(content)
+    for kept in own_cache.iterdir():
+        kept.write_bytes(content)
     again = pieces_of(bracket(), tolerance=0.01)
     assert len(again.pieces) == len(first.pieces)
 

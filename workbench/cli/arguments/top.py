@@ -185,9 +185,10 @@ class Plan:
     """Distance [m] kept to everything on free legs, at least the cell's."""
     metric: float | None = None
     """How much each joint counts of the one before it when planners measure, 0.05 to 1."""
-    picks: int = 1
+    picks: int | None = None
     """Plans in a row at most, each proven in the scene that those before leave, as far as no part
-    that stays may have moved; the second is written to OUT-2.json, and so on."""
+    that stays may have moved; the second is written to OUT-2.json, and so on; the cell's when not
+    given."""
     protocol: str | None = None
     """Robot link that it is meant for, see `workbench plugins`; that of the cell when not given."""
     seed: Seed = 0

@@ -53,8 +53,9 @@ def plan(typed: arguments.Plan) -> int:
     if typed.protocol is not None:
         cell = spoken_to_by(cell, typed.protocol)
     check_strategy(cell, typed.strategy)
-    check_whole("--picks", typed.picks, 1, MOST_PICKS)
-    check_picks(cell, typed.picks)
+    picks = cell.policy.picks if typed.picks is None else typed.picks
+    check_whole("--picks", picks, 1, MOST_PICKS)
+    check_picks(cell, picks)
     if typed.margin is not None:
         check_number("--margin", typed.margin, cell.policy.margin, LARGEST_MARGIN)
     if typed.metric is not None:
@@ -75,7 +76,7 @@ def plan(typed: arguments.Plan) -> int:
             cell,
             detections,
             digest_of(detections),
-            picks=typed.picks,
+            picks=picks,
             strategy=typed.strategy,
             threshold=typed.threshold,
             overrides=overrides,

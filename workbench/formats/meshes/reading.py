@@ -1,16 +1,16 @@
 """Triangle meshes from files, in metres."""
 
 import xml.etree.ElementTree as ElementTree
+from functools import lru_cache
 from io import BytesIO
 from pathlib import Path
 
 import numpy as np
-import trimesh
-from scipy.spatial import QhullError
 
 from workbench.formats.clouds.pcd import read_pcd
 from workbench.formats.files.toml_keys import shown
 from workbench.formats.files.whole_files import MB, is_file, read_whole
+from workbench.formats.meshes.kept import kept, packed, recipe, unpacked
 from workbench.formats.meshes.repair import examined
 from workbench.model.errors import FileError
 from workbench.model.geometry import Floats, Mesh
@@ -18,6 +18,8 @@ from workbench.model.geometry import Floats, Mesh
 KINDS = (".stl", ".obj", ".ply", ".glb", ".dae", ".off", ".pcd")
 """Of mesh files.  Among what else trimesh reads are archives, and these may hold any amount."""
 LARGEST_MESH = 100 * MB
+LARGEST_KEPT = 8 * MB
+"""Of a file whose triangles are kept: reading a larger one takes longer than starting to."""
 MOST_TRIANGLES = 1_000_000
 MOST_FACES = 4_000
 """Of a convex piece: one with more is no simple piece, and slow to check."""
@@ -33,30 +35,50 @@ MOST_NEIGHBOURS = 254
 """Of one corner of a convex mesh: Coal counts them in one byte."""
 
 
-def read_mesh(path: Path, scale: Floats | float = 1.0) -> Mesh:
+def read_mesh(path: Path, scale: Floats | float = 1.0, *, is_piece: bool = False) -> Mesh:
     """The triangles of an STL, OBJ, PLY, GLB, DAE or OFF file, multiplied by `scale`, no unit.
 
     One number, or (3,) for the axes, makes metres of the file's lengths.  Numbers below zero mirror
-    it; what was outside stays outside.
+    it; what was outside stays outside.  With `is_piece` its file calls it convex (`as_convex`).
 
     A PCD file is a part taught by scanning it: its convex hull, in a frame in the middle of its
     points.
 
     Raises:
         FileError: not there, of another kind, too large, not a mesh, empty, not finite, or of a
-            size that speaks for another unit.
+            size that speaks for another unit; or not convex, though it should be.
     """
     if not is_file(path):
         raise FileError(path, "there is no such mesh file")
-    if path.suffix.lower() not in KINDS:
+    kind = path.suffix.lower()
+    if kind not in KINDS:
         raise FileError(path, f"is no mesh that can be read: one of {', '.join(KINDS)} is expected")
-    if path.stat().st_size > LARGEST_MESH:
-        raise FileError(path, f"is larger than {LARGEST_MESH / MB:g} MB")
-    if path.suffix.lower() == ".pcd":
-        return _taught(path, scale)
+    content = read_whole(path, LARGEST_MESH)
+
+    def made() -> Mesh:
+        read = _taught if kind == ".pcd" else _loaded
+        mesh = read(path, content, scale)
+        return as_convex(path, mesh) if is_piece else mesh
+
+    if len(content) > LARGEST_KEPT:
+        return made()
+    axes = np.broadcast_to(np.asarray(scale, np.float64), 3).tobytes()
+    found = kept(f"{_recipe()} {kind} {is_piece}", [axes, content], lambda: packed([made()]))
+    return unpacked(found)[0] if found else made()
+
+
+@lru_cache(maxsize=1)
+def _recipe() -> str:
+    return recipe(__file__, "trimesh", "scipy", "pycollada")
+
+
+def _loaded(path: Path, content: bytes, scale: Floats | float) -> Mesh:
+    import trimesh  # takes a while, and is seldom needed
+
+    kind = path.suffix[1:].lower()
     try:
-        source = _bare_collada(path) if path.suffix.lower() == ".dae" else path
-        loaded = trimesh.load_mesh(source, file_type=path.suffix[1:].lower(), process=False)
+        source = _bare_collada(content) if kind == "dae" else BytesIO(content)
+        loaded = trimesh.load_mesh(source, file_type=kind, process=False)
     except Exception as error:  # the loaders behind trimesh raise whatever they like
         raise FileError(path, f"cannot be read as a mesh: {shown(str(error))}") from None
     triangles = np.asarray(loaded.faces)
@@ -81,12 +103,12 @@ def read_mesh(path: Path, scale: Floats | float = 1.0) -> Mesh:
 MATERIALS = ("bind_material", "library_images", "library_effects", "library_materials")
 
 
-def _bare_collada(path: Path) -> BytesIO:
+def _bare_collada(content: bytes) -> BytesIO:
     """A DAE file without what it says of colours.
 
     Its reader leaves out the bodies whose picture is missing: the robot would have a hole.
     """
-    root = ElementTree.parse(path).getroot()
+    root = ElementTree.fromstring(content)
     for parent in root.iter():
         for child in list(parent):
             if child.tag.rpartition("}")[2] in MATERIALS:
@@ -94,8 +116,8 @@ def _bare_collada(path: Path) -> BytesIO:
     return BytesIO(ElementTree.tostring(root))
 
 
-def _taught(path: Path, scale: Floats | float) -> Mesh:
-    points, _ = read_pcd(path, read_whole(path, LARGEST_MESH), MOST_TRIANGLES)
+def _taught(path: Path, content: bytes, scale: Floats | float) -> Mesh:
+    points, _ = read_pcd(path, content, MOST_TRIANGLES)
     # Many scanners put pixels without a measurement at exactly (0, 0, 0).
     points = points[np.isfinite(points).all(axis=1) & points.any(axis=1)] * scale
     if len(points) < 4:
@@ -113,6 +135,9 @@ def convex_hull(mesh: Mesh) -> Mesh | None:
     """The convex hull as a solid convex mesh; None when all points lie in one plane."""
     if _is_flat(np.asarray(mesh.points)):
         return None
+    import trimesh
+    from scipy.spatial import QhullError
+
     try:
         hull = trimesh.Trimesh(mesh.points, mesh.triangles, process=False).convex_hull
     except QhullError:

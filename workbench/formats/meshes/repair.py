@@ -3,8 +3,6 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import connected_components
 
 from workbench.model.geometry import Bools, Floats, Ints, Mesh
 
@@ -146,8 +144,7 @@ def _turned(triangles: Ints) -> Bools:
     differ = (edges[one, 0] == edges[other, 0]).astype(np.int64)
     rows = np.concatenate([owner[one], owner[one] + count])
     columns = np.concatenate([owner[other] + count * differ, owner[other] + count * (1 - differ)])
-    graph = coo_matrix((np.ones(len(rows)), (rows, columns)), (2 * count, 2 * count))
-    way = connected_components(graph, directed=False)[1]
+    way = _connected(rows, columns, 2 * count)
     as_it_is, turned = way[:count], way[count:]
     fitting = np.bincount(as_it_is, minlength=int(way.max()) + 1)
     more = fitting[turned] - fitting[as_it_is]
@@ -160,13 +157,21 @@ def _compact(points: Floats, triangles: Ints) -> Mesh:
     return Mesh(points[used], number.reshape(-1, 3))
 
 
+def _connected(rows: Ints, columns: Ints, count: int) -> Ints:
+    """Which of `count` nodes hang together by edges (m,) from `rows` to `columns`: labels (n,)."""
+    from scipy.sparse import coo_matrix  # takes a while, and meshes that were kept need none
+    from scipy.sparse.csgraph import connected_components
+
+    graph = coo_matrix((np.ones(len(rows)), (rows, columns)), (count, count))
+    return connected_components(graph, directed=False)[1]
+
+
 def _component_of(mesh: Mesh) -> Ints:
     """The number of the connected piece of each triangle (m,), counted from 0."""
     triangles = np.asarray(mesh.triangles)
     count = len(mesh.points)
     pairs = np.concatenate([triangles[:, :2], triangles[:, 1:]])
-    graph = coo_matrix((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), (count, count))
-    labels = connected_components(graph, directed=False)[1][triangles[:, 0]]
+    labels = _connected(pairs[:, 0], pairs[:, 1], count)[triangles[:, 0]]
     return np.unique(labels, return_inverse=True)[1].ravel()
 
 

@@ -1,17 +1,22 @@
 """Solids as triangles: for drawing, and for programs that know nothing but meshes."""
 
+from __future__ import annotations
+
 from collections.abc import Iterable
-from typing import assert_never
+from typing import TYPE_CHECKING, assert_never
 
 import numpy as np
-import trimesh
-from trimesh.exchange.stl import export_stl
 
 from workbench.model.geometry import Box, Capsule, Cylinder, Mesh, Shape, Solid, Sphere
+
+if TYPE_CHECKING:
+    import trimesh  # takes half a second, which who only reads a cell need not wait for
 
 
 def triangles_of(shape: Shape) -> trimesh.Trimesh:
     """The surface of a shape in its own frame [m]."""
+    import trimesh
+
     match shape:
         case Box(size=size):
             return trimesh.creation.box(extents=np.array(size))
@@ -31,6 +36,8 @@ def triangles_of(shape: Shape) -> trimesh.Trimesh:
 
 def joined(surfaces: list[trimesh.Trimesh]) -> trimesh.Trimesh:
     """Several surfaces as one."""
+    import trimesh
+
     offsets = np.cumsum([0, *(len(surface.vertices) for surface in surfaces)])
     return trimesh.Trimesh(
         np.concatenate([surface.vertices for surface in surfaces]),
@@ -53,4 +60,6 @@ def surface_of(solids: Iterable[Solid]) -> trimesh.Trimesh:
 
 def stl_of(surface: trimesh.Trimesh) -> bytes:
     """A surface as the content of a binary STL file [m]."""
+    from trimesh.exchange.stl import export_stl
+
     return export_stl(surface)

@@ -9,7 +9,7 @@ from workbench.formats.files.toml_keys import shown
 from workbench.formats.files.whole_files import is_file
 from workbench.formats.files.xml_elements import Element
 from workbench.formats.meshes.convex_pieces import hull_of
-from workbench.formats.meshes.reading import as_convex, read_mesh
+from workbench.formats.meshes.reading import read_mesh
 from workbench.model.geometry import (
     Box,
     Capsule,
@@ -95,9 +95,9 @@ class Shapes:
             raise element.error(f"scale={_listed(scale)}: would make it flat")
         key = (file, tuple(scale.tolist()))
         if key not in self._meshes:
-            mesh = read_mesh(file, scale * self._mesh_scale)
             is_piece = file.name.endswith(".convex.obj")
-            self._meshes[key] = as_convex(file, mesh) if is_piece else mesh
+            scale = scale * self._mesh_scale
+            self._meshes[key] = read_mesh(file, scale, is_piece=is_piece)
         return self._meshes[key]
 
     def _hull(self, mesh: Mesh, element: Element) -> Mesh:

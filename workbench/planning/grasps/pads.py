@@ -4,7 +4,6 @@ from dataclasses import dataclass
 
 import numpy as np
 import pinocchio as pin
-from scipy.spatial import ConvexHull
 
 from workbench.model.cell import Tool
 from workbench.model.geometry import Box, Capsule, Cylinder, Floats, Ints, Mesh, Shape, Sphere
@@ -139,6 +138,8 @@ class Pads:
 
 def _hull(shape: Shape, T_tcp_shape: pin.SE3) -> tuple[Floats, Ints]:
     """Corners (n, 3) [m] in the TCP frame and triangles of the hull of a shape, facing outward."""
+    from scipy.spatial import ConvexHull  # takes a while, and planning asks for no hulls
+
     hull = ConvexHull(outline(shape))
     corners, triangles = hull.points, hull.simplices.copy()
     a, b, c = corners[triangles.T]
