@@ -25,7 +25,7 @@ HALVINGS, FEWER = 45, 20
 NEAR = 1e-9
 """Share of a squared speed that rounding may decide."""
 
-SHARES = np.array([1.0, 0.85, 0.64, 0.3, 0.1, 0.0])
+SHARES = np.array([1.0, 0.97, 0.93, 0.85, 0.75, 0.64, 0.5, 0.36, 0.2, 0.1, 0.03, 0.0])
 """Of the fastest squared speed at a waypoint, which are tried where simpler ways find nothing."""
 
 
