@@ -75,7 +75,7 @@ def _found(path: Path) -> Arrays | None:
 
 
 def packed(meshes: Iterable[Mesh]) -> dict[str, NDArray[np.generic]]:
-    """Meshes as arrays to keep."""
+    """Meshes as arrays to keep: points (n, 3) [m], triangles (m, 3), is convex."""
     arrays: dict[str, NDArray[np.generic]] = {}
     for number, mesh in enumerate(meshes):
         arrays[f"p{number}"] = np.asarray(mesh.points)
