@@ -179,7 +179,8 @@ function draw() {
   put("go", step === ASKED ? word("Begin") : word("Go to it"));
   put("leave", step === ASKED ? word("Not now") : step === OVER ? word("Close") : word("Leave the tour"));
   go.hidden = step === OVER;
-  go.disabled = step !== ASKED && !target;
+  // What is greyed out takes no focus: its time has not come yet.
+  go.disabled = step !== ASKED && (!target || target.disabled === true);
   if (target !== shown) target?.scrollIntoView({ block: "nearest" });
   shown = target;
   place(target);
@@ -229,6 +230,8 @@ call.addEventListener("click", () => {
 go.addEventListener("click", () => {
   if (stands === "asked") begin();
   else {
+    // What was pointed at last may have been made anew since.
+    draw();
     scene.contentWindow.focus();
     shown?.focus();
   }

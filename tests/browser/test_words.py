@@ -47,7 +47,7 @@ LETTERS = re.compile(r"[^\W\d_]{2,}")
 
 NAMES = re.compile(
     r"""
-    Anna|Bert|Workbench|Cell\ tested|yumi|keyed_cylinder|smart_gripper|abb-socket/2|
+    Anna|Bert|Workbench|\btested\b|yumi|keyed_cylinder|smart_gripper|abb-socket/2|
     (?<!\w)(left|right|side)(?!\w)|part-\d+|side(-\d)+|[\w]+_[\w]+|\b[0-9a-f]{12,64}\b|
     \b(palm|deg|mm|ms|kg)\b|\.(stl|obj|ply|glb|stp|step)\b|certificate-[0-9a-f]+\.json|
     Collapse\ panel\ area|.*WebGL.*

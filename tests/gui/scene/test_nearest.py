@@ -11,7 +11,9 @@ from workbench.app.core.commands import (
     UseScan,
 )
 from workbench.app.core.people import Person, Role
+from workbench.app.picking.facts import nearest_place
 from workbench.gui.scene.nearest import PlanLinks
+from workbench.gui.shared.playback import timeline
 
 
 def test_who_is_not_in_control_but_approves_sees_it(visitor, bench, scan, detections, result):
@@ -22,8 +24,13 @@ def test_who_is_not_in_control_but_approves_sees_it(visitor, bench, scan, detect
     visitor.person = Person("Bob", Role.OPERATOR)
     visitor.client.camera = SimpleNamespace()
     visitor.client.atomic = nullcontext
-    visitor.look._look.change(candidate=0)
+    visitor.look._look.change(candidate=0, time=3.0)
     PlanLinks(visitor)._go()
     look = visitor.look.now
-    assert look.time > 0 and look.time == visitor.own.now.visited.time
+    near = result.proof.nearest
+    (run,) = [
+        one for one in timeline(result.plan) if (one.arm, one.leg.name) == (near.arm, near.leg)
+    ]
+    spot = nearest_place(bench.state.cell, result.plan, result.proof)
+    assert look.time == visitor.own.now.visited.time == run.start + spot.seconds < 3.0
     assert look.candidate is None and not look.follows

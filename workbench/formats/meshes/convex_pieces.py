@@ -4,13 +4,14 @@ Convex pieces are what the collision checker is quick and sure with.  What was c
 """
 
 from dataclasses import dataclass
-from functools import lru_cache
-from pathlib import Path
 
 import numpy as np
 
 from workbench.formats.meshes.kept import Arrays, content_of, kept, packed, recipe, unpacked
 from workbench.model.geometry import Mesh
+
+ASKED = ("coacd", "scipy", "trimesh")
+"""Distributions whose version decides what comes out."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -37,14 +38,13 @@ def pieces_of(mesh: Mesh, *, tolerance: float, most: int = 8) -> Pieces | None:
     """
 
     def cut() -> Arrays | None:
-        from workbench.formats.meshes import (
-            cutting,  # takes a while to import, and is seldom needed
-        )
+        # It takes a while to import, and is seldom needed.
+        from workbench.formats.meshes import cutting
 
         found = cutting.cut(mesh, tolerance, most)
         return found and {**packed(found[0]), "excess": np.array(found[1])}
 
-    found = kept(f"pieces {_recipe()} {tolerance!r} {most}", content_of(mesh), cut)
+    found = kept(f"pieces {recipe(*ASKED)} {tolerance!r} {most}", content_of(mesh), cut)
     return None if found is None else Pieces(unpacked(found), float(found["excess"]))
 
 
@@ -60,10 +60,5 @@ def hull_of(mesh: Mesh) -> Mesh | None:
         hull = cutting.hull(mesh)
         return hull and packed([hull])
 
-    found = kept(f"hull {_recipe()}", content_of(mesh), made)
+    found = kept(f"hull {recipe(*ASKED)}", content_of(mesh), made)
     return None if found is None else unpacked(found)[0]
-
-
-@lru_cache(maxsize=1)
-def _recipe() -> str:
-    return recipe(str(Path(__file__).with_name("cutting.py")), "coacd", "scipy", "trimesh")

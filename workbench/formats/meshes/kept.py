@@ -10,7 +10,7 @@ import os
 import zipfile
 import zlib
 from collections.abc import Callable, Iterable, Mapping
-from functools import lru_cache
+from functools import cache, lru_cache
 from importlib.metadata import version
 from io import BytesIO
 from pathlib import Path
@@ -27,15 +27,17 @@ Arrays = Mapping[str, NDArray[np.generic]]
 LARGEST_KEPT = 64 * MB
 
 
-def recipe(source: str, *libraries: str) -> str:
-    """What a kept result depends on beside its content: the code that makes it.
+@cache
+def recipe(*libraries: str) -> str:
+    """What a kept result depends on beside its content: the code of this folder, which makes it.
 
     Args:
-        source: the path of that code, `__file__`: changed code makes everything anew.
         libraries: distributions that it asks; those of another version may make something else.
     """
-    code = hashlib.sha256(Path(source).read_bytes()).hexdigest()
-    return " ".join([code, *(f"{name} {version(name)}" for name in libraries)])
+    code = hashlib.sha256()
+    for source in sorted(Path(__file__).parent.glob("*.py")):
+        code.update(source.read_bytes())
+    return " ".join([code.hexdigest(), *(f"{name} {version(name)}" for name in libraries)])
 
 
 def kept(recipe: str, content: Iterable[bytes], make: Callable[[], Arrays | None]) -> Arrays | None:

@@ -1,7 +1,6 @@
 """Triangle meshes from files, in metres."""
 
 import xml.etree.ElementTree as ElementTree
-from functools import lru_cache
 from io import BytesIO
 from pathlib import Path
 
@@ -60,16 +59,13 @@ def read_mesh(path: Path, scale: Floats | float = 1.0, *, is_piece: bool = False
         mesh = read(path, content, scale)
         return as_convex(path, mesh) if is_piece else mesh
 
-    if len(content) > LARGEST_KEPT:
+    # What reads points of a scanner is code of another folder, which a recipe does not know of.
+    if len(content) > LARGEST_KEPT or kind == ".pcd":
         return made()
     axes = np.broadcast_to(np.asarray(scale, np.float64), 3).tobytes()
-    found = kept(f"{_recipe()} {kind} {is_piece}", [axes, content], lambda: packed([made()]))
+    how = f"mesh {recipe('trimesh', 'scipy', 'pycollada')} {kind} {is_piece}"
+    found = kept(how, [axes, content], lambda: packed([made()]))
     return unpacked(found)[0] if found else made()
-
-
-@lru_cache(maxsize=1)
-def _recipe() -> str:
-    return recipe(__file__, "trimesh", "scipy", "pycollada")
 
 
 def _loaded(path: Path, content: bytes, scale: Floats | float) -> Mesh:

@@ -235,9 +235,9 @@ def forecast_line(cell: Cell, predictions: Predictions | None, threshold: float)
     ]
     said = ", ".join(piece for piece in pieces if piece)
     changed = "" if predictions.cell_digest == cell.digest else "; the cell was changed since"
-    where = f"{predictions.piles} simulated pairs at {mm(forecast.threshold, 0)}"
-    text = f"Of {where}: {said}{changed}"
-    return line(text, kind="hint")
+    piles, distance = predictions.piles, mm(forecast.threshold, 0)
+    where = f"Of {piles} simulated pairs at {distance}"
+    return line(f"{where}: {said}{changed}", kind="hint")
 
 
 def _takes(state: State) -> str:

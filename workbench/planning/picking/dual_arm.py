@@ -190,7 +190,7 @@ def _enter(world: World, pair: Pair) -> None:
 
 
 def _sweep_of(world: World, task: Task) -> ArmSweep:
-    curves = walked(np.asarray(task.leg.q), world.policy.zone)
+    curves = walked(np.asarray(task.leg.q), world.motion, world.policy.zone)
     return ArmSweep(task.plan.arm, curves.points)
 
 
@@ -216,7 +216,7 @@ def _around(world: World, pair: Pair, rng: np.random.Generator) -> Iterator[Pair
         lead = lead_of(task.leg, world.policy.straight_points)
         begin = standing(task.plan.arm, lead[0])
         if len(lead) > 1:
-            begin = ArmSweep(task.plan.arm, walked(lead, world.policy.zone).points)
+            begin = ArmSweep(task.plan.arm, walked(lead, world.motion, world.policy.zone).points)
         ends = (begin, standing(task.plan.arm, goal))
         if any(first_contact(world, base, end, way) is not None for end in ends):
             continue

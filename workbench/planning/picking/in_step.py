@@ -41,7 +41,7 @@ def in_step(
         if world.contact(whole) is not None:
             return None
     lead = np.hstack([lead_of(leg, policy.straight_points) for leg in legs])
-    if len(lead) > 1 and check(walked(lead, policy.zone)) is not None:
+    if len(lead) > 1 and check(walked(lead, world.motion, policy.zone)) is not None:
         return None
     if MOTIONS[name] == "joint":
         chains = [world.chains[plan.arm] for plan in plans]
@@ -70,7 +70,7 @@ def in_step(
         if len(legs[0].q) != len(legs[1].q):
             return None
         path = np.hstack([legs[0].q, legs[1].q])
-        if check(walked(path, policy.zone)) is not None:
+        if check(walked(path, world.motion, policy.zone)) is not None:
             return None
     return _timed(world, plans, legs, path)
 

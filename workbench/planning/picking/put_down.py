@@ -144,7 +144,7 @@ def _straight_down(
             continue
         path = world.motion.rounded(path[::-1])
         world.enter(phase)
-        met = path_contact(world, columns, base, path, policy.zone)
+        met = path_contact(world, columns, base, path)
         if met is None:
             yield path
         else:
@@ -294,7 +294,7 @@ def _met(world: World, arm: Arm, path: Floats) -> Verdict | None:
     if len(among) == 0:
         return None
     columns, base = world.kinematics.columns[arm.name], world.configuration({})
-    found = path_contact(world, columns, base, path, world.policy.zone, among=among)
+    found = path_contact(world, columns, base, path, among)
     if found is None:
         return None
     contact, q, _ = found
@@ -320,7 +320,7 @@ def _way_out(world: World, pick: Pick, arm: Arm, phase: Phase, q_place: Floats) 
         path = world.motion.rounded(path)
         world.enter(phase)
         world.allow_start_contacts(world.configuration({arm.name: q_place}))
-        found = path_contact(world, columns, base, path, policy.zone)
+        found = path_contact(world, columns, base, path)
         found = found or comes_back(world, (arm.name,), columns, base, path)
         if found is None:
             return path

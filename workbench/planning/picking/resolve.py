@@ -292,7 +292,7 @@ def _approach(
     path[-1] = q_grasp
     base = world.configuration({})
     world.enter(approach_phase(candidate, arm))
-    found = path_contact(world, columns, base, path, policy.zone)
+    found = path_contact(world, columns, base, path)
     if found is None:
         world.enter(Phase(frozenset({arm.name}), {arm.name: grasp.opening}))
         q = path[0]
@@ -329,11 +329,11 @@ def _extract(
     sunk = world.allow_start_contacts(world.configuration({arm.name: q_grasp}))
     if sunk is not None:
         return replace(_refused(Reason.IN_COLLISION, Stage.EXTRACT, sunk, q_grasp), note=TOO_DEEP)
-    found = path_contact(world, columns, base, path, policy.zone)
+    found = path_contact(world, columns, base, path)
     if found is None:
         with world.at_full_margins():
             free = _beyond(chain, path, policy.release)
-            found = path_contact(world, columns, base, free, policy.zone)
+            found = path_contact(world, columns, base, free)
     if found is None:
         world.enter(holding_phase(candidate, arm, T_tcp_part, straight=False))
         q = path[-1]

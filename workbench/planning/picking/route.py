@@ -169,7 +169,7 @@ def along_placed(world: World, arm: str, path: Floats) -> Contact | None:
     if len(among) == 0:
         return None
     columns, base = world.kinematics.columns[arm], world.configuration({})
-    found = path_contact(world, columns, base, path, world.policy.zone, among=among)
+    found = path_contact(world, columns, base, path, among)
     return None if found is None else found[0]
 
 

@@ -21,6 +21,10 @@ from workbench.planning.planners.ease import eased
 from workbench.planning.planners.shorten import merged, resampled, shortened, skipped
 from workbench.plugins.planner import EdgeCheck, Planner, planner_named
 
+FINE = 0.0001
+"""[m] The resolution of the last look at a path, whose corners have been moved up to what they
+would touch: five times finer than that of the proof, which looks at other configurations."""
+
 TRIES = 3
 """Free paths searched before giving up: rounding to the wire and the corners may spoil one."""
 
@@ -75,7 +79,7 @@ def searched(
             if path is None:
                 break
             for sent in _forms(path, is_clear, policy, motion, pace):
-                met = check(_walked_from(before, sent, policy.zone))
+                met = check(_walked_from(before, sent, motion, policy.zone))
                 if met is None:
                     return sent
     except _Late:
@@ -113,11 +117,11 @@ def onward(
     return path if isinstance(path, Verdict) else np.vstack([lead[:-1], path])
 
 
-def _walked_from(before: Floats | None, path: Floats, zone: float) -> Curves:
+def _walked_from(before: Floats | None, path: Floats, motion: MotionModel, zone: float) -> Curves:
     """All curves of a path, with the corner at its start where it comes from `before`."""
     if before is None:
-        return walked(path, zone)
-    curves = walked(np.vstack([before, path]), zone)
+        return walked(path, motion, zone)
+    curves = walked(np.vstack([before, path]), motion, zone)
     return Curves(curves.points[1:], curves.waypoints[1:])
 
 
@@ -129,7 +133,7 @@ def curve_check(world: World, columns: Ints, base: Floats) -> Check:
     """Whether motions of the joints `columns` (n,) are clear, others at `base` (nq,) [rad, m]."""
 
     def check(curves: Curves) -> tuple[Contact, Floats] | None:
-        found = chain_contact(world, columns, base, curves)
+        found = chain_contact(world, columns, base, curves, FINE)
         return None if found is None else found[:2]
 
     return check
@@ -157,12 +161,13 @@ def _forms(
     """A path (m, n) [rad] in the forms in which it may be sent, the quickest first.
 
     With its corners where it takes less time, and nothing between them, so that they are rounded
-    widely; then with corners cut and narrow, which touch less.
+    widely; then with corners cut and narrow, which touch less.  Where it is streamed, wide corners
+    might be cut by half of what is beside them.
     """
     if len(path) > 2 and pace is not None:
         limits = pace.velocity, pace.acceleration
         quick = eased(skipped(path, is_clear), is_clear, *limits, policy.zone)
-        if len(quick) > 2:
+        if len(quick) > 2 and motion.corners != "streamed":
             yield _rounded(quick, motion)
         yield as_sent(quick, is_clear, policy.free_points, motion)
     yield as_sent(path, is_clear, policy.free_points, motion)

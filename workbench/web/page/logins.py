@@ -166,8 +166,9 @@ class Logins:
     def _form(
         self, request: web.Request, status: int, problem: str, name: str = "", pieces: str = ""
     ) -> web.Response:
-        said = words_of(language_of(request)).say(problem)
-        values = {"title": self._title, "problem": said, "user": name, "pieces": pieces}
+        say = words_of(language_of(request)).say
+        title, said = say(self._title), say(problem)
+        values = {"title": title, "problem": said, "user": name, "pieces": pieces}
         return self._pages.page(request, "login.html", status, **values)
 
 

@@ -24,15 +24,15 @@ class Shell:
         """The page, or the way to the login."""
         session = session_of(request)
         if session is not None:
-            person = session.person
+            person, words = session.person, words_of(language_of(request))
             role = person.role.value
             return self._pages.page(
                 request,
                 "shell.html",
-                title=self._title,
+                title=words.say(self._title),
                 user=person.name,
                 role=role,
-                role_said=words_of(language_of(request)).say(role),
+                role_said=words.say(role),
             )
         # A strict cookie does not come along on the way from another site, but it does on the
         # next step from here.
