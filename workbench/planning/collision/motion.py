@@ -3,7 +3,8 @@
 The controller interpolates all joints of an arm linearly.  Either it stops at every waypoint, or
 it rounds the corners: within a `zone` (a fraction of the neighbouring segments) it follows a
 parabola that touches both.  So a motion is a chain of quadratic Bezier curves in joint space:
-straight pieces and corners.  A corner that the controller cannot round as asked is rounded less or becomes a
+straight pieces and corners.  A corner that the controller cannot round as asked is rounded less or
+becomes a
 stop, so where corners are rounded the sharp ones are checked as well, and where a corner is wide
 roundings between the two; one that is streamed cuts corners straight from sample to sample, by less
 than half of both segments (`walked`).
