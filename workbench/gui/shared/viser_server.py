@@ -1,14 +1,16 @@
 """viser's server with what it leaves open shut.
 
 viser 1.1.1 listens on all interfaces unless told otherwise, takes the next port when the
-wanted one is busy, opens a public tunnel for any browser that asks, and talks to pages of
-other sites.  It knows no logins either: those are the front's, which alone has the key to
-a server that wants one, and says whom it brings.  viser's internals are used here and nowhere
-else; the version is pinned and `tests/gui/shared/test_viser_server.py` tells when they change.
+wanted one is busy, opens a public tunnel for any browser that asks, talks to pages of
+other sites, and may stop talking to a browser for good.  It knows no logins either: those are
+the front's, which alone has the key to a server that wants one, and says whom it brings.
+viser's internals are used here and nowhere else; the version is pinned and
+`tests/gui/shared/test_viser_server.py` tells when they change.
 """
 
 # pyright: reportPrivateUsage=false
 
+import asyncio
 import contextlib
 import hmac
 import http
@@ -16,6 +18,7 @@ import ipaddress
 import socket
 import threading
 from collections.abc import Callable, Generator
+from dataclasses import dataclass, field
 from typing import Any
 from urllib.parse import unquote, urlsplit
 
@@ -23,6 +26,8 @@ import rich
 import viser
 import websockets.asyncio.server
 from viser import _messages as messages
+from viser.infra import _infra
+from viser.infra._async_message_buffer import AsyncMessageBuffer
 from websockets.http11 import Request, Response
 
 from workbench.app.core.people import Person, Role
@@ -42,6 +47,30 @@ WAITING = 32 * 1024
 """Bytes that may wait in the machine for a browser; it doubles them.  Megabytes did: on a slow line
 the page then showed what had been half a minute before."""
 
+
+class _Bell(asyncio.Event):
+    """An event that may be set from any thread, as viser does whenever it has a message.
+
+    It sets the same event once more on the loop, to wake who waits.  But an event that is set
+    already wakes nobody: a thread that set it while the loop was about to wait left that waiting,
+    and each later message as well.  The browser was shown nothing new until it was reloaded.
+    """
+
+    def set(self) -> None:
+        self._value = True
+        if asyncio._get_running_loop() is not None:  # elsewhere nobody can be woken
+            for waiting in tuple(self._waiters):
+                if not waiting.done():
+                    waiting.set_result(True)
+
+
+@dataclass
+class Messages(AsyncMessageBuffer):
+    """Messages for a browser, or for all of them; none of them lies there unnoticed."""
+
+    message_event: asyncio.Event = field(default_factory=_Bell)
+
+
 _starting = threading.Lock()
 """Held while a server starts: that takes one change to a module for a moment."""
 
@@ -59,6 +88,8 @@ def open_viser(host: str, port: int, secret: str | None = None) -> viser.ViserSe
     """
     _check_address(host, port)
     keep_icons()
+    infra: Any = _infra
+    infra.AsyncMessageBuffer = Messages
     with _quiet(), _guarded(secret):
         server = viser.ViserServer(host=host, port=port, verbose=False)
     if port not in (0, server.get_port()):
