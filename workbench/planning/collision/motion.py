@@ -4,10 +4,9 @@ The controller interpolates all joints of an arm linearly.  Either it stops at e
 it rounds the corners: within a `zone` (a fraction of the neighbouring segments) it follows a
 parabola that touches both.  So a motion is a chain of quadratic Bezier curves in joint space:
 straight pieces and corners.  A corner that the controller cannot round as asked is rounded less or
-becomes a
-stop, so where corners are rounded the sharp ones are checked as well, and where a corner is wide
-roundings between the two; one that is streamed cuts corners straight from sample to sample, by less
-than half of both segments (`walked`).
+becomes a stop, so where corners are rounded the sharp ones are checked as well, and where they are
+wide roundings between the two.  One that is streamed cuts corners straight, from sample to sample,
+by less than half of both segments (`walked`).
 
 A curve is proven clear by halving: at its middle no pair may be closer than its margin plus
 the most that the rest of the curve can bring it nearer (`bounds`).  Where that cannot be told,
