@@ -14,7 +14,7 @@ from workbench.devices.abb_socket.messages import REQUEST
 from workbench.devices.abb_socket.program import lines_of, program_of
 from workbench.devices.abb_socket.sending import PING, Sending
 from workbench.devices.abb_socket.states import NEXT
-from workbench.model.errors import CommandRefused, InputError, LinkError, ProtocolError
+from workbench.model.errors import CommandRefused, LinkError, ProtocolError
 from workbench.model.plan import Guarantee
 from workbench.plugins.robot_link import USUAL
 
@@ -368,23 +368,6 @@ def test_what_is_not_in_the_table_is_refused(cell, talk):
             assert ("is not in order when" in str(error)) is not may, (phase, word)
         else:
             assert may, (phase, word)
-
-
-def test_a_program_that_is_too_long_is_not_sent(cell, plan, approval):
-    one = plan.arms[0]
-    legs = tuple(
-        replace(leg, q=np.repeat(leg.q, 50, axis=0), t=np.arange(len(leg.q) * 50) * 1.0)
-        for leg in one.legs
-    )
-    with pytest.raises(InputError, match="a controller has room for 400"):
-        program_of(cell, replace(plan, arms=(replace(one, legs=legs), plan.arms[1])), approval)
-
-
-def test_a_program_that_is_too_slow_is_not_sent(cell, plan, approval):
-    one = plan.arms[0]
-    legs = (replace(one.legs[0], t=one.legs[0].t * 1e4), *one.legs[1:])
-    with pytest.raises(InputError, match=rf"leg reach of arm {one.arm} takes .* s from one"):
-        program_of(cell, replace(plan, arms=(replace(one, legs=legs), plan.arms[1])), approval)
 
 
 def test_a_part_is_not_told_of_before_the_robot_moves(talk):
