@@ -247,7 +247,7 @@ def test_a_waypoint_in_the_bin_wall_fails_with_pair_leg_and_clearance(line, say,
 
 def test_a_joint_beyond_its_limit_fails_and_is_not_sent(line, say, tmp_path):
     def bend(content: dict) -> None:
-        leg_of(content, "reach")["q"][3][1] = 2.0
+        leg_of(content, "reach")["q"][1][1] = 2.0
 
     path = changed_plan(line, tmp_path, bend)
     said = say("verify", path)
@@ -260,7 +260,7 @@ def test_a_joint_beyond_its_limit_fails_and_is_not_sent(line, say, tmp_path):
 
 def test_a_plan_that_fails_its_proof_is_not_sent_even_with_a_fresh_digest(line, say, tmp_path):
     def bend(content: dict) -> None:
-        leg_of(content, "reach")["q"][3][1] = 2.0
+        leg_of(content, "reach")["q"][1][1] = 2.0
 
     bent, _ = read_plan(changed_plan(line, tmp_path, bend))
     write_plan(tmp_path / "bent.json", bent, prove(read_cell("yumi"), bent))

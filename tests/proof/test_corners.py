@@ -16,7 +16,7 @@ from workbench.model.scan import Detection
 from workbench.planning.collision.legs import stretches
 from workbench.planning.collision.motion import chain_contact, curves_of, segment
 from workbench.planning.collision.world import World
-from workbench.planning.picking.execution import timed
+from workbench.planning.kinematics.execution import timed
 from workbench.plugins.robot_link import spoken_to_by
 
 PROTOCOLS = ["abb-socket", "abb-socket/2"]
@@ -57,6 +57,10 @@ def spike(world, base, arm: str, q, pair: tuple[str, str], among=None):
         deep = world.motion.rounded(q + 1.05 * high * (goal - q))
         if 1.05 * high > 1.0 or np.linalg.norm(deep - q) < 0.4:
             continue
+        inside = base.copy()
+        inside[columns] = deep
+        if world.contact(inside) is None:
+            continue
         rounded = curves_of(np.array([q, deep, q]), ZONE)
         if chain_contact(world, columns, base, rounded) is not None:
             continue
@@ -84,7 +88,8 @@ def with_spike(plan, arm: str, name: str, number: int, deep):
 def test_a_waypoint_inside_something_is_found_though_the_rounded_corner_is_clear(
     cell, result, protocol, pair, name
 ):
-    arm, number = "left", 3
+    arm = "left"
+    number = min(3, len(result.plan.arm(arm).leg(name).q) - 2)
     q = np.asarray(result.plan.arm(arm).leg(name).q[number])
     world, base = entered(spoken_to_by(cell, "abb-socket/2"), result.plan, arm, name)
     deep = spike(world, base, arm, q, pair)

@@ -12,6 +12,7 @@ from workbench.app.picking.proving import prove
 from workbench.formats.cells.reading import read_cell
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.scan import Detection
+from workbench.perception.simulation.piles import drop_parts
 from workbench.proof.walk import ROOM
 
 DOWN = (np.pi, 0.0, 0.0)
@@ -100,9 +101,15 @@ def shared(cell):
     return replace(cell, arms=arms)
 
 
+@pytest.fixture(scope="module")
+def pile(cell):
+    """Two parts that each arm can lift past what the other has put down above the bin."""
+    return drop_parts(cell.parts[:1] * 2, cell.bin, seed=1)
+
+
 @pytest.mark.parametrize("strategy", ["alternated", "coordinated"])
-def test_the_second_arm_puts_its_part_beside_that_of_the_first(shared, detections, strategy):
-    result = plan_pick(shared, detections, "scan", strategy=strategy, seed=0)
+def test_the_second_arm_puts_its_part_beside_that_of_the_first(shared, pile, strategy):
+    result = plan_pick(shared, pile, "scan", strategy=strategy, seed=0)
     assert result.plan is not None, str(result.verdict)
     assert result.proof.holds, result.proof.violations
     first, second = result.plan.arms
@@ -110,12 +117,12 @@ def test_the_second_arm_puts_its_part_beside_that_of_the_first(shared, detection
     assert deepest(shared, result.plan, second, "home", first) > 0.0
 
 
-def test_a_part_that_is_put_where_one_lies_already_is_refused(shared, detections):
-    plan = plan_pick(shared, detections, "scan", strategy="alternated", seed=0).plan
+def test_a_part_that_is_put_where_one_lies_already_is_refused(shared, pile):
+    plan = plan_pick(shared, pile, "scan", strategy="alternated", seed=0).plan
     first, second = plan.arms
     # Alone the second arm takes the first spot of both.
     left_out = {first.detection: "for the other arm"}
-    alone = plan_pick(shared, detections, "scan", strategy=second.arm, avoided=left_out, seed=0)
+    alone = plan_pick(shared, pile, "scan", strategy=second.arm, avoided=left_out, seed=0)
     assert alone.proof.holds, alone.proof.violations
     violations = prove(shared, replace(plan, arms=(first, *alone.plan.arms))).violations
     assert any(f"part-{first.detection + 1}" in violation.pair for violation in violations)

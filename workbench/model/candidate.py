@@ -112,7 +112,7 @@ class Pick:
     `approach` (m, n) [rad] runs from pre-grasp to grasp, `extract` (m, n) from grasp to the
     end of the extraction; `place` (n,) releases the part.  `T_tcp_part` is the part in the
     hand, `lift` the name of the way in which it is taken out.  `clearance` [m] is the smallest
-    found over them, `travel` [rad] the joint travel.
+    found over them, `seconds` what its legs take at least, each straight from rest to rest.
     """
 
     candidate: Candidate
@@ -121,7 +121,7 @@ class Pick:
     extract: Floats
     place: Floats
     clearance: float
-    travel: float
+    seconds: float
     solutions: tuple[Floats, ...] = field(default_factory=tuple)
     lift: str = ""
 

@@ -79,8 +79,8 @@ class Arm:
     `joints` are the movable joints from base to flange, chain order; `axis_order[k]` is the
     place in the chain of the controller's k-th axis and `axis_signs` its sense.  `home` (n,)
     [rad], chain order.  `Ts_world_place` are TCP poses where a part may be released, tried in
-    order, after `part_places`, which say how the part shall lie and not how the hand stands;
-    where the arm `keeps_parts` they stay there, as on a pallet, and the next one goes elsewhere;
+    order, those of one position that follow each other by time, after `part_places`, which say how
+    the part shall lie; where the arm `keeps_parts` they stay, and the next one goes elsewhere;
     where it `passes_parts_on` the machine behind has taken each away before the arm brings another.
     Where it `needs_roll`, no part is put there whose roll about its axis the scan does not show.
     `controller_id` is what the controller calls the arm.  `tool` is what it carries, `tools` all
@@ -265,8 +265,8 @@ class Policy:
     the shorter neighbouring segment, where the controller rounds at all (`Cell.zone`).  `planner`
     searches the free legs, within `iterations` a call (`plugins.planner`); `birrt` is the thesis'
     name for `rrtconnect`.  `seconds` [s] end a planning wherever it stands: a stop against input
-    that nobody foresaw, not a budget.  `order` says which part is taken first: that with the least
-    joint travel, the highest, the best score, the nearest to the tool, the farthest from the walls,
+    that nobody foresaw, not a budget.  `order` says which part is taken first: that which takes the
+    least time, the highest, the best score, the nearest to the tool, the farthest from the walls,
     or by the thesis' rules (see `planning.picking.order`).
     `metric` weighs the joints in the planners' distance: each counts this fraction of the one
     before it, since the first joints move more of the arm.

@@ -132,6 +132,11 @@ class ArmPlan:
     def __post_init__(self) -> None:
         put(self, T_tcp_part=copied(self.T_tcp_part))
 
+    @property
+    def seconds(self) -> float:
+        """How long the arm is at work."""
+        return sum(leg.seconds for leg in self.legs)
+
     def leg(self, name: str) -> Leg:
         """The leg of that name; KeyError when the arm has none."""
         for leg in self.legs:

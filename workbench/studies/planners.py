@@ -97,7 +97,7 @@ class Course:
             if found is None:
                 break
             sent = as_sent(found, is_clear, policy.free_points, world.motion)
-            is_spoiled = check(walked(sent, policy.zone)) is not None
+            is_spoiled = check(walked(sent, self.world.motion, policy.zone)) is not None
             finish += working_time() - middle
             if not is_spoiled:
                 path = sent

@@ -33,6 +33,7 @@ SENTENCES = (
     "perception/localization/localize.py",
     "perception/scene",
     "planning/grasps",
+    "planning/kinematics",
     "planning/picking",
     "proof",
 )

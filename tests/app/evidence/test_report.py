@@ -53,15 +53,15 @@ def test_the_report_tells_who_when_what_was_shown_proven_sent_and_heard(tables):
         "Log",
     ]
     told = {row[0]: row[1] for row in tables[3].rows}
-    assert "holds" in told["proof"] and "5.9 mm" in told["proof"]
+    assert "holds" in told["proof"] and "8.6 mm" in told["proof"]
     assert "told by a program" in told["shown"]
     assert "by demo (engineer)" in told["approved"]
     assert "no page has shown it" in told["approval"]
-    assert told["messages"].startswith("43 in ")
+    assert told["messages"].startswith("36 in ")
     assert "1 of 1 part reported placed" in told["the robot said"]
     (report,) = tables[4].rows
     assert report[2:4] == ("Ada", "ReportPick")
-    assert len(tables[5].rows) == 54 - 43
+    assert len(tables[5].rows) == 47 - 36
     assert [row[3] for row in tables[5].rows if row[3].startswith("JobEnded")] == [
         "JobEnded (scan)",
         "JobEnded (parts)",

@@ -5,7 +5,7 @@ import pytest
 
 from workbench.devices.abb_egm.way import Ride, way_of
 from workbench.model.plan import Leg
-from workbench.planning.picking.execution import timed
+from workbench.planning.kinematics.execution import timed
 
 PERIOD = 0.004
 VELOCITY, ACCELERATION = np.full(7, 1.5), np.full(7, 10.0)

@@ -16,6 +16,7 @@ from rounded import RoundedPolyline
 from waiting import PATIENCE, wait_until
 
 from workbench.app.picking.pipeline import plan_pick
+from workbench.devices.abb_links import AbbProgram
 from workbench.devices.abb_simulated.faults import Fault
 from workbench.devices.abb_socket.frames import framed
 from workbench.devices.abb_socket.messages import REQUEST
@@ -32,6 +33,12 @@ def both(cell, plan):
     return plan_pick(cell, plan.detections, "scan", strategy="coordinated", seed=0).plan
 
 
+def led(start, end):
+    """Four configurations on a straight line, in the steps that the link can send."""
+    q = start + np.array([0.0, 0.3, 0.6, 1.0])[:, None] * (end - start)
+    return AbbProgram.motion.rounded(q)
+
+
 @pytest.fixture(scope="module")
 def in_step(both):
     """The legs of a step at the same times, as in a synchronised plan."""
@@ -39,7 +46,7 @@ def in_step(both):
     arms = []
     for one in both.arms:
         legs = [
-            replace(leg, q=leg.q[[0, 1, 2, -1]], t=np.array([0.0, 0.8, 1.7, 2.5]))
+            replace(leg, q=led(leg.q[0], leg.q[-1]), t=np.array([0.0, 0.8, 1.7, 2.5]))
             if (one.arm, leg.name) in runs
             else leg
             for leg in one.legs

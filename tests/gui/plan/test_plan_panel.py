@@ -62,7 +62,8 @@ def test_what_was_drawn_of_a_proof_goes_with_it(panel, states, view_of):
 @pytest.mark.parametrize("beyond", [0.001, 0.0049, 0.0051, 0.0])
 def test_the_end_of_a_plan_is_reached(panel, drag, visitor, states, view_of, beyond):
     whole = view_of(states.planned)
-    end = int(whole.plan_seconds) + beyond
+    # Whole seconds, in the middle of the plan.
+    end = int(whole.plan_seconds) - 1 + beyond
     view = replace(whole, runs=tuple(replace(one, end=min(one.end, end)) for one in whole.runs))
     assert view.plan_seconds == end
     panel.show(None, view)

@@ -24,7 +24,8 @@ def test_who_is_not_in_control_but_approves_sees_it(visitor, bench, scan, detect
     visitor.person = Person("Bob", Role.OPERATOR)
     visitor.client.camera = SimpleNamespace()
     visitor.client.atomic = nullcontext
-    visitor.look._look.change(candidate=0, time=3.0)
+    end = result.plan.cycle_seconds
+    visitor.look._look.change(candidate=0, time=end)
     PlanLinks(visitor)._go()
     look = visitor.look.now
     near = result.proof.nearest
@@ -32,5 +33,5 @@ def test_who_is_not_in_control_but_approves_sees_it(visitor, bench, scan, detect
         one for one in timeline(result.plan) if (one.arm, one.leg.name) == (near.arm, near.leg)
     ]
     spot = nearest_place(bench.state.cell, result.plan, result.proof)
-    assert look.time == visitor.own.now.visited.time == run.start + spot.seconds < 3.0
+    assert look.time == visitor.own.now.visited.time == run.start + spot.seconds < end
     assert look.candidate is None and not look.follows

@@ -157,10 +157,11 @@ def test_where_nothing_is_reported_a_preview_is_not_drawn_beside_a_robot_at_home
     server, scene, states, view_of
 ):
     still, previewed = (
-        view_of(states.planned, Look(time=time, follows=False)) for time in (0.0, 3.0)
+        view_of(states.planned, Look(time=time, follows=False)) for time in (0.0, 2.0)
     )
     scene.draw(None, still)
-    arm = node(server, "/robot/right_link_6")
+    moved = states.planned.plan.sequence[0].runs[0][0]
+    arm = node(server, f"/robot/{moved}_link_6")
     assert arm.visible and not node(server, "/planned").visible
     scene.draw(still, previewed)
     assert node(server, "/planned").visible and not arm.visible

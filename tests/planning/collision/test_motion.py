@@ -3,14 +3,23 @@
 import itertools
 
 import numpy as np
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from rounded import RoundedPolyline
 
-from workbench.planning.collision.motion import RESOLUTION, chain_contact, curves_of, segment
+from workbench.model.motion import MotionModel
+from workbench.planning.collision.motion import (
+    NARROW,
+    RESOLUTION,
+    chain_contact,
+    curves_of,
+    segment,
+    walked,
+)
 from workbench.planning.collision.pairing import Phase
 from workbench.planning.collision.world import World
-from workbench.planning.picking.execution import timed
+from workbench.planning.kinematics.execution import timed
 
 
 @settings(max_examples=50, deadline=None)
@@ -30,6 +39,44 @@ def test_curves_join_and_are_those_that_are_timed(seed, zone, count):
         middle = (a + 2 * b + c) / 4
         dense = rounded(np.linspace(0.0, count - 1.0, 400 * (count - 1) + 1))
         assert np.linalg.norm(dense - middle, axis=1).min() < 0.02
+
+
+@pytest.mark.parametrize("corners", ["blend", "streamed"])
+@settings(max_examples=50, deadline=None)
+@given(
+    seed=st.integers(0, 9999),
+    zone=st.floats(0.01, 0.45),
+    count=st.integers(3, 6),
+    less=st.floats(0.0, 1.0),
+    along=st.floats(0.0, 1.0),
+)
+def test_whatever_a_controller_makes_of_a_corner_is_walked_nearby(
+    corners, seed, zone, count, less, along
+):
+    """Rounded by less than allowed, or cut between two samples: wherever along it one looks."""
+    path = np.random.default_rng(seed).uniform(-2.0, 2.0, (count, 3))
+    motion = MotionModel("some", corners=corners, period=0.004)
+    curves = walked(path, motion, zone)
+    assert np.all(np.diff(curves.waypoints) >= 0)
+    for number, points in enumerate(curves_of(path, 0.0).points):
+        assert points.tolist() in curves.points[curves.waypoints == number].tolist()
+    t = np.linspace(0.0, 1.0, 41)[:, None]
+    for number, (before, corner, after) in enumerate(zip(path, path[1:], path[2:], strict=False)):
+        share = less * (zone if corners == "blend" else 0.5)
+        enter, leave = corner + share * (before - corner), corner + share * (after - corner)
+        middle = corner if corners == "blend" else (enter + leave) / 2.0
+        at = (1 - along) ** 2 * enter + 2 * along * (1 - along) * middle + along**2 * leave
+        by = curves.points[np.isin(curves.waypoints, (number, number + 1))]
+        dense = by[:, None, 0] + t * (by[:, None, 2] - by[:, None, 0])
+        # Half of what lies between two roundings, and between two of the points looked at.
+        near = np.abs(dense - at).max(axis=2).min()
+        assert near <= NARROW / 2 + np.abs(np.diff(dense, axis=1)).max() / 2
+
+
+def test_a_controller_that_stops_makes_nothing_of_a_corner():
+    path = np.random.default_rng(0).uniform(-2.0, 2.0, (5, 3))
+    stopping = walked(path, MotionModel("some", corners="stop"), 0.2)
+    np.testing.assert_array_equal(stopping.points, curves_of(path, 0.0).points)
 
 
 @settings(max_examples=30, deadline=None)

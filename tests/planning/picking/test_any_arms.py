@@ -91,7 +91,7 @@ def test_of_all_pairs_of_arms_the_cheapest_is_taken(around):
     pairs = pairs_of(world, picks, cost_of(world, around.policy.order))
     arms = {tuple(pick.candidate.arm for pick in pair) for pair in pairs}
     assert {frozenset(pair) for pair in arms} == {frozenset(NAMES) - {name} for name in NAMES}
-    cheapest = min(pairs, key=lambda pair: pair[0].travel + pair[1].travel)
+    cheapest = min(pairs, key=lambda pair: pair[0].seconds + pair[1].seconds)
     taken = [(arm.arm, arm.detection) for arm in result.plan.arms]
     assert taken == [(pick.candidate.arm, pick.candidate.detection) for pick in cheapest]
 

@@ -12,7 +12,7 @@ from workbench.app.picking.pipeline import plan_pick
 from workbench.model.plan import Strategy, cycle_words
 from workbench.perception.simulation.piles import drop_parts
 from workbench.planning.collision.world import World
-from workbench.planning.picking.execution import timed
+from workbench.planning.kinematics.execution import timed
 from workbench.planning.picking.least_time import least_cycle, least_seconds, shared
 
 VELOCITY, ACCELERATION = np.array([2.0, 3.0, 4.0]), np.array([10.0, 2.0, 15.0])

@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from judged_times import at_rest_between, curve_at, soonest
 
-from workbench.planning.picking.execution import timed
+from workbench.planning.kinematics.execution import timed
 from workbench.proof.timing.fastest import _between, ceilings, fastest, seconds, uneven_at
 from workbench.proof.timing.pace import CORNER, STRAIGHT, from_rest_to_rest, marks_of
 

@@ -11,7 +11,7 @@ from judged_times import at_rest_between, soonest
 from workbench.app.picking.pipeline import plan_pick
 from workbench.app.picking.proving import prove
 from workbench.model.plan import Guarantee, Plan, Step
-from workbench.planning.picking.execution import timed
+from workbench.planning.kinematics.execution import timed
 from workbench.plugins.robot_link import spoken_to_by
 from workbench.proof.timing.pace import pace_violations
 

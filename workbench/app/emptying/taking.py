@@ -153,4 +153,4 @@ def _meets(world: World, arm_plan: ArmPlan, leg: LegName, phase: Phase) -> int:
     if leg == "extract":
         world.allow_start_contacts(world.configuration({arm_plan.arm: path[0]}))
     base = world.configuration({})
-    return int(path_contact(world, columns, base, path, world.policy.zone) is not None)
+    return int(path_contact(world, columns, base, path) is not None)

@@ -5,8 +5,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 
-import numpy as np
-
 from workbench.app.core.rules import strategies_of
 from workbench.model.candidate import Candidate, Pick, Reason, Stage, Verdict
 from workbench.model.cell import Cell, PlanOverrides
@@ -275,7 +273,7 @@ def _is_spare(candidate: Candidate, working: Sequence[Candidate]) -> bool:
 def _told(world: World, pick: Pick) -> str:
     """What to know of a candidate that works: how far it goes, its lift and its opening."""
     candidate = pick.candidate
-    note = f"joint travel {np.rad2deg(pick.travel):.0f} degrees"
+    note = f"at least {pick.seconds:.1f} s"
     if len(world.policy.lifts) > 1:
         note += f", lift {pick.lift}"
     if world.policy.least_air is not None and world.arm(candidate.arm).tool.fingers:

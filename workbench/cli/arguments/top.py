@@ -179,7 +179,7 @@ class Plan:
     iterations: int | None = None
     """How many iterations the planner may use for each free leg; the cell's when not given."""
     order: OrderName | None = None
-    """Which part is taken first: least joint travel, highest, best score, nearest to the tool,
+    """Which part is taken first: least time, highest, best score, nearest to the tool,
     farthest from the walls, or the thesis' rules; the cell's when not given."""
     margin: float | None = None
     """Distance [m] kept to everything on free legs, at least the cell's."""

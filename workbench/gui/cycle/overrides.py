@@ -33,7 +33,7 @@ class OverridesInputs:
             "First",
             ORDER_NAMES,
             initial_value=policy.order,
-            hint="Which part is taken first: least joint travel, highest, best score, nearest "
+            hint="Which part is taken first: least time, highest, best score, nearest "
             "to the tool, farthest from the walls, or by the rules of the thesis.",
         )
         self._margin = gui.add_number(

@@ -7,6 +7,7 @@ most that the rest of both ways can bring it nearer; otherwise the longer way is
 
 from collections import deque
 from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
 from numba import njit
@@ -16,7 +17,7 @@ from workbench.planning.collision.contact import Contact
 from workbench.planning.collision.motion import RESOLUTION, halved
 from workbench.planning.collision.world import World
 
-MOST_LOOKS = 20_000
+MOST_LOOKS = 4_000
 """After so many looks the arms count as meeting: they come that close over a long way."""
 
 
@@ -59,6 +60,13 @@ def first_contact(
     pending: deque[tuple[tuple[Floats, Floats], tuple[int, int], Ints]] = deque()
     among = world.pairs.between(first.arm, second.arm)
     pending.append(((first.points, second.points), (0, 0), among))
+    # Where arms meet they mostly do so where a way begins or ends.
+    for a, b in product((0, -1), repeat=2):
+        ends = (first.points[a, a], second.points[b, b])
+        q[columns[0]], q[columns[1]] = ends
+        contact, _, _ = world.look(q, d, among)
+        if contact is not None:
+            return ArmContact(contact, ends, (a % len(first.points), b % len(second.points)))
     looks = 0
     while pending:
         ways, starts, among = pending.popleft()

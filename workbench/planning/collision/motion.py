@@ -3,8 +3,10 @@
 The controller interpolates all joints of an arm linearly.  Either it stops at every waypoint, or
 it rounds the corners: within a `zone` (a fraction of the neighbouring segments) it follows a
 parabola that touches both.  So a motion is a chain of quadratic Bezier curves in joint space:
-straight pieces and corners.  A corner that the controller cannot round becomes a stop, so where
-corners are rounded the sharp ones are checked as well (`walked`).
+straight pieces and corners.  A corner that the controller cannot round as asked is rounded less or
+becomes a stop, so where corners are rounded the sharp ones are checked as well, and where they are
+wide roundings between the two.  One that is streamed cuts corners straight, from sample to sample,
+by less than half of both segments (`walked`).
 
 A curve is proven clear by halving: at its middle no pair may be closer than its margin plus
 the most that the rest of the curve can bring it nearer (`bounds`).  Where that cannot be told,
@@ -18,8 +20,18 @@ import numpy as np
 from numba import njit
 
 from workbench.model.geometry import Floats, Ints
+from workbench.model.motion import MotionModel
 from workbench.planning.collision.contact import Contact
 from workbench.planning.collision.world import World
+
+NARROW = 0.02
+"""[rad] Roundings of a corner at which no joint differs by more than this have none between."""
+
+CHORDS = 8
+"""Straight pieces that stand for a rounding, as they do where it is proven."""
+
+STREAMED_ZONE = 0.5
+"""By less than this share of a segment a straight line between two samples cuts a corner."""
 
 RESOLUTION = 0.0005
 """[m] Where a state is clear and no body moves further than this around it, it is not halved."""
@@ -56,19 +68,36 @@ def curves_of(path: Floats, zone: float) -> Curves:
     return Curves(points, np.arange(len(points)) // 2)
 
 
-def walked(path: Floats, zone: float) -> Curves:
-    """All that the controller may make of waypoints (m, n) [rad], with a zone as in `curves_of`.
+def walked(path: Floats, motion: MotionModel, zone: float) -> Curves:
+    """All that a controller may make of waypoints (m, n) [rad], with a zone as in `curves_of`.
 
     That is every straight way from waypoint to waypoint, where it stops or a zone cannot be done,
-    and every corner rounded.
+    and every corner rounded, or cut straight where it is streamed, by as much as may be and by
+    less, in steps of `NARROW`.
     """
     sharp = curves_of(path, 0.0)
-    if zone <= 0:
+    if motion.corners == "stop" or zone <= 0 or len(path) < 3:
         return sharp
-    rounded = curves_of(path, zone)
-    points = rounded.points.copy()
-    points[::2] = sharp.points
-    return Curves(points, rounded.waypoints)
+    wide, pieces = (STREAMED_ZONE, 1) if motion.corners == "streamed" else (zone, CHORDS)
+    before, corners, after = path[:-2], path[1:-1], path[2:]
+    # The middle of a parabola is a quarter of this from its corner, that of a straight cut half.
+    turns = wide * np.abs(before - 2.0 * corners + after).max(axis=1)
+    counts = np.ceil(turns / (NARROW * (2.0 if pieces == 1 else 4.0))).astype(np.int64)
+    counts = np.maximum(counts, 1)
+    at = np.repeat(np.arange(len(corners)), counts)
+    steps = np.concatenate([np.arange(count, 0, -1) / count for count in counts])
+    shares = wide * steps[:, None]
+    enter = corners[at] + shares * (before - corners)[at]
+    leave = corners[at] + shares * (after - corners)[at]
+    t = np.linspace(0.0, 1.0, pieces + 1)[:, None]
+    on = (1.0 - t) ** 2 * enter[:, None] + t**2 * leave[:, None]
+    on += 2.0 * t * (1.0 - t) * corners[at][:, None]
+    ends = np.stack([on[:, :-1], on[:, 1:]], axis=2).reshape(-1, 2, path.shape[1])
+    cuts = np.stack([ends[:, 0], ends.mean(axis=1), ends[:, 1]], axis=1)
+    # Each corner's after the straight way that leads to it.
+    waypoints = np.concatenate([sharp.waypoints, np.repeat(at, pieces)])
+    order = np.argsort(waypoints, kind="stable")
+    return Curves(np.concatenate([sharp.points, cuts])[order], waypoints[order])
 
 
 @njit(cache=True)
@@ -91,11 +120,11 @@ def path_contact(
     columns: Ints,
     base: Floats,
     path: Floats,
-    zone: float,
     among: Ints | None = None,
 ) -> tuple[Contact, Floats, int] | None:
     """The first contact along waypoints (m, n) [rad] as executed; see `chain_contact`."""
-    return chain_contact(world, columns, base, walked(path, zone), among=among)
+    curves = walked(path, world.motion, world.policy.zone)
+    return chain_contact(world, columns, base, curves, among=among)
 
 
 def chain_contact(

@@ -25,7 +25,8 @@ class Chain:
 
     `R` (n+1, 3, 3), `p` (n+1, 3) [m]: the fixed transform before each joint, and last the one
     from the last joint to the TCP.  `axes` (n, 3), `slides` (n,) 1.0 for prismatic joints.
-    `lower`, `upper` (n,) [rad]: the joint limits as far as they can be sent (`MotionModel.limits`).
+    `lower`, `upper` (n,) [rad]: the joint limits as far as they can be sent (`MotionModel.limits`);
+    `velocity` (n,) [rad/s], `acceleration` (n,) [rad/s2]: the largest that the joints have.
     """
 
     R: Floats
@@ -34,6 +35,8 @@ class Chain:
     slides: Floats
     lower: Floats
     upper: Floats
+    velocity: Floats
+    acceleration: Floats
 
     def pose(self, q: Floats) -> pin.SE3:
         """`T_world_tcp` at `q` (n,) [rad]."""
@@ -100,8 +103,9 @@ def chain_of(cell: Cell, arm: Arm) -> Chain:
     T = T * arm.tool.T_flange_tcp
     R.append(T.rotation.copy())
     p.append(T.translation.copy())
-    lower, upper = cell.controller.motion.limits(*cell.robot.limits(tuple(names))[:2])
-    return Chain(np.array(R), np.array(p), np.array(axes), np.array(slides), lower, upper)
+    lower, upper, velocity = cell.robot.limits(tuple(names))
+    limits = (*cell.controller.motion.limits(lower, upper), velocity, np.array(arm.acceleration))
+    return Chain(np.array(R), np.array(p), np.array(axes), np.array(slides), *limits)
 
 
 # The loops below index into whole arrays instead of passing rows: a slice costs an allocation,

@@ -1,8 +1,8 @@
 """From picks to a plan: which part goes to which arm, tried in order until a plan comes out."""
 
 from collections.abc import Callable, Container, Iterator, Sequence
-from dataclasses import replace
-from itertools import combinations, islice
+from dataclasses import dataclass, replace
+from itertools import combinations, islice, product
 
 import numpy as np
 
@@ -10,20 +10,27 @@ from workbench.model.candidate import Pick, Reason, Stage, Verdict
 from workbench.model.errors import JobCancelled
 from workbench.model.plan import Plan, Strategy
 from workbench.planning.collision.world import World
-from workbench.planning.picking.dual_arm import (
-    OFFSETS,
-    coordinate,
-    overlapped,
-    pairs_of,
-    side_by_side,
-)
+from workbench.planning.picking.dual_arm import CARRYING, coordinate, ends_are_clear, pairs_of
 from workbench.planning.picking.order import Cost, cost_of
 from workbench.planning.picking.route import route
+from workbench.planning.picking.weave import woven
 
 BOTH = (Strategy.ALTERNATED, Strategy.COORDINATED)
 
-SIDE_BY_SIDE = 3
-"""Pairs of picks that are planned side by side before one arm follows the other."""
+ALIKE = 3
+"""Grasps of a part that are looked at for an arm, where both arms may work at once."""
+
+WOVEN = 2
+"""Pairs of them that are planned, of which the quicker is taken."""
+
+TRIED = 4
+"""Of picks of the same parts by the same arms so many are tried until enough can be planned."""
+
+ENOUGH = 1.15
+"""Times as long as its busier arm works: a plan that takes no longer is good enough."""
+
+WAITING = 0.5
+"""About the share of an arm's work in which it waits where both cannot be in the bin."""
 
 ATTEMPTS = 6
 """Assignments of parts to arms that are planned before giving up."""
@@ -77,8 +84,7 @@ def planned(
 ) -> tuple[tuple[Plan, ...], Verdict]:
     """The first assignment for which a plan comes out; coordinated ones fall back to alternated.
 
-    Where `auto` may let both arms work at once, an alternated plan is made as well, and the quicker
-    one is taken.
+    Where both arms may work at once, their legs are put into the quickest order there is.
 
     Args:
         world: of the cell and the detections that the picks were made from.
@@ -99,45 +105,133 @@ def planned(
         JobCancelled: `cancelled` said so.
     """
     verdict = Verdict(Reason.NO_PATH, Stage.ROUTE, note=_nobody_for(picks, strategy))
-    refused, cost = "", cost_of(world, world.policy.order)
-    is_auto = strategy == "auto"
-    at_once: Plan | None = None
-    if strategy == Strategy.COORDINATED or (is_auto and world.cell.moves_both_arms):
-        for offsets, pair in _side_by_side_or_behind(world, picks, cost):
-            if cancelled():
-                raise JobCancelled("planning was cancelled")
-            if is_auto and _apart(world, pair) < threshold:
-                continue
-            result = coordinate(world, pair, scan_digest=scan_digest, seed=seed, offsets=offsets)
-            if isinstance(result, Plan):
-                if not is_auto:
-                    return (result,), Verdict(Reason.OK, Stage.ROUTE)
-                at_once = replace(result, note=f"{_note(world, pair, threshold)}: {result.note}")
-                break
-            refused = f"the arms cannot work at once: {result}"
-    # One alternated plan is enough to be compared with.
-    tries, among = (ATTEMPTS, strategy) if at_once is None else (1, Strategy.ALTERNATED)
-    for chosen, assigned in islice(_assignments(world, picks, among, cost), tries):
+    request = _Request(world, picks, strategy, threshold, scan_digest, seed)
+    for chosen, assigned in islice(_assignments(world, picks, strategy, request.cost), ATTEMPTS):
         if cancelled():
             raise JobCancelled("planning was cancelled")
-        note = _note(world, assigned, threshold) if is_auto else refused
-        if at_once is not None:
-            note += f"; both arms at once would take {at_once.cycle_seconds:.1f} s"
-        result = route(world, assigned, chosen, scan_digest=scan_digest, seed=seed, note=note)
-        if isinstance(result, Plan):
-            plans = (result,)
-            if chosen == Strategy.ALTERNATED and world.cell.moves_both_arms:
-                shorter = overlapped(world, result)
-                plans = plans if shorter is result else (shorter, result)
-            if at_once is not None:
-                plans = tuple(sorted((at_once, *plans), key=lambda plan: plan.cycle_seconds))
-            return plans, Verdict(Reason.OK, Stage.ROUTE)
+        result = _made(request, chosen, assigned, cancelled)
+        if not isinstance(result, Verdict):
+            return result, Verdict(Reason.OK, Stage.ROUTE)
         verdict = result
         if verdict.reason is Reason.OUT_OF_TIME:
             break
-    if at_once is not None:
-        return (at_once,), Verdict(Reason.OK, Stage.ROUTE)
     return (), verdict
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Request:
+    """What plans are made of: see `planned`."""
+
+    world: World
+    picks: Sequence[Pick]
+    strategy: str
+    threshold: float
+    scan_digest: str
+    seed: int
+
+    @property
+    def cost(self) -> Cost:
+        """What it costs to take a part first."""
+        return cost_of(self.world, self.world.policy.order)
+
+    def may_work_at_once(self, assigned: Sequence[Pick]) -> bool:
+        """Whether any legs of two arms may run at once, by strategy, controller and distance."""
+        if len(assigned) < 2 or self.strategy == Strategy.ALTERNATED:
+            return False
+        is_auto = self.strategy != Strategy.COORDINATED
+        is_far = _apart(self.world, assigned) >= self.threshold
+        return self.world.cell.moves_both_arms and is_far if is_auto else True
+
+
+def _made(
+    request: _Request, chosen: Strategy, assigned: Sequence[Pick], cancelled: Callable[[], bool]
+) -> tuple[Plan, ...] | Verdict:
+    """Plans for some picks, the quickest first, or why there is none."""
+    world, is_free = request.world, request.may_work_at_once(assigned)
+    best: tuple[Plan, ...] = ()
+    refusal: Verdict | None = None
+    tried = 0
+    for pair in islice(_alike(request, assigned, is_free=is_free), TRIED):
+        if cancelled():
+            raise JobCancelled("planning was cancelled")
+        found = _routed(request, chosen, pair, is_free=is_free)
+        if isinstance(found, Verdict):
+            refusal = refusal or found
+            if found.reason is Reason.OUT_OF_TIME:
+                break
+            continue
+        if not best or found[0].cycle_seconds < best[0].cycle_seconds:
+            best = found
+        tried += 1
+        if not is_free or tried == WOVEN:
+            break
+        if best[0].cycle_seconds < ENOUGH * max(one.seconds for one in best[0].arms):
+            break
+    if request.strategy == Strategy.COORDINATED and len(best) > 1:
+        # Whatever runs at once in it.
+        return (replace(best[0], strategy=Strategy.COORDINATED), *best[1:])
+    if request.strategy == Strategy.COORDINATED:
+        at_once = coordinate(world, assigned, scan_digest=request.scan_digest, seed=request.seed)
+        if isinstance(at_once, Plan):
+            return (at_once, *best)
+        note = f"the arms cannot work at once: {at_once}"
+        best = tuple(replace(plan, note=note) for plan in best)
+    return best or refusal or Verdict(Reason.NO_PATH, Stage.ROUTE)
+
+
+def _routed(
+    request: _Request, chosen: Strategy, assigned: Sequence[Pick], *, is_free: bool
+) -> tuple[Plan, ...] | Verdict:
+    """Plans for just these picks, the quickest first."""
+    world = request.world
+    note = _note(world, assigned, request.threshold) if request.strategy == "auto" else ""
+    plan = route(
+        world,
+        assigned,
+        chosen,
+        scan_digest=request.scan_digest,
+        seed=request.seed,
+        note=note,
+        since=CARRYING if is_free else 0,
+    )
+    if isinstance(plan, Verdict):
+        return plan
+    if len(assigned) < 2 or not (is_free or world.cell.moves_both_arms):
+        return (plan,)
+    return woven(world, plan, freely=is_free)
+
+
+def _alike(request: _Request, assigned: Sequence[Pick], *, is_free: bool) -> list[Sequence[Pick]]:
+    """Picks of the same parts by the same arms, those first that promise most.
+
+    In turns these are the given ones.  Where both arms may be in the bin they can work at once,
+    mostly, when they can stand side by side at the ends of their legs; if not, one has to wait.
+    """
+    world = request.world
+    if any(part.library.pairs for part in world.cell.parts):
+        return [assigned]
+    choices = [
+        sorted(
+            (other for other in request.picks if _is_alike(one, other)),
+            key=lambda pick: pick.seconds,
+        )[:ALIKE]
+        for one in assigned
+    ]
+
+    def promise(picks: Sequence[Pick]) -> float:
+        if not is_free:
+            return sum(pick.seconds for pick in picks)
+        less, more = sorted(pick.seconds for pick in picks)
+        return more + (0.0 if ends_are_clear(world, picks) else WAITING * less)
+
+    others: list[Sequence[Pick]] = sorted(product(*choices), key=promise)
+    return others if is_free else [assigned, *(one for one in others if one != tuple(assigned))]
+
+
+def _is_alike(one: Pick, other: Pick) -> bool:
+    """Whether two picks are of one part by one arm, and their grasps preferred alike."""
+    a, b = one.candidate, other.candidate
+    return (a.arm, a.detection, a.grasp.priority) == (b.arm, b.detection, b.grasp.priority)
 
 
 def _assignments(
@@ -146,19 +240,19 @@ def _assignments(
     """Ways to give parts to arms, best first: two arms where possible, then one.
 
     Of more arms any two may work, while the others stand at home.  For each arm and part the pick
-    with the least joint travel stands, or all of them where the grasps of a part go by pairs;
+    that takes the least time stands, or all of them where the grasps of a part go by pairs;
     pairs are ordered by the sum of their costs, and the arm with the less goes first.
     """
     best: dict[tuple[str, int], Pick] = {}
     for pick in picks:
         key = (pick.candidate.arm, pick.candidate.detection)
         priority = pick.candidate.grasp.priority
-        if key not in best or (-priority, pick.travel) < (
+        if key not in best or (-priority, pick.seconds) < (
             -best[key].candidate.grasp.priority,
-            best[key].travel,
+            best[key].seconds,
         ):
             best[key] = pick
-    ordered = sorted(best.values(), key=lambda pick: (cost(pick), pick.travel))
+    ordered = sorted(best.values(), key=lambda pick: (cost(pick), pick.seconds))
     if strategy in ("auto", *BOTH):
         has_pairs = any(part.library.pairs for part in world.cell.parts)
         pairs = pairs_of(world, picks if has_pairs else ordered, cost)
@@ -180,17 +274,6 @@ def _nobody_for(picks: Sequence[Pick], strategy: str) -> str:
     if strategy in BOTH:
         needs = "a part for each of two arms; one arm alone would do"
     return f"strategy {strategy} needs {needs}: what can be taken is {can}"
-
-
-def _side_by_side_or_behind(
-    world: World, picks: list[Pick], cost: Cost
-) -> Iterator[tuple[Sequence[int], tuple[Pick, ...]]]:
-    """Pairs for coordinated plans, with the offsets to try: side by side first."""
-    apart = filter(_of_several_heaps(world), side_by_side(world, picks, cost))
-    for pair in islice(apart, SIDE_BY_SIDE):
-        yield (0,), pair
-    for _, pair in islice(_assignments(world, picks, Strategy.COORDINATED, cost), ATTEMPTS):
-        yield OFFSETS[1:], pair
 
 
 def _of_several_heaps(world: World) -> Callable[[Sequence[Pick]], bool]:

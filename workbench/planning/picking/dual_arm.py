@@ -1,20 +1,16 @@
-"""Two arms at once: which legs run together, and that the arms cannot meet on them.
+"""Two arms at once: whether they can meet on two legs, and plans in which both do the same.
 
-Both arms run the same legs.  They run side by side, or the second one follows some legs behind
-the first, so that one works in the bin while the other carries its part away: of the offsets
-that work the one with the shortest cycle is taken.  For two legs that run together these are
-tried in turn:
+Where arms do the same at the same time, for each of their legs these are tried in turn:
 
 1. both ways as planned for each arm alone, when the arms cannot meet on them whatever their
-   speeds (`meeting`);
+   speeds (`met`);
 2. the way of one arm searched anew around the whole way of the other, first that of the second
    (the thesis' master and slave);
 3. one after the other;
-4. side by side only: both as one motion of all joints, run in step.
+4. both as one motion of all joints, run in step.
 
 A plan without legs in step is safe at any speeds: arms wait for each other between steps only.
-
-In an alternated plan, too, the second arm may be on its way to the bin while the first goes home.
+`weave` puts the legs of two arms into any order, in the first and the third of these ways.
 """
 
 from collections.abc import Iterator, Sequence
@@ -31,17 +27,11 @@ from workbench.planning.collision.contact import Contact
 from workbench.planning.collision.legs import HOLDING, LEAVING, Run, lead_of, phase_of
 from workbench.planning.collision.motion import Curves, chain_contact, walked
 from workbench.planning.collision.world import World
+from workbench.planning.kinematics.quickness import pace_of
 from workbench.planning.picking.in_step import in_step
 from workbench.planning.picking.order import Cost
 from workbench.planning.picking.route import MOTIONS, along_placed, arm_plan, leg_of
 from workbench.planning.picking.search import joint_weights, onward
-from workbench.planning.planners.clock import working_time
-
-OFFSETS = range(5)
-"""By how many legs the second arm may follow the first; with more they would not overlap much."""
-
-HOMEWARD = LEG_NAMES.index("home")
-"""So many legs behind the first, the second arm leaves while the first goes home."""
 
 CARRYING = LEG_NAMES.index("return")
 """From this leg on the first arm's part is out of the bin: in its hand, or where it is put."""
@@ -71,15 +61,15 @@ Pair = tuple[Task, Task]
 def pairs_of(world: World, picks: Sequence[Pick], cost: Cost) -> list[tuple[Pick, Pick]]:
     """Picks of different arms and parts, by two; least cost first, in and among them.
 
-    What costs the same goes by joint travel.  Where the library of the parts has pairs of grasps,
+    What costs the same goes by time.  Where the library of the parts has pairs of grasps,
     only these are taken, in their order.
     """
 
     def rank(pick: Pick) -> tuple[float, float]:
-        return cost(pick), pick.travel
+        return cost(pick), pick.seconds
 
     def total(pair: tuple[Pick, Pick]) -> tuple[float, float]:
-        return cost(pair[0]) + cost(pair[1]), pair[0].travel + pair[1].travel
+        return cost(pair[0]) + cost(pair[1]), pair[0].seconds + pair[1].seconds
 
     pairs = [
         (a, b)
@@ -101,15 +91,8 @@ def _may_go_first(world: World, a: Pick, b: Pick, *, is_cheaper: bool) -> bool:
     return allows(first, second) and (is_cheaper or not allows(second, first))
 
 
-def side_by_side(world: World, picks: Sequence[Pick], cost: Cost) -> list[tuple[Pick, Pick]]:
-    """Pairs of picks whose arms do not touch where their legs end, least cost first.
-
-    They are worth a plan in which both arms do the same at the same time.
-    """
-    return [pair for pair in pairs_of(world, picks, cost) if _ends_are_clear(world, pair)]
-
-
-def _ends_are_clear(world: World, pair: tuple[Pick, Pick]) -> bool:
+def ends_are_clear(world: World, pair: Sequence[Pick]) -> bool:
+    """Whether two arms keep apart where the legs of their picks end, both having done as many."""
     ends: tuple[tuple[LegName, list[Floats]], ...] = (
         ("approach", [pick.approach[0] for pick in pair]),
         ("extract", [pick.extract[0] for pick in pair]),
@@ -132,116 +115,48 @@ def _run(pick: Pick, name: LegName) -> Run:
 
 
 def coordinate(
-    world: World,
-    picks: Sequence[Pick],
-    *,
-    scan_digest: str,
-    seed: int,
-    offsets: Sequence[int] = OFFSETS,
+    world: World, picks: Sequence[Pick], *, scan_digest: str, seed: int
 ) -> Plan | Verdict:
-    """A plan in which two arms work at once, others standing at home as obstacles.
+    """A plan in which two arms do the same at the same time, others standing at home as obstacles.
 
     Args:
         world: of the cell and the detections that the picks were made from.
-        picks: two, of different arms and parts; the first arm begins.
+        picks: two, of different arms and parts.
         scan_digest: what the detections were found in.
         seed: of everything random.
-        offsets: by how many legs the second arm may follow the first.
 
     Returns:
-        The plan with the shortest cycle, side by side if that works; or the verdict of the first
-        offset, `OUT_OF_TIME` once the world's deadline has passed.
+        The plan, or the verdict on the legs for which there is no way.
     """
-    first = arm_plan(world, picks[0], seed)
-    if isinstance(first, Verdict):
-        return first
-    refusal: Verdict | None = None
-    best: Plan | None = None
-    second: ArmPlan | Verdict | None = None
-    planned_since = -1
-    for offset in offsets:
-        if working_time() > world.deadline:
-            break
-        since = max(0, CARRYING - offset)
-        if second is None or since != planned_since:
-            second, planned_since = arm_plan(world, picks[1], seed, (first,), since), since
-        if isinstance(second, Verdict):
-            refusal = refusal or second
-            continue
-        rng = np.random.default_rng(np.random.SeedSequence([seed, offset]))
-        found = _with_offset(world, first, second, offset, rng)
-        if isinstance(found, Verdict):
-            refusal = refusal or found
-            continue
-        arms, steps, guarantee = found
-        plan = Plan(
-            cell=world.cell.name,
-            cell_digest=world.cell.digest,
-            scan_digest=scan_digest,
-            seed=seed,
-            strategy=Strategy.COORDINATED,
-            guarantee=guarantee,
-            detections=world.detections,
-            obstacles=world.obstacles,
-            arms=arms,
-            sequence=steps,
-            note=_note(offset),
-        )
-        if best is None or plan.cycle_seconds < best.cycle_seconds:
-            best = plan
-        if offset == 0:
-            break
-    if best is None and working_time() > world.deadline:
-        return Verdict(Reason.OUT_OF_TIME, Stage.ROUTE)
-    return best or refusal or Verdict(Reason.NO_PATH, Stage.ROUTE)
-
-
-def overlapped(world: World, plan: Plan) -> Plan:
-    """An alternated plan whose second arm sets out while the first goes home.
-
-    Args:
-        world: of the cell and the detections that the plan was made for.
-        plan: for two arms, one after the other.
-
-    Returns:
-        That plan, which no proof has seen yet; `plan` itself where the arms might meet or nothing
-        is won.
-    """
-    first, second = plan.arms
-    rng = np.random.default_rng(np.random.SeedSequence([plan.seed, HOMEWARD]))
-    found = _with_offset(world, first, second, HOMEWARD, rng)
-    if isinstance(found, Verdict):
-        return plan
-    arms, steps, guarantee = found
-    shorter = replace(plan, arms=arms, sequence=steps, guarantee=guarantee)
-    # Legs that take turns after all may be quicker by a rounding error: that is nothing won.
-    is_at_once = any(len(step.runs) > 1 for step in steps)
-    return shorter if is_at_once and shorter.cycle_seconds < plan.cycle_seconds else plan
-
-
-def _note(offset: int) -> str:
-    if offset == 0:
-        return "both arms side by side"
-    return f"the second arm {offset} {'leg' if offset == 1 else 'legs'} behind the first"
-
-
-def _with_offset(
-    world: World, first: ArmPlan, second: ArmPlan, offset: int, rng: np.random.Generator
-) -> tuple[tuple[ArmPlan, ArmPlan], tuple[Step, ...], Guarantee] | Verdict:
-    """Arms, steps and guarantee with the second arm `offset` legs behind the first."""
-    steps = [Step(((first.arm, name),)) for name in LEG_NAMES[:offset]]
+    one = arm_plan(world, picks[0], seed)
+    if isinstance(one, Verdict):
+        return one
+    other = arm_plan(world, picks[1], seed, (one,), CARRYING)
+    if isinstance(other, Verdict):
+        return other
+    rng, steps = np.random.default_rng(np.random.SeedSequence([seed, 0])), list[Step]()
     guarantee = Guarantee.TIME_INDEPENDENT
-    for ahead, behind in zip(LEG_NAMES[offset:], LEG_NAMES, strict=False):
-        together = _together(world, (Task(first, ahead), Task(second, behind)), rng)
+    for name in LEG_NAMES:
+        together = _together(world, (Task(one, name), Task(other, name)), rng)
         if isinstance(together, Verdict):
             return together
-        (one, other), some, is_in_step = together
-        first, second = one.plan, other.plan
+        (first, second), some, is_in_step = together
+        one, other = first.plan, second.plan
         steps += some
         if is_in_step:
             guarantee = Guarantee.SYNCHRONISED
-    steps += [Step(((second.arm, name),)) for name in LEG_NAMES[len(LEG_NAMES) - offset :]]
-    return (first, second), tuple(steps), guarantee
+    return Plan(
+        cell=world.cell.name,
+        cell_digest=world.cell.digest,
+        scan_digest=scan_digest,
+        seed=seed,
+        strategy=Strategy.COORDINATED,
+        guarantee=guarantee,
+        detections=world.detections,
+        obstacles=world.obstacles,
+        arms=(one, other),
+        sequence=tuple(steps),
+    )
 
 
 def _together(
@@ -249,22 +164,21 @@ def _together(
 ) -> tuple[Pair, list[Step], bool] | Verdict:
     """Two legs by the first way that works: the tasks, their steps, and whether in step."""
     one_step = [Step(tuple((task.plan.arm, task.name) for task in pair))]
-    met = _met(world, pair)
-    if met is None:
+    touch = met(world, pair)
+    if touch is None:
         return pair, one_step, False
     for around in _around(world, pair, rng):
         return around, one_step, False
     turns = _one_after_the_other(world, pair)
     if turns is not None:
         return pair, turns, False
-    if pair[0].name == pair[1].name:
-        _enter(world, pair)
-        legs = in_step(world, (pair[0].plan, pair[1].plan), pair[0].name, rng)
-        if legs is not None:
-            return (pair[0].with_leg(legs[0]), pair[1].with_leg(legs[1])), one_step, True
-    contact = met.contact
+    _enter(world, pair)
+    legs = in_step(world, (pair[0].plan, pair[1].plan), pair[0].name, rng)
+    if legs is not None:
+        return (pair[0].with_leg(legs[0]), pair[1].with_leg(legs[1])), one_step, True
     where = f"the arms meet: {' and '.join(f'{task.plan.arm} {task.name}' for task in pair)}"
-    return Verdict(Reason.NO_PATH, Stage.ROUTE, contact.pair, contact.distance, met.q[0], where)
+    contact = touch.contact
+    return Verdict(Reason.NO_PATH, Stage.ROUTE, contact.pair, contact.distance, touch.q[0], where)
 
 
 def _enter(world: World, pair: Pair) -> None:
@@ -276,11 +190,11 @@ def _enter(world: World, pair: Pair) -> None:
 
 
 def _sweep_of(world: World, task: Task) -> ArmSweep:
-    curves = walked(np.asarray(task.leg.q), world.policy.zone)
+    curves = walked(np.asarray(task.leg.q), world.motion, world.policy.zone)
     return ArmSweep(task.plan.arm, curves.points)
 
 
-def _met(world: World, pair: Pair) -> ArmContact | None:
+def met(world: World, pair: Pair) -> ArmContact | None:
     """Where the arms meet, or one what the other has placed, on the ways that they have."""
     _enter(world, pair)
     for task in pair:
@@ -302,7 +216,7 @@ def _around(world: World, pair: Pair, rng: np.random.Generator) -> Iterator[Pair
         lead = lead_of(task.leg, world.policy.straight_points)
         begin = standing(task.plan.arm, lead[0])
         if len(lead) > 1:
-            begin = ArmSweep(task.plan.arm, walked(lead, world.policy.zone).points)
+            begin = ArmSweep(task.plan.arm, walked(lead, world.motion, world.policy.zone).points)
         ends = (begin, standing(task.plan.arm, goal))
         if any(first_contact(world, base, end, way) is not None for end in ends):
             continue
@@ -321,8 +235,8 @@ def _around(world: World, pair: Pair, rng: np.random.Generator) -> Iterator[Pair
             found = chain_contact(world, columns, base, curves, among=among)
             if found is not None:
                 return found[:2]
-            met = first_contact(world, base, ArmSweep(arm, curves.points), way)
-            return None if met is None else (met.contact, met.q[0])
+            touch = first_contact(world, base, ArmSweep(arm, curves.points), way)
+            return None if touch is None else (touch.contact, touch.q[0])
 
         chain, weights = world.chains[task.plan.arm], joint_weights(len(columns), world.policy)
         limits = (chain.lower, chain.upper)
@@ -337,6 +251,7 @@ def _around(world: World, pair: Pair, rng: np.random.Generator) -> Iterator[Pair
                 world.motion,
                 rng,
                 world.deadline,
+                pace=pace_of(chain, world.policy.speed),
             )
         if isinstance(path, Verdict):
             continue
@@ -347,29 +262,25 @@ def _around(world: World, pair: Pair, rng: np.random.Generator) -> Iterator[Pair
 
 def _one_after_the_other(world: World, pair: Pair) -> list[Step] | None:
     """Two steps, the waiting arm standing where its leg begins or ended; None when they meet."""
+    done = LEG_NAMES.index(pair[0].name)
     for one, other in (pair, pair[::-1]):
-        if _passes(world, one, other, is_done=False) and _passes(world, other, one, is_done=True):
+        if passes(world, one, other.plan, done) and passes(world, other, one.plan, done + 1):
             return [Step(((task.plan.arm, task.name),)) for task in (one, other)]
     return None
 
 
-def _passes(world: World, moving: Task, waiting: Task, *, is_done: bool) -> bool:
-    """Whether one arm can go while the other stands where its leg ended, or where it begins."""
-    last = waiting.name if is_done else _before(waiting.name)
+def passes(world: World, moving: Task, waiting: ArmPlan, done: int) -> bool:
+    """Whether one arm can go while the other stands where it is with so many of its legs done."""
     waits: list[Run] = []
-    if last is not None:
-        waits.append((waiting.plan, last, waiting.plan.leg(last).opening))
+    if done:
+        last = waiting.legs[done - 1]
+        waits.append((waiting, last.name, last.opening))
     world.enter(phase_of([(moving.plan, moving.name, moving.leg.opening)], waits))
-    q = np.asarray(waiting.leg.q[-1 if is_done else 0])
+    q = np.asarray(waiting.legs[done - 1].q[-1] if done else waiting.legs[0].q[0])
     if moving.name in LEAVING:
-        starts = {moving.plan.arm: moving.leg.q[0], waiting.plan.arm: q}
+        starts = {moving.plan.arm: moving.leg.q[0], waiting.arm: q}
         world.allow_start_contacts(world.configuration(starts))
     if along_placed(world, moving.plan.arm, np.asarray(moving.leg.q)) is not None:
         return False
-    post = standing(waiting.plan.arm, q)
+    post = standing(waiting.arm, q)
     return first_contact(world, world.configuration({}), _sweep_of(world, moving), post) is None
-
-
-def _before(name: LegName) -> LegName | None:
-    number = LEG_NAMES.index(name)
-    return LEG_NAMES[number - 1] if number else None

@@ -10,7 +10,8 @@ from workbench.model.plan import ArmPlan, Leg, LegName
 from workbench.planning.collision.legs import lead_of
 from workbench.planning.collision.motion import walked
 from workbench.planning.collision.world import World
-from workbench.planning.picking.execution import timed
+from workbench.planning.kinematics.execution import timed
+from workbench.planning.kinematics.quickness import Pace, pace_of
 from workbench.planning.picking.route import MOTIONS
 from workbench.planning.picking.search import curve_check, joint_weights, onward
 
@@ -40,7 +41,7 @@ def in_step(
         if world.contact(whole) is not None:
             return None
     lead = np.hstack([lead_of(leg, policy.straight_points) for leg in legs])
-    if len(lead) > 1 and check(walked(lead, policy.zone)) is not None:
+    if len(lead) > 1 and check(walked(lead, world.motion, policy.zone)) is not None:
         return None
     if MOTIONS[name] == "joint":
         chains = [world.chains[plan.arm] for plan in plans]
@@ -52,7 +53,16 @@ def in_step(
         fewer = replace(policy, iterations=min(policy.iterations, ITERATIONS))
         with world.at_full_margins():
             path = onward(
-                lead, goal, limits, weights, check, fewer, world.motion, rng, world.deadline
+                lead,
+                goal,
+                limits,
+                weights,
+                check,
+                fewer,
+                world.motion,
+                rng,
+                world.deadline,
+                pace=_pace(world, plans),
             )
         if isinstance(path, Verdict):
             return None
@@ -60,20 +70,24 @@ def in_step(
         if len(legs[0].q) != len(legs[1].q):
             return None
         path = np.hstack([legs[0].q, legs[1].q])
-        if check(walked(path, policy.zone)) is not None:
+        if check(walked(path, world.motion, policy.zone)) is not None:
             return None
     return _timed(world, plans, legs, path)
+
+
+def _pace(world: World, plans: tuple[ArmPlan, ArmPlan]) -> Pace:
+    """That of all joints."""
+    paces = [pace_of(world.chains[plan.arm], world.policy.speed) for plan in plans]
+    velocity = np.concatenate([pace.velocity for pace in paces])
+    return Pace(velocity, np.concatenate([pace.acceleration for pace in paces]))
 
 
 def _timed(
     world: World, plans: tuple[ArmPlan, ArmPlan], legs: tuple[Leg, Leg], path: Floats
 ) -> tuple[Leg, Leg]:
-    arms = [world.arm(plan.arm) for plan in plans]
-    velocity = np.concatenate([world.cell.robot.limits(arm.joints)[2] for arm in arms])
-    acceleration = np.concatenate([np.asarray(arm.acceleration) for arm in arms])
-    policy = world.policy
-    times = timed(path, velocity * policy.speed, acceleration, policy.zone)
-    count = len(arms[0].joints)
+    pace = _pace(world, plans)
+    times = timed(path, pace.velocity, pace.acceleration, world.policy.zone)
+    count = len(plans[0].joints)
     return (
         replace(legs[0], q=path[:, :count], t=times),
         replace(legs[1], q=path[:, count:], t=times),

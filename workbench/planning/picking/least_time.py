@@ -15,6 +15,7 @@ from workbench.model.candidate import Pick
 from workbench.model.geometry import Floats
 from workbench.model.plan import LEG_NAMES, Plan
 from workbench.planning.collision.world import World
+from workbench.planning.kinematics.quickness import Pace
 from workbench.planning.picking.put_down import home_of
 
 STOPS = (0, 2, 5)
@@ -59,12 +60,7 @@ def least_seconds(ends: Floats, velocity: Floats, acceleration: Floats) -> Float
     """
     assert ends.shape[1] == len(LEG_NAMES) + 1
     far = np.add.reduceat(np.abs(np.diff(ends, axis=1)), STOPS, axis=1)
-    # Up to speed and down again, or never quite up to speed.
-    ramps = velocity / acceleration
-    times = np.where(
-        far >= velocity * ramps, far / velocity + ramps, 2.0 * np.sqrt(far / acceleration)
-    )
-    return times.max(axis=2).sum(axis=1)
+    return Pace(velocity, acceleration).seconds(far).sum(axis=1)
 
 
 def shared(alone: Mapping[tuple[str, int], float], parts: Sequence[int]) -> float:

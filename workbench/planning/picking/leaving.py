@@ -44,7 +44,7 @@ def comes_back(
     if number == len(path) - 1:
         return None if contact is None else (contact, path[-1], len(path) - 2)
     with world.at_full_margins():
-        curves = walked(path[number:], world.policy.zone)
+        curves = walked(path[number:], world.motion, world.policy.zone)
         found = chain_contact(world, columns, base, curves, among=pairs)
     return None if found is None else (found[0], found[1], found[2] + number)
 

@@ -27,7 +27,7 @@ def _p_bin(world: World, pick: Pick) -> Floats:
 
 
 def _travel(world: World, pick: Pick) -> float:
-    return pick.travel
+    return pick.seconds
 
 
 def _highest(world: World, pick: Pick) -> float:

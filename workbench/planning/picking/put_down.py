@@ -1,8 +1,9 @@
 """Where a part is put down: the straight way to a place, and the hand's straight way out again."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import chain as one_by_one
+from itertools import groupby
 
 import numpy as np
 import pinocchio as pin
@@ -18,12 +19,16 @@ from workbench.planning.collision.rolled import axis_of
 from workbench.planning.collision.world import World
 from workbench.planning.grasps.put_poses import suits_any_roll, ways_to_lie
 from workbench.planning.kinematics.chain import is_solution
+from workbench.planning.kinematics.quickness import between, drawn, pace_of
 from workbench.planning.kinematics.straight import follow
 from workbench.planning.picking.leaving import comes_back
 from workbench.planning.planners.clock import working_time
 
 PLACE_LIFT = 0.05
 """[m] The last straight way down to the place."""
+
+DRAWN = 4
+"""Configurations at a place that are drawn to be nearer in time: the soonest of those found."""
 
 UP = np.array([0.0, 0.0, 1.0])
 
@@ -55,29 +60,40 @@ def ways_down(
         q_from: (n,) [rad] where the arm comes from.
         near: (k, n) [rad] configurations at places, where some are known.
     """
-    starts = np.vstack([q_from, arm.home] if near is None else [q_from, arm.home, near])
-    for there in _hands(world, arm, phase):
+    starts = np.vstack([q_from, arm.home, (q_from + arm.home) / 2])
+    for hands in _hands(world, arm, phase):
         if working_time() > world.deadline:
             yield LATE
             return
-        if isinstance(there, Verdict):
-            yield there
+        if isinstance(hands, Verdict):
+            yield hands
         else:
-            yield from _straight_down(world, arm, phase, there, starts)
+            some = starts if near is None else np.vstack([starts, near])
+            yield from _straight_down(world, arm, phase, hands, some)
 
 
-def _hands(world: World, arm: Arm, phase: Phase) -> Iterator[pin.SE3 | Verdict]:
-    """Where the hand would be at each place, as T_world_tcp; or that the part stands in things."""
+def _hands(world: World, arm: Arm, phase: Phase) -> Iterator[list[pin.SE3] | Verdict]:
+    """Where the hand would be at each place, as T_world_tcp; or that the part stands in things.
+
+    Places of the hand that differ in nothing but how it is turned are one.
+    """
     number, T_tcp_part = phase.held[arm.name]
     for T_world_part in ways_at_places(world, arm, number):
         if isinstance(T_world_part, Verdict):
             yield T_world_part
             continue
-        met = _standing_in(world, phase, arm, T_world_part * T_tcp_part.inverse())
-        yield met or T_world_part * T_tcp_part.inverse()
-    for T_world_place in arm.Ts_world_place:
-        for T_world_tcp in (T_world_place * T for T in hand_turns(arm)):
-            yield _standing_in(world, phase, arm, T_world_tcp) or T_world_tcp
+        T_world_tcp = T_world_part * T_tcp_part.inverse()
+        yield _standing_in(world, phase, arm, T_world_tcp) or [T_world_tcp]
+    for _, turned in groupby(arm.Ts_world_place, key=lambda T: tuple(T.translation)):
+        free: list[pin.SE3] = []
+        for T_world_tcp in (T * T_turn for T in turned for T_turn in hand_turns(arm)):
+            stood = _standing_in(world, phase, arm, T_world_tcp)
+            if stood is None:
+                free.append(T_world_tcp)
+            else:
+                yield stood
+        if free:
+            yield free
 
 
 def ways_at_places(world: World, arm: Arm, number: int) -> Iterator[pin.SE3 | Verdict]:
@@ -96,27 +112,44 @@ def ways_at_places(world: World, arm: Arm, number: int) -> Iterator[pin.SE3 | Ve
 
 
 def _straight_down(
-    world: World, arm: Arm, phase: Phase, T_world_tcp: pin.SE3, starts: Floats
+    world: World, arm: Arm, phase: Phase, hands: Sequence[pin.SE3], starts: Floats
 ) -> Iterator[Floats | Verdict]:
-    """The straight ways down (m, n) to one pose of the hand, and what speaks against others."""
+    """The straight ways down (m, n) to a place, and what speaks against others.
+
+    That comes first which is soonest reached from where the arm comes from, the first of the
+    `starts`, and left for home.
+    """
     policy, base = world.policy, world.configuration({})
     chain, columns = world.chains[arm.name], world.kinematics.columns[arm.name]
-    answers, residuals = chain.solve(T_world_tcp, starts)
-    for q in answers[is_solution(residuals)]:
-        above = _raised(T_world_tcp)
-        path, share = follow(chain, world.motion.rounded(q), above, policy.straight_points)
+    pace, stops = pace_of(chain, policy.speed), np.stack([starts[0], arm.home])
+    found: list[tuple[float, Floats, pin.SE3]] = []
+    for T_world_tcp in hands:
+        answers, residuals = chain.solve(T_world_tcp, starts)
+        solved = answers[is_solution(residuals)]
+        found += [
+            (s, q, T_world_tcp) for s, q in zip(between(solved, stops, pace), solved, strict=True)
+        ]
+    found.sort(key=lambda one: one[0])
+    soonest: list[tuple[float, Floats, pin.SE3]] = []
+    for _, q, T_world_tcp in found[:DRAWN]:
+        nearer = drawn(chain, T_world_tcp, q[None], stops, pace)
+        soonest.append((float(between(nearer, stops, pace)[0]), nearer[0], T_world_tcp))
+    for _, q, T_world_tcp in sorted(soonest + found, key=lambda one: one[0]):
+        path, share = follow(
+            chain, world.motion.rounded(q), _raised(T_world_tcp), policy.straight_points
+        )
         if share < 1.0:
             note = f"the arm can follow only {share:.0%} of the line"
             yield Verdict(Reason.NO_PLACE, Stage.PLACE, q=path[-1], note=note)
             continue
         path = world.motion.rounded(path[::-1])
         world.enter(phase)
-        found = path_contact(world, columns, base, path, policy.zone)
-        if found is None:
+        met = path_contact(world, columns, base, path)
+        if met is None:
             yield path
         else:
-            pair, distance = found[0].pair, found[0].distance
-            yield Verdict(Reason.NO_PLACE, Stage.PLACE, pair, distance, found[1])
+            pair, distance = met[0].pair, met[0].distance
+            yield Verdict(Reason.NO_PLACE, Stage.PLACE, pair, distance, met[1])
 
 
 def _standing_in(world: World, phase: Phase, arm: Arm, T_world_tcp: pin.SE3) -> Verdict | None:
@@ -261,7 +294,7 @@ def _met(world: World, arm: Arm, path: Floats) -> Verdict | None:
     if len(among) == 0:
         return None
     columns, base = world.kinematics.columns[arm.name], world.configuration({})
-    found = path_contact(world, columns, base, path, world.policy.zone, among=among)
+    found = path_contact(world, columns, base, path, among)
     if found is None:
         return None
     contact, q, _ = found
@@ -287,7 +320,7 @@ def _way_out(world: World, pick: Pick, arm: Arm, phase: Phase, q_place: Floats) 
         path = world.motion.rounded(path)
         world.enter(phase)
         world.allow_start_contacts(world.configuration({arm.name: q_place}))
-        found = path_contact(world, columns, base, path, policy.zone)
+        found = path_contact(world, columns, base, path)
         found = found or comes_back(world, (arm.name,), columns, base, path)
         if found is None:
             return path

@@ -20,6 +20,7 @@ from workbench.planning.collision.world import World
 from workbench.planning.grasps.every_turn import uneven
 from workbench.planning.grasps.rolls import UNSEEN, with_rolls
 from workbench.planning.kinematics.chain import Chain, is_solution
+from workbench.planning.kinematics.quickness import drawn, legs_seconds, pace_of
 from workbench.planning.kinematics.straight import follow
 from workbench.planning.picking.lifts import clear_lifts, free_lifts, has_several
 from workbench.planning.picking.put_down import at_places, ways_down
@@ -35,12 +36,21 @@ TOO_DEEP = "the part lies too deep in what it lies on: its pose is wrong"
 SAME = np.deg2rad(5.0)
 """Two solutions closer than this in every joint are one."""
 
+MOST_CLEAR = 8
+"""Clear configurations that are enough to choose from: those that are reached soonest."""
+
+SOON = 0.6
+"""[s] Half of the random starting points are where joints at full speed get from home in this."""
+
+CLOSE, DETOUR = 0.01, 0.1
+"""[m, s] Less room than this counts like up to so much extra time."""
+
 
 def resolve(world: World, candidate: Candidate, *, seed: int) -> Pick | Verdict:
     """The configurations by which a candidate works, or why it does not.
 
-    Solutions of the inverse kinematics are tried in the order of joint travel from home, those
-    with little clearance later.  When none works out, the verdict is that of the one which got
+    Solutions of the inverse kinematics are tried in the order of their time from home, those with
+    little clearance later.  When none works out, the verdict is that of the one which got
     furthest along the line.
 
     Args:
@@ -114,8 +124,11 @@ def _progress(verdict: Verdict) -> int:
 def _starts(chain: Chain, arm: Arm, seed: int) -> Floats:
     """Home, the middle of the range, and seeded random configurations, shape (s, n)."""
     rng = np.random.default_rng(np.random.SeedSequence([seed, ord(arm.controller_id)]))
-    random = rng.uniform(chain.lower, chain.upper, (STARTS - 2, len(chain.lower)))
-    return frozen(np.vstack([arm.home, (chain.lower + chain.upper) / 2, random]))
+    home, count = np.asarray(arm.home), (STARTS - 2) // 2
+    far = rng.uniform(chain.lower, chain.upper, (count, len(home)))
+    near = home + SOON * chain.velocity * rng.uniform(-1.0, 1.0, (count, len(home)))
+    near = np.clip(near, chain.lower, chain.upper)
+    return frozen(np.vstack([home, (chain.lower + chain.upper) / 2, far, near]))
 
 
 Solution = tuple[Floats, pin.SE3, float]
@@ -162,33 +175,39 @@ def _grasp_solutions(
 ) -> tuple[list[Solution], Verdict | None]:
     """Clear grasp configurations with hand pose and clearance, best first; or the refusal."""
     chain = world.chains[arm.name]
-    starts = _starts(chain, arm, seed)
+    starts, pace = _starts(chain, arm, seed), pace_of(chain, world.policy.speed)
+    home = np.asarray(arm.home)[None]
     found: list[tuple[Floats, pin.SE3]] = []
     nearest, q_nearest = np.inf, starts[0]
-    known = np.empty((len(hands) * len(starts), starts.shape[1]))
+    known = np.empty((2 * len(hands) * len(starts), starts.shape[1]))
     for T_world_tcp in hands:
         answers, residuals = chain.solve(T_world_tcp, starts)
-        for q, residual, solved in zip(answers, residuals, is_solution(residuals), strict=True):
-            if solved and not (np.abs(known[: len(found)] - q).max(axis=1) < SAME).any():
+        away = residuals @ (1.0, 0.1)
+        if away.min() < nearest:
+            nearest, q_nearest = float(away.min()), answers[away.argmin()]
+        solved = answers[is_solution(residuals)]
+        # Those that are reached sooner may be in the way of something: the others stay.
+        for q in (*drawn(chain, T_world_tcp, solved, home, pace), *solved):
+            if not (np.abs(known[: len(found)] - q).max(axis=1) < SAME).any():
                 known[len(found)] = q
                 found.append((q, T_world_tcp))
-            if residual[0] + 0.1 * residual[1] < nearest:
-                nearest, q_nearest = residual[0] + 0.1 * residual[1], q
     if not found:
         return [], Verdict(Reason.OUT_OF_REACH, Stage.GRASP, distance=float(nearest), q=q_nearest)
     world.enter(approach_phase(candidate, arm))
+    times: list[float] = pace.seconds(known[: len(found)] - home).tolist()
     clear: list[tuple[float, Floats, pin.SE3, float]] = []
     refusal: Verdict | None = None
-    for q, T_world_tcp in found:
-        contact, room = world.worst(world.configuration({arm.name: q}), reach=0.01)
+    for k in sorted(range(len(found)), key=times.__getitem__):
+        q, T_world_tcp = found[k]
+        contact, room = world.worst(world.configuration({arm.name: q}), reach=CLOSE)
         if contact is not None and room < 0:
             verdict = _refused(Reason.IN_COLLISION, Stage.GRASP, contact, q)
             if refusal is None or (verdict.distance or 0) > (refusal.distance or 0):
                 refusal = verdict
             continue
-        travel = float(np.abs(q - arm.home).sum())
-        # Less than 10 mm of room counts like up to two radians of extra travel.
-        clear.append((travel + 2.0 * (1.0 - room / 0.01), q, T_world_tcp, room))
+        clear.append((times[k] + DETOUR * (1.0 - room / CLOSE), q, T_world_tcp, room))
+        if len(clear) == MOST_CLEAR:
+            break
     clear.sort(key=lambda entry: entry[0])
     return [(q, T, room) for _, q, T, room in clear], refusal
 
@@ -251,9 +270,10 @@ def _completed(
         if isinstance(place, Verdict):
             # No other lift makes the places come nearer.
             return place
-        legs = np.vstack([arm.home, approach, extract, place, arm.home])
-        travel = float(np.abs(np.diff(legs, axis=0)).sum())
-        return Pick(candidate, T_tcp_part, approach, extract, place, room, travel, lift=name)
+        straight = [way[[0, -1]] for way in (approach, extract, place)]
+        ends = np.vstack([arm.home, *straight, arm.home])
+        seconds = legs_seconds(ends, pace_of(world.chains[arm.name], world.policy.speed))
+        return Pick(candidate, T_tcp_part, approach, extract, place, room, seconds, lift=name)
     return refusal or Verdict(Reason.EXTRACT_BLOCKED, Stage.EXTRACT)
 
 
@@ -272,7 +292,7 @@ def _approach(
     path[-1] = q_grasp
     base = world.configuration({})
     world.enter(approach_phase(candidate, arm))
-    found = path_contact(world, columns, base, path, policy.zone)
+    found = path_contact(world, columns, base, path)
     if found is None:
         world.enter(Phase(frozenset({arm.name}), {arm.name: grasp.opening}))
         q = path[0]
@@ -309,11 +329,11 @@ def _extract(
     sunk = world.allow_start_contacts(world.configuration({arm.name: q_grasp}))
     if sunk is not None:
         return replace(_refused(Reason.IN_COLLISION, Stage.EXTRACT, sunk, q_grasp), note=TOO_DEEP)
-    found = path_contact(world, columns, base, path, policy.zone)
+    found = path_contact(world, columns, base, path)
     if found is None:
         with world.at_full_margins():
             free = _beyond(chain, path, policy.release)
-            found = path_contact(world, columns, base, free, policy.zone)
+            found = path_contact(world, columns, base, free)
     if found is None:
         world.enter(holding_phase(candidate, arm, T_tcp_part, straight=False))
         q = path[-1]

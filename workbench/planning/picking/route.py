@@ -23,7 +23,8 @@ from workbench.planning.collision.contact import Contact
 from workbench.planning.collision.legs import HOLDING, Run, phase_of
 from workbench.planning.collision.motion import RESOLUTION, path_contact
 from workbench.planning.collision.world import World
-from workbench.planning.picking.execution import timed
+from workbench.planning.kinematics.execution import timed
+from workbench.planning.kinematics.quickness import pace_of
 from workbench.planning.picking.put_down import PutDown, home_of, put_down
 from workbench.planning.picking.search import curve_check, joint_weights, onward
 from workbench.planning.planners.clock import working_time
@@ -52,6 +53,7 @@ def route(
     scan_digest: str,
     seed: int,
     note: str = "",
+    since: int = 0,
 ) -> Plan | Verdict:
     """A plan in which the arms work one after the other, in the order of `picks`.
 
@@ -65,6 +67,7 @@ def route(
         scan_digest: what the detections were found in.
         seed: of the request.
         note: for people, why this strategy.
+        since: see `arm_plan`; 0 where one arm has done all its legs before the next begins.
 
     Returns:
         The plan, or the verdict of the leg for which no path was found.
@@ -73,7 +76,7 @@ def route(
     arms: list[ArmPlan] = []
     steps: list[Step] = []
     for pick in picks:
-        planned = arm_plan(world, pick, seed, arms)
+        planned = arm_plan(world, pick, seed, arms, since)
         if isinstance(planned, Verdict):
             return planned
         arms.append(planned)
@@ -166,7 +169,7 @@ def along_placed(world: World, arm: str, path: Floats) -> Contact | None:
     if len(among) == 0:
         return None
     columns, base = world.kinematics.columns[arm], world.configuration({})
-    found = path_contact(world, columns, base, path, world.policy.zone, among=among)
+    found = path_contact(world, columns, base, path, among)
     return None if found is None else found[0]
 
 
@@ -179,9 +182,8 @@ def _without_return(verdict: Verdict, name: LegName) -> Verdict:
 
 def leg_of(world: World, arm: Arm, name: LegName, path: Floats, opening: float) -> Leg:
     """A leg of one arm along a path (m, n) [rad], with its timing; the `opening` is in m."""
-    policy = world.policy
-    _, _, velocity = world.cell.robot.limits(arm.joints)
-    times = timed(path, velocity * policy.speed, np.asarray(arm.acceleration), policy.zone)
+    pace = pace_of(world.chains[arm.name], world.policy.speed)
+    times = timed(path, pace.velocity, pace.acceleration, world.policy.zone)
     return Leg(name, MOTIONS[name], name in HOLDING, opening, path, times)
 
 
@@ -223,4 +225,5 @@ def free_path(
         rng,
         world.deadline,
         world.edges(columns, base, RESOLUTION),
+        pace_of(chain, world.policy.speed),
     )

@@ -1,7 +1,7 @@
 """One free way: searched by the planner of that name, shortened, rounded, checked as it is run."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -14,10 +14,16 @@ from workbench.planning.collision.contact import Contact
 from workbench.planning.collision.motion import Curves, chain_contact, segment, walked
 from workbench.planning.collision.sweeping.edges import Edges
 from workbench.planning.collision.world import World
+from workbench.planning.kinematics.quickness import Pace
 from workbench.planning.planners.asking import CompiledCheck
 from workbench.planning.planners.clock import working_time
-from workbench.planning.planners.shorten import merged, resampled, shortened
+from workbench.planning.planners.ease import eased
+from workbench.planning.planners.shorten import merged, resampled, shortened, skipped
 from workbench.plugins.planner import EdgeCheck, Planner, planner_named
+
+FINE = 0.0001
+"""[m] The resolution of the last look at a path, whose corners have been moved up to what they
+would touch: five times finer than that of the proof, which looks at other configurations."""
 
 TRIES = 3
 """Free paths searched before giving up: rounding to the wire and the corners may spoil one."""
@@ -46,6 +52,7 @@ def searched(
     before: Floats | None = None,
     planner: Planner | None = None,
     edges: Edges | None = None,
+    pace: Pace | None = None,
 ) -> Floats | Verdict:
     """A path between two clear configurations (n,), rounded and checked as it will be run.
 
@@ -53,7 +60,8 @@ def searched(
     what is checked.  Without it the arm begins at the start.  `deadline` [s] on the clock of
     `working_time` ends the search, in compiled code within some hundred edges.  `planner` takes
     the place of the policy's.
-    `edges`, where they are known, answer for straight motions what `check` would.
+    `edges`, where they are known, answer for straight motions what `check` would.  By the `pace` of
+    the joints the path is made quicker, where that is known.
 
     Returns:
         Waypoints (m, n) [rad]; or why there are none, with what was met last.
@@ -70,10 +78,10 @@ def searched(
                 ).path
             if path is None:
                 break
-            path = as_sent(path, is_clear, policy.free_points, motion)
-            met = check(_walked_from(before, path, policy.zone))
-            if met is None:
-                return path
+            for sent in _forms(path, is_clear, policy, motion, pace):
+                met = check(_walked_from(before, sent, motion, policy.zone))
+                if met is None:
+                    return sent
     except _Late:
         return Verdict(Reason.OUT_OF_TIME, Stage.ROUTE)
     if met is None:
@@ -93,6 +101,7 @@ def onward(
     rng: np.random.Generator,
     deadline: float = math.inf,
     edges: Edges | None = None,
+    pace: Pace | None = None,
 ) -> Floats | Verdict:
     """A path beginning with `lead` (k, n) [rad], searched from its last waypoint; see `searched`.
 
@@ -102,16 +111,17 @@ def onward(
     before = lead[-2] if count else None
     fewer = replace(policy, free_points=max(2, policy.free_points - count))
     path = searched(
-        lead[-1], goal, limits, weights, check, fewer, motion, rng, deadline, before, edges=edges
-    )
+        lead[-1], goal, limits, weights, check, fewer, motion, rng, deadline, before,
+        edges=edges, pace=pace,
+    )  # fmt: skip
     return path if isinstance(path, Verdict) else np.vstack([lead[:-1], path])
 
 
-def _walked_from(before: Floats | None, path: Floats, zone: float) -> Curves:
+def _walked_from(before: Floats | None, path: Floats, motion: MotionModel, zone: float) -> Curves:
     """All curves of a path, with the corner at its start where it comes from `before`."""
     if before is None:
-        return walked(path, zone)
-    curves = walked(np.vstack([before, path]), zone)
+        return walked(path, motion, zone)
+    curves = walked(np.vstack([before, path]), motion, zone)
     return Curves(curves.points[1:], curves.waypoints[1:])
 
 
@@ -123,7 +133,7 @@ def curve_check(world: World, columns: Ints, base: Floats) -> Check:
     """Whether motions of the joints `columns` (n,) are clear, others at `base` (nq,) [rad, m]."""
 
     def check(curves: Curves) -> tuple[Contact, Floats] | None:
-        found = chain_contact(world, columns, base, curves)
+        found = chain_contact(world, columns, base, curves, FINE)
         return None if found is None else found[:2]
 
     return check
@@ -145,12 +155,35 @@ def edge_check(
     return CompiledCheck(is_clear, on_time, edges)
 
 
+def _forms(
+    path: Floats, is_clear: EdgeCheck, policy: Policy, motion: MotionModel, pace: Pace | None
+) -> Iterator[Floats]:
+    """A path (m, n) [rad] in the forms in which it may be sent, the quickest first.
+
+    With its corners where it takes less time, and nothing between them, so that they are rounded
+    widely; then with corners cut and narrow, which touch less.  Where it is streamed, wide corners
+    might be cut by half of what is beside them.
+    """
+    if len(path) > 2 and pace is not None:
+        limits = pace.velocity, pace.acceleration
+        quick = eased(skipped(path, is_clear), is_clear, *limits, policy.zone)
+        if len(quick) > 2 and motion.corners != "streamed":
+            yield _rounded(quick, motion)
+        yield as_sent(quick, is_clear, policy.free_points, motion)
+    yield as_sent(path, is_clear, policy.free_points, motion)
+
+
 def as_sent(path: Floats, is_clear: EdgeCheck, count: int, motion: MotionModel) -> Floats:
-    """A path (m, n) [rad] shortened, divided into `count` waypoints or what it needs, rounded.
+    """A path (m, n) [rad] shortened, divided into `count` waypoints or what it needs, rounded."""
+    path = merged(shortened(path, is_clear, most=count), is_clear)
+    return _rounded(resampled(path, count), motion)
+
+
+def _rounded(path: Floats, motion: MotionModel) -> Floats:
+    """A path (m, n) [rad] as the wire carries it.
 
     Waypoints that rounding makes equal become one.  A path that ends where it starts keeps two.
     """
-    path = merged(shortened(path, is_clear, most=count), is_clear)
-    path = motion.rounded(resampled(path, count))
+    path = motion.rounded(path)
     moves = np.any(np.diff(path, axis=0) != 0, axis=1)
     return path[np.concatenate([[True], moves])] if moves.any() else path[[0, -1]]

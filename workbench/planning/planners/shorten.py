@@ -32,6 +32,14 @@ def shortened(path: Floats, is_clear: EdgeCheck, *, most: int) -> Floats:
     )
 
 
+def skipped(path: Floats, is_clear: EdgeCheck) -> Floats:
+    """The same path (m, n) [rad], from each kept waypoint straight on to the furthest possible."""
+    count, joints = path.shape
+    return asking(
+        lambda edges, answers: _skipped(path, edges, answers), is_clear, joints, count * count
+    )
+
+
 @njit(cache=True)
 def _shortened(path: Floats, most: int, edges: Edges, answers: Answers) -> Floats:
     path = _skipped(path, edges, answers)

@@ -10,8 +10,8 @@ from rounded import RoundedPolyline
 from toppra import algorithm, constraint
 
 from workbench.model.errors import WorkbenchError
-from workbench.planning.picking import execution
-from workbench.planning.picking.execution import timed
+from workbench.planning.kinematics import execution
+from workbench.planning.kinematics.execution import timed
 
 VELOCITY, ACCELERATION = np.array([2.0, 3.0, 4.0]), np.array([10.0, 12.0, 15.0])
 

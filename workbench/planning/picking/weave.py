@@ -1,0 +1,158 @@
+"""The legs of two arms in the order that takes the least time, at once where they can.
+
+Each step of a plan is a leg of one arm, while the other stands where its last leg has ended, or a
+leg of both.  So an order is a way over a grid: so many legs of the first arm are done, so many of
+the second.  The quickest of the ways whose steps are all possible is taken; both at once is
+possible where the arms cannot meet at any speeds.  To look is what takes time, so that only the
+steps of the way are looked at that would be the quickest, then those of the next one, as long as
+one of them is not possible.
+"""
+
+from dataclasses import dataclass, field, replace
+
+from workbench.model.plan import LEG_NAMES, ArmPlan, Guarantee, Leg, Plan, Step, Strategy
+from workbench.planning.collision.world import World
+from workbench.planning.picking.dual_arm import Task, met, passes
+
+COUNT = len(LEG_NAMES)
+
+HOMEWARD = LEG_NAMES.index("home")
+"""In turns, the second arm may set out while the first goes home."""
+
+WON = 0.001
+"""[s] By less than this nothing is won."""
+
+
+@dataclass(frozen=True, slots=True)
+class Move:
+    """One step: how many legs each arm has done before, and who moves.
+
+    `is_in_turn`: plans may have it in which the arms take turns, the first before the second.
+    """
+
+    done: tuple[int, int]
+    moves: tuple[bool, bool]
+
+    @property
+    def after(self) -> tuple[int, int]:
+        """How many legs each arm has done then."""
+        return self.done[0] + self.moves[0], self.done[1] + self.moves[1]
+
+    @property
+    def is_in_turn(self) -> bool:
+        """Whether plans have it in which the arms take turns."""
+        alone = (self.done[1] == 0, self.done[0] == COUNT)
+        return self.done == (HOMEWARD, 0) if all(self.moves) else alone[self.moves[1]]
+
+    @property
+    def keeps_order(self) -> bool:
+        """Whether the second arm stays behind the first, or beside it."""
+        return self.after[0] >= self.after[1]
+
+
+EVERY = tuple(
+    Move((first, second), moves)
+    for first in range(COUNT, -1, -1)
+    for second in range(COUNT, -1, -1)
+    for moves in ((True, True), (True, False), (False, True))
+    if first + moves[0] <= COUNT and second + moves[1] <= COUNT
+)
+"""All steps there are, the last ones first; both arms at once before one of them."""
+
+
+@dataclass(slots=True)
+class Weave:
+    """Two arms with their legs in a world, and what is known of the steps they could do.
+
+    Concurrency: one thread.
+    """
+
+    world: World
+    arms: tuple[ArmPlan, ArmPlan]
+    possible: dict[Move, bool] = field(default_factory=dict[Move, bool])
+
+    def quickest(self, among: tuple[Move, ...]) -> tuple[Move, ...] | None:
+        """The quickest order of possible steps, all of them of `among`; None when there is none."""
+        while (moves := self._next(among)) is not None:
+            if all(self._is_possible(move) for move in moves):
+                return moves
+        return None
+
+    def _next(self, among: tuple[Move, ...]) -> tuple[Move, ...] | None:
+        """The quickest order of steps that are not known to be impossible."""
+        best: dict[tuple[int, int], tuple[float, tuple[Move, ...]]] = {(COUNT, COUNT): (0.0, ())}
+        for move in among:
+            if move.after not in best or not self.possible.get(move, True):
+                continue
+            seconds, moves = best[move.after]
+            seconds += max(self._leg(k, move).seconds for k in (0, 1) if move.moves[k])
+            if move.done not in best or seconds < best[move.done][0]:
+                best[move.done] = (seconds, (move, *moves))
+        return best[0, 0][1] if (0, 0) in best else None
+
+    def _leg(self, k: int, move: Move) -> Leg:
+        return self.arms[k].legs[move.done[k]]
+
+    def _is_possible(self, move: Move) -> bool:
+        if move not in self.possible:
+            tasks = [
+                Task(arm, LEG_NAMES[done]) if moves else None
+                for arm, done, moves in zip(self.arms, move.done, move.moves, strict=True)
+            ]
+            if tasks[0] and tasks[1]:
+                self.possible[move] = met(self.world, (tasks[0], tasks[1])) is None
+            else:
+                waits = 1 if tasks[0] else 0
+                moving = tasks[1 - waits]
+                assert moving is not None
+                self.possible[move] = passes(self.world, moving, self.arms[waits], move.done[waits])
+        return self.possible[move]
+
+
+def woven(world: World, plan: Plan, *, freely: bool) -> tuple[Plan, ...]:
+    """Plans in which the arms of a plan wait less for each other, the quickest first.
+
+    Args:
+        world: of the cell and the detections that the plan was made for.
+        plan: for two arms, one after the other.
+        freely: any legs may run at once; otherwise the second arm sets out while the first goes
+            home, and no earlier.
+
+    Returns:
+        Plans that no proof has seen yet, and the given one last; that alone where nothing is won.
+    """
+    first, second = plan.arms
+    in_turn = tuple(move for move in EVERY if move.is_in_turn)
+    # The plan was made so that its own steps are possible.
+    weave = Weave(world, (first, second), {m: True for m in in_turn if not all(m.moves)})
+    ways = [weave.quickest(in_turn)]
+    if freely:
+        has_pairs = any(part.library.pairs for part in world.cell.parts)
+        ways.insert(0, weave.quickest(tuple(m for m in EVERY if m.keeps_order or not has_pairs)))
+    found = [plan]
+    for moves in reversed(ways):
+        one = _plan_of(plan, moves) if moves else plan
+        if one.cycle_seconds < found[0].cycle_seconds - WON:
+            found.insert(0, one)
+    return tuple(found)
+
+
+def _plan_of(plan: Plan, moves: tuple[Move, ...]) -> Plan:
+    """A plan with its legs in another order."""
+    steps = tuple(
+        Step(
+            tuple(
+                (arm.arm, LEG_NAMES[done])
+                for arm, done, is_moved in zip(plan.arms, move.done, move.moves, strict=True)
+                if is_moved
+            )
+        )
+        for move in moves
+    )
+    is_in_turn = all(move.is_in_turn for move in moves)
+    return replace(
+        plan,
+        sequence=steps,
+        strategy=Strategy.ALTERNATED if is_in_turn else Strategy.COORDINATED,
+        guarantee=Guarantee.TIME_INDEPENDENT,
+    )

@@ -1,0 +1,115 @@
+"""A path's corners moved to where it takes less time, which need not be where it is shorter.
+
+The joint with the longest way decides how long a segment takes, and a corner takes time where a
+joint has to change its speed in it by more than it can while it is rounded.
+"""
+
+import numpy as np
+from numba import njit
+
+from workbench.model.geometry import Floats
+from workbench.planning.collision.sweeping.edges import ASK, CLEAR, Edges
+from workbench.planning.planners.asking import Answers, answered, asking
+from workbench.plugins.planner import EdgeCheck
+
+STEPS = (0.3, 0.1)
+"""[rad] By which one joint of a corner is moved, one after the other."""
+
+PULLS = (1.0, 0.7, 0.4, 0.2)
+"""Shares of the way to the straight line past it by which a corner is moved."""
+
+LEAST = 0.005
+"""[s] By less than this nothing is won."""
+
+ROUNDS = 2
+
+
+def eased(
+    path: Floats, is_clear: EdgeCheck, velocity: Floats, acceleration: Floats, zone: float
+) -> Floats:
+    """The same path (m, n) [rad] with its corners where it takes less time, some left out.
+
+    Args:
+        path: a polyline whose segments are clear.
+        is_clear: says so of one.
+        velocity: largest joint speeds (n,) [rad/s].
+        acceleration: largest joint accelerations (n,) [rad/s2].
+        zone: corner rounding, as a share of the segments beside it; between where a corner's
+            rounding begins and where it ends it is straight, too, that the path is clear.
+    """
+    count, joints = path.shape
+    if count < 3:
+        return path
+    trials = ROUNDS * (len(PULLS) + 2 * joints * len(STEPS)) + 1
+    return asking(
+        lambda edges, answers: _eased(path, velocity, acceleration, zone, edges, answers),
+        is_clear,
+        joints,
+        3 * trials * count,
+    )
+
+
+@njit(cache=True)
+def _seconds(a: Floats, c: Floats, b: Floats, v: Floats, acc: Floats, zone: float) -> float:
+    """What it takes about from a to b (n,) by way of a corner c [s]."""
+    into, out = 0.0, 0.0
+    for j in range(len(c)):
+        into = max(into, abs(c[j] - a[j]) / v[j])
+        out = max(out, abs(b[j] - c[j]) / v[j])
+    if into == 0.0 or out == 0.0:
+        return into + out
+    turn = 0.0
+    for j in range(len(c)):
+        turn = max(turn, abs((b[j] - c[j]) / out - (c[j] - a[j]) / into) / acc[j])
+    return into + out + max(0.0, turn - zone * (into + out))
+
+
+@njit(cache=True)
+def _is_open(a: Floats, c: Floats, b: Floats, zone: float, edges: Edges, answers: Answers) -> int:
+    """Whether it is clear from a to b (n,) by way of a corner c, and across its rounding."""
+    answer = answered(a, c, edges, answers)
+    if answer == CLEAR:
+        answer = answered(c, b, edges, answers)
+    if answer == CLEAR and zone > 0.0:
+        answer = answered(c + zone * (a - c), c + zone * (b - c), edges, answers)
+    return answer
+
+
+@njit(cache=True)
+def _eased(
+    path: Floats, v: Floats, acc: Floats, zone: float, edges: Edges, answers: Answers
+) -> Floats:
+    path = path.copy()
+    joints = path.shape[1]
+    for _ in range(ROUNDS):
+        k = 1
+        while k < len(path) - 1:
+            a, c, b = path[k - 1], path[k].copy(), path[k + 1]
+            answer = answered(a, b, edges, answers)
+            if answer == ASK:
+                return path[:0].copy()
+            if answer == CLEAR:
+                path = np.concatenate((path[:k], path[k + 1 :]))
+                continue
+            least = _seconds(a, c, b, v, acc, zone)
+            for trial in range(len(PULLS) + 2 * joints * len(STEPS)):
+                if trial < len(PULLS):
+                    into, out = _seconds(a, a, c, v, acc, zone), _seconds(c, c, b, v, acc, zone)
+                    onto = a + (b - a) * (into / max(into + out, 1e-9))
+                    moved = c + PULLS[trial] * (onto - c)
+                else:
+                    number = trial - len(PULLS)
+                    step = STEPS[number // (2 * joints)] * (1.0 - 2.0 * (number % 2))
+                    moved = c.copy()
+                    moved[number // 2 % joints] += step
+                seconds = _seconds(a, moved, b, v, acc, zone)
+                if seconds > least - LEAST:
+                    continue
+                answer = _is_open(a, moved, b, zone, edges, answers)
+                if answer == ASK:
+                    return path[:0].copy()
+                if answer == CLEAR:
+                    c, least = moved, seconds
+            path[k] = c
+            k += 1
+    return path
