@@ -40,14 +40,21 @@ class Shell:
         else:
             route.fulfill(body=self._scene, content_type="text/html")
 
+    def _come(self, some):
+        """The newest of what the page has opened or asked; the page may be told of it later."""
+        while not some:
+            self.page.wait_for_timeout(20)
+        return some[-1]
+
     def hear(self, bar):
-        self._sockets[-1].send(json.dumps(bar))
+        self._come(self._sockets).send(json.dumps(bar))
         expect(self.page.locator("#robot")).to_have_text(bar["robot"])
 
     def refuse(self, why):
         # By both ways that the page asked by.
         expect(self.line).to_have_text("Stopping")
-        self._stops.pop().fulfill(status=409, body=json.dumps({"detail": why}))
+        self._come(self._stops).fulfill(status=409, body=json.dumps({"detail": why}))
+        self._stops.clear()
         self._sockets[-1].send(json.dumps({"stopped": False, "why": why}))
         expect(self.line).to_have_text(f"Not stopped: {why}")
 
