@@ -1,22 +1,59 @@
 """What became of the parts: a reason belongs to the failure that it was typed for."""
 
+import re
 from dataclasses import replace
 
+import numpy as np
+import pinocchio as pin
 import pytest
 
 from workbench.app.core.commands import ReportPick
+from workbench.app.core.state import Outcome, Phase
 from workbench.gui.cycle.outcomes import OutcomeInputs
+from workbench.model.plan import Proven
 
 
 @pytest.fixture
-def inputs(visitor, states, monkeypatch):
+def inputs(visitor, states, view_of, monkeypatch):
     """After a plan was sent, with a reason typed; everything that is said is taken."""
     inputs = OutcomeInputs(visitor, "")
+    inputs.state = states.done
+    monkeypatch.setattr(type(visitor.bench), "state", property(lambda _: inputs.state))
+    inputs.show(None, view_of(states.done))
     inputs._why.value = "slipped"
     given = inputs.given = []
-    monkeypatch.setattr(type(visitor.bench), "state", property(lambda _: states.done))
     monkeypatch.setattr(visitor, "give", lambda command, name="": given.append(command))
     return inputs
+
+
+@pytest.fixture
+def row(states):
+    """Three plans after one scan of two parts more, of which two were sent before a fault."""
+    done = states.done
+    more = tuple(
+        replace(one, T_world_part=pin.SE3(one.T_world_part.rotation, place))
+        for one, place in zip(
+            done.plan.detections, (np.array([0.5, 0.1, 0.1]), np.array([0.5, 0.2, 0.1])), strict=True
+        )
+    )
+    first = replace(done.plan, detections=(*done.plan.detections, *more))
+    second = replace(done.plan, detections=more)
+    return replace(
+        done,
+        phase=Phase.FAULT,
+        plan=second,
+        sent_before=(Proven(first, done.proof),),
+        row=(Proven(replace(done.plan, seed=9), done.proof),),
+    )
+
+
+def shown(inputs):
+    """What stands beside the buttons that can be seen, and what these are called."""
+    return [
+        (re.search(r"part-\d+( \w+)?", one._text.content)[0], one._picked.label, one._failed.label)
+        for one in inputs._rows
+        if one._text.visible
+    ]
 
 
 def press(button):
@@ -25,9 +62,9 @@ def press(button):
 
 
 def test_why_a_pick_failed_is_said_of_that_pick_alone(inputs, states):
-    (first, second), rows = [one.arm for one in states.done.plan.arms], inputs._rows
-    press(rows[first][2])
-    press(rows[second][2])
+    first, second = inputs._rows
+    press(first._failed)
+    press(second._failed)
     assert [type(one) for one in inputs.given] == [ReportPick, ReportPick]
     assert [one.why for one in inputs.given] == ["slipped", ""]
     assert inputs._why.value == ""
@@ -35,7 +72,7 @@ def test_why_a_pick_failed_is_said_of_that_pick_alone(inputs, states):
 
 def test_what_was_refused_keeps_its_reason(inputs, visitor, states, monkeypatch):
     monkeypatch.setattr(visitor, "ask", lambda command: False)
-    press(inputs._rows[states.done.plan.arms[0].arm][2])
+    press(inputs._rows[0]._failed)
     assert inputs._why.value == "slipped"
 
 
@@ -45,3 +82,46 @@ def test_a_new_scan_asks_for_new_reasons(inputs, states, view_of):
     assert inputs._why.value == "slipped"
     inputs.show(done, view_of(replace(states.scanned, scan=replace(states.scanned.scan))))
     assert inputs._why.value == ""
+
+
+def test_every_part_of_every_plan_that_was_sent_is_asked_for(inputs, row, view_of):
+    inputs.state = row
+    inputs.show(view_of(row), view_of(replace(row, message="told")))
+    arms = [one.arm.capitalize() for one in row.plan.arms]
+    own = [one.detection for one in row.plan.arms]
+    numbers = [*own, *(number + 2 for number in own)]
+    assert shown(inputs) == [
+        (f"part-{number + 1}", f"{arm} picked", f"{arm} failed")
+        for number, arm in zip(numbers, arms * 2, strict=True)
+    ]
+    for one in inputs._rows:
+        press(one._failed)
+    assert [one.detection for one in inputs.given] == numbers
+    said = Outcome(numbers[1], False, "Ada")
+    inputs.show(view_of(row), view_of(replace(row, outcomes=(said,))))
+    assert shown(inputs)[1][0] == f"part-{numbers[1] + 1} failed"
+    assert [one._failed.disabled for one in inputs._rows] == [False, True, False, False]
+
+
+def test_after_a_row_one_plan_has_its_own_parts_alone(inputs, row, states, view_of):
+    alone = shown(inputs)
+    assert len(alone) == len(states.done.plan.arms)
+    inputs.show(view_of(states.done), view_of(row))
+    assert len(shown(inputs)) == 2 * len(alone)
+    inputs.show(view_of(row), view_of(states.done))
+    assert shown(inputs) == alone
+    inputs.show(view_of(states.done), view_of(states.scanned))
+    assert shown(inputs) == []
+
+
+def test_a_word_about_what_was_sent_before_is_not_taken_for_what_is_sent_now(inputs, row, visitor):
+    inputs.state = row
+    press(inputs._rows[0]._failed)
+    assert inputs.given == []
+    assert "another plan was sent meanwhile" in visitor.client.told[-1]
+    assert inputs._why.value == "slipped"
+
+
+def test_the_reason_is_typed_below_all_rows(inputs, row, view_of):
+    inputs.show(None, view_of(row))
+    assert max(one._failed.order for one in inputs._rows) < inputs._why.order

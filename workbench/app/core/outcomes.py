@@ -102,7 +102,7 @@ def outcome_problem(state: State, command: ReportPick) -> str:
         return "there is no plan whose parts were picked"
     if command.is_picked not in (True, False):
         return f"a pick has succeeded or failed, {command.is_picked!r} is neither"
-    taken = [number for plan in _begun(state) for number in parts_taken(state.plans[0], plan)]
+    taken = [number for number, _ in parts_sent_for(state)]
     if command.detection not in taken:
         parts = ", ".join(f"part-{number + 1}" for number in taken)
         return f"the plan does not take that part; it takes {parts}"
@@ -145,6 +145,15 @@ def with_outcome(state: State, command: ReportPick, actor: str, at: float) -> St
         mark = Avoided(detection.part, place, until, AVOID_SCANS, command.why)
         state = replace(state, avoided=(*elsewhere, mark))
     return escalated(state)
+
+
+def parts_sent_for(state: State) -> tuple[tuple[int, str], ...]:
+    """Each part of every plan that was sent, by its index in the first one, and the arm for it."""
+    return tuple(
+        (number, one.arm)
+        for plan in _begun(state)
+        for number, one in zip(parts_taken(state.plans[0], plan), plan.arms, strict=True)
+    )
 
 
 def _begun(state: State) -> tuple[Plan, ...]:

@@ -1,16 +1,19 @@
-"""What became of each part of a sent plan: a row an arm, with the two words for it."""
+"""What became of each part that was sent for: a row a part, with the two words for it."""
 
 import viser
 
 from workbench.app.core.commands import Command, ReportPick
-from workbench.app.core.state import State
+from workbench.app.core.outcomes import parts_sent_for
+from workbench.app.core.state import Outcome
 from workbench.app.core.value_checks import LONGEST_TEXT
 from workbench.gui.help.groups import help_html
 from workbench.gui.shared.look import View
 from workbench.gui.shared.views import line
 from workbench.gui.shared.visitor import Visitor
 from workbench.model.errors import InputError
-from workbench.model.plan import parts_taken
+
+AFTER_ROWS = 1e12
+"""Where the field for a reason stands in its folder: below all rows, however many come (viser counts upwards)."""
 
 
 class OutcomeInputs:
@@ -24,38 +27,16 @@ class OutcomeInputs:
         self._visitor = visitor
         gui = visitor.gui
         self._folder = gui.add_folder("What became of the parts", visible=False)
+        self._rows: list[_PartRow] = []
         with self._folder:
             gui.add_html(help_html("What became of the parts"))
             gui.add_html(row)
-            self._rows = {arm.name: self._row(arm.name) for arm in visitor.cell.arms}
             self._why = gui.add_text(
                 "Why it failed",
                 "",
                 hint="Kept with a failure: the part is left alone in the next scans.",
+                order=AFTER_ROWS,
             )
-
-    def _row(
-        self, arm: str
-    ) -> tuple[viser.GuiHtmlHandle, viser.GuiButtonHandle, viser.GuiButtonHandle]:
-        gui, visitor = self._visitor.gui, self._visitor
-        text = gui.add_html("")
-        picked = gui.add_button(f"{arm.capitalize()} picked", color="green")
-        failed = gui.add_button(f"{arm.capitalize()} failed", color="red")
-        visitor.on_press(picked, lambda: self._word(arm, True))
-        failed.on_click(lambda _: self._failed(arm))
-        return text, picked, failed
-
-    def _failed(self, arm: str) -> None:
-        if self._visitor.ask(lambda: self._word(arm, False)):
-            # The next failure has a reason of its own.
-            self._why.value = ""
-
-    def _word(self, arm: str, is_picked: bool) -> Command:
-        number = _taken_last(self._visitor.bench.state, arm)
-        if number is None:
-            raise InputError(f"the {arm} arm had no part in the plan")
-        why = "" if is_picked else self._why.value.strip()[:LONGEST_TEXT]
-        return ReportPick(number, is_picked, why)
 
     def show(self, old: View | None, new: View) -> None:
         """Bring what is shown from `old` to `new`."""
@@ -66,26 +47,68 @@ class OutcomeInputs:
             self._why.value = ""
         is_sent = state.plan is not None and not self._visitor.obstacle(state, ReportPick)
         self._folder.visible = is_sent
-        for arm, (text, picked, failed) in self._rows.items():
-            number = _taken_last(state, arm) if is_sent else None
-            for control in (text, picked, failed):
-                control.visible = number is not None
-            if number is None:
-                continue
-            said = next((o for o in state.outcomes if o.detection == number), None)
-            picked.disabled = said is not None and said.is_picked
-            failed.disabled = said is not None and not said.is_picked
-            words = "" if said is None else (" picked" if said.is_picked else " failed")
-            kind = "result" if said is None or said.is_picked else "bad"
-            tip = "" if said is None else f"said by {said.by}; {said.why}"
-            text.content = line(f"part-{number + 1}{words}", kind=kind, span=1, tip=tip)
+        parts = parts_sent_for(state) if is_sent else ()
+        with self._folder:
+            for _, arm in parts[len(self._rows) :]:
+                self._rows.append(_PartRow(self._visitor, self._why, arm))
+        said = {one.detection: one for one in state.outcomes}
+        for row in self._rows[len(parts) :]:
+            row.hide()
+        for row, (number, arm) in zip(self._rows, parts, strict=False):
+            row.show(state.plans[0].digest, number, arm, said.get(number))
 
 
-def _taken_last(state: State, arm: str) -> int | None:
-    """The part, by its number in the scan, that an arm takes last of all that was sent."""
-    for plan in reversed(state.plans[: len(state.sent_before) + 1]):
-        numbers = parts_taken(state.plans[0], plan)
-        for number, one in zip(numbers, plan.arms, strict=True):
-            if one.arm == arm:
-                return number
-    return None
+class _PartRow:
+    """A part by its number in the scan, and the two buttons for what became of it."""
+
+    def __init__(self, visitor: Visitor, why: viser.GuiTextHandle, arm: str):
+        """Add the controls to the folder that is open; `why` has the reason typed."""
+        self._visitor, self._why = visitor, why
+        self._shown: tuple[str, int] = ("", 0)
+        gui = visitor.gui
+        self._text = gui.add_html("")
+        self._picked = gui.add_button(_words(arm, True), color="green")
+        self._failed = gui.add_button(_words(arm, False), color="red")
+        visitor.on_press(self._picked, lambda: self._word(True))
+        self._failed.on_click(lambda _: self._pressed_failed())
+
+    def _pressed_failed(self) -> None:
+        if self._visitor.ask(lambda: self._word(False)):
+            # The next failure has a reason of its own.
+            self._why.value = ""
+
+    def _word(self, is_picked: bool) -> Command:
+        first, number = self._shown
+        if all(plan.digest != first for plan in self._visitor.bench.state.plans[:1]):
+            raise InputError("another plan was sent meanwhile; look again")
+        why = "" if is_picked else self._why.value.strip()[:LONGEST_TEXT]
+        return ReportPick(number, is_picked, why)
+
+    def hide(self) -> None:
+        """Take it out of sight."""
+        for control in (self._text, self._picked, self._failed):
+            control.visible = False
+
+    def show(self, first: str, number: int, arm: str, said: Outcome | None) -> None:
+        """Show a part of what was sent.
+
+        Args:
+            first: digest of the first plan, in whose list the part is.
+            number: its index there.
+            arm: that was to take it.
+            said: what became of it, None while nobody has said so.
+        """
+        self._shown = first, number
+        self._picked.label, self._failed.label = _words(arm, True), _words(arm, False)
+        self._picked.disabled = said is not None and said.is_picked
+        self._failed.disabled = said is not None and not said.is_picked
+        words = "" if said is None else (" picked" if said.is_picked else " failed")
+        kind = "result" if said is None or said.is_picked else "bad"
+        tip = "" if said is None else f"said by {said.by}; {said.why}"
+        self._text.content = line(f"part-{number + 1}{words}", kind=kind, span=1, tip=tip)
+        for control in (self._text, self._picked, self._failed):
+            control.visible = True
+
+
+def _words(arm: str, is_picked: bool) -> str:
+    return f"{arm.capitalize()} picked" if is_picked else f"{arm.capitalize()} failed"
