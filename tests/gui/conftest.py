@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 from types import SimpleNamespace
 
 import numpy as np
+import pinocchio as pin
 import pytest
 from idle import Idle
 
@@ -23,7 +24,7 @@ from workbench.gui.shared.visitor import Visitor
 from workbench.journal.journal import Journal
 from workbench.model.cell import Cell
 from workbench.model.geometry import pose_from_rpy
-from workbench.model.plan import PlanResult
+from workbench.model.plan import PlanResult, Proven
 from workbench.model.release import Receipt
 from workbench.model.scan import Detection, Scan
 
@@ -118,6 +119,27 @@ def states(cell: Cell, scan: Scan, detections, result: PlanResult) -> States:
         fault=replace(sending, phase=Phase.FAULT, fault="the controller closed the link"),
         planning=replace(localized, job=Job(7, "plan"), message="planning"),
     )
+
+
+@pytest.fixture(scope="session")
+def row(states: States) -> State:
+    """Three plans in a row, each for two of six parts; the second one comes nearest to anything."""
+    planned = states.planned
+    lying = tuple(
+        replace(one, T_world_part=pin.SE3(one.T_world_part.rotation, place))
+        for place in (np.array([0.5, 0.1 * number, 0.1]) for number in range(2))
+        for one in planned.plan.detections
+    )
+    every = (*planned.plan.detections, *lying)
+    near = replace(planned.proof.nearest, pair=("part-1", "bin_wall_left"))
+    plans = [replace(planned.plan, detections=every[first:]) for first in (0, 2, 4)]
+    proofs = [
+        replace(planned.proof, plan_digest=plans[0].digest),
+        replace(planned.proof, plan_digest=plans[1].digest, clearance=0.0021, nearest=near),
+        replace(planned.proof, plan_digest=plans[2].digest),
+    ]
+    first, *after = (Proven(*one) for one in zip(plans, proofs, strict=True))
+    return replace(planned, detections=every, plan=first.plan, proof=first.proof, row=tuple(after))
 
 
 @pytest.fixture(scope="session")

@@ -3,14 +3,11 @@
 import re
 from dataclasses import replace
 
-import numpy as np
-import pinocchio as pin
 import pytest
 
 from workbench.app.core.commands import ReportPick
 from workbench.app.core.state import Outcome, Phase
 from workbench.gui.cycle.outcomes import OutcomeInputs
-from workbench.model.plan import Proven
 
 
 @pytest.fixture
@@ -27,23 +24,16 @@ def inputs(visitor, states, view_of, monkeypatch):
 
 
 @pytest.fixture
-def row(states):
-    """Three plans after one scan of two parts more, of which two were sent before a fault."""
-    done = states.done
-    more = tuple(
-        replace(one, T_world_part=pin.SE3(one.T_world_part.rotation, place))
-        for one, place in zip(
-            done.plan.detections, (np.array([0.5, 0.1, 0.1]), np.array([0.5, 0.2, 0.1])), strict=True
-        )
-    )
-    first = replace(done.plan, detections=(*done.plan.detections, *more))
-    second = replace(done.plan, detections=more)
+def broken_off(row):
+    """Of three plans two were sent, then there was a fault."""
+    first, second, third = row.whole_row
     return replace(
-        done,
+        row,
         phase=Phase.FAULT,
-        plan=second,
-        sent_before=(Proven(first, done.proof),),
-        row=(Proven(replace(done.plan, seed=9), done.proof),),
+        plan=second.plan,
+        proof=second.proof,
+        sent_before=(first,),
+        row=(third,),
     )
 
 
@@ -84,11 +74,11 @@ def test_a_new_scan_asks_for_new_reasons(inputs, states, view_of):
     assert inputs._why.value == ""
 
 
-def test_every_part_of_every_plan_that_was_sent_is_asked_for(inputs, row, view_of):
-    inputs.state = row
-    inputs.show(view_of(row), view_of(replace(row, message="told")))
-    arms = [one.arm.capitalize() for one in row.plan.arms]
-    own = [one.detection for one in row.plan.arms]
+def test_every_part_of_every_plan_that_was_sent_is_asked_for(inputs, broken_off, view_of):
+    inputs.state = broken_off
+    inputs.show(view_of(broken_off), view_of(replace(broken_off, message="told")))
+    arms = [one.arm.capitalize() for one in broken_off.plan.arms]
+    own = [one.detection for one in broken_off.plan.arms]
     numbers = [*own, *(number + 2 for number in own)]
     assert shown(inputs) == [
         (f"part-{number + 1}", f"{arm} picked", f"{arm} failed")
@@ -98,30 +88,30 @@ def test_every_part_of_every_plan_that_was_sent_is_asked_for(inputs, row, view_o
         press(one._failed)
     assert [one.detection for one in inputs.given] == numbers
     said = Outcome(numbers[1], False, "Ada")
-    inputs.show(view_of(row), view_of(replace(row, outcomes=(said,))))
+    inputs.show(view_of(broken_off), view_of(replace(broken_off, outcomes=(said,))))
     assert shown(inputs)[1][0] == f"part-{numbers[1] + 1} failed"
     assert [one._failed.disabled for one in inputs._rows] == [False, True, False, False]
 
 
-def test_after_a_row_one_plan_has_its_own_parts_alone(inputs, row, states, view_of):
+def test_after_a_row_one_plan_has_its_own_parts_alone(inputs, broken_off, states, view_of):
     alone = shown(inputs)
     assert len(alone) == len(states.done.plan.arms)
-    inputs.show(view_of(states.done), view_of(row))
+    inputs.show(view_of(states.done), view_of(broken_off))
     assert len(shown(inputs)) == 2 * len(alone)
-    inputs.show(view_of(row), view_of(states.done))
+    inputs.show(view_of(broken_off), view_of(states.done))
     assert shown(inputs) == alone
     inputs.show(view_of(states.done), view_of(states.scanned))
     assert shown(inputs) == []
 
 
-def test_a_word_about_what_was_sent_before_is_not_taken_for_what_is_sent_now(inputs, row, visitor):
-    inputs.state = row
+def test_a_word_is_of_what_was_shown_and_not_of_what_was_sent_since(inputs, broken_off, visitor):
+    inputs.state = broken_off
     press(inputs._rows[0]._failed)
     assert inputs.given == []
     assert "another plan was sent meanwhile" in visitor.client.told[-1]
     assert inputs._why.value == "slipped"
 
 
-def test_the_reason_is_typed_below_all_rows(inputs, row, view_of):
-    inputs.show(None, view_of(row))
+def test_the_reason_is_typed_below_all_rows(inputs, broken_off, view_of):
+    inputs.show(None, view_of(broken_off))
     assert max(one._failed.order for one in inputs._rows) < inputs._why.order

@@ -169,7 +169,7 @@ def test_an_approval_names_the_person_and_its_end(states, view_of):
 
 def test_what_is_approved_is_told_in_full(cell, states):
     plan, proof = states.planned.plan, states.planned.proof
-    text = Reader(facts_html(states.planned, plan, proof, {}, 0.0)).text
+    text = Reader(facts_html(states.planned, {}, 0.0)).text
     for expected in (
         plan.digest[:12],
         str(plan.strategy),
@@ -190,7 +190,7 @@ def test_who_is_missing_is_told(states):
     one_more = replace(two, votes=(vote,))
     text = approval_line(one_more, vote.at + 60, "")
     assert "By Anna until 08:58:20 UTC, waiting for another person." in text
-    assert "so far Anna" in facts_html(one_more, two.plan, two.proof, {}, vote.at)
+    assert "so far Anna" in facts_html(one_more, {}, vote.at)
     assert "Waiting for 2 people." in approval_line(one_more, vote.at + 300, "")
 
 
@@ -206,7 +206,7 @@ def test_where_the_robot_stands_is_among_the_facts(cell, states):
     home = {j: q for arm in cell.arms for j, q in zip(arm.joints, arm.home, strict=True)}
 
     def facts(joints):
-        return facts_html(state, state.plan, state.proof, joints, 0.0)
+        return facts_html(state, joints, 0.0)
 
     assert "stands where the plan starts" in facts(home)
     away = home | {cell.arms[0].joints[0]: home[cell.arms[0].joints[0]] + np.deg2rad(3)}
@@ -302,8 +302,8 @@ def test_nothing_from_outside_becomes_html(cell, states, view_of):
         views.plan_line(replace(state, plan=None)),
         approval_line(state, view.at, ""),
         views.send_line(state),
-        facts_html(state, state.plan, state.proof, {}, view.at),
-        plan_html(cell, state.plan, state.seconds),
+        facts_html(state, {}, view.at),
+        plan_html(state),
         link_views.link_html(view),
         views.joints_html(cell, view.live.joints),
         lanes_html(cell, view.runs, view.plan_seconds),

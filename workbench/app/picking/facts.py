@@ -1,6 +1,7 @@
 """What has to be computed from a state or a command: `decide` itself looks at no picture or arm."""
 
 import functools
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -11,7 +12,7 @@ from workbench.app.picking.pile_check import check_pile, with_kinds
 from workbench.model.calibration import BinCheck
 from workbench.model.cell import Bin, Cell
 from workbench.model.errors import CommandRefused, InputError
-from workbench.model.plan import Plan, Proof
+from workbench.model.plan import Plan, Proof, Proven
 from workbench.model.scan import Detection, Scan
 from workbench.perception.scene.bin_check import check_bin
 from workbench.planning.kinematics.robot import Kinematics
@@ -39,6 +40,11 @@ def nearest_place(cell: Cell, plan: Plan, proof: Proof) -> Spot | None:
     except InputError:
         # A recorded plan, and a cell that has no such part any more.
         return None
+
+
+def nearest_of(row: Sequence[Proven]) -> int:
+    """Which plan of a row comes nearest to anything on its free legs."""
+    return min(range(len(row)), key=lambda number: row[number].proof.clearance)
 
 
 def with_facts(state: State, command: Command) -> Command:

@@ -47,20 +47,21 @@ class ApprovalDialog:
     def open(self) -> None:
         """Show the facts of the current plan, until `show` finds that it cannot be approved."""
         visitor, state = self._visitor, self._visitor.bench.state
-        plan, proof = state.plan, state.proof
+        row = state.whole_row
         with self._lock:
-            if self._close is not None or plan is None or proof is None:
+            if self._close is not None or not row:
                 return
             # One press is for all plans that are shown, and for no other.
-            self._named = named = plan.digest, row_of(state)
+            self._named = named = row[0].plan.digest, row_of(state)
             # Sent as one: letters typed before somebody listens to the field would be lost.
             with visitor.client.atomic():
-                what = f"these {1 + len(state.row)} plans" if state.row else "this plan"
+                what = f"these {len(row)} plans" if len(row) > 1 else "this plan"
                 modal = visitor.gui.add_modal(f"Approve {what}")
                 self._close = modal.close
                 with modal:
-                    links, joints = PlanLinks(visitor, self.close), visitor.bench.live.joints
-                    visitor.gui.add_html(facts_html(state, plan, proof, joints, time.time(), links))
+                    links = PlanLinks(visitor, self.close, len(row))
+                    joints, now = visitor.bench.live.joints, time.time()
+                    visitor.gui.add_html(facts_html(state, joints, now, links.made(state)))
                     self._add_word(state, named)
 
     def _add_manner(self, state: State) -> Manner:

@@ -1,15 +1,14 @@
 """What the page says about an approval: what a person lets out, who has, and what is in the way."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from workbench.app.core.release import moved_away, standing_votes
 from workbench.app.core.state import Phase, State, counted
-from workbench.gui.cycle.row import takes_words
-from workbench.gui.scene.nearest import PlanLinks, go_html, nearest_words, straight_words
-from workbench.gui.shared.views import clock, line, sentence, short, table_html
+from workbench.gui.scene.nearest import certificate_row, free_words, straight_words
+from workbench.gui.shared.views import NOTHING_MADE, clock, line, sentence, short, table_html
 from workbench.model.cell import Cell
 from workbench.model.motion import MotionModel
-from workbench.model.plan import Guarantee, Plan, Proof, at_least, cycle_words
+from workbench.model.plan import Guarantee, Plan, at_least, cycle_words, parts_taken, renumbered
 from workbench.model.release import manner_words
 
 
@@ -55,64 +54,87 @@ TOGETHER = {
 
 def facts_html(
     state: State,
-    plan: Plan,
-    proof: Proof,
     joints: Mapping[str, float],
     at: float,
-    links: PlanLinks | None = None,
+    made: Mapping[str, str] = NOTHING_MADE,
 ) -> str:
     """What a person approves: values that the server holds, nothing typed in a browser.
 
+    It scrolls where a window is too low for it; the vote stands below it, in view.
+
     Args:
-        state: whose plan it is.
-        plan: that would be sent.
-        proof: of it.
+        state: with the plan that would be sent, or the row that begins with it.
         joints: how the robot stands by its own report.
         at: seconds since the epoch.
-        links: what a click on the nearest place, and on the certificate, does.
+        made: HTML in place of values, by the names of lines (`PlanLinks.made`).
     """
-    cell = state.cell
-    took = dict(state.seconds).get("prove")
-    looked = f"{proof.checks:,} positions measured" + ("" if took is None else f" in {took:.2f} s")
+    cell, row = state.cell, state.whole_row
+    plan = row[0].plan
+    rows = _plans(state) if len(row) > 1 else _plan(plan)
     cycle = cycle_words(plan.cycle_seconds, state.bound)
-    rows = [
-        ("Strategy", _strategy(plan)),
-    ]
-    for arm in plan.arms:
-        part = plan.detections[arm.detection].part
-        rows.append(
-            (f"{arm.arm.capitalize()} arm", f"part-{arm.detection + 1} ({part}), grasp {arm.grasp}")
-        )
-    for number, one in enumerate(state.row, 2):
-        # Each by the numbers of the scan; all of it stands in the tab of the plan.
-        nearest, seconds = at_least(one.proof.clearance), one.plan.cycle_seconds
-        proven = f"clear by {nearest}, proof {short(one.proof.digest)}"
-        takes = takes_words(state, one)
-        rows.append((f"Plan {number}", f"{takes}; {seconds:.1f} s, {proven}"))
+    if len(row) > 1:
+        cycle = f"{sum(one.plan.cycle_seconds for one in row):.1f} s in all"
     rows += [
-        ("Free ways", nearest_words(state, plan, proof)),
-        ("Straight ways", straight_words(state, proof)),
-        ("Proven", f"{_covered(cell, plan)}; {looked}, proof {short(proof.digest)}"),
+        ("Free ways", free_words(state)),
+        ("Straight ways", straight_words(state)),
+        ("Proven", _proven(state)),
         ("Kept clear of", _kept_clear(state, plan)),
         ("Motion", f"{cycle}, up to {cell.policy.speed:.0%} of joint speeds"),
         ("Robot", _robot(cell, plan, joints)),
         ("Preview", _preview(state)),
         ("Controller", f"{cell.controller.host} port {cell.controller.port}"),
         ("Valid for", f"{cell.policy.approval_minutes:g} min after the approval"),
-        ("Plan", short(plan.digest)),
-        ("Certificate", f"certificate-{short(plan.digest)}.json"),
     ]
-
     if cell.approvers > 1:
         votes = ", ".join(vote.actor for vote in standing_votes(state, at)) or "nobody yet"
-        rows.insert(-2, ("People", f"{cell.approvers} are needed; so far {votes}"))
-    made: dict[str, str] = {}
-    if links is not None:
-        made["Free ways"] = go_html(dict(rows)["Free ways"], links.nearest, "Shows the plan there")
-        made["Certificate"] = go_html(
-            dict(rows)["Certificate"], links.certificate, "Saves what another machine can check"
+        rows.append(("People", f"{cell.approvers} are needed; so far {votes}"))
+    if len(row) == 1:
+        rows.append(("Plan", short(plan.digest)))
+    rows.append(certificate_row(state))
+    return (
+        f'<div class="wb-read" tabindex="0">{table_html(rows, title=plan.digest, made=made)}</div>'
+    )
+
+
+def _plan(plan: Plan) -> list[tuple[str, str]]:
+    """What one plan takes, and how."""
+    rows = [("Strategy", _strategy(plan, plan.note))]
+    for arm in plan.arms:
+        part = plan.detections[arm.detection].part
+        rows.append(
+            (f"{arm.arm.capitalize()} arm", f"part-{arm.detection + 1} ({part}), grasp {arm.grasp}")
         )
-    return table_html(rows, title=plan.digest, made=made)
+    return rows
+
+
+def _plans(state: State) -> list[tuple[str, str]]:
+    """A line for each plan of a row: what it takes and how, how long it is, and how near it comes.
+
+    Each part by its number in the scan.
+    """
+    rows: list[tuple[str, str]] = []
+    for number, one in enumerate(state.whole_row, 1):
+        plan, first = one.plan, state.plans[0]
+        takes = "; ".join(
+            f"{arm.arm} arm part-{part + 1} ({first.detections[part].part}), grasp {arm.grasp}"
+            for part, arm in zip(parts_taken(first, plan), plan.arms, strict=True)
+        )
+        how = _strategy(plan, renumbered(plan.note, first, plan.detections))
+        near = at_least(one.proof.clearance)
+        proven = f"clear by {near}, plan {short(plan.digest)}, proof {short(one.proof.digest)}"
+        rows.append((f"Plan {number}", f"{takes}; {how}; {plan.cycle_seconds:.1f} s, {proven}"))
+    return rows
+
+
+def _proven(state: State) -> str:
+    row = state.whole_row
+    covered = _covered(state.cell, [one.plan for one in row])
+    looked = f"{sum(one.proof.checks for one in row):,} positions measured"
+    if len(row) != 1:
+        return f"{covered}; {looked}"
+    took = dict(state.seconds).get("prove")
+    looked += "" if took is None else f" in {took:.2f} s"
+    return f"{covered}; {looked}, proof {short(row[0].proof.digest)}"
 
 
 def _robot(cell: Cell, plan: Plan, joints: Mapping[str, float]) -> str:
@@ -127,18 +149,19 @@ def _preview(state: State) -> str:
     return words + (f"; by a program's word also to {', '.join(state.told)}" if state.told else "")
 
 
-def _strategy(plan: Plan) -> str:
+def _strategy(plan: Plan, note: str) -> str:
     words = plan.strategy.words
     if len(plan.arms) > 1:
         words += f", {TOGETHER[plan.guarantee]} ({plan.guarantee})"
-    return words + (f"; {plan.note}" if plan.note else "")
+    return words + (f"; {note}" if note else "")
 
 
-def _covered(cell: Cell, plan: Plan) -> str:
-    """What the proof has looked at, as somebody says it who sets up robots."""
-    legs = [leg for arm in plan.arms for leg in arm.legs]
+def _covered(cell: Cell, plans: Sequence[Plan]) -> str:
+    """What the proofs have looked at, as somebody says it who sets up robots."""
+    arms = [arm for plan in plans for arm in plan.arms]
+    legs = [leg for arm in arms for leg in arm.legs]
     waypoints = sum(len(leg.q) for leg in legs)
-    fingers = any(cell.arm(arm.arm).tool.fingers for arm in plan.arms)
+    fingers = any(cell.arm(arm.arm).tool.fingers for arm in arms)
     grips = ", fingers opening and closing" if fingers else ""
     corners = _corners(cell.controller.motion, cell.policy.zone)
     return f"the whole motion on {len(legs)} legs, {waypoints} waypoints, {corners}{grips}"
@@ -158,4 +181,5 @@ def _kept_clear(state: State, plan: Plan) -> str:
     parts, seen = counted(len(plan.detections), "part"), len(plan.obstacles)
     unknown = f", {counted(seen, 'unknown thing')} in the scan" if seen else ""
     source = "the scan has" if state.scan is not None else "poses from outside have"
-    return f"cell, {parts}{unknown}, as {source} them"
+    left = ", each plan by what those before leave" if state.row else ""
+    return f"cell, {parts}{unknown}, as {source} them{left}"

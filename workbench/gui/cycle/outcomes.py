@@ -13,7 +13,7 @@ from workbench.gui.shared.visitor import Visitor
 from workbench.model.errors import InputError
 
 AFTER_ROWS = 1e12
-"""Where the field for a reason stands in its folder: below all rows, however many come (viser counts upwards)."""
+"""Where the field for a reason stands in its folder: below all rows; viser counts these upwards."""
 
 
 class OutcomeInputs:

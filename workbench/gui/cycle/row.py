@@ -127,7 +127,7 @@ def _row(state: State, number: int, one: Proven) -> str:
         mark = "✓"
     elif number == now and state.phase is Phase.SENDING:
         mark = "▶"
-    takes = takes_words(state, one)
+    takes = _takes(state, one)
     proof = clearance_words(one.proof) if one.proof.holds else "does not hold"
     title = f"plan {short(one.plan.digest)}, proof {short(one.proof.digest)}"
     style = ' style="opacity:.5;text-decoration:line-through"' if is_out else ""
@@ -137,7 +137,7 @@ def _row(state: State, number: int, one: Proven) -> str:
     )
 
 
-def takes_words(state: State, one: Proven) -> str:
+def _takes(state: State, one: Proven) -> str:
     """The parts that a plan of the row takes, by the numbers of the scan, and with which arm."""
     numbers = parts_taken(state.plans[0], one.plan)
     pairs = zip(numbers, one.plan.arms, strict=True)

@@ -112,15 +112,12 @@ class PlanPanel:
             self._clear_plots(0)
             self._time.value = 0.0
             return
-        self._summary.content = plan_html(cell, state.plan, state.seconds) + outlines
+        self._summary.content = plan_html(state) + outlines
         self._lanes.content = lanes_html(cell, runs, seconds)
         self._end = seconds
         # To the next step: the end can be reached, whatever comes after its second decimal.
         self._time.max = max(round(math.ceil(round(seconds / STEP, 6)) * STEP, 2), STEP)
-        proof = state.proof
-        self._nearest.content = (
-            "" if proof is None else proof_html(state, state.plan, proof, self._links)
-        )
+        self._nearest.content = proof_html(state, self._links) if state.whole_row else ""
         self._plots = plots_of(cell, runs, seconds, [one.proof for one in state.whole_row])
         slider = element_id(self._time)
         for (drawn, _), plot in zip(self._drawn, self._plots, strict=False):

@@ -1,41 +1,54 @@
-"""What the tab of a plan says: the plan in a few chips, and what plannings brought; no widgets."""
+"""What the tab of a plan says: plans in a few chips, and what plannings brought; no widgets."""
 
 from collections.abc import Sequence
 from html import escape
 
-from workbench.app.core.state import Outline
+from workbench.app.core.state import Outline, State, counted
 from workbench.gui.shared.colours import arm_colour
 from workbench.gui.shared.tables import clickable
 from workbench.gui.shared.views import line, mm, sentence, short
-from workbench.model.cell import Cell
-from workbench.model.plan import Plan, Strategy
+from workbench.model.plan import Strategy, parts_taken, renumbered
 
 STAGES = {
     "propose": "grasps",
     "resolve": "straight ways",
     "route": "free ways",
     "prove": "proof",
+    "row": "plans after it",
 }
 """What a stage of planning computes, for people."""
 
 
-def plan_html(cell: Cell, plan: Plan, seconds: tuple[tuple[str, float], ...]) -> str:
-    """The plan in a few chips: what, how long, and what computing it took."""
-    arms = [arm.name for arm in cell.arms]
+def plan_html(state: State) -> str:
+    """The plan in a few chips, or each plan of a row: what it takes, and what computing took."""
+    row = state.plans
+    times = ", ".join(f"{STAGES.get(k, k)} {value * 1000:.0f} ms" for k, value in state.seconds)
+    said = "".join(_plan_html(state, number) for number in range(len(row)))
+    if len(row) > 1:
+        parts, seconds = sum(len(one.arms) for one in row), sum(one.cycle_seconds for one in row)
+        words = f"{len(row)} plans in a row, {counted(parts, 'part')}, {seconds:.1f} s in all"
+        said = f"<div><b>{escape(words)}</b></div>{said}"
+    return f'<div class="wb-pad">{said}<div class="wb-small">Computed: {escape(times)}</div></div>'
+
+
+def _plan_html(state: State, number: int) -> str:
+    """One plan of the row, its parts by the numbers of the scan."""
+    row, arms = state.plans, [arm.name for arm in state.cell.arms]
+    plan, first = row[number], row[0]
     chips = [
         f'<span class="wb-chip" style="background:{arm_colour(arms.index(arm.arm))}">'
-        f"{escape(arm.arm)}: part-{arm.detection + 1}, {escape(arm.grasp)}</span>"
-        for arm in plan.arms
+        f"{escape(arm.arm)}: part-{part + 1}, {escape(arm.grasp)}</span>"
+        for part, arm in zip(parts_taken(first, plan), plan.arms, strict=True)
     ]
-    times = ", ".join(f"{STAGES.get(k, k)} {value * 1000:.0f} ms" for k, value in seconds)
+    how = f"{plan.strategy.words}, {plan.guarantee}, plan {short(plan.digest)}"
+    if len(row) > 1:
+        # One line each: many plans leave room for the film.
+        tip = renumbered(plan.note, first, plan.detections) or plan.digest
+        how = f"Plan {number + 1}: {plan.cycle_seconds:.1f} s, {how}"
+        return f'<div class="wb-small" title="{escape(tip)}">{escape(how)}</div>{"".join(chips)}'
     note = f'<div class="wb-small">{escape(sentence(plan.note))}</div>' if plan.note else ""
-    return (
-        f'<div class="wb-pad">{"".join(chips)}'
-        f'<div class="wb-small" title="{escape(plan.digest)}">{escape(plan.strategy.words)}, '
-        f"{escape(plan.guarantee)}, plan {short(plan.digest)}</div>"
-        f"{note}"
-        f'<div class="wb-small">Computed: {escape(times)}</div></div>'
-    )
+    small = f'<div class="wb-small" title="{escape(plan.digest)}">{escape(how)}</div>'
+    return f"{''.join(chips)}{small}{note}"
 
 
 def outlines_html(outlines: tuple[Outline, ...], taken: str, rows: Sequence[str]) -> str:

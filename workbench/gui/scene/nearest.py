@@ -1,20 +1,29 @@
 """Where a plan comes nearest to something: said in words, and shown at a click."""
 
-from collections.abc import Callable
+import math
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from html import escape
 
 import numpy as np
 
 from workbench.app.core.state import Phase, State
-from workbench.app.picking.facts import nearest_place
+from workbench.app.picking.facts import nearest_of, nearest_place
 from workbench.formats.plans.certificates import certificate_bytes
 from workbench.gui.scene.measure import clear_way
 from workbench.gui.shared.own import Visited
 from workbench.gui.shared.playback import Run, moments, timeline
 from workbench.gui.shared.tables import clickable
-from workbench.gui.shared.views import line, mm, short, table_html
+from workbench.gui.shared.views import line, mm, short, straight_bound, table_html
 from workbench.gui.shared.visitor import Visitor
-from workbench.model.plan import Plan, Proof, at_least
+from workbench.model.plan import (
+    MOST_PICKS,
+    Plan,
+    Proof,
+    Proven,
+    at_least,
+    renumbered,
+)
 from workbench.proof.spot import Spot
 from workbench.proof.stages import STRAIGHT
 
@@ -25,7 +34,31 @@ TOUCH = 0.0001
 """[m] Bodies that are nearer than this touch, for people."""
 
 
-def nearest_words(state: State, plan: Plan, proof: Proof) -> str:
+def free_words(state: State) -> str:
+    """The smallest clearance on free legs of all that is to be carried out, with its place."""
+    row = state.whole_row
+    number = nearest_of(row)
+    return _of_plan(row, number, _nearest_words(state, row[number].plan, row[number].proof))
+
+
+def straight_words(state: State) -> str:
+    """How near hand and part come on the straight ways of all that is to be carried out."""
+    row = state.whole_row
+    bounds = [straight_bound(one.proof) for one in row]
+    number = min(range(len(row)), key=lambda place: _or_far(bounds[place]))
+    return _of_plan(row, number, _straight_words(state, row[number].proof))
+
+
+def _or_far(bound: float | None) -> float:
+    return math.inf if bound is None else bound
+
+
+def _of_plan(row: Sequence[Proven], number: int, words: str) -> str:
+    """What is said of one plan, with its number where there are others."""
+    return f"plan {number + 1}: {words}" if len(row) > 1 else words
+
+
+def _nearest_words(state: State, plan: Plan, proof: Proof) -> str:
     """The smallest clearance on free legs with its place: how near, when, which leg, what."""
     place = proof.nearest
     if place is None or place.pair is None:
@@ -36,10 +69,12 @@ def nearest_words(state: State, plan: Plan, proof: Proof) -> str:
         runs = _runs_of(state, plan)
         run = _run(runs, place.arm, place.leg)
         words += f" at {run.start + spot.seconds:.2f} s{_others(runs, run, spot)}"
-    return f"{words}: {place.pair[0]} and {place.pair[1]}"
+    # Parts by the numbers of the scan, that of the first plan.
+    first, second = (renumbered(one, state.plans[0], plan.detections) for one in place.pair)
+    return f"{words}: {first} and {second}"
 
 
-def straight_words(state: State, proof: Proof) -> str:
+def _straight_words(state: State, proof: Proof) -> str:
     """How near hand and part come on their straight ways, where they may come near."""
     asked = f"{mm(state.cell.policy.near_margin)} asked"
     kept = [
@@ -58,38 +93,71 @@ def go_html(text: str, button: str, tip: str) -> str:
     return f'<span class="wb-go" title="{escape(tip)}" {clickable(button)}>{escape(text)}</span>'
 
 
-def proof_html(state: State, plan: Plan, proof: Proof, links: "PlanLinks") -> str:
-    """What was proven of a plan, in three lines; its place and its certificate can be clicked."""
-    if not proof.holds:
-        return line(f"The proof does not hold: {proof.violations[0]}", kind="bad")
-    near, ways = nearest_words(state, plan, proof), straight_words(state, proof)
-    name = f"certificate-{short(plan.digest)}.json"
-    rows = [("Free ways", near), ("Straight ways", ways), ("Certificate", name)]
-    made = {
-        "Free ways": go_html(near, links.nearest, "Shows the plan there"),
-        "Certificate": go_html(name, links.certificate, "Saves what another machine can check"),
-    }
-    return table_html(rows, made=made)
+def proof_html(state: State, links: "PlanLinks") -> str:
+    """What was proven of a plan or of a row, in three lines; place and certificates are clicked."""
+    for number, one in enumerate(state.whole_row):
+        if not one.proof.holds:
+            words = f"The proof does not hold: {one.proof.violations[0]}"
+            return line(_of_plan(state.whole_row, number, words), kind="bad")
+    rows = [
+        ("Free ways", free_words(state)),
+        ("Straight ways", straight_words(state)),
+        certificate_row(state),
+    ]
+    return table_html(rows, made=links.made(state))
+
+
+def certificate_row(state: State) -> tuple[str, str]:
+    """Name and value of the line from which certificates are saved."""
+    row = state.whole_row
+    if len(row) == 1:
+        return "Certificate", f"certificate-{short(row[0].plan.digest)}.json"
+    return "Certificates", ", ".join(f"plan {number}" for number in range(1, len(row) + 1))
 
 
 class PlanLinks:
-    """What a click on a plan's facts does: the place is shown, the certificate is saved.
+    """What a click on the facts of a plan or a row does: shows the place, saves a certificate.
 
     Concurrency: any thread.
     """
 
-    def __init__(self, visitor: Visitor, before: Callable[[], None] = lambda: None):
-        """Add unseen buttons where the page is built now; `before` is called as one is pressed."""
+    def __init__(
+        self,
+        visitor: Visitor,
+        before: Callable[[], None] = lambda: None,
+        plans: int = MOST_PICKS,
+    ):
+        """Add unseen buttons where the page is built now.
+
+        Args:
+            visitor: whose page it is.
+            before: called as the place is asked for.
+            plans: so many at most.
+        """
         self._visitor = visitor
         self._before = before
-        self.nearest = visitor.unseen(self._go)
-        self.certificate = visitor.unseen(self._save)
-        visitor.hide((self.nearest, self.certificate))
+        self._nearest = visitor.unseen(self._go)
+        self._certificates = [visitor.unseen(partial(self._save, one)) for one in range(plans)]
+        visitor.hide((self._nearest, *self._certificates))
+
+    def made(self, state: State) -> Mapping[str, str]:
+        """HTML of what can be clicked, by the names of the lines that it stands in."""
+        name, told = certificate_row(state)
+        saves = zip(told.split(", "), self._certificates, strict=False)
+        tip = "Saves what another machine can check"
+        return {
+            "Free ways": go_html(free_words(state), self._nearest, "Shows the plan there"),
+            name: ", ".join(go_html(one, button, tip) for one, button in saves),
+        }
 
     def _go(self) -> None:
         visitor, state = self._visitor, self._visitor.bench.state
-        plan, proof = state.plan, state.proof
-        if plan is None or proof is None or proof.nearest is None or state.phase is Phase.SENDING:
+        row = state.whole_row
+        if not row or state.phase is Phase.SENDING:
+            return
+        nearest = row[nearest_of(row)]
+        plan, proof = nearest.plan, nearest.proof
+        if proof.nearest is None:
             return
         spot = nearest_place(state.cell, plan, proof)
         if spot is None:
@@ -110,12 +178,13 @@ class PlanLinks:
             camera.position = middle + NEAR_BY * side
             camera.look_at = middle
 
-    def _save(self) -> None:
-        state = self._visitor.bench.state
-        if state.plan is None or state.proof is None or not state.proof.holds:
+    def _save(self, number: int) -> None:
+        row = self._visitor.bench.state.whole_row
+        if number >= len(row) or not row[number].proof.holds:
             return
-        content = certificate_bytes(state.plan, state.plan.scene, state.proof)
-        name = f"certificate-{short(state.plan.digest)}.json"
+        plan = row[number].plan
+        content = certificate_bytes(plan, plan.scene, row[number].proof)
+        name = f"certificate-{short(plan.digest)}.json"
         self._visitor.client.send_file_download(name, content, save_immediately=True)
 
 

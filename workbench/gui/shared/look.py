@@ -265,9 +265,9 @@ class View:
     def visited(self) -> Visited | None:
         """The place of the plan that is looked at, as long as the plan stands there."""
         place = self.own.visited
-        if place is None or place.plan is not self.state.plan or place.time != self.look.time:
+        if place is None or place.time != self.look.time:
             return None
-        return place
+        return place if any(plan is place.plan for plan in self.state.plans) else None
 
     @property
     def rejected(self) -> tuple[RejectedHypothesis, ...]:

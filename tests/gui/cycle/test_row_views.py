@@ -1,0 +1,48 @@
+"""What the approval and the plan's tab say of a row: each plan by its number, sums of all."""
+
+import re
+from html import unescape
+
+from workbench.gui.cycle.approval_views import facts_html
+from workbench.gui.plan.views import plan_html
+from workbench.model.plan import parts_taken
+
+
+def read(html):
+    return unescape(re.sub(r"<[^>]+>", "", html))
+
+
+def test_of_a_row_every_plan_is_approved_in_full_and_sums_are_of_all(row, states):
+    text = read(facts_html(row, {}, 0.0))
+    for number, one in enumerate(row.whole_row, 1):
+        assert f"Plan {number}" in text and f"plan {one.plan.digest[:12]}" in text
+        assert one.proof.digest[:12] in text
+        for arm, part in zip(one.plan.arms, parts_taken(row.plan, one.plan), strict=True):
+            takes = f"{arm.arm} arm part-{part + 1} (keyed_cylinder), grasp {arm.grasp}"
+            assert takes in text
+    # What is nearest is in the second plan, and its part-1 is the scan's part-3.
+    assert "Free waysplan 2: at least 2.1 mm" in text
+    assert "part-3 and bin_wall_left" in text
+    assert "Straight waysplan 1: " in text
+    alone = states.planned
+    assert f"{3 * alone.plan.cycle_seconds:.1f} s in all" in text
+    assert f"{3 * alone.proof.checks:,} positions measured" in text
+    legs = 3 * sum(len(arm.legs) for arm in alone.plan.arms)
+    assert f"the whole motion on {legs} legs" in text
+    assert "each plan by what those before leave" in text
+    assert "Certificatesplan 1, plan 2, plan 3" in text
+
+
+def test_the_tab_of_the_plan_tells_each_plan_of_a_row_by_its_number(row):
+    text = read(plan_html(row))
+    total = 3 * row.plan.cycle_seconds
+    assert text.startswith(f"3 plans in a row, 6 parts, {total:.1f} s in all")
+    for number, one in enumerate(row.plans, 1):
+        assert f"Plan {number}: {one.cycle_seconds:.1f} s" in text
+        assert f"plan {one.digest[:12]}" in text
+    assert sorted(re.findall(r"part-\d", text)) == [f"part-{number}" for number in range(1, 7)]
+
+
+def test_a_plan_alone_says_nothing_of_a_row(states):
+    text = read(plan_html(states.planned))
+    assert "in a row" not in text and "Plan 1" not in text
