@@ -2,7 +2,7 @@
 
 import queue
 import threading
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -13,6 +13,7 @@ from workbench.app.core.commands import (
 from workbench.app.core.effects import Send, StartJob, StopSending
 from workbench.app.core.rights import ROBOT_LINK, WORKER
 from workbench.app.picking.pipeline import plan_pick
+from workbench.app.picking.row import plan_row
 from workbench.app.runtime.live import Live
 from workbench.formats.cells.reading import read_cell
 from workbench.model.cell import Cell
@@ -52,6 +53,25 @@ def make_results() -> Results:
         for x, y, yaw in ((-0.01, -0.07, 0.4), (0.01, 0.07, -0.6))
     )
     return Results(cell, scan, detections, plan_pick(cell, detections, scan.digest, seed=0))
+
+
+def make_row(picks: int) -> Results:
+    """Four parts that lie apart, all of which are taken in a row of so many plans at most."""
+    usual = make_results()
+    arms = tuple(replace(arm, passes_parts_on=True) for arm in usual.cell.arms)
+    policy = replace(usual.cell.policy, pair_gap=0.01)
+    cell = replace(usual.cell, arms=arms, policy=policy)
+    floor = cell.bin.T_world_bin.translation
+    places = ((-0.05, -0.08, 0.4), (0.05, 0.08, -0.6), (-0.05, 0.04, 1.2), (0.05, -0.05, 0.0))
+    parts = tuple(
+        Detection(
+            "keyed_cylinder", pose_from_rpy(floor + [x, y, 0.0191], (np.pi / 2, 0.0, yaw)), 0.9
+        )
+        for x, y, yaw in places
+    )
+    planned = plan_row(cell, parts, usual.scan.digest, picks=picks)
+    assert len(planned.plans) > 1
+    return replace(usual, cell=cell, detections=parts, planned=planned, tells=True)
 
 
 class Canned:

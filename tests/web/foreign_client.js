@@ -40,6 +40,12 @@ async function everything(session, node, path, found) {
   await seen(node, path);
 }
 
+async function ofCell(session) {
+  const objects = await session.browse("ns=0;i=85");
+  const cell = objects.references.find((one) => one.browseName.name === "Workbench").nodeId;
+  return { cell, members: (await session.browse(cell)).references };
+}
+
 const TASKS = {
   async tree(session, task) {
     const found = [];
@@ -76,12 +82,20 @@ const TASKS = {
     await subscription.terminate();
     return values;
   },
-  async take(session) {
-    const objects = await session.browse("ns=0;i=85");
-    const cell = objects.references.find((one) => one.browseName.name === "Workbench").nodeId;
-    const methods = (await session.browse(cell)).references;
-    const method = methods.find((one) => one.browseName.name === "TakeControl").nodeId;
-    const answer = await session.call({ objectId: cell, methodId: method, inputArguments: [] });
+  async values(session) {
+    const { members } = await ofCell(session);
+    const variables = members.filter((one) => one.nodeClass === 2);
+    const values = await session.read(variables.map((one) => ({
+      nodeId: one.nodeId, attributeId: opcua.AttributeIds.Value })));
+    return Object.fromEntries(variables.map((one, k) => [one.browseName.name,
+      { value: values[k].value.value, type: opcua.DataType[values[k].value.dataType] }]));
+  },
+  async call(session, task) {
+    const { cell, members } = await ofCell(session);
+    const method = members.find((one) => one.browseName.name === task.method).nodeId;
+    const given = (task.arguments || []).map(([type, value]) => (
+      { dataType: opcua.DataType[type], value }));
+    const answer = await session.call({ objectId: cell, methodId: method, inputArguments: given });
     return { status: answer.statusCode.name,
       said: (answer.outputArguments || []).map((one) => one.value) };
   },

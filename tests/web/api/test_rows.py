@@ -1,34 +1,12 @@
 """Several picks after one scan, over HTTP."""
 
-from dataclasses import replace
-
-import numpy as np
 import pytest
-from canned import make_results
-
-from workbench.app.picking.row import plan_row
-from workbench.model.geometry import pose_from_rpy
-from workbench.model.scan import Detection
+from canned import make_row
 
 
 @pytest.fixture(scope="module")
 def results():
-    """Four parts that lie apart, all of which are taken in a row."""
-    usual = make_results()
-    arms = tuple(replace(arm, passes_parts_on=True) for arm in usual.cell.arms)
-    policy = replace(usual.cell.policy, pair_gap=0.01)
-    cell = replace(usual.cell, arms=arms, policy=policy)
-    floor = cell.bin.T_world_bin.translation
-    places = ((-0.05, -0.08, 0.4), (0.05, 0.08, -0.6), (-0.05, 0.04, 1.2), (0.05, -0.05, 0.0))
-    parts = tuple(
-        Detection(
-            "keyed_cylinder", pose_from_rpy(floor + [x, y, 0.0191], (np.pi / 2, 0.0, yaw)), 0.9
-        )
-        for x, y, yaw in places
-    )
-    planned = plan_row(cell, parts, usual.scan.digest, picks=4)
-    assert len(planned.plans) > 1
-    return replace(usual, cell=cell, detections=parts, planned=planned, tells=True)
+    return make_row(picks=4)
 
 
 def planned(site):

@@ -122,7 +122,7 @@ def test_a_foreign_client_is_refused_until_its_certificate_is_trusted(rig, made,
     (waiting,) = (made / "server" / REJECTED).glob("*.der")
     assert application_uri(trust(made / "server", waiting)) == "urn:foreign:client"
     assert not list((made / "server" / REJECTED).iterdir())
-    found = foreign(url, {"what": "take"}, {"what": "namespaces"}, **about)
+    found = foreign(url, {"what": "call", "method": "TakeControl"}, {"what": "namespaces"}, **about)
     offered = {(one["policy"], one["mode"]) for one in found["endpoints"]}
     names = ("Basic256Sha256", "Aes128_Sha256_RsaOaep", "Aes256_Sha256_RsaPss")
     assert offered == {(name, mode) for name in names for mode in ("Sign", "SignAndEncrypt")}

@@ -18,6 +18,12 @@ def following(state: State) -> Plan | None:
     return state.row[0].plan if state.row else None
 
 
+def plans_sent(state: State) -> int:
+    """How many plans of the row have gone out, the one on its way among them."""
+    is_out = state.plan is not None and state.phase in (Phase.SENDING, Phase.DONE, Phase.FAULT)
+    return len(state.sent_before) + is_out
+
+
 def row_said(state: State) -> str:
     """The plan and those after it, for people."""
     plan = "" if state.plan is None else state.plan.digest[:12]

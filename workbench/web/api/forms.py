@@ -4,8 +4,9 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
+from workbench.app.core.rows import plans_sent
 from workbench.app.core.rules import strategies_of
-from workbench.app.core.state import Phase, State
+from workbench.app.core.state import State
 from workbench.app.emptying.summary import summary
 from workbench.app.emptying.what_if import ranked
 from workbench.app.records.statistics import GROUPS, Statistics
@@ -68,8 +69,7 @@ def state_form(state: State, live: Live) -> Form:
 
 def _row_form(state: State, number: int) -> Form:
     """One plan of the row; `parts` are indices in the first one, as people number them."""
-    one, now = state.whole_row[number], len(state.sent_before)
-    is_now = number == now and state.phase in (Phase.SENDING, Phase.DONE, Phase.FAULT)
+    one = state.whole_row[number]
     return {
         "plan": one.plan.digest,
         "proof": one.proof.digest,
@@ -77,7 +77,7 @@ def _row_form(state: State, number: int) -> Form:
         "clearance": finite(one.proof.clearance),
         "cycle_seconds": one.plan.cycle_seconds,
         "parts": list(parts_taken(state.plans[0], one.plan)),
-        "is_sent": number < now or is_now,
+        "is_sent": number < plans_sent(state),
     }
 
 

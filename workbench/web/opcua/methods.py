@@ -39,28 +39,33 @@ class Method:
 
 SEED = Argument("Seed", ua.VariantType.UInt32, "the same seed gives the same result")
 
+PARTS = Argument("Parts", ua.VariantType.UInt32, "in the simulated pile")
+STRATEGY = Argument(
+    "Strategy", ua.VariantType.String, "which arms work: one of the variable Strategies"
+)
+THRESHOLD = Argument("Threshold", ua.VariantType.Double, "[m]")
+
 METHODS: tuple[Method, ...] = (
-    Method(
-        "Scan",
-        lambda given: commands.TakeScan(given[0], given[1]),
-        (SEED, Argument("Parts", ua.VariantType.UInt32, "in the simulated pile")),
-    ),
+    Method("Scan", lambda given: commands.TakeScan(given[0], given[1]), (SEED, PARTS)),
     Method("FindParts", lambda given: commands.FindParts(given[0]), (SEED,)),
     Method(
         "MakePlan",
         lambda given: commands.MakePlan(given[1], given[2], given[0]),
-        (
-            SEED,
-            Argument(
-                "Strategy", ua.VariantType.String, "which arms work: one of the variable Strategies"
-            ),
-            Argument("Threshold", ua.VariantType.Double, "[m]"),
-        ),
+        (SEED, STRATEGY, THRESHOLD),
     ),
     Method(
         "Send",
         lambda given: commands.SendPlan(given[0]),
         (Argument("Plan", ua.VariantType.String, "digest of the approved plan"),),
+    ),
+    Method(
+        "GoOn",
+        lambda given: commands.GoOn(
+            commands.TakeScan(given[0], given[1]),
+            commands.FindParts(given[0]),
+            commands.MakePlan(given[2], given[3], given[0]),
+        ),
+        (SEED, PARTS, STRATEGY, THRESHOLD),
     ),
     Method("Stop", lambda given: commands.Stop()),
     Method("Cancel", lambda given: commands.CancelJob()),

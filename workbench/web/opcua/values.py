@@ -5,6 +5,9 @@ from typing import Any
 
 from asyncua import ua
 
+from workbench.app.core.commands import GoOn
+from workbench.app.core.rights import obstacle
+from workbench.app.core.rows import plans_sent
 from workbench.app.core.rules import strategies_of
 from workbench.app.core.state import State
 from workbench.app.runtime.live import Live
@@ -17,6 +20,10 @@ VARIABLES: Mapping[str, ua.VariantType] = {
     "Control": ua.VariantType.String,
     "PartsFound": ua.VariantType.UInt32,
     "PlanDigest": ua.VariantType.String,
+    "Plans": ua.VariantType.UInt32,
+    "PlansSent": ua.VariantType.UInt32,
+    "RowEnds": ua.VariantType.String,
+    "MayGoOn": ua.VariantType.Boolean,
     "Strategy": ua.VariantType.String,
     "Strategies": ua.VariantType.String,
     "Holds": ua.VariantType.Boolean,
@@ -40,6 +47,10 @@ def values_of(state: State, live: Live, head: tuple[int, str]) -> Mapping[str, A
         "Control": state.control,
         "PartsFound": len(state.detections or ()),
         "PlanDigest": "" if state.plan is None else state.plan.digest,
+        "Plans": len(state.plans),
+        "PlansSent": plans_sent(state),
+        "RowEnds": state.row_ends,
+        "MayGoOn": not obstacle(state, GoOn),
         "Strategies": ", ".join(strategies_of(state.cell)),
         "Strategy": "" if state.plan is None else str(state.plan.strategy),
         "Holds": state.proof is not None and state.proof.holds,
