@@ -9,7 +9,10 @@ from hypothesis import strategies as st
 from workbench.cli.measuring.studies import _threshold_words
 from workbench.formats.cells.reading import read_cell
 from workbench.model.prediction import Forecast
+from workbench.studies.pairs import Taken
 from workbench.studies.threshold import Case, Way, planned_case, predictions, summary
+
+WHOLE = Taken(2, "", True, "")
 
 ways = st.builds(
     Way, is_proven=st.booleans(), planning=st.floats(0.01, 2), cycle=st.floats(1, 20)
@@ -23,6 +26,7 @@ cases = st.lists(
         alternated=ways,
         coordinated=ways,
         allowed=ways,
+        taken=st.just(WHOLE),
     ),
     max_size=12,
 )
@@ -40,7 +44,7 @@ def test_a_higher_threshold_never_makes_more_coordinated(found):
 
 def test_unreachable_piles_do_not_count():
     good, bad = Way(True, 0.1, 9.9), Way(False, 0.1, None)
-    found = [Case(0, 0.2, True, good, good, good), Case(1, 0.2, False, bad, bad, bad)]
+    found = [Case(0, 0.2, True, good, good, good, WHOLE), Case(1, 0.2, False, bad, bad, bad, WHOLE)]
     (row,) = summary(found, [0.1])
     assert (row["piles"], row["reachable"], row["allowed_success"]) == (2, 1, 1.0)
     assert row["parts_per_hour"] == pytest.approx(2 * 3600 / 10)
@@ -48,7 +52,7 @@ def test_unreachable_piles_do_not_count():
 
 def test_what_is_allowed_is_counted_by_what_auto_made_of_it():
     quick, slow, none = Way(True, 0.1, 8.0), Way(True, 0.5, 7.0), Way(False, 0.2, None)
-    (row,) = summary([Case(0, 0.2, True, quick, none, slow)], [0.1])
+    (row,) = summary([Case(0, 0.2, True, quick, none, slow, WHOLE)], [0.1])
     assert (row["allowed_success"], row["allowed_planning"]["median"]) == (1.0, 0.5)
     assert (row["coordinated_success"], row["coordinated_planning"]["median"]) == (0.0, 0.2)
     said = Counter(_threshold_words(row))
@@ -57,7 +61,7 @@ def test_what_is_allowed_is_counted_by_what_auto_made_of_it():
 
 def test_an_hour_pays_for_planning_that_comes_to_nothing():
     good, bad = Way(True, 0.1, 9.9), Way(False, 5.0, None)
-    piles = [Case(0, 0.2, True, good, good, good), Case(1, 0.2, True, bad, bad, bad)]
+    piles = [Case(0, 0.2, True, good, good, good, WHOLE), Case(1, 0.2, True, bad, bad, bad, WHOLE)]
     (row,) = summary(piles, [0.1])
     assert row["parts_per_hour"] == pytest.approx(2 * 3600 / 15)
     (row,) = summary(piles[1:], [0.1])
@@ -66,7 +70,7 @@ def test_an_hour_pays_for_planning_that_comes_to_nothing():
 
 def test_what_the_page_shows_is_what_the_table_says():
     good, bad = Way(True, 0.1, 9.9), Way(False, 0.3, None)
-    two = [Case(0, 0.2, True, good, good, good), Case(1, 0.1, True, bad, bad, bad)]
+    two = [Case(0, 0.2, True, good, good, good, WHOLE), Case(1, 0.1, True, bad, bad, bad, WHOLE)]
     rows = summary(two, [0.15])
     cell = read_cell("yumi")
     kept = predictions(cell, rows)
@@ -80,3 +84,4 @@ def test_a_case_is_the_same_however_often_it_is_planned():
     assert (first.distance, first.is_reachable) == (again.distance, again.is_reachable)
     assert first.alternated.cycle == again.alternated.cycle
     assert first.coordinated.cycle == again.coordinated.cycle
+    assert first.taken == again.taken

@@ -20,6 +20,7 @@ from workbench.model.prediction import Forecast, Predictions
 from workbench.model.scan import Detection
 from workbench.perception.simulation.piles import drop_parts
 from workbench.studies.cases import percentiles
+from workbench.studies.pairs import Taken, taken_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,7 +42,7 @@ class Case:
 
     `distance` [m] between them; `is_reachable`: each arm can take a part of its own, so that
     any strategy with both arms is possible at all.  `allowed` is what comes of `auto` where the
-    distance allows both.
+    distance allows both, and `taken` how many of the parts that takes.
     """
 
     seed: int
@@ -50,6 +51,7 @@ class Case:
     alternated: Way
     coordinated: Way
     allowed: Way
+    taken: Taken
 
 
 def planned_case(task: tuple[str, int]) -> Case:
@@ -72,6 +74,7 @@ def planned_case(task: tuple[str, int]) -> Case:
         _way(alternated, Strategy.ALTERNATED),
         _way(coordinated, Strategy.COORDINATED),
         _way(allowed, Strategy.ALTERNATED, Strategy.COORDINATED),
+        taken_of(cell, detections, allowed, seed),
     )
 
 

@@ -17,7 +17,7 @@ from workbench.formats.cells.predictions import predictions_path, write_predicti
 from workbench.formats.cells.reading import read_cell
 from workbench.model.errors import InputError
 from workbench.plugins.planner import planner_named
-from workbench.studies import klampt, localization, picks, planners, plots, threshold
+from workbench.studies import klampt, localization, pairs, picks, planners, plots, threshold
 from workbench.studies.cases import run_cases
 
 MOST = 1_000_000
@@ -237,16 +237,19 @@ def study_threshold(typed: StudyThreshold) -> int:
             report=report,
         )
     rows = threshold.summary(cases, typed.thresholds)
+    taken = pairs.counted([case.taken for case in cases])
     if typed.plot is not None:
         plots.draw_threshold(typed.plot, cases, rows)
     if typed.keep:
         kept = threshold.predictions(cell, rows)
         write_predictions(predictions_path(typed.cell), kept)
     if typed.json:
-        print_json({"cases": [asdict(case) for case in cases], "thresholds": rows})
+        forms = [asdict(case) for case in cases]
+        print_json({"cases": forms, "pairs": taken, "thresholds": rows})
         return SUCCESS
     reachable = sum(case.is_reachable for case in cases)
     print(f"{len(cases)} piles; in {reachable} each arm can take a part of its own")
+    print_table("What auto takes of each pair", ("", "pairs", "why"), _pairs_words(taken))
     columns = ("threshold mm", "both allowed", "success", "mean ms", "median ms", "95 % ms")
     print_table(
         "At that distance or more the quicker of coordinated and alternated, below it alternated",
@@ -254,6 +257,18 @@ def study_threshold(typed: StudyThreshold) -> int:
         [_threshold_words(row) for row in rows],
     )
     return SUCCESS
+
+
+def _pairs_words(taken: dict[str, Any]) -> list[tuple[str, ...]]:
+    def why(reasons: dict[str, int]) -> str:
+        return "; ".join(f"{count} {reason}" for reason, count in reasons.items())
+
+    return [
+        ("both by one plan of two arms", str(taken["two_arms"]), ""),
+        ("one by the first plan", str(taken["one_arm"]), why(taken["why_one_arm"])),
+        ("none", str(taken["none"]), why(taken["why_none"])),
+        ("both, a second plan counted", str(taken["whole"]), why(taken["why_not_whole"])),
+    ]
 
 
 def _threshold_words(row: dict[str, Any]) -> tuple[str, ...]:

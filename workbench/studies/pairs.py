@@ -1,0 +1,100 @@
+"""Of pairs of parts: how many two arms take by one plan, how many one arm, and why not more."""
+
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from workbench.app.picking.pipeline import plan_pick
+from workbench.model.cell import Cell
+from workbench.model.plan import PlanResult
+from workbench.model.scan import Detection
+
+
+@dataclass(frozen=True, slots=True)
+class Taken:
+    """How far the strategy `auto` comes with a pair.
+
+    Its first plan takes `parts`: 2 with an arm each, 1, or 0, and `why` says why not 2.
+    `is_whole`: together with a plan for what that one leaves, as it lies, it takes both; `left`
+    says why not.
+    """
+
+    parts: int
+    why: str
+    is_whole: bool
+    left: str
+
+
+def taken_of(cell: Cell, detections: Sequence[Detection], first: PlanResult, seed: int) -> Taken:
+    """What became of a pair.
+
+    Args:
+        cell: with two arms or more.
+        detections: the two parts.
+        first: what `auto` made of them, where distance forbids nothing.
+        seed: of the plan for what it leaves.
+    """
+    if not _holds(first) or first.plan is None:
+        why = f"neither: {_why_none(first)}"
+        return Taken(0, why, False, why)
+    if len(first.plan.arms) == len(detections):
+        return Taken(len(detections), "", True, "")
+    gone = {one.detection for one in first.plan.arms}
+    rest = tuple(one for number, one in enumerate(detections) if number not in gone)
+    second = plan_pick(cell, rest, "study", seed=seed)
+    is_whole = _holds(second)
+    return Taken(1, _why_one(first), is_whole, "" if is_whole else f"one: {_why_none(second)}")
+
+
+def counted(taken: Sequence[Taken]) -> dict[str, Any]:
+    """How many pairs were taken by two arms, by one, not at all, and whole; and why not more."""
+    return {
+        "pairs": len(taken),
+        "two_arms": sum(one.parts == 2 for one in taken),
+        "one_arm": sum(one.parts == 1 for one in taken),
+        "none": sum(one.parts == 0 for one in taken),
+        "whole": sum(one.is_whole for one in taken),
+        "why_one_arm": _most(one.why for one in taken if one.parts == 1),
+        "why_none": _most(one.why for one in taken if one.parts == 0),
+        "why_not_whole": _most(one.left for one in taken if not one.is_whole),
+    }
+
+
+def _most(reasons: Iterator[str]) -> dict[str, int]:
+    """How often each comes, the most frequent first; the same for the same reasons in any order."""
+    found = Counter(reasons)
+    return dict(sorted(found.items(), key=lambda one: (-one[1], one[0])))
+
+
+def _holds(result: PlanResult) -> bool:
+    return result.plan is not None and result.proof is not None and result.proof.holds
+
+
+def _why_none(result: PlanResult) -> str:
+    """Why no part of a result was taken: the refusal that got furthest."""
+    if result.plan is not None:
+        return "the proof does not hold"
+    if any(one.verdict.is_ok for one in result.candidates):
+        return f"grasps work, {result.verdict.reason}"
+    return _furthest(result, {one.detection for one in result.candidates})
+
+
+def _why_one(result: PlanResult) -> str:
+    """Why a plan for a pair takes one part alone."""
+    able = {(one.arm, one.detection) for one in result.candidates if one.verdict.is_ok}
+    arms = {arm for arm, _ in able}
+    unable = {one.detection for one in result.candidates} - {part for _, part in able}
+    if unable:
+        return f"the other part by no arm: {_furthest(result, unable)}"
+    if len(arms) == 1:
+        return "both parts by the same arm alone"
+    return "no plan of two arms"
+
+
+def _furthest(result: PlanResult, parts: set[int]) -> str:
+    """The reason of the refusal that got furthest, of some parts."""
+    verdicts = [one.verdict for one in result.candidates if one.detection in parts]
+    if not verdicts:
+        return "no grasps"
+    return str(max(verdicts, key=lambda one: one.progress).reason)
