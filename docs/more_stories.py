@@ -5,11 +5,12 @@ import shutil
 import subprocess
 import sys
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 from hands import Camera, field
-from page_stories import cycle, fault
+from page_stories import cycle, fault, plan
 from picture_tools import ROOT, SIZE, Desk, desk, save, settled, window
 from playwright.sync_api import Browser
 
@@ -29,6 +30,9 @@ from workbench.planning.kinematics.chain import chain_of, is_solution
 PART = "keyed_cylinder"
 SIDE = math.radians(-100)
 """From where the hand comes to the part, so that it is seen from its side."""
+
+ROW_SEED = 6
+"""Of a pile of four parts that lie apart."""
 
 CYCLES = 6
 MOMENT = 30
@@ -167,6 +171,33 @@ def statistics(chrome: Browser, folder: Path) -> None:
         journal.close()
 
 
+def row(chrome: Browser, folder: Path) -> None:
+    """Plans in a row for four parts that lie apart."""
+    with desk(chrome, folder, speed=20, changed=with_rows) as at:
+        screen = at.screen
+        for label, value in (("Parts", 4), ("Seed", ROW_SEED)):
+            box = field(screen, label)
+            box.fill(str(value))
+            box.press("Tab")
+            at.page.wait_for_timeout(300)
+        screen.press("Scan")
+        at.reach("scanned")
+        screen.press("Find parts")
+        at.reach("localized")
+        plan(at)
+        # What lets a robot move stays over the end of the tab: to the middle, not just into view.
+        length = at.page.get_by_text("Length of the row:")
+        length.evaluate("one => one.scrollIntoView({block: 'center'})")
+        at.page.mouse.move(400, 780)
+        at.shoot("row")
+
+
+def with_rows(now: Cell) -> Cell:
+    """Parts are taken away at once where they are put, and others 10 mm off stay as they lie."""
+    arms = tuple(replace(arm, passes_parts_on=True) for arm in now.arms)
+    return replace(now, arms=arms, policy=replace(now.policy, pair_gap=0.01, picks=3))
+
+
 def emptying(chrome: Browser, folder: Path) -> None:
     """Piles emptied in simulation, and the film of one of them, half way."""
     with desk(chrome, folder, speed=20) as at:
@@ -207,6 +238,7 @@ STORIES: dict[str, Callable[[Browser, Path], None]] = {
     "cell": cell,
     "calibration": calibration,
     "bin_moved": bin_moved,
+    "row": row,
     "statistics": statistics,
     "emptying": emptying,
     "plots": plots,

@@ -22,6 +22,7 @@ from workbench.app.runtime.effect_runner import EffectRunner
 from workbench.formats.cells.reading import cell_path, part_folders, read_cell
 from workbench.gui.page.server import serve
 from workbench.journal.journal import Journal
+from workbench.model.cell import Cell
 
 ROOT = Path(__file__).resolve().parents[1]
 PICTURES = ROOT / "docs" / "pictures"
@@ -74,17 +75,20 @@ def browser() -> Iterator[Browser]:
 
 
 @contextmanager
-def desk(chrome: Browser, folder: Path, speed: float) -> Iterator[Desk]:
+def desk(
+    chrome: Browser, folder: Path, speed: float, changed: Callable[[Cell], Cell] = lambda cell: cell
+) -> Iterator[Desk]:
     """The page of the simulated YuMi cell, which may be changed and saved, and its controller.
 
     Args:
         chrome: from `browser`.
         folder: the working directory; cells and parts are copied into it.
         speed: of the simulated robot, 1 is real time.
+        changed: makes another cell of the one that is shipped.
     """
     for kind in ("robots", "parts", "static"):
         shutil.copytree(ROOT / kind, folder / kind, dirs_exist_ok=True)
-    cell = read_cell("yumi")
+    cell = changed(read_cell("yumi"))
     arguments = ["--port", "0", "--state-port", "0", "--speed", str(speed), "--until-eof", "--json"]
     with subprocess.Popen(
         [sys.executable, "-m", "workbench", "controller", *arguments],
