@@ -71,7 +71,7 @@ def test_a_row_is_watched_approved_and_sent_and_gone_on_with(
     watch(screen, bench, wait)
     assert bench.state.watched == ("operator",) and not bench.state.told
     screen.press("Approve")
-    screen.page.get_by_role("dialog").get_by_text("Plan 2").wait_for()
+    screen.page.get_by_role("dialog").get_by_text("Plan 2", exact=True).wait_for()
     screen.shoot("r3-approval")
     screen.press("Back")
     approve(screen, "Anna")
@@ -85,6 +85,10 @@ def test_a_row_is_watched_approved_and_sent_and_gone_on_with(
     assert done.parts_placed == 4
     assert sorted(one.detection for one in done.outcomes if one.is_picked) == [0, 1, 2, 3]
     screen.wait_for("4 of 4 parts reported placed")
+    for word in ("picked", "failed"):
+        said = screen.page.get_by_role("button", name=re.compile(f"^(Left|Right) {word}$"))
+        expect(said).to_have_count(4)
+    screen.wait_for("part-4 picked")
     screen.shoot("r5-done")
 
     screen.press("Go on")

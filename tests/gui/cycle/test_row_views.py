@@ -1,10 +1,12 @@
 """What the approval and the plan's tab say of a row: each plan by its number, sums of all."""
 
 import re
+from dataclasses import replace
 from html import unescape
 
 from workbench.gui.cycle.approval_views import facts_html
 from workbench.gui.plan.views import plan_html
+from workbench.gui.shared.views import send_line
 from workbench.model.plan import parts_taken
 
 
@@ -41,6 +43,16 @@ def test_the_tab_of_the_plan_tells_each_plan_of_a_row_by_its_number(row):
         assert f"Plan {number}: {one.cycle_seconds:.1f} s" in text
         assert f"plan {one.digest[:12]}" in text
     assert sorted(re.findall(r"part-\d", text)) == [f"part-{number}" for number in range(1, 7)]
+
+
+def test_messages_are_those_of_the_plan_that_is_named(row, states):
+    first, second, third = row.whole_row
+    sending = states.sending
+    assert read(send_line(sending)) == "3 of 40 messages sent"
+    onward = replace(
+        sending, plan=second.plan, proof=second.proof, sent_before=(first,), row=(third,)
+    )
+    assert read(send_line(onward)) == "Plan 2: 3 of 40 messages sent"
 
 
 def test_a_plan_alone_says_nothing_of_a_row(states):

@@ -295,7 +295,11 @@ def send_line(state: State) -> str:
     if not state.receipts:
         return line("Nothing sent.", kind="hint", span=1, tip=purpose)
     last = state.receipts[-1]
-    return line(f"{last.done} of {last.total} messages sent", span=1, tip=purpose)
+    words = f"{last.done} of {last.total} messages sent"
+    if len(state.plans) > 1:
+        # They are counted anew for each plan of a row.
+        words = f"Plan {len(state.sent_before) + 1}: {words}"
+    return line(words, span=1, tip=purpose)
 
 
 def table_html(
