@@ -64,6 +64,13 @@ def test_of_two_for_the_same_arm_a_second_plan_takes_the_other(cell):
     assert (taken.parts, taken.is_whole, taken.left) == (1, True, "")
 
 
+def test_parts_of_one_heap_are_taken_one_after_the_other(cell):
+    near = replace(cell, policy=replace(cell.policy, pair_gap=0.15))
+    first, taken = of(near, pair(near, *APART))
+    assert len(first.plan.arms) == 1
+    assert taken == Taken(1, "the parts are of one heap", True, "")
+
+
 def test_nothing_is_taken_where_nothing_works_or_the_proof_does_not_hold(cell):
     _, taken = of(cell, pair(cell, *APART, sunk=(0.06, 0.06)))
     assert (taken.parts, taken.is_whole) == (0, False)

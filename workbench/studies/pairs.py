@@ -9,6 +9,7 @@ from workbench.app.picking.pipeline import plan_pick
 from workbench.model.cell import Cell
 from workbench.model.plan import PlanResult
 from workbench.model.scan import Detection
+from workbench.planning.collision.world import World
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,7 +45,8 @@ def taken_of(cell: Cell, detections: Sequence[Detection], first: PlanResult, see
     rest = tuple(one for number, one in enumerate(detections) if number not in gone)
     second = plan_pick(cell, rest, "study", seed=seed)
     is_whole = _holds(second)
-    return Taken(1, _why_one(first), is_whole, "" if is_whole else f"one: {_why_none(second)}")
+    left = "" if is_whole else f"one: {_why_none(second)}"
+    return Taken(1, _why_one(cell, detections, first), is_whole, left)
 
 
 def counted(taken: Sequence[Taken]) -> dict[str, Any]:
@@ -80,7 +82,7 @@ def _why_none(result: PlanResult) -> str:
     return _furthest(result, {one.detection for one in result.candidates})
 
 
-def _why_one(result: PlanResult) -> str:
+def _why_one(cell: Cell, detections: Sequence[Detection], result: PlanResult) -> str:
     """Why a plan for a pair takes one part alone."""
     able = {(one.arm, one.detection) for one in result.candidates if one.verdict.is_ok}
     arms = {arm for arm, _ in able}
@@ -89,6 +91,8 @@ def _why_one(result: PlanResult) -> str:
         return f"the other part by no arm: {_furthest(result, unable)}"
     if len(arms) == 1:
         return "both parts by the same arm alone"
+    if len(set(World(cell, tuple(detections), ()).part_ways.heaps)) == 1:
+        return "the parts are of one heap"
     return "no plan of two arms"
 
 
