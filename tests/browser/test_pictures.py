@@ -36,8 +36,8 @@ REGION = 10
 TOLERANCE = 12
 """[of 255] By so much the mean colour of a region may differ: other letters may, lines may not."""
 
-FINE = 0xF8
-"""Bits of a colour that are kept."""
+FINE, MIDDLE = 0xF8, 0x04
+"""Bits of a colour that are kept, and what stands for the others."""
 
 STILL, KEPT_STILL = 30.0, 3.0
 """[s] A page that has not changed for so long is as it is, when compared and when kept."""
@@ -153,7 +153,7 @@ def keep(seen, theme, width):
     rows = [np.hstack(seen[k : k + ABREAST]) for k in range(0, len(seen), ABREAST)]
     KEPT.mkdir(exist_ok=True)
     # Without loss, but for what no eye sees: otherwise what is red would not be where it is.
-    whole = np.vstack(rows) & FINE
+    whole = np.vstack(rows) & FINE | MIDDLE
     Image.fromarray(whole).save(sheet(theme, width), lossless=True, quality=100, method=6)
 
 
