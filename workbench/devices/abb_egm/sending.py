@@ -15,7 +15,7 @@ import numpy as np
 from workbench.devices.abb_egm import wire
 from workbench.devices.abb_egm.channel import Channel
 from workbench.devices.abb_egm.orders import Order, Run, Score
-from workbench.devices.abb_egm.way import Ride
+from workbench.devices.streamed_way import Ride
 from workbench.model.errors import JobCancelled, LinkError
 from workbench.model.geometry import Floats
 from workbench.model.release import LinkStatus, Receipt
