@@ -296,6 +296,7 @@ def test_a_dnum_holds_what_a_num_does_not():
     large = "281474976710655"
     rest = f"VAR dnum d:={large};\nVAR dnum e;"
     body = f'e:=d;\nIF e={large} TPWrite "same";\nIF e<d OR d<1 TPWrite "less";'
+    body += '\nIF d=281474976710654 OR 281474976710655>d TPWrite "single";'
     body += "\ne:=7;\nTPWrite NumToStr(DnumToNum(e),0);"
     assert written(body, rest) == ["same", "7"]
     assert problems("e:=n;", "VAR dnum e;\nVAR num n;") == [

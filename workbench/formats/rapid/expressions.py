@@ -119,7 +119,11 @@ class Expressions:
     def _literal(self, node: Any, found: Ex, wanted: Kind) -> Ex:
         """A number that is written out is a dnum where one is needed."""
         is_one = getattr(node, "data", "") == "number" and self.types.base(wanted) == DNUM
-        return replace(found, kind=DNUM) if is_one and found.kind == NUM else found
+        if not is_one or found.kind != NUM:
+            return found
+        text = str(node.children[0]).lower()
+        value = float(int(text, 0) if text[:2] in ("0x", "0b") else text)
+        return Ex(DNUM, lambda frame: value, is_constant=True)
 
     def expression(self, node: Any, wanted: Kind | None = None) -> Ex:
         """An expression of any type."""
@@ -186,6 +190,7 @@ class Expressions:
         word = str(sign).lower()
         one = self.expression(left)
         other = self._literal(right, self.expression(right, one.kind), one.kind)
+        one = self._literal(left, one, other.kind)
         both = one.is_constant and other.is_constant
         a, b, bases = one.run, other.run, {self.types.base(one.kind), self.types.base(other.kind)}
         if UNKNOWN in bases:
