@@ -107,6 +107,16 @@ def test_picks_from_its_bin_are_planned_and_proven(made):
     assert proven >= 2
 
 
+def test_an_arm_that_is_too_small_for_the_bin_is_refused_with_what_to_do(tmp_path, capfd):
+    urdf = SHARE / "example-robot-data/robots/ur_description/urdf/ur3_robot.urdf"
+    words = ["cell", "new", "ur3", "--urdf", str(urdf), "--out", str(tmp_path / "ur3")]
+    assert main([*words, "--tolerance-mm", str(TOLERANCE_MM)]) == 2
+    told = capfd.readouterr().err
+    assert "no home above a bin of 200 x 300 x 50 mm was found that the arm reaches" in told
+    assert "needs a smaller bin or a shorter tool in a cell.toml of its own" in told
+    assert not (tmp_path / "ur3").exists()
+
+
 def test_the_same_robot_gives_the_same_cell(tmp_path):
     urdf = SHARE / ROBOTS["panda"][0]
     digests = []

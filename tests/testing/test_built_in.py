@@ -34,7 +34,7 @@ def test_localizers(name):
     check_localizer(load("workbench.localizers", name), workbench.read_cell("yumi"))
 
 
-OF_OTHERS = {"abb-egm", "ur-rtde", "ur-rtde-blend"}
+OF_OTHERS = {"abb-egm", "ur-rtde", "ur-rtde-blend", "ur-rtde-servo"}
 """They need libraries, and robots or options of their own: their tests in tests/devices do this."""
 
 

@@ -212,7 +212,11 @@ def _with_homes(cell: Cell) -> Cell:
                     replace(arm, home=home) for arm, home in zip(cell.arms, homes, strict=True)
                 ),
             )
-    raise InputError(f"robot {cell.robot.name}: no home above the bin was found that is clear")
+    raise InputError(
+        f"robot {cell.robot.name}: no home above a bin of {_sizes(cell)} mm was found that the arm "
+        "reaches clear of the table and of itself, with the tool straight down; a small arm needs "
+        "a smaller bin or a shorter tool in a cell.toml of its own, as robots/tx2_90/cell.toml is"
+    )
 
 
 def _homes(cell: Cell, away: float, up: float) -> list[Floats] | None:

@@ -11,6 +11,7 @@ from egm_scenes import PATIENT, twin_of
 from waiting import wait_until
 
 from workbench.devices.abb_egm import wire
+from workbench.devices.abb_egm.channel import Channel
 from workbench.devices.abb_egm.link import AbbEgm
 from workbench.devices.abb_egm.orders import Run, score_of
 from workbench.devices.abb_egm.twin_arm import TwinArm
@@ -91,6 +92,26 @@ def test_a_robot_that_stands_elsewhere_is_told_nothing(planned):
         with pytest.raises(LinkError, match=r"stands 0\.5 degrees from where the plan begins"):
             list(send(plan, approval, there, patience=PATIENT))
         assert not twin.arms[0].is_attached and twin.arms[0].orders == []
+
+
+def test_a_module_that_takes_up_egm_anew_before_anything_is_sent_is_waited_for(
+    planned, monkeypatch
+):
+    cell, plan, approval = planned
+    asked, hear_first = [], Channel.hear_first
+
+    def upset_once(channel):
+        asked.append(channel)
+        if len(asked) == 4:
+            raise LinkError("report 1 came after 250: twice, or out of order")
+        return hear_first(channel)
+
+    monkeypatch.setattr(Channel, "hear_first", upset_once)
+    with twin_of(cell) as (_, there):
+        sending = send(plan, approval, there, patience=PATIENT)
+        next(one for one in sending if one.kind != "order")
+        sending.close()
+    assert len(asked) > 4
 
 
 def _stand(arms: Sequence[TwinArm]) -> bool:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from rapid_bench import written
+from rapid_bench import problems, written
 
 from workbench.formats.rapid.grammar import parse
 from workbench.formats.rapid.problems import BadModule
@@ -290,3 +290,15 @@ def test_a_text_of_a_number_that_no_num_can_be_is_none():
 
 def test_numbers_are_written_with_as_many_digits_as_asked_for():
     assert [number_text(2.5, 0, None), number_text(-12.346, 2, None)] == ["2", "-12.35"]
+
+
+def test_a_dnum_holds_what_a_num_does_not():
+    large = "281474976710655"
+    rest = f"VAR dnum d:={large};\nVAR dnum e;"
+    body = f'e:=d;\nIF e={large} TPWrite "same";\nIF e<d OR d<1 TPWrite "less";'
+    body += '\nIF d=281474976710654 OR 281474976710655>d TPWrite "single";'
+    body += "\ne:=7;\nTPWrite NumToStr(DnumToNum(e),0);"
+    assert written(body, rest) == ["same", "7"]
+    assert problems("e:=n;", "VAR dnum e;\nVAR num n;") == [
+        (5, 4, "a num stands where a dnum is needed")
+    ]

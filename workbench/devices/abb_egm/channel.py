@@ -87,6 +87,10 @@ class Channel:
         """Let the port go."""
         self._socket.close()
 
+    def forget(self) -> None:
+        """Begin anew: what comes next is the first report."""
+        self.last, self._from, self.came = None, None, 0
+
     def hear(self) -> wire.Feedback | None:
         """As `hear_first`, and a silence is an error.
 

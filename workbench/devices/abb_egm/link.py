@@ -128,9 +128,17 @@ class AbbEgm:
                     yield state
 
     def serve(self, cell: Cell, simulation: Simulation, ready: Callable[[Running], None]) -> None:
-        """The controller's twin; it sends to the ports that it is given, or to free ones."""
+        """The controller's twin, or modules in RAPID; to the ports that are given, or free ones."""
         if simulation.rapid is not None:
-            raise InputError("--rapid: abb-egm has its own module, which the twin plays")
+            try:
+                from workbench.devices.abb_egm.rapid_controller import serve_guided
+            except ModuleNotFoundError as error:
+                raise InputError(
+                    "--rapid needs the library lark: pip install 'workbench[rapid]'"
+                ) from error
+            self.check(cell)
+            serve_guided(cell, simulation, ready)
+            return
         if simulation.home_after != float("inf"):
             raise InputError("--home-after: this simulated controller does not go home by itself")
         from workbench.devices.abb_egm.twin import SimulatedEgm

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from workbench.devices.abb_egm import wire
-from workbench.devices.abb_egm.way import Way, way_of
+from workbench.devices.streamed_way import Way, way_of
 from workbench.model.cell import Cell
 from workbench.model.errors import InputError
 from workbench.model.plan import Plan

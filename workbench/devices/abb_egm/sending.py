@@ -15,7 +15,7 @@ import numpy as np
 from workbench.devices.abb_egm import wire
 from workbench.devices.abb_egm.channel import Channel
 from workbench.devices.abb_egm.orders import Order, Run, Score
-from workbench.devices.abb_egm.way import Ride
+from workbench.devices.streamed_way import Ride
 from workbench.model.errors import JobCancelled, LinkError
 from workbench.model.geometry import Floats
 from workbench.model.release import LinkStatus, Receipt
@@ -117,17 +117,22 @@ class Sending:
     def _look(self, cancelled: Cancelled) -> None:
         """Nothing is sent before every arm has reported in order and may move."""
         until = self._patience.clock() + min(CONNECT, self._patience.answer)
-        heard = dict.fromkeys(self._channels, 0)
+        heard, trouble = dict.fromkeys(self._channels, 0), ""
         while min(heard.values()) < LOOKS:
             if cancelled():
                 raise JobCancelled("sending was stopped before anything was sent")
             if self._patience.clock() > until:
                 arm = min(heard, key=lambda name: heard[name])
-                raise LinkError(f"no EGM of a controller reports {arm} at its UDP port")
+                raise LinkError(trouble or f"no EGM of a controller reports {arm} at its UDP port")
             select.select(list(self._channels.values()), [], [], POLL)
             for name, channel in self._channels.items():
-                if channel.hear_first():
-                    heard[name] += channel.came
+                try:
+                    if channel.hear_first():
+                        heard[name] += channel.came
+                except LinkError as error:
+                    # A module that nobody answers takes up EGM anew, and its numbers begin anew.
+                    heard[name], trouble = 0, str(error)
+                    channel.forget()
         for name, channel in self._channels.items():
             told = channel.last
             assert told is not None

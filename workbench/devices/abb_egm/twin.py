@@ -71,10 +71,10 @@ class SimulatedEgm:
         self._faults = dict(_fault(text) for text in faults)
         self._host, self._speed, self._record, self._trace = host, speed, record, trace
         count = len(cell.arms)
-        self.port = port or _free(host, count)
-        self.state_port = state_port or _free(host, count)
+        self.port = port or free_ports(host, count)
+        self.state_port = state_port or free_ports(host, count)
         while abs(self.port - self.state_port) < count:
-            self.state_port = _free(host, count)
+            self.state_port = free_ports(host, count)
         self.arms = [TwinArm(cell, arm) for arm in cell.arms]
         self._over = threading.Event()
         self._tick, self._is_cut = 0, False
@@ -196,8 +196,12 @@ def _socket(host: str, port: int = 0) -> socket.socket:
     return one
 
 
-def _free(host: str, count: int) -> int:
-    """A UDP port that is free, and so are the next ones."""
+def free_ports(host: str, count: int) -> int:
+    """A UDP port that is free, and so are the next ones, `count` in all.
+
+    Raises:
+        InputError: there are none.
+    """
     for _ in range(1000):
         with _socket(host) as first:
             port = int(first.getsockname()[1])

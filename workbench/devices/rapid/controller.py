@@ -147,7 +147,7 @@ class Controller:
         )
         self.moving[name] = moving
         natives = {**NATIVES, **waiting.natives(), **moving.natives()}
-        natives |= socket_natives(task, self.network)
+        natives |= {**socket_natives(task, self.network), **self.more_natives(task)}
         task.loaded = Loaded(
             self.setup.tasks[name].modules,
             task,
@@ -158,6 +158,10 @@ class Controller:
             told=task.told,
         )
         task.loaded.check()
+
+    def more_natives(self, task: Task) -> dict[str, Callable[..., Any]]:
+        """What an option of the controller adds for a task, by small name."""
+        return {}
 
     @property
     def port(self) -> int:
@@ -266,7 +270,7 @@ class Controller:
         # find its next way missing because this machine was slow.
         while self._due >= STEP and steps < MOST_STEPS and not self._holds(movers):
             self._due, steps = self._due - STEP, steps + 1
-            self._advance()
+            self.advance()
         self._due = min(self._due, self._speed)
         self._help()
         if not went_on and self._due < STEP:
@@ -285,7 +289,8 @@ class Controller:
             task.resume()
         return bool(ready)
 
-    def _advance(self) -> None:
+    def advance(self) -> None:
+        """One step of the robots' time."""
         self.time += STEP
         wrong = pair(list(self.mechanisms.values()))
         if wrong != self._warned:

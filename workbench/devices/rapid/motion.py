@@ -66,6 +66,8 @@ class Mechanism:
         self.name, self.axes = name, axes
         self.here: Floats = np.array(axes.home)
         self.is_in_step = False
+        # Led from outside: it may move at any time without a way.
+        self.is_guided = False
         self._ways: deque[Way] = deque()
         self._time = 0.0
         self.stops: set[str] = set()
@@ -73,7 +75,7 @@ class Mechanism:
     @property
     def is_standing(self) -> bool:
         """Whether nothing is left to go, or a stop holds it."""
-        return not self._ways or bool(self.stops)
+        return bool(self.stops) or not (self._ways or self.is_guided)
 
     @property
     def end(self) -> Floats:

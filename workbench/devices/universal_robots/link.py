@@ -5,9 +5,10 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 from workbench.devices.universal_robots.flange import Flange
-from workbench.devices.universal_robots.program import program_of
+from workbench.devices.universal_robots.program import Program, program_of
 from workbench.devices.universal_robots.rtde import RTDE_PORT, STANDS
 from workbench.devices.universal_robots.sending import Sending, fault_of
+from workbench.devices.universal_robots.servo import PERIOD, Servo
 from workbench.devices.universal_robots.talking import Client
 from workbench.model.cell import Cell
 from workbench.model.errors import InputError, LinkError
@@ -71,16 +72,7 @@ class UrRtde:
 
         released()
         self.check(cell)
-        options = options_of(self.Options, cell.controller.options)
-        program = program_of(
-            cell,
-            plan,
-            approval,
-            options.gripper_output,
-            options.grip_s,
-            patience.silence,
-            getattr(options, "blend_mm", 0.0) / 1000.0,
-        )
+        program = self._program(cell, plan, approval, patience.silence)
         ports = (cell.controller.port, RTDE_PORT)
         with Client(cell.controller.host, ports, sends=True) as client:
             talk = Sending(
@@ -93,6 +85,11 @@ class UrRtde:
                 link=self.motion.link,
             )
             yield from talk.run(released, cancelled)
+
+    def _program(self, cell: Cell, plan: Plan, approval: Approval, silence: float) -> Program:
+        """What goes out for a plan."""
+        options = options_of(self.Options, cell.controller.options)
+        return program_of(cell, plan, approval, options.gripper_output, options.grip_s, silence)
 
     def states(self, cell: Cell, cancelled: Cancelled) -> Iterator[RobotState]:
         """What RTDE reports, whenever it has changed."""
@@ -158,3 +155,36 @@ class UrRtdeBlend(UrRtde):
         )
 
     motion = MotionModel("ur-rtde-blend", corners="blend", unit="rad", decimals=6)
+
+    def _program(self, cell: Cell, plan: Plan, approval: Approval, silence: float) -> Program:
+        options = options_of(self.Options, cell.controller.options)
+        hand, blend = (options.gripper_output, options.grip_s), options.blend_mm / 1000.0
+        return program_of(cell, plan, approval, *hand, silence, blend)
+
+
+class UrRtdeServo(UrRtde):
+    """Streams references along the proven way by `servoj`; see `servo` for what holds then."""
+
+    @dataclass(frozen=True, slots=True)
+    class Options(UrRtde.Options):
+        """Keys in `[controller.options]`."""
+
+        lookahead_s: float = option(
+            0.03, low=0.03, high=0.2, says="lookahead_time of servoj: so far the arm lags [s]"
+        )
+        gain: int = option(2000, low=100, high=2000, says="gain of servoj")
+
+    motion = MotionModel(
+        "ur-rtde-servo",
+        corners="streamed",
+        unit="rad",
+        decimals=6,
+        period=PERIOD,
+        takes_share=True,
+    )
+
+    def _program(self, cell: Cell, plan: Plan, approval: Approval, silence: float) -> Program:
+        options = options_of(self.Options, cell.controller.options)
+        hand = options.gripper_output, options.grip_s
+        servo = Servo(options.lookahead_s, options.gain, approval.speed_share)
+        return program_of(cell, plan, approval, *hand, silence, servo=servo)

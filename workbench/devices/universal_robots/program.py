@@ -1,4 +1,4 @@
-"""A plan as a program in URScript: `movej` from waypoint to waypoint, stopping or blending there.
+"""A plan as a program in URScript: `movej` from waypoint to waypoint, or `servoj` along each leg.
 
 The whole program goes out at once and the controller runs it once.  It writes into an output
 register which leg it is in, and is stopped by the controller when the input register that we keep
@@ -15,6 +15,7 @@ import numpy as np
 from workbench.devices.universal_robots.blends import blended
 from workbench.devices.universal_robots.flange import Flange
 from workbench.devices.universal_robots.rtde import ALIVE, PROGRESS, TICKETS
+from workbench.devices.universal_robots.servo import Servo, references_of, stream_of
 from workbench.devices.universal_robots.urscript import FLANGE, Line, seconds_of
 from workbench.model.cell import Arm, Cell
 from workbench.model.errors import InputError
@@ -27,6 +28,9 @@ DIGITS = 6
 
 STILL = 1e-9
 """[rad] A shorter way is none."""
+
+STANDING = 4.0
+"""[rad/s2] After a stream, whose last reference is repeated until the arm stands there."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -42,6 +46,7 @@ class Program:
     ticket: int
     q_start: Floats
     q_end: Floats
+    references: tuple[Floats, ...] = ()
 
     @property
     def end(self) -> int:
@@ -57,6 +62,7 @@ def program_of(
     grip_seconds: float,
     silence: float,
     blend: float = 0.0,
+    servo: Servo | None = None,
 ) -> Program:
     """The program of a plan.
 
@@ -68,6 +74,7 @@ def program_of(
         grip_seconds: [s] what the gripper needs.
         silence: [s] after which the controller stops when nobody writes `ALIVE`.
         blend: [m] largest blend radius; at 0 the robot stops at each waypoint.
+        servo: how references along each leg are followed, where they are streamed.
 
     Raises:
         InputError: a joint of the plan is beyond the cell's limits, or there are too many legs.
@@ -84,6 +91,7 @@ def program_of(
     if flange is not None:
         lines.append(f"  set_tcp({FLANGE})")
     legs: list[Leg] = []
+    references: list[Floats] = []
     holding: bool | None = None
     for step in plan.sequence:
         for _, name in step.runs:
@@ -96,6 +104,12 @@ def program_of(
                 holding = leg.holding
                 lines.append(f"  set_standard_digital_out({output}, {holding})")
                 lines.append(f"  sleep({grip_seconds:.3f})")
+            if servo is not None:
+                references.append(references_of(cell, arm, leg, servo))
+                axes = [arm.to_axes(q).tolist() for q in references[-1]]
+                lines += [_said(line) for line in stream_of(axes, servo)]
+                lines.append(f"  stopj({STANDING:.1f})")
+                continue
             moves = _moves(arm, leg, velocity * cell.policy.speed)
             if flange is not None and len(moves) > 1:
                 start = arm.to_axes(leg.q[0]).tolist()
@@ -107,7 +121,8 @@ def program_of(
     lines.append(f"  write_output_integer_register({PROGRESS}, {ticket + len(legs) + 1})")
     lines.append("end")
     names = tuple(leg.name for leg in legs)
-    return Program("\n".join(lines) + "\n", names, ticket, legs[0].q[0], legs[-1].q[-1])
+    ends = legs[0].q[0], legs[-1].q[-1]
+    return Program("\n".join(lines) + "\n", names, ticket, *ends, tuple(references))
 
 
 def _moves(arm: Arm, leg: Leg, velocity: Floats) -> tuple[Line, ...]:
@@ -134,7 +149,10 @@ def _moves(arm: Arm, leg: Leg, velocity: Floats) -> tuple[Line, ...]:
 
 
 def _said(line: Line) -> str:
-    axes = ", ".join(f"{value:.{DIGITS}f}" for value in line.q)
+    axes = ", ".join(f"{value + 0.0:.{DIGITS}f}" for value in line.q)
+    if line.name == "servoj":
+        how = f"lookahead_time={line.lookahead:.3f}, gain={line.gain:.0f}"
+        return f"  servoj([{axes}], t={line.t:.3f}, {how})"
     speeds = f"a={line.a:.{DIGITS}f}, v={_below(line.v):.{DIGITS}f}"
     return f"  movej([{axes}], {speeds}{f', r={line.r:.4f}' if line.r else ''})"
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from workbench.devices.universal_robots.program import Program
 from workbench.devices.universal_robots.rtde import PLAYING, RUNNING_MODE, STANDS, STOPPED
+from workbench.devices.universal_robots.servo import off_the_references
 from workbench.devices.universal_robots.talking import Client
 from workbench.model.cell import Arm
 from workbench.model.errors import JobCancelled, LinkError
@@ -18,6 +19,9 @@ from workbench.plugins.robot_link import LinkPatience
 
 NEAR = np.deg2rad(0.2)
 """[rad] A joint may stand so far from where the plan begins, or ends."""
+
+OFF = np.deg2rad(0.5)
+"""[rad] A joint may be so far from the way of its references, where they are streamed."""
 
 POLL = 0.05
 
@@ -119,6 +123,7 @@ class Sending:
                 for number in range(self._leg + 1, min(done, total) + 1):
                     self._leg = number
                     yield self._receipt(self._program.legs[number - 1], heard=f"leg {number}")
+                self._check_follows(told)
                 self._tell(told)
                 if told["runtime"] == PLAYING:
                     stood = None
@@ -167,6 +172,19 @@ class Sending:
             joint = self._arm.joints[int(off.argmax())]
             raise LinkError(
                 f"{joint} stands {np.rad2deg(off.max()):.1f} degrees from where the plan {where}"
+            )
+
+    def _check_follows(self, told: dict[str, Any]) -> None:
+        """Where the arm is streamed, it is on the way of the leg that it says it is in."""
+        if not self._program.references:
+            return
+        q = np.asarray(self._arm.from_axes(told["q"]))
+        off = off_the_references(q, self._program.references[max(self._leg - 1, 0)])
+        if not off.max() <= OFF:  # nor where it reports no number
+            joint = self._arm.joints[int(off.argmax())]
+            raise LinkError(
+                f"the robot does not follow in {self._where}: {joint} is "
+                f"{np.rad2deg(off.max()):.1f} degrees from its references"
             )
 
     def _hear(self) -> dict[str, Any] | None:

@@ -16,6 +16,7 @@ from contextlib import suppress
 from pathlib import Path
 
 from workbench.devices.universal_robots import rtde
+from workbench.devices.universal_robots.following import Following
 from workbench.devices.universal_robots.urscript import Line, read_program
 from workbench.devices.universal_robots.ways import Positions, Way
 from workbench.model.errors import InputError
@@ -35,9 +36,12 @@ LONGEST_PROGRAM = 1 << 22
 KEPT = 100
 """So many of the programs that came are remembered."""
 
-FAULTS = ("protective-stop", "cut", "local", "brakes")
+FAULTS = ("protective-stop", "cut", "local", "brakes", "stray")
 """A protective stop in a leg; all connections cut in a leg; the robot is in local control; a stop
-of which it never says that it has ended."""
+of which it never says that it has ended; an arm that goes elsewhere in a leg."""
+
+STRAYS = 0.2
+"""[rad/s] By the first axis, for a second."""
 
 
 class SimulatedUr:
@@ -107,6 +111,11 @@ class SimulatedUr:
     def q(self) -> tuple[float, ...]:
         """Where the axes are [rad]."""
         return self._q
+
+    @property
+    def is_playing(self) -> bool:
+        """Whether a program runs."""
+        return self._runtime == rtde.PLAYING
 
     @property
     def is_protective(self) -> bool:
@@ -233,12 +242,15 @@ class SimulatedUr:
         for line in (*lines, Line("stopj")):
             if self._ended.is_set():
                 break
-            if line.name == "movej":
-                moves.append(line)
-            if moves and not (line.name == "movej" and line.r):
-                self._move(Way(self._q, moves, self._positions))
+            if moves and not moves[-1].goes_on_in(line):
+                is_stream = moves[0].name == "servoj"
+                self._move(
+                    Following(self._q, moves) if is_stream else Way(self._q, moves, self._positions)
+                )
                 moves = []
-            if line.name != "movej":
+            if line.q:
+                moves.append(line)
+            else:
                 self._carry_out(line)
         with self._lock:
             if self._runtime == rtde.PLAYING:
@@ -270,11 +282,15 @@ class SimulatedUr:
         if self._faults.get("cut") == leg:
             self._cut.set()
 
-    def _move(self, way: Way) -> None:
-        began = time.monotonic()
+    def _move(self, way: Way | Following) -> None:
+        began, first, *others = time.monotonic(), *self._q
+        is_astray = self._faults.get("stray") == self._leg % rtde.TICKETS
         while not self._ended.is_set():
             t = (time.monotonic() - began) * self._speed
-            self._q = way.at(t)
+            if is_astray:
+                self._q = (first + STRAYS * min(t, 1.0), *others)
+            else:
+                self._q = way.at(t)
             if self._trace is not None:
                 with self._trace.open("a", encoding="utf-8") as file:
                     file.write(json.dumps({"at": time.time(), "q": self._q}) + "\n")

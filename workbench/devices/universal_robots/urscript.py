@@ -11,8 +11,12 @@ from workbench.model.errors import InputError
 
 CALL = re.compile(r"\s+(\w+)\((.*)\)\s*")
 JOINTS = re.compile(r"\[([^\]]*)\], a=([0-9.]+), v=([0-9.]+)(?:, r=([0-9.]+))?")
+SERVO = re.compile(r"\[([^\]]*)\], t=([0-9.]+), lookahead_time=([0-9.]+), gain=([0-9]+)")
 FLANGE = "p[0.0, 0.0, 0.0, 0.0, 0.0, 0.0]"
 """The TCP at the flange."""
+
+LOOKAHEAD, GAIN = (0.03, 0.2), (100, 2000)
+"""What `servoj` takes, by the maker's article "ServoJ command": [s], and without a unit."""
 
 ARGUMENTS = {
     "write_output_integer_register": 2,
@@ -25,7 +29,11 @@ ARGUMENTS = {
 
 @dataclass(frozen=True, slots=True)
 class Line:
-    """A call; that of `movej` has joints `q` (6,) [rad], `a` [rad/s2], `v` [rad/s] and `r` [m]."""
+    """A call, with joints `q` (6,) [rad] where it moves.
+
+    That of `movej` has `a` [rad/s2], `v` [rad/s] and `r` [m], that of `servoj` its time `t` [s],
+    `lookahead` [s] and `gain` [1/s2].
+    """
 
     name: str
     words: tuple[str, ...] = ()
@@ -33,6 +41,15 @@ class Line:
     a: float = 0.0
     v: float = 0.0
     r: float = 0.0
+    t: float = 0.0
+    lookahead: float = 0.0
+    gain: float = 0.0
+
+    def goes_on_in(self, after: "Line") -> bool:
+        """Whether the arm does not come to rest between this call and the one after."""
+        if self.name == "servoj":
+            return after.name == "servoj"
+        return self.name == "movej" == after.name and self.r > 0
 
 
 def read_program(text: str) -> tuple[Line, ...]:
@@ -49,13 +66,8 @@ def read_program(text: str) -> tuple[Line, ...]:
 
 def _line(number: int, text: str) -> Line:
     call = CALL.fullmatch(text)
-    if call is not None and call[1] == "movej" and (move := JOINTS.fullmatch(call[2])):
-        try:
-            q = tuple(float(word) for word in move[1].split(","))
-            line = Line("movej", (), q, float(move[2]), float(move[3]), float(move[4] or 0))
-        except ValueError:
-            line = None
-        if line is not None and _is_possible(line):
+    if call is not None and call[1] in ("movej", "servoj"):
+        if (line := _move(call[1], call[2])) is not None:
             return line
     elif call is not None and call[1] == "set_tcp" and call[2] == FLANGE:
         return Line("set_tcp", (FLANGE,))
@@ -66,9 +78,22 @@ def _line(number: int, text: str) -> Line:
     raise InputError(f"line {number}: {text.strip()!r:.60} is not known")
 
 
-def _is_possible(line: Line) -> bool:
-    numbers = (*line.q, line.a, line.v, line.r)
-    return len(line.q) == 6 and line.a > 0 and line.v > 0 and all(map(math.isfinite, numbers))
+def _move(name: str, words: str) -> Line | None:
+    """A call that moves; None where it is not known, or is not possible."""
+    said = (JOINTS if name == "movej" else SERVO).fullmatch(words)
+    if said is None:
+        return None
+    try:
+        q = tuple(float(word) for word in said[1].split(","))
+        one, other, third = (float(word or 0) for word in said.groups()[1:])
+    except ValueError:
+        return None
+    if len(q) != 6 or not all(map(math.isfinite, (*q, one, other, third))):
+        return None
+    if name == "movej":
+        return Line(name, (), q, one, other, third) if one > 0 and other > 0 else None
+    has_range = LOOKAHEAD[0] <= other <= LOOKAHEAD[1] and GAIN[0] <= third <= GAIN[1]
+    return Line(name, (), q, t=one, lookahead=other, gain=third) if one > 0 and has_range else None
 
 
 def seconds_of(way: float, v: float, a: float) -> float:

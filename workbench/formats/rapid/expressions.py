@@ -19,6 +19,7 @@ from workbench.formats.rapid.symbols import (
 )
 from workbench.formats.rapid.values import (
     BOOL,
+    DNUM,
     NUM,
     RANGES,
     STRING,
@@ -107,13 +108,22 @@ class Expressions:
 
     def value(self, node: Any, wanted: Kind) -> Ex:
         """An expression that must have a type; aggregates take theirs from it."""
-        found = self.expression(node, wanted)
+        found = self._literal(node, self.expression(node, wanted), wanted)
         if not self.types.fit(found.kind, wanted):
             return self.wrong(node, f"a {found.kind} stands where a {wanted} is needed")
         low_high = RANGES.get(wanted.name)
         if low_high is not None and not wanted.dims and found.kind.name != wanted.name:
             return replace(found, run=_in_range(found.run, *low_high, wanted.name), place=None)
         return found
+
+    def _literal(self, node: Any, found: Ex, wanted: Kind) -> Ex:
+        """A number that is written out is a dnum where one is needed."""
+        is_one = getattr(node, "data", "") == "number" and self.types.base(wanted) == DNUM
+        if not is_one or found.kind != NUM:
+            return found
+        text = str(node.children[0]).lower()
+        value = float(int(text, 0) if text[:2] in ("0x", "0b") else text)
+        return Ex(DNUM, lambda frame: value, is_constant=True)
 
     def expression(self, node: Any, wanted: Kind | None = None) -> Ex:
         """An expression of any type."""
@@ -179,14 +189,17 @@ class Expressions:
         left, sign, right = node.children
         word = str(sign).lower()
         one = self.expression(left)
-        other = self.expression(right, one.kind)
+        other = self._literal(right, self.expression(right, one.kind), one.kind)
+        one = self._literal(left, one, other.kind)
         both = one.is_constant and other.is_constant
         a, b, bases = one.run, other.run, {self.types.base(one.kind), self.types.base(other.kind)}
         if UNKNOWN in bases:
             return WRONG
         if word in ("and", "or", "xor") and bases == {BOOL}:
             return Ex(BOOL, _LOGIC[word](a, b), is_constant=both)
-        if word in RELATIONS and (bases == {NUM} or (word in ("=", "<>") and len(bases) == 1)):
+        if word in RELATIONS and (
+            bases in ({NUM}, {DNUM}) or (word in ("=", "<>") and len(bases) == 1)
+        ):
             relation = RELATIONS[word]
             return Ex(BOOL, lambda frame: relation(a(frame), b(frame)), is_constant=both)
         if word in ARITHMETIC and bases == {NUM}:

@@ -4,6 +4,13 @@ MODULE Prelude
     ALIAS num errnum;
     ALIAS num intnum;
     ALIAS num identno;
+    ALIAS num mecunit;
+    ALIAS num egmident;
+    ALIAS num egmstopmode;
+    RECORD egm_minmax
+        num min;
+        num max;
+    ENDRECORD
     RECORD pos
         num x;
         num y;
@@ -98,6 +105,11 @@ MODULE Prelude
     CONST string STR_UPPER:="ABCDEFGHIJKLMNOPQRSTUVWXYZ";
     CONST string STR_WHITE:="\09\0A\0B\0C\0D ";
     CONST num diskhome:=0;
+    CONST mecunit ROB_1:=1;
+    CONST mecunit ROB_2:=2;
+    CONST mecunit ROB_L:=3;
+    CONST mecunit ROB_R:=4;
+    CONST egmstopmode EGM_STOP_HOLD:=1;
     PERS tooldata tool0:=[TRUE,[[0,0,0],[1,0,0,0]],[0.001,[0,0,0.001],[1,0,0,0],0,0,0]];
     PERS wobjdata wobj0:=[FALSE,TRUE,"",[[0,0,0],[1,0,0,0]],[[0,0,0],[1,0,0,0]]];
     VAR errnum ERRNO;
@@ -206,6 +218,21 @@ MODULE Prelude
     FUNC num Hand_GetActualPos()
     ENDFUNC
 
+    PROC EGMReset(INOUT egmident EGMid)
+    ENDPROC
+    PROC EGMGetId(INOUT egmident EGMid)
+    ENDPROC
+    PROC EGMSetupUC(mecunit MecUnit, INOUT egmident EGMid, string ExtConfigName, string UCDevice \switch Joint \num CommTimeout)
+    ENDPROC
+    PROC EGMStreamStart(INOUT egmident EGMid \num SampleRate)
+    ENDPROC
+    PROC EGMActJoint(INOUT egmident EGMid \PERS dnum DataToSensor{*} \PERS dnum DataFromSensor{*} \egm_minmax J1 \egm_minmax J2 \egm_minmax J3 \egm_minmax J4 \egm_minmax J5 \egm_minmax J6 \egm_minmax J7 \num LpFilter \num SampleRate \num MaxSpeedDeviation)
+    ENDPROC
+    PROC EGMRunJoint(INOUT egmident EGMid, egmstopmode Mode \switch J1 \switch J2 \switch J3 \switch J4 \switch J5 \switch J6 \switch J7 \num CondTime)
+    ENDPROC
+    PROC EGMStop(INOUT egmident EGMid, egmstopmode Mode)
+    ENDPROC
+
     PROC ITimer(\switch Single \switch SingleSafe, num Time, INOUT intnum Interrupt)
     ENDPROC
     PROC ISignalDO(\switch Single \switch SingleSafe, signaldo Signal, num TriggValue, INOUT intnum Interrupt)
@@ -229,6 +256,8 @@ MODULE Prelude
     ENDPROC
     PROC Clear(INOUT num Name)
     ENDPROC
+    FUNC num DnumToNum(dnum Value)
+    ENDFUNC
     FUNC num Abs(num Value)
     ENDFUNC
     FUNC num Sqrt(num Value)

@@ -2,7 +2,8 @@
 
 `prelude.mod` is RAPID itself: the shipped reader reads it, and calls are checked against it.  Names
 and arguments are those of ABB's "Technical reference manual: RAPID instructions, functions and data
-types" (3HAC050917); those of the gripper of "Product manual: Grippers for IRB 14000" (3HAC054949).
+types" (3HAC050917); those of the gripper of "Product manual: Grippers for IRB 14000" (3HAC054949);
+those of EGM are taken from modules that others have published, as `devices/abb_egm/guided.py` says.
 Only what is executed here stands there: everything else is refused by its name.
 """
 
@@ -14,8 +15,8 @@ ERR_HAND_FAILEDMOVEPOS ERR_HAND_NOTCALIBRATED ERR_ILLRAISE ERR_INOMAX ERR_NUM_OV
 ERR_OUTOFBND ERR_OVERFLOW ERR_REFUNKPRC ERR_ROBLIMIT ERR_SIG_NOT_VALID ERR_SOCK_ADDR_INUSE
 ERR_SOCK_ADDR_INVALID ERR_SOCK_CLOSED ERR_SOCK_IS_BOUND ERR_SOCK_IS_CONN
 ERR_SOCK_NOT_BOUND ERR_SOCK_NOT_CONN ERR_SOCK_TIMEOUT ERR_SOCK_UNSPEC ERR_STRTOOLNG
-ERR_SYNCMOVEOFF ERR_SYNCMOVEON ERR_TASKNAME ERR_TP_MAXTIME ERR_UNKINO ERR_WAITSYNCTASK
-ERR_WAIT_MAXTIME
+ERR_SYNCMOVEOFF ERR_SYNCMOVEON ERR_TASKNAME ERR_TP_MAXTIME ERR_UDPUC_COMM ERR_UNKINO
+ERR_WAITSYNCTASK ERR_WAIT_MAXTIME
 """
 """Predefined error numbers; their values are not ABB's, programs compare names."""
 

@@ -1,12 +1,12 @@
 """How a controller is configured: which modules are in which task, arms, system outputs.
 
 `controller.toml` beside the modules says so: a table `[tasks.NAME]` with `modules`, and `arm` of
-the cell if the task moves one; and `[outputs]`, each a list: `Emergency Stop`, or
-`Task Executing` and the task.
+the cell if the task moves one; `[outputs]`, each a list: `Emergency Stop`, or `Task Executing` and
+the task; and, where EGM is used, `[devices]` of UDP, each `motion` or `states`, and the arm.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from workbench.formats.files.toml_keys import read_toml
@@ -30,10 +30,14 @@ class TaskSetup:
 
 @dataclass(frozen=True)
 class Setup:
-    """All tasks, and the system outputs: `Emergency Stop`, or `Task Executing` and a task."""
+    """All tasks, and the system outputs: `Emergency Stop`, or `Task Executing` and a task.
+
+    `devices` of EGM: by name `motion` or `states`, and the arm.
+    """
 
     tasks: Mapping[str, TaskSetup]
     outputs: Mapping[str, tuple[str, ...]]
+    devices: Mapping[str, tuple[str, ...]] = field(default_factory=dict[str, tuple[str, ...]])
 
 
 def read_module(path: Path) -> Source:
@@ -70,5 +74,7 @@ def read_setup(folder: Path) -> Setup:
     if not tasks:
         raise FileError(folder / FILE, "has no tasks")
     found = {name: outputs.texts(name) for name in outputs.names()}
+    devices = table.table("devices") if table.has("devices") else None
+    ports = {name: devices.texts(name) for name in devices.names()} if devices else {}
     table.finish()
-    return Setup(tasks, found)
+    return Setup(tasks, found, ports)

@@ -127,6 +127,7 @@ def check_length(text: str) -> str:
 NATIVES: dict[str, Callable[..., Any]] = {
     "abs": abs,
     "sqrt": _root,
+    "dnumtonum": single,
     "pow": lambda base, exponent: single(base**exponent),
     "round": _rounded,
     "trunc": lambda value, dec: single(math.trunc(value * 10 ** (dec or 0)) / 10 ** (dec or 0)),

@@ -1,6 +1,7 @@
 """Types of RAPID and what data of them hold.
 
-A `num` is a float of single precision, as in the controller, a string and a bool are Python's;
+A `num` is a float of single precision, as in the controller, a `dnum` one of double precision, a
+string and a bool are Python's;
 records and arrays are lists of what they consist of.  A place that can be written is a pair of a
 list and an index in it, whether it belongs to a variable, an array or a record.
 """
@@ -29,7 +30,7 @@ class Kind(NamedTuple):
         return self.name + (f"{{{','.join('*' * self.dims)}}}" if self.dims else "")
 
 
-NUM, BOOL, STRING = Kind("num"), Kind("bool"), Kind("string")
+NUM, DNUM, BOOL, STRING = Kind("num"), Kind("dnum"), Kind("bool"), Kind("string")
 UNKNOWN = Kind("")
 """Of an expression that is wrong in itself: nothing more is said about it."""
 
@@ -71,7 +72,7 @@ class Types:
 
     def exists(self, name: str) -> bool:
         """Whether there is a type of that name (small letters)."""
-        atoms = ("num", "bool", "string", "switch", "signaldo", "signaldi")
+        atoms = ("num", "dnum", "bool", "string", "switch", "signaldo", "signaldi")
         return name in atoms or name in self.records or name in self.aliases or name in NO_VALUE
 
     def base(self, kind: Kind) -> Kind:

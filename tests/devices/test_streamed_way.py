@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from workbench.devices.abb_egm.way import Ride, way_of
+from workbench.devices.streamed_way import Ride, way_of
 from workbench.model.plan import Leg
 from workbench.planning.kinematics.execution import timed
 

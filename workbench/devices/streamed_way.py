@@ -5,6 +5,8 @@ marks on it q'' is constant.  The squared speed `x` of the parameter is the larg
 rest can be done (backwards), then the largest that can be reached (forwards): what limits it are
 speeds and accelerations of the joints.  A stop brakes along the same curve with what these allow.
 
+All links that stream share this.
+
 Source: Pham and Pham, "A new approach to time-optimal path parameterization based on reachability
 analysis", IEEE T-RO 2018.
 """
