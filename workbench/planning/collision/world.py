@@ -243,11 +243,14 @@ class World:
         )
         return Swept(clear, (self._contact_of(pair, self._distance(pair)), middle), others)
 
-    def edges(self, columns: Ints, base: Floats, resolution: float) -> Edges | None:
-        """For compiled code to check straight motions in this phase, as `sweep`; None by Coal."""
+    def edges(
+        self, columns: Ints, base: Floats, resolution: float, among: Ints | None = None
+    ) -> Edges | None:
+        """For compiled code to check motions in this phase, as `sweep`; None by Coal."""
         if self._by_coal:
             return None
-        (easy, others), commons = self._split, self.pairs.commons
+        easy, others = self._split if among is None else self._split_of(among)
+        commons = self.pairs.commons
         phase = easy, self._margins, commons, len(others) == 0
         return edges_of(self._model, columns, base, resolution, *phase)
 

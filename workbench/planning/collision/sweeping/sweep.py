@@ -135,7 +135,7 @@ def curve_swept(
             scratch.middle[i] = m
             scratch.q[columns[i]] = m
             scratch.d[columns[i]] = max(abs(a - m), abs(e - m))
-        found, kept, furthest = _looked(
+        found, kept, furthest = look_at(
             int(begins[at]), int(sizes[at]), used, margins, commons, model, groups, scratch, names
         )
         if found >= 0 and not names:
@@ -165,7 +165,7 @@ def _halve(pending: Floats, at: int, last: int) -> None:
 
 
 @njit(cache=True)
-def _looked(
+def look_at(
     begin: int,
     asked: int,
     used: int,
