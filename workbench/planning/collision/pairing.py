@@ -114,9 +114,10 @@ class Checks:
 
     def between(self, *arms: str) -> Ints:
         """The pairs of bodies that different arms carry, of these arms if any are named."""
-        which = [self.arms[arm] for arm in arms or self.arms]
+        counts = np.zeros(len(self.arms) + 1, bool)  # the last one is of what no arm carries
+        counts[[self.arms[arm] for arm in arms or self.arms]] = True
         first, second = self.carriers[self.among].T
-        return self.among[np.isin(first, which) & np.isin(second, which) & (first != second)]
+        return self.among[counts[first] & counts[second] & (first != second)]
 
 
 class Pairing:
