@@ -131,7 +131,6 @@ class World:
                 self._place(g, 0, body.T_joint_body)
                 self._placed[g] = AT_REST
         self.pairs = self._pairing.checks(phase, self._boxes.joint)
-        self._own = self.pairs.own
         self._use(self.pairs.margins)
 
     def _use(self, margins: Floats) -> None:
@@ -296,9 +295,9 @@ class World:
         Links of one arm among themselves do not count: a wrist is always close to itself.
         """
         pairs, _, lower = self._close(q, self._still, reach, among)
-        best, at = reach, None
+        best, at, own = reach, None, self.pairs.own
         for k, bound in zip(pairs.tolist(), lower.tolist(), strict=True):
-            if bound < best and not self._own[k]:
+            if bound < best and not own[k]:
                 distance = self._distance(k)
                 if distance < best:
                     best, at = distance, self._labels(k)
