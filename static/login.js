@@ -4,11 +4,16 @@
 const waiting = document.currentScript.dataset.pieces.split(" ").filter(Boolean);
 
 async function fetchAll() {
+  let pause = 1000;
   for (let piece; (piece = waiting.shift()); ) {
     try {
       await (await fetch(piece, { priority: "low" })).arrayBuffer();
     } catch {
-      return; // The page behind the login fetches what is missing, and says what is wrong.
+      // Cut off, or nobody there: asked for again behind the others.  What is still missing then
+      // the page behind the login fetches, and says what is wrong.
+      waiting.push(piece);
+      await new Promise((done) => setTimeout(done, pause));
+      pause *= 2;
     }
   }
 }

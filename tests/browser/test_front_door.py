@@ -81,6 +81,27 @@ def test_the_page_is_fetched_while_the_password_is_typed(users, start, window):
     assert window.errors == []
 
 
+def test_a_piece_that_was_cut_off_is_fetched_again_while_the_password_is_typed(
+    users, start, window
+):
+    front = start[0]()
+    broken = []
+
+    def cut(route):
+        # The first two, which are all that are asked for at the same time.
+        if len(broken) < 2:
+            broken.append(route.request.url)
+            route.abort("connectionreset")
+        else:
+            route.continue_()
+
+    window.page.route("**/scene/pieces/*", cut)
+    window.page.goto(front.url)
+    fetched = f"({PIECES})().filter(size => size > 50_000).length"
+    wait_until(lambda: window.page.evaluate(fetched) == 6, "the pieces")
+    assert len(set(broken)) == 2
+
+
 def test_in_with_the_password_alone_and_out_again(users, start, window, shots):
     front = start[0]()
     window.log_in(front.url, "Otto", "not the password")

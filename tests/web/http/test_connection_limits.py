@@ -100,6 +100,18 @@ def test_without_a_login_a_connection_is_dropped_when_it_asks_nothing():
     assert not silent.is_there
 
 
+def test_who_has_asked_is_not_dropped_because_nobody_has_read_it():
+    door = Door()
+    asking, silent = door.come(Connection(), Connection())
+    asking.unread = b"GET / HTTP/1.1"
+    # So long nothing was done here: others had the processor.
+    door.after(WAIT_SECONDS + 5)
+    assert these_are_there([asking, silent]) == [True, False]
+    asking.unread = b""
+    door.after(1)
+    assert not asking.is_there
+
+
 def test_without_a_login_a_connection_is_dropped_when_it_asks_nothing_more():
     door = Door()
     one, known = door.come(Connection(), Connection(has_login=True))

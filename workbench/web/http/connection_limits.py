@@ -175,7 +175,11 @@ class ConnectionLimits:
             if one.is_known:
                 # They are not hurried while asked something; between requests aiohttp drops them.
                 continue
-            if now - one.since >= (WAIT_SECONDS if one.request is None else WORK_SECONDS):
+            waited = now - one.since
+            if waited >= (WORK_SECONDS if one.request is not None else WAIT_SECONDS):
+                # What has come and was not read yet is our delay.
+                if one.request is None and _has_unread(one.socket):
+                    continue
                 self._drop(one, None)
 
     async def _is_known(self, request: web.Request, visitor: Visitor) -> bool:
