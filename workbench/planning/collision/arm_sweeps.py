@@ -22,9 +22,8 @@ from workbench.planning.collision.world import World
 MOST_LOOKS = 4_000
 """After so many looks the arms count as meeting: they come that close over a long way."""
 
-
 MOST_OPEN = 1 << 18
-"""Pairs left open by all looks."""
+"""Pairs left open by all looks together: there is room for so many."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -81,7 +80,7 @@ def first_contact(
 def _measured(
     world: World, base: Floats, first: ArmSweep, second: ArmSweep, resolution: float
 ) -> ArmContact | None:
-    """As `first_contact`, every state looked at by Coal."""
+    """As `first_contact`, every state looked at by Coal: for bodies that are not convex."""
     q, d = base.copy(), np.zeros(len(base))
     columns = [world.kinematics.columns[sweep.arm] for sweep in (first, second)]
     pending: deque[tuple[tuple[Floats, Floats], tuple[int, int], Ints]] = deque()
