@@ -53,10 +53,9 @@ LOOKED_AT = os.environ.get("WORKBENCH_SCREENSHOTS")
 
 WINDOW = {
     "viewport": {"width": 1280, "height": 720},
-    "device_scale_factor": 1.0 if LOOKED_AT else 0.5,
     "reduced_motion": "reduce",
 }
-"""A window that takes less of a processor that has to draw it: coarse unless somebody looks."""
+"""Every window, as it opens."""
 
 FEWER_PICTURES = """
 (() => {
@@ -224,12 +223,20 @@ def are_filled() -> bool:
 
 
 @pytest.fixture
-def new_context(browser: Browser, are_filled: bool) -> Iterator[Callable[[], BrowserContext]]:
+def sharpness() -> float:
+    """Pixels that are drawn for one of the page: fewer take less of a processor that draws them."""
+    return 1.0 if LOOKED_AT else 0.5
+
+
+@pytest.fixture
+def new_context(
+    browser: Browser, are_filled: bool, sharpness: float
+) -> Iterator[Callable[[], BrowserContext]]:
     """Makes windows of their own, patient and without haste."""
     contexts: list[BrowserContext] = []
 
     def make() -> BrowserContext:
-        context = browser.new_context(**WINDOW)
+        context = browser.new_context(**WINDOW, device_scale_factor=sharpness)
         empty_for = 0 if are_filled else EMPTY_FOR
         context.add_init_script(f"const EMPTY_FOR = {empty_for};{FEWER_PICTURES}")
         context.set_default_timeout(PATIENCE * 1000)

@@ -63,7 +63,7 @@ class Talk:
             time.sleep(0.02)
         self.link.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         self.frames, self.number, self.crc = Frames(), 0, FIRST_CRC
-        self.others, self.heard = [], []
+        self.others, self.heard, self.states = [], [], []
 
     def say(self, text, **changes):
         """Say something; the answer to it, as word and rest."""
@@ -85,7 +85,9 @@ class Talk:
                 raise Gone from None
             if not data:
                 raise Gone
-            self.heard.extend(self.frames.hear(data))
+            came = self.frames.hear(data)
+            self.states += [frame.rest for frame in came if frame.word == "state"]
+            self.heard.extend(came)
         return self.heard.pop(0)
 
     def answer(self):
@@ -203,17 +205,18 @@ def spoil(rng, lines):
 
 
 def step_by_step(talk, lines):
-    """Let each step of a program run when the robot waits before it; what was said, and states."""
-    said, states = [], []
+    """Let each step of a program run when the robot waits before it; what was said."""
+    said = []
     steps = max(int(line.split()[1]) for line in lines if line.startswith("leg"))
     for step in range(1, steps + 1):
-        while not states or states[-1] != f"waiting {step:02d} R00 L00":
-            states.append(talk.until("state").rest)
-        said.append(("waits", states[-1]))
+        waits = f"waiting {step:02d} R00 L00"
+        while talk.until("state").rest != waits:
+            pass
+        said.append(("waits", waits))
         # Its number says how often was asked before.
         word, rest = talk.say(f"next {step:02d}")
         said.append((word, "" if word == "ok" else rest[:4]))
-    return said, states
+    return said
 
 
 def transcript(port, lines, points, ticket):
@@ -228,10 +231,8 @@ def transcript(port, lines, points, ticket):
             said.append((word, rest[:4] if word == "no" else rest))
             if word == "no":
                 return said, talk.closed(), ()
-        waited = []
         if lines[1].endswith(" stepped"):
-            told, waited = step_by_step(talk, lines)
-            said += told
+            said += step_by_step(talk, lines)
         done = talk.until("done", "fault")
         said.append((done.word, done.rest if done.word == "done" else ""))
         at = []
@@ -239,9 +240,8 @@ def transcript(port, lines, points, ticket):
             talk.others = [one for one in talk.others if one.word != "at"]
             at.append(next(f for f in iter(lambda: talk.until("at"), None) if f.rest[0] == letter))
         parts = sorted(f.rest for f in talk.others if f.word == "part")
-        states = waited + [f.rest for f in talk.others if f.word == "state"]
         said += [("part", part) for part in parts]
-        said.append(("states", check_states(states, lines)))
+        said.append(("states", check_states(talk.states, lines)))
         said += [("at", frame.rest) for frame in at]
     finally:
         talk.link.close()

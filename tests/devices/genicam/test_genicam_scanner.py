@@ -1,5 +1,6 @@
 """The driver `genicam` against the camera of aravis, a process of its own, over the loopback."""
 
+import fcntl
 import json
 import os
 import re
@@ -7,6 +8,8 @@ import shlex
 import shutil
 import subprocess
 import sys
+import tempfile
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -29,6 +32,14 @@ from workbench.model.errors import JobCancelled, LinkError
 
 pytestmark = needs_aravis
 MANY = 10
+
+
+@pytest.fixture(scope="module", autouse=True)
+def alone_on_the_loopback():
+    """GigE Vision has one port: cameras of another run of these tests are waited for."""
+    with (Path(tempfile.gettempdir()) / "workbench-tests-genicam.lock").open("w") as file:
+        fcntl.flock(file, fcntl.LOCK_EX)
+        yield
 
 
 def test_every_scan_is_a_frame_of_its_own_point_by_point():

@@ -1,5 +1,6 @@
 """RealSense: recordings that the maker's library has made, played by the same library."""
 
+import subprocess
 import sys
 from dataclasses import replace
 from types import SimpleNamespace
@@ -8,6 +9,7 @@ import numpy as np
 import pytest
 from realsense_recordings import COLUMNS, ROWS, SERIAL, Camera, points, record
 from scanner_calls import made, taken
+from waiting import PATIENCE
 
 from workbench.devices.scanners.realsense import RealsenseOptions, RealsenseScanner
 from workbench.formats.cells.reading import read_cell
@@ -47,6 +49,26 @@ def test_it_keeps_the_promises_of_its_seam(recording):
     options = {"file": str(recording), "skipped_frames": 1}
     mount = replace(cell.scanner, source="realsense", options=options)
     check_scanner(RealsenseScanner, replace(cell, scanner=mount))
+
+
+AGAIN = """
+import sys
+from workbench.devices.scanners.realsense import RealsenseOptions, RealsenseScanner
+from workbench.formats.cells.reading import read_cell
+from workbench.plugins.scanner import ScanRequest
+
+scanner = RealsenseScanner(read_cell("yumi"), RealsenseOptions(file=sys.argv[1], skipped_frames=1))
+for _ in range(100):
+    scanner.scan(ScanRequest(), lambda *_: None, lambda: False)
+print("all taken")
+"""
+
+
+def test_a_recording_may_be_left_while_it_plays_as_often_as_one_likes(recording):
+    # In a process of its own, which the library ended when it was stopped while it played.
+    command = [sys.executable, "-c", AGAIN, str(recording)]
+    ran = subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE, check=False)
+    assert (ran.returncode, ran.stdout) == (0, "all taken\n"), ran.stderr
 
 
 def test_a_recording_that_is_too_short_or_of_another_camera_is_told(recording):

@@ -171,6 +171,11 @@ def _running(sdk: Any, options: RealsenseOptions, take: _Taking) -> Generator[Ca
         try:
             yield has_ended
         finally:
+            if options.file:
+                # While a recording hands over an image, stopping it is a race in the library that
+                # ends the process.  One that pauses hands over nothing; one that ended cannot.
+                with suppress(RuntimeError):
+                    device.pause()
             sensor.stop()
     finally:
         sensor.close()
