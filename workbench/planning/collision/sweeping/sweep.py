@@ -240,7 +240,8 @@ def look_at(
 
     Those numbered from `begin` on, `asked` of the open ones, are looked at; what the motion may
     bring closer than its margin is written behind the first `used`.  A group among them stands as
-    its number below zero, counted from -1 down.
+    its number below zero, counted from -1 down.  `margins` (p,) [m] and `commons` (p,) are those of
+    all pairs.
 
     Returns:
         A pair that touches, `IS_CLEAR` or `TOO_LONG`; how many open pairs are in use; the largest
