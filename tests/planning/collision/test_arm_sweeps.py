@@ -9,6 +9,7 @@ from workbench.planning.collision.arm_sweeps import ArmSweep, first_contact, sta
 from workbench.planning.collision.legs import phase_of
 from workbench.planning.collision.motion import RESOLUTION, curves_of, segment
 from workbench.planning.collision.pairing import Phase
+from workbench.planning.collision.world import World
 from workbench.planning.kinematics.chain import is_solution
 
 
@@ -43,9 +44,19 @@ def sweeps_of(world, paths):
     return [ArmSweep(arm, curves_of(path, 0.0).points) for arm, path in paths.items()]
 
 
+@pytest.fixture(params=["compiled", "by Coal"])
+def either(request, both, cell, detections):
+    """That world, and one whose arms are measured by Coal at every state."""
+    if request.param == "compiled":
+        return both
+    measured = World(cell, detections, by_coal=True)
+    measured.enter(Phase(frozenset({"right", "left"})))
+    return measured
+
+
 @pytest.mark.parametrize("seed", range(30))
-def test_the_answer_agrees_with_dense_sampling(both, seed):
-    paths = ways(both, seed)
+def test_the_answer_agrees_with_dense_sampling(either, seed):
+    both, paths = either, ways(either, seed)
     met = first_contact(both, both.configuration({}), *sweeps_of(both, paths))
     if met is not None:
         assert between(both, dict(zip(paths, met.q, strict=True))) < 0
@@ -67,6 +78,30 @@ def test_the_seeds_above_show_both_answers(both):
         first_contact(both, base, *sweeps_of(both, ways(both, seed))) is None for seed in range(30)
     ]
     assert 3 < sum(answers) < 27
+
+
+@pytest.mark.parametrize("zone", [0.0, 0.3])
+def test_compiled_and_measured_answers_agree(both, cell, detections, zone):
+    """Along rounded ways too, where the one of an arm is many curves and that of the other few."""
+    measured = World(cell, detections, by_coal=True)
+    measured.enter(Phase(frozenset({"right", "left"})))
+    met = 0
+    for seed in range(40):
+        paths = ways(both, seed, count=2 + seed % 4)
+        paths["left"] = paths["left"][: 2 + seed % 2]
+        sweeps = [ArmSweep(arm, curves_of(path, zone).points) for arm, path in paths.items()]
+        found, known = (
+            first_contact(world, world.configuration({}), *sweeps) for world in (both, measured)
+        )
+        assert (found is None) == (known is None)
+        if found is not None and known is not None:
+            met += 1
+            assert found.contact.pair == known.contact.pair
+            assert found.contact.distance == pytest.approx(known.contact.distance, abs=1e-9)
+            assert found.curves == known.curves
+            for q, p in zip(found.q, known.q, strict=True):
+                np.testing.assert_allclose(q, p, atol=1e-12)
+    assert 5 < met < 35
 
 
 def test_one_that_stands_is_met_by_one_that_comes(both, cell, result):

@@ -68,3 +68,16 @@ def test_a_straight_path_is_left_as_it_is(count):
 def test_the_same_path_comes_out_again():
     first, again = (eased(DETOUR, clear_of_the_box, VELOCITY, ACCELERATION, ZONE) for _ in range(2))
     assert np.array_equal(first, again)
+
+
+def test_of_the_edges_at_a_corner_that_is_asked_first_which_was_in_the_way():
+    """Nothing gets to the goal but by the corner as it is: all else there is asked of once."""
+    path, asked = DETOUR[:3], list[tuple[bytes, bytes]]()
+
+    def is_clear(a, b) -> bool:
+        asked.append((a.tobytes(), b.tobytes()))
+        return not np.array_equal(b, path[2])
+
+    assert np.array_equal(eased(path, is_clear, VELOCITY, ACCELERATION, ZONE), path)
+    assert len(asked) == len(set(asked)) > 5, "where nothing has moved nothing is asked again"
+    assert sum(b != path[2].tobytes() for _, b in asked) == 1

@@ -15,10 +15,15 @@ from numba import njit
 from workbench.model.geometry import Floats, Ints
 from workbench.planning.collision.contact import Contact
 from workbench.planning.collision.motion import RESOLUTION, halved
+from workbench.planning.collision.sweeping.sweep import IS_CLEAR
+from workbench.planning.collision.sweeping.two_ways import ways_met
 from workbench.planning.collision.world import World
 
 MOST_LOOKS = 4_000
 """After so many looks the arms count as meeting: they come that close over a long way."""
+
+MOST_OPEN = 1 << 18
+"""Pairs left open by all looks together: there is room for so many."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -55,6 +60,27 @@ def first_contact(
         second: the way of the other.
         resolution: [m] see `motion`.
     """
+    columns = [world.kinematics.columns[sweep.arm] for sweep in (first, second)]
+    among = world.pairs.between(first.arm, second.arm)
+    edges = world.edges(np.concatenate(columns), base, resolution, among)
+    if edges is None or not edges.is_all:
+        return _measured(world, base, first, second, resolution)
+    scratch = edges.scratch._replace(open_pairs=np.empty(MOST_OPEN, np.int64))
+    edges = edges._replace(scratch=scratch)
+    found, curves, looks = ways_met(first.points, second.points, MOST_LOOKS, edges)
+    world.checks += looks
+    if found == IS_CLEAR:
+        return None
+    contact = world.contact(scratch.q, among) if found >= 0 else None
+    contact = contact or world.nearest(scratch.q, among)
+    ends = (scratch.q[columns[0]], scratch.q[columns[1]])
+    return ArmContact(contact, ends, (int(curves[0]), int(curves[1])))
+
+
+def _measured(
+    world: World, base: Floats, first: ArmSweep, second: ArmSweep, resolution: float
+) -> ArmContact | None:
+    """As `first_contact`, every state looked at by Coal: for bodies that are not convex."""
     q, d = base.copy(), np.zeros(len(base))
     columns = [world.kinematics.columns[sweep.arm] for sweep in (first, second)]
     pending: deque[tuple[tuple[Floats, Floats], tuple[int, int], Ints]] = deque()

@@ -75,29 +75,55 @@ def walked(path: Floats, motion: MotionModel, zone: float) -> Curves:
     and every corner rounded, or cut straight where it is streamed, by as much as may be and by
     less, in steps of `NARROW`.
     """
-    sharp = curves_of(path, 0.0)
     if motion.corners == "stop" or zone <= 0 or len(path) < 3:
-        return sharp
+        return curves_of(path, 0.0)
     wide, pieces = (STREAMED_ZONE, 1) if motion.corners == "streamed" else (zone, CHORDS)
-    before, corners, after = path[:-2], path[1:-1], path[2:]
-    # The middle of a parabola is a quarter of this from its corner, that of a straight cut half.
-    turns = wide * np.abs(before - 2.0 * corners + after).max(axis=1)
-    counts = np.ceil(turns / (NARROW * (2.0 if pieces == 1 else 4.0))).astype(np.int64)
-    counts = np.maximum(counts, 1)
-    at = np.repeat(np.arange(len(corners)), counts)
-    steps = np.concatenate([np.arange(count, 0, -1) / count for count in counts])
-    shares = wide * steps[:, None]
-    enter = corners[at] + shares * (before - corners)[at]
-    leave = corners[at] + shares * (after - corners)[at]
-    t = np.linspace(0.0, 1.0, pieces + 1)[:, None]
-    on = (1.0 - t) ** 2 * enter[:, None] + t**2 * leave[:, None]
-    on += 2.0 * t * (1.0 - t) * corners[at][:, None]
-    ends = np.stack([on[:, :-1], on[:, 1:]], axis=2).reshape(-1, 2, path.shape[1])
-    cuts = np.stack([ends[:, 0], ends.mean(axis=1), ends[:, 1]], axis=1)
-    # Each corner's after the straight way that leads to it.
-    waypoints = np.concatenate([sharp.waypoints, np.repeat(at, pieces)])
-    order = np.argsort(waypoints, kind="stable")
-    return Curves(np.concatenate([sharp.points, cuts])[order], waypoints[order])
+    # A copy can be written to: read-only arrays would be compiled for once more.
+    return Curves(*_walked(np.array(path), wide, pieces))
+
+
+@njit(cache=True)
+def _walked(path: Floats, wide: float, pieces: int) -> tuple[Floats, Ints]:
+    """Curves of a path (m, n) [rad] and the waypoints before them; every corner in `pieces`."""
+    last, n = len(path) - 1, path.shape[1]
+    counts = np.zeros(last, np.int64)
+    for k in range(1, last):
+        turn = 0.0
+        for i in range(n):
+            turn = max(turn, abs(path[k - 1, i] - 2.0 * path[k, i] + path[k + 1, i]))
+        # The middle of a parabola is a quarter of this from its corner, of a straight cut half.
+        count = np.ceil(wide * turn / (NARROW * (2.0 if pieces == 1 else 4.0)))
+        counts[k - 1] = max(int(count), 1)
+    total = last + pieces * counts.sum()
+    points, waypoints = np.empty((total, 3, n)), np.empty(total, np.int64)
+    at = 0
+    for k in range(last):
+        for i in range(n):
+            a, b = path[k, i], path[k + 1, i]
+            points[at, 0, i], points[at, 1, i], points[at, 2, i] = a, (a + b) / 2, b
+        waypoints[at] = k
+        at += 1
+        # Each corner's after the straight way that leads to it.
+        for step in range(counts[k], 0, -1):
+            share = wide * (step / counts[k])
+            for piece in range(pieces):
+                for i in range(n):
+                    a, b = path[k, i], path[k + 1, i]
+                    enter, leave = b + share * (a - b), b + share * (path[k + 2, i] - b)
+                    one = _rounding(enter, b, leave, piece / pieces)
+                    other = _rounding(enter, b, leave, (piece + 1) / pieces)
+                    points[at, 0, i], points[at, 1, i] = one, (one + other) / 2
+                    points[at, 2, i] = other
+                waypoints[at] = k
+                at += 1
+    return points, waypoints
+
+
+@njit(cache=True)
+def _rounding(enter: float, corner: float, leave: float, t: float) -> float:
+    """Where a joint is on a parabola about a corner, at a parameter from 0 to 1 [rad]."""
+    rest = 1.0 - t
+    return rest * rest * enter + t * t * leave + 2.0 * t * rest * corner
 
 
 @njit(cache=True)

@@ -96,7 +96,10 @@ class Checks:
 
     def involving(self, arm: str) -> Ints:
         """The pairs of which one body at least is carried by an arm."""
-        return self.among[(self.carriers[self.among] == self.arms[arm]).any(axis=1)]
+        return self._of(arm, self.among)
+
+    def _of(self, arm: str, among: Ints) -> Ints:
+        return among[(self.carriers[among] == self.arms[arm]).any(axis=1)]
 
     def all_but(self, arm: str, other: str) -> Ints:
         """The pairs of one arm, but for those with the other."""
@@ -104,19 +107,19 @@ class Checks:
 
     def to_placed(self, arm: str) -> Ints:
         """The pairs of an arm with parts that other arms have placed."""
-        among = self.involving(arm)
-        return among[self.placed[among] & ~self.leaves[among]]
+        among = self.among[self.placed[self.among]]
+        return self._of(arm, among[~self.leaves[among]])
 
     def left_behind(self, arm: str) -> Ints:
         """The pairs of an arm with the part that it has just let go of."""
-        among = self.involving(arm)
-        return among[self.leaves[among]]
+        return self._of(arm, self.among[self.leaves[self.among]])
 
     def between(self, *arms: str) -> Ints:
         """The pairs of bodies that different arms carry, of these arms if any are named."""
-        which = [self.arms[arm] for arm in arms or self.arms]
+        counts = np.zeros(len(self.arms) + 1, bool)  # the last one is of what no arm carries
+        counts[[self.arms[arm] for arm in arms or self.arms]] = True
         first, second = self.carriers[self.among].T
-        return self.among[np.isin(first, which) & np.isin(second, which) & (first != second)]
+        return self.among[counts[first] & counts[second] & (first != second)]
 
 
 class Pairing:

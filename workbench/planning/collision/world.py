@@ -131,7 +131,6 @@ class World:
                 self._place(g, 0, body.T_joint_body)
                 self._placed[g] = AT_REST
         self.pairs = self._pairing.checks(phase, self._boxes.joint)
-        self._own = self.pairs.own
         self._use(self.pairs.margins)
 
     def _use(self, margins: Floats) -> None:
@@ -243,11 +242,14 @@ class World:
         )
         return Swept(clear, (self._contact_of(pair, self._distance(pair)), middle), others)
 
-    def edges(self, columns: Ints, base: Floats, resolution: float) -> Edges | None:
-        """For compiled code to check straight motions in this phase, as `sweep`; None by Coal."""
+    def edges(
+        self, columns: Ints, base: Floats, resolution: float, among: Ints | None = None
+    ) -> Edges | None:
+        """For compiled code to check motions in this phase, as `sweep`; None by Coal."""
         if self._by_coal:
             return None
-        (easy, others), commons = self._split, self.pairs.commons
+        easy, others = self._split if among is None else self._split_of(among)
+        commons = self.pairs.commons
         phase = easy, self._margins, commons, len(others) == 0
         return edges_of(self._model, columns, base, resolution, *phase)
 
@@ -293,9 +295,9 @@ class World:
         Links of one arm among themselves do not count: a wrist is always close to itself.
         """
         pairs, _, lower = self._close(q, self._still, reach, among)
-        best, at = reach, None
+        best, at, own = reach, None, self.pairs.own
         for k, bound in zip(pairs.tolist(), lower.tolist(), strict=True):
-            if bound < best and not self._own[k]:
+            if bound < best and not own[k]:
                 distance = self._distance(k)
                 if distance < best:
                     best, at = distance, self._labels(k)

@@ -38,6 +38,11 @@ class Chain:
     velocity: Floats
     acceleration: Floats
 
+    @property
+    def arrays(self) -> tuple[Floats, Floats, Floats, Floats, Floats, Floats]:
+        """What compiled code needs of it: `R`, `p`, `axes`, `slides`, `lower`, `upper`."""
+        return self.R, self.p, self.axes, self.slides, self.lower, self.upper
+
     def pose(self, q: Floats) -> pin.SE3:
         """`T_world_tcp` at `q` (n,) [rad]."""
         n = len(self.axes)
@@ -66,13 +71,8 @@ class Chain:
             Configurations (s, n) and residuals (s, 2) [m, rad]; those within
             `POSITION_TOLERANCE` and `ROTATION_TOLERANCE` are solutions.
         """
-        return _solve(
-            self.R,
-            self.p,
-            self.axes,
-            self.slides,
-            self.lower,
-            self.upper,
+        return solved(
+            *self.arrays,
             np.ascontiguousarray(T_world_tcp.rotation),
             np.ascontiguousarray(T_world_tcp.translation),
             # A copy can be written to: read-only arrays would be compiled for once more.
@@ -225,7 +225,7 @@ def _jacobian(p: Floats, z: Floats, o: Floats, slides: Floats, J: Floats) -> Non
 
 
 @njit(cache=True)
-def _solve(
+def solved(
     Rs: Floats,
     ps: Floats,
     axes: Floats,
@@ -237,7 +237,7 @@ def _solve(
     starts: Floats,
     iterations: int,
 ) -> tuple[Floats, Floats]:
-    """See `Chain.solve`; R_t and p_t are the target."""
+    """See `Chain.solve`: its `arrays`, then the target's rotation (3, 3) and position (3,) [m]."""
     count, n = starts.shape
     found, residuals = np.empty((count, n)), np.empty((count, 2))
     R, p, z, o = np.empty((3, 3)), np.empty(3), np.empty((n, 3)), np.empty((n, 3))

@@ -9,12 +9,21 @@ from dataclasses import dataclass
 
 import numpy as np
 import pinocchio as pin
+from numba import njit
 
 from workbench.model.geometry import Floats
-from workbench.planning.kinematics.chain import Chain, is_solution
+from workbench.planning.kinematics.chain import (
+    POSITION_TOLERANCE,
+    ROTATION_TOLERANCE,
+    Chain,
+    solved,
+)
 
 ROUNDS = 10
 """Steps that a configuration is drawn by."""
+
+BRIEFLY = 8
+"""Iterations of the inverse kinematics after each step: it begins next to an answer."""
 
 FIRST_STEP = 0.25
 """[rad] Of the joint that is moved most: longer while that brings something, shorter otherwise."""
@@ -79,20 +88,78 @@ def drawn(chain: Chain, T_world_tcp: pin.SE3, q: Floats, stops: Floats, pace: Pa
     """
     if q.shape[1] <= 6 or len(q) == 0:
         return q
-    best, steps = q.copy(), np.full(len(q), FIRST_STEP)
-    least = between(best, stops, pace)
-    for _ in range(ROUNDS):
-        away = (best[:, None] - stops) / pace.velocity
-        furthest = np.maximum(np.abs(away).max(axis=2, keepdims=True), 1e-9)
-        # Each joint moves as its time, as a share of the longest, to the sixth power: as products,
-        # since powers differ in the last digit by processor.
-        share = (away / furthest) * (away / furthest)
-        slope = np.sign(away) * (share * share * share) / pace.velocity
-        slope = slope.sum(axis=1)
-        slope /= np.maximum(np.abs(slope).max(axis=1, keepdims=True), 1e-9)
-        answers, residuals = chain.solve(T_world_tcp, best - steps[:, None] * slope, iterations=8)
-        times = between(answers, stops, pace)
-        is_better = is_solution(residuals) & (times < least - LEAST)
-        best[is_better], least[is_better] = answers[is_better], times[is_better]
-        steps *= np.where(is_better, LONGER, SHORTER)
+    T = np.ascontiguousarray(T_world_tcp.rotation), np.ascontiguousarray(T_world_tcp.translation)
+    # Copies can be written to: read-only arrays would be compiled for once more.
+    best = np.array(q, order="C")
+    _draw(best, np.array(stops, order="C"), pace.velocity, pace.acceleration, *T, chain.arrays)
     return best
+
+
+@njit(cache=True)
+def _draw(
+    best: Floats,
+    stops: Floats,
+    velocity: Floats,
+    acceleration: Floats,
+    R_t: Floats,
+    p_t: Floats,
+    chain: tuple[Floats, Floats, Floats, Floats, Floats, Floats],
+) -> None:
+    """Move configurations `best` (k, n) [rad]; see `drawn`."""
+    count, n = best.shape
+    slopes, starts = np.empty((count, n)), np.empty((count, n))
+    steps, least = np.full(count, FIRST_STEP), np.empty(count)
+    for k in range(count):
+        least[k] = _seconds(best[k], stops, velocity, acceleration)
+    for _ in range(ROUNDS):
+        for k in range(count):
+            _slope(best[k], stops, velocity, slopes[k])
+            for i in range(n):
+                starts[k, i] = best[k, i] - steps[k] * slopes[k, i]
+        answers, residuals = solved(*chain, R_t, p_t, starts, BRIEFLY)
+        for k in range(count):
+            seconds = _seconds(answers[k], stops, velocity, acceleration)
+            is_there = residuals[k, 0] < POSITION_TOLERANCE and residuals[k, 1] < ROTATION_TOLERANCE
+            if is_there and seconds < least[k] - LEAST:
+                best[k], least[k] = answers[k], seconds
+                steps[k] *= LONGER
+            else:
+                steps[k] *= SHORTER
+
+
+@njit(cache=True)
+def _seconds(q: Floats, stops: Floats, velocity: Floats, acceleration: Floats) -> float:
+    """As `between`, of one configuration."""
+    total = 0.0
+    for s in range(len(stops)):
+        longest = 0.0
+        for i in range(len(q)):
+            far, ramp = abs(q[i] - stops[s, i]), velocity[i] / acceleration[i]
+            if far >= velocity[i] * ramp:
+                longest = max(longest, far / velocity[i] + ramp)
+            else:
+                longest = max(longest, 2.0 * np.sqrt(far / acceleration[i]))
+        total += longest
+    return total
+
+
+@njit(cache=True)
+def _slope(q: Floats, stops: Floats, velocity: Floats, slope: Floats) -> None:
+    """Write (n,) by what share joints have to be turned for the time to grow most."""
+    for i in range(len(q)):
+        slope[i] = 0.0
+    for s in range(len(stops)):
+        furthest = 1e-9
+        for i in range(len(q)):
+            furthest = max(furthest, abs((q[i] - stops[s, i]) / velocity[i]))
+        for i in range(len(q)):
+            # Each joint moves as its time, as a share of the longest, to the sixth power: as
+            # products, since powers differ in the last digit by processor.
+            away = (q[i] - stops[s, i]) / velocity[i]
+            share = (away / furthest) * (away / furthest)
+            slope[i] += np.sign(away) * (share * share * share) / velocity[i]
+    most = 1e-9
+    for i in range(len(q)):
+        most = max(most, abs(slope[i]))
+    for i in range(len(q)):
+        slope[i] /= most

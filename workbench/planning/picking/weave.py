@@ -8,9 +8,10 @@ steps of the way are looked at that would be the quickest, then those of the nex
 one of them is not possible.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
-from workbench.model.plan import LEG_NAMES, ArmPlan, Guarantee, Leg, Plan, Step, Strategy
+from workbench.model.plan import LEG_NAMES, ArmPlan, Guarantee, Plan, Step, Strategy
 from workbench.planning.collision.world import World
 from workbench.planning.picking.dual_arm import Task, met, passes
 
@@ -71,27 +72,23 @@ class Weave:
     arms: tuple[ArmPlan, ArmPlan]
     possible: dict[Move, bool] = field(default_factory=dict[Move, bool])
 
-    def quickest(self, among: tuple[Move, ...]) -> tuple[Move, ...] | None:
+    def quickest(self, among: Sequence[Move]) -> tuple[Move, ...] | None:
         """The quickest order of possible steps, all of them of `among`; None when there is none."""
-        while (moves := self._next(among)) is not None:
-            if all(self._is_possible(move) for move in moves):
+        known = self.possible
+        left = [(m, m.after, self.seconds((m,))) for m in among if known.get(m, True)]
+        while (moves := _quickest(left)) is not None:
+            refused = next((move for move in moves if not self._is_possible(move)), None)
+            if refused is None:
                 return moves
+            left = [one for one in left if one[0] is not refused]
         return None
 
-    def _next(self, among: tuple[Move, ...]) -> tuple[Move, ...] | None:
-        """The quickest order of steps that are not known to be impossible."""
-        best: dict[tuple[int, int], tuple[float, tuple[Move, ...]]] = {(COUNT, COUNT): (0.0, ())}
-        for move in among:
-            if move.after not in best or not self.possible.get(move, True):
-                continue
-            seconds, moves = best[move.after]
-            seconds += max(self._leg(k, move).seconds for k in (0, 1) if move.moves[k])
-            if move.done not in best or seconds < best[move.done][0]:
-                best[move.done] = (seconds, (move, *moves))
-        return best[0, 0][1] if (0, 0) in best else None
-
-    def _leg(self, k: int, move: Move) -> Leg:
-        return self.arms[k].legs[move.done[k]]
+    def seconds(self, moves: Sequence[Move]) -> float:
+        """What steps take one after the other [s]."""
+        return sum(
+            max(self.arms[k].legs[move.done[k]].seconds for k in (0, 1) if move.moves[k])
+            for move in moves
+        )
 
     def _is_possible(self, move: Move) -> bool:
         if move not in self.possible:
@@ -107,6 +104,23 @@ class Weave:
                 assert moving is not None
                 self.possible[move] = passes(self.world, moving, self.arms[waits], move.done[waits])
         return self.possible[move]
+
+
+def _quickest(
+    steps: Sequence[tuple[Move, tuple[int, int], float]],
+) -> tuple[Move, ...] | None:
+    """The quickest order of steps, given with where each leads and what it takes [s]."""
+    best: dict[tuple[int, int], tuple[float, Move | None]] = {(COUNT, COUNT): (0.0, None)}
+    for move, after, seconds in steps:
+        if after in best:
+            seconds += best[after][0]
+            if move.done not in best or seconds < best[move.done][0]:
+                best[move.done] = seconds, move
+    at, moves = (0, 0), list[Move]()
+    while at in best and (move := best[at][1]) is not None:
+        moves.append(move)
+        at = move.after
+    return tuple(moves) or None
 
 
 def woven(world: World, plan: Plan, *, freely: bool) -> tuple[Plan, ...]:
@@ -131,9 +145,8 @@ def woven(world: World, plan: Plan, *, freely: bool) -> tuple[Plan, ...]:
         ways.insert(0, weave.quickest(tuple(m for m in EVERY if m.keeps_order or not has_pairs)))
     found = [plan]
     for moves in reversed(ways):
-        one = _plan_of(plan, moves) if moves else plan
-        if one.cycle_seconds < found[0].cycle_seconds - WON:
-            found.insert(0, one)
+        if moves and weave.seconds(moves) < found[0].cycle_seconds - WON:
+            found.insert(0, _plan_of(plan, moves))
     return tuple(found)
 
 

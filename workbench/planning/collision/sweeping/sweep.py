@@ -30,6 +30,9 @@ from workbench.planning.kinematics.robot import Tree
 LOOSENESS = 0.005
 """[m] By about this much the lower bound of a distance falls short; only a matter of speed."""
 
+NARROW = 0.03
+"""[rad] Curves one after the other, as corners are made of, are looked at together up to here."""
+
 IS_CLEAR, TOO_LONG = -1, -2
 
 
@@ -77,8 +80,16 @@ def swept(
     """
     scratch = scratch_for(columns, base, model.tree, model.boxes, model.cores)
     groups = groups_of(among, margins, model.first, model.second, model.boxes.joint)
-    looks = 0
-    for curve in range(len(points)):
+    looks, curve = 0, 0
+    while curve < len(points):
+        last = _narrow(points, curve)
+        if last > curve + 1:
+            looks += 1
+            if _is_box_clear(
+                points, curve, last, columns, groups, margins, commons, model, scratch
+            ):
+                curve = last
+                continue
         for k in range(3):
             for i in range(len(columns)):
                 scratch.pending[0, k, i] = points[curve, k, i]
@@ -88,7 +99,56 @@ def swept(
         looks += looked
         if found != IS_CLEAR:
             return curve, found, scratch.middle, looks
+        curve += 1
     return len(points), IS_CLEAR, scratch.middle, looks
+
+
+@njit(cache=True)
+def _narrow(points: Floats, first: int) -> int:
+    """Up to which of the curves (k, 3, n) from `first` on no joint turns by more than `NARROW`."""
+    low, high = points[first, 0].copy(), points[first, 0].copy()
+    for curve in range(first, len(points)):
+        for i in range(points.shape[2]):
+            for k in range(3):
+                low[i] = min(low[i], points[curve, k, i])
+                high[i] = max(high[i], points[curve, k, i])
+            if high[i] - low[i] > NARROW:
+                return curve
+    return len(points)
+
+
+@njit(cache=True)
+def _is_box_clear(
+    points: Floats,
+    first: int,
+    last: int,
+    columns: Ints,
+    groups: Groups,
+    margins: Floats,
+    commons: Ints,
+    model: Model,
+    scratch: Scratch,
+) -> bool:
+    """Whether one look tells that the curves from `first` up to `last` are clear, all at once.
+
+    It is at the middle of the box around them, which need not be on any: if anything is near there
+    nothing is said.
+    """
+    count = len(groups.order)
+    if count > len(scratch.open_pairs):
+        return False
+    for i in range(len(columns)):
+        low, high = points[first, 0, i], points[first, 0, i]
+        for curve in range(first, last):
+            for k in range(3):
+                low = min(low, points[curve, k, i])
+                high = max(high, points[curve, k, i])
+        scratch.q[columns[i]] = (low + high) / 2
+        scratch.d[columns[i]] = (high - low) / 2
+    for k in range(count):
+        scratch.open_pairs[k] = -1 - groups.order[k]
+    found, kept, _ = look_at(0, count, count, margins, commons, model, groups, scratch, False)
+    return found == IS_CLEAR and kept == count
 
 
 @njit(cache=True)
@@ -135,7 +195,7 @@ def curve_swept(
             scratch.middle[i] = m
             scratch.q[columns[i]] = m
             scratch.d[columns[i]] = max(abs(a - m), abs(e - m))
-        found, kept, furthest = _looked(
+        found, kept, furthest = look_at(
             int(begins[at]), int(sizes[at]), used, margins, commons, model, groups, scratch, names
         )
         if found >= 0 and not names:
@@ -165,7 +225,7 @@ def _halve(pending: Floats, at: int, last: int) -> None:
 
 
 @njit(cache=True)
-def _looked(
+def look_at(
     begin: int,
     asked: int,
     used: int,
@@ -180,7 +240,8 @@ def _looked(
 
     Those numbered from `begin` on, `asked` of the open ones, are looked at; what the motion may
     bring closer than its margin is written behind the first `used`.  A group among them stands as
-    its number below zero, counted from -1 down.
+    its number below zero, counted from -1 down.  `margins` (p,) [m] and `commons` (p,) are those of
+    all pairs.
 
     Returns:
         A pair that touches, `IS_CLEAR` or `TOO_LONG`; how many open pairs are in use; the largest
