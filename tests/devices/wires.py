@@ -85,7 +85,7 @@ class Talk:
                 raise Gone from None
             if not data:
                 raise Gone
-            came = self.frames.hear(data)
+            came = list(self.frames.hear(data))
             self.states += [frame.rest for frame in came if frame.word == "state"]
             self.heard.extend(came)
         return self.heard.pop(0)
