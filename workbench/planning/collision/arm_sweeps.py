@@ -10,7 +10,6 @@ from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
-from numba import njit
 
 from workbench.model.geometry import Floats, Ints
 from workbench.planning.collision.contact import Contact
@@ -127,18 +126,8 @@ def _measured(
     return None
 
 
-@njit(cache=True)
 def _middle(points: Floats) -> tuple[Floats, Floats]:
     """A state in the middle of a chain of curves (k, 3, n), and the most any joint leaves it."""
     half = len(points) // 2
-    n = points.shape[2]
-    middle, span = np.empty(n), np.zeros(n)
-    for i in range(n):
-        if half:
-            middle[i] = points[half, 0, i]
-        else:
-            middle[i] = (points[0, 0, i] + 2.0 * points[0, 1, i] + points[0, 2, i]) / 4.0
-        for k in range(len(points)):
-            for j in range(3):
-                span[i] = max(span[i], abs(points[k, j, i] - middle[i]))
-    return middle, span
+    middle = points[half, 0] if half else (points[0, 0] + 2.0 * points[0, 1] + points[0, 2]) / 4.0
+    return middle, np.abs(points - middle).max(axis=(0, 1))
