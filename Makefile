@@ -39,7 +39,7 @@ ARGS :=
 
 export PYTHON
 
-.PHONY: help run test test-fast test-portable lint docs everything bench pictures words bundle constraints clean
+.PHONY: help run test test-fast test-portable lint docs everything installed bench pictures words bundle constraints clean
 
 help:
 	@echo "make run       start the workbench on the simulated YuMi cell and print its link"
@@ -89,12 +89,14 @@ docs: $(VENV)/.docs $(VENV)/.compiled
 	$(BIN)/python docs/make_site.py
 
 # What lint, docs and test need, found and installed in one go; each of them alone installs its own.
-everything: $(VENV)/.venv pyproject.toml constraints.txt
+everything: installed
+	@$(MAKE) $(VENV)/.compiled
+
+installed: $(VENV)/.venv pyproject.toml constraints.txt
 	@echo "Installing what is needed for the checks, the documents and the tests"
 	@$(PIP) hatchling
 	@$(INSTALL) ".[test,lint,docs]"
 	@touch $(VENV)/.run $(VENV)/.test $(VENV)/.lint $(VENV)/.docs
-	@$(MAKE) $(VENV)/.compiled
 
 bench: $(VENV)/.test $(VENV)/.compiled
 	$(BIN)/workbench bench short $(ARGS)
