@@ -30,9 +30,9 @@ SLOW := browser cells cli examples packaging perception plugins portable proof s
 	planning/picking/test_properties.py planning/planners/test_planners.py \
 	robots/test_third_party.py
 
-# Whole files to five workers, in the order of tests/conftest.py: what takes longest first.  Five
+# Whole files to four workers, in the order of tests/conftest.py: what takes longest first.  Four
 # for two cores, since many tests wait: for a plan that is played, a time that is over, a browser.
-WORKERS := -n 5 --dist loadfile --no-loadscope-reorder
+WORKERS := -n 4 --dist loadfile --no-loadscope-reorder
 
 # More for the command behind a target: make run ARGS="--port 9000", make test ARGS="-k plan"
 ARGS :=
