@@ -35,7 +35,6 @@ PERIOD = 0.008
 SETTLED = 8
 """[lookaheads] So long the last reference is repeated: the arm stands before a gripper moves."""
 
-
 CLOSE = np.deg2rad(0.1)
 """[rad] A joint that follows may be so far from the way of its references."""
 
