@@ -45,6 +45,8 @@ else
 fi
 
 echo "Installing Debian packages: ${missing[*]}"
-"${as_root[@]}" apt-get -qq update
+# Another installation, or the system's own updates, may be under way: wait for it.
+wait_for_it=(-o DPkg::Lock::Timeout=600)
+"${as_root[@]}" apt-get -qq "${wait_for_it[@]}" update
 "${as_root[@]}" DEBIAN_FRONTEND=noninteractive \
-    apt-get -qq install -y --no-install-recommends "${missing[@]}" >/dev/null
+    apt-get -qq "${wait_for_it[@]}" install -y --no-install-recommends "${missing[@]}" >/dev/null

@@ -3,6 +3,8 @@
 import numpy as np
 import toppra
 
+from workbench.planning.collision.motion import Curves
+
 
 class RoundedPolyline(toppra.interpolator.AbstractGeometricPath):
     """Waypoints (m, n) [rad] joined straight, corners rounded by parabolas within `zone`.
@@ -51,3 +53,17 @@ class RoundedPolyline(toppra.interpolator.AbstractGeometricPath):
     def path_interval(self):
         """The range (2,) of the parameter."""
         return np.array([0.0, len(self._steps)])
+
+
+def curves_of(path, zone: float) -> Curves:
+    """The polyline with each corner rounded by a zone below 0.5."""
+    steps = np.diff(path, axis=0)
+    starts, ends = path[:-1] + zone * steps, path[1:] - zone * steps
+    starts[0], ends[-1] = path[0], path[-1]
+    straight = np.stack([starts, (starts + ends) / 2, ends], axis=1)
+    if zone <= 0:
+        return Curves(straight, np.arange(len(steps)))
+    points = np.empty((2 * len(steps) - 1, *straight.shape[1:]))
+    points[::2] = straight
+    points[1::2] = np.stack([ends[:-1], path[1:-1], starts[1:]], axis=1)
+    return Curves(points, np.arange(len(points)) // 2)

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from bending import with_leg
+from rounded import curves_of
 
 from workbench.app.core.rules import approve
 from workbench.app.picking.pipeline import plan_pick
@@ -14,7 +15,7 @@ from workbench.model.geometry import pose_from_rpy
 from workbench.model.plan import Guarantee, are_in_step
 from workbench.model.scan import Detection
 from workbench.planning.collision.legs import stretches
-from workbench.planning.collision.motion import chain_contact, curves_of, segment
+from workbench.planning.collision.motion import chain_contact, segment
 from workbench.planning.collision.world import World
 from workbench.planning.kinematics.execution import timed
 from workbench.plugins.robot_link import spoken_to_by

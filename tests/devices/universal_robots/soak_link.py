@@ -11,29 +11,17 @@ import argparse
 import gc
 import os
 import time
-from dataclasses import replace
 from pathlib import Path
 from statistics import median, quantiles
 
-from twins import PATIENT, own_host, twin_of
+from twins import PATIENT, own_host, planned_for, twin_of
 
 import workbench
-from workbench.devices.universal_robots.rtde import RTDE_PORT
 from workbench.model.errors import LinkError
-from workbench.plugins.robot_link import controller_by, send
+from workbench.plugins.robot_link import send
 
 TOLD = 100
 """[cycles] Between two lines."""
-
-
-def planned(link: str):
-    """A cell with six axes, one plan that ends where it begins, and its proof."""
-    cell = workbench.read_cell("tx2_90")
-    cell = replace(cell, controller=controller_by(link, "127.0.0.1", 30002, RTDE_PORT))
-    parts = workbench.drop_parts(cell.parts[:1], cell.bin, seed=5)
-    result = workbench.plan(cell, parts)
-    assert result.plan is not None, result.verdict
-    return cell, result.plan, result.proof
 
 
 def memory() -> float:
@@ -54,7 +42,7 @@ def main() -> int:
     asked.add_argument("--link", default="ur-rtde")
     asked.add_argument("--speed", type=float, default=50.0)
     given = asked.parse_args()
-    cell, plan, proof = planned(given.link)
+    cell, plan, proof = planned_for(given.link)
     legs = [leg for step in plan.sequence for _, leg in step.runs]
     expected = ["program", *legs, "end"]
     took: list[float] = []

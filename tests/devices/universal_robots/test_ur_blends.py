@@ -6,33 +6,22 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from twins import PATIENT, twin_of
+from twins import PATIENT, approved_for, legs_of, twin_of
 
-import workbench
 from workbench.devices.universal_robots.blends import LEAST, blended, seconds_of_all
 from workbench.devices.universal_robots.flange import Flange
 from workbench.devices.universal_robots.link import UrRtdeBlend
 from workbench.devices.universal_robots.program import program_of
-from workbench.devices.universal_robots.rtde import RTDE_PORT
 from workbench.devices.universal_robots.urscript import Line, read_program
 from workbench.devices.universal_robots.ways import Way, without_overlaps
-from workbench.plugins.robot_link import controller_by, send
+from workbench.plugins.robot_link import send
 from workbench.testing import check_robot_link
 
 
 @pytest.fixture(scope="module")
 def planned():
     """A cell with six axes whose controller blends, a plan, and its approval."""
-    cell = workbench.read_cell("tx2_90")
-    cell = replace(cell, controller=controller_by("ur-rtde-blend", "127.0.0.1", 30002, RTDE_PORT))
-    parts = workbench.drop_parts(cell.parts[:1], cell.bin, seed=5)
-    result = workbench.plan(cell, parts)
-    assert result.plan is not None, result.verdict
-    return cell, result.plan, workbench.approve(cell, result.plan, result.proof, "tester")
-
-
-def legs_of(plan):
-    return [plan.arm(name).leg(leg) for step in plan.sequence for name, leg in step.runs]
+    return approved_for("ur-rtde-blend")
 
 
 def moves_of(cell, plan, approval, blend):

@@ -7,18 +7,18 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from twins import PATIENT, twin_of
+from twins import PATIENT, approved_for, twin_of
 from waiting import PATIENCE, wait_until
 
 import workbench
 from workbench.devices.universal_robots.link import UrRtde
 from workbench.devices.universal_robots.program import program_of
-from workbench.devices.universal_robots.rtde import PAUSED, PLAYING, RTDE_PORT, STOPPING
+from workbench.devices.universal_robots.rtde import PAUSED, PLAYING, STOPPING
 from workbench.devices.universal_robots.twin import SimulatedUr
 from workbench.devices.universal_robots.urscript import read_program, seconds_of
 from workbench.devices.universal_robots.ways import Way
 from workbench.model.errors import CommandRefused, InputError, JobCancelled, LinkError
-from workbench.plugins.robot_link import Simulation, controller_by, send
+from workbench.plugins.robot_link import Simulation, send
 from workbench.testing import check_robot_link
 
 pytest.importorskip(
@@ -29,12 +29,7 @@ pytest.importorskip(
 @pytest.fixture(scope="module")
 def planned():
     """A cell with six axes, spoken to by this link, a plan, and its approval."""
-    cell = workbench.read_cell("tx2_90")
-    cell = replace(cell, controller=controller_by("ur-rtde", "127.0.0.1", 30002, RTDE_PORT))
-    parts = workbench.drop_parts(cell.parts[:1], cell.bin, seed=5)
-    result = workbench.plan(cell, parts)
-    assert result.plan is not None, result.verdict
-    return cell, result.plan, workbench.approve(cell, result.plan, result.proof, "tester")
+    return approved_for("ur-rtde")
 
 
 def plans(twin) -> list[str]:

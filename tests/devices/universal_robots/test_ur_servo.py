@@ -7,15 +7,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from twins import PATIENT, twin_of
+from twins import PATIENT, approved_for, legs_of, twin_of
 
-import workbench
 from workbench.devices.streamed_way import way_of
 from workbench.devices.universal_robots import talking
 from workbench.devices.universal_robots.following import Following
 from workbench.devices.universal_robots.link import UrRtdeServo
 from workbench.devices.universal_robots.program import program_of
-from workbench.devices.universal_robots.rtde import RTDE_PORT
 from workbench.devices.universal_robots.sending import OFF
 from workbench.devices.universal_robots.servo import (
     CLOSE,
@@ -26,7 +24,7 @@ from workbench.devices.universal_robots.servo import (
 )
 from workbench.devices.universal_robots.urscript import read_program
 from workbench.model.errors import InputError, JobCancelled, LinkError
-from workbench.plugins.robot_link import controller_by, send
+from workbench.plugins.robot_link import send
 from workbench.testing import check_robot_link
 
 SERVO = Servo(0.03, 2000)
@@ -35,16 +33,7 @@ SERVO = Servo(0.03, 2000)
 @pytest.fixture(scope="module")
 def planned():
     """A cell with six axes that is streamed, a plan, and its approval."""
-    cell = workbench.read_cell("tx2_90")
-    cell = replace(cell, controller=controller_by("ur-rtde-servo", "127.0.0.1", 30002, RTDE_PORT))
-    parts = workbench.drop_parts(cell.parts[:1], cell.bin, seed=5)
-    result = workbench.plan(cell, parts)
-    assert result.plan is not None, result.verdict
-    return cell, result.plan, workbench.approve(cell, result.plan, result.proof, "tester")
-
-
-def legs_of(plan):
-    return [plan.arm(name).leg(leg) for step in plan.sequence for name, leg in step.runs]
+    return approved_for("ur-rtde-servo")
 
 
 def streams_of(text):

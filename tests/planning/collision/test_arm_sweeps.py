@@ -4,10 +4,11 @@ import itertools
 
 import numpy as np
 import pytest
+from rounded import curves_of
 
 from workbench.planning.collision.arm_sweeps import ArmSweep, first_contact, standing
 from workbench.planning.collision.legs import phase_of
-from workbench.planning.collision.motion import RESOLUTION, curves_of, segment
+from workbench.planning.collision.motion import RESOLUTION, segment, straight
 from workbench.planning.collision.pairing import Phase
 from workbench.planning.collision.world import World
 from workbench.planning.kinematics.chain import is_solution
@@ -41,7 +42,7 @@ def between(world, state) -> float:
 
 
 def sweeps_of(world, paths):
-    return [ArmSweep(arm, curves_of(path, 0.0).points) for arm, path in paths.items()]
+    return [ArmSweep(arm, straight(path).points) for arm, path in paths.items()]
 
 
 @pytest.fixture(params=["compiled", "by Coal"])

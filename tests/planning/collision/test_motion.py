@@ -6,15 +6,15 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from rounded import RoundedPolyline
+from rounded import RoundedPolyline, curves_of
 
 from workbench.model.motion import MotionModel
 from workbench.planning.collision.motion import (
     NARROW,
     RESOLUTION,
     chain_contact,
-    curves_of,
     segment,
+    straight,
     walked,
 )
 from workbench.planning.collision.pairing import Phase
@@ -58,7 +58,7 @@ def test_whatever_a_controller_makes_of_a_corner_is_walked_nearby(
     motion = MotionModel("some", corners=corners, period=0.004)
     curves = walked(path, motion, zone)
     assert np.all(np.diff(curves.waypoints) >= 0)
-    for number, points in enumerate(curves_of(path, 0.0).points):
+    for number, points in enumerate(straight(path).points):
         assert points.tolist() in curves.points[curves.waypoints == number].tolist()
     t = np.linspace(0.0, 1.0, 41)[:, None]
     for number, (before, corner, after) in enumerate(zip(path, path[1:], path[2:], strict=False)):
@@ -76,7 +76,7 @@ def test_whatever_a_controller_makes_of_a_corner_is_walked_nearby(
 def test_a_controller_that_stops_makes_nothing_of_a_corner():
     path = np.random.default_rng(0).uniform(-2.0, 2.0, (5, 3))
     stopping = walked(path, MotionModel("some", corners="stop"), 0.2)
-    np.testing.assert_array_equal(stopping.points, curves_of(path, 0.0).points)
+    np.testing.assert_array_equal(stopping.points, straight(path).points)
 
 
 @settings(max_examples=30, deadline=None)

@@ -54,29 +54,21 @@ def segment(start: Floats, end: Floats) -> Curves:
     return Curves(np.array([[start, (start + end) / 2, end]]), np.zeros(1, np.int64))
 
 
-def curves_of(path: Floats, zone: float) -> Curves:
-    """The curves that the controller makes of waypoints (m, n) [rad]; 0 <= zone < 0.5."""
-    steps = np.diff(path, axis=0)
-    starts, ends = path[:-1] + zone * steps, path[1:] - zone * steps
-    starts[0], ends[-1] = path[0], path[-1]
-    straight = np.stack([starts, (starts + ends) / 2, ends], axis=1)
-    if zone <= 0:
-        return Curves(straight, np.arange(len(steps)))
-    points = np.empty((2 * len(steps) - 1, *straight.shape[1:]))
-    points[::2] = straight
-    points[1::2] = np.stack([ends[:-1], path[1:-1], starts[1:]], axis=1)
-    return Curves(points, np.arange(len(points)) // 2)
+def straight(path: Floats) -> Curves:
+    """The straight ways from waypoint to waypoint (m, n) [rad]."""
+    starts, ends = path[:-1], path[1:]
+    return Curves(np.stack([starts, (starts + ends) / 2, ends], axis=1), np.arange(len(starts)))
 
 
 def walked(path: Floats, motion: MotionModel, zone: float) -> Curves:
-    """All that a controller may make of waypoints (m, n) [rad], with a zone as in `curves_of`.
+    """All that a controller may make of waypoints (m, n) [rad], with a zone below 0.5.
 
     That is every straight way from waypoint to waypoint, where it stops or a zone cannot be done,
     and every corner rounded, or cut straight where it is streamed, by as much as may be and by
     less, in steps of `NARROW`.
     """
     if motion.corners == "stop" or zone <= 0 or len(path) < 3:
-        return curves_of(path, 0.0)
+        return straight(path)
     wide, pieces = (STREAMED_ZONE, 1) if motion.corners == "streamed" else (zone, CHORDS)
     # A copy can be written to: read-only arrays would be compiled for once more.
     return Curves(*_walked(np.array(path), wide, pieces))
