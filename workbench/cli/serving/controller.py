@@ -2,13 +2,13 @@
 
 import logging
 import math
-import signal
 import sys
 import threading
 from collections.abc import Callable
-from types import FrameType
+from queue import SimpleQueue
 
 from workbench.cli.arguments import top as arguments
+from workbench.cli.serving.ending import told_to_end
 from workbench.cli.terminal import check_number, check_whole, print_json
 from workbench.formats.cells.reading import read_cell
 from workbench.plugins.robot_link import Running, Simulation, link_named
@@ -62,17 +62,18 @@ def controller(typed: arguments.Controller) -> int:
 
 def _end_with(stop: Callable[[], None], at_eof: bool) -> None:
     """Stop at SIGINT, SIGTERM, and perhaps the end of standard input."""
+    told = told_to_end()
 
-    def by_signal(signum: int, frame: FrameType | None) -> None:
+    def end() -> None:
+        told.get()
         stop()
 
-    signal.signal(signal.SIGINT, by_signal)
-    signal.signal(signal.SIGTERM, by_signal)
+    threading.Thread(target=end, daemon=True).start()
     if at_eof:
-        threading.Thread(target=_stop_at_eof, args=(stop,), daemon=True).start()
+        threading.Thread(target=_tell_at_eof, args=(told,), daemon=True).start()
 
 
-def _stop_at_eof(stop: Callable[[], None]) -> None:
+def _tell_at_eof(told: "SimpleQueue[int]") -> None:
     while sys.stdin.buffer.read(4096):
         pass
-    stop()
+    told.put(0)

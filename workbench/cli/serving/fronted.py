@@ -1,17 +1,15 @@
 """The page of a bench with its front before it, as all commands serve it."""
 
 import secrets
-import signal
-import threading
 from collections.abc import Generator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from types import FrameType
 
 from workbench.app.review.history import History
 from workbench.app.runtime.bench import Bench
 from workbench.cli.arguments.nested import SessionOpen
 from workbench.cli.arguments.top import Serve
+from workbench.cli.serving.ending import told_to_end
 from workbench.cli.terminal import check_number, check_whole
 from workbench.model.errors import InputError
 from workbench.model.prediction import Predictions
@@ -87,12 +85,6 @@ def fronted(
 
 def wait_for_the_end(*lines: str) -> None:
     """Print that all is there, and return at SIGINT or SIGTERM."""
-    ended = threading.Event()
-
-    def end(signum: int, frame: FrameType | None) -> None:
-        ended.set()
-
-    signal.signal(signal.SIGINT, end)
-    signal.signal(signal.SIGTERM, end)
+    told = told_to_end()
     print(*lines, sep="\n", flush=True)
-    ended.wait()
+    told.get()

@@ -1,0 +1,21 @@
+"""SIGINT and SIGTERM: how somebody tells a command that runs to end."""
+
+import signal
+from queue import SimpleQueue
+from types import FrameType
+
+
+def told_to_end() -> "SimpleQueue[int]":
+    """A queue that holds the number of each SIGINT and SIGTERM from now on.
+
+    A queue of this kind has no lock that Python knows: the one of a `threading.Event` may be held
+    by the very thread that the signal interrupts, which would then wait for itself for good.
+    """
+    told: SimpleQueue[int] = SimpleQueue()
+
+    def tell(signum: int, frame: FrameType | None) -> None:
+        told.put(signum)
+
+    signal.signal(signal.SIGINT, tell)
+    signal.signal(signal.SIGTERM, tell)
+    return told
