@@ -31,7 +31,7 @@ def a_part(number: int, *, behind: int | None = None) -> Assessment:
         hidden=np.array(hidden, int),
         ahead=np.full(len(hidden), 2 * TOLERANCE),
     )
-    return Assessment(pose, sighting, None, roll_known=True, is_held=True)
+    return Assessment(pose, sighting, None, roll_known=True, is_held=True, is_told=True)
 
 
 def lost(number: int, reason: Objection, rival: int) -> Rejection:

@@ -9,7 +9,14 @@ from workbench.perception.localization.hypotheses import SAME_ANGLE, SAME_DISTAN
 from workbench.perception.localization.maps import DepthMap
 from workbench.perception.localization.poses import distinct
 from workbench.perception.localization.settling import is_held, roll_error, settled
-from workbench.perception.localization.sightings import Sighting, closeness, gains, look, tally
+from workbench.perception.localization.sightings import (
+    EXPLAINED,
+    Sighting,
+    closeness,
+    gains,
+    look,
+    tally,
+)
 from workbench.perception.parts.part_surface import PartSurface
 
 RIVALS = 4
@@ -23,6 +30,9 @@ CLOSE = 0.02
 
 STEPS_OVER_TOLERANCE = (2.0, 1.0, 0.5, 0.25, 0.125)
 """Lengths of the polishing steps."""
+
+FAR_BEHIND = 0.2
+"""A rival that is seen by this share less well than the pose found needs no polish."""
 
 TELLING = 0.008
 """Share of the explained pixels by which a pose must be better than another to exclude it."""
@@ -41,7 +51,8 @@ class Assessment:
     `gap` is by how much of the shown surface more it is explained than the best different pose
     of the same object, None when the part has no near-symmetry.  `roll_known` is False when
     turning the part about its axis changes nothing that the scan shows; `is_held` is False when a
-    small motion of another kind changes nothing either.
+    small motion of another kind changes nothing either.  `is_told` is False when it is no better
+    than one the other way round: of a cup that lies nobody sees which end is open.
     """
 
     pose: Floats
@@ -49,6 +60,7 @@ class Assessment:
     gap: float | None
     roll_known: bool
     is_held: bool
+    is_told: bool
 
     def __post_init__(self) -> None:
         put(self, pose=frozen(self.pose))
@@ -78,7 +90,8 @@ def assess(
         rival = pose @ motions[others[[best - 1]]]
         pose = _best_of(maps, glance, surface, rival, tolerance)
         others = _different(glance, surface, pose, tolerance)
-    turns = others[others < len(surface.symmetry.turns)][:RIVALS]
+    is_turn = others < len(surface.symmetry.turns)
+    turns = others[is_turn][:RIVALS]
     sighting = look(maps, surface, pose, tolerance)
     own, *rest = tally(maps, surface, pose @ motions[[0, *others[:1], *turns]], tolerance)
     gap = None
@@ -92,6 +105,7 @@ def assess(
         roll_known=len(turns) == 0
         or _is_roll_known(maps, surface, pose, sighting, own, np.array(rest[1:]), tolerance),
         is_held=is_held(maps, surface, pose, tolerance),
+        is_told=_is_told(maps, surface, pose, pose @ motions[others[~is_turn][:1]], own, tolerance),
     )
 
 
@@ -102,18 +116,51 @@ def _different(
     motions = surface.symmetry.motions
     others = pose @ motions
     order = np.argsort(-closeness(tally(glance, surface, others, tolerance)), kind="stable")
-    return (
-        distinct(
-            np.concatenate([pose[None], others]),
-            np.concatenate([[0], order + 1]),
-            surface.stated,
-            surface.fixed,
-            distance=np.inf,
-            angle=np.pi if surface.is_ball else SAME_ANGLE,
-            most=len(others),
-        )[1:]
-        - 1
+    both = np.concatenate([pose[None], others])
+    return _apart(surface, both, np.concatenate([[0], order + 1]))[1:] - 1
+
+
+def _apart(surface: PartSurface, poses: Floats, order: np.ndarray) -> np.ndarray:
+    """Which of the poses (k, 4, 4), the first in the order (k,) first, are turned otherwise."""
+    return distinct(
+        poses,
+        order,
+        surface.stated,
+        surface.fixed,
+        distance=np.inf,
+        angle=np.pi if surface.is_ball else SAME_ANGLE,
+        most=len(poses),
     )
+
+
+def _is_told(
+    maps: DepthMap,
+    surface: PartSurface,
+    pose: Floats,
+    rival: Floats,
+    own: Floats,
+    tolerance: float,
+) -> bool:
+    """Whether a pose with a tally (4,) is clearly better than a rival's (1, 4, 4), if there is one.
+
+    A rival that is not far behind is brought to rest first, as the pose was.
+    """
+    if len(rival) == 0:
+        return True
+    seen = closeness(tally(maps, surface, rival, tolerance))[0]
+    if seen < (1.0 - FAR_BEHIND) * closeness(own[None])[0]:
+        return True
+    steps = tuple(step * tolerance for step in STEPS_OVER_TOLERANCE)
+    rival = settled(maps, surface, rival, tolerance, steps)
+    both = np.concatenate([pose[None], rival])
+    is_another = len(_apart(surface, both, np.arange(2))) == 2
+    return not is_another or _is_better(own, tally(maps, surface, rival, tolerance))
+
+
+def _is_better(own: Floats, others: Floats) -> bool:
+    """Whether a tally (4,) is clearly better than all others (k, 4)."""
+    margin = max(FEWEST_TELLING, TELLING * own[EXPLAINED])
+    return bool(closeness(own[None])[0] - closeness(others).max() >= margin)
 
 
 def _is_roll_known(
@@ -126,10 +173,7 @@ def _is_roll_known(
     tolerance: float,
 ) -> bool:
     """Whether the tallies (k, 4) of other turns are clearly worse, and the fit holds this one."""
-    if len(sighting.explained) == 0:
-        return False
-    margin = max(FEWEST_TELLING, TELLING * len(sighting.explained))
-    if closeness(own[None])[0] - closeness(turned).max() < margin:
+    if len(sighting.explained) == 0 or not _is_better(own, turned):
         return False
     deviation = float(np.sqrt(np.mean(sighting.off**2)))
     return roll_error(maps, surface, pose, tolerance, deviation) < ROLL_ERROR

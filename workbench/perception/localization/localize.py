@@ -52,6 +52,9 @@ TOLERANCE_OVER_NOISE = 4.0
 RIM = 2
 """Pixels around a part found that do not vote for others: edges, where normals are mixed."""
 
+EITHER = 0.5
+"""Share of the chance that a pose has which is no better than one the other way round."""
+
 MOST_REJECTED = 20
 """Rejected hypotheses that are told of, the best first."""
 
@@ -240,6 +243,6 @@ def _detection(scan: Scan, sought: Sought, assessed: Assessment, ratio: float) -
         residual=float(np.sqrt(np.mean(sighting.off**2))),
         roll_known=assessed.roll_known,
         covariance=axes @ known @ axes.T,
-        probability=probability_of(ratio),
+        probability=probability_of(ratio) * (1.0 if assessed.is_told else EITHER),
         roll_axis=None if assessed.roll_known else sought.surface.symmetry.axis,
     )

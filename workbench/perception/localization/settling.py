@@ -25,7 +25,8 @@ FITS = 3
 """Gauss-Newton steps of the dense fit."""
 
 WEAK = 3
-"""Directions that are searched at most: those that the fit holds least."""
+"""Directions that are searched at most: those that the fit holds least.  A ball's are its turns, of
+which none is seen."""
 
 LOOSE = 0.05
 """Directions are searched when the noise alone may shift them by this share of the tolerance."""
@@ -73,7 +74,7 @@ def settled(
     """
     return _settled(
         *drawing(maps, surface, tolerance), np.ascontiguousarray(poses), surface.middle,
-        surface.diameter / 2, np.array(steps),
+        surface.diameter / 2, np.array(steps), 0 if surface.is_ball else WEAK,
     )  # fmt: skip
 
 
@@ -88,29 +89,32 @@ def _settled(
     middle: Floats,
     radius: float,
     steps: Floats,
+    searched: int,
 ) -> Floats:  # pragma: no cover (compiled)
     """See `settled`; a `Drawing` is taken apart, since threads cannot be given tuples in tuples."""
     rested = poses.copy()
     for k in prange(len(poses)):
         _settle(
             Drawing(seen, vertices, triangles, is_closed, tolerance), rested[k],
-            middle, radius, steps,
+            middle, radius, steps, searched,
         )  # fmt: skip
     return rested
 
 
 @njit(cache=True)
 def _settle(
-    drawing: Drawing, T: Floats, middle: Floats, radius: float, steps: Floats
+    drawing: Drawing, T: Floats, middle: Floats, radius: float, steps: Floats, searched: int
 ) -> None:  # pragma: no cover (compiled)
-    """Bring one pose `T` (4, 4) to rest, in place."""
+    """Bring one pose `T` (4, 4) to rest, in place; so many directions may be searched."""
     x = np.empty(6)
     _fit(drawing, T, middle, radius)
+    if searched == 0:
+        return
     centre = transformed(T, middle)
     A, _ = pulled(drawing, T, centre, radius)
     values, directions = np.linalg.eigh(A)
     value = -np.inf
-    for weak in range(WEAK):
+    for weak in range(searched):
         if NOISE / np.sqrt(max(values[weak], 1e-12)) < LOOSE:
             break
         for step in np.append(0.0, steps) if weak == 0 else steps:

@@ -11,6 +11,10 @@ from workbench.model.geometry import Floats, frozen, put
 NEAR = 0.02
 """Mean distance of the moved surface from itself, over the diameter, that still counts."""
 
+MOSTLY = 0.75
+"""Or this share of the surface lies on itself, since the rest may be out of sight: of a cup that
+lies nobody sees from the side which end is open."""
+
 STEPS = 18
 """Turns tried about the main axis."""
 
@@ -115,8 +119,10 @@ class _Itself:
 
     def is_near(self, motion: Floats) -> bool:
         moved = self.points @ motion[:3, :3].T + motion[:3, 3]
-        distances = self.scene.compute_distance(o3d.core.Tensor(moved.astype(np.float32)))
-        return float(distances.numpy().mean()) < NEAR * self.diameter
+        distances = self.scene.compute_distance(o3d.core.Tensor(moved.astype(np.float32))).numpy()
+        if float(distances.mean()) < NEAR * self.diameter:
+            return True
+        return float(np.mean(distances < NEAR * self.diameter)) > MOSTLY
 
     def settled(self, motion: Floats) -> Floats:
         """The motion after robust point-to-plane ICP: led by what agrees, not by features."""

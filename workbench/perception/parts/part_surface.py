@@ -6,11 +6,12 @@ from typing import Any
 import numpy as np
 import open3d as o3d
 import trimesh
+from scipy.spatial import KDTree
 
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats, frozen, put, spread_directions
 from workbench.model.part import Part
-from workbench.model.symmetry import BALL
+from workbench.model.symmetry import BALL, Symmetry
 from workbench.perception.parts.near_symmetry import (
     STEPS,
     NearSymmetry,
@@ -29,8 +30,16 @@ DIRECTIONS = 80
 VOTING, COARSE = 0.08, 0.055
 """Distance of the points for voting and for the first fit, over the diameter."""
 
-MOST_DRAWN = 4000
-"""Triangles of what is drawn at a pose; finer meshes are simplified."""
+FINE_STEPS, ALIKE, ALIKE_NORMALS = 72, 0.6, 0.95
+"""Points that turns by any angle, in so many steps, take to within this share of their distance
+from each other, with normals whose cosine is so large, stand for each other."""
+
+FEW_DRAWN, DRAWN = 1000, (500, 1000, 2000, 4000)
+"""Triangles of what is drawn at a pose: meshes of more than a few are simplified, to the least of
+these numbers that shows the surface well."""
+
+DRAWN_OFF = 0.002
+"""How far off that is then at most, over the diameter; with the largest number, whatever it is."""
 
 ROUND = 0.02
 """A surface whose distance from its middle varies by less, over the diameter, is a ball's."""
@@ -111,14 +120,15 @@ def _prepare(part: Part) -> PartSurface:
             f"no part of the mesh of part {part.name} can be seen from outside, so nothing can be "
             "found by it: do its triangles look inwards?"
         )
-    drawn = mesh if len(mesh.faces) <= MOST_DRAWN else _simplified(mesh)
+    voting = outer.thinned(VOTING * diameter)
+    drawn = _simplified(mesh, outer.points, DRAWN_OFF * diameter)
     return PartSurface(
         diameter=diameter,
         middle=middle,
         vertices=drawn.vertices,
         triangles=drawn.faces,
         coarse=outer.thinned(COARSE * diameter),
-        table=make_table(outer.thinned(VOTING * diameter), diameter),
+        table=make_table(voting, voting[_unlike(voting, part.symmetry, diameter)], diameter),
         scene=scene,
         is_closed=bool(mesh.is_watertight),
         symmetry=find_near_symmetry(scene, outer.points, diameter),
@@ -128,19 +138,51 @@ def _prepare(part: Part) -> PartSurface:
     )
 
 
+def _unlike(points: OrientedPoints, symmetry: Symmetry, diameter: float) -> np.ndarray:
+    """Indices of points no two of which a symmetry takes to each other."""
+    if symmetry.form == BALL:
+        return np.arange(1)
+    motions = symmetry.motions(FINE_STEPS)
+    tree, is_open = KDTree(points.points), np.ones(len(points), dtype=bool)
+    kept: list[int] = []
+    for number, (p, n) in enumerate(zip(points.points, points.normals, strict=True)):
+        if not is_open[number]:
+            continue
+        kept.append(number)
+        images, normals = motions[1:, :3, :3] @ p + motions[1:, :3, 3], motions[1:, :3, :3] @ n
+        for near, normal in zip(
+            tree.query_ball_point(images, ALIKE * VOTING * diameter), normals, strict=True
+        ):
+            alike = np.array(near, dtype=np.int64)
+            is_open[alike[points.normals[alike] @ normal > ALIKE_NORMALS]] = False
+    return np.array(kept)
+
+
 def _is_ball(points: Floats, middle: Floats, diameter: float) -> bool:
     """Whether points of a surface (n, 3) [m] are all as far from its middle."""
     return bool(np.ptp(np.linalg.norm(points - middle, axis=1)) < ROUND * diameter)
 
 
-def _simplified(mesh: trimesh.Trimesh) -> trimesh.Trimesh:
-    """The mesh with fewer triangles: by quadrics, which keeps edges."""
+def _simplified(mesh: trimesh.Trimesh, points: Floats, off: float) -> trimesh.Trimesh:
+    """The mesh with fewer triangles, by quadrics, which keeps edges; it passes its points (n, 3).
+
+    It does within `off` [m] where so many triangles suffice for that.
+    """
     fine = o3d.geometry.TriangleMesh(
         o3d.utility.Vector3dVector(np.asarray(mesh.vertices)),
         o3d.utility.Vector3iVector(np.asarray(mesh.faces)),
     )
-    few = fine.simplify_quadric_decimation(MOST_DRAWN)
-    return trimesh.Trimesh(np.asarray(few.vertices), np.asarray(few.triangles), process=False)
+    asked = o3d.core.Tensor(points.astype(np.float32))
+    if len(mesh.faces) <= FEW_DRAWN:
+        return mesh
+    for most in (count for count in DRAWN if count < len(mesh.faces)):
+        few = fine.simplify_quadric_decimation(most)
+        simple = trimesh.Trimesh(np.asarray(few.vertices), np.asarray(few.triangles), process=False)
+        scene = o3d.t.geometry.RaycastingScene()
+        add_surface(scene, simple)
+        if most == DRAWN[-1] or scene.compute_distance(asked).numpy().max() <= off:
+            return simple
+    return mesh
 
 
 def _can_be_seen(

@@ -5,7 +5,8 @@ Robust 3D Object Recognition", CVPR 2010.  A pair of points with normals n1, n2 
 d has the feature (|d|, angle(n1, d), angle(n2, d), angle(n1, n2)), which no motion changes.
 When a pair of the scene has the feature of a pair of the model, aligning the two leaves
 exactly one pose: so each reference point of the scene collects votes for which model point it
-is and by which angle the model is turned about its normal.
+is and by which angle the model is turned about its normal.  Of points that the part's symmetry
+takes to each other one stands for all: votes for the others are votes for the same poses.
 """
 
 from dataclasses import dataclass
@@ -29,13 +30,15 @@ FEWEST_VOTES = 3.0
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PairTable:
-    """All pairs of points of a model, sorted by feature.
+    """All pairs of a reference point and any point of a model, sorted by feature.
 
     Entries `starts[f]` to `starts[f + 1]` have feature f: `firsts` (k,) is the index of the
-    pair's first point, `turns` (k,) [rad] where the second lies around the first one's normal.
+    pair's first point among the `references`, `turns` (k,) [rad] where the second lies around the
+    first one's normal.
     """
 
     model: OrientedPoints
+    references: OrientedPoints
     diameter: float
     starts: np.ndarray
     firsts: np.ndarray
@@ -50,12 +53,14 @@ class PairTable:
         )
 
 
-def make_table(model: OrientedPoints, diameter: float) -> PairTable:
-    """Features of all ordered pairs of a model's points; `diameter` [m] is the longest."""
-    features, firsts, turns = _pairs(model.points, model.normals, diameter)
+def make_table(model: OrientedPoints, references: OrientedPoints, diameter: float) -> PairTable:
+    """Features of all pairs of a reference and a point; `diameter` [m] is the longest."""
+    features, firsts, turns = _pairs(
+        references.points, references.normals, model.points, model.normals, diameter
+    )
     order = np.argsort(features, kind="stable")
     starts = np.searchsorted(features[order], np.arange((DISTANCES + 1) * ANGLES**3 + 1))
-    return PairTable(model, diameter, starts, firsts[order], turns[order])
+    return PairTable(model, references, diameter, starts, firsts[order], turns[order])
 
 
 def vote(
@@ -67,14 +72,14 @@ def vote(
         table: the model's pairs.
         scene: points of the scan.
         references: indices of the points that collect votes.
-        peaks: how many poses each of them proposes at most, each with another point of the model.
+        peaks: how many poses each of them proposes at most, each with another reference.
 
     Returns:
         Poses (m, 4, 4) of the model in the frame of the scene, and their votes (m,).
     """
     poses, votes = _vote(
-        table.model.points,
-        table.model.normals,
+        table.references.points,
+        table.references.normals,
         table.diameter,
         table.starts,
         table.firsts,
@@ -136,20 +141,20 @@ def _turn(frame: Floats, p1: Floats, p2: Floats) -> float:  # pragma: no cover (
 
 @njit(cache=True)
 def _pairs(
-    points: Floats, normals: Floats, diameter: float
+    references: Floats, directions: Floats, points: Floats, normals: Floats, diameter: float
 ) -> tuple[Ints, Ints, Singles]:  # pragma: no cover (compiled)
-    count = len(points)
-    features = np.empty(count * count, np.int64)
-    firsts = np.empty(count * count, np.int32)
-    turns = np.empty(count * count, np.float32)
+    most = len(references) * len(points)
+    features = np.empty(most, np.int64)
+    firsts = np.empty(most, np.int32)
+    turns = np.empty(most, np.float32)
     n = 0
-    for i in range(count):
-        frame = _frame(normals[i])
-        for j in range(count):
-            feature = _feature(points[i], normals[i], points[j], normals[j], diameter)
+    for i in range(len(references)):
+        frame = _frame(directions[i])
+        for j in range(len(points)):
+            feature = _feature(references[i], directions[i], points[j], normals[j], diameter)
             if feature >= 0:
                 features[n], firsts[n] = feature, i
-                turns[n] = _turn(frame, points[i], points[j])
+                turns[n] = _turn(frame, references[i], points[j])
                 n += 1
     return features[:n], firsts[:n], turns[:n]
 

@@ -1,0 +1,125 @@
+"""What the localizer prepares of a part: few references where it is symmetric, few triangles."""
+
+from dataclasses import replace
+
+import numpy as np
+import pinocchio as pin
+import pytest
+import trimesh
+from searching import localize
+
+from workbench.formats.cells.reading import read_cell
+from workbench.formats.parts.reading import read_part
+from workbench.model.geometry import Mesh, Solid, pose_from_rpy
+from workbench.model.scan import Detection
+from workbench.model.symmetry import Symmetry, SymmetryAxis
+from workbench.perception.localization.poses import distinct
+from workbench.perception.parts.part_surface import DRAWN_OFF, VOTING, prepare
+from workbench.perception.parts.point_pairs import make_table, vote
+from workbench.perception.simulation.synthesize import synthesize
+
+X, Y, Z = np.eye(3)
+ROUND = {
+    "rod": (
+        trimesh.creation.cylinder(0.01, 0.06, sections=48),
+        Symmetry(fold=0, also=(SymmetryAxis(X, 2),)),
+    ),
+    "nut": (
+        trimesh.creation.cylinder(0.02, 0.016, sections=6),
+        Symmetry(fold=6, also=(SymmetryAxis(X, 2),)),
+    ),
+    "cross": (
+        trimesh.boolean.union(
+            [trimesh.creation.box(one) for one in ((0.06, 0.014, 0.014), (0.014, 0.06, 0.014))]
+        ),
+        Symmetry(fold=4, also=(SymmetryAxis(X, 2),)),
+    ),
+}
+
+
+def kind(mesh: trimesh.Trimesh, symmetry: Symmetry):
+    shape = Mesh(mesh.vertices, mesh.faces)
+    pieces = (Solid("piece", shape, pin.SE3.Identity()),)
+    return replace(read_part("bracket"), mesh=shape, pieces=pieces, symmetry=symmetry)
+
+
+def cup():
+    inner = trimesh.creation.cylinder(0.0205, 0.04, sections=64)
+    inner.apply_translation([0, 0, 0.0015])
+    whole = trimesh.boolean.difference([trimesh.creation.cylinder(0.022, 0.04, sections=64), inner])
+    return kind(whole, Symmetry(fold=0))
+
+
+@pytest.mark.parametrize("name", ROUND)
+def test_every_point_of_the_model_is_a_reference_after_a_turn_that_changes_nothing(name):
+    mesh, symmetry = ROUND[name]
+    surface = prepare(kind(mesh, symmetry))
+    model, references = surface.table.model, surface.table.references
+    assert len(references) < len(model) / 4
+    turns = symmetry.motions(360)
+    for p, n in zip(model.points, model.normals, strict=True):
+        images, normals = turns[:, :3, :3] @ p + turns[:, :3, 3], turns[:, :3, :3] @ n
+        far = np.linalg.norm(images[:, None] - references.points, axis=2)
+        far[normals @ references.normals.T < 0.9] = np.inf
+        assert far.min() < VOTING * surface.diameter
+
+
+@pytest.mark.parametrize("name", ROUND)
+def test_points_that_are_left_out_vote_for_no_other_poses(name):
+    """Whatever all pairs vote for is voted for by the few, as good as the part can tell."""
+    surface = prepare(kind(*ROUND[name]))
+    table, T = surface.table, pose_from_rpy((0.1, -0.2, 0.7), (0.3, -0.8, 1.9)).homogeneous
+    scene = replace(
+        table.model,
+        points=table.model.points @ T[:3, :3].T + T[:3, 3],
+        normals=table.model.normals @ T[:3, :3].T,
+    )
+    every = make_table(table.model, table.model, table.diameter)
+    asked = np.arange(0, len(scene), 7)
+    for each in (every, table):
+        poses, votes = vote(each, scene, asked, 1)
+        both = np.concatenate([T[None], poses[np.argsort(-votes)]])
+        others = distinct(
+            both,
+            np.arange(len(both)),
+            surface.stated,
+            surface.fixed,
+            distance=0.1 * surface.diameter,
+            angle=0.3,
+            most=len(both),
+        )
+        # Most are the pose; a point in the middle of a plane does not know where it is.
+        assert len(poses) - (len(others) - 1) > 0.4 * len(poses)
+
+
+def test_a_fine_mesh_is_drawn_with_few_triangles_that_lie_on_it():
+    coarse = prepare(read_part("bracket"))
+    mesh = trimesh.Trimesh(coarse.vertices, coarse.triangles)
+    v, f = trimesh.remesh.subdivide_to_size(mesh.vertices, mesh.faces, max_edge=0.002)
+    fine = prepare(kind(trimesh.Trimesh(v, f), Symmetry()))
+    assert len(f) > 10_000 and len(fine.triangles) <= 500
+    points, _ = trimesh.sample.sample_surface(mesh, 300, seed=1)
+    corners = np.array(fine.vertices)[fine.triangles]
+    for point in points:
+        nearest = trimesh.triangles.closest_point(corners, np.tile(point, (len(corners), 1)))
+        assert np.linalg.norm(nearest - point, axis=1).min() < DRAWN_OFF * fine.diameter
+
+
+def test_a_few_triangles_are_drawn_as_they_are():
+    part = read_part("keyed_cylinder")
+    assert len(prepare(part).triangles) == len(part.mesh.triangles)
+
+
+@pytest.mark.parametrize(
+    ("rpy", "least", "most"),
+    [((np.pi / 2, 0, 0.4), 0.3, 0.5), ((0, 0, 0), 0.9, 1.0), ((np.pi, 0, 0), 0.9, 1.0)],
+    ids=["lying", "open above", "closed above"],
+)
+def test_a_cup_that_lies_has_half_the_chance_to_be_the_right_way_round(rpy, least, most):
+    cell = replace(read_cell("yumi"), parts=(cup(),))
+    height = 0.0225 if least < 0.5 else 0.0205
+    T = cell.bin.T_world_bin * pose_from_rpy((0.02, 0.01, height), rpy)
+    scan = synthesize(cell, (Detection(cell.parts[0].name, T),), seed=3)
+    (found,) = localize(scan, cell.parts[0], cell, seed=0)
+    np.testing.assert_allclose(found.T_world_part.translation, T.translation, atol=0.002)
+    assert least < found.probability <= most
