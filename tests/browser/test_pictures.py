@@ -133,15 +133,23 @@ def looked_at(page, kept):
 
 
 def changed(one, other):
-    """Where, in regions from the left and the top, two pictures (h, w, 3) differ."""
+    """Where, in regions from the left and the top, two pictures (h, w, 3) differ.
+
+    A pixel up or down is no difference: a row's place is rounded as it comes out, which depends on
+    what was there when it was laid out.
+    """
     assert one.shape == other.shape
-    means = []
-    for picture in (one, other):
-        height, width = (REGION * (size // REGION) for size in picture.shape[:2])
-        shape = (height // REGION, REGION, width // REGION, REGION, 3)
-        means.append(picture[:height, :width].reshape(shape).mean(axis=(1, 3)))
-    apart = np.abs(means[0] - means[1]).max(axis=2)
+    mean = means(one)
+    moved = [means(np.roll(other, step, axis=0)) for step in (-1, 0, 1)]
+    apart = np.min([np.abs(mean - each).max(axis=2) for each in moved], axis=0)
     return [(int(x), int(y)) for y, x in np.argwhere(apart > TOLERANCE)]
+
+
+def means(picture):
+    """The mean colours of a picture's regions."""
+    height, width = (REGION * (size // REGION) for size in picture.shape[:2])
+    shape = (height // REGION, REGION, width // REGION, REGION, 3)
+    return picture[:height, :width].reshape(shape).mean(axis=(1, 3))
 
 
 def sheet(theme, width):
