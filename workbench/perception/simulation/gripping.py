@@ -11,7 +11,7 @@ import numpy as np
 import pinocchio as pin
 
 from workbench.model.cell import Tool
-from workbench.model.geometry import Box, Floats, Solid, copied, put
+from workbench.model.geometry import Box, Floats, Mesh, Solid, copied, put
 from workbench.model.part import Part
 from workbench.perception.simulation.physics import add_solid
 from workbench.perception.views.surfaces import triangles_of
@@ -19,14 +19,22 @@ from workbench.perception.views.surfaces import triangles_of
 STEP = 0.001
 """[s]"""
 
-CLOSING = 0.05
+CLOSING = 0.02
 """[m/s] Of each finger, before it meets something."""
 
 FINGER_MASS = 0.1
 """[kg]"""
 
 TILE = 0.003
-"""[m] Pads are cut into tiles of about this size: each touches at one point, as MuJoCo has it."""
+"""[m] For what is round pads are cut into tiles of about this size, as MuJoCo has a box and a
+cylinder touch at one point, and not along a line.  Flat things touch the whole box."""
+
+ON_PLANE, ON_PAD, ON_TILES = 1, 2, 4
+"""Bits of what touches what."""
+
+PAD, PLANE = (0.4, 0.001, 0.0), (0.4, 0.002, 0.0005)
+"""Friction of pads and of what the part lies on, no unit, that against turning about the normal [m],
+as soft pads have it, and against rolling [m]."""
 
 LONGEST, STILL = 2.0, 1e-3
 """[s] In which the fingers have to close; [m/s] they have when they move no more."""
@@ -95,9 +103,10 @@ class Gripping:
         body = spec.worldbody.add_body(name="part")
         body.add_freejoint()
         for piece in part.pieces:
-            # Pads hold what they touch by many points; only the plane needs to stop what rolls.
             geom = add_solid(spec, body, piece)
-            geom.contype, geom.conaffinity = 1, 1
+            is_flat = isinstance(piece.shape, Box | Mesh)
+            geom.contype, geom.conaffinity = 0, ON_PLANE + (ON_PAD if is_flat else ON_TILES)
+            geom.condim, geom.friction = 4, PAD
         low = min(
             float((_points(piece) @ T_world_part.rotation[2]).min()) for piece in part.pieces
         )
@@ -106,9 +115,10 @@ class Gripping:
             type=mujoco.mjtGeom.mjGEOM_PLANE,
             size=[1, 1, 0.1],
             pos=[0, 0, T_world_part.translation[2] + low],
-            friction=[0.4, 0.002, 0.0005],
+            friction=PLANE,
+            condim=6,
         )
-        floor.contype, floor.conaffinity = 2, 1
+        floor.contype, floor.conaffinity = ON_PLANE, 0
         hand = spec.worldbody.add_body(name="hand")
         for number, finger in enumerate(tool.fingers):
             moved = hand.add_body(name=f"finger{number}")
@@ -118,10 +128,10 @@ class Gripping:
                 axis=finger.direction,
                 damping=0.0,
             )
-            for tile in tiles(finger.solid, finger.direction):
-                geom = add_solid(spec, moved, tile)
-                geom.contype, geom.conaffinity = 4, 1
-                geom.mass = FINGER_MASS / 100
+            pads = [(tile, ON_TILES) for tile in tiles(finger.solid, finger.direction)]
+            for solid, kind in [(finger.solid, ON_PAD), *pads]:
+                geom = add_solid(spec, moved, solid)
+                geom.contype, geom.conaffinity, geom.condim, geom.friction = kind, 0, 4, PAD
             moved.explicitinertial = True
             moved.mass, moved.inertia = FINGER_MASS, [1e-4, 1e-4, 1e-4]
             moved.gravcomp = 1.0
@@ -147,8 +157,7 @@ class Gripping:
         model.body_pos[self._hand] = T_world_hand.translation
         model.body_quat[self._hand] = _quaternion(T_world_hand)
         model.opt.gravity[:] = (0.0, 0.0, -GRAVITY)
-        model.geom_conaffinity[self._floor] = 1
-        model.geom_contype[self._floor] = 2
+        model.geom_contype[self._floor] = ON_PLANE
         data = mujoco.MjData(model)
         data.qpos[:7] = [*self._T_world_part.translation, *_quaternion(self._T_world_part)]
         data.qpos[7:] = opening / 2
@@ -166,7 +175,7 @@ class Gripping:
         if not self._touches(data):
             return Held()
         # The plane goes, and the hand accelerates upwards and to all sides.
-        model.geom_conaffinity[self._floor] = model.geom_contype[self._floor] = 0
+        model.geom_contype[self._floor] = 0
         a = shaking.acceleration
         for way in ((0, 0, a), (a, 0, 0), (-a, 0, 0), (0, a, 0), (0, -a, 0), (0, 0, 0)):
             model.opt.gravity[:] = -np.array(way, float) - (0.0, 0.0, GRAVITY)

@@ -1,0 +1,174 @@
+"""What closing fingers do to a part that is not quite where it is thought to be.
+
+All errors are small motions of the part (6,) [m, rad]: that of the point of it at the TCP, then
+turns, along the closing axes: x across the pads, y along the fingers' travel, z along the tool.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+import pinocchio as pin
+
+from workbench.model.geometry import Floats, frozen, put
+from workbench.planning.grasps.grasp_check import FRICTION, GraspChecker
+from workbench.planning.grasps.part_rays import normals_of
+
+TRIED = float(np.deg2rad(2.0))
+"""[rad] Turns by which it is tried what the fingers meet."""
+
+DIRECTIONS = 6
+"""Axes across the travel about which the part may lie flat on the pads, over half a turn."""
+
+STEEP = 0.5
+"""Fingers whose travel is less level than this cosine do not push a part along what it lies on."""
+
+LEVEL = np.array([0.0, 0.0, 1.0])
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Grip:
+    """What becomes of an error as the hand closes: `error -> keeps @ error`.
+
+    `keeps` (6, 6) [m, rad] is linear; `aligned` are unit axes (k, 3) about which the pads turn the
+    part flat.
+    """
+
+    keeps: Floats
+    aligned: Floats
+
+    def __post_init__(self) -> None:
+        put(self, keeps=frozen(self.keeps), aligned=frozen(self.aligned).reshape(-1, 3))
+
+
+def cup_grip() -> Grip:
+    """What a suction cup takes out: nothing but what lifts a flat face off its lip.
+
+    The part is drawn to the lip, along the tool and about both axes across it.
+    """
+    return Grip(np.diag([1.0, 1.0, 0.0, 0.0, 0.0, 1.0]), np.eye(3)[:2])
+
+
+def finger_grip(checker: GraspChecker, T_part_tcp: pin.SE3, T_world_part: pin.SE3) -> Grip:
+    """What two fingers take out of the error of a part that lies on something level.
+
+    First one of them pushes it until the other meets it, too.  That takes out the error along the
+    travel; as it is pushed beside its middle the part swivels, and where it lies round it rolls.
+    Then both turn it until faces lie flat on the pads, unless friction holds it as it is: that is
+    so where the faces are shorter than the part is wide, times the friction (Nguyen, Constructing
+    force-closure grasps, 1988: each pad's push goes through the friction cone of the other).
+
+    Args:
+        checker: of the part and a tool with pads.
+        T_part_tcp: of the grasp.
+        T_world_part: how it lies.
+    """
+    assert checker.pads is not None
+    R_tcp_closing = np.asarray(checker.pads.R_tcp_closing)
+    T_part_closing = T_part_tcp * pin.SE3(R_tcp_closing, np.zeros(3))
+    felt = _Felt(checker, T_part_tcp, R_tcp_closing)
+    if felt.width is None:
+        return Grip(np.eye(6), np.empty((0, 3)))
+    along = felt.along()
+    way = _pushed(checker, T_part_closing, T_world_part)
+    way /= along @ way
+    keeps = np.eye(6) - np.outer(way, along)
+    aligned = felt.aligned()
+    for axis in aligned:
+        # About the middle of the faces: what is between the fingers stays in their middle.
+        turn = np.concatenate([-np.array([0.0, along[3:] @ axis, 0.0]), axis])
+        keeps = keeps - np.outer(turn, np.concatenate([np.zeros(3), axis]) @ keeps)
+    return Grip(keeps, aligned)
+
+
+class _Felt:
+    """What the fingers meet of a part that is turned a little in the hand."""
+
+    def __init__(self, checker: GraspChecker, T_part_tcp: pin.SE3, R_tcp_closing: Floats):
+        self._checker, self._T_tcp_part, self._R = checker, T_part_tcp.inverse(), R_tcp_closing
+        nominal = self._hold(np.array([1.0, 0.0, 0.0]), 0.0)
+        self.width, self._middle = (None, 0.0) if nominal is None else nominal
+
+    def _hold(self, axis: Floats, angle: float) -> tuple[float, float] | None:
+        """Width [m] and middle along the travel [m] after a turn about an axis through the TCP."""
+        turn = pin.SE3(pin.exp3(self._R @ axis * angle), np.zeros(3))
+        hold = self._checker.hold((turn * self._T_tcp_part).inverse())
+        return None if hold is None else (hold.width, hold.offset)
+
+    def along(self) -> Floats:
+        """By how much the middle of what is between the fingers is off, for each error (6,)."""
+        found = np.array([0.0, 1.0, 0.0, 0.0, 0.0, 0.0])
+        for k in (0, 2):
+            one, other = (self._hold(np.eye(3)[k], angle) for angle in (TRIED, -TRIED))
+            if one is not None and other is not None:
+                found[3 + k] = (one[1] - other[1]) / (2 * TRIED)
+        return found
+
+    def _length(self, axis: Floats) -> float:
+        """How much wider [m/rad] a turn about an axis makes what is between the fingers."""
+        assert self.width is not None
+        holds = [self._hold(axis, angle) for angle in (TRIED, -TRIED)]
+        return min(0.0 if one is None else (one[0] - self.width) / TRIED for one in holds)
+
+    def aligned(self) -> Floats:
+        """Axes (k, 3) across the travel about which the pads turn the part flat; no unit."""
+        assert self.width is not None and self._checker.pads is not None
+        # Rays do not see the rims of faces: half a cell at each end.
+        step = self._checker.pads.grid.step
+        angles = np.arange(DIRECTIONS) * np.pi / DIRECTIONS
+        axes = np.column_stack([np.cos(angles), np.zeros(DIRECTIONS), np.sin(angles)])
+        lengths = np.array([self._length(axis) for axis in axes])
+        best = int(np.argmax(lengths))
+        across = (best + DIRECTIONS // 2) % DIRECTIONS
+        least = self.width * np.tan(FRICTION)
+        chosen = [k for k in (best, across) if lengths[k] > step and lengths[k] + step > least]
+        return axes[chosen]
+
+
+def _pushed(checker: GraspChecker, T_part_closing: pin.SE3, T_world_part: pin.SE3) -> Floats:
+    """How the part goes as one finger pushes it along the travel (6,), of whatever length.
+
+    What it lies on is level and rubs as if its weight lay where its surface is.
+    """
+    T_world_closing = T_world_part * T_part_closing
+    travel = T_world_closing.rotation[:, 1]
+    level = travel - (travel @ LEVEL) * LEVEL
+    cosine = float(np.linalg.norm(level))
+    if cosine < STEEP:
+        return np.array([0.0, 1.0, 0.0, 0.0, 0.0, 0.0])
+    level /= cosine
+    sideways = np.cross(LEVEL, level)
+    mesh = checker.part.mesh
+    _, areas = normals_of(mesh)
+    middles = mesh.points[mesh.triangles].mean(axis=1) @ T_world_part.rotation.T
+    middle = areas @ middles / areas.sum()
+    off = middles - middle
+    square = float(areas @ (off[:, :2] ** 2).sum(axis=1) / areas.sum())
+    # The finger pushes at the TCP; pads are narrow against parts.
+    from_middle = T_world_closing.translation - T_world_part.translation - middle
+    arm = float(from_middle @ sideways)
+    points = mesh.points @ T_world_part.rotation.T - middle
+    if _is_round(points, sideways):
+        # What rolls does not slip, and so does not swivel.
+        turn, shift = sideways / -float(points[:, 2].min()), level
+    else:
+        # As on a film of oil, which is where friction holds least.
+        turn = -arm / (arm**2 + square) * LEVEL
+        shift = square / (arm**2 + square) * level
+    R = T_world_closing.rotation
+    return np.concatenate([R.T @ (shift + np.cross(turn, from_middle)), R.T @ turn])
+
+
+def _is_round(points: Floats, axis: Floats) -> bool:
+    """Whether a part rolls about a level axis (3,) rather than slides on what it lies on.
+
+    It slides where lifting its middle takes more force than friction does (points (n, 3) [m] from
+    its middle).
+    """
+    height = -float(points[:, 2].min())
+    risen: list[float] = []
+    for angle in (TRIED, -TRIED):
+        turned = points @ pin.exp3(axis * angle)[2]
+        risen.append((-float(turned.min()) - height) / TRIED)
+    # The pad rubs on the part as it rolls, at about the same distance from what it rolls about.
+    friction = float(np.tan(FRICTION))
+    return max(map(abs, risen)) < friction * (1.0 - friction) * height
