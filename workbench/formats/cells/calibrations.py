@@ -45,7 +45,10 @@ class ScannedPoses:
 
 
 def read_record(table: Table) -> CalibrationRecord:
-    """The table `[scanner.calibration]` of a cell file: `at`, `by`, `poses`, `rms_mm`."""
+    """The table `[scanner.calibration]` of a cell file: `at`, `by`, `poses`, `rms_mm`.
+
+    And, where it says how sure it is, `sure_mm` and `sure_deg`.
+    """
     text = table.text("at")
     try:
         at = datetime.fromisoformat(text)
@@ -56,6 +59,10 @@ def read_record(table: Table) -> CalibrationRecord:
         table.text("by"),
         table.whole("poses", low=1, high=MOST_POSES),
         table.number("rms_mm", low=0, high=100) / 1000,
+        table.number("sure_mm", low=0, high=1000) / 1000 if table.has("sure_mm") else None,
+        float(np.deg2rad(table.number("sure_deg", low=0, high=180)))
+        if table.has("sure_deg")
+        else None,
     )
     table.finish()
     return record
@@ -64,7 +71,12 @@ def read_record(table: Table) -> CalibrationRecord:
 def record_table(record: CalibrationRecord) -> dict[str, str | int | float]:
     """What `read_record` reads."""
     rms = round(record.rms * 1000, 4)
-    return {"at": utc(record.at), "by": record.by, "poses": record.poses, "rms_mm": rms}
+    table = {"at": utc(record.at), "by": record.by, "poses": record.poses, "rms_mm": rms}
+    if record.position_error is not None:
+        table["sure_mm"] = round(record.position_error * 1000, 4)
+    if record.angle_error is not None:
+        table["sure_deg"] = round(float(np.rad2deg(record.angle_error)), 5)
+    return table
 
 
 def read_scanned_poses(folder: Path, cell: Cell) -> ScannedPoses:

@@ -22,6 +22,10 @@ DIRECTIONS = 6
 STEEP = 0.5
 """Fingers whose travel is less level than this cosine do not push a part along what it lies on."""
 
+PLAY, ALIGNED = 1e-4, float(np.deg2rad(0.5))
+"""[m] Deviation along the travel of what is gripped, and [rad] about axes about which it was turned
+flat: friction holds the last of it."""
+
 LEVEL = np.array([0.0, 0.0, 1.0])
 
 
@@ -29,15 +33,25 @@ LEVEL = np.array([0.0, 0.0, 1.0])
 class Grip:
     """What becomes of an error as the hand closes: `error -> keeps @ error`.
 
-    `keeps` (6, 6) [m, rad] is linear; `aligned` are unit axes (k, 3) about which the pads turn the
-    part flat.
+    `keeps` (6, 6) [m, rad] is linear.  `turns` (k, 6) [m/rad, no unit] are the motions by which the
+    hand turns the part flat, each by one radian: what it takes out about them it takes out nearly.
     """
 
     keeps: Floats
-    aligned: Floats
+    turns: Floats
 
     def __post_init__(self) -> None:
-        put(self, keeps=frozen(self.keeps), aligned=frozen(self.aligned).reshape(-1, 3))
+        put(self, keeps=frozen(self.keeps), turns=frozen(self.turns).reshape(-1, 6))
+
+    def covariance(self, before: Floats) -> Floats:
+        """What the grip itself adds (6, 6) [m, rad] to an error of a covariance (6, 6)."""
+        along = np.zeros(6)
+        along[1] = PLAY
+        found = np.outer(along, along)
+        for turn in self.turns:
+            axis = np.concatenate([np.zeros(3), turn[3:]])
+            found += min(ALIGNED**2, float(axis @ before @ axis)) * np.outer(turn, turn)
+        return found
 
 
 def cup_grip() -> Grip:
@@ -45,7 +59,7 @@ def cup_grip() -> Grip:
 
     The part is drawn to the lip, along the tool and about both axes across it.
     """
-    return Grip(np.diag([1.0, 1.0, 0.0, 0.0, 0.0, 1.0]), np.eye(3)[:2])
+    return Grip(np.diag([1.0, 1.0, 0.0, 0.0, 0.0, 1.0]), np.eye(6)[3:5])
 
 
 def finger_grip(checker: GraspChecker, T_part_tcp: pin.SE3, T_world_part: pin.SE3) -> Grip:
@@ -67,17 +81,16 @@ def finger_grip(checker: GraspChecker, T_part_tcp: pin.SE3, T_world_part: pin.SE
     T_part_closing = T_part_tcp * pin.SE3(R_tcp_closing, np.zeros(3))
     felt = _Felt(checker, T_part_tcp, R_tcp_closing)
     if felt.width is None:
-        return Grip(np.eye(6), np.empty((0, 3)))
+        return Grip(np.eye(6), np.empty((0, 6)))
     along = felt.along()
     way = _pushed(checker, T_part_closing, T_world_part)
     way /= along @ way
     keeps = np.eye(6) - np.outer(way, along)
-    aligned = felt.aligned()
-    for axis in aligned:
-        # About the middle of the faces: what is between the fingers stays in their middle.
-        turn = np.concatenate([-np.array([0.0, along[3:] @ axis, 0.0]), axis])
-        keeps = keeps - np.outer(turn, np.concatenate([np.zeros(3), axis]) @ keeps)
-    return Grip(keeps, aligned)
+    # About the middle of the faces: what is between the fingers stays in their middle.
+    turns = [np.array([0.0, -along[3:] @ axis, 0.0, *axis]) for axis in felt.aligned()]
+    for turn in turns:
+        keeps = keeps - np.outer(turn, turn[3:] @ keeps[3:])
+    return Grip(keeps, np.array(turns))
 
 
 class _Felt:
