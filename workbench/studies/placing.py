@@ -13,7 +13,8 @@ from workbench.formats.cells.reading import read_cell
 from workbench.formats.parts.reading import read_part
 from workbench.model.candidate import Candidate
 from workbench.model.cell import Arm, Cell
-from workbench.model.geometry import Floats
+from workbench.model.errors import InputError
+from workbench.model.geometry import Floats, shift_and_turn
 from workbench.model.part import TURNED, Part, PartPlace
 from workbench.model.scan import Detection
 from workbench.perception.localization.pose_error import pose_error
@@ -21,20 +22,29 @@ from workbench.perception.simulation.gripping import Gripping, Held, Shaking
 from workbench.perception.simulation.piles import pile_of
 from workbench.perception.simulation.synthesize import synthesize
 from workbench.planning.collision.world import World
+from workbench.planning.grasps.pads import has_pads
 from workbench.planning.picking.propose import propose
 from workbench.planning.placing.budget import Budget, budget_of
 from workbench.planning.placing.chance import SURE, drawn, within
 from workbench.planning.placing.sources import calibration_error, localization_error
-from workbench.plugins.progress import never, silent
+from workbench.plugins.progress import Report, never, silent
+from workbench.studies.cases import run_cases
 from workbench.studies.localization import BUILDS, NEAR
 from workbench.studies.localization import TURNED as TOO_FAR
 
 GRASPS, EACH = 4, 20
 """Grasps that are tried of a part as it lies, and how often each is."""
 
+MOST_ROUNDS = 6
+"""Of parts that fall in the place of those that came to nothing."""
+
 SLIPS, TIPS, LOST = 0.001, float(np.deg2rad(2.0)), 0.02
 """[m, rad] A part that moves so far in the closed hand slips, one that turns so far tips; [m] and
 one that moves so far is lost."""
+
+
+STAYS = 0.0005, float(np.deg2rad(0.5))
+"""[m, rad] A part that moves less once the bin is away lies by itself."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,13 +88,43 @@ class Gripped:
     missed: int
 
 
+def measure(
+    case: Case, grips: int, *, workers: int = 1, report: Report = silent
+) -> list[Gripped]:
+    """Parts fall and are gripped until there are as many grips, seed after seed.
+
+    Args:
+        case: the first one.
+        grips: at least so many, unless hardly any part can be gripped.
+        workers: processes on this machine.
+        report: progress.
+
+    Raises:
+        InputError: no arm of the cell has two fingers.
+    """
+    cell = read_cell(case.cell)
+    if not any(has_pads(arm.tool) for arm in cell.arms):
+        raise InputError(f"cell {cell.name}: no arm has a hand with two fingers, which is gripped by")
+    results: list[Gripped] = []
+    seed = case.seed
+    for _ in range(MOST_ROUNDS):
+        left = grips - sum(len(one.shifts) for one in results)
+        if left <= 0:
+            break
+        cases = [replace(case, seed=seed + k) for k in range(-(-left // (GRASPS * EACH)))]
+        seed += len(cases)
+        for some in run_cases(gripped, cases, workers=workers, report=report):
+            results += some
+    return results
+
+
 def gripped(case: Case) -> list[Gripped]:
     """Drop a part, look at it, and grip it again and again by some of the grasps that fit.
 
-    Nothing comes of a part that is not found, or that no grasp fits.
+    Nothing comes of a part that is not found, that leans on the bin, or that no grasp fits.
     """
     cell = _warm(case.cell, case.part, case.build)
-    fallen = pile_of(cell, case.part, 1, seed=case.seed)
+    fallen = pile_of(cell, "", 1, seed=case.seed)
     scan = synthesize(cell, fallen, seed=case.seed, noise=BUILDS[case.build].noise)
     part, true = cell.part(fallen[0].part), fallen[0].T_world_part
     for found in find_parts(cell, {"scan": scan, "seed": case.seed}, silent, never).detections:
@@ -97,11 +137,13 @@ def gripped(case: Case) -> list[Gripped]:
 
 
 def _gripped(case: Case, cell: Cell, part: Part, lying: Detection) -> list[Gripped]:
+    if not _lies_by_itself(cell, part, lying):
+        return []
     rng = np.random.default_rng([case.seed, 1])
     fitting = [
         one
         for one in propose(World(cell, (lying,)))
-        if one.verdict.is_ok and len(cell.arm(one.arm).tool.fingers) == 2
+        if one.verdict.is_ok and has_pads(cell.arm(one.arm).tool)
     ]
     once = list({one.grasp.name: one for one in fitting}.values())
     chosen = [once[k] for k in sorted(rng.permutation(len(once))[:GRASPS])]
@@ -111,6 +153,13 @@ def _gripped(case: Case, cell: Cell, part: Part, lying: Detection) -> list[Gripp
         for number, candidate in enumerate(chosen)
         for each in [GRASPS * EACH // len(chosen)]
     ]
+
+
+def _lies_by_itself(cell: Cell, part: Part, lying: Detection) -> bool:
+    T = lying.T_world_part
+    tool = next(arm.tool for arm in cell.arms if has_pads(arm.tool))
+    far, turn = shift_and_turn(T.actInv(Gripping(part, tool, T).settled()))
+    return far <= STAYS[0] and turn <= STAYS[1]
 
 
 def _by_one(
@@ -231,8 +280,8 @@ def _row(results: Sequence[Gripped]) -> dict[str, Any]:
 def _warm(name: str, part: str, build: str) -> Cell:
     """The cell with that part and scanner, the part of its own that is meant where it has it."""
     cell = read_cell(name)
-    own = [one for one in cell.parts if one.name == part]
-    parts = tuple(own) or (read_part(part),)
+    own = tuple(one for one in cell.parts if one.name == part or not part)[:1]
+    parts = own or (read_part(part),)
     deviation = BUILDS[build].deviation
     mount = cell.scanner if deviation is None else replace(cell.scanner, depth_noise=deviation)
     return replace(cell, parts=parts, scanner=mount)

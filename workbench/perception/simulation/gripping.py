@@ -45,8 +45,8 @@ SETTLE, SHAKE = 0.1, 0.1
 GRAVITY = 9.81
 """[m/s2]"""
 
-LOST = 0.02
-"""[m] A part that has moved so far in the hand is lost."""
+WHILE, ASIDE = 0.5, np.array([0.0, 0.0, 5.0])
+"""[s] A part that leans on something falls within this; [m] where the hand is meanwhile."""
 
 NO_SLIP = 10
 """Iterations of MuJoCo's search for forces without slip."""
@@ -150,16 +150,16 @@ class Gripping:
         model.body_mass[self._part] = part.mass
         mujoco.mj_setConst(model, mujoco.MjData(model))
 
+    def settled(self) -> pin.SE3:
+        """`T_world_part` after a while in which nobody touches it: elsewhere, if it leaned on things."""
+        data = self._at_rest(pin.SE3(np.eye(3), self._T_world_part.translation + ASIDE))
+        mujoco.mj_step(self._model, data, nstep=round(WHILE / STEP))
+        return _pose(data)
+
     def grip(self, T_world_tcp: pin.SE3, opening: float, shaking: Shaking) -> Held:
         """Close fingers that are open by `opening` [m] at a pose of the hand, lift and shake."""
         model = self._model
-        T_world_hand = T_world_tcp * self._T_flange_tcp.inverse()
-        model.body_pos[self._hand] = T_world_hand.translation
-        model.body_quat[self._hand] = _quaternion(T_world_hand)
-        model.opt.gravity[:] = (0.0, 0.0, -GRAVITY)
-        model.geom_contype[self._floor] = ON_PLANE
-        data = mujoco.MjData(model)
-        data.qpos[:7] = [*self._T_world_part.translation, *_quaternion(self._T_world_part)]
+        data = self._at_rest(T_world_tcp * self._T_flange_tcp.inverse())
         data.qpos[7:] = opening / 2
         mujoco.mj_forward(model, data)
         if self._touches(data):
@@ -171,7 +171,7 @@ class Gripping:
             if np.abs(data.qvel[6:]).max() < STILL and self._touches(data):
                 break
         mujoco.mj_step(model, data, nstep=round(SETTLE / STEP))
-        closed = self._in_hand(data, T_world_tcp)
+        closed = T_world_tcp.actInv(_pose(data))
         if not self._touches(data):
             return Held()
         # The plane goes, and the hand accelerates upwards and to all sides.
@@ -180,19 +180,29 @@ class Gripping:
         for way in ((0, 0, a), (a, 0, 0), (-a, 0, 0), (0, a, 0), (0, -a, 0), (0, 0, 0)):
             model.opt.gravity[:] = -np.array(way, float) - (0.0, 0.0, GRAVITY)
             mujoco.mj_step(model, data, nstep=round(SHAKE / STEP))
-        return Held(closed, self._in_hand(data, T_world_tcp))
+        return Held(closed, T_world_tcp.actInv(_pose(data)))
 
     def _touches(self, data: mujoco.MjData) -> bool:
         """Whether a finger is in touch with the part."""
         bodies = self._model.geom_bodyid[data.contact.geom]
         return bool(((bodies == self._part).any(axis=1) & (bodies > self._hand).any(axis=1)).any())
 
-    def _in_hand(self, data: mujoco.MjData, T_world_tcp: pin.SE3) -> pin.SE3:
-        x, y, z, w, i, j, k = data.qpos[:7]
-        T_world_part = pin.SE3(
-            pin.Quaternion(w, i, j, k).normalized().matrix(), np.array([x, y, z])
-        )
-        return T_world_tcp.actInv(T_world_part)
+    def _at_rest(self, T_world_hand: pin.SE3) -> mujoco.MjData:
+        """The part on the plane, and the hand there."""
+        model = self._model
+        model.body_pos[self._hand] = T_world_hand.translation
+        model.body_quat[self._hand] = _quaternion(T_world_hand)
+        model.opt.gravity[:] = (0.0, 0.0, -GRAVITY)
+        model.geom_contype[self._floor] = ON_PLANE
+        data = mujoco.MjData(model)
+        data.qpos[:7] = [*self._T_world_part.translation, *_quaternion(self._T_world_part)]
+        return data
+
+
+def _pose(data: mujoco.MjData) -> pin.SE3:
+    """`T_world_part`."""
+    x, y, z, w, i, j, k = data.qpos[:7]
+    return pin.SE3(pin.Quaternion(w, i, j, k).normalized().matrix(), np.array([x, y, z]))
 
 
 def tiles(solid: Solid, direction: Floats) -> list[Solid]:
