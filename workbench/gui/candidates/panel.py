@@ -7,6 +7,7 @@ from functools import partial
 import viser
 
 from workbench.app.core.commands import TakeScan
+from workbench.gui.candidates.sureness import sureness_words
 from workbench.gui.scene.fix_inputs import FixInputs
 from workbench.gui.shared.colours import KINDS
 from workbench.gui.shared.look import View
@@ -67,6 +68,7 @@ class CandidatesPanel:
         )
         self._pose_line = gui.add_html("")
         self._fix_line = gui.add_html("", visible=False)
+        self._sure_line = gui.add_html("", visible=False)
         gui.add_html('<div class="wb-buttons wb-three"></div>')
         self._foot = gui.add_html("")
         self._back = gui.add_button("Previous", color="gray")
@@ -107,6 +109,10 @@ class CandidatesPanel:
         if old is None or old.fix is not new.fix:
             self._fix_line.content = line(sentence(new.fix.words), kind="warn")
             self._fix_line.visible = bool(new.fix.words)
+        if old is None or _chosen(old) != _chosen(new):
+            words = sureness_words(new)
+            self._sure_line.content = line(sentence(words), kind="hint")
+            self._sure_line.visible = bool(words)
         self._fix.show(old, new, new.fix)
 
     def _draw_pose(self, old: View | None, new: View) -> None:
@@ -181,3 +187,8 @@ class CandidatesPanel:
         look = visitor.look
         chosen = None if look.now.candidate == shown[place] else shown[place]
         look.change(candidate=chosen, pose=0, by=None)
+
+
+def _chosen(view: View) -> tuple[int, int, int | None]:
+    """Which candidate is chosen, of which ones."""
+    return id(view.state.candidates), id(view.state.detections), view.look.candidate

@@ -64,16 +64,17 @@ class Budget:
     def words(self) -> str:
         """All of it in one sentence."""
         source, axis = self.largest
+        mm, degrees = self.shift * 1000, float(np.rad2deg(self.turn))
         told = (
-            f"held so, the part lies within {self.shift * 1000:.1f} mm and "
-            f"{np.rad2deg(self.turn):.1f} degrees of where it shall in {SURE:.0%} of picks; "
-            f"most of that comes from {source}, {axis}"
+            f"held so, the part lies within {mm:.1f} mm and {degrees:.1f} degrees of where it "
+            f"shall in {SURE:.0%} of picks; most of that comes from {source}, {axis}"
         )
         if self.place is None or self.chance is None:
             return told
+        mm, degrees = self.place.tolerance * 1000, float(np.rad2deg(self.place.turn_tolerance))
         return (
-            f"{told}; within the {self.place.tolerance * 1000:g} mm and "
-            f"{np.rad2deg(self.place.turn_tolerance):g} degrees of its place in {self.chance:.0%}"
+            f"{told}; in {self.chance:.0%} it lies within the {mm:g} mm and {degrees:g} degrees of "
+            "its place"
         )
 
     def _off(self) -> tuple[Floats, Floats]:

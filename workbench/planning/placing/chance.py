@@ -13,9 +13,6 @@ from workbench.planning.collision.rolled import axis_of
 DRAWS = 20_000
 """Errors that stand for all."""
 
-NEARLY_NOTHING = 1e-14
-"""[m2, rad2]"""
-
 SURE = 0.95
 """Of so many picks the part lies within what is told."""
 
@@ -73,8 +70,9 @@ def counted(part: Part, detection: Detection, place: PartPlace | None) -> Counte
 def drawn(covariance: Floats, count: int, seed: int) -> Floats:
     """Errors (count, 6) [m, rad] of a covariance (6, 6), the same ones each time."""
     normal = np.random.default_rng(seed).standard_normal((count, 6))
-    # What is known exactly has to be a little unsure for a root to be found.
-    return normal @ np.linalg.cholesky(covariance + NEARLY_NOTHING * np.eye(6)).T
+    # The root that is symmetric: others depend on how a machine turns the axes.
+    values, axes = np.linalg.eigh(covariance)
+    return normal @ ((axes * np.sqrt(np.maximum(values, 0.0))) @ axes.T)
 
 
 def within(off: tuple[Floats, Floats], place: PartPlace) -> float:

@@ -130,10 +130,11 @@ class _Felt:
         angles = np.arange(DIRECTIONS) * np.pi / DIRECTIONS
         axes = np.column_stack([np.cos(angles), np.zeros(DIRECTIONS), np.sin(angles)])
         lengths = np.array([self._length(axis) for axis in axes])
-        best = int(np.argmax(lengths))
-        across = (best + DIRECTIONS // 2) % DIRECTIONS
+        # What touches is as short as it is along its own axes: a corner's way across is no help.
+        shortest = int(np.argmin(lengths))
+        across = (shortest + DIRECTIONS // 2) % DIRECTIONS
         least = self.width * np.tan(FRICTION)
-        chosen = [k for k in (best, across) if lengths[k] > step and lengths[k] + step > least]
+        chosen = [k for k in (shortest, across) if lengths[k] > step and lengths[k] + step > least]
         return axes[chosen]
 
 
