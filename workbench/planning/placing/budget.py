@@ -145,7 +145,7 @@ def _grip(
 ) -> Grip:
     if checker.pads is not None:
         return finger_grip(checker, T_part_tcp, T_world_part)
-    return Grip(np.eye(6), np.empty((0, 6))) if tool.fingers else cup_grip()
+    return cup_grip() if not tool.fingers else Grip(np.eye(6), np.empty((0, 6)), play=0.0)
 
 
 def _largest(

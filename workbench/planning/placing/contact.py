@@ -35,10 +35,12 @@ class Grip:
 
     `keeps` (6, 6) [m, rad] is linear.  `turns` (k, 6) [m/rad, no unit] are the motions by which the
     hand turns the part flat, each by one radian: what it takes out about them it takes out nearly.
+    `play` [m] is the deviation of what it holds along the fingers' travel.
     """
 
     keeps: Floats
     turns: Floats
+    play: float = PLAY
 
     def __post_init__(self) -> None:
         put(self, keeps=frozen(self.keeps), turns=frozen(self.turns).reshape(-1, 6))
@@ -46,7 +48,7 @@ class Grip:
     def covariance(self, before: Floats) -> Floats:
         """What the grip itself adds (6, 6) [m, rad] to an error of a covariance (6, 6)."""
         along = np.zeros(6)
-        along[1] = PLAY
+        along[1] = self.play
         found = np.outer(along, along)
         for turn in self.turns:
             axis = np.concatenate([np.zeros(3), turn[3:]])
@@ -59,7 +61,7 @@ def cup_grip() -> Grip:
 
     The part is drawn to the lip, along the tool and about both axes across it.
     """
-    return Grip(np.diag([1.0, 1.0, 0.0, 0.0, 0.0, 1.0]), np.eye(6)[3:5])
+    return Grip(np.diag([1.0, 1.0, 0.0, 0.0, 0.0, 1.0]), np.eye(6)[3:5], play=0.0)
 
 
 def finger_grip(checker: GraspChecker, T_part_tcp: pin.SE3, T_world_part: pin.SE3) -> Grip:
@@ -81,7 +83,7 @@ def finger_grip(checker: GraspChecker, T_part_tcp: pin.SE3, T_world_part: pin.SE
     T_part_closing = T_part_tcp * pin.SE3(R_tcp_closing, np.zeros(3))
     felt = _Felt(checker, T_part_tcp, R_tcp_closing)
     if felt.width is None:
-        return Grip(np.eye(6), np.empty((0, 6)))
+        return Grip(np.eye(6), np.empty((0, 6)), play=0.0)
     along = felt.along()
     way = _pushed(checker, T_part_closing, T_world_part)
     way /= along @ way
