@@ -5,11 +5,12 @@ turns, along the closing axes: x across the pads, y along the fingers' travel, z
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import pinocchio as pin
 
-from workbench.model.geometry import Floats, frozen, put
+from workbench.model.geometry import Floats, Mesh, frozen, put
 from workbench.planning.grasps.grasp_check import FRICTION, GraspChecker
 from workbench.planning.grasps.part_rays import normals_of
 
@@ -18,6 +19,14 @@ TRIED = float(np.deg2rad(2.0))
 
 DIRECTIONS = 6
 """Axes across the travel about which the part may lie flat on the pads, over half a turn."""
+
+UPRIGHT = DIRECTIONS // 2
+ANGLES = np.arange(DIRECTIONS) * np.pi / DIRECTIONS
+AXES = np.column_stack([np.cos(ANGLES), np.zeros(DIRECTIONS), np.sin(ANGLES)])
+"""They themselves (n, 3), the one along the tool at `UPRIGHT`; no unit."""
+
+BORNE = 0.0005
+"""[m] A part is borne by what is no higher above its lowest point."""
 
 STEEP = 0.5
 """Fingers whose travel is less level than this cosine do not push a part along what it lies on."""
@@ -85,7 +94,7 @@ def finger_grip(checker: GraspChecker, T_part_tcp: pin.SE3, T_world_part: pin.SE
     if felt.width is None:
         return Grip(np.eye(6), np.empty((0, 6)), play=0.0)
     along = felt.along()
-    way = _pushed(checker, T_part_closing, T_world_part)
+    way = _pushed(checker.part.mesh, T_part_closing, T_world_part, felt.lengths[UPRIGHT])
     way /= along @ way
     keeps = np.eye(6) - np.outer(way, along)
     # About the middle of the faces: what is between the fingers stays in their middle.
@@ -124,26 +133,38 @@ class _Felt:
         holds = [self._hold(axis, angle) for angle in (TRIED, -TRIED)]
         return min(0.0 if one is None else (one[0] - self.width) / TRIED for one in holds)
 
-    def aligned(self) -> Floats:
-        """Axes (k, 3) across the travel about which the pads turn the part flat; no unit."""
-        assert self.width is not None and self._checker.pads is not None
+    @cached_property
+    def lengths(self) -> Floats:
+        """How long (n,) [m] what touches is across each of the axes `AXES`, both fingers' shared."""
+        assert self._checker.pads is not None
         # Rays do not see the rims of faces: half a cell at each end.
         step = self._checker.pads.grid.step
-        angles = np.arange(DIRECTIONS) * np.pi / DIRECTIONS
-        axes = np.column_stack([np.cos(angles), np.zeros(DIRECTIONS), np.sin(angles)])
-        lengths = np.array([self._length(axis) for axis in axes])
+        found = np.array([self._length(axis) for axis in AXES])
+        return np.where(found > step, found + step, 0.0)
+
+    def aligned(self) -> Floats:
+        """Axes (k, 3) across the travel about which the pads turn the part flat; no unit."""
+        assert self.width is not None
         # What touches is as short as it is along its own axes: a corner's way across is no help.
-        shortest = int(np.argmin(lengths))
+        shortest = int(np.argmin(self.lengths))
         across = (shortest + DIRECTIONS // 2) % DIRECTIONS
         least = self.width * np.tan(FRICTION)
-        chosen = [k for k in (shortest, across) if lengths[k] > step and lengths[k] + step > least]
-        return axes[chosen]
+        return AXES[[k for k in (shortest, across) if self.lengths[k] > least]]
 
 
-def _pushed(checker: GraspChecker, T_part_closing: pin.SE3, T_world_part: pin.SE3) -> Floats:
+def _pushed(
+    mesh: Mesh, T_part_closing: pin.SE3, T_world_part: pin.SE3, length: float
+) -> Floats:
     """How the part goes as one finger pushes it along the travel (6,), of whatever length.
 
-    What it lies on is level and rubs as if its weight lay where its surface is.
+    What it lies on is level, and bears it where the part is lowest.
+
+    Args:
+        mesh: the part's.
+        T_part_closing: the TCP with the closing axes.
+        T_world_part: how it lies.
+        length: [m] of what touches the pad: a push anywhere in it goes as it must for the part not
+            to swivel.
     """
     T_world_closing = T_world_part * T_part_closing
     travel = T_world_closing.rotation[:, 1]
@@ -153,25 +174,23 @@ def _pushed(checker: GraspChecker, T_part_closing: pin.SE3, T_world_part: pin.SE
         return np.array([0.0, 1.0, 0.0, 0.0, 0.0, 0.0])
     level /= cosine
     sideways = np.cross(LEVEL, level)
-    mesh = checker.part.mesh
     _, areas = normals_of(mesh)
-    middles = mesh.points[mesh.triangles].mean(axis=1) @ T_world_part.rotation.T
-    middle = areas @ middles / areas.sum()
-    off = middles - middle
-    square = float(areas @ (off[:, :2] ** 2).sum(axis=1) / areas.sum())
-    # The finger pushes at the TCP; pads are narrow against parts.
-    from_middle = T_world_closing.translation - T_world_part.translation - middle
-    arm = float(from_middle @ sideways)
-    points = mesh.points @ T_world_part.rotation.T - middle
+    middle = areas @ mesh.points[mesh.triangles].mean(axis=1) / areas.sum()
+    points = (mesh.points - middle) @ T_world_part.rotation.T
+    from_middle = T_world_closing.translation - T_world_part.act(middle)
+    beside = float(from_middle @ sideways)
+    arm = float(np.sign(beside)) * max(abs(beside) - length / 2, 0.0)
+    borne = points[points[:, 2] < points[:, 2].min() + BORNE, :2]
+    # Evenly, but so that it does not topple: what lies far from its middle bears less of it.
+    loads = np.linalg.pinv(np.vstack([np.ones(len(borne)), borne.T]))[:, 0]
+    square = max(float(loads @ (borne**2).sum(axis=1)), BORNE**2)
+    # As on a film of oil, which is where friction holds least.
+    turn = -arm / (arm**2 + square) * LEVEL
+    shift = square / (arm**2 + square)
     if _is_round(points, sideways):
-        # What rolls does not slip, and so does not swivel.
-        turn, shift = sideways / -float(points[:, 2].min()), level
-    else:
-        # As on a film of oil, which is where friction holds least.
-        turn = -arm / (arm**2 + square) * LEVEL
-        shift = square / (arm**2 + square) * level
+        turn = turn + sideways * shift / -float(points[:, 2].min())
     R = T_world_closing.rotation
-    return np.concatenate([R.T @ (shift + np.cross(turn, from_middle)), R.T @ turn])
+    return np.concatenate([R.T @ (shift * level + np.cross(turn, from_middle)), R.T @ turn])
 
 
 def _is_round(points: Floats, axis: Floats) -> bool:
