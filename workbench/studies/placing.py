@@ -52,8 +52,8 @@ class Case:
     """One part as it fell, and how it is gripped.
 
     `build` of the scanner that sees it, as in `localization`; `wider` multiplies the deviations
-    of the localization, `force` [N] is that of each finger, `acceleration` [m/s2] None: as the arm's
-    joints at home bring it about.
+    of the localization, `force` [N] is that of each finger, `acceleration` [m/s2] None: as the
+    arm's joints at home bring it about.
     """
 
     cell: str
@@ -88,9 +88,7 @@ class Gripped:
     missed: int
 
 
-def measure(
-    case: Case, grips: int, *, workers: int = 1, report: Report = silent
-) -> list[Gripped]:
+def measure(case: Case, grips: int, *, workers: int = 1, report: Report = silent) -> list[Gripped]:
     """Parts fall and are gripped until there are as many grips, seed after seed.
 
     Args:
@@ -104,7 +102,9 @@ def measure(
     """
     cell = read_cell(case.cell)
     if not any(has_pads(arm.tool) for arm in cell.arms):
-        raise InputError(f"cell {cell.name}: no arm has a hand with two fingers, which is gripped by")
+        raise InputError(
+            f"cell {cell.name}: no arm has a hand with two fingers, which is gripped by"
+        )
     results: list[Gripped] = []
     seed = case.seed
     for _ in range(MOST_ROUNDS):
@@ -198,9 +198,7 @@ def _by_one(
     )
 
 
-def measured(
-    held: Sequence[Held], T_tcp_meant: pin.SE3, budget: Budget
-) -> tuple[Floats, Floats]:
+def measured(held: Sequence[Held], T_tcp_meant: pin.SE3, budget: Budget) -> tuple[Floats, Floats]:
     """How far parts lie from how they were meant to, (n,) [m] and (n,) [rad].
 
     Infinitely where they are not in the hand at all.

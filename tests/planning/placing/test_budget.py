@@ -102,8 +102,8 @@ def test_it_says_in_one_sentence_how_far_and_why():
     words = budget(brick(0.02), [2e-3, 0, 0, 0, 0, 0], place).words
     assert words == (
         "held so, the part lies within 3.9 mm and 0.0 degrees of where it shall in 95% of picks; "
-        "most of that comes from the localization, across the pads; in 69% it lies within the 2 mm and "
-        "3 degrees of its place"
+        "most of that comes from the localization, across the pads; in 69% it lies within the "
+        "2 mm and 3 degrees of its place"
     )
 
 

@@ -1,4 +1,4 @@
-"""How far parts lie from where they shall, how often that is near enough, and what does not count."""
+"""How far parts lie from where they shall, how often that is near, and what does not count."""
 
 import numpy as np
 import pinocchio as pin

@@ -119,7 +119,7 @@ class StudyPlacing:
     cell: Positional[CellName] = "yumi"
     grips: int = 2000
     part: str = ""
-    """One of the cell's parts, or a name under parts/ or a path; the cell's first when not given."""
+    """One of the cell's parts, a name under parts/ or a path; the cell's first when not given."""
     noise: Literal[
         "fine", "rough", "structured_light", "stereo", "time_of_flight", "laser_line"
     ] = "fine"

@@ -48,8 +48,8 @@ def placing(typed: StudyPlacing) -> int:
         [_words(name, row) for name, row in (*found["grasps"].items(), ("all", whole))],
     )
     print(
-        f"{whole['within_shift']:.1%} of the parts are shifted and {whole['within_turn']:.1%} turned no "
-        f"more than is said of {whole['stated']:.0%}"
+        f"{whole['within_shift']:.1%} of the parts are shifted and "
+        f"{whole['within_turn']:.1%} turned no more than is said of {whole['stated']:.0%}"
     )
     return SUCCESS
 

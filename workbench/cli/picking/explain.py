@@ -91,8 +91,7 @@ MOST_BLOCKERS, MOST_FIXES = 8, 5
 """Lines that are printed; --json tells all."""
 
 MOST_SURE = 3
-"""Of so many candidates that can be taken, the best, it is told how sure it is where the part comes to
-lie."""
+"""The best candidates, of which it is told how sure it is where the part comes to lie."""
 
 
 def _sure_form(candidate: Candidate, budget: Budget) -> dict[str, object]:

@@ -17,7 +17,7 @@ from workbench.perception.simulation.physics import add_solid
 from workbench.perception.views.surfaces import triangles_of
 
 STEP = 0.001
-"""[s]"""
+"""[s] Of simulated time."""
 
 CLOSING = 0.02
 """[m/s] Of each finger, before it meets something."""
@@ -33,8 +33,8 @@ ON_PLANE, ON_PAD, ON_TILES = 1, 2, 4
 """Bits of what touches what."""
 
 PAD, PLANE = (0.4, 0.001, 0.0), (0.4, 0.002, 0.0005)
-"""Friction of pads and of what the part lies on, no unit, that against turning about the normal [m],
-as soft pads have it, and against rolling [m]."""
+"""Friction of pads and of what the part lies on, no unit; that against turning about the normal
+[m], as soft pads have it; and against rolling [m]."""
 
 LONGEST, STILL = 2.0, 1e-3
 """[s] In which the fingers have to close; [m/s] they have when they move no more."""
@@ -107,9 +107,7 @@ class Gripping:
             is_flat = isinstance(piece.shape, Box | Mesh)
             geom.contype, geom.conaffinity = 0, ON_PLANE + (ON_PAD if is_flat else ON_TILES)
             geom.condim, geom.friction = 4, PAD
-        low = min(
-            float((_points(piece) @ T_world_part.rotation[2]).min()) for piece in part.pieces
-        )
+        low = min(float((_points(piece) @ T_world_part.rotation[2]).min()) for piece in part.pieces)
         floor = spec.worldbody.add_geom(
             name="floor",
             type=mujoco.mjtGeom.mjGEOM_PLANE,
@@ -126,7 +124,6 @@ class Gripping:
                 name=f"slide{number}",
                 type=mujoco.mjtJoint.mjJNT_SLIDE,
                 axis=finger.direction,
-                damping=0.0,
             )
             pads = [(tile, ON_TILES) for tile in tiles(finger.solid, finger.direction)]
             for solid, kind in [(finger.solid, ON_PAD), *pads]:
@@ -151,7 +148,7 @@ class Gripping:
         mujoco.mj_setConst(model, mujoco.MjData(model))
 
     def settled(self) -> pin.SE3:
-        """`T_world_part` after a while in which nobody touches it: elsewhere, if it leaned on things."""
+        """`T_world_part` after a while in which nobody touches it: what leans on things falls."""
         data = self._at_rest(pin.SE3(np.eye(3), self._T_world_part.translation + ASIDE))
         mujoco.mj_step(self._model, data, nstep=round(WHILE / STEP))
         return _pose(data)

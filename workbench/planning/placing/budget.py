@@ -25,7 +25,11 @@ ALONG = {
 }
 ABOUT = {
     True: ("about the line across the pads", "about the fingers' travel", "about the tool's axis"),
-    False: ("about a line across the tool", "about a line across the tool", "about the tool's axis"),
+    False: (
+        "about a line across the tool",
+        "about a line across the tool",
+        "about the tool's axis",
+    ),
 }
 """Words for the axes of the hand, with fingers and without."""
 
@@ -34,13 +38,13 @@ ABOUT = {
 class Budget:
     """How far from where it shall a part comes to lie, as far as it is known before.
 
-    `covariance` (6, 6) [m, rad] is of shifts of the part's origin, then of turns about it, along the
-    axes of the hand: x across the pads, y along the fingers' travel, z along the tool.  It is the
-    sum of `shares`, by where each comes from.  `R_part_hand` (3, 3), no unit, are these axes in the
-    part's frame.  In `SURE` of all picks the part is shifted by `shift` [m] or less and, counted by
-    itself, turned by `turn` [rad] or less.  `largest` names what most of it comes from, and along
-    or about which axis.  `chance` 0..1 is that of both within the tolerances of `place`, where there
-    is one for the part.
+    `covariance` (6, 6) [m, rad] is of shifts of the part's origin, then of turns about it, along
+    the axes of the hand: x across the pads, y along the fingers' travel, z along the tool.  It is
+    the sum of `shares`, by where each comes from.  `R_part_hand` (3, 3), no unit, are these axes in
+    the part's frame.  In `SURE` of all picks the part is shifted by `shift` [m] or less and,
+    counted by itself, turned by `turn` [rad] or less.  `largest` names what most of it comes from,
+    and along or about which axis.  `chance` 0..1 is that of both within the tolerances of `place`,
+    where there is one for the part.
     """
 
     covariance: Floats
@@ -99,7 +103,7 @@ def budget_of(cell: Cell, detection: Detection, candidate: Candidate) -> Budget:
     R_tcp_hand = np.eye(3) if checker.pads is None else np.asarray(checker.pads.R_tcp_closing)
     R_part_hand = T_part_tcp.rotation @ R_tcp_hand
     grip = _grip(checker, tool, T_part_tcp, T_world_part)
-    # From shifts of the origin along the world's axes to those at the TCP along the hand's, and back.
+    # From shifts of the origin, along the world's axes, to those at the TCP, along the hand's.
     to_tcp = R_part_hand.T @ T_part_tcp.translation
     to_hand = _shifted(to_tcp) @ _turned((T_world_part.rotation @ R_part_hand).T)
     to_part = _shifted(-to_tcp)
@@ -140,9 +144,7 @@ def _checker(part: Part, tool: Tool) -> GraspChecker:
     return GraspChecker(part, tool)
 
 
-def _grip(
-    checker: GraspChecker, tool: Tool, T_part_tcp: pin.SE3, T_world_part: pin.SE3
-) -> Grip:
+def _grip(checker: GraspChecker, tool: Tool, T_part_tcp: pin.SE3, T_world_part: pin.SE3) -> Grip:
     if checker.pads is not None:
         return finger_grip(checker, T_part_tcp, T_world_part)
     return cup_grip() if not tool.fingers else Grip(np.eye(6), np.empty((0, 6)), play=0.0)
@@ -166,9 +168,7 @@ def _largest(
         along = R_part_hand.T @ axis
         counts[3:, 3:] = counts[3:, 3:] - np.outer(along, along @ counts[3:, 3:])
     weights = np.repeat([allowed.tolerance, allowed.turn_tolerance], 3)
-    weighed = {
-        name: np.diag(counts @ one @ counts.T) / weights**2 for name, one in shares.items()
-    }
+    weighed = {name: np.diag(counts @ one @ counts.T) / weights**2 for name, one in shares.items()}
     name = max(weighed, key=lambda one: float(weighed[one].sum()))
     axis = int(np.argmax(weighed[name]))
     return name, (*ALONG[has_fingers], *ABOUT[has_fingers])[axis]

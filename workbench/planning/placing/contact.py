@@ -135,7 +135,7 @@ class _Felt:
 
     @cached_property
     def lengths(self) -> Floats:
-        """How long (n,) [m] what touches is across each of the axes `AXES`, both fingers' shared."""
+        """How long (n,) [m] what both fingers touch is across each of the axes `AXES`."""
         assert self._checker.pads is not None
         # Rays do not see the rims of faces: half a cell at each end.
         step = self._checker.pads.grid.step
@@ -152,9 +152,7 @@ class _Felt:
         return AXES[[k for k in (shortest, across) if self.lengths[k] > least]]
 
 
-def _pushed(
-    mesh: Mesh, T_part_closing: pin.SE3, T_world_part: pin.SE3, length: float
-) -> Floats:
+def _pushed(mesh: Mesh, T_part_closing: pin.SE3, T_world_part: pin.SE3, length: float) -> Floats:
     """How the part goes as one finger pushes it along the travel (6,), of whatever length.
 
     What it lies on is level, and bears it where the part is lowest.
@@ -189,8 +187,11 @@ def _pushed(
     shift = square / (arm**2 + square)
     if _is_round(points, sideways):
         turn = turn + sideways * shift / -float(points[:, 2].min())
-    R = T_world_closing.rotation
-    return np.concatenate([R.T @ (shift * level + np.cross(turn, from_middle)), R.T @ turn])
+    R_closing_world = T_world_closing.rotation.T
+    found = np.zeros(6)
+    found[:3] = R_closing_world @ (shift * level + np.cross(turn, from_middle))
+    found[3:] = R_closing_world @ turn
+    return found
 
 
 def _is_round(points: Floats, axis: Floats) -> bool:

@@ -1,7 +1,7 @@
 """What is not known of where a part lies in the bin, by where it comes from.
 
-All are covariances (6, 6) [m, rad] of shifts of the part's origin, then of turns about it, along the
-world's axes, as `Detection` has it.
+All are covariances (6, 6) [m, rad] of shifts of the part's origin, then of turns about it, along
+the world's axes, as `Detection` has it.
 """
 
 import numpy as np
