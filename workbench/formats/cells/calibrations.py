@@ -54,15 +54,15 @@ def read_record(table: Table) -> CalibrationRecord:
         at = datetime.fromisoformat(text)
     except ValueError:
         raise table.error("at", f"{text!r} is no time such as 2026-01-31T12:00:00Z") from None
+    mm = table.number("sure_mm", 0.0, low=0, high=1000) if table.has("sure_mm") else None
+    degrees = table.number("sure_deg", 0.0, low=0, high=180) if table.has("sure_deg") else None
     record = CalibrationRecord(
         float(round((at if at.tzinfo else at.replace(tzinfo=UTC)).timestamp())),
         table.text("by"),
         table.whole("poses", low=1, high=MOST_POSES),
         table.number("rms_mm", low=0, high=100) / 1000,
-        table.number("sure_mm", low=0, high=1000) / 1000 if table.has("sure_mm") else None,
-        float(np.deg2rad(table.number("sure_deg", low=0, high=180)))
-        if table.has("sure_deg")
-        else None,
+        None if mm is None else mm / 1000,
+        None if degrees is None else float(np.deg2rad(degrees)),
     )
     table.finish()
     return record

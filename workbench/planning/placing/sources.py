@@ -19,7 +19,7 @@ LOCALIZATION = (0.001, float(np.deg2rad(1.0)))
 
 
 def calibration_error(mount: ScannerMount, detection: Detection) -> Floats:
-    """What the scanner's pose leaves open (6, 6): the further away the part, the more."""
+    """What the scanner's pose leaves open (6, 6) [m, rad]: more of parts that are further away."""
     record = mount.calibration
     place, turn = CALIBRATION
     if record is not None and record.position_error is not None:
@@ -36,7 +36,7 @@ def calibration_error(mount: ScannerMount, detection: Detection) -> Floats:
 
 
 def localization_error(detection: Detection) -> Floats:
-    """What the search leaves open (6, 6)."""
+    """What the search leaves open (6, 6) [m, rad]."""
     if detection.covariance is not None:
         return np.array(detection.covariance)
     place, turn = LOCALIZATION
