@@ -7,7 +7,6 @@ from workbench.app.core.people import Person, Role
 from workbench.app.runtime.live import Live
 from workbench.gui.candidates.panel import CandidatesPanel
 from workbench.gui.shared.look import View
-from workbench.planning.placing.budget import budget_of
 
 
 @pytest.fixture
@@ -34,20 +33,13 @@ def test_who_may_not_choose_is_told_why(panel, visitor, bench, role):
     assert "you are a viewer" in told if role is Role.VIEWER else "Ada is in control" in told
 
 
-def test_the_chosen_candidate_says_how_sure_it_is_where_its_part_comes_to_lie(
-    panel, visitor, states
-):
-    before = View(states.planned, Live(), visitor.look.now, (), 0.0)
+def test_how_sure_the_chosen_candidate_is_stands_below_the_table(panel, visitor, states):
+    def seen(sure):
+        return View(states.planned, Live(), visitor.look.now, (), 0.0, sure=sure)
+
     assert not panel._sure_line.visible
-    panel._choose(1)
-    after = View(states.planned, Live(), visitor.look.now, (), 0.0)
-    panel.show(before, after)
-    number = visitor.look.now.candidate
-    candidate = states.planned.candidates[number]
-    detection = states.planned.detections[candidate.detection]
-    budget = budget_of(states.planned.cell, detection, candidate)
-    assert budget.largest[0] in panel._sure_line.content and panel._sure_line.visible
-    assert f"{budget.shift * 1000:.1f} mm" in panel._sure_line.content
-    panel._choose(1)
-    panel.show(after, View(states.planned, Live(), visitor.look.now, (), 0.0))
+    panel.show(seen(""), seen("held so, the part lies <there>"))
+    assert panel._sure_line.visible
+    assert "Held so, the part lies &lt;there&gt;" in panel._sure_line.content
+    panel.show(seen("held so"), seen(""))
     assert not panel._sure_line.visible

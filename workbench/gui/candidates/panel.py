@@ -7,7 +7,6 @@ from functools import partial
 import viser
 
 from workbench.app.core.commands import TakeScan
-from workbench.gui.candidates.sureness import sureness_words
 from workbench.gui.scene.fix_inputs import FixInputs
 from workbench.gui.shared.colours import KINDS
 from workbench.gui.shared.look import View
@@ -109,10 +108,9 @@ class CandidatesPanel:
         if old is None or old.fix is not new.fix:
             self._fix_line.content = line(sentence(new.fix.words), kind="warn")
             self._fix_line.visible = bool(new.fix.words)
-        if old is None or _chosen(old) != _chosen(new):
-            words = sureness_words(new)
-            self._sure_line.content = line(sentence(words), kind="hint")
-            self._sure_line.visible = bool(words)
+        if old is None or old.sure != new.sure:
+            self._sure_line.content = line(sentence(new.sure), kind="hint")
+            self._sure_line.visible = bool(new.sure)
         self._fix.show(old, new, new.fix)
 
     def _draw_pose(self, old: View | None, new: View) -> None:
@@ -187,8 +185,3 @@ class CandidatesPanel:
         look = visitor.look
         chosen = None if look.now.candidate == shown[place] else shown[place]
         look.change(candidate=chosen, pose=0, by=None)
-
-
-def _chosen(view: View) -> tuple[int, int, int | None]:
-    """Which candidate is chosen, of which ones."""
-    return id(view.state.candidates), id(view.state.detections), view.look.candidate
