@@ -7,7 +7,6 @@ import pytest
 from workbench.formats.cells.reading import read_cell
 from workbench.model.errors import InputError
 from workbench.model.geometry import pose_from_rpy
-from workbench.perception.simulation.gripping import Held
 from workbench.studies.placing import (
     Case,
     Gripped,
@@ -26,7 +25,8 @@ def one(grasp, chance, right, **counts):
     n = len(right)
     told = {"slipped": 0, "tipped": 0, "lost": 0, "missed": 0} | counts
     shifts, turns = np.linspace(0.0, 0.002, n), np.zeros(n)
-    return Gripped(grasp, 0, chance, 0.001, 0.1, shifts, turns, right, **told)
+    was = (True,) * n
+    return Gripped(grasp, 0, chance, 0.001, 0.1, shifts, turns, right, was, **told)
 
 
 def test_chances_are_compared_over_all_grips_and_by_grasp():
@@ -44,7 +44,7 @@ def test_chances_are_compared_over_all_grips_and_by_grasp():
     assert side["difference"] == pytest.approx(-0.15)
     assert told["all"]["measured"] == pytest.approx(7 / 8)
     assert told["all"]["predicted"] == pytest.approx((0.5 * 2 + 0.7 * 2 + 4.0) / 8)
-    assert told["all"]["missed"] == 2
+    assert told["all"]["missed"] == 2 and told["all"]["closed"] == 1.0
     assert told["all"]["within_shift"] == pytest.approx(0.5)
     assert summary([]) == {"all": {"grips": 0}, "grasps": {}}
 
@@ -69,7 +69,7 @@ class _Budget:
 def test_the_error_in_the_hand_is_that_of_the_origin_and_the_turn():
     meant = pose_from_rpy((0.1, 0.2, 0.3), (0.3, -0.4, 2.0))
     moved = meant * pin.SE3(pin.exp3(np.array([0.0, 0.03, 0.0])), np.array([0.001, 0.0, 0.002]))
-    shifts, turns = measured([Held(moved, moved), Held(), Held(meant, meant)], meant, _Budget())
+    shifts, turns = measured([moved, None, meant], meant, _Budget())
     assert shifts == pytest.approx([np.hypot(0.001, 0.002), np.inf, 0.0], abs=1e-9)
     assert turns == pytest.approx([0.03, np.inf, 0.0], abs=1e-9)
 

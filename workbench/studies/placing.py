@@ -71,7 +71,8 @@ class Gripped:
 
     `chance` 0..1 is what is said, `shift` [m] and `turn` [rad] are said of `SURE` of all picks.
     `shifts` (n,) [m] and `turns` (n,) [rad] were measured, infinite where the part is not in the
-    hand; `slipped`, `tipped`, `lost` and `missed` are counted.
+    hand; `is_right` says which are within the tolerances, `was_right` which were before the hand
+    moved; `slipped`, `tipped`, `lost` and `missed` are counted.
     """
 
     grasp: str
@@ -82,6 +83,7 @@ class Gripped:
     shifts: Floats
     turns: Floats
     is_right: tuple[bool, ...]
+    was_right: tuple[bool, ...]
     slipped: int
     tipped: int
     lost: int
@@ -178,7 +180,8 @@ def _by_one(
         off = pin.SE3(pin.exp3(error[3:]) @ T.rotation, T.translation + error[:3])
         T_world_tcp = T * off.inverse() * candidate.T_world_tcp
         held.append(gripping.grip(T_world_tcp, candidate.grasp.opening, shaking))
-    shifts, turns = measured(held, T_tcp_meant, budget)
+    shifts, turns = measured([one.T_tcp_part for one in held], T_tcp_meant, budget)
+    closed = measured([one.T_tcp_closed for one in held], T_tcp_meant, budget)
     slips = [one.slip for one in held if one.slip is not None]
     return Gripped(
         candidate.grasp.name,
@@ -188,9 +191,8 @@ def _by_one(
         budget.turn,
         shifts,
         turns,
-        tuple(
-            within((shifts[k : k + 1], turns[k : k + 1]), place) == 1.0 for k in range(len(held))
-        ),
+        _are_right((shifts, turns), place),
+        _are_right(closed, place),
         slipped=sum(SLIPS < far <= LOST for far, _ in slips),
         tipped=sum(turn > TIPS and far <= LOST for far, turn in slips),
         lost=sum(far > LOST for far, _ in slips),
@@ -198,19 +200,26 @@ def _by_one(
     )
 
 
-def measured(held: Sequence[Held], T_tcp_meant: pin.SE3, budget: Budget) -> tuple[Floats, Floats]:
+def _are_right(off: tuple[Floats, Floats], place: PartPlace) -> tuple[bool, ...]:
+    rows = zip(*off, strict=True)
+    return tuple(within((np.array([a]), np.array([b])), place) == 1.0 for a, b in rows)
+
+
+def measured(
+    found: Sequence[pin.SE3 | None], T_tcp_meant: pin.SE3, budget: Budget
+) -> tuple[Floats, Floats]:
     """How far parts lie from how they were meant to, (n,) [m] and (n,) [rad].
 
     Infinitely where they are not in the hand at all.
     """
-    errors = np.full((len(held), 6), np.inf)
+    errors = np.full((len(found), 6), np.inf)
     R = T_tcp_meant.rotation
-    for row, one in enumerate(held):
-        if one.T_tcp_part is not None:
-            errors[row, :3] = R.T @ (one.T_tcp_part.translation - T_tcp_meant.translation)
-            errors[row, 3:] = R.T @ pin.log3(one.T_tcp_part.rotation @ R.T)
+    for row, T in enumerate(found):
+        if T is not None:
+            errors[row, :3] = R.T @ (T.translation - T_tcp_meant.translation)
+            errors[row, 3:] = R.T @ pin.log3(T.rotation @ R.T)
     is_there = np.isfinite(errors[:, 0])
-    shifts, turns = np.full(len(held), np.inf), np.full(len(held), np.inf)
+    shifts, turns = np.full(len(found), np.inf), np.full(len(found), np.inf)
     shifts[is_there], turns[is_there] = budget.counted.off(errors[is_there])
     return shifts, turns
 
@@ -264,6 +273,7 @@ def _row(results: Sequence[Gripped]) -> dict[str, Any]:
         "predicted": said,
         "measured": right,
         "difference": said - right,
+        "closed": float(np.mean([right for one in results for right in one.was_right])),
         "stated": SURE,
         "within_shift": float(shares[0]),
         "within_turn": float(shares[1]),

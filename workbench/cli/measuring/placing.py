@@ -44,7 +44,18 @@ def placing(typed: StudyPlacing) -> int:
         return SUCCESS
     print_table(
         f"{cell.name}: {whole['grips']} grips, the share within the tolerances of the place",
-        ("grasp", "grips", "said", "measured", "apart", "slipped", "tipped", "lost", "missed"),
+        (
+            "grasp",
+            "grips",
+            "said",
+            "closed",
+            "measured",
+            "apart",
+            "slipped",
+            "tipped",
+            "lost",
+            "missed",
+        ),
         [_words(name, row) for name, row in (*found["grasps"].items(), ("all", whole))],
     )
     print(
@@ -59,6 +70,7 @@ def _words(name: str, row: dict[str, Any]) -> tuple[str, ...]:
         name,
         str(row["grips"]),
         f"{row['predicted']:.1%}",
+        f"{row['closed']:.1%}",
         f"{row['measured']:.1%}",
         f"{row['difference']:+.3f}",
         *(str(row[key]) for key in ("slipped", "tipped", "lost", "missed")),
