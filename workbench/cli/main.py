@@ -94,6 +94,7 @@ HOW: Mapping[type, str] = {
     studies.StudyLocalization: "measuring.studies:study_localization",
     studies.StudyThreshold: "measuring.studies:study_threshold",
     studies.StudyEmptying: "measuring.emptying:emptying",
+    studies.StudyPlacing: "measuring.placing:placing",
     studies.StudyBop: "measuring.bop:study_bop",
     nested.CellNew: "authoring.new_cell:new_cell",
     nested.CellCheck: "authoring.cell_check:check_cell",

@@ -9,6 +9,7 @@ from typing import Literal
 import numpy as np
 import pinocchio as pin
 
+from workbench.model.digest import LATER
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats, copied, frozen, put
 
@@ -102,13 +103,16 @@ class CalibrationRecord:
     """What a cell remembers of its calibration.
 
     `at` in whole seconds since the epoch, `by` the person who took it over, the number of `poses`
-    used, `rms` [m] of the balls.
+    used, `rms` [m] of the balls; `position_error` [m] and `angle_error` [rad] are those of
+    `Calibration`, None where nobody has kept them.
     """
 
     at: float
     by: str
     poses: int
     rms: float
+    position_error: float | None = field(default_factory=lambda: None, metadata=LATER)
+    angle_error: float | None = field(default_factory=lambda: None, metadata=LATER)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -141,7 +145,8 @@ class Calibration:
 
     def record(self, at: float, by: str) -> CalibrationRecord:
         """What the cell remembers of it, taken over by a person `at` [s since the epoch]."""
-        return CalibrationRecord(float(round(at)), by, self.used, self.rms)
+        errors = (self.position_error, self.angle_error)
+        return CalibrationRecord(float(round(at)), by, self.used, self.rms, *errors)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -35,6 +35,7 @@ SENTENCES = (
     "planning/grasps",
     "planning/kinematics",
     "planning/picking",
+    "planning/placing",
     "proof",
 )
 """Folders, and files, of which only whole sentences come to the page: refusals, reasons, notes."""

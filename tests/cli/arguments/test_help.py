@@ -57,6 +57,7 @@ NESTED = (
     ("study", "threshold"),
     ("study", "localization"),
     ("study", "emptying"),
+    ("study", "placing"),
     ("study", "bop"),
     ("cell", "new"),
     ("cell", "check"),

@@ -18,6 +18,7 @@ from workbench.formats.cells.reading import read_cell
 from workbench.formats.files.shipped import find
 from workbench.gui.shared.things import SCANNER, moved
 from workbench.model.calibration import BallPlate, CalibrationRecord
+from workbench.model.digest import canonical, digest_of
 from workbench.model.errors import FileError, InputError
 from workbench.model.geometry import pose_from_rpy
 
@@ -50,6 +51,26 @@ def test_a_calibration_is_written_into_the_cell_file_and_comments_stay(path):
     save_cell(path, again)
     assert read_cell(path).scanner.calibration.by == "Ben"
     assert path.read_text().count("[scanner.calibration]") == 1
+
+
+def test_how_sure_a_calibration_is_stays_with_the_cell_where_it_is_known(path):
+    cell = calibrated(read_cell(path))
+    record = replace(cell.scanner.calibration, position_error=0.00042, angle_error=0.0003)
+    save_cell(path, replace(cell, scanner=replace(cell.scanner, calibration=record)))
+    kept = read_cell(path).scanner.calibration
+    assert kept.position_error == pytest.approx(0.00042)
+    assert kept.angle_error == pytest.approx(0.0003, rel=1e-3)
+    save_cell(path, calibrated(read_cell(path), by="Ben"))
+    kept = read_cell(path).scanner.calibration
+    assert (kept.position_error, kept.angle_error) == (None, None)
+    assert "sure_" not in path.read_text()
+
+
+def test_a_record_without_them_has_the_digest_that_it_always_had():
+    record = CalibrationRecord(0.0, "Ada", 8, 0.0001)
+    said = canonical(record)
+    assert "position_error" not in str(said) and "angle_error" not in str(said)
+    assert digest_of(record) != digest_of(replace(record, position_error=0.001))
 
 
 def test_a_scanner_moved_by_hand_is_not_calibrated_any_more(path):

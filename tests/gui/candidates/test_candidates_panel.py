@@ -31,3 +31,15 @@ def test_who_may_not_choose_is_told_why(panel, visitor, bench, role):
     assert visitor.look.now.candidate is None
     (told,) = visitor.client.told
     assert "you are a viewer" in told if role is Role.VIEWER else "Ada is in control" in told
+
+
+def test_how_sure_the_chosen_candidate_is_stands_below_the_table(panel, visitor, states):
+    def seen(sure):
+        return View(states.planned, Live(), visitor.look.now, (), 0.0, sure=sure)
+
+    assert not panel._sure_line.visible
+    panel.show(seen(""), seen("held so, the part lies <there>"))
+    assert panel._sure_line.visible
+    assert "Held so, the part lies &lt;there&gt;" in panel._sure_line.content
+    panel.show(seen("held so"), seen(""))
+    assert not panel._sure_line.visible

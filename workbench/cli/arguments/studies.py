@@ -109,6 +109,35 @@ class StudyEmptying:
 
 
 @dataclass(frozen=True, slots=True)
+class StudyPlacing:
+    """How sure the hand is: where parts lie in it as said before, and as MuJoCo has it.
+
+    Parts fall one at a time, are found in a simulated scan and gripped by some of the grasps that
+    fit, each time off by an error drawn from what is said of scanner and search.
+    """
+
+    cell: Positional[CellName] = "yumi"
+    grips: int = 2000
+    part: str = ""
+    """One of the cell's parts, a name under parts/ or a path; the cell's first when not given."""
+    noise: Literal[
+        "fine", "rough", "structured_light", "stereo", "time_of_flight", "laser_line"
+    ] = "fine"
+    """Build of scanner, as in study localization."""
+    wider: float = 1.0
+    """The search is so many times less sure than it says."""
+    force: float = 20.0
+    """Of each finger [N]."""
+    acceleration: float = 0.0
+    """Of the hand, upwards and to all sides [m/s2]; 0: as one joint of the arm brings about at
+    home."""
+    seed: FirstSeed = 0
+    workers: int = 1
+    """Processes on this machine; more than one needs the extra `cluster`."""
+    json: Json = False
+
+
+@dataclass(frozen=True, slots=True)
 class StudyBop:
     """Find the objects of a data set in BOP's layout, and measure as BOP 2024 does.
 
@@ -149,5 +178,6 @@ class Study:
         Annotated[StudyThreshold, subcommand("threshold")]
         | Annotated[StudyLocalization, subcommand("localization")]
         | Annotated[StudyEmptying, subcommand("emptying")]
+        | Annotated[StudyPlacing, subcommand("placing")]
         | Annotated[StudyBop, subcommand("bop")]
     )

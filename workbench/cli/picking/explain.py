@@ -3,6 +3,8 @@
 from collections import Counter
 from collections.abc import Sequence
 
+import numpy as np
+
 from workbench.app.core.value_checks import SEED_LIMIT
 from workbench.app.picking.pipeline import judge
 from workbench.app.runtime.readiness import make_ready
@@ -16,6 +18,8 @@ from workbench.model.candidate import Candidate, Stage
 from workbench.model.errors import InputError
 from workbench.planning.picking.nearest_fix import Fix, fix_words, nearest_fix
 from workbench.planning.picking.whole_bin import Blocker, blockers, common_fixes
+from workbench.planning.placing.budget import Budget, budget_of
+from workbench.planning.placing.chance import SURE
 
 JUDGED = (Stage.PROPOSE, Stage.GRASP, Stage.APPROACH, Stage.EXTRACT, Stage.PLACE)
 """Stages of a single candidate, in the order of the line."""
@@ -42,6 +46,11 @@ def explain(typed: arguments.Explain) -> int:
             obstacles=obstacles,
             report=lambda done, note: report(0.9 + 0.1 * done, note),
         )
+    sure = [
+        (candidate, budget_of(cell, detections[candidate.detection], candidate))
+        for candidate in candidates
+        if candidate.verdict.is_ok
+    ][:MOST_SURE]
     admitted = sum(candidate.verdict.is_ok for candidate in candidates)
     if typed.json:
         print_json(
@@ -57,6 +66,7 @@ def explain(typed: arguments.Explain) -> int:
                     {"change": change, "parts": [number + 1 for number in parts]}
                     for change, parts in fixes
                 ],
+                "placing": [_sure_form(one, budget) for one, budget in sure],
                 "nearest_fix": None if fix is None else _fix_form(fix),
             }
         )
@@ -67,6 +77,8 @@ def explain(typed: arguments.Explain) -> int:
             for stage, entered, refused in funnel(candidates)
         )
         print_table("where they fell", ("stage", "entered", "refused", "why"), rows)
+        for one, budget in sure:
+            print(f"part-{one.detection + 1} by {one.grasp.name} with {one.arm}: {budget.words}")
         for one in blockers(cell, candidates)[:MOST_BLOCKERS]:
             print(_blocker_words(one))
         for change, parts in fixes[:MOST_FIXES]:
@@ -77,6 +89,24 @@ def explain(typed: arguments.Explain) -> int:
 
 MOST_BLOCKERS, MOST_FIXES = 8, 5
 """Lines that are printed; --json tells all."""
+
+MOST_SURE = 3
+"""The best candidates, of which it is told how sure it is where the part comes to lie."""
+
+
+def _sure_form(candidate: Candidate, budget: Budget) -> dict[str, object]:
+    source, axis = budget.largest
+    return {
+        "detection": candidate.detection,
+        "grasp": candidate.grasp.name,
+        "arm": candidate.arm,
+        "shift_mm": round(budget.shift * 1000, 3),
+        "turn_deg": round(float(np.rad2deg(budget.turn)), 3),
+        "confidence": SURE,
+        "most_from": source,
+        "axis": axis,
+        "chance": budget.chance,
+    }
 
 
 def _parts(numbers: Sequence[int]) -> str:

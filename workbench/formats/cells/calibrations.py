@@ -45,17 +45,24 @@ class ScannedPoses:
 
 
 def read_record(table: Table) -> CalibrationRecord:
-    """The table `[scanner.calibration]` of a cell file: `at`, `by`, `poses`, `rms_mm`."""
+    """The table `[scanner.calibration]` of a cell file: `at`, `by`, `poses`, `rms_mm`.
+
+    And, where it says how sure it is, `sure_mm` and `sure_deg`.
+    """
     text = table.text("at")
     try:
         at = datetime.fromisoformat(text)
     except ValueError:
         raise table.error("at", f"{text!r} is no time such as 2026-01-31T12:00:00Z") from None
+    mm = table.number("sure_mm", 0.0, low=0, high=1000) if table.has("sure_mm") else None
+    degrees = table.number("sure_deg", 0.0, low=0, high=180) if table.has("sure_deg") else None
     record = CalibrationRecord(
         float(round((at if at.tzinfo else at.replace(tzinfo=UTC)).timestamp())),
         table.text("by"),
         table.whole("poses", low=1, high=MOST_POSES),
         table.number("rms_mm", low=0, high=100) / 1000,
+        None if mm is None else mm / 1000,
+        None if degrees is None else float(np.deg2rad(degrees)),
     )
     table.finish()
     return record
@@ -64,7 +71,12 @@ def read_record(table: Table) -> CalibrationRecord:
 def record_table(record: CalibrationRecord) -> dict[str, str | int | float]:
     """What `read_record` reads."""
     rms = round(record.rms * 1000, 4)
-    return {"at": utc(record.at), "by": record.by, "poses": record.poses, "rms_mm": rms}
+    table = {"at": utc(record.at), "by": record.by, "poses": record.poses, "rms_mm": rms}
+    if record.position_error is not None:
+        table["sure_mm"] = round(record.position_error * 1000, 4)
+    if record.angle_error is not None:
+        table["sure_deg"] = round(float(np.rad2deg(record.angle_error)), 5)
+    return table
 
 
 def read_scanned_poses(folder: Path, cell: Cell) -> ScannedPoses:

@@ -113,7 +113,12 @@ def _is_same(one: Cell, other: Cell) -> bool:
     mount, other_mount = one.scanner, other.scanner
     calibration, record = mount.calibration, other_mount.calibration
     if calibration is not None and record is not None:
-        calibration = replace(calibration, rms=record.rms)
+        calibration = replace(
+            calibration,
+            rms=record.rms,
+            position_error=record.position_error,
+            angle_error=record.angle_error,
+        )
     alike = replace(
         one,
         T_world_robot=other.T_world_robot,
@@ -137,7 +142,9 @@ def _numbers(cell: Cell) -> Floats:
     Ts += [T for arm in cell.arms for T in _places(arm)]
     rows = [T.homogeneous.ravel() for T in Ts] + [np.asarray(arm.home) for arm in cell.arms]
     record = cell.scanner.calibration
-    return np.concatenate([*rows, np.asarray(cell.bin.size), [record.rms if record else 0.0]])
+    errors = (record.rms, record.position_error, record.angle_error) if record else ()
+    kept = [0.0 if one is None else one for one in errors]
+    return np.concatenate([*rows, np.asarray(cell.bin.size), kept])
 
 
 def _edit(document: Any, old: Cell, new: Cell) -> None:

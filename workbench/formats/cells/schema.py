@@ -35,7 +35,14 @@ A_TABLE = {
 """A Denavit-Hartenberg table with a joint of each kind: no shipped cell has one."""
 
 
-A_RECORD = {"at": "2026-01-31T12:00:00Z", "by": "somebody", "poses": 8, "rms_mm": 0.1}
+A_RECORD = {
+    "at": "2026-01-31T12:00:00Z",
+    "by": "somebody",
+    "poses": 8,
+    "rms_mm": 0.1,
+    "sure_mm": 0.2,
+    "sure_deg": 0.02,
+}
 
 
 def cell_schema() -> dict[str, Any]:

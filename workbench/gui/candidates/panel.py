@@ -67,6 +67,7 @@ class CandidatesPanel:
         )
         self._pose_line = gui.add_html("")
         self._fix_line = gui.add_html("", visible=False)
+        self._sure_line = gui.add_html("", visible=False)
         gui.add_html('<div class="wb-buttons wb-three"></div>')
         self._foot = gui.add_html("")
         self._back = gui.add_button("Previous", color="gray")
@@ -107,6 +108,9 @@ class CandidatesPanel:
         if old is None or old.fix is not new.fix:
             self._fix_line.content = line(sentence(new.fix.words), kind="warn")
             self._fix_line.visible = bool(new.fix.words)
+        if old is None or old.sure != new.sure:
+            self._sure_line.content = line(sentence(new.sure), kind="hint")
+            self._sure_line.visible = bool(new.sure)
         self._fix.show(old, new, new.fix)
 
     def _draw_pose(self, old: View | None, new: View) -> None:

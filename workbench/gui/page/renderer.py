@@ -23,6 +23,7 @@ from workbench.gui.drawing.own_views import OwnViews, has_lost_observation, is_n
 from workbench.gui.drawing.player import Player
 from workbench.gui.drawing.poses import PoseFinder
 from workbench.gui.drawing.reach import Reaches
+from workbench.gui.drawing.sureness import Sureness
 from workbench.gui.emptying.reel import advanced
 from workbench.gui.page.header import Header
 from workbench.gui.page.presence import Presence
@@ -106,6 +107,7 @@ class Renderer:
         self._own_views = OwnViews()
         self._reaches = Reaches(self._woken.set)
         self._fixes = Fixes(self._woken.set)
+        self._sureness = Sureness(self._woken.set)
         self._counted = Counted(bench, self._woken.set)
         self._drawn: View | None = None
         with server.atomic():
@@ -126,6 +128,7 @@ class Renderer:
         self._thread.join()
         self._player.close()
         self._fixes.close()
+        self._sureness.close()
         self._reaches.close()
         self._counted.close()
         return True
@@ -255,6 +258,7 @@ class Renderer:
             bin_check_of(state),
             isinstance(self._bench, History),
             self._player.unseen(state.plans, max((run.end for run in self._runs), default=0.0)),
+            self._sureness.of(state, look.candidate),
         )
 
     def _calibration(self, state: State) -> Calibration | str:

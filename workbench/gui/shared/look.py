@@ -162,7 +162,8 @@ class View:
     """Everything that the page shows.
 
     `runs` is the timeline of the state's plan, empty without one; `poses` those of the chosen
-    candidate, and `fix` what would admit it; `help` says what would admit one of all
+    candidate, `fix` what would admit it, and `sure` says how sure it is where its part comes to
+    lie; `help` says what would admit one of all
     where there is no plan; `reached` holds places (n, 3) [m] and shares (n,) of the reach that is
     shown; `statistics` are those of the session; `calibration` is the answer of
     the poses scanned so far, or why there is none; `bin_check` is what the scan says about the bin
@@ -189,6 +190,7 @@ class View:
     bin_check: BinCheck | None = None
     is_recorded: bool = False
     unseen: tuple[tuple[float, float], ...] = ()
+    sure: str = ""
     own: Own = NOTHING_OWN
     jogged: Jogged | None = None
     overlay: Overlay | None = None

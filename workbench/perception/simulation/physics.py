@@ -38,7 +38,7 @@ def model_of(
     spec.option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
     spec.option.noslip_iterations = no_slip
     for solid in bin.solids:
-        _add_geom(spec, spec.worldbody, solid)
+        add_solid(spec, spec.worldbody, solid)
     for number, part in enumerate(parts):
         if number == carried:
             body = spec.worldbody.add_body(name=str(number), mocap=True)
@@ -46,7 +46,7 @@ def model_of(
             body = spec.worldbody.add_body(name=str(number), gravcomp=1.0)  # until it falls
             body.add_freejoint()
         for solid in part.pieces:
-            _add_geom(spec, body, solid)
+            add_solid(spec, body, solid)
     model = spec.compile()
     # Pieces may overlap, so their volumes tell how the mass is spread but not how much it is.
     masses = np.array([part.mass for part in parts])
@@ -56,7 +56,8 @@ def model_of(
     return model
 
 
-def _add_geom(spec: mujoco.MjSpec, body: mujoco.MjsBody, solid: Solid) -> None:
+def add_solid(spec: mujoco.MjSpec, body: mujoco.MjsBody, solid: Solid) -> mujoco.MjsGeom:
+    """The solid as what a body is made of."""
     quaternion = pin.Quaternion(solid.T_owner_shape.rotation)
     geom = body.add_geom(
         pos=solid.T_owner_shape.translation,
@@ -84,6 +85,7 @@ def _add_geom(spec: mujoco.MjSpec, body: mujoco.MjsBody, solid: Solid) -> None:
                 userface=np.asarray(surface.faces, dtype=np.int32).ravel(),
             )
             geom.type, geom.meshname = mujoco.mjtGeom.mjGEOM_MESH, name
+    return geom
 
 
 def come_to_rest(model: mujoco.MjModel, data: mujoco.MjData, radius: float) -> None:

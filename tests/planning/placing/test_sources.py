@@ -1,0 +1,60 @@
+"""What scanner and search leave open of where a part lies."""
+
+from dataclasses import replace
+
+import numpy as np
+import pinocchio as pin
+import pytest
+
+from workbench.formats.cells.reading import read_cell
+from workbench.model.calibration import CalibrationRecord
+from workbench.model.scan import Detection
+from workbench.planning.placing.sources import (
+    CALIBRATION,
+    LOCALIZATION,
+    calibration_error,
+    localization_error,
+)
+
+
+def lying():
+    return Detection("part", pin.SE3(np.eye(3), np.array([0.4, 0.1, 0.0])))
+
+
+def with_record(**errors):
+    mount = read_cell("yumi").scanner
+    return replace(mount, calibration=CalibrationRecord(0.0, "Ada", 8, 1e-4, **errors))
+
+
+def test_a_calibration_moves_all_parts_as_one_body():
+    """Judged by moving the scanner by many small errors."""
+    place, turn = 4e-4, 2e-3
+    mount = with_record(position_error=place, angle_error=turn)
+    rng = np.random.default_rng(0)
+    T, T_world_scanner = lying().T_world_part, mount.T_world_scanner
+    off = []
+    for _ in range(20_000):
+        moved = T_world_scanner * pin.SE3(
+            pin.exp3(turn * rng.standard_normal(3)), place * rng.standard_normal(3)
+        )
+        found = moved * T_world_scanner.inverse() * T
+        shift = found.translation - T.translation
+        off.append(np.concatenate([shift, pin.log3(found.rotation @ T.rotation.T)]))
+    measured = np.cov(np.array(off).T)
+    said = calibration_error(mount, lying())
+    assert np.allclose(measured, said, atol=0.03 * np.abs(said).max())
+    assert np.allclose(np.diag(measured), np.diag(said), rtol=0.05)
+
+
+def test_a_cell_that_does_not_say_how_sure_its_calibration_is_takes_what_is_usual():
+    usual = with_record(position_error=CALIBRATION[0], angle_error=CALIBRATION[1])
+    for mount in (read_cell("yumi").scanner, with_record()):
+        assert np.array_equal(calibration_error(mount, lying()), calibration_error(usual, lying()))
+
+
+def test_a_pose_says_itself_how_sure_it_is_or_is_taken_as_usual():
+    known = np.diag(np.arange(1.0, 7.0))
+    assert np.array_equal(localization_error(replace(lying(), covariance=known)), known)
+    assert np.sqrt(np.diag(localization_error(lying()))) == pytest.approx(
+        [LOCALIZATION[0]] * 3 + [LOCALIZATION[1]] * 3
+    )

@@ -1,0 +1,189 @@
+"""The error budget of a pick: how far from where it shall a part comes to lie, and why."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+import pinocchio as pin
+
+from workbench.model.candidate import Candidate
+from workbench.model.cell import Cell, Tool
+from workbench.model.geometry import Floats, frozen, put
+from workbench.model.part import Part, PartPlace
+from workbench.model.scan import Detection
+from workbench.planning.grasps.grasp_check import GraspChecker
+from workbench.planning.placing.chance import DRAWS, SURE, Counted, counted, drawn, within
+from workbench.planning.placing.contact import Grip, cup_grip, finger_grip
+from workbench.planning.placing.sources import calibration_error, localization_error
+
+CALIBRATION, LOCALIZATION, GRIP = "the calibration", "the localization", "the grip"
+
+ALONG = {
+    True: ("across the pads", "along the fingers' travel", "along the tool"),
+    False: ("across the tool", "across the tool", "along the tool"),
+}
+ABOUT = {
+    True: ("about the line across the pads", "about the fingers' travel", "about the tool's axis"),
+    False: (
+        "about a line across the tool",
+        "about a line across the tool",
+        "about the tool's axis",
+    ),
+}
+"""Words for the axes of the hand, with fingers and without."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Budget:
+    """How far from where it shall a part comes to lie, as far as it is known before.
+
+    `covariance` (6, 6) [m, rad] is of shifts of the part's origin, then of turns about it, along
+    the axes of the hand: x across the pads, y along the fingers' travel, z along the tool.  It is
+    the sum of `shares`, by where each comes from.  `R_part_hand` (3, 3), no unit, are these axes in
+    the part's frame.  In `SURE` of all picks the part is shifted by `shift` [m] or less and,
+    counted by itself, turned by `turn` [rad] or less.  `largest` names what most of it comes from,
+    and along or about which axis.  `chance` 0..1 is that of both within the tolerances of `place`,
+    where there is one for the part.
+    """
+
+    covariance: Floats
+    shares: Mapping[str, Floats]
+    R_part_hand: Floats
+    shift: float
+    turn: float
+    largest: tuple[str, str]
+    counted: Counted
+    place: PartPlace | None
+    chance: float | None
+
+    def __post_init__(self) -> None:
+        put(self, covariance=frozen(self.covariance), R_part_hand=frozen(self.R_part_hand))
+
+    def chance_at(self, place: PartPlace) -> float:
+        """The chance, 0..1, that the part lies within the tolerances of a place."""
+        return within(self._off(), place)
+
+    @property
+    def words(self) -> str:
+        """All of it in one sentence."""
+        source, axis = self.largest
+        mm, degrees = self.shift * 1000, float(np.rad2deg(self.turn))
+        told = (
+            f"held so, the part lies within {mm:.1f} mm and {degrees:.1f} degrees of where it "
+            f"shall in {SURE:.0%} of picks; most of that comes from {source}, {axis}"
+        )
+        if self.place is None or self.chance is None:
+            return told
+        mm, degrees = self.place.tolerance * 1000, float(np.rad2deg(self.place.turn_tolerance))
+        return (
+            f"{told}; in {self.chance:.0%} it lies within the {mm:g} mm and {degrees:g} degrees of "
+            "its place"
+        )
+
+    def _off(self) -> tuple[Floats, Floats]:
+        return off_of(self.covariance, self.R_part_hand, self.counted)
+
+
+def budget_of(cell: Cell, detection: Detection, candidate: Candidate) -> Budget:
+    """What a candidate leaves open of where its part comes to lie.
+
+    Robot and place count as exact.  The part is taken as lying by itself on something level.
+
+    Args:
+        cell: its scanner, the arm's tool, its places for the part.
+        detection: that the candidate takes.
+        candidate: refused or not.
+    """
+    arm = cell.arm(candidate.arm)
+    part = cell.part(detection.part)
+    T_world_part, tool = detection.T_world_part, arm.tool
+    T_part_tcp = T_world_part.actInv(candidate.T_world_tcp)
+    checker = _checker(part, tool)
+    R_tcp_hand = np.eye(3) if checker.pads is None else np.asarray(checker.pads.R_tcp_closing)
+    R_part_hand = T_part_tcp.rotation @ R_tcp_hand
+    grip = _grip(checker, tool, T_part_tcp, T_world_part)
+    # From shifts of the origin, along the world's axes, to those at the TCP, along the hand's.
+    to_tcp = R_part_hand.T @ T_part_tcp.translation
+    to_hand = _shifted(to_tcp) @ _turned((T_world_part.rotation @ R_part_hand).T)
+    to_part = _shifted(-to_tcp)
+    before = {
+        CALIBRATION: to_hand @ calibration_error(cell.scanner, detection) @ to_hand.T,
+        LOCALIZATION: to_hand @ localization_error(detection) @ to_hand.T,
+    }
+    kept = {name: grip.keeps @ one @ grip.keeps.T for name, one in before.items()}
+    kept[GRIP] = grip.covariance(before[CALIBRATION] + before[LOCALIZATION])
+    shares = {name: frozen(to_part @ one @ to_part.T) for name, one in kept.items()}
+    covariance = sum(shares.values(), np.zeros((6, 6)))
+    places = arm.places_for(part.name)
+    place = places[0] if places else None
+    what = counted(part, detection, place)
+    off = off_of(covariance, R_part_hand, what)
+    shift, turn = (float(np.quantile(one, SURE)) for one in off)
+    return Budget(
+        covariance,
+        shares,
+        R_part_hand,
+        shift,
+        turn,
+        _largest(shares, R_part_hand, what, place, bool(tool.fingers)),
+        what,
+        place,
+        None if place is None else within(off, place),
+    )
+
+
+def off_of(covariance: Floats, R_part_hand: Floats, what: Counted) -> tuple[Floats, Floats]:
+    """Shifts (n,) [m] and turns (n,) [rad] of parts, of a covariance as that of `Budget`."""
+    errors = drawn(covariance, DRAWS, 0) @ _turned(R_part_hand).T
+    return what.off(errors)
+
+
+@lru_cache(maxsize=8)
+def _checker(part: Part, tool: Tool) -> GraspChecker:
+    return GraspChecker(part, tool)
+
+
+def _grip(checker: GraspChecker, tool: Tool, T_part_tcp: pin.SE3, T_world_part: pin.SE3) -> Grip:
+    if checker.pads is not None:
+        return finger_grip(checker, T_part_tcp, T_world_part)
+    return cup_grip() if not tool.fingers else Grip(np.eye(6), np.empty((0, 6)), play=0.0)
+
+
+def _largest(
+    shares: Mapping[str, Floats],
+    R_part_hand: Floats,
+    what: Counted,
+    place: PartPlace | None,
+    has_fingers: bool,
+) -> tuple[str, str]:
+    """From where most of what counts comes, and along or about which axis of the hand.
+
+    Shifts and turns are weighed by what a place allows.
+    """
+    allowed = place or PartPlace(pin.SE3.Identity())
+    counts = np.eye(6)
+    counts[:3] = _shifted(R_part_hand.T @ what.point)[:3]
+    for axis in what.free:
+        along = R_part_hand.T @ axis
+        counts[3:, 3:] = counts[3:, 3:] - np.outer(along, along @ counts[3:, 3:])
+    weights = np.repeat([allowed.tolerance, allowed.turn_tolerance], 3)
+    weighed = {name: np.diag(counts @ one @ counts.T) / weights**2 for name, one in shares.items()}
+    name = max(weighed, key=lambda one: float(weighed[one].sum()))
+    axis = int(np.argmax(weighed[name]))
+    return name, (*ALONG[has_fingers], *ABOUT[has_fingers])[axis]
+
+
+def _turned(R: Floats) -> Floats:
+    """Shifts and turns along other axes, as (6, 6)."""
+    found = np.zeros((6, 6))
+    found[:3, :3] = found[3:, 3:] = R
+    return found
+
+
+def _shifted(to: Floats) -> Floats:
+    """Shifts and turns at a point, as (6, 6), from those at one from which it is at (3,) [m]."""
+    x, y, z = to
+    found = np.eye(6)
+    found[:3, 3:] = [[0.0, z, -y], [-z, 0.0, x], [y, -x, 0.0]]
+    return found

@@ -1,0 +1,81 @@
+"""How far a part comes to lie from where it shall, and how often that is near enough."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from workbench.model.geometry import Floats, frozen, put
+from workbench.model.part import Part, PartPlace
+from workbench.model.scan import Detection
+from workbench.model.symmetry import BALL, ROUND, SAME
+from workbench.planning.collision.rolled import axis_of
+
+DRAWS = 20_000
+"""Errors that stand for all."""
+
+SURE = 0.95
+"""Of so many picks the part lies within what is told."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Counted:
+    """What of an error makes a difference, in the part's frame.
+
+    The error is that of `point` (3,) [m] of the part, and of its turn, but for turns about each of
+    `free` (k, 3), no unit, which change nothing.
+    """
+
+    point: Floats
+    free: Floats
+
+    def __post_init__(self) -> None:
+        put(self, point=frozen(self.point), free=frozen(self.free).reshape(-1, 3))
+
+    def off(self, errors: Floats) -> tuple[Floats, Floats]:
+        """How far the part is shifted (n,) [m] and turned (n,) [rad].
+
+        Args:
+            errors: (n, 6) [m, rad] shifts of its origin, then turns, along axes of the part.
+        """
+        turns = errors[:, 3:]
+        shifts = errors[:, :3] + np.cross(turns, self.point)
+        for axis in self.free:
+            turns = turns - np.outer(turns @ axis, axis)
+        return np.linalg.norm(shifts, axis=1), np.linalg.norm(turns, axis=1)
+
+
+def counted(part: Part, detection: Detection, place: PartPlace | None) -> Counted:
+    """What makes a difference of a part that is to lie at a place, None: somewhere.
+
+    Turns about the axis of a part that is round do not, nor those about one about which its roll is
+    not known, since such parts are put only where that does not matter; nor those about z of a
+    place at which it may be turned all around.
+    """
+    symmetry, point = part.symmetry, np.zeros(3)
+    if symmetry.form == BALL:
+        return Counted(np.array(symmetry.point), np.eye(3))
+    free: list[Floats] = []
+    if symmetry.form == ROUND:
+        point = symmetry.fixed(point)
+        free.append(np.asarray(symmetry.axes[0].axis))
+    elif not detection.roll_known:
+        through, axis = axis_of(part, detection)
+        point = through + ((point - through) @ axis) * axis
+        free.append(axis)
+    if place is not None and place.free_rotation >= np.pi - SAME:
+        free.append(np.array([0.0, 0.0, 1.0]))
+    return Counted(point, np.array(free))
+
+
+def drawn(covariance: Floats, count: int, seed: int) -> Floats:
+    """Errors (count, 6) [m, rad] of a covariance (6, 6), the same ones each time."""
+    normal = np.random.default_rng(seed).standard_normal((count, 6))
+    # The root that is symmetric: others depend on how a machine turns the axes.
+    values, axes = np.linalg.eigh(covariance)
+    return normal @ ((axes * np.sqrt(np.maximum(values, 0.0))) @ axes.T)
+
+
+def within(off: tuple[Floats, Floats], place: PartPlace) -> float:
+    """The share of parts so far off (n,) [m] and (n,) [rad] that a place takes as right, 0..1."""
+    shifts, turns = off
+    return float(np.mean((shifts <= place.tolerance) & (turns <= place.turn_tolerance)))
