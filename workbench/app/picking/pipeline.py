@@ -84,7 +84,7 @@ def plan_pick(
     wanted = BOTH if strategy == "both" else (strategy,)
     looked = _Looked()
     results: list[PlanResult] = []
-    levels = _levels(cell)
+    levels = levels_of(cell)
     for number, level in enumerate(levels):
         found = propose(world, priorities=level)
         lap("propose")
@@ -92,7 +92,7 @@ def plan_pick(
         # One arm alone would do: what is left of the time is for its plan.
         until = half if looked.picks and strategy == "auto" else world.deadline
         within = _within(report, *share)
-        _judge(world, _without(avoided, found), looked, seed, within, cancelled, until)
+        _judge(world, without_avoided(avoided, found), looked, seed, within, cancelled, until)
         lap("resolve")
         is_last = number == len(levels) - 1 or working_time() > until
         if not is_last and not is_enough(world, looked.picks, strategy, threshold, avoided):
@@ -139,7 +139,7 @@ def _proven(cell: Cell, scene: Scene, plans: Sequence[Plan]) -> tuple[Plan, Proo
     return plans[0], first
 
 
-def _levels(cell: Cell) -> list[frozenset[int]]:
+def levels_of(cell: Cell) -> list[frozenset[int]]:
     """Priorities of grasps that are looked at together: spares only when nothing before them does.
 
     Those below 0 are spares, each priority by itself.
@@ -165,7 +165,7 @@ def check_strategy(cell: Cell, strategy: str) -> None:
         )
 
 
-def _without(
+def without_avoided(
     avoided: Mapping[int, str], candidates: tuple[Candidate, ...]
 ) -> tuple[Candidate, ...]:
     """The candidates, those of avoided parts refused."""
