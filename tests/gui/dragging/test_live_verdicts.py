@@ -34,9 +34,9 @@ def glance(working: int, of: int = 4, apart: int = 0) -> Glance:
     """So many of as many candidates work, the others meet something, some without touching it."""
     reasons = (Reason.OK,) * working + (Reason.TOOL_COLLISION,) * (of - working)
     is_apart = np.arange(of) >= of - apart
-    return Glance(
-        np.zeros(of, int), reasons, is_apart, np.zeros((of, 3)), np.tile([0, 0, 1.0], (of, 1))
-    )
+    zeros, up = np.zeros((of, 3)), np.tile([0.0, 0.0, 1.0], (of, 1))
+    names = ("side",) * of, ("right",) * of
+    return Glance(np.zeros(of, int), *names, reasons, is_apart, zeros, up)
 
 
 @pytest.fixture

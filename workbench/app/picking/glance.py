@@ -7,23 +7,30 @@ What is refused here planning refuses, too; the ways there and back are left to 
 
 from collections.abc import Mapping
 from copy import copy
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any, TypeVar
 
 import numpy as np
 import pinocchio as pin
 
-from workbench.app.picking.pipeline import NOTHING, levels_of, without_avoided
-from workbench.model.candidate import Candidate, Reason, Stage, Verdict
+from workbench.app.picking.pipeline import NOTHING, levels_of
+from workbench.model.candidate import Reason, Verdict
 from workbench.model.cell import Arm, Cell
 from workbench.model.geometry import Bools, Floats, Ints, put
-from workbench.model.part import with_symmetry
+from workbench.model.part import Grasp, with_symmetry
 from workbench.model.scan import Obstacle
 from workbench.planning.collision.hands import turns_of
 from workbench.planning.collision.legs import grips, hand_turns
 from workbench.planning.collision.world import World
 from workbench.planning.kinematics.chain import Chain, is_solution
-from workbench.planning.picking.propose import propose
+from workbench.planning.picking.propose import (
+    Tried,
+    as_it_fits,
+    candidate_of,
+    grasps_of,
+    groups,
+    tried,
+)
 from workbench.planning.picking.put_down import ways_at_places
 from workbench.planning.picking.resolve import starts_of
 
@@ -37,12 +44,15 @@ Change = Mapping[str, Any]
 class Glance:
     """All candidates of some parts found, each a row: little to send, and enough to draw.
 
-    `detections` (n,) are numbers of parts, `reasons` (n,) what is said, `is_apart` (n,) whether the
-    bodies that are too close do not touch; `tips` (n, 3) [m] and `approaches` (n, 3), unit vectors,
-    where the hand would be in the world and how it comes.  `obstacles` were kept clear of.
+    `detections` (n,) are numbers of parts, `grasps` and `arms` names; `reasons` (n,) say what is
+    said, `is_apart` (n,) whether the bodies that are too close do not touch.  `tips` (n, 3) [m] and
+    `approaches` (n, 3), unit vectors, are where the hand would be in the world and how it comes.
+    `obstacles` were kept clear of.
     """
 
     detections: Ints
+    grasps: tuple[str, ...]
+    arms: tuple[str, ...]
     reasons: tuple[Reason, ...]
     is_apart: Bools
     tips: Floats
@@ -83,39 +93,51 @@ def _otherwise(value: T, **others: Any) -> T:
     return made
 
 
-def glance_of(candidates: tuple[Candidate, ...], obstacles: tuple[Obstacle, ...] = ()) -> Glance:
-    """The same candidates, in short."""
-    distances = [one.verdict.distance for one in candidates]
-    tips = [one.T_world_tcp.translation for one in candidates]
-    ways = [one.T_world_tcp.rotation @ one.grasp.approach for one in candidates]
-    return Glance(
-        np.array([one.detection for one in candidates], dtype=np.int64),
-        tuple(one.verdict.reason for one in candidates),
-        np.array([distance is not None and distance > 0 for distance in distances], dtype=bool),
-        np.array(tips, dtype=np.float64).reshape(-1, 3),
-        np.array(ways, dtype=np.float64).reshape(-1, 3),
-        obstacles,
-    )
-
-
-def glanced(
-    world: World, *, avoided: Mapping[int, str] = NOTHING, seed: int = 0
-) -> tuple[Candidate, ...]:
-    """All candidates that planning looks at first, with their verdicts up to reach and place.
+def glance_at(world: World, *, avoided: Mapping[int, str] = NOTHING, seed: int = 0) -> Glance:
+    """All candidates that planning looks at first, judged up to reach and place.
 
     Args:
-        world: of the cell with the parts found.
+        world: of the cell with the parts found, and the obstacles beside them.
         avoided: indices of parts that are left alone for now, and why.
         seed: of the starting points of the inverse kinematics, as in planning.
     """
-    found = propose(world, priorities=levels_of(world.cell)[0])
+    by_part = grasps_of(world, levels_of(world.cell)[0])
+    detections: list[int] = []
+    grasps: list[str] = []
+    arms: list[str] = []
+    said: list[_Said] = []
+    tips, approaches = [np.zeros((0, 3))], [np.zeros((0, 3))]
     reach = {arm.name: _Reach(world, arm, seed) for arm in world.cell.arms}
-    return tuple(
-        replace(one, verdict=refusal)
-        if one.verdict.is_ok and (refusal := reach[one.arm].refusal(one)) is not None
-        else one
-        for one in without_avoided(avoided, found)
+    for numbers, arm in groups(world, by_part):
+        every = by_part[world.detections[numbers[0]].part]
+        hands = tried(world, numbers, every, arm)
+        for n, number in enumerate(numbers):
+            detections += [number] * len(every)
+            grasps += [grasp.name for grasp in every]
+            arms += [arm.name] * len(every)
+            if number in avoided:
+                said += [(Reason.DISABLED, False)] * len(every)
+            elif world.detections[number].roll_known:
+                said += [reach[arm.name].said(hands, n, number, k, g) for k, g in enumerate(every)]
+            else:
+                said += [reach[arm.name].said_at_every_turn(number, grasp) for grasp in every]
+        ways = np.array([grasp.approach for grasp in every])
+        tips.append(hands.p.reshape(-1, 3))
+        approaches.append(np.einsum("nkij,kj->nki", hands.R, ways).reshape(-1, 3))
+    return Glance(
+        np.array(detections, dtype=np.int64),
+        tuple(grasps),
+        tuple(arms),
+        tuple(reason for reason, _ in said),
+        np.array([is_apart for _, is_apart in said], dtype=bool),
+        np.concatenate(tips),
+        np.concatenate(approaches),
+        world.obstacles,
     )
+
+
+_Said = tuple[Reason, bool]
+"""What is said of a candidate, and whether bodies that are too close do not touch."""
 
 
 class _Reach:
@@ -131,35 +153,47 @@ class _Reach:
         turned = (T * turn for T in arm.Ts_world_place for turn in hand_turns(arm))
         self._has_place = any(map(self._reaches, turned))
 
-    def refusal(self, candidate: Candidate) -> Verdict | None:
-        """Why the arm cannot take the part there and bring it to a place; None when it can."""
-        arm, world = self._arm, self._world
-        is_right = bool(arm.places_for(world.detections[candidate.detection].part))
-        if not is_right and not arm.Ts_world_place:
-            return Verdict(Reason.NO_PLACE, Stage.PLACE)
-        is_reached = False
-        for T_world_tcp in self._hands(candidate):
-            if not self._reaches(T_world_tcp):
-                continue
-            is_reached = True
-            if self._has_place or (is_right and self._brings(candidate, T_world_tcp)):
-                return None
-        if is_reached:
-            return Verdict(Reason.NO_PLACE, Stage.PLACE)
-        return Verdict(Reason.OUT_OF_REACH, Stage.GRASP)
+    def said(self, hands: Tried, n: int, number: int, k: int, grasp: Grasp) -> _Said:
+        """Of the detection with that number, the n-th of those tried, and the k-th grasp."""
+        refusal = hands.refusals[k]
+        if refusal is not None:
+            return refusal.reason, False
+        fit = hands.fits[number, k]
+        if fit.pair is not None:
+            return Reason.TOOL_COLLISION, not fit.is_touching
+        T_world_tcp = pin.SE3(hands.R[n, k], hands.p[n, k])
+        return self._reason(number, as_it_fits(self._arm, grasp, fit), T_world_tcp), False
 
-    def _hands(self, candidate: Candidate) -> list[pin.SE3]:
+    def said_at_every_turn(self, number: int, grasp: Grasp) -> _Said:
+        """Of a part whose roll the scan does not show, which takes longer."""
+        one = candidate_of(self._world, number, grasp, self._arm)
+        if one.verdict.is_ok:
+            return self._reason(number, one.grasp, one.T_world_tcp), False
+        return one.verdict.reason, (one.verdict.distance or 0.0) > 0.0
+
+    def _reason(self, number: int, grasp: Grasp, T_world_tcp: pin.SE3) -> Reason:
+        """Why the arm cannot take the part there and bring it to a place; or that it can."""
+        is_right = bool(self._arm.places_for(self._world.detections[number].part))
+        if not is_right and not self._arm.Ts_world_place:
+            return Reason.NO_PLACE
+        is_reached = False
+        for T in self._hands(number, grasp, T_world_tcp):
+            if self._reaches(T):
+                is_reached = True
+                if self._has_place or (is_right and self._brings(number, T)):
+                    return Reason.OK
+        return Reason.NO_PLACE if is_reached else Reason.OUT_OF_REACH
+
+    def _hands(self, number: int, grasp: Grasp, T_world_tcp: pin.SE3) -> list[pin.SE3]:
         """Where the hand may be: as in `resolve`, of the same grips those that fit."""
-        arm, grasp = self._arm, candidate.grasp
-        fits = self._world.tool_check.free(arm, candidate.detection, turns_of(arm, grasp))
-        every = [candidate.T_world_tcp * T for T in grips(arm, grasp)]
+        fits = self._world.tool_check.free(self._arm, number, turns_of(self._arm, grasp))
+        every = [T_world_tcp * T for T in grips(self._arm, grasp)]
         return [T for T, is_free in zip(every, fits, strict=True) if is_free] or every
 
-    def _brings(self, candidate: Candidate, T_world_tcp: pin.SE3) -> bool:
+    def _brings(self, number: int, T_world_tcp: pin.SE3) -> bool:
         """Whether the arm gets a part that is held so to a place where its kind shall lie."""
-        one = self._world.detections[candidate.detection]
-        T_part_tcp = one.T_world_part.actInv(T_world_tcp)
-        ways = ways_at_places(self._world, self._arm, candidate.detection)
+        T_part_tcp = self._world.detections[number].T_world_part.actInv(T_world_tcp)
+        ways = ways_at_places(self._world, self._arm, number)
         return any(self._reaches(T * T_part_tcp) for T in ways if not isinstance(T, Verdict))
 
     def _reaches(self, T_world_tcp: pin.SE3) -> bool:

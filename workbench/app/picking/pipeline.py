@@ -92,7 +92,7 @@ def plan_pick(
         # One arm alone would do: what is left of the time is for its plan.
         until = half if looked.picks and strategy == "auto" else world.deadline
         within = _within(report, *share)
-        _judge(world, without_avoided(avoided, found), looked, seed, within, cancelled, until)
+        _judge(world, _without(avoided, found), looked, seed, within, cancelled, until)
         lap("resolve")
         is_last = number == len(levels) - 1 or working_time() > until
         if not is_last and not is_enough(world, looked.picks, strategy, threshold, avoided):
@@ -165,7 +165,7 @@ def check_strategy(cell: Cell, strategy: str) -> None:
         )
 
 
-def without_avoided(
+def _without(
     avoided: Mapping[int, str], candidates: tuple[Candidate, ...]
 ) -> tuple[Candidate, ...]:
     """The candidates, those of avoided parts refused."""

@@ -8,7 +8,7 @@ import numpy as np
 import pinocchio as pin
 
 from workbench.app.emptying.film import Filmed
-from workbench.app.picking.glance import Glance, changed, glance_of, glanced
+from workbench.app.picking.glance import Glance, changed, glance_at
 from workbench.app.picking.held_plate import simulated_sight
 from workbench.app.picking.part_import import imported_part
 from workbench.app.picking.row import plan_row
@@ -150,7 +150,7 @@ def glance(
         seen = () if scan is None else unexplained(cell, scan, found)
         obstacles = (*seen, *boxes_around(cell, placed))
     world = World(changed(cell, arguments["change"]), arguments["detections"], obstacles)
-    return glance_of(glanced(world, avoided=dict(arguments["avoided"])), obstacles)
+    return glance_at(world, avoided=dict(arguments["avoided"]))
 
 
 def emptying(
