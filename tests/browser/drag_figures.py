@@ -14,16 +14,20 @@ from hands import Camera, first_look, settle
 from workbench.app.core.commands import UseDetections, UseScan
 from workbench.app.runtime.bench import Bench
 from workbench.app.runtime.effect_runner import EffectRunner
+from workbench.app.runtime.work import JOBS
 from workbench.formats.cells.reading import read_cell
 from workbench.gui.cell.panel import GIZMO
 from workbench.gui.dragging.verdicts import LiveVerdicts
 from workbench.gui.grasps.pose import GIZMO as HAND_GIZMO
 from workbench.gui.scene.live import DrawnVerdicts
 from workbench.gui.scene.stage import T_WORLD_STAGE, size_of, view_of
+from workbench.gui.shared.things import moving, pose_of
 from workbench.journal.journal import Journal
-from workbench.model.part_edits import grasp_of, with_part
+from workbench.model.geometry import pose_from_rpy
+from workbench.model.part_edits import grasp_of, with_grasp, with_part
 from workbench.perception.simulation.piles import drop_parts
 from workbench.perception.simulation.synthesize import synthesize
+from workbench.plugins.progress import never, silent
 
 SECONDS = 3.0
 
@@ -110,6 +114,30 @@ def dragged(screen, figures, what, camera, tip, way):
         f"95 % {np.percentile(ages, 95):.0f}, most {ages.max():.0f}; page's process "
         f"{used / took:.0%} of a processor; load {load}"
     )
+
+
+def test_what_one_answer_takes_of_a_processor(bench):
+    state, turn = bench.state, iter(range(1000))
+    cell, part = state.cell, state.cell.parts[0]
+    entry = part.library.entries[0]
+    about = {"detections": state.detections, "avoided": (), "obstacles": (), "around": None}
+
+    def of(thing):
+        return moving(cell, thing, pose_of(cell, thing) * pose_from_rpy((1e-5 * next(turn), 0, 0)))
+
+    def of_hand():
+        T = grasp_of(entry).T_part_tcp * pose_from_rpy((1e-5 * next(turn), 0.0, 0.0))
+        entries = (with_grasp(entry, replace(grasp_of(entry), T_part_tcp=T)),)
+        return {"libraries": {part.name: replace(part.library, entries=entries)}}
+
+    things = ("bin", cell.fixtures[0].name, "robot", "right place 1")
+    for what, change in [(one, lambda one=one: of(one)) for one in things] + [("hand", of_hand)]:
+        JOBS["glance"](cell, about | {"change": change()}, silent, never)
+        began = time.process_time()
+        for _ in range(10):
+            found = JOBS["glance"](cell, about | {"change": change()}, silent, never)
+        took = (time.process_time() - began) / 10
+        print(f"\n{what}: {len(found.reasons)} candidates, {took * 1000:.0f} ms of a processor")
 
 
 def test_how_soon_verdicts_follow(screen, bench, figures):
