@@ -10,6 +10,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from hands import Camera, first_look, settle
+from waiting import wait_until
 
 from workbench.app.core.commands import UseDetections, UseScan
 from workbench.app.runtime.bench import Bench
@@ -73,7 +74,7 @@ def figures(monkeypatch):
         ask(self, *what)
 
     def noted_answer(self, drag, number, state, result, T):
-        shown[id(result)] = asked[self, number]
+        shown[id(result)] = asked.get((self, number), 0.0)
         answered(self, drag, number, state, result, T)
 
     def noted_draw(self, dragged):
@@ -84,13 +85,15 @@ def figures(monkeypatch):
     monkeypatch.setattr(LiveVerdicts, "ask", noted_ask)
     monkeypatch.setattr(LiveVerdicts, "_answered", noted_answer)
     monkeypatch.setattr(DrawnVerdicts, "draw", noted_draw)
-    return asked, drawn
+    return asked, drawn, shown
 
 
 def dragged(screen, figures, what, camera, tip, way):
     """Drag to and fro for so long, and tell what came of it."""
-    asked, drawn = figures
+    asked, drawn, answered = figures
     page = screen.page
+    # The first answer, before anybody drags, waits for the worker to load what was compiled.
+    wait_until(lambda: len(answered) > 0)
     page.mouse.move(*camera.pixel(tip))
     settle(page, 300)
     page.mouse.down()
@@ -104,6 +107,7 @@ def dragged(screen, figures, what, camera, tip, way):
         page.mouse.move(*camera.pixel(tip + way * (0.5 - 0.5 * np.cos(0.2 * steps))))
         page.wait_for_timeout(20)
     took, used = time.monotonic() - began, time.process_time() - used
+    assert drawn, f"the gizmo was missed: {steps} moves, {len(asked)} questions"
     ages = np.array(drawn) * 1000
     arrived = page.evaluate("() => window.updates")
     page.mouse.up()
@@ -145,12 +149,13 @@ def test_how_soon_verdicts_follow(screen, bench, figures):
     screen.page.evaluate(COUNT)
     screen.tab("Cell")
     screen.press("Show gizmo")
-    settle(screen.page, 1000)
+    settle(screen.page, 1500)
     tip = cell.bin.T_world_bin.translation + [0, 0, 0.9 * GIZMO]
     way = np.array([0.0, 0.0, -0.03])
     parts = bench.state.detections
     dragged(screen, figures, "the bin", first_look(screen.page, cell), tip, way)
     settle(screen.page, 2000)
+    figures[2].clear()
     bench.do(UseDetections(parts), "Ada")
     part = bench.state.cell.parts[0]
     screen.tab("Grasps")

@@ -175,6 +175,16 @@ def test_what_stands_around_is_looked_for_once_and_again_where_it_may_be_other(
     assert asked(found)[2].arguments["around"] is not None
 
 
+def test_before_the_first_drag_it_is_looked_around_and_nothing_shown(found, verdicts, visitor):
+    verdicts.prepare()
+    (question,) = asked(found)
+    question.answered(glance(1))
+    assert shown(visitor) is None
+    verdicts.begin()
+    verdicts.ask({}, HERE)
+    assert asked(found)[1].arguments["obstacles"] == ()
+
+
 def test_what_cannot_be_worked_out_is_not_shown_and_asked_no_more(found, verdicts, visitor, caplog):
     verdicts.begin()
     verdicts.ask({}, HERE)

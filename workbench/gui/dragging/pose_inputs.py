@@ -113,6 +113,7 @@ class PoseInputs:
             return
         gizmo = add_gizmo(self._visitor, self._name, self._size, self._T)
         self._gizmo, self._switch.label = gizmo, "Hide gizmo"
+        self._verdicts.prepare()
 
         follow(
             gizmo,

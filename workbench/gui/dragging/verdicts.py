@@ -44,6 +44,13 @@ class LiveVerdicts:
         self._brought: tuple[State, tuple[Obstacle, ...]] | None = None
         visitor.on_end(self.end)
 
+    def prepare(self) -> None:
+        """A drag may begin soon: have looked at once for what takes the first answer a second."""
+        with self._lock:
+            self.begin()
+            self.ask({}, pin.SE3.Identity())
+            self.end()
+
     def begin(self) -> None:
         """A drag begins, in the scene as it is now."""
         with self._lock:
@@ -111,6 +118,8 @@ class LiveVerdicts:
         self, drag: int, number: int, state: State, result: Any, T_world_words: pin.SE3
     ) -> None:
         with self._lock:
+            if isinstance(result, Glance):
+                self._brought = state, result.obstacles
             if drag != self._drag or number < self._shown:
                 return
             if not isinstance(result, Glance):
@@ -121,7 +130,6 @@ class LiveVerdicts:
                 self.end()
                 return
             self._shown = number
-            self._brought = state, result.obstacles
             self._visitor.own.change(dragged=Dragged(result, T_world_words, state))
 
 

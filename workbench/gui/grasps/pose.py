@@ -157,6 +157,7 @@ class GraspPose:
     def _add_gizmo(self, size: float) -> None:
         self._gizmo = gizmo = add_gizmo(self._visitor, "/stage/gizmo", GIZMO * size, self._T)
         self._place_gizmo()
+        self._verdicts.prepare()
         follow(
             gizmo,
             self._visitor,
