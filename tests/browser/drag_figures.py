@@ -79,7 +79,7 @@ def figures(monkeypatch):
 
     def noted_draw(self, dragged):
         draw(self, dragged)
-        if dragged is not None:
+        if dragged is not None and shown[id(dragged.glance)]:
             drawn.append(time.monotonic() - shown[id(dragged.glance)])
 
     monkeypatch.setattr(LiveVerdicts, "ask", noted_ask)

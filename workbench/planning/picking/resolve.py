@@ -122,7 +122,7 @@ def _progress(verdict: Verdict) -> int:
 
 @lru_cache(maxsize=8)
 def starts_of(chain: Chain, arm: Arm, seed: int) -> Floats:
-    """Home, the middle of the range, and seeded random configurations, shape (s, n)."""
+    """Home, the middle of the range, and seeded random configurations, shape (s, n) [rad]."""
     rng = np.random.default_rng(np.random.SeedSequence([seed, ord(arm.controller_id)]))
     home, count = np.asarray(arm.home), (STARTS - 2) // 2
     far = rng.uniform(chain.lower, chain.upper, (count, len(home)))
