@@ -9,7 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-from hands import Camera, field
+from hands import Camera, field, first_look, settle
 from page_stories import cycle, fault, plan
 from picture_tools import ROOT, SIZE, Desk, desk, save, settled, window
 from playwright.sync_api import Browser
@@ -17,6 +17,7 @@ from playwright.sync_api import Browser
 from workbench.app.core.commands import ReportPick, UseScan
 from workbench.app.review.history import History
 from workbench.cli.serving.demo import Cycle
+from workbench.gui.cell.panel import GIZMO
 from workbench.gui.page.server import serve
 from workbench.gui.scene.stage import T_WORLD_STAGE, view_of
 from workbench.gui.shared.things import BIN, moved
@@ -102,6 +103,29 @@ def cell(chrome: Browser, folder: Path) -> None:
         at.page.locator(".wb-contacts tr", has_text="bin_wall_back").first.wait_for()
         at.page.get_by_text("Go home").last.scroll_into_view_if_needed()
         at.shoot("cell")
+
+
+def live_verdicts(chrome: Browser, folder: Path) -> None:
+    """The bin is dragged to the side: how many grasps would still work, before anybody lets go."""
+    with desk(chrome, folder, speed=20) as at:
+        for button, phase in (("Scan", "scanned"), ("Find parts", "localized")):
+            at.screen.press(button)
+            at.wait(lambda phase=phase: at.bench.state.phase == phase, phase)
+        at.screen.tab("Cell")
+        at.screen.press("Show gizmo")
+        settle(at.page, 2000)
+        now = at.bench.state.cell
+        camera, p = first_look(at.page, now), now.bin.T_world_bin.translation
+        tip = p + [0.0, 0.9 * GIZMO, 0.0]
+        at.page.mouse.move(*camera.pixel(tip))
+        settle(at.page, 500)
+        at.page.mouse.down()
+        settle(at.page, 200)
+        at.page.mouse.move(*camera.pixel(tip + [0.0, 0.015, 0.0]), steps=8)
+        at.screen.wait_for("while you drag: ")
+        settle(at.page, 2000)
+        at.shoot("live_verdicts")
+        at.page.mouse.up()
 
 
 def in_the_wall(now: Cell) -> Floats:
@@ -236,6 +260,7 @@ STORIES: dict[str, Callable[[Browser, Path], None]] = {
     "fault": fault,
     "grasps": grasps,
     "cell": cell,
+    "live_verdicts": live_verdicts,
     "calibration": calibration,
     "bin_moved": bin_moved,
     "row": row,

@@ -8,9 +8,13 @@ class Idle:
 
     def __init__(self, cell, do, now):
         self.live = Live()
+        self.asked = []
 
     def run(self, effect):
         pass
+
+    def ask(self, question):
+        self.asked.append(question)
 
     def close(self):
         pass

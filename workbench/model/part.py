@@ -201,7 +201,7 @@ class Part(Told):
     grasps: tuple[Grasp, ...] = field(init=False, repr=False, metadata={"derived": True})
 
     def __post_init__(self) -> None:
-        put(self, digest=digest_of(self), grasps=_with_symmetry(self.library, self.symmetry))
+        put(self, digest=digest_of(self), grasps=with_symmetry(self.library, self.symmetry))
 
     @property
     def facts(self) -> Mapping[str, object]:
@@ -222,7 +222,8 @@ def turned(axis: Floats, angle: float, through: Floats | None = None) -> pin.SE3
     return pin.SE3(R, np.zeros(3) if through is None else through - R @ through)
 
 
-def _with_symmetry(library: GraspLibrary, symmetry: Symmetry) -> tuple[Grasp, ...]:
+def with_symmetry(library: GraspLibrary, symmetry: Symmetry) -> tuple[Grasp, ...]:
+    """The grasps of a library, and what a symmetry makes of them, no grip twice."""
     found = list(library.grasps)
     turns = symmetry.turns
     # Where the grips found so far are: only those nearby are compared, as a gear has thousands.

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 from idle import Idle
+from job_listener import Listener, workers
 from patient import PATIENT, in_threads
 
 from workbench.app.core.commands import (
@@ -17,10 +18,25 @@ from workbench.app.core.commands import (
 )
 from workbench.app.runtime.bench import Bench
 from workbench.app.runtime.effect_runner import EffectRunner
+from workbench.app.runtime.jobs import Jobs
 from workbench.devices.abb_simulated.controller import SimulatedController
 from workbench.journal.journal import Journal
 
 HERE = Path(__file__).parents[1]
+
+
+@pytest.fixture
+def listener():
+    return Listener()
+
+
+@pytest.fixture
+def jobs(cell, listener, monkeypatch):
+    monkeypatch.syspath_prepend(HERE)
+    running = Jobs(cell, listener.ended, listener.progressed, module="tiny_work")
+    yield running
+    running.close()
+    assert not workers()
 
 
 @pytest.fixture

@@ -12,6 +12,7 @@ import time
 from pathlib import Path
 
 import pytest
+from job_listener import worker_of, workers
 from waiting import PATIENCE, wait_until
 
 from workbench.app.runtime.jobs import Jobs
@@ -19,48 +20,6 @@ from workbench.app.runtime.worker import packed
 from workbench.model.errors import FileError, JobCancelled, WorkbenchError
 
 HERE = Path(__file__).parents[1]
-
-
-class Listener:
-    """Collects what a `Jobs` tells."""
-
-    def __init__(self):
-        self.results = queue.Queue()
-        self.progress = queue.Queue()
-
-    def ended(self, number, result):
-        self.results.put((number, result))
-
-    def progressed(self, number, done, note):
-        self.progress.put((number, done, note))
-
-    def result(self):
-        return self.results.get(timeout=PATIENCE)
-
-
-@pytest.fixture
-def listener():
-    return Listener()
-
-
-@pytest.fixture
-def jobs(cell, listener, monkeypatch):
-    monkeypatch.syspath_prepend(HERE)
-    running = Jobs(cell, listener.ended, listener.progressed, module="tiny_work")
-    yield running
-    running.close()
-    assert not [p for p in multiprocessing.active_children() if p.name == "workbench worker"]
-
-
-def workers() -> list[int]:
-    return [p.pid for p in multiprocessing.active_children() if p.name == "workbench worker"]
-
-
-def worker_of(jobs, listener, number=1000) -> int:
-    jobs.start(number, "echo", {})
-    ended, result = listener.result()
-    assert ended == number
-    return result["process"]
 
 
 def test_jobs_bring_their_results_in_order_from_one_warm_process(jobs, listener):

@@ -84,7 +84,7 @@ def plan_pick(
     wanted = BOTH if strategy == "both" else (strategy,)
     looked = _Looked()
     results: list[PlanResult] = []
-    levels = _levels(cell)
+    levels = levels_of(cell)
     for number, level in enumerate(levels):
         found = propose(world, priorities=level)
         lap("propose")
@@ -139,7 +139,7 @@ def _proven(cell: Cell, scene: Scene, plans: Sequence[Plan]) -> tuple[Plan, Proo
     return plans[0], first
 
 
-def _levels(cell: Cell) -> list[frozenset[int]]:
+def levels_of(cell: Cell) -> list[frozenset[int]]:
     """Priorities of grasps that are looked at together: spares only when nothing before them does.
 
     Those below 0 are spares, each priority by itself.

@@ -33,6 +33,7 @@ from workbench.app.runtime.live import Live
 from workbench.app.runtime.observers import Observer, ObserverThread
 from workbench.app.runtime.robot_link import Clock, Do
 from workbench.app.runtime.vote_ages import VoteAges
+from workbench.app.runtime.worker import Question
 from workbench.journal.journal import Journal, Row
 from workbench.model.cell import Cell
 from workbench.model.errors import CommandRefused, JournalError, NotRecorded, WorkbenchError
@@ -48,6 +49,10 @@ class Effects(Protocol):
 
     def run(self, effect: Effect) -> None:
         """Begin an effect; called one at a time, never again into `do` from within."""
+        ...
+
+    def ask(self, question: Question) -> None:
+        """Have something worked out beside all that; returns at once."""
         ...
 
     def close(self) -> None:
@@ -186,6 +191,10 @@ class Bench:
         if isinstance(command, LinkEnded):
             return bool(self._state.row) and not command.fault
         return isinstance(command, Approve | SendPlan)
+
+    def ask(self, question: Question) -> None:
+        """Have something worked out that is only looked at: it is not recorded, changes nothing."""
+        self._effects.ask(question)
 
     @property
     def head(self) -> tuple[int, str]:

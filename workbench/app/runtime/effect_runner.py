@@ -27,7 +27,7 @@ from workbench.app.runtime.insisting import insist
 from workbench.app.runtime.jobs import WORK, Jobs
 from workbench.app.runtime.live import Live
 from workbench.app.runtime.robot_link import Clock, Do, LinkRunner
-from workbench.app.runtime.worker import GettingReady
+from workbench.app.runtime.worker import GettingReady, Question
 from workbench.formats.cells.edits import log_change, save_cell, written_cell
 from workbench.formats.cells.reading import part_folders, read_cell
 from workbench.formats.files.toml_keys import LARGEST_FILE
@@ -48,8 +48,8 @@ class EffectRunner:
     Lifetime: from construction until `close`, which first ends a sending and waits until its
     end is reported.
 
-    Concurrency: `run` and `live` return at once.  Jobs report from one thread, a sending from
-    another, so that a stop never waits for a job.
+    Concurrency: `run`, `ask` and `live` return at once.  Jobs report from one thread, a sending
+    from another, so that a stop never waits for a job.
     """
 
     def __init__(
@@ -121,6 +121,10 @@ class EffectRunner:
                 self._drafts([part], lambda folders: drop_draft(folders[part]))
             case _:
                 assert_never(effect)
+
+    def ask(self, question: Question) -> None:
+        """Have something worked out between jobs."""
+        self._jobs.ask(question)
 
     def close(self) -> None:
         """End the sending first, then the worker; waits until both are gone."""

@@ -24,6 +24,7 @@ from workbench.app.runtime.worker import (
     GettingReady,
     Message,
     Progress,
+    Question,
     Ready,
     Request,
     Success,
@@ -42,6 +43,12 @@ WORK = "workbench.app.runtime.work"
 GRACE = 0.3
 """How long [s] a cancelled job may take to end by itself."""
 
+PACE = 0.08
+"""[s] Questions of one asker or of several begin no sooner after each other, however many come."""
+
+LONGEST = 10.0
+"""[s] A question that takes longer ends the worker, so that none holds up the jobs."""
+
 ATTEMPTS = 3
 """Workers in a row that may die before they are ready; after that a job has to ask for one."""
 
@@ -56,12 +63,16 @@ Prepared = Callable[[GettingReady | None], None]
 
 
 class Jobs:
-    """Runs jobs one after the other in a process that is kept warm.
+    """Runs jobs one after the other in a process that is kept warm, and questions between them.
+
+    Questions are about what somebody drags, which nobody can while a job runs: so they are asked of
+    the same process, which holds all that is loaded and compiled once.  A job goes first, and waits
+    for no more than one question.
 
     Lifetime: the process is started at once and replaced when it dies; `close` ends it, and so
     does the end of this process, however that comes.
 
-    Concurrency: `start`, `cancel` and `close` may be called from any thread; the first two
+    Concurrency: `start`, `ask`, `cancel` and `close` may be called from any thread; the first three
     return at once.  `ended`, `progressed` and `prepared` are called from one thread of this
     object, one call after the other; they may call `start` and `cancel`.
     """
@@ -91,6 +102,7 @@ class Jobs:
         self._make_worker = lambda: _Worker(module)
         self._lock = threading.Lock()
         self._waiting: deque[Request] = deque()
+        self._questions: dict[int, Question] = {}
         self._to_cancel: list[int] = []
         self._closing = False
         self._woken = False
@@ -98,6 +110,9 @@ class Jobs:
         # What follows belongs to the thread.
         self._worker: _Worker | None = None
         self._running: Request | None = None
+        self._asked: Question | None = None
+        self._asked_count = 0
+        self._next_question = 0.0
         self._kill_at: float | None = None
         self._failed_starts = 0
         self._unable: WorkbenchError | None = None
@@ -108,6 +123,13 @@ class Jobs:
         """Have a job run as soon as those before it have ended."""
         with self._lock:
             self._waiting.append(Request(number, name, arguments, self._cell))
+            self._wake()
+
+    def ask(self, question: Question) -> None:
+        """Have a question answered between jobs, in place of the asker's last one not begun."""
+        with self._lock:
+            # In its place: who asks without pause gets no more turns than others.
+            self._questions[question.asker] = question
             self._wake()
 
     def use(self, cell: Cell) -> None:
@@ -175,14 +197,21 @@ class Jobs:
         sources = [self._bell]
         if self._worker is not None:
             sources.append(self._worker.connection)
-        seconds = None if self._kill_at is None else max(0.0, self._kill_at - time.monotonic())
-        ready = wait(sources, seconds)
+        ready = wait(sources, self._patience())
         if self._bell in ready:
             with self._lock:
                 self._bell.recv_bytes()
                 self._woken = False
         if self._worker is not None and self._worker.connection in ready:
             self._listen(self._worker)
+
+    def _patience(self) -> float | None:
+        """How long [s] nothing has to be done unless something comes; None: for ever."""
+        now = time.monotonic()
+        if self._kill_at is not None:
+            return max(0.0, self._kill_at - now)
+        can_ask = self._worker is not None and self._worker.is_ready and self._running is None
+        return max(0.0, self._next_question - now) if can_ask and self._questions else None
 
     def _follow_cancels(self) -> None:
         with self._lock:
@@ -197,14 +226,35 @@ class Jobs:
             self._kill_at = time.monotonic() + GRACE
 
     def _begin_next(self) -> None:
-        if self._running is not None or not self._waiting:
+        if self._running is not None or not (self._waiting or self._questions):
             return
-        if self._worker is None:
+        if self._worker is None and self._waiting:
             self._replace_worker()
+        elif self._worker is None:
+            # Nobody waits for a worker that cannot be: a job that needs one says why.
+            self._drop_questions(WorkbenchError("there is no worker process"))
         elif self._worker.is_ready:
             with self._lock:
-                self._running = self._waiting.popleft()
-            self._worker.send(self._running)
+                self._running = self._waiting.popleft() if self._waiting else self._next_asked()
+            if self._running is not None:
+                self._worker.send(self._running)
+
+    def _next_asked(self) -> Request | None:
+        """The question that has waited longest, if it is time for one; under the lock."""
+        now = time.monotonic()
+        if now < self._next_question:
+            return None
+        self._asked = asked = self._questions.pop(next(iter(self._questions)))
+        self._next_question, self._kill_at = now + PACE, now + LONGEST
+        # Below 0, so that it is no job's number, and no cancelling of a job ends it.
+        self._asked_count += 1
+        return Request(-self._asked_count, asked.name, asked.arguments, self._cell)
+
+    def _drop_questions(self, error: WorkbenchError) -> None:
+        with self._lock:
+            dropped, self._questions = self._questions, {}
+        for one in dropped.values():
+            self._tell(one.answered, error)
 
     def _listen(self, worker: "_Worker") -> None:
         try:
@@ -274,9 +324,14 @@ class Jobs:
             refused, self._waiting = self._waiting, deque()
         for request in refused:
             self._tell_end(request, error)
+        self._drop_questions(error)
 
     def _tell_end(self, request: Request, result: Any) -> None:
-        self._tell(self._ended, request.number, result)
+        if request.number > 0:
+            self._tell(self._ended, request.number, result)
+        elif self._asked is not None:
+            asked, self._asked = self._asked, None
+            self._tell(asked.answered, result)
 
     def _tell(self, listener: Callable[..., None], *what: Any) -> None:
         if self._closing:

@@ -8,6 +8,7 @@ import numpy as np
 import pinocchio as pin
 
 from workbench.app.emptying.film import Filmed
+from workbench.app.picking.glance import Glance, changed, glance_at
 from workbench.app.picking.held_plate import simulated_sight
 from workbench.app.picking.part_import import imported_part
 from workbench.app.picking.row import plan_row
@@ -22,6 +23,7 @@ from workbench.model.scan import Detection, LocalizationResult, Obstacle, Scan, 
 from workbench.perception.calibration.balls import sight_plate
 from workbench.perception.scene.unexplained import unexplained
 from workbench.planning.collision.rolled import axis_of
+from workbench.planning.collision.world import World
 from workbench.plugins.localizer import find_parts as localized
 from workbench.plugins.progress import Cancelled, Report
 from workbench.plugins.scanner import ScanRequest, scanner_of
@@ -134,6 +136,23 @@ def plan(
     )
 
 
+def glance(
+    cell: Cell, arguments: Mapping[str, Any], report: Report, cancelled: Cancelled
+) -> Glance:
+    """How the candidates would be judged with `change` in the cell, the parts where they were.
+
+    What stands around besides is `obstacles`; None: they are looked for `around`, which holds the
+    scan, the parts found in it, and those that were put down.
+    """
+    obstacles = arguments["obstacles"]
+    if obstacles is None:
+        scan, found, placed = arguments["around"]
+        seen = () if scan is None else unexplained(cell, scan, found)
+        obstacles = (*seen, *boxes_around(cell, placed))
+    world = World(changed(cell, arguments["change"]), arguments["detections"], obstacles)
+    return glance_at(world, avoided=dict(arguments["avoided"]))
+
+
 def emptying(
     cell: Cell, arguments: Mapping[str, Any], report: Report, cancelled: Cancelled
 ) -> Filmed:
@@ -150,6 +169,7 @@ JOBS: Mapping[str, JobFunction] = {
     "plan": plan,
     "import": import_part,
     "emptying": emptying,
+    "glance": glance,
 }
 """By the names that `decide` gives them."""
 

@@ -46,6 +46,21 @@ class Request:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class Question:
+    """Something to be worked out between jobs, soon or not at all; nothing of it is on record.
+
+    `asker` tells who asks: what they ask next takes the place of what has not begun.  `name` and
+    `arguments` are those of a job.  `answered` is told the result, or the `WorkbenchError` that
+    ended it, by one thread of the owner; a question that a newer one has replaced never is.
+    """
+
+    asker: int
+    name: str
+    arguments: Mapping[str, Any]
+    answered: Callable[[Any], None]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class GettingReady:
     """Everything is imported, and something has to be done once before the first job begins.
 

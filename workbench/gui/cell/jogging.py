@@ -12,7 +12,7 @@ from workbench.app.core.commands import ChangeCell, Command, TakeScan
 from workbench.app.core.state import Phase
 from workbench.gui.cell.jog import led
 from workbench.gui.cell.views import contacts_html
-from workbench.gui.scene.gizmo_drag import add_gizmo
+from workbench.gui.dragging.gizmo_drag import add_gizmo
 from workbench.gui.scene.robot import place, pose_of_node
 from workbench.gui.shared.look import View
 from workbench.gui.shared.things import shown_pose, typed_pose, with_home, with_places

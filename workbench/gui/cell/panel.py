@@ -1,5 +1,6 @@
 """The tab that shows what the cell is made of: to move things, jog the robot, and save."""
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -9,11 +10,11 @@ import viser
 from workbench.app.core.commands import ChangeCell, RedoCell, SaveCell, TakeScan, UndoCell
 from workbench.gui.cell.jogging import JogControls
 from workbench.gui.cell.views import cell_line, measured_line, reach_line, tree_html
+from workbench.gui.dragging.pose_inputs import PoseInputs
 from workbench.gui.help.groups import group
 from workbench.gui.scene.measure import pointed_at
-from workbench.gui.scene.pose_inputs import PoseInputs
 from workbench.gui.shared.look import View
-from workbench.gui.shared.things import moved, pose_of, things, with_tool
+from workbench.gui.shared.things import SCANNER, moved, moving, pose_of, things, with_tool
 from workbench.gui.shared.views import not_redone, not_saved, not_undone
 from workbench.gui.shared.visitor import Visitor
 from workbench.model.geometry import Floats
@@ -43,7 +44,14 @@ class CellPanel:
             self._thing = gui.add_dropdown(
                 "Thing", things(cell), hint="What the numbers and the gizmo below move."
             )
-            self._inputs = PoseInputs(visitor, "/cell_gizmo", GIZMO, self._move)
+            self._inputs = PoseInputs(
+                visitor,
+                "/cell_gizmo",
+                GIZMO,
+                command=ChangeCell,
+                meant=self._move,
+                otherwise=self._otherwise,
+            )
             self._undo = gui.add_button("Undo", icon=viser.Icon.ARROW_BACK_UP, color="gray")
             self._redo = gui.add_button("Redo", icon=viser.Icon.ARROW_FORWARD_UP, color="gray")
             self._shapes = gui.add_checkbox(
@@ -90,6 +98,7 @@ class CellPanel:
     def show(self, old: View | None, new: View) -> None:
         """Bring what is shown from `old` to `new`."""
         self._view = new
+        self._inputs.tell(old, new)
         state, cell = new.state, new.state.cell
         if old is None or old.state.cell is not cell:
             self._tree.content = tree_html(cell)
@@ -191,6 +200,11 @@ class CellPanel:
                 with_tool(self._visitor.cell, arm, tool), f"the {arm} arm carries {tool}"
             )
         )
+
+    def _otherwise(self, T: pin.SE3) -> Mapping[str, Any] | None:
+        """What is other while a thing is dragged; the scanner is in no verdict."""
+        thing = self._thing.value
+        return None if thing == SCANNER else {"change": moving(self._visitor.cell, thing, T)}
 
     def _move(self, T: pin.SE3) -> bool:
         thing = self._thing.value

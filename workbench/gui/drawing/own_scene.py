@@ -5,6 +5,7 @@ from collections.abc import Mapping
 import pinocchio as pin
 import viser
 
+from workbench.gui.scene.live import DrawnVerdicts
 from workbench.gui.scene.marks import draw_measured, draw_visited
 from workbench.gui.scene.meets import draw_meets
 from workbench.gui.scene.robot import PLANNED, ROBOT_CHECKED, finger_name, moved_by, place
@@ -32,6 +33,7 @@ class OwnScene:
         self._scene = visitor.client.scene
         self._root: viser.FrameHandle | None = None
         self._frames: dict[str, viser.FrameHandle] = {}
+        self._verdicts = DrawnVerdicts(self._scene)
         visitor.on_end(self._clear, in_scene=True)
 
     def show(self, old: View | None, new: View) -> None:
@@ -44,6 +46,8 @@ class OwnScene:
                 draw_meets(self._scene, "/jog_meets", new.jogged.meets if new.jogged else ())
             if is_first or old.own.measured is not new.own.measured:
                 draw_measured(self._scene, new.own.measured)
+            if is_first or old.own.dragged is not new.own.dragged:
+                self._verdicts.draw(new.own.dragged)
             if is_first or old.visited is not new.visited:
                 draw_visited(self._scene, new.visited)
             if new.jogged is None and new.overlay is None and new.filmed is None:
@@ -88,6 +92,7 @@ class OwnScene:
 
     def _clear(self) -> None:
         self._give_back()
+        self._verdicts.draw(None)
         for name in ("/observation", "/jog_meets", "/measured", "/nearest", "/nearest_points"):
             self._scene.remove_by_name(name)
 

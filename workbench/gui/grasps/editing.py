@@ -8,6 +8,7 @@ from typing import TypeVar
 import pinocchio as pin
 
 from workbench.app.core.commands import EditPart
+from workbench.app.picking.glance import Change
 from workbench.gui.shared.visitor import Visitor
 from workbench.model.cell import Tool
 from workbench.model.digest import digest_of
@@ -130,6 +131,12 @@ class Editing:
     def at(self, entry: Entry, T_part_tcp: pin.SE3) -> Grasp:
         """The grasp of an entry with the hand somewhere else."""
         return replace(grasp_of(entry), T_part_tcp=T_part_tcp)
+
+    def moving(self, was: Entry, T_part_tcp: pin.SE3) -> Change:
+        """What is other in the cell while the hand of an entry is dragged."""
+        now, part = with_grasp(was, self.at(was, T_part_tcp)), self.part
+        entries = tuple(now if one.name == was.name else one for one in part.library.entries)
+        return {"libraries": {part.name: replace(part.library, entries=entries)}}
 
     def move(self, was: Entry, T_part_tcp: pin.SE3, says: str) -> bool:
         """Put the hand somewhere else; see `put`."""

@@ -7,10 +7,15 @@ import pinocchio as pin
 import viser
 from viser._messages import HotkeyKey
 
+from workbench.app.core.commands import EditPart
+from workbench.gui.dragging.gizmo_drag import add_gizmo, follow
+from workbench.gui.dragging.verdicts import LiveVerdicts
+from workbench.gui.dragging.views import dragged_html
 from workbench.gui.grasps.editing import Editing
 from workbench.gui.grasps.views import no_grasp
-from workbench.gui.scene.gizmo_drag import add_gizmo, follow
 from workbench.gui.scene.robot import place
+from workbench.gui.scene.stage import T_WORLD_STAGE
+from workbench.gui.shared.look import View
 from workbench.gui.shared.things import ANGLES, shown_pose, typed_pose
 from workbench.gui.shared.visitor import Visitor
 from workbench.model.digest import digest_of
@@ -49,6 +54,7 @@ class GraspPose:
     def __init__(self, visitor: Visitor, editing: Editing, moving: Callable[[pin.SE3], None]):
         """Add the controls; `moving` is told where the hand is while it is dragged."""
         self._visitor, self._editing, self._moving = visitor, editing, moving
+        self._verdicts = LiveVerdicts(visitor, EditPart)
         self._seen: Entry | None = None
         self._T = pin.SE3.Identity()
         self._R_off = np.eye(3)
@@ -78,6 +84,7 @@ class GraspPose:
             color="gray",
             hint="Square to the surface where the tool comes in, as deep as fingers hold well.",
         )
+        self._told = gui.add_html("")
         self._apply.on_click(lambda _: self._end(self._typed(), "moved by numbers"))
         self._snap.on_click(lambda _: self._snapped())
         self._axes.on_update(lambda _: self._place_gizmo())
@@ -100,10 +107,16 @@ class GraspPose:
         elif not (can and is_open):
             self.hide()
 
+    def tell(self, old: View | None, new: View) -> None:
+        """Bring what is told while the hand is dragged from `old` to `new`."""
+        if old is None or old.own.dragged is not new.own.dragged:
+            self._told.content = dragged_html(new.own.dragged)
+
     def hide(self) -> None:
         """Take the gizmo away."""
         gizmo, self._gizmo = self._gizmo, None
         if gizmo is not None:
+            self._verdicts.end()
             gizmo.remove()
 
     def _put(self, T: pin.SE3) -> None:
@@ -144,12 +157,14 @@ class GraspPose:
     def _add_gizmo(self, size: float) -> None:
         self._gizmo = gizmo = add_gizmo(self._visitor, "/stage/gizmo", GIZMO * size, self._T)
         self._place_gizmo()
+        self._verdicts.prepare()
         follow(
             gizmo,
             self._visitor,
             stood=lambda: self._T,
             moved=self._dragged,
-            put_back=lambda: self._put(self._T),
+            began=self._verdicts.begin,
+            put_back=self._put_back,
         )
 
     def _dragged(self, T_part_gizmo: pin.SE3, is_over: bool) -> None:
@@ -160,7 +175,15 @@ class GraspPose:
         self._position.value, self._angles.value = shown_pose(T)
         self._moving(self._typed())
         if is_over:
+            self._verdicts.end()
             self._end(self._typed(), "moved by gizmo")
+        elif self._seen is not None:
+            change = self._editing.moving(self._seen, self._typed())
+            self._verdicts.ask({"change": change}, T_WORLD_STAGE * self._typed())
+
+    def _put_back(self) -> None:
+        self._verdicts.end()
+        self._put(self._T)
 
 
 def in_steps(T_from: pin.SE3, T_to: pin.SE3) -> pin.SE3:

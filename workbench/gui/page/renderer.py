@@ -15,6 +15,7 @@ from workbench.app.core.state import Phase, State
 from workbench.app.picking.facts import bin_check_of
 from workbench.app.review.history import History
 from workbench.app.runtime.bench import Bench
+from workbench.gui.dragging.verdicts import is_same_scene
 from workbench.gui.drawing.film_scene import FilmScene
 from workbench.gui.drawing.fixes import Fixes
 from workbench.gui.drawing.following import keep_up
@@ -211,6 +212,11 @@ class Renderer:
                 visitor.own.let_go()
             elif has_lost_observation(visitor.own.now, old and old.state, new.state):
                 visitor.own.change(observation=None)
+            dragged = visitor.own.now.dragged
+            if dragged is not None and (
+                is_begun or follows or not is_same_scene(dragged.state, new.state)
+            ):
+                visitor.own.change(dragged=None)
             if visitor.own.now.film is not None and old is not None and is_news(old, new):
                 visitor.own.change(film=None)
 

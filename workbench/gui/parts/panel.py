@@ -1,6 +1,6 @@
 """The tab with the parts found: what speaks for and against each, and a person's word on it."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -11,6 +11,7 @@ import viser
 from workbench.app.core.commands import Command, ForgetAvoided, TakeScan, UseDetections, UseScan
 from workbench.formats.clouds.scans import parse_scan
 from workbench.formats.plans.pose_files import parse_poses
+from workbench.gui.dragging.pose_inputs import PoseInputs
 from workbench.gui.help.groups import group
 from workbench.gui.parts.views import (
     MOST_ROWS,
@@ -19,7 +20,6 @@ from workbench.gui.parts.views import (
     rejected_html,
     remarks_html,
 )
-from workbench.gui.scene.pose_inputs import PoseInputs
 from workbench.gui.scene.searches import SearchInputs
 from workbench.gui.shared.look import View
 from workbench.gui.shared.views import line
@@ -72,7 +72,14 @@ class PartsPanel:
             visible=False,
             hint="Red and translucent in the scene, for everybody.",
         )
-        self._inputs = PoseInputs(visitor, "/part_gizmo", GIZMO, self._correct)
+        self._inputs = PoseInputs(
+            visitor,
+            "/part_gizmo",
+            GIZMO,
+            command=UseDetections,
+            meant=self._correct,
+            otherwise=self._otherwise,
+        )
         self._kind = gui.add_dropdown(
             "Kind", _kinds(visitor.cell), hint="Of a part that is added, and of poses from HALCON."
         )
@@ -103,6 +110,7 @@ class PartsPanel:
     def show(self, old: View | None, new: View) -> None:
         """Bring what is shown from `old` to `new`."""
         self._draw_discarded(old, new)
+        self._inputs.tell(old, new)
         state = new.state
         found = state.detections or ()
         self._searches.show(old, new)
@@ -168,11 +176,22 @@ class PartsPanel:
         """A person knows better where the chosen part is."""
 
         def moved() -> Command:
-            found, number = list(self._found), self._number
-            self._chosen = found[number] = Detection(found[number].part, T)
-            return UseDetections(tuple(found), f"part-{number + 1} was corrected by hand")
+            found, number = self._with_chosen_at(T), self._number
+            self._chosen = found[number]
+            return UseDetections(found, f"part-{number + 1} was corrected by hand")
 
         return self._ask_choosing(moved)
+
+    def _otherwise(self, T: pin.SE3) -> Mapping[str, Any] | None:
+        """What is other while the chosen part is dragged."""
+        if _place(self._found, self._chosen) is None:
+            return None
+        return {"detections": self._with_chosen_at(T)}
+
+    def _with_chosen_at(self, T: pin.SE3) -> tuple[Detection, ...]:
+        found, number = list(self._found), self._number
+        found[number] = Detection(found[number].part, T)
+        return tuple(found)
 
     @property
     def _number(self) -> int:

@@ -13,6 +13,7 @@ from workbench.gui.shared.solids import by_colour
 from workbench.gui.shared.views import candidate_label
 from workbench.model.candidate import Candidate
 from workbench.model.cell import Arm, Cell
+from workbench.model.geometry import Floats, Ints
 from workbench.planning.kinematics.robot import Kinematics
 
 STROKE = 0.03
@@ -20,6 +21,21 @@ STROKE = 0.03
 
 ABOVE = 0.17
 """[m] The label stands this far above the tool's tip, clear of the hand."""
+
+
+def strokes_of(ends: Floats, approaches: Floats, colours: Ints) -> tuple[Floats, Ints]:
+    """The drawn ends of approaches.
+
+    Args:
+        ends: (n, 3) [m] of the hand.
+        approaches: (n, 3), unit vectors.
+        colours: (n, 3), 0..255.
+
+    Returns:
+        Lines (n, 2, 3) [m] with their colours (n, 2, 3).
+    """
+    strokes = np.stack([ends - STROKE * approaches, ends], axis=1)
+    return strokes, np.repeat(colours[:, None, :], 2, axis=1).astype(np.uint8)
 
 
 class DrawnCandidates:
@@ -76,8 +92,7 @@ class DrawnCandidates:
         colours = np.array(
             [rgb_of(verdict_colour(kind_of(candidate.verdict))) for candidate in candidates]
         )
-        strokes = np.stack([ends - STROKE * approaches, ends], axis=1)
-        painted = np.repeat(colours[:, None, :], 2, axis=1).astype(np.uint8)
+        strokes, painted = strokes_of(ends, approaches, colours)
         add_lines(self._scene, "/grasps", strokes, painted, 2.0)
 
     def _draw_chosen(self, candidate: Candidate, pose: Pose | None) -> None:

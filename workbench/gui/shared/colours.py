@@ -36,9 +36,14 @@ KINDS = (*(str(reason) for reason in Reason), MARGIN_NOT_KEPT)
 
 def kind_of(verdict: Verdict) -> str:
     """What is said of a candidate: its reason, unless that is a collision that is none."""
-    touching = verdict.reason in (Reason.TOOL_COLLISION, Reason.IN_COLLISION)
-    is_apart = touching and verdict.distance is not None and verdict.distance > 0
-    return MARGIN_NOT_KEPT if is_apart else str(verdict.reason)
+    is_apart = verdict.distance is not None and verdict.distance > 0
+    return kind_said(verdict.reason, is_apart=is_apart)
+
+
+def kind_said(reason: Reason, *, is_apart: bool) -> str:
+    """As `kind_of`, where all that is known besides is whether the distance is above 0."""
+    touching = reason in (Reason.TOOL_COLLISION, Reason.IN_COLLISION)
+    return MARGIN_NOT_KEPT if touching and is_apart else str(reason)
 
 
 def verdict_colour(kind: str) -> str:

@@ -5,7 +5,11 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
+import pinocchio as pin
+
+from workbench.app.core.state import State
 from workbench.app.emptying.film import Film
+from workbench.app.picking.glance import Glance
 from workbench.model.geometry import Floats
 from workbench.model.plan import Plan
 from workbench.proof.spot import Spot
@@ -39,13 +43,26 @@ class Showing:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class Dragged:
+    """How candidates would be judged where something is dragged just now.
+
+    The words stand at `T_world_words`; all else is as in `state`.
+    """
+
+    glance: Glance
+    T_world_words: pin.SE3
+    state: State
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Own:
     """What somebody does in their own view; nobody else sees anything of it.
 
     `jog` holds the arms that are moved by hand, arm -> configuration (n,) [rad]; `observation` is
     the pose of a calibration that is laid over the robot, `is_calibrated` says with which pose of
     the scanner; `film` is what is shown of an emptied pile; `measured` are the points (3,) [m] that
-    were clicked on, up to two; `visited` is the place of the plan that is looked at.
+    were clicked on, up to two; `visited` is the place of the plan that is looked at; `dragged` is
+    what is shown of the candidates while something is dragged.
     """
 
     jog: Mapping[str, Floats] | None = None
@@ -54,6 +71,7 @@ class Own:
     film: Showing | None = None
     measured: tuple[Floats, ...] = ()
     visited: Visited | None = None
+    dragged: Dragged | None = None
 
     @property
     def hides_robot(self) -> bool:

@@ -1,11 +1,12 @@
 """What of a cell a person can move: each by name, with its pose, and the cell with another one."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pinocchio as pin
 
-from workbench.model.cell import Cell
+from workbench.model.cell import Arm, Cell
 from workbench.model.geometry import Floats, pose_from_rpy
 
 BIN, SCANNER, ROBOT = "bin", "scanner", "robot"
@@ -50,32 +51,38 @@ def pose_of(cell: Cell, thing: str) -> pin.SE3:
 
 def moved(cell: Cell, thing: str, T: pin.SE3) -> Cell:
     """The cell with one of `things` somewhere else."""
+    return replace(cell, **moving(cell, thing, T))
+
+
+def moving(cell: Cell, thing: str, T: pin.SE3) -> dict[str, Any]:
+    """The fields of the cell that are others with one of `things` somewhere else.
+
+    Without the cell itself, whose digest takes longer than all that: for while a thing is dragged.
+    """
     match thing:
         case "bin":
-            return replace(cell, bin=replace(cell.bin, T_world_bin=T))
+            return {"bin": replace(cell.bin, T_world_bin=T)}
         case "scanner":
             # Nobody has measured that it hangs there.
             mount = replace(cell.scanner, T_world_scanner=T, calibration=None)
-            return replace(cell, scanner=mount)
+            return {"scanner": mount}
         case "robot":
-            return replace(cell, T_world_robot=T)
+            return {"T_world_robot": T}
         case _:
             if any(fixture.name == thing for fixture in cell.fixtures):
-                return replace(
-                    cell,
-                    fixtures=tuple(
-                        replace(one, T_world_fixture=T) if one.name == thing else one
-                        for one in cell.fixtures
-                    ),
+                fixtures = tuple(
+                    replace(one, T_world_fixture=T) if one.name == thing else one
+                    for one in cell.fixtures
                 )
+                return {"fixtures": fixtures}
             arm, number = _place(thing)
             if _is_of_parts(thing):
                 of_parts = list(cell.arm(arm).part_places)
                 of_parts[number] = replace(of_parts[number], T_world_part=T)
-                return _with_arm(cell, arm, part_places=tuple(of_parts))
+                return {"arms": _arms_with(cell, arm, part_places=tuple(of_parts))}
             places = list(cell.arm(arm).Ts_world_place)
             places[number] = T
-            return with_places(cell, arm, tuple(places))
+            return {"arms": _arms_with(cell, arm, Ts_world_place=tuple(places))}
 
 
 def with_places(cell: Cell, arm: str, places: tuple[pin.SE3, ...]) -> Cell:
@@ -94,9 +101,12 @@ def with_tool(cell: Cell, arm: str, tool: str) -> Cell:
     return _with_arm(cell, arm, tool=mounted)
 
 
-def _with_arm(cell: Cell, name: str, **fields: object) -> Cell:
-    arms = tuple(replace(arm, **fields) if arm.name == name else arm for arm in cell.arms)  # type: ignore[arg-type]
-    return replace(cell, arms=arms)
+def _with_arm(cell: Cell, name: str, **fields: Any) -> Cell:
+    return replace(cell, arms=_arms_with(cell, name, **fields))
+
+
+def _arms_with(cell: Cell, name: str, **fields: Any) -> tuple[Arm, ...]:
+    return tuple(replace(arm, **fields) if arm.name == name else arm for arm in cell.arms)
 
 
 def _is_of_parts(thing: str) -> bool:

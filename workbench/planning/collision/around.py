@@ -70,12 +70,14 @@ def first_fits(
         around: tool and surroundings.
 
     Returns:
-        Numbers of ways (c,), -1 where none fits; and (c, 2) whether it was met `OPEN` or `CLOSED`,
-        and solid of the tool times what stands around plus the number there, or `NOTHING`.
+        Numbers of ways (c,), -1 where none fits; and (c, 3) whether it was met `OPEN` or `CLOSED`,
+        solid of the tool times what stands around plus the number there, or `NOTHING`, and 1 where
+        the two touch, as opposed to being too near.
     """
     R, c, W = _scratch(around)
+    tools, still = len(around.radius), len(around.owner)
     fits = np.full(len(grasp), -1)
-    met = np.full((len(grasp), 2), NOTHING)
+    met = np.full((len(grasp), 3), NOTHING)
     last = np.full(2, -1)
     for k in range(len(grasp)):
         begin, end = hands.first[grasp[k]], hands.first[grasp[k] + 1]
@@ -93,6 +95,8 @@ def first_fits(
                 break
             if w == begin:
                 met[k, 0], met[k, 1] = phase, code
+                t, s = code // still, tools + code % still
+                met[k, 2] = side(t, s, R, c, around.cores, 0.0, 0.0, W) == TOUCHES
             if code != NOTHING and last[0] >= 0 and _stands(around, last[0]):
                 # No other opening moves what is in the way of the palm.
                 blocked[hands.turn[w]] = True

@@ -30,13 +30,15 @@ class Fit:
 
     `opening` [m] and `turn` (of the `grips`) are those of the way.  `is_closed`: the first way is
     free as the hand arrives, and met is what it does as the fingers close; `pair` are the numbers
-    of tool solid and obstacle (`ToolCheck.told`), None where a way fits.
+    of tool solid and obstacle (`ToolCheck.told`), None where a way fits; `is_touching` says that
+    the two touch, not only come too near.
     """
 
     opening: float
     turn: int
     is_closed: bool
     pair: tuple[int, int] | None
+    is_touching: bool = False
 
 
 class ToolCheck:
@@ -129,11 +131,12 @@ class ToolCheck:
         )
         count = len(self._still.bodies)
         found: list[Fit] = []
-        for (_, grasp), way, (phase, code) in zip(rows, ways.tolist(), met.tolist(), strict=True):
+        told = met.tolist()
+        for (_, grasp), way, (phase, code, touches) in zip(rows, ways.tolist(), told, strict=True):
             pair = None if way >= 0 else (code // count, code % count)
             w = way if way >= 0 else int(hands.first[grasp])
             opening, turn = float(hands.opening[w, 0]), int(hands.turn[w])
-            found.append(Fit(opening, turn, phase == 1, pair))
+            found.append(Fit(opening, turn, phase == 1, pair, touches == 1))
         return found
 
     def free(self, arm: Arm, number: int, hands: Hands) -> Bools:
@@ -191,7 +194,8 @@ class ToolCheck:
                 wide = float(hands.opening[w, int(is_closed)])
                 pair = self._contact(arm, T_world_tcp, wide, number, press)
                 if pair is not None:
-                    refusal = refusal or Fit(opening, turn, is_closed, pair)
+                    touches = self.told(arm, T_world_tcp, wide, pair)[1] <= 0
+                    refusal = refusal or Fit(opening, turn, is_closed, pair, touches)
                     break
             if pair is None:
                 return Fit(opening, turn, False, None)

@@ -1,7 +1,7 @@
 """Every detection with every grasp and every arm, and the cheap tests that refuse most of them."""
 
-from collections.abc import Collection, Iterator, Sequence
-from dataclasses import replace
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from itertools import product
 
@@ -10,7 +10,7 @@ import pinocchio as pin
 
 from workbench.model.candidate import Candidate, Reason, Stage, Verdict
 from workbench.model.cell import Arm
-from workbench.model.geometry import Solid
+from workbench.model.geometry import Floats, Solid
 from workbench.model.part import Grasp
 from workbench.planning.collision.tool_check import Fit, ToolCheck
 from workbench.planning.collision.world import World
@@ -32,40 +32,82 @@ def propose(world: World, *, priorities: Collection[int] | None = None) -> tuple
         world: of the cell with the parts found.
         priorities: of the grasps that are looked at; None for all of them.
     """
-    cell, detections = world.cell, world.detections
-    grasps = {
-        part.name: tuple(
-            grasp for grasp in part.grasps if priorities is None or grasp.priority in priorities
-        )
-        for part in cell.parts
-    }
+    detections = world.detections
+    grasps = grasps_of(world, priorities)
     found: dict[tuple[int, str], Iterator[Candidate]] = {}
-    for part in cell.parts:
-        # Parts whose roll is unknown have pieces of their own.
-        alike: dict[tuple[Solid, ...], list[int]] = {}
-        for number, one in enumerate(detections):
-            if one.part == part.name and grasps[part.name]:
-                alike.setdefault(world.surroundings.pieces[number], []).append(number)
-        for numbers, arm in product(alike.values(), cell.arms):
-            candidates = iter(_candidates(world, numbers, grasps[part.name], arm))
-            # All take from the same, one part after the other.
-            found.update({(number, arm.name): candidates for number in numbers})
+    for numbers, arm in groups(world, grasps):
+        part = detections[numbers[0]].part
+        candidates = iter(_candidates(world, numbers, grasps[part], arm))
+        # All take from the same, one part after the other.
+        found.update({(number, arm.name): candidates for number in numbers})
     return tuple(
         sorted(
             (
                 next(found[number, arm.name])
                 for number, one in enumerate(detections)
                 for _ in grasps[one.part]
-                for arm in cell.arms
+                for arm in world.cell.arms
             ),
             key=lambda c: (not c.verdict.is_ok, -c.grasp.priority, c.rank),
         )
     )
 
 
+def grasps_of(world: World, priorities: Collection[int] | None) -> dict[str, tuple[Grasp, ...]]:
+    """The grasps that are looked at, by part; see `propose`."""
+    return {
+        part.name: tuple(
+            grasp for grasp in part.grasps if priorities is None or grasp.priority in priorities
+        )
+        for part in world.cell.parts
+    }
+
+
+def groups(world: World, grasps: Mapping[str, Sequence[Grasp]]) -> Iterator[tuple[list[int], Arm]]:
+    """The detections that are judged together, by their numbers, with each arm."""
+    for part in world.cell.parts:
+        # Parts whose roll is unknown have pieces of their own.
+        alike: dict[tuple[Solid, ...], list[int]] = {}
+        for number, one in enumerate(world.detections):
+            if one.part == part.name and grasps[part.name]:
+                alike.setdefault(world.surroundings.pieces[number], []).append(number)
+        yield from product(alike.values(), world.cell.arms)
+
+
 def candidate_of(world: World, number: int, grasp: Grasp, arm: Arm) -> Candidate:
     """One candidate with its first verdict, whether or not the part's library has that grasp."""
     return _candidates(world, [number], (grasp,), arm)[0]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Tried:
+    """How an arm's hand does at parts of one kind.
+
+    `refusals` (k,) say by grasp why the arm cannot use it, None where it can; `fits` are by number
+    of the detection and of such a grasp.  `R` (n, k, 3, 3) and `p` (n, k, 3) [m] are where the TCP
+    would be in the world, by detection and grasp.
+    """
+
+    refusals: Sequence[Verdict | None]
+    fits: Mapping[tuple[int, int], Fit]
+    R: Floats
+    p: Floats
+
+
+def tried(world: World, numbers: Sequence[int], grasps: tuple[Grasp, ...], arm: Arm) -> Tried:
+    """The hand at each of some parts of one kind, by each grasp."""
+    detections = world.detections
+    refusals = [_unfit(grasp, arm) for grasp in grasps]
+    usable = [k for k, refusal in enumerate(refusals) if refusal is None]
+    rows = [(number, k) for number in numbers for k in usable]
+    fits = dict(zip(rows, world.tool_check.fits(arm, grasps, rows), strict=True))
+    R_part = np.array([detections[number].T_world_part.rotation for number in numbers])
+    p_part = np.array([detections[number].T_world_part.translation for number in numbers])
+    R_grasp = np.array([grasp.T_part_tcp.rotation for grasp in grasps]).reshape(-1, 3, 3)
+    p_grasp = np.array([grasp.T_part_tcp.translation for grasp in grasps]).reshape(-1, 3)
+    R = np.einsum("nij,kjl->nkil", R_part, R_grasp)
+    p = np.einsum("nij,kj->nki", R_part, p_grasp) + p_part[:, None]
+    return Tried(refusals, fits, R, p)
 
 
 def _candidates(
@@ -77,34 +119,32 @@ def _candidates(
     """
     check, detections = world.tool_check, world.detections
     part = world.cell.part(detections[numbers[0]].part)
-    refusals = [_unfit(grasp, arm) for grasp in grasps]
-    usable = [k for k, refusal in enumerate(refusals) if refusal is None]
-    rows = [(number, k) for number in numbers for k in usable]
-    fits = dict(zip(rows, check.fits(arm, grasps, rows), strict=True))
+    hands = tried(world, numbers, grasps, arm)
+    R, p = hands.R, hands.p
     T_home = world.chains[arm.name].pose(np.asarray(arm.home))
-    R_part = np.array([detections[number].T_world_part.rotation for number in numbers])
-    p_part = np.array([detections[number].T_world_part.translation for number in numbers])
-    R_grasp = np.array([grasp.T_part_tcp.rotation for grasp in grasps]).reshape(-1, 3, 3)
-    p_grasp = np.array([grasp.T_part_tcp.translation for grasp in grasps]).reshape(-1, 3)
-    R = np.einsum("nij,kjl->nkil", R_part, R_grasp)
-    p = np.einsum("nij,kj->nki", R_part, p_grasp) + p_part[:, None]
     cosine = (np.einsum("ij,nkij->nk", T_home.rotation, R) - 1.0) / 2.0
     turn = np.arccos(np.clip(cosine, -1.0, 1.0))
     ranks = (np.linalg.norm(p - T_home.translation, axis=2) + TURN_WEIGHT * turn).tolist()
     found: list[Candidate] = []
     for n, number in enumerate(numbers):
         for k, grasp in enumerate(grasps):
-            T_world_tcp, verdict, taken = pin.SE3(R[n, k], p[n, k]), refusals[k], grasp
+            T_world_tcp, verdict, taken = pin.SE3(R[n, k], p[n, k]), hands.refusals[k], grasp
             if verdict is None:
-                fit = fits[number, k]
+                fit = hands.fits[number, k]
                 verdict = _told(check, arm, grasp, T_world_tcp, fit)
                 verdict = at_every_turn(
                     check, part, detections, number, arm=arm, grasp=grasp, fit=fit, verdict=verdict
                 )
-                if verdict.is_ok and arm.tool.fingers and fit.opening != grasp.opening:
-                    taken = opened(grasp, fit.opening)
+                if verdict.is_ok:
+                    taken = as_it_fits(arm, grasp, fit)
             found.append(Candidate(number, taken, arm.name, T_world_tcp, ranks[n][k], verdict))
     return found
+
+
+def as_it_fits(arm: Arm, grasp: Grasp, fit: Fit) -> Grasp:
+    """The grasp as the hand fits: with its fingers so far open on arrival."""
+    is_other = bool(arm.tool.fingers) and fit.opening != grasp.opening
+    return opened(grasp, fit.opening) if is_other else grasp
 
 
 @lru_cache(maxsize=4096)

@@ -121,8 +121,8 @@ def _progress(verdict: Verdict) -> int:
 
 
 @lru_cache(maxsize=8)
-def _starts(chain: Chain, arm: Arm, seed: int) -> Floats:
-    """Home, the middle of the range, and seeded random configurations, shape (s, n)."""
+def starts_of(chain: Chain, arm: Arm, seed: int) -> Floats:
+    """Home, the middle of the range, and seeded random configurations, shape (s, n) [rad]."""
     rng = np.random.default_rng(np.random.SeedSequence([seed, ord(arm.controller_id)]))
     home, count = np.asarray(arm.home), (STARTS - 2) // 2
     far = rng.uniform(chain.lower, chain.upper, (count, len(home)))
@@ -150,7 +150,7 @@ def _that_can_be_put(
     one = world.detections[candidate.detection]
     if not arm.places_for(one.part):
         return solutions, {}, None
-    starts, near = _starts(world.chains[arm.name], arm, seed), dict[bytes, Floats]()
+    starts, near = starts_of(world.chains[arm.name], arm, seed), dict[bytes, Floats]()
     refusals: dict[bytes, Verdict | None] = {}
     for _, T_world_tcp, _ in solutions:
         key = T_world_tcp.homogeneous.tobytes()
@@ -175,7 +175,7 @@ def _grasp_solutions(
 ) -> tuple[list[Solution], Verdict | None]:
     """Clear grasp configurations with hand pose and clearance, best first; or the refusal."""
     chain = world.chains[arm.name]
-    starts, pace = _starts(chain, arm, seed), pace_of(chain, world.policy.speed)
+    starts, pace = starts_of(chain, arm, seed), pace_of(chain, world.policy.speed)
     home = np.asarray(arm.home)[None]
     found: list[tuple[Floats, pin.SE3]] = []
     nearest, q_nearest = np.inf, starts[0]

@@ -1,14 +1,17 @@
 """A pose by numbers and by gizmo: for whatever a person may move."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from typing import Any
 
 import numpy as np
 import pinocchio as pin
 import viser
 
-from workbench.gui.scene.gizmo_drag import add_gizmo, follow
+from workbench.gui.dragging.gizmo_drag import add_gizmo, follow
+from workbench.gui.dragging.verdicts import LiveVerdicts
+from workbench.gui.dragging.views import dragged_html
 from workbench.gui.scene.robot import place
-from workbench.gui.shared.look import Held
+from workbench.gui.shared.look import Held, View
 from workbench.gui.shared.things import ANGLES, shown_pose, typed_pose
 from workbench.gui.shared.visitor import Visitor
 
@@ -19,17 +22,31 @@ class PoseInputs:
     Concurrency: callbacks of viser and the renderer's thread; handles only.
     """
 
-    def __init__(self, visitor: Visitor, name: str, size: float, meant: Callable[[pin.SE3], bool]):
+    def __init__(
+        self,
+        visitor: Visitor,
+        name: str,
+        size: float,
+        *,
+        command: type,
+        meant: Callable[[pin.SE3], bool],
+        otherwise: Callable[[pin.SE3], Mapping[str, Any] | None],
+    ):
         """Add the controls.
 
         Args:
             visitor: whose browser.
             name: of the gizmo in the scene.
             size: of the gizmo [m].
+            command: that a person gives who wants it elsewhere.
             meant: told the pose that a person wants; whether it was carried out.
+            otherwise: what would be other with it at a pose, for verdicts while it is dragged
+                (`LiveVerdicts.ask`); None: no verdict would.
         """
         self._visitor = visitor
-        self._name, self._size, self._meant = name, size, meant
+        self._name, self._size = name, size
+        self._meant, self._otherwise = meant, otherwise
+        self._verdicts = LiveVerdicts(visitor, command)
         self._T = pin.SE3.Identity()
         self._gizmo: viser.TransformControlsHandle | None = None
         gui = visitor.gui
@@ -43,6 +60,7 @@ class PoseInputs:
         gui.add_html('<div class="wb-buttons wb-two"></div>')
         self._apply = gui.add_button("Move it there", icon=viser.Icon.CHECK)
         self._switch = gui.add_button("Show gizmo", color="gray")
+        self._told = gui.add_html("")
         self._apply.on_click(lambda _: self._end(self._typed()))
         self._switch.on_click(lambda _: self._turn())
         visitor.on_end(self._hide, in_scene=True)
@@ -64,6 +82,11 @@ class PoseInputs:
         if not np.array_equal(T.homogeneous, self._T.homogeneous):
             self._put(T)
 
+    def tell(self, old: View | None, new: View) -> None:
+        """Bring what is told while it is dragged from `old` to `new`."""
+        if old is None or old.own.dragged is not new.own.dragged:
+            self._told.content = dragged_html(new.own.dragged)
+
     def _put(self, T: pin.SE3) -> None:
         self._T = pin.SE3(T)
         self._position.value, self._angles.value = shown_pose(T)
@@ -79,6 +102,7 @@ class PoseInputs:
 
     def _hide(self) -> None:
         if self._gizmo is not None:
+            self._verdicts.end()
             self._gizmo.remove()
             self._gizmo, self._switch.label = None, "Show gizmo"
 
@@ -89,12 +113,14 @@ class PoseInputs:
             return
         gizmo = add_gizmo(self._visitor, self._name, self._size, self._T)
         self._gizmo, self._switch.label = gizmo, "Hide gizmo"
+        self._verdicts.prepare()
 
         follow(
             gizmo,
             self._visitor,
             stood=lambda: self._T,
             moved=self._dragged,
+            began=self._verdicts.begin,
             put_back=self._put_back,
         )
 
@@ -105,10 +131,14 @@ class PoseInputs:
         held = Held(visitor.person.name, visitor.number, self._typed())
         visitor.look.change(held=None if is_over else held)
         if is_over:
+            self._verdicts.end()
             self._end(self._typed())
+        elif (otherwise := self._otherwise(held.T_world_held)) is not None:
+            self._verdicts.ask(otherwise, held.T_world_held)
 
     def _put_back(self) -> None:
         held = self._visitor.look.now.held
         if held is not None and held.browser == self._visitor.number:
             self._visitor.look.change(held=None)
+        self._verdicts.end()
         self._put(self._T)

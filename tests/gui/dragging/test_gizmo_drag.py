@@ -11,8 +11,8 @@ from raw_browser import raw_browser
 from waiting import wait_until
 
 from workbench.gui.cell.panel import CellPanel
+from workbench.gui.dragging.gizmo_drag import GizmoDrag
 from workbench.gui.page.server import serve
-from workbench.gui.scene.gizmo_drag import GizmoDrag
 
 
 def at(*p) -> pin.SE3:

@@ -81,6 +81,7 @@ def follow(
     *,
     stood: Callable[[], pin.SE3],
     moved: Callable[[pin.SE3, bool], None],
+    began: Callable[[], None],
     put_back: Callable[[], None],
 ) -> None:
     """Follow the drags of a gizmo.
@@ -92,6 +93,7 @@ def follow(
         visitor: whose browser.
         stood: tells where the gizmo stood before the drag.
         moved: told where the gizmo is now, and whether the person has let go of it.
+        began: called when the person takes hold of it, before `moved`.
         put_back: called when a drag has ended that does not count.
     """
     drag, queue = GizmoDrag(), threading.Lock()
@@ -102,6 +104,8 @@ def follow(
         if is_over and not is_connected(visitor.client):
             return
         with queue:
+            if event.phase == "start":
+                began()
             try:
                 T_now = pose_of_node(gizmo)
             except InputError as error:

@@ -1,0 +1,205 @@
+"""Candidates at a glance: how they would be judged where something is dragged, while it is.
+
+As far as is quick enough for ten answers a second: the hand where the part lies, as planning judges
+it first (`propose`), whether the arm gets its hand there, and with the part to one of its places.
+What is refused here planning refuses, too; the ways there and back are left to it.
+"""
+
+from collections.abc import Mapping
+from copy import copy
+from dataclasses import dataclass
+from typing import Any, TypeVar
+
+import numpy as np
+import pinocchio as pin
+
+from workbench.app.picking.pipeline import NOTHING, levels_of
+from workbench.model.candidate import Reason, Verdict
+from workbench.model.cell import Arm, Cell
+from workbench.model.geometry import Bools, Floats, Ints, put
+from workbench.model.part import Grasp, with_symmetry
+from workbench.model.scan import Obstacle
+from workbench.planning.collision.hands import turns_of
+from workbench.planning.collision.legs import grips, hand_turns
+from workbench.planning.collision.world import World
+from workbench.planning.kinematics.chain import Chain, is_solution
+from workbench.planning.picking.propose import (
+    Tried,
+    as_it_fits,
+    candidate_of,
+    grasps_of,
+    groups,
+    tried,
+)
+from workbench.planning.picking.put_down import ways_at_places
+from workbench.planning.picking.resolve import starts_of
+
+T = TypeVar("T")
+
+Change = Mapping[str, Any]
+"""What is otherwise in a cell: fields of `Cell`, and as `libraries` grasp libraries by part."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Glance:
+    """All candidates of some parts found, each a row: little to send, and enough to draw.
+
+    `detections` (n,) are numbers of parts, `grasps` and `arms` names; `reasons` (n,) say what is
+    said, `is_apart` (n,) whether the bodies that are too close do not touch.  `tips` (n, 3) [m] and
+    `approaches` (n, 3), unit vectors, are where the hand would be in the world and how it comes.
+    `obstacles` were kept clear of.
+    """
+
+    detections: Ints
+    grasps: tuple[str, ...]
+    arms: tuple[str, ...]
+    reasons: tuple[Reason, ...]
+    is_apart: Bools
+    tips: Floats
+    approaches: Floats
+    obstacles: tuple[Obstacle, ...] = ()
+
+    @property
+    def working(self) -> Bools:
+        """Which candidates nothing speaks against, booleans (n,)."""
+        return np.array([reason is Reason.OK for reason in self.reasons], dtype=bool)
+
+
+def changed(cell: Cell, change: Change) -> Cell:
+    """A cell with that change, to be looked at and thrown away: it keeps the digest of the other.
+
+    A digest takes as long as the look.  What stays is the same object, so what is kept for it
+    serves.
+    """
+    rest = dict(change)
+    libraries = rest.pop("libraries", {})
+    parts = tuple(
+        _otherwise(
+            part,
+            library=libraries[part.name],
+            grasps=with_symmetry(libraries[part.name], part.symmetry),
+        )
+        if part.name in libraries
+        else part
+        for part in cell.parts
+    )
+    return _otherwise(cell, **rest, parts=parts)
+
+
+def _otherwise(value: T, **others: Any) -> T:
+    """A copy of a frozen value with other fields, made without what is worked out of them."""
+    made = copy(value)
+    put(made, **others)
+    return made
+
+
+def glance_at(world: World, *, avoided: Mapping[int, str] = NOTHING, seed: int = 0) -> Glance:
+    """All candidates that planning looks at first, judged up to reach and place.
+
+    Args:
+        world: of the cell with the parts found, and the obstacles beside them.
+        avoided: indices of parts that are left alone for now, and why.
+        seed: of the starting points of the inverse kinematics, as in planning.
+    """
+    by_part = grasps_of(world, levels_of(world.cell)[0])
+    detections: list[int] = []
+    grasps: list[str] = []
+    arms: list[str] = []
+    said: list[_Said] = []
+    tips, approaches = [np.zeros((0, 3))], [np.zeros((0, 3))]
+    reach = {arm.name: _Reach(world, arm, seed) for arm in world.cell.arms}
+    for numbers, arm in groups(world, by_part):
+        every = by_part[world.detections[numbers[0]].part]
+        hands = tried(world, numbers, every, arm)
+        for n, number in enumerate(numbers):
+            detections += [number] * len(every)
+            grasps += [grasp.name for grasp in every]
+            arms += [arm.name] * len(every)
+            if number in avoided:
+                said += [(Reason.DISABLED, False)] * len(every)
+            elif world.detections[number].roll_known:
+                said += [reach[arm.name].said(hands, n, number, k, g) for k, g in enumerate(every)]
+            else:
+                said += [reach[arm.name].said_at_every_turn(number, grasp) for grasp in every]
+        ways = np.array([grasp.approach for grasp in every])
+        tips.append(hands.p.reshape(-1, 3))
+        approaches.append(np.einsum("nkij,kj->nki", hands.R, ways).reshape(-1, 3))
+    return Glance(
+        np.array(detections, dtype=np.int64),
+        tuple(grasps),
+        tuple(arms),
+        tuple(reason for reason, _ in said),
+        np.array([is_apart for _, is_apart in said], dtype=bool),
+        np.concatenate(tips),
+        np.concatenate(approaches),
+        world.obstacles,
+    )
+
+
+_Said = tuple[Reason, bool]
+"""What is said of a candidate, and whether bodies that are too close do not touch."""
+
+
+class _Reach:
+    """Where one arm gets its hand.
+
+    Lifetime: that of the world.
+    """
+
+    def __init__(self, world: World, arm: Arm, seed: int):
+        self._world, self._arm = world, arm
+        self._chain: Chain = world.chains[arm.name]
+        self._starts = starts_of(self._chain, arm, seed)
+        turned = (T * turn for T in arm.Ts_world_place for turn in hand_turns(arm))
+        self._has_place = any(map(self._reaches, turned))
+
+    def said(self, hands: Tried, n: int, number: int, k: int, grasp: Grasp) -> _Said:
+        """Of the detection with that number, the n-th of those tried, and the k-th grasp."""
+        refusal = hands.refusals[k]
+        if refusal is not None:
+            return refusal.reason, False
+        fit = hands.fits[number, k]
+        if fit.pair is not None:
+            return Reason.TOOL_COLLISION, not fit.is_touching
+        T_world_tcp = pin.SE3(hands.R[n, k], hands.p[n, k])
+        return self._reason(number, as_it_fits(self._arm, grasp, fit), T_world_tcp), False
+
+    def said_at_every_turn(self, number: int, grasp: Grasp) -> _Said:
+        """Of a part whose roll the scan does not show, which takes longer."""
+        one = candidate_of(self._world, number, grasp, self._arm)
+        if one.verdict.is_ok:
+            return self._reason(number, one.grasp, one.T_world_tcp), False
+        return one.verdict.reason, (one.verdict.distance or 0.0) > 0.0
+
+    def _reason(self, number: int, grasp: Grasp, T_world_tcp: pin.SE3) -> Reason:
+        """Why the arm cannot take the part there and bring it to a place; or that it can."""
+        is_right = bool(self._arm.places_for(self._world.detections[number].part))
+        if not is_right and not self._arm.Ts_world_place:
+            return Reason.NO_PLACE
+        is_reached = False
+        for T in self._hands(number, grasp, T_world_tcp):
+            if self._reaches(T):
+                is_reached = True
+                if self._has_place or (is_right and self._brings(number, T)):
+                    return Reason.OK
+        return Reason.NO_PLACE if is_reached else Reason.OUT_OF_REACH
+
+    def _hands(self, number: int, grasp: Grasp, T_world_tcp: pin.SE3) -> list[pin.SE3]:
+        """Where the hand may be: as in `resolve`, of the same grips those that fit."""
+        fits = self._world.tool_check.free(self._arm, number, turns_of(self._arm, grasp))
+        every = [T_world_tcp * T for T in grips(self._arm, grasp)]
+        return [T for T, is_free in zip(every, fits, strict=True) if is_free] or every
+
+    def _brings(self, number: int, T_world_tcp: pin.SE3) -> bool:
+        """Whether the arm gets a part that is held so to a place where its kind shall lie."""
+        T_part_tcp = self._world.detections[number].T_world_part.actInv(T_world_tcp)
+        ways = ways_at_places(self._world, self._arm, number)
+        return any(self._reaches(T * T_part_tcp) for T in ways if not isinstance(T, Verdict))
+
+    def _reaches(self, T_world_tcp: pin.SE3) -> bool:
+        # Most are reached from home: all starts take ten times as long.
+        for starts in (self._starts[:1], self._starts[1:]):
+            _, residuals = self._chain.solve(T_world_tcp, starts)
+            if is_solution(residuals).any():
+                return True
+        return False
