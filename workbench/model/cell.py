@@ -140,6 +140,23 @@ class Fixture:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class Station:
+    """A level surface on which an arm may put a part down for a moment, to take it anew.
+
+    `T_base_station` is the middle of the surface with z up, in the frame of the fixture that it
+    belongs to, which is empty where that is the world.  `size` (2,) [m] along its x and y.
+    """
+
+    name: str
+    T_base_station: pin.SE3
+    size: Floats
+    fixture: str = ""
+
+    def __post_init__(self) -> None:
+        put(self, T_base_station=copied(self.T_base_station), size=frozen(self.size))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Bin:
     """An open box; its frame lies in the middle of the floor's upper side, z up.
 
@@ -342,6 +359,7 @@ class Cell(Told):
     policy: Policy = field(default_factory=Policy)
     approvers: int = 1
     localizer: LocalizerChoice = field(default_factory=LocalizerChoice, metadata=LATER)
+    stations: tuple[Station, ...] = field(default_factory=tuple, metadata=LATER)
     digest: str = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -386,6 +404,11 @@ class Cell(Told):
                 return arm
         known = ", ".join(arm.name for arm in self.arms)
         raise InputError(f"cell {self.name} has no arm {name!r}; it has {known}")
+
+    def T_world_station(self, station: Station) -> pin.SE3:
+        """Where a station is; it goes along with its fixture."""
+        bases = (one.T_world_fixture for one in self.fixtures if one.name == station.fixture)
+        return next(bases, pin.SE3.Identity()) * station.T_base_station
 
     def part(self, name: str) -> Part:
         """The part of that name.

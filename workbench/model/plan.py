@@ -120,7 +120,10 @@ def are_in_step(legs: Sequence[Leg]) -> bool:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ArmPlan:
-    """All that one arm does with one part.  `detection` is an index into the plan's list."""
+    """All that one arm does with one part.  `detection` is an index into the plan's list.
+
+    `station` names where the part is put to be taken anew; empty: to a place of the arm.
+    """
 
     arm: str
     detection: int
@@ -128,6 +131,7 @@ class ArmPlan:
     T_tcp_part: pin.SE3
     joints: tuple[str, ...]
     legs: tuple[Leg, ...]
+    station: str = field(default_factory=str, metadata=LATER)
 
     def __post_init__(self) -> None:
         put(self, T_tcp_part=copied(self.T_tcp_part))
@@ -197,6 +201,11 @@ class Plan(Told):
             if arm.arm == name:
                 return arm
         raise KeyError(name)
+
+    @property
+    def stations(self) -> tuple[str, ...]:
+        """The stations on which it puts parts, from where the plan after it has to take them."""
+        return tuple(one.station for one in self.arms if one.station)
 
     @property
     def scene(self) -> Scene:
@@ -334,9 +343,9 @@ def number_in(first: Plan, one: Detection) -> int:
     """The index of a part in the list of the first plan of a row.
 
     Later plans have lists without what those before take; digits of a file may differ in the last
-    place.
+    place.  A part that a plan before has put elsewhere has the number that it had in the scan.
     """
-    T = one.T_world_part.homogeneous
+    T = (one.T_world_found or one.T_world_part).homogeneous
     away = [np.abs(known.T_world_part.homogeneous - T).max() for known in first.detections]
     return int(np.argmin(away))
 

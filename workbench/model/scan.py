@@ -74,7 +74,8 @@ class Detection(Told):
     [m] and a unit direction in the part's frame, is that axis; None: the one that the part's
     symmetry states.  `covariance` (6, 6) [m, rad] is that of shifts of the part's origin, then of
     turns about it, along the world's axes; `probability` the chance that it is right; both None
-    for poses from outside.
+    for poses from outside.  `T_world_found` is where the scan has it, of a part that a plan before
+    has put where it is now; None where it lies as it was found.
     """
 
     part: str
@@ -87,6 +88,7 @@ class Detection(Told):
     covariance: Floats | None = field(default_factory=lambda: None, metadata=LATER)
     probability: float | None = field(default_factory=lambda: None, metadata=LATER)
     roll_axis: Floats | None = field(default_factory=lambda: None, metadata=LATER)
+    T_world_found: pin.SE3 | None = field(default_factory=lambda: None, metadata=LATER)
 
     def __post_init__(self) -> None:
         if self.covariance is not None and np.shape(self.covariance) != (6, 6):
@@ -108,6 +110,7 @@ class Detection(Told):
             covariance=None if self.covariance is None else frozen(self.covariance),
             probability=None if self.probability is None else float(self.probability),
             roll_axis=None if self.roll_axis is None else frozen(self.roll_axis),
+            T_world_found=None if self.T_world_found is None else copied(self.T_world_found),
         )
 
     @property

@@ -111,6 +111,9 @@ def read_detection(table: Table, *, complete: bool) -> Detection:
         covariance=_covariance(table) if table.has("covariance") else None,
         probability=later("probability"),
         roll_axis=_roll_axis(table) if table.has("roll_axis") else None,
+        T_world_found=read_pose_rows(table, "T_world_found")
+        if table.has("T_world_found")
+        else None,
     )
     table.finish()
     return detection
