@@ -15,6 +15,10 @@ ALL_KINDS = "all"
 """In place of a part's name: every kind that the cell picks, one of each in turn."""
 
 
+Option = bool | int | float | str
+"""A value of a key that a plug-in has of its own."""
+
+
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Scan(Told):
     """A point cloud in the scanner's frame.
@@ -234,6 +238,25 @@ class Obstacle:
         if size.shape != (3,) or not np.all(size > 0):
             raise InputError("an obstacle needs three lengths above zero")
         put(self, T_world_box=copied(self.T_world_box), size=size)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PosesFolder:
+    """A folder into which another program puts poses of parts.
+
+    `part` is the part that is meant where a file does not name one; empty: the cell's first.
+    """
+
+    path: str
+    part: str
+
+
+@dataclass(frozen=True, slots=True)
+class LocalizerChoice:
+    """Which localizer finds the parts, empty: the usual one; `options` are its own keys."""
+
+    name: str = ""
+    options: Mapping[str, Option] = field(default_factory=dict[str, Option])
 
 
 @dataclass(frozen=True, slots=True)

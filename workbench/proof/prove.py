@@ -84,13 +84,14 @@ def scene_after(cell: Cell, plan: Plan) -> Scene:
     """What is in the bin and at the places once a proven plan was carried out.
 
     The parts taken are gone from the bin.  Each is in the way where the hand has let go of it,
-    unless the arm passes parts on; those on stations are parts, which stand there.  Where parts
-    that stay may have moved (`may_have_moved`), nobody knows more of them than that they are in the
-    bin: it is full up to where they can be.
+    unless the arm passes parts on.  One that is put on a station is a part, which stands there:
+    where others may have moved (`may_have_moved`), nobody knows more of these than that they are in
+    the bin, so that this is full up to where they can be.
 
     Args:
         cell: as it is now.
-        plan: proven in its scene.
+        plan: in whose scene it holds that nothing moves but what is taken, or that puts a part on
+            a station.
     """
     tree, taken = tree_of(cell), {one.detection for one in plan.arms}
     boxes: list[Obstacle] = []
@@ -103,7 +104,8 @@ def scene_after(cell: Cell, plan: Plan) -> Scene:
             T_world_tcp = tcp(tree, tree.rest, arm, np.asarray(one.leg("place").q[-1]))
             boxes.append(_box_around(cell.part(found.part), found, T_world_tcp * one.T_tcp_part))
     rest = tuple(one for number, one in enumerate(plan.detections) if number not in taken)
-    if may_have_moved(cell, plan) is not None or (rest and cell.policy.pair_gap <= 0):
+    is_sure = cell.policy.pair_gap > 0 and may_have_moved(cell, plan) is None
+    if stand and rest and not is_sure:
         boxes.append(_full_bin(cell, plan.detections))
         rest = tuple(one for one in rest if one.T_world_found is not None)
     return Scene(plan.scan_digest, (*rest, *stand), (*plan.obstacles, *boxes))

@@ -11,7 +11,7 @@ from workbench.model.geometry import Floats, Ints, Solid, pose_from_rpy
 from workbench.model.part import Grasp, Part
 from workbench.model.plan import ArmPlan, Leg, Plan, Violation
 from workbench.model.scan import Detection
-from workbench.proof.bodies import TURNS, gap_of, roll_axis, still_of, turned_pieces
+from workbench.proof.bodies import TURNS, gap_of, still_of, turned_pieces
 from workbench.proof.form import HOLDING
 from workbench.proof.places.lying import lying_violations
 from workbench.proof.places.standing import standing_violations

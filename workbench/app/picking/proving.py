@@ -44,8 +44,8 @@ def scene_of(
     """What is known to be in the bin when a plan is looked at.
 
     A part of which the plan knows nothing is something in the scan that no part explains, and so an
-    obstacle that the plan leaves out.  One that the scan does not show is not known to be there, nor
-    is one that another plan has to put there first: such a plan is proven in its row.
+    obstacle that the plan leaves out.  One that the scan does not show is not known to be there.
+    Nor is one that another plan has to put there first: such a plan is proven in its row.
 
     Args:
         cell: as it is now.

@@ -1,32 +1,18 @@
 """A part that no grasp brings to its place, put on a station and taken anew from there."""
 
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
-import numpy as np
-import pinocchio as pin
-
 from workbench.app.picking.pipeline import AS_THE_CELL, NOTHING, plan_pick
-from workbench.model.candidate import Pick, Reason, Stage, Verdict
-from workbench.model.cell import Cell, PlanOverrides, Policy, Station
-from workbench.model.errors import JobCancelled
-from workbench.model.part import PartPlace
-from workbench.model.plan import Plan, PlanResult, Proven, Strategy
-from workbench.model.scan import Detection, Obstacle, Scene
-from workbench.planning.collision.world import World
-from workbench.planning.grasps.resting import resting_poses
-from workbench.planning.picking.propose import propose
-from workbench.planning.picking.resolve import resolve
+from workbench.app.picking.stations import Search, Stand, cell_with
+from workbench.model.candidate import Reason, Stage, Verdict
+from workbench.model.cell import Cell, PlanOverrides, Policy
+from workbench.model.plan import Plan, PlanResult, Proven
+from workbench.model.scan import Scene
 from workbench.planning.planners.clock import working_time
 from workbench.plugins.progress import Cancelled, Report, never, silent
 from workbench.proof.prove import prove, scene_after
-
-ABOVE = 0.0005
-"""[m] So much more than the margin a part is above a station when it is let go of."""
-
-FLAT = 2e-4
-"""[m] Points of a part no higher than this are what it stands on."""
 
 MOST_PARTS = 4
 """Parts that are tried, in the order of their candidates."""
@@ -36,18 +22,6 @@ MOST_STANDS = 6
 
 MOST_PLANNED = 4
 """Pairs of picks that are planned, the soonest done ones first."""
-
-ENOUGH = 3
-"""Picks of a part at a pose that are found before the soonest is taken."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Stand:
-    """A part's pose on a station, and the time [s] of the quickest pick from there to a place."""
-
-    station: Station
-    T_world_part: pin.SE3
-    seconds: float
 
 
 def regrasped(
@@ -91,7 +65,7 @@ def regrasped(
     if not arms or not numbers:
         return refused
     began, policy = working_time(), overrides.on(cell.policy)
-    search = _Search(cell, scene, policy, arms, seed, began + policy.seconds, cancelled)
+    search = Search(cell, scene, policy, arms, seed, began + policy.seconds, cancelled)
     picks = dict(strategy=strategy, overrides=overrides, seed=seed, cancelled=cancelled, **asked)
     stands: dict[str, list[Stand]] = {}
     words = "no pose on a station from which it can be taken to a place"
@@ -121,101 +95,14 @@ def regrasped(
     return replace(refused, verdict=replace(refused.verdict, note=note))
 
 
-def _that_have_no_place(
-    scene: Scene, refused: PlanResult, avoided: Mapping[int, str]
-) -> list[int]:
+def _that_have_no_place(scene: Scene, refused: PlanResult, avoided: Mapping[int, str]) -> list[int]:
     """Parts that can be taken and not put down, in the order of their candidates."""
-    numbers = [
-        one.detection for one in refused.candidates if one.verdict.reason is Reason.NO_PLACE
-    ]
+    numbers = [one.detection for one in refused.candidates if one.verdict.reason is Reason.NO_PLACE]
     return [
         number
         for number in dict.fromkeys(numbers)
         if number not in avoided and scene.detections[number].roll_known
     ]
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _Search:
-    """What both halves of the search are asked with; `until` [s] of working time they give up."""
-
-    cell: Cell
-    scene: Scene
-    policy: Policy
-    arms: list[str]
-    seed: int
-    until: float
-    cancelled: Cancelled
-
-    def stands(self, kind: str, report: Report) -> list[Stand]:
-        """How a part of that kind can stand so that it can be taken to a place, soonest first."""
-        part, found = self.cell.part(kind), list[Stand]()
-        every = [(station, T) for station in self.cell.stations for T in resting_poses(part)]
-        for count, (station, T) in enumerate(every):
-            report(0.5 * count / len(every), f"pose {count + 1} of {len(every)} on a station")
-            if not _is_on(part.mesh.points @ T.rotation.T + T.translation, station):
-                continue
-            T_world_part = self.cell.T_world_station(station) * T
-            there = Detection(kind, T_world_part)
-            picks = list(self._picks(self.cell, (there,), 0, self.scene.obstacles))
-            if picks:
-                found.append(Stand(station, T_world_part, min(one.seconds for one in picks)))
-        return sorted(found, key=lambda one: one.seconds)
-
-    def pairs(self, number: int, stands: list[Stand], report: Report) -> list[Stand]:
-        """Those of some ways to stand into which a part found can be brought, soonest done first.
-
-        Their time is that of both picks.
-        """
-        found: list[Stand] = []
-        for count, stand in enumerate(stands):
-            report(0.5 + 0.3 * count / len(stands), f"way to a station {count + 1}")
-            at = _cell_with(self.cell, self.scene.detections[number].part, stand, self.policy)
-            picks = list(self._picks(at, self.scene.detections, number, self.scene.obstacles))
-            if picks:
-                seconds = stand.seconds + min(one.seconds for one in picks)
-                found.append(replace(stand, seconds=seconds))
-        return sorted(found, key=lambda one: one.seconds)
-
-    def _picks(
-        self,
-        cell: Cell,
-        detections: tuple[Detection, ...],
-        number: int,
-        obstacles: tuple[Obstacle, ...],
-    ) -> Iterator[Pick]:
-        """The first picks of a part that work."""
-        world, count = World(cell, detections, obstacles, self.policy), 0
-        world.deadline = self.until
-        for candidate in propose(world):
-            if self.cancelled():
-                raise JobCancelled("planning was cancelled")
-            if working_time() > self.until or count == ENOUGH:
-                return
-            is_asked = candidate.detection == number and candidate.arm in self.arms
-            if is_asked and candidate.verdict.is_ok:
-                result = resolve(world, candidate, seed=self.seed)
-                if isinstance(result, Pick):
-                    count += 1
-                    yield result
-
-
-def _is_on(points: np.ndarray, station: Station) -> bool:
-    """Whether what a part stands on is within a station; its points (n, 3) [m] are seen from it."""
-    stands_on = points[points[:, 2] <= points[:, 2].min() + FLAT, :2]
-    return bool((np.abs(stands_on) <= station.size / 2 - FLAT).all())
-
-
-def _cell_with(cell: Cell, kind: str, stand: Stand, policy: Policy) -> Cell:
-    """A cell in which a part has one place: that to stand on a station."""
-    up = np.asarray(cell.T_world_station(stand.station).rotation[:, 2])
-    T = stand.T_world_part
-    above = pin.SE3(T.rotation, T.translation + (policy.margin + ABOVE) * up)
-    place = (PartPlace(above, kind),)
-    return replace(
-        cell,
-        arms=tuple(replace(arm, Ts_world_place=(), part_places=place) for arm in cell.arms),
-    )
 
 
 def _planned(
@@ -228,7 +115,7 @@ def _planned(
 ) -> tuple[tuple[Proven, Proven] | None, str]:
     """The two plans over a way to stand, each proven; or why they are not to be had."""
     kind, name = scene.detections[number].part, stand.station.name
-    at = _cell_with(cell, kind, stand, policy)
+    at = cell_with(cell, kind, stand, policy)
     result = plan_pick(
         at,
         scene.detections,
@@ -267,7 +154,7 @@ def _as_in(cell: Cell, plan: Plan, station: str, note: str) -> Plan:
         plan,
         cell_digest=cell.digest,
         arms=tuple(replace(one, station=station) for one in plan.arms),
-        note="; ".join(filter(None, (note, plan.note))),
+        note=note,
     )
 
 

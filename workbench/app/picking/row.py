@@ -8,9 +8,9 @@ from typing import Any
 from workbench.app.picking.pipeline import NOTHING, plan_pick
 from workbench.app.picking.proving import prove
 from workbench.app.picking.regrasp import regrasped
-from workbench.model.cell import Cell
+from workbench.model.cell import MOST_PICKS, Cell, picks_problem
 from workbench.model.errors import CommandRefused, InputError
-from workbench.model.plan import Plan, PlanResult, Proven, picks_problem, renumbered
+from workbench.model.plan import Plan, PlanResult, Proven, renumbered
 from workbench.model.scan import Detection, Obstacle, Scan, Scene
 from workbench.planning.collision.world import World
 from workbench.planning.planners.clock import working_time
@@ -78,6 +78,8 @@ def plan_row(
         elif not result.proof.holds:
             words = f"the proof of the next plan does not hold: {result.proof.violations[0]}"
             ends = renumbered(words, first.plan, scene.detections)
+        elif 1 + len(row) + len(result.plans) > MOST_PICKS:
+            ends = f"a row has at most {MOST_PICKS} plans"
         else:
             latest = result.plans
             row += [Proven(result.plan, result.proof), *result.row]

@@ -1,4 +1,4 @@
-"""Places of a cell file: a pose of the tool, or one of the part that it lets go of; and stations."""
+"""Places of a cell file, by a pose of the tool or of the part that it lets go of; and stations."""
 
 from collections.abc import Sequence
 from itertools import combinations
@@ -8,9 +8,9 @@ import pinocchio as pin
 
 from workbench.formats.files.toml_keys import Table
 from workbench.formats.meshes.solids import REACH_MM, read_pose
-from workbench.model.cell import Fixture, Station
+from workbench.model.cell import Fixture
 from workbench.model.geometry import Floats, pose_from_rpy
-from workbench.model.part import PartPlace
+from workbench.model.part import PartPlace, Station
 
 MOST_PLACES = 400
 """On one pallet."""

@@ -18,20 +18,20 @@ from workbench.formats.robots.dh import read_dh
 from workbench.formats.robots.urdf import read_srdf, read_urdf
 from workbench.model.cell import (
     LIFT_NAMES,
+    MOST_PICKS,
     ORDER_NAMES,
     Arm,
     Bin,
     Cell,
     Fixture,
     LiftName,
-    LocalizerChoice,
     Policy,
-    PosesFolder,
+    picks_problem,
 )
 from workbench.model.errors import FileError
 from workbench.model.part import Part
-from workbench.model.plan import MOST_PICKS, picks_problem
 from workbench.model.robot import Link, Robot
+from workbench.model.scan import LocalizerChoice, PosesFolder
 from workbench.plugins.planner import planner_names
 from workbench.plugins.robot_link import controller_by, link_named, usual_link
 from workbench.plugins.scanner import scanner_of

@@ -16,9 +16,9 @@ from workbench.formats.files.toml_documents import number, numbers, text
 from workbench.formats.files.whole_files import file_name, make_folder, write_whole
 from workbench.formats.meshes.triangles import stl_of, surface_of
 from workbench.formats.robots.urdf_package import write_package, write_srdf
-from workbench.model.cell import Arm, Cell, Fixture, Policy, ScannerMount, Station, Tool
+from workbench.model.cell import Arm, Cell, Fixture, Policy, ScannerMount, Tool
 from workbench.model.geometry import Box, Capsule, Cylinder, Floats, Mesh, Solid, Sphere
-from workbench.model.part import PartPlace
+from workbench.model.part import PartPlace, Station
 from workbench.plugins.options import Options
 
 

@@ -9,8 +9,8 @@ from workbench.app.core.state import Phase, State, counted
 from workbench.gui.shared.look import View
 from workbench.gui.shared.views import clearance_words, line, sentence, short
 from workbench.gui.shared.visitor import Visitor, whole
-from workbench.model.cell import Cell
-from workbench.model.plan import MOST_PICKS, Proven, parts_taken
+from workbench.model.cell import MOST_PICKS, Cell
+from workbench.model.plan import Proven, parts_taken
 
 SAYS = "Several picks after one scan, as far as it stays true; one approval for all of them."
 

@@ -45,8 +45,11 @@ def resting_poses(part: Part) -> tuple[pin.SE3, ...]:
 
 
 def _stands(part: Part, centre: Floats) -> list[tuple[Floats, float, float]]:
-    """Each face of the hull on which a part stands: its outward normal (3,), how high the centre of
-    mass is above it [m], and how far it may be tilted [rad].
+    """Each face of the hull on which a part stands.
+
+    Returns:
+        Its outward normal (3,), how high the centre of mass (3,) [m] is above it [m], and how far
+        the part may be tilted before it falls over [rad].
     """
     points = np.asarray(part.mesh.points)
     try:
@@ -80,7 +83,7 @@ def _centre(part: Part) -> Floats:
     import trimesh  # takes half a second, which planning without stations does not wait for
 
     mesh = trimesh.Trimesh(part.mesh.points, part.mesh.triangles, process=False)
-    return np.asarray(mesh.center_mass, float)
+    return np.array(mesh.center_mass, np.float64).real
 
 
 def _upright(down: Floats) -> Floats:

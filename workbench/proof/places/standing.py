@@ -6,9 +6,9 @@ from itertools import product
 import numpy as np
 import pinocchio as pin
 
-from workbench.model.cell import Cell, Station
+from workbench.model.cell import Cell
 from workbench.model.geometry import Floats
-from workbench.model.part import Part
+from workbench.model.part import Part, Station
 from workbench.model.plan import ArmPlan, Plan, Violation
 from workbench.model.scan import Detection
 from workbench.proof.bodies import gap_of, still_of, turned_pieces
@@ -84,7 +84,9 @@ def standing_violations(cell: Cell, tree: Tree, plan: Plan, one: ArmPlan) -> Ite
         for piece in pieces
     )
     if not -max(cell.policy.sink, FLAT) <= gap <= NEAR:
-        where = f"{gap * 1e3:.1f} mm above what is" if gap > 0 else f"{-gap * 1e3:.1f} mm deep in it"
+        where = (
+            f"{gap * 1e3:.1f} mm above what is" if gap > 0 else f"{-gap * 1e3:.1f} mm deep in it"
+        )
         yield violation(f"the part would stand on station {station.name} {where}")
 
 
