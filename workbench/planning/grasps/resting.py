@@ -27,15 +27,15 @@ ALIKE = 2e-4
 def resting_poses(part: Part) -> tuple[pin.SE3, ...]:
     """Poses T_surface_part in which a part stands on a level surface, the steadiest first.
 
-    Its centre of mass is above the origin.  It may be turned about the vertical in `TURNS` ways; of
+    Its centre of mass, or what its symmetry leaves of that, is above the origin.  It may be turned about the vertical in `TURNS` ways; of
     poses that its symmetry makes alike there is one.  A part that would roll has none on its side.
     """
-    centre = _centre(part)
+    middle = part.symmetry.fixed(_centre(part))
     found: list[tuple[float, Floats]] = []
-    for down, height, steady in _stands(part, centre):
+    for down, offset, steady in _stands(part):
         T = np.eye(4)
         T[:3, :3] = _upright(down)
-        T[:3, 3] = -T[:3, :3] @ centre + (0.0, 0.0, height)
+        T[:3, 3] = -T[:3, :3] @ middle + (0.0, 0.0, offset - down @ middle)
         found.append((steady, T))
     # The digits behind these depend on the processor.
     found.sort(key=lambda one: (-round(one[0], 3), np.round(one[1], 3).ravel().tolist()))
@@ -44,14 +44,14 @@ def resting_poses(part: Part) -> tuple[pin.SE3, ...]:
     return tuple(pin.SE3(T[:3, :3], T[:3, 3]) for T in _each_once(every, part.symmetry))
 
 
-def _stands(part: Part, centre: Floats) -> list[tuple[Floats, float, float]]:
+def _stands(part: Part) -> list[tuple[Floats, float, float]]:
     """Each face of the hull on which a part stands.
 
     Returns:
-        Its outward normal (3,), how high the centre of mass (3,) [m] is above it [m], and how far
-        the part may be tilted before it falls over [rad].
+        Its outward normal (3,), how far along that it is from the part's origin [m], and how far the
+        part may be tilted before it falls over [rad].
     """
-    points = np.asarray(part.mesh.points)
+    points, centre = np.asarray(part.mesh.points), _centre(part)
     try:
         hull = ConvexHull(points)
     except QhullError:
@@ -65,7 +65,7 @@ def _stands(part: Part, centre: Floats) -> list[tuple[Floats, float, float]]:
         face = (corners[corners @ normal >= offset - FLAT] - centre) @ _upright(normal)[:2].T
         steady = _tilt(face, height)
         if steady >= STEADY:
-            found.append((normal, height, steady))
+            found.append((normal, float(offset), steady))
     return found
 
 

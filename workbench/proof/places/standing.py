@@ -83,11 +83,12 @@ def standing_violations(cell: Cell, tree: Tree, plan: Plan, one: ArmPlan) -> Ite
         for pieces, body in product(turned_pieces(part, stands), still_of(cell, plan.scene))
         for piece in pieces
     )
-    if not -max(cell.policy.sink, FLAT) <= gap <= NEAR:
-        where = (
-            f"{gap * 1e3:.1f} mm above what is" if gap > 0 else f"{-gap * 1e3:.1f} mm deep in it"
+    if gap > NEAR:
+        yield violation(f"nothing is beneath the part on station {station.name} that carries it")
+    elif gap < -max(cell.policy.sink, FLAT):
+        yield violation(
+            f"the part would stand {-gap * 1e3:.1f} mm deep in something on station {station.name}"
         )
-        yield violation(f"the part would stand on station {station.name} {where}")
 
 
 def standing_after(cell: Cell, tree: Tree, plan: Plan, one: ArmPlan) -> Detection:
