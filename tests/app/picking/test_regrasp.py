@@ -213,9 +213,7 @@ def test_where_nothing_is_beneath_nothing_stands(cell, row, one):
     proof = prove(bare, scene(one), replace(row.plan, cell_digest=bare.digest))
     assert "nothing is beneath the part on station post" in str(proof.violations)
     (said,) = station_problems(bare)
-    assert (
-        said == "station post, for keyed_cylinder: has nothing beneath it that would carry a part"
-    )
+    assert said.endswith("keyed_cylinder: has nothing beneath it that would carry a part")
 
 
 def test_a_plan_that_names_no_station_has_no_place_there(cell, row, one):

@@ -40,7 +40,8 @@ def settled(part, T):
     """Where physics brings a part that is let go of at T above a level surface."""
     geoms, meshes = zip(*(geom(k, one) for k, one in enumerate(part.pieces)), strict=True)
     model = mujoco.MjModel.from_xml_string(
-        f"""<mujoco><option timestep="0.0005"/><default><geom friction="0.4 0.005 0.0001"/></default>
+        f"""<mujoco><option timestep="0.0005"/>
+        <default><geom friction="0.4 0.005 0.0001"/></default>
         <asset>{"".join(meshes)}</asset><worldbody><geom type="plane" size="1 1 1"/>
         <body><freejoint/>{"".join(geoms)}</body></worldbody></mujoco>"""
     )

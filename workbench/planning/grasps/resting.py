@@ -27,8 +27,9 @@ ALIKE = 2e-4
 def resting_poses(part: Part) -> tuple[pin.SE3, ...]:
     """Poses T_surface_part in which a part stands on a level surface, the steadiest first.
 
-    Its centre of mass, or what its symmetry leaves of that, is above the origin.  It may be turned about the vertical in `TURNS` ways; of
-    poses that its symmetry makes alike there is one.  A part that would roll has none on its side.
+    Its centre of mass, or what its symmetry leaves of that, is above the origin.  It may be turned
+    about the vertical in `TURNS` ways; of poses that its symmetry makes alike there is one.  A part
+    that would roll has none on its side.
     """
     middle = part.symmetry.fixed(_centre(part))
     found: list[tuple[float, Floats]] = []
@@ -48,8 +49,8 @@ def _stands(part: Part) -> list[tuple[Floats, float, float]]:
     """Each face of the hull on which a part stands.
 
     Returns:
-        Its outward normal (3,), how far along that it is from the part's origin [m], and how far the
-        part may be tilted before it falls over [rad].
+        Its outward normal (3,), how far along that it is from the part's origin [m], and how far
+        the part may be tilted before it falls over [rad].
     """
     points, centre = np.asarray(part.mesh.points), _centre(part)
     try:
