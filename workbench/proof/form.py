@@ -61,9 +61,10 @@ def _scene(scene: Scene, plan: Plan) -> Iterator[Violation]:
             yield Violation(f"the plan leaves out part-{number + 1} of the scan, or moves it")
     for number, said in enumerate(plan.detections):
         meant = [known for known in scene.detections if _same_part(said, known)]
-        if not meant:
-            where = "in the scan" if said.T_world_found is None else "where a plan before puts it"
-            yield Violation(f"part-{number + 1} of the plan is not {where}")
+        if not meant and said.T_world_found is not None:
+            yield Violation(f"part-{number + 1} of the plan is not where a plan before puts it")
+        elif not meant:
+            yield Violation(f"part-{number + 1} of the plan is not in the scan")
         elif not any(_no_surer(said, known) for known in meant):
             yield Violation(
                 f"the plan says of part-{number + 1} a roll that the scan does not show"

@@ -114,7 +114,7 @@ def row_words(state: State) -> str:
     count = len(state.plans)
     words = f"{counted(count, 'pick')} in a row"
     if any(plan.stations for plan in state.plans):
-        words += ", of which regrasps are two: put on a station, taken anew"
+        words += ", two of them for a part that goes over a station"
     if state.left_out:
         words += f", {len(state.left_out)} left out"
     if count + len(state.left_out) < 2 and (not count or not state.row_ends):

@@ -36,7 +36,8 @@ def resting_poses(part: Part) -> tuple[pin.SE3, ...]:
     for down, offset, steady in _stands(part):
         T = np.eye(4)
         T[:3, :3] = _upright(down)
-        T[:3, 3] = -T[:3, :3] @ middle + (0.0, 0.0, offset - down @ middle)
+        T[:3, 3] = -T[:3, :3] @ middle
+        T[2, 3] += offset - down @ middle
         found.append((steady, T))
     # The digits behind these depend on the processor.
     found.sort(key=lambda one: (-round(one[0], 3), np.round(one[1], 3).ravel().tolist()))
@@ -84,7 +85,7 @@ def _centre(part: Part) -> Floats:
     import trimesh  # takes half a second, which planning without stations does not wait for
 
     mesh = trimesh.Trimesh(part.mesh.points, part.mesh.triangles, process=False)
-    return np.array(mesh.center_mass, np.float64).real
+    return np.array(mesh.center_mass.tolist(), np.float64)
 
 
 def _upright(down: Floats) -> Floats:
