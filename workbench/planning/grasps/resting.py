@@ -85,7 +85,7 @@ def _centre(part: Part) -> Floats:
     import trimesh  # takes half a second, which planning without stations does not wait for
 
     mesh = trimesh.Trimesh(part.mesh.points, part.mesh.triangles, process=False)
-    return np.array(mesh.center_mass.tolist(), np.float64)
+    return np.array([float(one) for one in mesh.center_mass.real])
 
 
 def _upright(down: Floats) -> Floats:
@@ -94,7 +94,7 @@ def _upright(down: Floats) -> Floats:
     aside = np.eye(3)[int(np.argmin(np.round(np.abs(down), 3)))]
     x = aside - (aside @ down) * down
     x /= np.linalg.norm(x)
-    return np.array([x, np.cross(-down, x), -down])
+    return np.array([x, np.cross(-down, x), -down]).astype(np.float64)
 
 
 def _turn(angle: float) -> Floats:
