@@ -3,6 +3,7 @@
 import re
 import shlex
 import tomllib
+from dataclasses import replace
 from pathlib import Path
 
 from workbench.cli.main import main
@@ -29,7 +30,7 @@ def test_the_page_leads_to_parts_that_stand_in_nests(tmp_path, monkeypatch, caps
 
 
 def test_the_place_on_the_page_is_that_of_the_cell():
-    (block,) = re.findall(r"```toml\n(.*?)```", PAGE, re.DOTALL)
+    block, _ = re.findall(r"```toml\n(.*?)```", PAGE, re.DOTALL)
     said = tomllib.loads(block)["arm"]["place"][0]
     shipped = tomllib.loads(NESTS.read_text(encoding="utf-8"))["arm"][0]["place"][0]
     assert said == {"free_rotation_deg": 0, **shipped}
@@ -39,5 +40,21 @@ def test_the_nests_are_those_of_the_shipped_cell_but_for_what_parts_are_put_on()
     cell, nests = read_cell("yumi"), read_cell(NESTS)
     assert nests.arms[0].part_places and not nests.arms[0].Ts_world_place
     assert nests.policy == cell.policy and nests.parts[0].digest == cell.parts[0].digest
+    for one, other in zip(cell.arms, nests.arms, strict=True):
+        assert (one.home == other.home).all() and one.joints == other.joints
+
+
+def test_the_station_on_the_page_is_that_of_the_cell():
+    _, block = re.findall(r"```toml\n(.*?)```", PAGE, re.DOTALL)
+    (said,) = tomllib.loads(block)["station"]
+    shipped = tomllib.loads((NESTS.parent / "regrasp.toml").read_text(encoding="utf-8"))
+    assert said == {"position_mm": [0, 0, 0], **shipped["station"][0]}
+
+
+def test_the_cell_with_a_station_is_that_with_nests_but_for_where_parts_stand():
+    nests, cell = read_cell(NESTS), read_cell(NESTS.parent / "regrasp.toml")
+    assert cell.parts[0].digest == nests.parts[0].digest and len(cell.stations) == 1
+    gap = cell.policy.pair_gap
+    assert gap > 0 and replace(nests.policy, pair_gap=gap) == cell.policy
     for one, other in zip(cell.arms, nests.arms, strict=True):
         assert (one.home == other.home).all() and one.joints == other.joints

@@ -8,9 +8,9 @@ import numpy as np
 from waiting import PATIENCE
 
 from workbench.formats.cells.reading import read_cell
-from workbench.model.cell import Option, ScannerMount
+from workbench.model.cell import ScannerMount
 from workbench.model.geometry import pose_from_rpy
-from workbench.model.scan import Scan
+from workbench.model.scan import Option, Scan
 from workbench.plugins.options import options_of
 from workbench.plugins.scanner import ScanRequest
 

@@ -4,6 +4,7 @@ from itertools import pairwise
 
 import numpy as np
 from judged_files import Files, turned
+from judged_stations import stood_on
 from judged_symmetry import turns, unit
 from judged_times import COARSE, FINE, at_rest_between, soonest
 
@@ -196,7 +197,12 @@ def is_off(files: Files, plan, one, hand) -> str:
         halves.append(np.eye(4))
         halves[1][:3, :3] = turned((0, 0, 180))
     T_put = hand(one.leg("place").q[-1])
-    if not any(_near(T_put, T @ half) for T in files.places(one.arm) for half in halves):
+    if one.station:
+        T_lies = T_put @ np.linalg.inv(T_grasp) @ T_part
+        stands = stood_on(files, one.station, kind, T_lies)
+        if isinstance(stands, str):
+            return stands
+    elif not any(_near(T_put, T @ half) for T in files.places(one.arm) for half in halves):
         T_lies, shall = T_put @ np.linalg.inv(T_grasp) @ T_part, files.part_places(one.arm, kind)
         if not any(_lies(place, T_lies, files.parts[kind]) for place in shall):
             return "no place is there"

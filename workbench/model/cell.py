@@ -12,8 +12,9 @@ from workbench.model.digest import LATER, Told, called, digest_of
 from workbench.model.errors import InputError
 from workbench.model.geometry import Box, Floats, Solid, copied, frozen, pose_from_rpy, put
 from workbench.model.motion import MotionModel
-from workbench.model.part import Part, PartPlace
+from workbench.model.part import Part, PartPlace, Station
 from workbench.model.robot import Robot
+from workbench.model.scan import LocalizerChoice, Option, PosesFolder
 
 OrderName = Literal["travel", "highest", "score", "nearest", "walls", "thesis"]
 ORDER_NAMES: tuple[OrderName, ...] = get_args(OrderName)
@@ -21,11 +22,7 @@ ORDER_NAMES: tuple[OrderName, ...] = get_args(OrderName)
 LiftName = Literal["leaning", "up", "back", "off-wall", "around"]
 LIFT_NAMES: tuple[LiftName, ...] = get_args(LiftName)
 
-
 _LEANING: tuple[LiftName, ...] = ("leaning",)
-
-Option = bool | int | float | str
-"""A value of a key that a plug-in has of its own."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -66,6 +63,9 @@ class Tool:
         fingers = [finger.solid.reach + self.stroke[1] / 2 for finger in self.fingers]
         return max([*(solid.reach for solid in self.body), *fingers], default=0.0)
 
+
+MOST_PICKS = 10
+"""Plans in a row after one scan."""
 
 ARM_NAME = r"[A-Za-z0-9_][A-Za-z0-9_-]{0,39}"
 """What an arm can be called."""
@@ -174,7 +174,6 @@ class Bin:
 
 
 Z_FORWARD = "z_forward"
-
 """Axes of a cloud that are the scanner's: x right, y down."""
 
 
@@ -208,25 +207,6 @@ class ScannerMount:
 
     def __post_init__(self) -> None:
         put(self, T_world_scanner=copied(self.T_world_scanner), options=dict(self.options))
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class PosesFolder:
-    """A folder into which another program puts poses of parts.
-
-    `part` is the part that is meant where a file does not name one; empty: the cell's first.
-    """
-
-    path: str
-    part: str
-
-
-@dataclass(frozen=True, slots=True)
-class LocalizerChoice:
-    """Which localizer finds the parts, empty: the usual one; `options` are its own keys."""
-
-    name: str = ""
-    options: Mapping[str, Option] = field(default_factory=dict[str, Option])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -301,6 +281,18 @@ class Policy:
     picks: int = field(default_factory=lambda: 1, metadata=LATER)
 
 
+def picks_problem(policy: Policy) -> str:
+    """Why a policy cannot ask for so many plans after one scan; empty when it can."""
+    if not 1 <= policy.picks <= MOST_PICKS:
+        return f"1 to {MOST_PICKS} picks a scan can be asked for, not {policy.picks!r}"
+    if policy.picks > 1 and policy.pair_gap <= 0:
+        return (
+            "more than one pick a scan needs a pair_gap_mm in [policy]: without it nobody knows "
+            "which parts move when one is taken"
+        )
+    return ""
+
+
 @dataclass(frozen=True, slots=True)
 class PlanOverrides:
     """What one request changes of the cell's policy; None keeps the cell's value.
@@ -342,6 +334,7 @@ class Cell(Told):
     policy: Policy = field(default_factory=Policy)
     approvers: int = 1
     localizer: LocalizerChoice = field(default_factory=LocalizerChoice, metadata=LATER)
+    stations: tuple[Station, ...] = field(default_factory=tuple, metadata=LATER)
     digest: str = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -386,6 +379,11 @@ class Cell(Told):
                 return arm
         known = ", ".join(arm.name for arm in self.arms)
         raise InputError(f"cell {self.name} has no arm {name!r}; it has {known}")
+
+    def T_world_station(self, station: Station) -> pin.SE3:
+        """Where a station is; it goes along with its fixture."""
+        bases = (one.T_world_fixture for one in self.fixtures if one.name == station.fixture)
+        return next(bases, pin.SE3.Identity()) * station.T_base_station
 
     def part(self, name: str) -> Part:
         """The part of that name.

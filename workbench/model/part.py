@@ -180,6 +180,23 @@ class PartPlace:
         return self.part in ("", part)
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Station:
+    """A level surface on which an arm may put a part down for a moment, to take it anew.
+
+    `T_base_station` is the middle of the surface with z up, in the frame of the fixture that it
+    belongs to, which is empty where that is the world.  `size` (2,) [m] along its x and y.
+    """
+
+    name: str
+    T_base_station: pin.SE3
+    size: Floats
+    fixture: str = ""
+
+    def __post_init__(self) -> None:
+        put(self, T_base_station=copied(self.T_base_station), size=frozen(self.size))
+
+
 TURNED = "@"
 """In a grasp's name, before the turn of the part's symmetry that it comes from."""
 

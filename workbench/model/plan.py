@@ -11,7 +11,7 @@ import numpy as np
 import pinocchio as pin
 
 from workbench.model.candidate import Candidate, Verdict
-from workbench.model.cell import ARM_NAME, Policy
+from workbench.model.cell import ARM_NAME
 from workbench.model.digest import LATER, Told, called, digest_of
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats, copied, frozen, put
@@ -24,10 +24,6 @@ UNSIGNED = frozenset({"seconds", "digest"})
 
 LegName = Literal["reach", "approach", "extract", "return", "place", "home"]
 LEG_NAMES: tuple[LegName, ...] = ("reach", "approach", "extract", "return", "place", "home")
-
-
-MOST_PICKS = 10
-"""Plans in a row after one scan."""
 
 STRATEGY_WORDS = ("auto", "alternated", "coordinated", "both", "single")
 """What a request can ask for besides an arm by its name, so that no arm is called so."""
@@ -120,7 +116,10 @@ def are_in_step(legs: Sequence[Leg]) -> bool:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ArmPlan:
-    """All that one arm does with one part.  `detection` is an index into the plan's list."""
+    """All that one arm does with one part: `detection` is an index into the plan's list.
+
+    `station` names where the part is put to be taken anew; empty: to a place.
+    """
 
     arm: str
     detection: int
@@ -128,6 +127,7 @@ class ArmPlan:
     T_tcp_part: pin.SE3
     joints: tuple[str, ...]
     legs: tuple[Leg, ...]
+    station: str = field(default_factory=str, metadata=LATER)
 
     def __post_init__(self) -> None:
         put(self, T_tcp_part=copied(self.T_tcp_part))
@@ -197,6 +197,11 @@ class Plan(Told):
             if arm.arm == name:
                 return arm
         raise KeyError(name)
+
+    @property
+    def stations(self) -> tuple[str, ...]:
+        """Where it puts parts that the plan after it has to take anew."""
+        return tuple(one.station for one in self.arms if one.station)
 
     @property
     def scene(self) -> Scene:
@@ -318,25 +323,13 @@ class Proven:
     proof: Proof
 
 
-def picks_problem(policy: Policy) -> str:
-    """Why a policy cannot ask for so many plans after one scan; empty when it can."""
-    if not 1 <= policy.picks <= MOST_PICKS:
-        return f"1 to {MOST_PICKS} picks a scan can be asked for, not {policy.picks!r}"
-    if policy.picks > 1 and policy.pair_gap <= 0:
-        return (
-            "more than one pick a scan needs a pair_gap_mm in [policy]: without it nobody knows "
-            "which parts move when one is taken"
-        )
-    return ""
-
-
 def number_in(first: Plan, one: Detection) -> int:
     """The index of a part in the list of the first plan of a row.
 
-    Later plans have lists without what those before take; digits of a file may differ in the last
-    place.
+    Later plans have lists without what those before take, or with it on a station; digits of a file
+    may differ in the last place.
     """
-    T = one.T_world_part.homogeneous
+    T = (one.T_world_found or one.T_world_part).homogeneous
     away = [np.abs(known.T_world_part.homogeneous - T).max() for known in first.detections]
     return int(np.argmin(away))
 

@@ -15,6 +15,10 @@ ALL_KINDS = "all"
 """In place of a part's name: every kind that the cell picks, one of each in turn."""
 
 
+Option = bool | int | float | str
+"""A value of a key that a plug-in has of its own."""
+
+
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Scan(Told):
     """A point cloud in the scanner's frame.
@@ -74,7 +78,8 @@ class Detection(Told):
     [m] and a unit direction in the part's frame, is that axis; None: the one that the part's
     symmetry states.  `covariance` (6, 6) [m, rad] is that of shifts of the part's origin, then of
     turns about it, along the world's axes; `probability` the chance that it is right; both None
-    for poses from outside.
+    for poses from outside.  `T_world_found` is where the scan has it, of a part that a plan before
+    has put where it is now; None where it lies as it was found.
     """
 
     part: str
@@ -87,6 +92,7 @@ class Detection(Told):
     covariance: Floats | None = field(default_factory=lambda: None, metadata=LATER)
     probability: float | None = field(default_factory=lambda: None, metadata=LATER)
     roll_axis: Floats | None = field(default_factory=lambda: None, metadata=LATER)
+    T_world_found: pin.SE3 | None = field(default_factory=lambda: None, metadata=LATER)
 
     def __post_init__(self) -> None:
         if self.covariance is not None and np.shape(self.covariance) != (6, 6):
@@ -108,6 +114,7 @@ class Detection(Told):
             covariance=None if self.covariance is None else frozen(self.covariance),
             probability=None if self.probability is None else float(self.probability),
             roll_axis=None if self.roll_axis is None else frozen(self.roll_axis),
+            T_world_found=None if self.T_world_found is None else copied(self.T_world_found),
         )
 
     @property
@@ -231,6 +238,25 @@ class Obstacle:
         if size.shape != (3,) or not np.all(size > 0):
             raise InputError("an obstacle needs three lengths above zero")
         put(self, T_world_box=copied(self.T_world_box), size=size)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PosesFolder:
+    """A folder into which another program puts poses of parts.
+
+    `part` is the part that is meant where a file does not name one; empty: the cell's first.
+    """
+
+    path: str
+    part: str
+
+
+@dataclass(frozen=True, slots=True)
+class LocalizerChoice:
+    """Which localizer finds the parts, empty: the usual one; `options` are its own keys."""
+
+    name: str = ""
+    options: Mapping[str, Option] = field(default_factory=dict[str, Option])
 
 
 @dataclass(frozen=True, slots=True)

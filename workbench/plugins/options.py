@@ -10,8 +10,8 @@ import math
 from collections.abc import Mapping
 from typing import Any, get_type_hints
 
-from workbench.model.cell import Option
 from workbench.model.errors import InputError
+from workbench.model.scan import Option
 
 Options = Mapping[str, Option]
 """Checked keys and values; empty where nothing was given."""

@@ -61,7 +61,9 @@ def _scene(scene: Scene, plan: Plan) -> Iterator[Violation]:
             yield Violation(f"the plan leaves out part-{number + 1} of the scan, or moves it")
     for number, said in enumerate(plan.detections):
         meant = [known for known in scene.detections if _same_part(said, known)]
-        if not meant:
+        if not meant and said.T_world_found is not None:
+            yield Violation(f"part-{number + 1} of the plan is not where a plan before puts it")
+        elif not meant:
             yield Violation(f"part-{number + 1} of the plan is not in the scan")
         elif not any(_no_surer(said, known) for known in meant):
             yield Violation(
@@ -74,6 +76,10 @@ def _scene(scene: Scene, plan: Plan) -> Iterator[Violation]:
 
 def _same_part(one: Detection, other: Detection) -> bool:
     is_alike = one.part == other.part
+    if one.T_world_found is not None and other.T_world_found is not None:
+        is_alike &= one.T_world_found.isApprox(other.T_world_found, 1e-9)
+    elif one.T_world_found is not None or other.T_world_found is not None:
+        return False
     return is_alike and one.T_world_part.isApprox(other.T_world_part, 1e-9)
 
 

@@ -1,5 +1,6 @@
 """The proof: everything about a plan is looked at anew, in the scene as it is known, or refused."""
 
+from collections.abc import Sequence
 from itertools import product
 
 import numpy as np
@@ -11,6 +12,7 @@ from workbench.model.plan import Plan, Proof, Violation
 from workbench.model.scan import Detection, Obstacle, Scene
 from workbench.proof.bodies import gap_of, roll_axis, turned_pieces
 from workbench.proof.form import form_violations, limit_violations, range_violations
+from workbench.proof.places.standing import standing_after
 from workbench.proof.robot import tree_of
 from workbench.proof.rules import (
     grasp_violations,
@@ -82,21 +84,31 @@ def scene_after(cell: Cell, plan: Plan) -> Scene:
     """What is in the bin and at the places once a proven plan was carried out.
 
     The parts taken are gone from the bin.  Each is in the way where the hand has let go of it,
-    unless the arm passes parts on.
+    unless the arm passes parts on.  One that is put on a station is a part, which stands there:
+    where others may have moved (`may_have_moved`), nobody knows more of these than that they are in
+    the bin, so that this is full up to where they can be.
 
     Args:
         cell: as it is now.
-        plan: in whose scene it holds that nothing moves but what is taken; see `may_have_moved`.
+        plan: in whose scene it holds that nothing moves but what is taken, or that puts a part on
+            a station.
     """
     tree, taken = tree_of(cell), {one.detection for one in plan.arms}
     boxes: list[Obstacle] = []
+    stand: list[Detection] = []
     for one in plan.arms:
         arm, found = cell.arm(one.arm), plan.detections[one.detection]
-        if not arm.passes_parts_on:
+        if one.station:
+            stand.append(standing_after(cell, tree, plan, one))
+        elif not arm.passes_parts_on:
             T_world_tcp = tcp(tree, tree.rest, arm, np.asarray(one.leg("place").q[-1]))
             boxes.append(_box_around(cell.part(found.part), found, T_world_tcp * one.T_tcp_part))
     rest = tuple(one for number, one in enumerate(plan.detections) if number not in taken)
-    return Scene(plan.scan_digest, rest, (*plan.obstacles, *boxes))
+    is_sure = cell.policy.pair_gap > 0 and may_have_moved(cell, plan) is None
+    if stand and rest and not is_sure:
+        boxes.append(_full_bin(cell, plan.detections))
+        rest = tuple(one for one in rest if one.T_world_found is not None)
+    return Scene(plan.scan_digest, (*rest, *stand), (*plan.obstacles, *boxes))
 
 
 def may_have_moved(cell: Cell, plan: Plan) -> Violation | None:
@@ -117,6 +129,19 @@ def may_have_moved(cell: Cell, plan: Plan) -> Violation | None:
                 problem = f"part-{stays + 1} may move when part-{number + 1} is taken"
                 return Violation(problem, taken[number], "extract", None, pair, gap)
     return None
+
+
+def _full_bin(cell: Cell, parts: Sequence[Detection]) -> Obstacle:
+    """A box that holds parts of the bin however they come to lie: one more on all, and upright."""
+    T_bin_world, high, longest = cell.bin.T_world_bin.inverse(), float(cell.bin.size[2]), 0.0
+    for one in parts:
+        points, T = cell.part(one.part).mesh.points, T_bin_world * one.T_world_part
+        longest = max(longest, float(np.linalg.norm(np.ptp(points, axis=0))))
+        if one.T_world_found is None:
+            high = max(high, float((points @ T.rotation[2] + T.translation[2]).max()))
+    T_bin_box = pin.SE3(np.eye(3), np.array([0.0, 0.0, (high + longest) / 2]))
+    size = np.array([*cell.bin.size[:2], high + longest])
+    return Obstacle(cell.bin.T_world_bin * T_bin_box, size)
 
 
 def _box_around(part: Part, found: Detection, T_world_part: pin.SE3) -> Obstacle:

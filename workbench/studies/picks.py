@@ -5,16 +5,22 @@ Localization is left out on purpose: its own study tells how good it is.
 
 from collections import Counter
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from typing import Any
 
 from workbench.app.picking.pipeline import plan_pick
+from workbench.app.picking.regrasp import regrasped
 from workbench.formats.cells.reading import read_cell
 from workbench.model.candidate import Candidate, Reason
-from workbench.model.cell import PlanOverrides
+from workbench.model.cell import Cell, PlanOverrides
+from workbench.model.plan import PlanResult
+from workbench.model.scan import Detection, Scene
 from workbench.perception.simulation.piles import drop_parts
 from workbench.planning.planners.clock import working_time
 from workbench.plugins.progress import Report, silent
 from workbench.studies.cases import percentiles
+
+OVER_STATION = "ok over a station"
 
 STAGES = ("propose", "resolve", "route", "prove")
 
@@ -56,7 +62,10 @@ def measure(
         began = working_time()
         result = plan_pick(cell, pile, "study", strategy=strategy, overrides=overrides, seed=one)
         whole = working_time() - began
-        fates.update(fates_of(result.candidates, len(pile)))
+        found = list(fates_of(result.candidates, len(pile)))
+        if cell.stations:
+            found = list(with_stations(cell, pile, result, found, one, overrides))
+        fates.update(found)
         for stage, value in result.seconds.items():
             seconds[stage].append(value)
         if result.plan is None or result.proof is None:
@@ -80,6 +89,36 @@ def fates_of(candidates: Sequence[Candidate], parts: int) -> Iterator[str]:
             yield str(Reason.OK)
         elif mine:
             yield str(max(mine, key=lambda one: one.progress).reason)
+
+
+def with_stations(
+    cell: Cell,
+    pile: tuple[Detection, ...],
+    result: PlanResult,
+    fates: Sequence[str],
+    seed: int,
+    overrides: PlanOverrides,
+) -> Iterator[str]:
+    """The fates of a pile's parts, each of which may go over a station if it has no place else.
+
+    It is asked of each part by itself, as if it was the next to be taken.
+    """
+    scene = Scene("study", pile)
+    for number, fate in enumerate(fates):
+        others = {other: "not asked" for other in range(len(pile)) if other != number}
+        if (
+            fate == Reason.NO_PLACE
+            and regrasped(
+                cell,
+                scene,
+                replace(result, plan=None, proof=None, row=()),
+                avoided=others,
+                seed=seed,
+                overrides=overrides,
+            ).row
+        ):
+            fate = OVER_STATION
+        yield fate
 
 
 def rows(measured: dict[str, Any]) -> list[dict[str, Any]]:

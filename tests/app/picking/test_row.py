@@ -13,10 +13,11 @@ from workbench.app.picking.row import (
     prove_row,
 )
 from workbench.formats.cells.reading import read_cell
+from workbench.model.cell import MOST_PICKS
 from workbench.model.digest import digest_of
 from workbench.model.errors import CommandRefused, InputError
 from workbench.model.geometry import pose_from_rpy
-from workbench.model.plan import MOST_PICKS, parts_taken, renumbered
+from workbench.model.plan import parts_taken, renumbered
 from workbench.model.scan import Detection, Scene
 from workbench.planning.collision.world import World
 from workbench.planning.kinematics.robot import Kinematics

@@ -18,10 +18,9 @@ from workbench.app.runtime.bench import Bench
 from workbench.app.runtime.watch_poses import PosesWatch
 from workbench.formats.plans.pose_files import write_poses
 from workbench.journal.journal import Journal
-from workbench.model.cell import PosesFolder
 from workbench.model.errors import CommandRefused
 from workbench.model.geometry import pose_from_rpy
-from workbench.model.scan import Detection
+from workbench.model.scan import Detection, PosesFolder
 
 
 @pytest.fixture

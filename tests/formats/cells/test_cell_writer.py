@@ -12,10 +12,11 @@ from workbench.formats.robots.urdf import read_urdf
 from workbench.formats.robots.urdf_package import write_package
 from workbench.formats.robots.xacro_files import expanded, is_xacro
 from workbench.model.calibration import CalibrationRecord
-from workbench.model.cell import Fixture, PosesFolder
+from workbench.model.cell import Fixture
 from workbench.model.digest import digest_of
 from workbench.model.errors import FileError
 from workbench.model.geometry import Mesh, Solid
+from workbench.model.scan import PosesFolder
 from workbench.planning.collision.link_pairs import pairs_without_check
 from workbench.planning.kinematics.robot import Kinematics
 

@@ -133,3 +133,101 @@ def test_what_the_page_cannot_change_is_not_written(with_place):
         save_cell(path, replace(cell, arms=(wider, left)))
     with pytest.raises(FileError, match="cannot be written into the file"):
         save_cell(path, replace(cell, arms=(replace(right, part_places=()), left)))
+
+
+STATION = """
+[[station]]
+name = "corner"
+fixture = "table"
+position_mm = [500, -450, -10]
+rpy_deg = [0, 0, 30]
+size_mm = [80, 60]
+"""
+
+
+@pytest.fixture
+def with_stations(tmp_path):
+    """The YuMi's cell with something behind its end."""
+
+    def made(text: str):
+        shutil.copytree(find("robots", "yumi"), tmp_path / "yumi", dirs_exist_ok=True)
+        path = tmp_path / "yumi" / "cell.toml"
+        whole = (find("robots", "yumi") / "cell.toml").read_text(encoding="utf-8")
+        path.write_text(whole + text, encoding="utf-8")
+        return path
+
+    return made
+
+
+def test_a_station_is_read_in_the_frame_of_its_fixture_and_goes_along_with_it(with_stations):
+    cell = read_cell(with_stations(STATION))
+    (station,) = cell.stations
+    assert (station.name, station.fixture, station.size.tolist()) == (
+        "corner",
+        "table",
+        [0.08, 0.06],
+    )
+    T = pose_from_rpy((0.5, -0.45, -0.01), (0, 0, np.deg2rad(30)))
+    assert cell.T_world_station(station).isApprox(T, 1e-9)
+    shift = pose_from_rpy((0.1, 0.0, 0.02))
+    fixtures = tuple(
+        replace(one, T_world_fixture=shift * one.T_world_fixture) if one.name == "table" else one
+        for one in cell.fixtures
+    )
+    moved = replace(cell, fixtures=fixtures)
+    assert moved.T_world_station(station).isApprox(shift * T, 1e-9)
+
+
+def test_stations_are_in_the_digest_of_a_cell_that_has_some(with_stations):
+    bare, cell = read_cell("yumi"), read_cell(with_stations(STATION))
+    assert replace(cell, stations=()).digest == bare.digest != cell.digest
+
+
+def test_a_written_station_is_read_back(with_stations, tmp_path):
+    cell = read_cell(
+        with_stations(STATION + STATION.replace("corner", "other").replace("-450", "450"))
+    )
+    path = write_cell(tmp_path / "written", cell, {})
+    text = path.read_text(encoding="utf-8")
+    assert text.count("[[station]]") == 2
+    parts = find("parts", "keyed_cylinder")
+    path.write_text(text.replace('"keyed_cylinder"', f'"{parts}"', 1), encoding="utf-8")
+    assert digest_of(read_cell(path).stations) == digest_of(cell.stations)
+
+
+@pytest.mark.parametrize(
+    ("was", "now", "problem"),
+    [
+        ("size_mm = [80, 60]", "size_mm = [80, 0]", "size_mm: 0 is not between 10 and 5000"),
+        ("size_mm = [80, 60]", "", "size_mm"),
+        ('fixture = "table"', 'fixture = "shelf"', "'shelf' is no fixture of the cell: table"),
+        ("rpy_deg = [0, 0, 30]", "rpy_deg = [0, 1, 30]", "does not lie level"),
+        ("rpy_deg = [0, 0, 30]", "rpy_deg = [180, 0, 30]", "does not lie level"),
+        ('name = "corner"', 'name = ""', "name"),
+        ("size_mm = [80, 60]", "size_mm = [80, 60]\nheight_mm = 3", "height_mm"),
+        ("size_mm = [80, 60]", "size_mm = [80, 60]" + STATION, "corner"),
+        (
+            "size_mm = [80, 60]",
+            "size_mm = [80, 60]" + STATION.replace("corner", "beside").replace("500", "560"),
+            "corner and beside lie over each other",
+        ),
+    ],
+)
+def test_mistakes_about_stations_are_named(with_stations, was, now, problem):
+    assert was in STATION
+    with pytest.raises(FileError) as error:
+        read_cell(with_stations(STATION.replace(was, now, 1)))
+    assert problem in str(error.value) and "station" in str(error.value)
+
+
+def test_stations_beside_each_other_are_two(with_stations):
+    other = STATION.replace("corner", "beside").replace("500", "600")
+    assert len(read_cell(with_stations(STATION + other)).stations) == 2
+
+
+def test_a_cell_with_a_station_can_be_edited_and_saved(with_stations):
+    path = with_stations(STATION)
+    cell = read_cell(path)
+    moved = replace(cell, T_world_robot=pose_from_rpy((0.001, 0.0, 0.0)) * cell.T_world_robot)
+    save_cell(path, moved)
+    assert digest_of(read_cell(path).stations) == digest_of(cell.stations)

@@ -23,9 +23,8 @@ from workbench.model.calibration import (
     PlateObservation,
     PoseResidual,
 )
-from workbench.model.cell import PosesFolder
 from workbench.model.geometry import pose_from_rpy
-from workbench.model.scan import Remark, Search, SearchOverrides
+from workbench.model.scan import PosesFolder, Remark, Search, SearchOverrides
 
 NOW = 1_760_000_000.0
 DAY = 86_400.0

@@ -76,24 +76,43 @@ def after_sending(state: State, ended: LinkEnded, at: float) -> State:
         at: when [s since the epoch].
     """
     # After a fault nobody knows: no other part is put where one may lie.
-    state = replace(state, placed=(*state.placed, *(ended.placed or ())))
+    state = replace(state, placed=(*_still_placed(state, ended), *(ended.placed or ())))
     for part in ended.parts:
         if part.is_picked is not None:
             said = ReportPick(_in_row(state, part), part.is_picked, part.why)
             # What somebody has reported meanwhile is not counted a second time.
             if not outcome_problem(state, said):
                 state = with_outcome(state, said, ROBOT_LINK, at)
-    placed = state.parts_placed + ended.parts_placed
+    placed = state.parts_placed + (0 if _goes_on(state.plan) else ended.parts_placed)
     state = replace(state, parts_placed=placed, part_reports=ended.parts, waits=0)
     if ended.fault:
         message = f"fault while sending: {ended.fault}"
         return replace(state, phase=Phase.FAULT, fault=ended.fault, message=message)
-    expected = sum(len(plan.arms) for plan in _begun(state))
+    expected = sum(len(plan.arms) for plan in _begun(state) if not _goes_on(plan))
     message = f"cycle finished, {placed} of {counted(expected, 'part')} reported placed"
     for part in ended.parts:
         if part.is_picked is False:
             message += f"; {part.arm} arm failed: {part.why}"
     return escalated(replace(state, phase=Phase.DONE, message=message))
+
+
+def _goes_on(plan: Plan | None) -> bool:
+    """Whether a plan puts its parts where the next one takes them: they are not placed by it."""
+    return plan is not None and bool(plan.stations)
+
+
+def _still_placed(state: State, ended: LinkEnded) -> tuple[Detection, ...]:
+    """What was placed before, without what the plan has taken from a station."""
+    is_told = bool(ended.parts) and all(one.is_picked is True for one in ended.parts)
+    if state.plan is None or ended.fault or not is_told:
+        return state.placed
+    detections = (state.plan.detections[one.detection] for one in state.plan.arms)
+    taken = [one.T_world_part.translation for one in detections if one.T_world_found is not None]
+    return tuple(
+        one
+        for one in state.placed
+        if all(math.dist(one.T_world_part.translation, p) >= SAME_PLACE for p in taken)
+    )
 
 
 def outcome_problem(state: State, command: ReportPick) -> str:

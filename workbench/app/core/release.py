@@ -6,7 +6,7 @@ and the robot stands where it starts.  Pure functions; `rules` and the page ask 
 
 import math
 import unicodedata
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import lru_cache
 
@@ -164,6 +164,21 @@ def unapproved_row(state: State, approval: Approval) -> str:
     return "the approval is for another row of plans; have this one approved"
 
 
+def left_on_station(plans: Sequence[Plan]) -> str:
+    """Why plans are no whole row, as a part would stay on a station; empty when none does."""
+    for number, plan in enumerate(plans):
+        after = plans[number + 1] if number + 1 < len(plans) else None
+        taken = [] if after is None else [after.detections[one.detection] for one in after.arms]
+        if plan.stations and sum(one.T_world_found is not None for one in taken) < len(
+            plan.stations
+        ):
+            return (
+                f"plan {number + 1} puts a part on station {plan.stations[0]}, and no plan that "
+                "follows takes it from there"
+            )
+    return ""
+
+
 def untold(state: State) -> str:
     """Why nobody could know, between two plans of the row, how it stands; else empty."""
     motion = state.cell.controller.motion
@@ -182,7 +197,8 @@ def length_problem(state: State, picks: int) -> str:
         return f"the row can have 1 to {most} picks, not {picks}"
     if picks == 1 + len(state.row):
         return f"the row has {counted(picks, 'pick')} already"
-    return ""
+    every = (state.plan, *(one.plan for one in (*state.row, *state.left_out)))
+    return left_on_station([plan for plan in every[:picks] if plan is not None])
 
 
 def shortened(state: State, picks: int, actor: str) -> State:

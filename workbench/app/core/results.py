@@ -98,6 +98,8 @@ def with_plan(state: State, result: PlanResult, job: Job) -> State:
         )
         if result.row:
             message += f"; {counted(len(result.row), 'more plan')} in a row after it"
+        if result.plan.stations:
+            message += f"; {result.plan.note}"
     return begun(
         state,
         PlanState,

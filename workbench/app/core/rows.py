@@ -51,6 +51,10 @@ def with_next_plan(state: State, after: State, ended: LinkEnded, entry: Entry) -
     if problem or approval is None:
         count = f"{len(done)} of {counted(len(done) + len(state.row), 'plan')}"
         words = f"the row has ended after {count}: {problem}"
+        if state.plan.stations:
+            words += (
+                f"; look whether a part is on station {state.plan.stations[0]}, and take it away"
+            )
         message = after.message if ended.fault else f"{after.message}; {words}"
         # What was spent stays to be seen; nothing follows a row that is not there any more.
         return replace(after, row=(), row_ends=words, message=message), ()

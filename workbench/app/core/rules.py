@@ -13,6 +13,7 @@ from workbench.app.core.release import (
     changes_problem,
     is_same_person,
     lacks_people,
+    left_on_station,
     length_problem,
     other_row,
     said_already,
@@ -38,10 +39,10 @@ from workbench.app.core.value_checks import (
     check_person,
     check_text,
 )
-from workbench.model.cell import Cell
+from workbench.model.cell import MOST_PICKS, Cell
 from workbench.model.digest import digest_of
 from workbench.model.errors import CommandRefused, NotAllowed
-from workbench.model.plan import MOST_PICKS, UNSIGNED, Plan, Proof, Proven
+from workbench.model.plan import UNSIGNED, Plan, Proof, Proven
 from workbench.model.release import AS_PLANNED, SLOWEST, Approval, Manner, Vote
 from workbench.model.scan import ALL_KINDS
 from workbench.plugins.robot_link import misfit
@@ -132,7 +133,8 @@ def allowed(
             _check_scene(state, plan)
             if state.proof is None:
                 raise CommandRefused("the plan has no proof, so it cannot be approved")
-            _refuse(other_row(state, row) or untold(state))
+            whole = [one.plan for one in state.whole_row]
+            _refuse(other_row(state, row) or untold(state) or left_on_station(whole))
             for one in state.whole_row:
                 check_approvable(state.cell, one.plan, one.proof, actor, (share, is_stepped))
             _refuse(stale_because(state, plan, joints))

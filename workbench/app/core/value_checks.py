@@ -10,10 +10,9 @@ import numpy as np
 import pinocchio as pin
 
 from workbench.app.core.rights import MACHINES
-from workbench.model.cell import ORDER_NAMES, Cell, PlanOverrides
+from workbench.model.cell import MOST_PICKS, ORDER_NAMES, Cell, PlanOverrides, picks_problem
 from workbench.model.errors import CommandRefused, InputError
 from workbench.model.geometry import Floats
-from workbench.model.plan import MOST_PICKS, picks_problem
 from workbench.model.scan import Detection
 
 MOST_PARTS = 30

@@ -187,7 +187,8 @@ def _look_and_plan(
     if not detections:
         return None
     result = plan_row(
-        cell,
+        # What is simulated is how parts are taken from the bin.
+        replace(cell, stations=()) if cell.stations else cell,
         detections,
         digest,
         picks=task.picks,

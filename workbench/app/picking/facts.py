@@ -81,12 +81,15 @@ def check_installed(state: State, command: Command) -> None:
 
 
 def put_down(cell: Cell, plan: Plan) -> tuple[Detection, ...]:
-    """The parts of a plan where its arms put them, for arms whose places keep them."""
+    """The parts of a plan where its arms put them, as far as they stay there.
+
+    Those are at places that keep them, and on stations until a later plan takes them.
+    """
     kinematics = Kinematics(cell)
     placed: list[Detection] = []
     for one in plan.arms:
         arm, found = cell.arm(one.arm), plan.detections[one.detection]
-        if arm.keeps_parts:
+        if arm.keeps_parts or one.station:
             T = kinematics.tcp_pose(arm, np.asarray(one.leg("place").q[-1])) * one.T_tcp_part
             # A roll that the scan did not show is not known on the pallet, either.
             kept = Detection(found.part, T, roll_known=found.roll_known, roll_axis=found.roll_axis)

@@ -45,6 +45,7 @@ def scene_of(
 
     A part of which the plan knows nothing is something in the scan that no part explains, and so an
     obstacle that the plan leaves out.  One that the scan does not show is not known to be there.
+    Nor is one that another plan has to put there first: such a plan is proven in its row.
 
     Args:
         cell: as it is now.
@@ -53,7 +54,8 @@ def scene_of(
             that the scan shows.
         scan: in which they were found; without it the plan's word for other obstacles is taken.
     """
-    found = plan.detections if detections is None else tuple(detections)
+    known = tuple(one for one in plan.detections if one.T_world_found is None)
+    found = known if detections is None else tuple(detections)
     digest = digest_of(found)
     # A plan for poses is named after these, also where a scan shows what else there is.
     if scan is not None and plan.scan_digest != digest:

@@ -7,9 +7,10 @@ from typing import Any
 
 from workbench.app.picking.pipeline import NOTHING, plan_pick
 from workbench.app.picking.proving import prove
-from workbench.model.cell import Cell
+from workbench.app.picking.regrasp import regrasped
+from workbench.model.cell import MOST_PICKS, Cell, picks_problem
 from workbench.model.errors import CommandRefused, InputError
-from workbench.model.plan import Plan, PlanResult, Proven, picks_problem, renumbered
+from workbench.model.plan import Plan, PlanResult, Proven, renumbered
 from workbench.model.scan import Detection, Obstacle, Scan, Scene
 from workbench.planning.collision.world import World
 from workbench.planning.planners.clock import working_time
@@ -41,7 +42,7 @@ def plan_row(
         cell: with its parts and policy.
         detections: the parts found, at least one.
         scan_digest: what they were found in.
-        picks: plans at most.
+        picks: parts for an arm, or for two, at most; one that goes over a station takes two plans.
         obstacles: what the scan shows beside the parts.
         avoided: indices of parts that are left alone for now, and why.
         report: progress.
@@ -56,30 +57,32 @@ def plan_row(
     first = _next(cell, scene, left, report, is_last=picks == 1, **asked)
     if not _holds(first) or first.plan is None or picks == 1:
         return first
-    row: list[Proven] = []
-    began, plan, ends = working_time(), first.plan, ""
-    while not ends and 1 + len(row) < picks:
-        moved = may_have_moved(cell, plan)
-        if moved is not None:
-            ends = renumbered(moved.problem, first.plan, plan.detections)
+    row, done = list(first.row), 1
+    began, latest, ends = working_time(), first.plans, ""
+    while not ends and done < picks:
+        for plan in latest:
+            moved = may_have_moved(cell, plan)
+            if moved is not None:
+                ends = ends or renumbered(moved.problem, first.plan, plan.detections)
+            left = _left(plan, left)
+            scene = scene_after(cell, plan)
+        if ends or not scene.detections:
+            ends = ends or "no part is left"
             break
-        left = _left(plan, left)
-        scene = scene_after(cell, plan)
-        if not scene.detections:
-            ends = "no part is left"
-            break
-        note = f"plan {2 + len(row)} of {picks}"
-        told = _named(report, note)
-        result = _next(cell, scene, left, told, is_last=2 + len(row) == picks, **asked)
+        done += 1
+        told = _named(report, f"plan {done} of {picks}")
+        result = _next(cell, scene, left, told, is_last=done == picks, **asked)
         if result.plan is None or result.proof is None:
             words = f"no plan after that: {result.verdict}"
             ends = renumbered(words, first.plan, scene.detections)
         elif not result.proof.holds:
             words = f"the proof of the next plan does not hold: {result.proof.violations[0]}"
             ends = renumbered(words, first.plan, scene.detections)
+        elif 1 + len(row) + len(result.plans) > MOST_PICKS:
+            ends = f"a row has at most {MOST_PICKS} plans"
         else:
-            plan = result.plan
-            row.append(Proven(plan, result.proof))
+            latest = result.plans
+            row += [Proven(result.plan, result.proof), *result.row]
     seconds = {**first.seconds, "row": working_time() - began}
     return replace(first, row=tuple(row), row_ends=ends, seconds=seconds)
 
@@ -117,7 +120,7 @@ def prove_row(
         if not found[-1].proof.holds:
             break
         moved = may_have_moved(cell, before)
-        if moved is not None or cell.policy.pair_gap <= 0:
+        if not before.stations and (moved is not None or cell.policy.pair_gap <= 0):
             why = "the cell has no pair_gap_mm" if moved is None else str(moved)
             raise CommandRefused(
                 f"plan {number} of the row cannot follow plan {number - 1}, since nobody knows how "
@@ -136,7 +139,10 @@ def _next(
     is_last: bool,
     **asked: Any,
 ) -> PlanResult:
-    """A plan for a scene, by parts that lie alone where another one is to follow."""
+    """A plan for a scene, by parts that lie alone where another one is to follow.
+
+    Where no part can be put to its place, two plans that bring one there over a station.
+    """
 
     def planned(left: Mapping[int, str]) -> PlanResult:
         return plan_pick(
@@ -151,10 +157,14 @@ def _next(
 
     heaps = World(cell, scene.detections, scene.obstacles).part_ways.heaps
     heaped = {number for number, heap in enumerate(heaps) if heaps.count(heap) > 1}
-    if is_last or not heaped or len(heaped | set(avoided)) == len(heaps):
-        return planned(avoided)
-    result = planned({**dict.fromkeys(heaped, TAKEN_LAST), **avoided})
-    return result if _holds(result) else planned(avoided)
+    result: PlanResult | None = None
+    if not is_last and heaped and len(heaped | set(avoided)) < len(heaps):
+        result = planned({**dict.fromkeys(heaped, TAKEN_LAST), **avoided})
+    if result is None or not _holds(result):
+        result = planned(avoided)
+    if _holds(result) or not cell.stations:
+        return result
+    return regrasped(cell, scene, result, avoided=avoided, report=report, **asked)
 
 
 def _holds(result: PlanResult) -> bool:

@@ -273,7 +273,10 @@ class Count:
         self._numbers = (
             tuple(range(len(first))),
             *(
-                tuple(first.index(part["T_world_part"]) for part in one["detections"])
+                tuple(
+                    first.index(part.get("T_world_found", part["T_world_part"]))
+                    for part in one["detections"]
+                )
                 for one in plans[1:]
             ),
         )
@@ -323,7 +326,11 @@ class Count:
     def _follows(self) -> None:
         """The next plan of the row is on its way, in the same cycle."""
         self._place += 1
-        self._change(end="", picks=(*self._cycles[-1].picks, *self._row[self._place]))
+        picks = self._row[self._place]
+        again = {one.detection for one in picks}
+        # A part that was put on a station is one pick, by who brings it to its place.
+        done = (one for one in self._cycles[-1].picks if one.detection not in again)
+        self._change(end="", picks=(*done, *picks))
 
     def _reported(self, report: Any) -> None:
         result: Result = "picked" if report["is_picked"] else "failed"

@@ -12,8 +12,8 @@ from workbench.app.core.value_checks import LONGEST_NAME
 from workbench.app.runtime.bench import Bench
 from workbench.formats.files.whole_files import Stamp, stamps
 from workbench.formats.plans.pose_files import read_poses
-from workbench.model.cell import PosesFolder
 from workbench.model.errors import CommandRefused, InputError
+from workbench.model.scan import PosesFolder
 
 log = logging.getLogger(__name__)
 

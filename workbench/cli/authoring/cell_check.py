@@ -5,6 +5,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
+from workbench.app.picking.stations import station_problems
 from workbench.app.runtime.readiness import make_ready
 from workbench.cli.arguments.nested import CellCheck
 from workbench.cli.exits import NO_PLAN, SUCCESS
@@ -38,6 +39,7 @@ def check_cell(typed: CellCheck) -> int:
         for arm, reach in zip(cell.arms, reaches, strict=True)
         for problem in _problems(cell, arm, reach)
     ]
+    problems += station_problems(cell)
     if typed.json:
         print_json(
             {

@@ -13,8 +13,8 @@ from workbench.cli.arguments.studies import StudyEmptying
 from workbench.cli.exits import SUCCESS
 from workbench.cli.terminal import check_number, check_whole, print_json, print_table, progress
 from workbench.formats.cells.reading import read_cell
+from workbench.model.cell import MOST_PICKS
 from workbench.model.errors import InputError
-from workbench.model.plan import MOST_PICKS
 from workbench.model.prediction import CHANGE_KINDS, PileTask
 from workbench.studies.emptying.kept import emptied_all
 from workbench.studies.emptying.piles import cell_of, check_task

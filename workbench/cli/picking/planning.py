@@ -32,11 +32,11 @@ from workbench.formats.cells.reading import read_cell
 from workbench.formats.clouds.scans import read_scan
 from workbench.formats.plans.plan_files import write_plan
 from workbench.formats.plans.pose_files import read_poses
-from workbench.model.cell import Cell, PlanOverrides
+from workbench.model.cell import MOST_PICKS, Cell, PlanOverrides
 from workbench.model.digest import digest_of
 from workbench.model.errors import InputError
 from workbench.model.geometry import pose_from_rpy
-from workbench.model.plan import MOST_PICKS, Plan, PlanResult, parts_taken, renumbered
+from workbench.model.plan import Plan, PlanResult, parts_taken, renumbered
 from workbench.model.scan import Detection, Obstacle
 from workbench.plugins.planner import planner_named
 from workbench.plugins.robot_link import spoken_to_by

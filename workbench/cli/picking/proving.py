@@ -93,6 +93,9 @@ def _checked(path: Path, typed: arguments.Prove) -> int:
         print(f"  plan {found.plan.digest}")
         print(f"  cell {found.plan.cell} {found.plan.cell_digest}")
         print(f"  scan {found.scene.scan_digest}")
+        for number, one in enumerate(found.scene.detections, 1):
+            if one.T_world_found is not None:
+                print(f"  holds only after a plan that puts part-{number} where it stands")
         print(f"  made with {', '.join(f'{name} {one}' for name, one in found.made_with.items())}")
         if other:
             print(f"  checked with {', '.join(f'{name} {here.get(name)}' for name in other)}")

@@ -59,7 +59,8 @@ def facts_of(cell: Cell, plan: Plan, proof: Proof, told: str, start: str) -> dic
     facts = {"Plan": plan.digest, "Cell": f"{cell.name} {cell.digest[:SHORTEST]}"}
     for one in plan.arms:
         kind = plan.detections[one.detection].part
-        facts[f"Arm {one.arm}"] = f"part-{one.detection + 1} ({kind}), grasp {one.grasp}"
+        takes = f"part-{one.detection + 1} ({kind}), grasp {one.grasp}"
+        facts[f"Arm {one.arm}"] = takes + (f", to station {one.station}" if one.station else "")
     nearest, link = proof.nearest, cell.controller
     near = at_least(proof.clearance)
     if nearest is not None and nearest.pair is not None:

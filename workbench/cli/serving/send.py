@@ -8,7 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from workbench.app.core.release import moved_away
+from workbench.app.core.release import left_on_station, moved_away
 from workbench.app.core.rules import approve, check_approvable
 from workbench.app.picking.proving import adopted
 from workbench.app.picking.row import prove_row
@@ -29,7 +29,7 @@ from workbench.cli.serving.controller import HIGHEST_PORT
 from workbench.cli.terminal import check_whole, print_json, progress
 from workbench.formats.clouds.scans import read_scan
 from workbench.formats.plans.plan_files import read_plan
-from workbench.model.cell import Cell, Controller
+from workbench.model.cell import MOST_PICKS, Cell, Controller
 from workbench.model.digest import canonical
 from workbench.model.errors import (
     CommandRefused,
@@ -38,7 +38,7 @@ from workbench.model.errors import (
     JournalError,
     WorkbenchError,
 )
-from workbench.model.plan import MOST_PICKS, Plan
+from workbench.model.plan import Plan
 from workbench.model.release import Approval, Receipt
 from workbench.plugins.robot_link import controller_by
 from workbench.plugins.robot_link import send as send_plan
@@ -53,6 +53,8 @@ def send(typed: arguments.Send) -> int:
     if len(files) > MOST_PICKS:
         raise InputError(f"a row has at most {MOST_PICKS} plans, not {len(files)}")
     cell, plans = _read(files, typed.cell)
+    if problem := left_on_station(plans):
+        raise CommandRefused(f"{problem}: send both in a row")
     usual = cell.controller
     cell = replace(cell, controller=_controller(cell, typed))
     if typed.row:

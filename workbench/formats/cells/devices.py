@@ -10,7 +10,8 @@ from workbench.formats.clouds.scans import CLOUD_AXES
 from workbench.formats.files.toml_keys import Table
 from workbench.formats.files.units import UNITS
 from workbench.formats.meshes.solids import read_pose
-from workbench.model.cell import Z_FORWARD, Controller, LocalizerChoice, ScannerMount
+from workbench.model.cell import Z_FORWARD, Controller, ScannerMount
+from workbench.model.scan import LocalizerChoice
 from workbench.plugins.found import load, names
 from workbench.plugins.robot_link import controller_by, link_named, usual_link
 

@@ -40,6 +40,8 @@ def _differences(before: Cell, after: Cell) -> Iterator[str]:
             yield f"{name} was added"
         else:
             yield from _moved(name, were[name].T_world_fixture, are[name].T_world_fixture)
+    if digest_of(before.stations) != digest_of(after.stations):
+        yield "the stations are others"
     for one, other in zip(before.arms, after.arms, strict=False):
         yield from _arm(one, other)
     for one in fields(before.policy):

@@ -1,12 +1,16 @@
-"""Places of a cell file: a pose of the tool, or one of the part that it lets go of."""
+"""Places of a cell file, by a pose of the tool or of the part that it lets go of; and stations."""
+
+from collections.abc import Sequence
+from itertools import combinations
 
 import numpy as np
 import pinocchio as pin
 
 from workbench.formats.files.toml_keys import Table
 from workbench.formats.meshes.solids import REACH_MM, read_pose
-from workbench.model.geometry import pose_from_rpy
-from workbench.model.part import PartPlace
+from workbench.model.cell import Fixture
+from workbench.model.geometry import Floats, pose_from_rpy
+from workbench.model.part import PartPlace, Station
 
 MOST_PLACES = 400
 """On one pallet."""
@@ -17,6 +21,9 @@ OF_PART = ("part_position_mm", "part_rpy_deg")
 
 ABOUT_PART = ("part", "free_rotation_deg", "tolerance_mm", "tolerance_deg")
 """What can be said only where the pose is that of the part."""
+
+LEVEL, SAME_HEIGHT = np.deg2rad(0.5), 0.05
+"""[rad, m] How far a station may be tilted; stations farther apart in height are not compared."""
 
 FINEST_MM, FINEST_DEG = 1.0, 1.0
 """As exactly as a proof holds any hand to its place."""
@@ -59,6 +66,51 @@ def check_kinds(table: Table, places: tuple[PartPlace, ...], known: list[str]) -
     for place in places:
         if not any(map(place.is_for, known)):
             raise table.error("arm.place.part", f"{place.part!r} is not one of {', '.join(known)}")
+
+
+def read_stations(table: Table, fixtures: Sequence[Fixture]) -> tuple[Station, ...]:
+    """The stations of a cell, none of them in another one.
+
+    Args:
+        table: of the cell.
+        fixtures: that they may belong to.
+
+    Raises:
+        FileError: names the file, the key, its value and what was expected.
+    """
+    poses = {one.name: one.T_world_fixture for one in fixtures}
+    found: list[Station] = []
+    where: list[pin.SE3] = []
+    for one in table.tables("station"):
+        name, fixture = one.text("name"), one.text("fixture", "", empty=True)
+        if fixture and fixture not in poses:
+            known = ", ".join(poses) or "none"
+            raise one.error("fixture", f"{fixture!r:.60} is no fixture of the cell: {known}")
+        size = one.numbers("size_mm", 2, low=10, high=5000) / 1000
+        station = Station(name, read_pose(one), size, fixture)
+        where.append(poses.get(fixture, pin.SE3.Identity()) * station.T_base_station)
+        if where[-1].rotation[2, 2] < np.cos(LEVEL):
+            raise one.error("rpy_deg", "does not lie level, so that parts would slide or roll off")
+        one.finish()
+        found.append(station)
+    table.once("station.name", (one.name for one in found))
+    for (one, T), (other, U) in combinations(zip(found, where, strict=True), 2):
+        if _share_room(T.actInv(U), one.size, other.size):
+            raise table.error("station", f"{one.name} and {other.name} lie over each other")
+    return tuple(found)
+
+
+def _share_room(T: pin.SE3, size: Floats, other: Floats) -> bool:
+    """Whether two surfaces (2,) [m] are at one height and overlap, the other at T in the first."""
+    if abs(T.translation[2]) > SAME_HEIGHT:
+        return False
+    signs = np.array([(1, 1), (1, -1), (-1, -1), (-1, 1)]) / 2
+    mine = signs * size
+    theirs = (signs * other) @ T.rotation[:2, :2].T + T.translation[:2]
+    axes = np.vstack([np.eye(2), T.rotation[:2, :2].T])
+    a, b = mine @ axes.T, theirs @ axes.T
+    apart = (a.max(axis=0) <= b.min(axis=0)) | (b.max(axis=0) <= a.min(axis=0))
+    return not apart.any()
 
 
 def _is_of_part(table: Table) -> bool:

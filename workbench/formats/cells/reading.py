@@ -9,7 +9,7 @@ import numpy as np
 from workbench.formats.cells.arms import read_arms
 from workbench.formats.cells.devices import read_controller, read_localizer, read_scanner
 from workbench.formats.cells.options import refused_at
-from workbench.formats.cells.places import check_kinds
+from workbench.formats.cells.places import check_kinds, read_stations
 from workbench.formats.files.shipped import exists, find
 from workbench.formats.files.toml_keys import Table, read_toml
 from workbench.formats.meshes.solids import read_pose, read_solid
@@ -18,20 +18,20 @@ from workbench.formats.robots.dh import read_dh
 from workbench.formats.robots.urdf import read_srdf, read_urdf
 from workbench.model.cell import (
     LIFT_NAMES,
+    MOST_PICKS,
     ORDER_NAMES,
     Arm,
     Bin,
     Cell,
     Fixture,
     LiftName,
-    LocalizerChoice,
     Policy,
-    PosesFolder,
+    picks_problem,
 )
 from workbench.model.errors import FileError
 from workbench.model.part import Part
-from workbench.model.plan import MOST_PICKS, picks_problem
 from workbench.model.robot import Link, Robot
+from workbench.model.scan import LocalizerChoice, PosesFolder
 from workbench.plugins.planner import planner_names
 from workbench.plugins.robot_link import controller_by, link_named, usual_link
 from workbench.plugins.scanner import scanner_of
@@ -66,6 +66,8 @@ def read_cell(name: str | Path) -> Cell:
     robot = _without_pairs(robot_table, robot, arms)
     robot_table.finish()
     policy, approvers = _policy(table.table("policy")) if table.has("policy") else (Policy(), 1)
+    fixtures = tuple(_fixture(fixture) for fixture in table.tables("fixture"))
+    table.once("fixture.name", (fixture.name for fixture in fixtures))
     cell = Cell(
         name=table.text("name"),
         robot=robot,
@@ -77,7 +79,7 @@ def read_cell(name: str | Path) -> Cell:
         if table.has("controller")
         else controller_by(usual_link()),
         parts=tuple(_part(table, name) for name in table.texts("parts")),
-        fixtures=tuple(_fixture(fixture) for fixture in table.tables("fixture")),
+        fixtures=fixtures,
         poses_folder=read_poses_folder(table.table("detections"))
         if table.has("detections")
         else None,
@@ -86,6 +88,7 @@ def read_cell(name: str | Path) -> Cell:
         else LocalizerChoice(),
         policy=policy,
         approvers=approvers,
+        stations=read_stations(table, fixtures),
     )
     with refused_at(table, "controller.protocol"):
         link_named(cell.controller.link).check(cell)
@@ -93,7 +96,6 @@ def read_cell(name: str | Path) -> Cell:
         scanner_of(cell)
     if not cell.parts:
         raise table.error("parts", "names no part; at least one is needed")
-    table.once("fixture.name", (fixture.name for fixture in cell.fixtures))
     names = [part.name for part in cell.parts]
     table.once("parts", names)
     if cell.poses_folder is not None and cell.poses_folder.part not in ("", *names):

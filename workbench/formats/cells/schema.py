@@ -10,6 +10,7 @@ from typing import Any
 
 from workbench.formats.cells.calibrations import read_record
 from workbench.formats.cells.devices import read_localizer
+from workbench.formats.cells.places import read_stations
 from workbench.formats.cells.reading import read_cell, read_poses_folder
 from workbench.formats.files.toml_keys import NOTES, Notes, Table
 from workbench.formats.robots.dh import read_dh
@@ -44,6 +45,8 @@ A_RECORD = {
     "sure_deg": 0.02,
 }
 
+A_STATION = {"name": "table", "size_mm": [100, 100]}
+
 
 def cell_schema() -> dict[str, Any]:
     """The schema, draft 2020-12."""
@@ -56,6 +59,7 @@ def cell_schema() -> dict[str, Any]:
         read_dh(Table(file, A_TABLE, "robot.dh."), "robot")
         read_record(Table(file, A_RECORD, "scanner.calibration."))
         read_poses_folder(Table(file, {"path": "poses"}, "detections."))
+        read_stations(Table(file, {"station": [A_STATION]}), ())
         read_localizer(Table(file, {"name": names("workbench.localizers")[0]}, "localizer."))
     finally:
         NOTES.reset(token)
@@ -130,6 +134,7 @@ TOP = (
     "controller",
     "policy",
     "fixture",
+    "station",
     "detections",
     "localizer",
 )

@@ -18,7 +18,7 @@ from workbench.formats.meshes.triangles import stl_of, surface_of
 from workbench.formats.robots.urdf_package import write_package, write_srdf
 from workbench.model.cell import Arm, Cell, Fixture, Policy, ScannerMount, Tool
 from workbench.model.geometry import Box, Capsule, Cylinder, Floats, Mesh, Solid, Sphere
-from workbench.model.part import PartPlace
+from workbench.model.part import PartPlace, Station
 from workbench.plugins.options import Options
 
 
@@ -76,6 +76,8 @@ def _lines(folder: Path, cell: Cell) -> Iterator[str]:
         yield f"part = {text(cell.poses_folder.part)}"
     for fixture in cell.fixtures:
         yield from _fixture(folder, fixture)
+    for station in cell.stations:
+        yield from _station(station)
 
 
 def _options(options: Options) -> Iterator[str]:
@@ -207,6 +209,15 @@ def _fixture(folder: Path, fixture: Fixture) -> Iterator[str]:
         # Reading puts the name of the fixture before it again.
         name = solid.name.removeprefix(f"{fixture.name}_")
         yield from ("", "[[fixture.solid]]", *_solid(folder, fixture.name, name, solid))
+
+
+def _station(station: Station) -> Iterator[str]:
+    yield from ("", "# Where parts may be put down for a moment.", "[[station]]")
+    yield f"name = {text(station.name)}"
+    if station.fixture:
+        yield f"fixture = {text(station.fixture)}"
+    yield from _pose(station.T_base_station)
+    yield f"size_mm = {_mm(station.size)}"
 
 
 def _solid(folder: Path, owner: str, name: str, solid: Solid) -> Iterator[str]:

@@ -13,9 +13,9 @@ from typing import Any, cast
 import numpy as np
 
 from workbench.formats.files.whole_files import MB, read_whole
-from workbench.model.cell import Option
 from workbench.model.errors import FileError
 from workbench.model.geometry import Floats
+from workbench.model.scan import Option
 
 LARGEST_FILE = 4 * MB
 """[bytes] Nobody writes a longer cell or grasp file by hand."""

@@ -180,6 +180,7 @@ def _arm(table: Table, detections: int) -> ArmPlan:
         T_tcp_part=read_pose_rows(table, "T_tcp_part"),
         joints=joints,
         legs=legs,
+        station=name_in(table, "station") if table.has("station") else "",
     )
     table.finish()
     return arm

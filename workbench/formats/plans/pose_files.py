@@ -88,7 +88,8 @@ def read_detection(table: Table, *, complete: bool) -> Detection:
 
     Args:
         table: the object.
-        complete: every field must be given; otherwise only part and pose must.
+        complete: every field must be given; otherwise only part and pose must, and it is a part
+            that was found: none that a plan has put somewhere.
     """
 
     def optional(key: str) -> float | None:
@@ -111,6 +112,9 @@ def read_detection(table: Table, *, complete: bool) -> Detection:
         covariance=_covariance(table) if table.has("covariance") else None,
         probability=later("probability"),
         roll_axis=_roll_axis(table) if table.has("roll_axis") else None,
+        T_world_found=read_pose_rows(table, "T_world_found")
+        if complete and table.has("T_world_found")
+        else None,
     )
     table.finish()
     return detection

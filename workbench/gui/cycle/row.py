@@ -9,8 +9,8 @@ from workbench.app.core.state import Phase, State, counted
 from workbench.gui.shared.look import View
 from workbench.gui.shared.views import clearance_words, line, sentence, short
 from workbench.gui.shared.visitor import Visitor, whole
-from workbench.model.cell import Cell
-from workbench.model.plan import MOST_PICKS, Proven, parts_taken
+from workbench.model.cell import MOST_PICKS, Cell
+from workbench.model.plan import Proven, parts_taken
 
 SAYS = "Several picks after one scan, as far as it stays true; one approval for all of them."
 
@@ -74,8 +74,9 @@ class RowInputs:
     def show(self, new: View) -> None:
         """Bring it up to date."""
         state, visitor = new.state, self._visitor
-        self._wanted.visible = self._line.visible = can_have_rows(state.cell)
         words = row_words(state)
+        self._wanted.visible = can_have_rows(state.cell)
+        self._line.visible = self._wanted.visible or bool(words)
         shown = f"{sentence(words)}." if words else SAYS
         self._line.content = line(shown, kind="result" if words else "hint", span=2)
         self._table.visible = bool(state.row or state.left_out or state.sent_before)
@@ -112,6 +113,8 @@ def row_words(state: State) -> str:
     """How long the row is, and why it ends there; empty where one plan alone was asked for."""
     count = len(state.plans)
     words = f"{counted(count, 'pick')} in a row"
+    if any(plan.stations for plan in state.plans):
+        words += ", two of them for a part that goes over a station"
     if state.left_out:
         words += f", {len(state.left_out)} left out"
     if count + len(state.left_out) < 2 and (not count or not state.row_ends):
@@ -141,4 +144,9 @@ def _takes(state: State, one: Proven) -> str:
     """The parts that a plan of the row takes, by the numbers of the scan, and with which arm."""
     numbers = parts_taken(state.plans[0], one.plan)
     pairs = zip(numbers, one.plan.arms, strict=True)
-    return ", ".join(f"part-{number + 1} {arm.arm}" for number, arm in pairs)
+    return ", ".join(
+        f"part-{number + 1} {arm.arm}, to station {arm.station}"
+        if arm.station
+        else f"part-{number + 1} {arm.arm}"
+        for number, arm in pairs
+    )

@@ -8,8 +8,7 @@ from workbench.app.core.state import State
 from workbench.gui.shared.colours import part_colour
 from workbench.gui.shared.tables import clickable, marked
 from workbench.gui.shared.views import clock, line, mm, table_html
-from workbench.model.cell import PosesFolder
-from workbench.model.scan import Detection, RejectedHypothesis, Remark
+from workbench.model.scan import Detection, PosesFolder, RejectedHypothesis, Remark
 
 MOST_ROWS = 30
 """Parts that can be listed: as many as a bin may hold."""

@@ -28,7 +28,8 @@ class RobotPanel:
             self._link.content = link_html(new)
         if old is None or old.state is not new.state:
             count = len(new.state.placed)
-            keeps = any(arm.keeps_parts for arm in new.state.cell.arms)
+            cell = new.state.cell
+            keeps = bool(cell.stations) or any(arm.keeps_parts for arm in cell.arms)
             parts = "1 part lies" if count == 1 else f"{count} parts lie"
             self._pallets.content = line(f"{parts} on the pallets.") if keeps else ""
             self._empty.visible = keeps

@@ -16,8 +16,8 @@ from workbench.gui.shared.playback import Run, moments, timeline
 from workbench.gui.shared.tables import clickable
 from workbench.gui.shared.views import line, mm, short, straight_bound, table_html
 from workbench.gui.shared.visitor import Visitor
+from workbench.model.cell import MOST_PICKS
 from workbench.model.plan import (
-    MOST_PICKS,
     Plan,
     Proof,
     Proven,

@@ -15,8 +15,7 @@ from workbench.app.core.value_checks import (
     MOST_PILES,
     SEED_LIMIT,
 )
-from workbench.model.cell import ORDER_NAMES, PlanOverrides
-from workbench.model.plan import MOST_PICKS
+from workbench.model.cell import MOST_PICKS, ORDER_NAMES, PlanOverrides
 from workbench.model.prediction import CHANGE_KINDS, TOGETHER, Seen
 from workbench.model.release import SLOWEST
 from workbench.model.scan import ALL_KINDS, SearchOverrides

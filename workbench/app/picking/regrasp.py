@@ -1,0 +1,169 @@
+"""A part that no grasp brings to its place, put on a station and taken anew from there."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+from workbench.app.picking.pipeline import AS_THE_CELL, NOTHING, plan_pick
+from workbench.app.picking.stations import Search, Stand, cell_with
+from workbench.model.candidate import Reason, Stage, Verdict
+from workbench.model.cell import Cell, PlanOverrides, Policy
+from workbench.model.plan import Plan, PlanResult, Proven
+from workbench.model.scan import Scene
+from workbench.planning.planners.clock import working_time
+from workbench.plugins.progress import Cancelled, Report, never, silent
+from workbench.proof.prove import prove, scene_after
+
+MOST_PARTS = 4
+"""Parts that are tried, in the order of their candidates."""
+
+MOST_STANDS = 6
+"""Ways to stand on a station that are looked at for each part, the soonest left ones first."""
+
+MOST_PLANNED = 4
+"""Pairs of picks that are planned, the soonest done ones first."""
+
+
+def regrasped(
+    cell: Cell,
+    scene: Scene,
+    refused: PlanResult,
+    *,
+    strategy: str = "auto",
+    overrides: PlanOverrides = AS_THE_CELL,
+    avoided: Mapping[int, str] = NOTHING,
+    seed: int = 0,
+    report: Report = silent,
+    cancelled: Cancelled = never,
+    **asked: Any,
+) -> PlanResult:
+    """A plan that puts a part on a station, with one in a row that takes it from there to a place.
+
+    Looked for are the pose on the station, and for each plan the grasp and the arm, by the least
+    time of both together.  Another arm may take the part than has put it there.
+
+    Args:
+        cell: with stations.
+        scene: what is in the bin.
+        refused: what planning has brought without stations.
+        strategy: see `plan_pick`; one arm is at work at a time, so one for two brings nothing.
+        overrides: see there, like all that follows.
+        avoided: see there.
+        seed: see there.
+        report: progress.
+        cancelled: asked between looks; True ends the work.
+        asked: else as `plan_pick`.
+
+    Returns:
+        The two plans; where there are none, `refused` with a verdict that says so.
+
+    Raises:
+        JobCancelled: `cancelled` said so.
+    """
+    arms = [arm.name for arm in cell.arms if strategy in ("auto", "single", arm.name)]
+    numbers = _that_have_no_place(scene, refused, avoided)[:MOST_PARTS]
+    if not arms or not numbers:
+        return refused
+    began, policy = working_time(), overrides.on(cell.policy)
+    search = Search(cell, scene, policy, arms, seed, began + policy.seconds, cancelled)
+    picks = dict(strategy=strategy, overrides=overrides, seed=seed, cancelled=cancelled, **asked)
+    stands: dict[str, list[Stand]] = {}
+    words = "no pose on a station from which it can be taken to a place"
+    for count, number in enumerate(numbers):
+        kind = scene.detections[number].part
+        told = _within(report, count / len(numbers), (count + 1) / len(numbers))
+        if kind not in stands:
+            stands[kind] = search.stands(kind, told)
+        pairs = search.pairs(number, stands[kind][:MOST_STANDS], told) if stands[kind] else []
+        if stands[kind]:
+            words = "the station cannot be reached with any grasp that takes it from the bin"
+        for stand in pairs[:MOST_PLANNED]:
+            told(0.8, "planning over a station")
+            row, words = _planned(cell, scene, number, stand, policy, picks)
+            if row is not None:
+                first, second = row
+                took = {**refused.seconds, "regrasp": working_time() - began}
+                return replace(
+                    refused,
+                    plan=first.plan,
+                    proof=first.proof,
+                    verdict=Verdict(Reason.OK, Stage.ROUTE, note=first.plan.note),
+                    seconds=took,
+                    row=(second,),
+                )
+    note = "; ".join(filter(None, (refused.verdict.note, f"over a station: {words}")))
+    return replace(refused, verdict=replace(refused.verdict, note=note))
+
+
+def _that_have_no_place(scene: Scene, refused: PlanResult, avoided: Mapping[int, str]) -> list[int]:
+    """Parts that can be taken and not put down, in the order of their candidates."""
+    numbers = [one.detection for one in refused.candidates if one.verdict.reason is Reason.NO_PLACE]
+    return [
+        number
+        for number in dict.fromkeys(numbers)
+        if number not in avoided and scene.detections[number].roll_known
+    ]
+
+
+def _planned(
+    cell: Cell,
+    scene: Scene,
+    number: int,
+    stand: Stand,
+    policy: Policy,
+    picks: Mapping[str, Any],
+) -> tuple[tuple[Proven, Proven] | None, str]:
+    """The two plans over a way to stand, each proven; or why they are not to be had."""
+    kind, name = scene.detections[number].part, stand.station.name
+    at = cell_with(cell, kind, stand, policy)
+    result = plan_pick(
+        at,
+        scene.detections,
+        scene.scan_digest,
+        obstacles=scene.obstacles,
+        avoided=_all_but(number, scene),
+        **picks,
+    )
+    if result.plan is None:
+        return None, f"no way to the station: {result.verdict}"
+    plan = _as_in(cell, result.plan, name, f"regrasp: put on station {name}, taken anew")
+    first = Proven(plan, prove(cell, scene, plan))
+    if not first.proof.holds:
+        return None, f"the proof refuses the way to the station: {first.proof.violations[0]}"
+    after = scene_after(cell, plan)
+    result = plan_pick(
+        cell,
+        after.detections,
+        after.scan_digest,
+        obstacles=after.obstacles,
+        avoided=_all_but(len(after.detections) - 1, after),
+        **picks,
+    )
+    if result.plan is None:
+        return None, f"no way from the station: {result.verdict}"
+    plan = _as_in(cell, result.plan, "", f"regrasp: taken from station {name}")
+    second = Proven(plan, prove(cell, after, plan))
+    if not second.proof.holds:
+        return None, f"the proof refuses the way from the station: {second.proof.violations[0]}"
+    return (first, second), ""
+
+
+def _as_in(cell: Cell, plan: Plan, station: str, note: str) -> Plan:
+    """The plan as one of this cell, with where it puts its part."""
+    return replace(
+        plan,
+        cell_digest=cell.digest,
+        arms=tuple(replace(one, station=station) for one in plan.arms),
+        note=note,
+    )
+
+
+def _all_but(number: int, scene: Scene) -> dict[int, str]:
+    """Parts that are left alone while one is taken over a station."""
+    why = "another part is brought to its place over a station"
+    return {other: why for other in range(len(scene.detections)) if other != number}
+
+
+def _within(report: Report, begin: float, end: float) -> Report:
+    """Progress of a part of the work."""
+    return lambda done, note: report(begin + (end - begin) * done, note)

@@ -1,0 +1,168 @@
+"""Where on a station a part can stand, so that it can be taken from there to its place."""
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pinocchio as pin
+
+from workbench.model.candidate import Pick, Reason, Verdict
+from workbench.model.cell import Cell, Policy
+from workbench.model.errors import JobCancelled
+from workbench.model.geometry import Floats
+from workbench.model.part import PartPlace, Station
+from workbench.model.scan import Detection, Scene
+from workbench.planning.collision.world import World
+from workbench.planning.grasps.resting import resting_poses
+from workbench.planning.picking.propose import propose
+from workbench.planning.picking.resolve import resolve
+from workbench.planning.planners.clock import working_time
+from workbench.plugins.progress import Cancelled, Report, never
+
+ABOVE = 0.0005
+"""[m] So much more than the margin a part is above a station when it is let go of."""
+
+FLAT = 2e-4
+"""[m] Points of a part no higher than this are what it stands on."""
+
+BENEATH = 0.001
+"""[m] How far below a part may be what carries it."""
+
+FAR = 10.0
+"""[m] Nothing in a cell is farther away."""
+
+ENOUGH = 3
+"""Picks of a part at a pose that are found before the soonest is taken."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Stand:
+    """A part's pose on a station, and the time [s] of the quickest pick from there to a place."""
+
+    station: Station
+    T_world_part: pin.SE3
+    seconds: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Search:
+    """What both halves of the search are asked with; `until` [s] of working time they give up."""
+
+    cell: Cell
+    scene: Scene
+    policy: Policy
+    arms: Sequence[str]
+    seed: int
+    until: float
+    cancelled: Cancelled
+
+    def stands(self, kind: str, report: Report) -> list[Stand]:
+        """How a part of that kind can stand so that it can be taken to a place, soonest first."""
+        poses = resting_poses(self.cell.part(kind))
+        every = [(station, T) for station in self.cell.stations for T in poses]
+        found: list[Stand] = []
+        for count, (station, T) in enumerate(every):
+            report(0.5 * count / len(every), f"pose {count + 1} of {len(every)} on a station")
+            looked = self.stand(kind, station, T)
+            if isinstance(looked, Stand):
+                found.append(looked)
+        return sorted(found, key=lambda one: one.seconds)
+
+    def stand(self, kind: str, station: Station, T: pin.SE3) -> Stand | str:
+        """What becomes of a part that stands on a station in one way, or what speaks against it."""
+        points = self.cell.part(kind).mesh.points @ T.rotation.T + T.translation
+        if not _is_on(points, station):
+            return "is too small to stand on"
+        T_world_part = self.cell.T_world_station(station) * T
+        there, margin = Detection(kind, T_world_part), self.policy.margin
+        world = World(self.cell, (there,), self.scene.obstacles, self.policy)
+        above = _above(self.cell, station, T_world_part, margin)
+        label = world.part_ways.standing_in(0, above, margin)
+        if label is not None:
+            return f"brings a part nearer than {margin * 1000:g} mm to {label}"
+        stands_on, around = (
+            world.part_ways.standing_in(0, T_world_part, far) for far in (BENEATH, FAR)
+        )
+        # Where not all shapes are compared so, the proof will tell.
+        if stands_on is None and around is not None:
+            return "has nothing beneath it that would carry a part"
+        refusals: list[Verdict] = []
+        picks = list(self._picks(world, 0, refusals))
+        if picks:
+            return Stand(station, T_world_part, min(one.seconds for one in picks))
+        if all(one.reason is Reason.OUT_OF_REACH for one in refusals) and refusals:
+            return "is out of reach of every arm"
+        return "is where no grasp takes a part from to a place"
+
+    def pairs(self, number: int, stands: list[Stand], report: Report) -> list[Stand]:
+        """Those of some ways to stand into which a part found can be brought, soonest done first.
+
+        Their time is that of both picks.
+        """
+        found: list[Stand] = []
+        for count, stand in enumerate(stands):
+            report(0.5 + 0.3 * count / len(stands), f"way to a station {count + 1}")
+            at = cell_with(self.cell, self.scene.detections[number].part, stand, self.policy)
+            world = World(at, self.scene.detections, self.scene.obstacles, self.policy)
+            picks = list(self._picks(world, number, []))
+            if picks:
+                seconds = stand.seconds + min(one.seconds for one in picks)
+                found.append(replace(stand, seconds=seconds))
+        return sorted(found, key=lambda one: one.seconds)
+
+    def _picks(self, world: World, number: int, refusals: list[Verdict]) -> Iterator[Pick]:
+        """The first picks of a part that work; what is said of those that do not is added."""
+        world.deadline, count = self.until, 0
+        for candidate in propose(world):
+            if self.cancelled():
+                raise JobCancelled("planning was cancelled")
+            if working_time() > self.until or count == ENOUGH:
+                return
+            is_asked = candidate.detection == number and candidate.arm in self.arms
+            if is_asked and candidate.verdict.is_ok:
+                result = resolve(world, candidate, seed=self.seed)
+                if isinstance(result, Pick):
+                    count += 1
+                    yield result
+                else:
+                    refusals.append(result)
+
+
+def station_problems(cell: Cell) -> Iterator[str]:
+    """What speaks against the stations of a cell: those from which no part can be taken anew."""
+    arms = [arm.name for arm in cell.arms]
+    scene = Scene("", ())
+    search = Search(cell, scene, cell.policy, arms, 0, math.inf, never)
+    for station in cell.stations:
+        for part in cell.parts:
+            poses = resting_poses(part)
+            looked = [search.stand(part.name, station, T) for T in poses]
+            words = [one for one in looked if isinstance(one, str)]
+            where = f"station {station.name}, for {part.name}"
+            if not poses:
+                yield f"{where}: the part stands nowhere without falling over or rolling away"
+            elif len(words) == len(looked):
+                yield f"{where}: {max(words, key=words.count)}"
+
+
+def _is_on(points: Floats, station: Station) -> bool:
+    """Whether what a part stands on is within a station; its points (n, 3) [m] are seen from it."""
+    stands_on = points[points[:, 2] <= points[:, 2].min() + FLAT, :2]
+    return bool((np.abs(stands_on) <= station.size / 2 - FLAT).all())
+
+
+def _above(cell: Cell, station: Station, T_world_part: pin.SE3, margin: float) -> pin.SE3:
+    """Where a part is let go of that shall stand on a station: it keeps its margin up to there."""
+    up = np.asarray(cell.T_world_station(station).rotation[:, 2])
+    return pin.SE3(T_world_part.rotation, T_world_part.translation + (margin + ABOVE) * up)
+
+
+def cell_with(cell: Cell, kind: str, stand: Stand, policy: Policy) -> Cell:
+    """A cell in which a part has one place: that to stand on a station."""
+    above = _above(cell, stand.station, stand.T_world_part, policy.margin)
+    place = (PartPlace(above, kind),)
+    return replace(
+        cell,
+        arms=tuple(replace(arm, Ts_world_place=(), part_places=place) for arm in cell.arms),
+    )

@@ -1,0 +1,116 @@
+"""How a part can stand on a level surface: what its convex hull and its weight say."""
+
+from functools import lru_cache
+
+import numpy as np
+import pinocchio as pin
+from scipy.spatial import ConvexHull, QhullError
+
+from workbench.model.geometry import Floats
+from workbench.model.part import Part
+from workbench.model.symmetry import Symmetry
+
+STEADY = np.deg2rad(12.0)
+"""[rad] So far a part may be tilted before it falls over; the proof asks for a little less."""
+
+FLAT = 2e-4
+"""[m] Corners of the hull no farther than this from a plane lie in it."""
+
+TURNS = 12
+"""In how many ways a part is turned about the vertical."""
+
+ALIKE = 2e-4
+"""[m, no unit] Poses whose numbers differ by less are one."""
+
+
+@lru_cache(maxsize=64)
+def resting_poses(part: Part) -> tuple[pin.SE3, ...]:
+    """Poses T_surface_part in which a part stands on a level surface, the steadiest first.
+
+    Its centre of mass, or what its symmetry leaves of that, is above the origin.  It may be turned
+    about the vertical in `TURNS` ways; of poses that its symmetry makes alike there is one.  A part
+    that would roll has none on its side.
+    """
+    middle = part.symmetry.fixed(_centre(part))
+    found: list[tuple[float, Floats]] = []
+    for down, offset, steady in _stands(part):
+        T = np.eye(4)
+        T[:3, :3] = _upright(down)
+        T[:3, 3] = -T[:3, :3] @ middle
+        T[2, 3] += offset - down @ middle
+        found.append((steady, T))
+    # The digits behind these depend on the processor.
+    found.sort(key=lambda one: (-round(one[0], 3), np.round(one[1], 3).ravel().tolist()))
+    angles = np.arange(TURNS) * (2 * np.pi / TURNS)
+    every = [_turn(angle) @ T for _, T in found for angle in angles]
+    return tuple(pin.SE3(T[:3, :3], T[:3, 3]) for T in _each_once(every, part.symmetry))
+
+
+def _stands(part: Part) -> list[tuple[Floats, float, float]]:
+    """Each face of the hull on which a part stands.
+
+    Returns:
+        Its outward normal (3,), how far along that it is from the part's origin [m], and how far
+        the part may be tilted before it falls over [rad].
+    """
+    points, centre = np.asarray(part.mesh.points), _centre(part)
+    try:
+        hull = ConvexHull(points)
+    except QhullError:
+        return []
+    corners = points[hull.vertices]
+    found: list[tuple[Floats, float, float]] = []
+    for normal, offset in zip(hull.equations[:, :3], -hull.equations[:, 3], strict=True):
+        if any(normal @ known > 1.0 - ALIKE for known, _, _ in found):
+            continue
+        height = float(offset - normal @ centre)
+        face = (corners[corners @ normal >= offset - FLAT] - centre) @ _upright(normal)[:2].T
+        steady = _tilt(face, height)
+        if steady >= STEADY:
+            found.append((normal, float(offset), steady))
+    return found
+
+
+def _tilt(face: Floats, height: float) -> float:
+    """How far [rad] a part may be tilted, whose face (n, 2) [m] is seen from its centre of mass."""
+    try:
+        edges = ConvexHull(face).equations
+    except (QhullError, ValueError):
+        return 0.0
+    return float(np.arctan2((-edges[:, 2]).min(), height))
+
+
+def _centre(part: Part) -> Floats:
+    """The centre of mass (3,) [m] of a part of one material."""
+    import trimesh  # takes half a second, which planning without stations does not wait for
+
+    mesh = trimesh.Trimesh(part.mesh.points, part.mesh.triangles, process=False)
+    return np.array([float(one) for one in mesh.center_mass.real])
+
+
+def _upright(down: Floats) -> Floats:
+    """A rotation (3, 3) that brings a direction of the part (3,) down."""
+    # The axis of the part that is the most level comes to lie along x.
+    aside = np.eye(3)[int(np.argmin(np.round(np.abs(down), 3)))]
+    x = aside - (aside @ down) * down
+    x /= np.linalg.norm(x)
+    return np.array([x, np.cross(-down, x), -down]).astype(np.float64)
+
+
+def _turn(angle: float) -> Floats:
+    T = np.eye(4)
+    T[:2, :2] = [[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]]
+    return T
+
+
+def _each_once(poses: list[Floats], symmetry: Symmetry) -> list[Floats]:
+    """The poses (4, 4) without those that the symmetry makes of one before."""
+    kept: list[Floats] = []
+    known = np.empty((0, 4, 4))
+    motions = symmetry.motions(TURNS)
+    for T in poses:
+        if len(known) and (np.abs(known - T).max(axis=(1, 2)) < ALIKE).any():
+            continue
+        kept.append(T)
+        known = np.concatenate([known, T @ motions])
+    return kept

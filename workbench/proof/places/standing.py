@@ -1,0 +1,151 @@
+"""Whether a part that is let go of over a station stands there, and where it stands then."""
+
+from collections.abc import Iterator
+from itertools import product
+
+import numpy as np
+import pinocchio as pin
+
+from workbench.model.cell import Cell
+from workbench.model.geometry import Floats
+from workbench.model.part import Part, Station
+from workbench.model.plan import ArmPlan, Plan, Violation
+from workbench.model.scan import Detection
+from workbench.proof.bodies import gap_of, still_of, turned_pieces
+from workbench.proof.robot import Tree
+from workbench.proof.stages import tcp
+
+STEADY = np.deg2rad(10.0)
+"""[rad] So far a part has to be tilted before it falls over."""
+
+DROP = 0.002
+"""[m] So much more than the margin a part may fall when it is let go of."""
+
+FLAT = 0.0005
+"""[m] Points of a part that are no higher than this above its lowest one are what it stands on."""
+
+NEAR = 0.001
+"""[m] How far what a part stands on may be below it, or above."""
+
+DIRECTIONS = 180
+"""In which the outermost of the points that a part stands on are taken."""
+
+CLOSED = 0.02
+"""A surface that encloses less of the box around it than this share is none that is closed."""
+
+
+def standing_violations(cell: Cell, tree: Tree, plan: Plan, one: ArmPlan) -> Iterator[Violation]:
+    """Whether a part that an arm lets go of over the station it names stands there from then on.
+
+    A part stands where it falls by little, straight down, onto something that the cell has, and the
+    points that it stands on are on the station and around its centre of mass, as if it were all
+    of one material.
+    """
+
+    def violation(problem: str) -> Violation:
+        return Violation(problem, one.arm, "place")
+
+    found = plan.detections[one.detection]
+    station = next((known for known in cell.stations if known.name == one.station), None)
+    if station is None:
+        yield violation(f"the cell has no station {one.station!r}")
+        return
+    if not found.roll_known:
+        yield violation("a part whose roll is not known is put on no station")
+        return
+    part = cell.part(found.part)
+    T_station_put = cell.T_world_station(station).actInv(_put(cell, tree, plan, one))
+    points = part.mesh.points @ T_station_put.rotation.T + T_station_put.translation
+    low = float(points[:, 2].min())
+    if not -FLAT <= low <= cell.policy.margin + DROP:
+        yield violation(
+            f"the part is let go of {low * 1e3:.1f} mm above station {station.name}; 0 to "
+            f"{(cell.policy.margin + DROP) * 1e3:g} mm are allowed"
+        )
+        return
+    stands_on = points[points[:, 2] <= low + FLAT, :2]
+    if np.any(np.abs(stands_on) > station.size / 2):
+        yield violation(f"the part stands over the edge of station {station.name}")
+    centre = _centre(part)
+    if centre is None:
+        yield violation("nobody knows where the weight of the part is: its surface is not closed")
+        return
+    middle = T_station_put.act(centre)
+    tilt = np.arctan2(_inside(stands_on, middle[:2]), middle[2] - low)
+    if tilt < STEADY:
+        yield violation(
+            f"the part does not stand on station {station.name}: it falls over when it is tilted "
+            f"by {max(0.0, np.rad2deg(tilt)):.1f} deg; {np.rad2deg(STEADY):g} deg are asked for"
+        )
+    stands = _standing(cell, tree, plan, one, station)
+    gap = min(
+        gap_of(piece, (body.shape, body.T_joint_body), 10 * NEAR)
+        for pieces, body in product(turned_pieces(part, stands), still_of(cell, plan.scene))
+        for piece in pieces
+    )
+    if gap > NEAR:
+        yield violation(f"nothing is beneath the part on station {station.name} that carries it")
+    elif gap < -max(cell.policy.sink, FLAT):
+        yield violation(
+            f"the part would stand {-gap * 1e3:.1f} mm deep in something on station {station.name}"
+        )
+
+
+def standing_after(cell: Cell, tree: Tree, plan: Plan, one: ArmPlan) -> Detection:
+    """A part that a proven plan puts on a station, where it stands afterwards.
+
+    Where it was found stays with it: that it was moved is known, and by which way.
+    """
+    station = next(known for known in cell.stations if known.name == one.station)
+    return _standing(cell, tree, plan, one, station)
+
+
+def _standing(cell: Cell, tree: Tree, plan: Plan, one: ArmPlan, station: Station) -> Detection:
+    found = plan.detections[one.detection]
+    T_world_put = _put(cell, tree, plan, one)
+    T_world_station = cell.T_world_station(station)
+    up = np.asarray(T_world_station.rotation[:, 2])
+    points = cell.part(found.part).mesh.points @ T_world_put.rotation.T + T_world_put.translation
+    low = float(((points - T_world_station.translation) @ up).min())
+    T_world_part = pin.SE3(T_world_put.rotation, T_world_put.translation - low * up)
+    was = found.T_world_part if found.T_world_found is None else found.T_world_found
+    return Detection(found.part, T_world_part, found.score, T_world_found=was)
+
+
+def _put(cell: Cell, tree: Tree, plan: Plan, one: ArmPlan) -> pin.SE3:
+    """Where a part really is when the hand lets go of it, not where the plan says that it is."""
+    arm, T_world_part = cell.arm(one.arm), plan.detections[one.detection].T_world_part
+    T_grasp, T_put = (
+        tcp(tree, tree.rest, arm, np.asarray(one.leg(name).q[-1])) for name in ("approach", "place")
+    )
+    return T_put * T_grasp.actInv(T_world_part)
+
+
+def _centre(part: Part) -> Floats | None:
+    """The centre of mass (3,) [m] of a part of one material; None where its surface is open."""
+    points = np.asarray(part.mesh.points)
+    middle = points.mean(axis=0)
+    a, b, c = (points[part.mesh.triangles[:, k]] - middle for k in range(3))
+    volumes = np.einsum("ij,ij->i", a, np.cross(b, c)) / 6.0
+    whole = float(volumes.sum())
+    if abs(whole) < CLOSED * float(np.prod(np.ptp(points, axis=0))):
+        return None
+    return middle + (volumes[:, None] * (a + b + c) / 4.0).sum(axis=0) / whole
+
+
+def _inside(points: Floats, middle: Floats) -> float:
+    """How far inside of points (n, 2) [m] another one (2,) is; 0 or less where it is outside.
+
+    The outermost points of some directions stand for all, which can only make that less.
+    """
+    angles = np.arange(DIRECTIONS) * (2 * np.pi / DIRECTIONS)
+    outward = np.column_stack([np.cos(angles), np.sin(angles)])
+    rim = (points - middle)[np.unique((points @ outward.T).argmax(axis=0))]
+    along = (rim[:, None] - rim[None]).reshape(-1, 2)
+    lengths = np.linalg.norm(along, axis=1)
+    along = along[lengths > 1e-6] / lengths[lengths > 1e-6, None]
+    if len(along) == 0:
+        return -np.inf
+    # What is farthest inwards of an edge's own direction is the edge.
+    across = np.column_stack([along[:, 1], -along[:, 0]])
+    return float((rim @ across.T).max(axis=0).min())
