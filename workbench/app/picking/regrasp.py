@@ -17,9 +17,6 @@ from workbench.proof.prove import prove, scene_after
 MOST_PARTS = 4
 """Parts that are tried, in the order of their candidates."""
 
-MOST_STANDS = 6
-"""Ways to stand on a station that are looked at for each part, the soonest left ones first."""
-
 MOST_PLANNED = 4
 """Pairs of picks that are planned, the soonest done ones first."""
 
@@ -74,7 +71,7 @@ def regrasped(
         told = _within(report, count / len(numbers), (count + 1) / len(numbers))
         if kind not in stands:
             stands[kind] = search.stands(kind, told)
-        pairs = search.pairs(number, stands[kind][:MOST_STANDS], told) if stands[kind] else []
+        pairs = search.pairs(number, stands[kind], told) if stands[kind] else []
         if stands[kind]:
             words = "the station cannot be reached with any grasp that takes it from the bin"
         for stand in pairs[:MOST_PLANNED]:

@@ -29,6 +29,9 @@ FLAT = 2e-4
 BENEATH = 0.001
 """[m] How far below a part may be what carries it."""
 
+MOST_PAIRS = 6
+"""Ways to stand into which a part can be brought, of which the soonest done ones are planned."""
+
 FAR = 10.0
 """[m] Nothing in a cell is farther away."""
 
@@ -98,7 +101,7 @@ class Search:
     def pairs(self, number: int, stands: list[Stand], report: Report) -> list[Stand]:
         """Those of some ways to stand into which a part found can be brought, soonest done first.
 
-        Their time is that of both picks.
+        Their time is that of both picks.  `MOST_PAIRS` of them are enough.
         """
         found: list[Stand] = []
         for count, stand in enumerate(stands):
@@ -109,6 +112,8 @@ class Search:
             if picks:
                 seconds = stand.seconds + min(one.seconds for one in picks)
                 found.append(replace(stand, seconds=seconds))
+            if len(found) == MOST_PAIRS:
+                break
         return sorted(found, key=lambda one: one.seconds)
 
     def _picks(self, world: World, number: int, refusals: list[Verdict]) -> Iterator[Pick]:
