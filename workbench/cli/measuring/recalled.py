@@ -15,6 +15,7 @@ from workbench.app.core.state import State
 from workbench.app.runtime.effect_runner import EffectRunner
 from workbench.app.runtime.live import Live
 from workbench.app.runtime.robot_link import Clock, Do
+from workbench.app.runtime.worker import Question
 from workbench.model.cell import Cell
 from workbench.model.digest import digest_of
 
@@ -50,6 +51,10 @@ class Recalled:
                 return
             self._asked[effect.number] = asked
         self._effects.run(effect)
+
+    def ask(self, question: Question) -> None:
+        """As `EffectRunner`; no answer is remembered."""
+        self._effects.ask(question)
 
     def close(self) -> None:
         """As `EffectRunner`."""
