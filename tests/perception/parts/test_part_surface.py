@@ -6,6 +6,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 import trimesh
+from drawn_shapes import cross, cup, hex_nut, rod
 from searching import localize
 
 from workbench.formats.cells.reading import read_cell
@@ -20,20 +21,9 @@ from workbench.perception.simulation.synthesize import synthesize
 
 X, Y, Z = np.eye(3)
 ROUND = {
-    "rod": (
-        trimesh.creation.cylinder(0.01, 0.06, sections=48),
-        Symmetry(fold=0, also=(SymmetryAxis(X, 2),)),
-    ),
-    "nut": (
-        trimesh.creation.cylinder(0.02, 0.016, sections=6),
-        Symmetry(fold=6, also=(SymmetryAxis(X, 2),)),
-    ),
-    "cross": (
-        trimesh.boolean.union(
-            [trimesh.creation.box(one) for one in ((0.06, 0.014, 0.014), (0.014, 0.06, 0.014))]
-        ),
-        Symmetry(fold=4, also=(SymmetryAxis(X, 2),)),
-    ),
+    "rod": (rod(), Symmetry(fold=0, also=(SymmetryAxis(X, 2),))),
+    "nut": (hex_nut(), Symmetry(fold=6, also=(SymmetryAxis(X, 2),))),
+    "cross": (cross(), Symmetry(fold=4, also=(SymmetryAxis(X, 2),))),
 }
 
 
@@ -41,13 +31,6 @@ def kind(mesh: trimesh.Trimesh, symmetry: Symmetry):
     shape = Mesh(mesh.vertices, mesh.faces)
     pieces = (Solid("piece", shape, pin.SE3.Identity()),)
     return replace(read_part("bracket"), mesh=shape, pieces=pieces, symmetry=symmetry)
-
-
-def cup():
-    inner = trimesh.creation.cylinder(0.0205, 0.04, sections=64)
-    inner.apply_translation([0, 0, 0.0015])
-    whole = trimesh.boolean.difference([trimesh.creation.cylinder(0.022, 0.04, sections=64), inner])
-    return kind(whole, Symmetry(fold=0))
 
 
 @pytest.mark.parametrize("name", ROUND)
@@ -116,7 +99,7 @@ def test_a_few_triangles_are_drawn_as_they_are():
     ids=["lying", "open above", "closed above"],
 )
 def test_a_cup_that_lies_has_half_the_chance_to_be_the_right_way_round(rpy, least, most):
-    cell = replace(read_cell("yumi"), parts=(cup(),))
+    cell = replace(read_cell("yumi"), parts=(kind(cup(), Symmetry(fold=0)),))
     height = 0.0225 if least < 0.5 else 0.0205
     T = cell.bin.T_world_bin * pose_from_rpy((0.02, 0.01, height), rpy)
     scan = synthesize(cell, (Detection(cell.parts[0].name, T),), seed=3)
