@@ -32,6 +32,20 @@ def test_a_part_that_a_grasp_could_take_says_what_stood_against_the_plan():
     assert unseen.kind == "not found"
 
 
+def test_a_part_that_was_found_says_what_stood_against_it_as_it_was_found():
+    cell = read_cell("yumi")
+    pile = [(3, lying(cell, -0.05)), (8, lying(cell, 0.05))]
+    beside = Verdict(Reason.TOOL_COLLISION, Stage.PROPOSE, pair=("finger", "part-1"))
+    other = Verdict(Reason.NO_PLACE, Stage.PLACE)
+    # Found the other way round: part-1 is what fell as part-9.
+    looked = [(lying(cell, 0.051), other), (lying(cell, -0.049), beside)]
+    one, two = left_in(cell, pile, refusal=None, looked=looked, seed=0)
+    assert one.kind == "tool collision" and "finger and part-9" in one.reason
+    assert two.kind == str(Reason.NO_PLACE) and "not found" not in one.reason + two.reason
+    (far,) = left_in(cell, pile[:1], refusal=None, looked=looked[:1], seed=0)
+    assert far.kind == "not found"
+
+
 def test_a_part_left_by_failed_picks_says_that_and_nothing_of_a_plan():
     cell = read_cell("yumi")
     (told,) = left_in(cell, [(0, lying(cell, 0.0))], refusal=None, seed=0, is_stopped=True)

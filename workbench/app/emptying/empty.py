@@ -10,7 +10,7 @@ from workbench.app.core.outcomes import AVOID_SCANS, MOST_FAILURES, SAME_PLACE
 from workbench.app.core.value_checks import SEED_LIMIT
 from workbench.app.emptying.bound import bound_of
 from workbench.app.emptying.film import FilmedPick, Shot, unseen
-from workbench.app.emptying.left import left_in
+from workbench.app.emptying.left import Looked, left_in
 from workbench.app.emptying.taking import carried_out, failure, in_turn
 from workbench.app.picking.pile_check import kinds_in_turn
 from workbench.app.picking.row import plan_row
@@ -84,6 +84,7 @@ def emptied(
     lying = list(enumerate(pile))
     tally = _Tally()
     refusal: Verdict | None = None
+    result: PlanResult | None = None
     avoided: list[tuple[Detection, int]] = []
     idle = failures = 0
     while lying and idle < IDLE and failures < MOST_FAILURES:
@@ -118,6 +119,7 @@ def emptied(
         cell,
         known,
         refusal=refusal,
+        looked=_looked(tally.seen, result),
         seed=task.seed,
         is_stopped=failures >= MOST_FAILURES,
         fixes=not task.change,
@@ -216,6 +218,15 @@ def _as_seen(
         return one
 
     return [(number, of(one)) for number, one in lying]
+
+
+def _looked(seen: Sequence[Detection], result: PlanResult | None) -> Looked:
+    """What the last scan showed and what was said of it; nothing where poses are true ones."""
+    told: dict[int, Verdict] = {}
+    for one in () if result is None else result.candidates:
+        best = told.setdefault(one.detection, one.verdict)
+        told[one.detection] = max(best, one.verdict, key=lambda verdict: verdict.progress)
+    return [(one, told[number]) for number, one in enumerate(seen) if number in told]
 
 
 def _left_alone(detections: Sequence[Detection], failed: Sequence[Detection]) -> Mapping[int, str]:

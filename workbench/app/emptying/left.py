@@ -4,7 +4,9 @@ import re
 from collections import Counter
 from collections.abc import Sequence
 
-from workbench.app.core.outcomes import MOST_FAILURES
+import numpy as np
+
+from workbench.app.core.outcomes import MOST_FAILURES, SAME_PLACE
 from workbench.app.picking.pipeline import judge
 from workbench.model.candidate import Candidate, Reason, Verdict
 from workbench.model.cell import Cell
@@ -18,12 +20,16 @@ TOUCHING = (Reason.TOOL_COLLISION, Reason.IN_COLLISION)
 Numbered = Sequence[tuple[int, Detection]]
 """Parts with the number under which they fell."""
 
+Looked = Sequence[tuple[Detection, Verdict]]
+"""What a look has found, each with its verdict that got furthest."""
+
 
 def left_in(
     cell: Cell,
     lying: Numbered,
     *,
     refusal: Verdict | None,
+    looked: Looked = (),
     seed: int,
     is_stopped: bool = False,
     fixes: bool = True,
@@ -34,6 +40,7 @@ def left_in(
         cell: that it was tried in.
         lying: what is left, as it truly lies.
         refusal: what the last plan was refused for, if there was a pick for it.
+        looked: what the last look has found, numbered otherwise than `lying`.
         seed: of the judging.
         is_stopped: failed picks have ended it, whatever else could have been taken.
         fixes: whether the nearest fix is looked for, which takes a second for each part.
@@ -50,7 +57,7 @@ def left_in(
             if is_stopped:
                 kind, why = "stopped", f"it was stopped after {MOST_FAILURES} failed picks in a row"
             elif refusal is None:
-                kind, why = "not found", "it was not found"
+                kind, why = _as_found(lying, index, looked)
             else:
                 kind, why = str(refusal.reason), f"no plan came out: {refusal}"
             found.append(LeftPart(name, kind, f"a grasp of it works, but {why}", ""))
@@ -60,6 +67,25 @@ def left_in(
         sentence = _renamed(_sentence(mine, best), names)
         found.append(LeftPart(name, str(best.reason), sentence, "" if fix is None else fix.change))
     return tuple(found)
+
+
+def _as_found(lying: Numbered, index: int, looked: Looked) -> tuple[str, str]:
+    """Why a part that could be taken as it lies was not taken as it was found, if it was."""
+
+    def is_same(found: Detection, one: Detection) -> bool:
+        off = found.T_world_part.translation - one.T_world_part.translation
+        return found.part == one.part and bool(np.linalg.norm(off) < SAME_PLACE)
+
+    def name(found: Detection) -> str:
+        fell = (f"part-{number + 1}" for number, one in lying if is_same(found, one))
+        return next(fell, "what was taken for a part")
+
+    for found, verdict in looked:
+        if is_same(found, lying[index][1]):
+            said = _renamed(str(verdict), [name(one) for one, _ in looked])
+            why = f"not as the last scan shows it and what is near: {said}"
+            return str(verdict.reason), why
+    return "not found", "it was not found"
 
 
 def _sentence(mine: Sequence[Candidate], best: Verdict) -> str:
