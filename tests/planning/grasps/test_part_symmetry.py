@@ -5,6 +5,7 @@ import open3d as o3d
 import pytest
 import trimesh
 
+from workbench.formats.files.shipped import find
 from workbench.formats.parts.reading import read_part
 from workbench.model.geometry import Mesh
 from workbench.model.symmetry import Symmetry
@@ -35,11 +36,15 @@ def test_prisms_have_the_turns_of_their_outline(name):
     assert found.deviation < 1e-4
 
 
-def test_the_shipped_parts():
-    assert proposed_symmetry(read_part("keyed_cylinder").mesh) is None
-    puck = proposed_symmetry(read_part("puck").mesh)
-    assert puck is not None and puck.symmetry.fold == 0
-    assert abs(puck.symmetry.axis[2]) == pytest.approx(1.0)
+@pytest.mark.parametrize("name", ["keyed_cylinder", "bracket", "bolt", "puck"])
+def test_shipped_parts_state_every_turn_that_their_surface_has(name):
+    part, full = read_part(name), read_part(str(find("parts", name) / "full_bin"))
+    found = proposed_symmetry(part.mesh)
+    known = "none" if found is None else str(found.symmetry)
+    assert str(part.symmetry) == str(full.symmetry) == known
+    if found is not None:
+        assert abs(found.symmetry.axis @ part.symmetry.axis) == pytest.approx(1.0)
+        assert deviation_of(part.mesh, part.symmetry) < 1e-4
 
 
 def test_an_axis_is_found_however_the_part_lies_in_its_frame():
