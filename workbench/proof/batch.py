@@ -34,8 +34,10 @@ class Batch:
 
     def only(self, items: Ints) -> tuple["Batch", Ints]:
         """The sets in which something is asked, and that."""
-        kept, places = np.unique(items[:, :2], return_inverse=True)
-        asked = np.column_stack([places.reshape(-1, 2), items[:, 2]])
+        is_asked = np.zeros(len(self), bool)
+        is_asked[items[:, :2]] = True
+        kept, places = np.flatnonzero(is_asked), np.cumsum(is_asked) - 1
+        asked = np.column_stack([places[items[:, :2]], items[:, 2]])
         return Batch(self.corners[kept], self.sizes[kept], self.at[kept]), asked
 
     def halved(self, items: Ints, levers: Floats) -> tuple["Batch", Ints]:

@@ -42,14 +42,16 @@ def apart(
         world: where things are at the middles, see `poses`.
         spread: the sets.
     """
-    reach = _reach(normal, ka, a, common, chain, bodies, world, spread)
-    reach += _reach(-normal, kb, b, common, chain, bodies, world, spread)
+    reach = _reach(normal, 1.0, ka, a, common, chain, bodies, world, spread)
+    reach += _reach(normal, -1.0, kb, b, common, chain, bodies, world, spread)
     return -reach - ROUNDING
 
 
-@njit(cache=True)
+# Called, it would be handed some thirty arrays, which takes longer than what it does.
+@njit(cache=True, inline="always")
 def _reach(
     normal: Floats,
+    sign: float,
     k: int,
     b: int,
     common: int,
@@ -58,7 +60,7 @@ def _reach(
     world: World,
     spread: Spread,
 ) -> float:  # pragma: no cover (compiled)
-    """How far [m] along a normal no point of a body gets.
+    """How far [m] along a normal, or against it by its `sign`, no point of a body gets.
 
     A point x that joint j turns by d about its axis a through o goes d (a x (x - o)) n =
     d (x - o) c along n, with c = n x a: to first order, where the body reaches in a direction that
@@ -70,19 +72,20 @@ def _reach(
     axis.
     """
     best = -np.inf
+    nx, ny, nz = sign * normal[0], sign * normal[1], sign * normal[2]
     R, centre = world.turns[k, b], world.centres[k, b]
     for m in range(spread.counts[k] if world.moves[k, b] > 0.0 else 1):
-        x, y, z, shift = normal[0], normal[1], normal[2], 0.0
+        x, y, z, shift = nx, ny, nz, 0.0
         j = int(bodies.joints[b])
         while j != common and j != 0:
             d = spread.changes[k, m, chain.columns[j]]
             a, o = world.axes[k, j], world.places[k, j]
             if chain.slides[j]:
-                shift += d * (normal[0] * a[0] + normal[1] * a[1] + normal[2] * a[2])
+                shift += d * (nx * a[0] + ny * a[1] + nz * a[2])
             else:
-                cx = d * (normal[1] * a[2] - normal[2] * a[1])
-                cy = d * (normal[2] * a[0] - normal[0] * a[2])
-                cz = d * (normal[0] * a[1] - normal[1] * a[0])
+                cx = d * (ny * a[2] - nz * a[1])
+                cy = d * (nz * a[0] - nx * a[2])
+                cz = d * (nx * a[1] - ny * a[0])
                 x, y, z = x + cx, y + cy, z + cz
                 shift -= cx * o[0] + cy * o[1] + cz * o[2]
             j = int(chain.parents[j])
@@ -94,9 +97,8 @@ def _reach(
         if chain.slides[j]:
             far += d
         elif d > 0.0:
-            a, across = world.axes[k, j], 0.0
-            for i in range(3):
-                across += normal[i] * a[i]
+            a = world.axes[k, j]
+            across = nx * a[0] + ny * a[1] + nz * a[2]
             tilt = np.sqrt(max(1.0 - across * across, 0.0))
             off = away(k, b, j, bodies, world)
             bent += d * tilt * far + d * d / 2 * (off + far)

@@ -245,8 +245,7 @@ class _Search:
 
     def _left(self, batch: Batch, items: Ints) -> Ints:
         """Look at pairs in sets (n, 3), see `Batch`; those of which halves have to be looked at."""
-        pairs = np.unique(items[:, 2])
-        first, second = self._asked.first[pairs], self._asked.second[pairs]
+        first, second = self._asked.first[items[:, 2]], self._asked.second[items[:, 2]]
         q, spreads, world = self._world(batch, first, second, True)
         close = self._sifted(batch, items, world, spreads)
         if not len(close.items):

@@ -45,7 +45,7 @@ class Space:
             )
         self._measured = pin.GeometryData(self._geometry)
         self._numbers: dict[int, int] = {}
-        self._last = -1
+        self._last = coal.DistanceResult()
 
     def put(self, number: int, joint: int, T_joint_body: pin.SE3) -> None:
         """Hang a body on a joint."""
@@ -81,8 +81,8 @@ class Space:
         number = self._numbers.get(row)
         if number is None:
             number = self._numbers[row] = self._added(row)
-        self._last = number
-        return float(pin.computeDistance(self._geometry, self._measured, number).min_distance)
+        self._last = pin.computeDistance(self._geometry, self._measured, number)
+        return float(self._last.min_distance)
 
     def _added(self, row: int) -> int:
         """Make room for measuring a pair, as Pinocchio does: for all of them it would take long."""
@@ -97,13 +97,11 @@ class Space:
 
     def nearest(self) -> Floats:
         """Where the two that were measured last are nearest (2, 3) [m], in the world."""
-        result = self._measured.distanceResults[self._last]
-        return np.array([result.getNearestPoint1(), result.getNearestPoint2()])
+        return np.array([self._last.getNearestPoint1(), self._last.getNearestPoint2()])
 
     def way(self) -> Floats:
         """From the nearest point of the one to that of the other (3,) [m], as measured last."""
-        result = self._measured.distanceResults[self._last]
-        return result.getNearestPoint2() - result.getNearestPoint1()
+        return self._last.getNearestPoint2() - self._last.getNearestPoint1()
 
     def known(self, rows: Ints) -> Bools:
         """Whether a direction is known in which the two of pairs (r,) were once apart."""
