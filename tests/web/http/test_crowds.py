@@ -100,10 +100,21 @@ async def served(url, browser):
         assert (await browser.get("/who"))[0] == 200
         async with raw_browser(url) as again:
             assert (await again.get("/who", Cookie=cookie))[0] == 200
-        async with raw_browser(url) as other:
-            assert await other.log_in("Vera", PASSWORD) == 303
-            await other.open()
-            await other.find("number")
+        await comes_in(url)
+
+
+async def comes_in(url):
+    """Somebody logs in and sees the scene, if need be by trying again.
+
+    Who connects and is slower to ask than forty others are to come is dropped as one of them.
+    """
+    while True:
+        with suppress(ClientConnectionError):
+            async with raw_browser(url) as other:
+                assert await other.log_in("Vera", PASSWORD) == 303
+                await other.open()
+                await other.find("number")
+                return
 
 
 @pytest.mark.parametrize("kind", CROWDS)
@@ -122,7 +133,7 @@ def test_a_crowd_shuts_nobody_out_and_fills_no_log(cramped, kind):
     assert cramped.log.stat().st_size < MOST_LOG
 
 
-async def comes_in(url, trusting):
+async def answer_to_login(url, trusting):
     """What somebody is answered who logs in; where the machine is busy, not at the first try."""
     while True:
         with suppress(ClientConnectionError):
@@ -139,7 +150,7 @@ def test_a_crowd_in_its_tls_handshake_shuts_nobody_out(users, file, tmp_path, ce
             with crowd(url, b"\x16\x03\x01", CROWD) as many:
                 async with asyncio.timeout(6 * PATIENCE):
                     assert (await browser.get("/who"))[0] == 200
-                    assert await comes_in(url, trusting) == 303
+                    assert await answer_to_login(url, trusting) == 303
                 assert many.comes >= CROWD
 
     with cramped_front(file, tmp_path, certificate.certificate, certificate.key) as cramped:
