@@ -15,8 +15,9 @@ from workbench.model.cell import Cell
 from workbench.model.geometry import Box, Floats, Ints, Solid
 from workbench.model.reach import reach
 from workbench.model.scan import Detection, Obstacle, Scan
+from workbench.perception.scene.roofs import roofs_over
 from workbench.perception.scene.spurious import believed, pixel_angle
-from workbench.perception.scene.upright_boxes import upright_boxes
+from workbench.perception.scene.upright_boxes import Grid, upright_boxes
 from workbench.perception.scene.voxels import Voxels, counted
 from workbench.perception.views.surfaces import add_surface, triangles_of
 
@@ -27,7 +28,7 @@ CUBE = 0.002
 """[m] Edge of the cubes that points are counted in: a third of the tolerance."""
 
 NARROWEST = 0.006
-"""[m] Of the grid seen from above; a scan with wide pixels gets a wider one."""
+"""[m] Seen from above, things so near to each other are one, as are those between wide pixels."""
 
 BETWEEN = 1.5
 """Width of a grid cell over the distance of points: what lies between them is not seen."""
@@ -80,19 +81,36 @@ def unexplained(cell: Cell, scan: Scan, detections: tuple[Detection, ...]) -> tu
     angle = pixel_angle(scan.points, within)
     pitch = angle * float(np.linalg.norm(T_bin_scanner.translation))
     voxels = voxels.only(believed(voxels, T_bin_scanner.translation, angle, pitch, scene))
+    parts = o3d.t.geometry.RaycastingScene(nthreads=1)
+    _add_parts(parts, cell, detections, T_bin_world)
     return tuple(
         Obstacle(cell.bin.T_world_bin * one.T_world_box, one.size)
-        for one in _boxes_around(voxels, pitch)
+        for one in _boxes_around(voxels, pitch, parts)
     )
 
 
-def _boxes_around(voxels: Voxels, pitch: float) -> tuple[Obstacle, ...]:
-    """Boxes in the frame of the voxels, which hold all of them."""
-    many = int(np.ceil(max(NARROWEST, BETWEEN * pitch) / voxels.edge))
+def _boxes_around(
+    voxels: Voxels, pitch: float, parts: o3d.t.geometry.RaycastingScene
+) -> tuple[Obstacle, ...]:
+    """Boxes in the frame of the voxels, which hold all of them, clear of parts where they can."""
+    many = max(int(np.ceil(BETWEEN * pitch / voxels.edge)), 1)
     cells, place = np.unique(voxels.index[:, :2] // many, axis=0, return_inverse=True)
     tops = np.full(len(cells), -np.inf)
     np.maximum.at(tops, place.reshape(-1), (voxels.index[:, 2] + 1) * voxels.edge)
-    return upright_boxes(cells, tops, many * voxels.edge)
+    edge = many * voxels.edge
+    grid = Grid(edge, max(int(np.ceil(NARROWEST / edge)), 1))
+    return upright_boxes(cells, tops, grid, roofs_over(cells, tops, edge, parts))
+
+
+def _add_parts(
+    scene: o3d.t.geometry.RaycastingScene,
+    cell: Cell,
+    detections: tuple[Detection, ...],
+    T_frame_world: pin.SE3,
+) -> None:
+    for detection in detections:
+        mesh = cell.part(detection.part).mesh
+        add_surface(scene, triangles_of(mesh), T_frame_world * detection.T_world_part)
 
 
 def _solids(cell: Cell) -> list[tuple[pin.SE3, Solid]]:
@@ -114,9 +132,7 @@ def known_surfaces(
     solids = _solids(cell)
     for T, solid in solids:
         add_surface(scene, triangles_of(solid.shape), T_frame_world * T)
-    for detection in detections:
-        mesh = cell.part(detection.part).mesh
-        add_surface(scene, triangles_of(mesh), T_frame_world * detection.T_world_part)
+    _add_parts(scene, cell, detections, T_frame_world)
     return scene, np.array([OF_THE_CELL] * len(solids) + list(range(len(detections))))
 
 

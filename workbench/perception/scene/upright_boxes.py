@@ -1,5 +1,10 @@
-"""Upright boxes around points: what is seen from above, down to the floor."""
+"""Upright boxes around points: what is seen from above, down to the floor.
 
+A heap becomes one box where it fills that, more where it does not, and where its one box would
+reach into a known part that none of its points is under.
+"""
+
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -10,6 +15,7 @@ from scipy.spatial import ConvexHull, cKDTree  # pyright: ignore[reportAttribute
 
 from workbench.model.geometry import Floats, Ints
 from workbench.model.scan import Obstacle
+from workbench.perception.scene.roofs import NO_ROOFS, Roofs
 
 FILLED = 0.75
 """Share of its box that a heap must fill seen from above; otherwise it is split in two."""
@@ -29,31 +35,51 @@ MOST = 40
 FLATTEST = 0.006
 """[m] Height of a box around what lies lower than the floor."""
 
+WIDEST = 1.5
+"""Area of a rectangle that is clear of a known part, over that of the smallest."""
 
-def upright_boxes(cells: Ints, tops: Floats, edge: float) -> tuple[Obstacle, ...]:
+SMALLEST = 0.006
+"""[m] A box no longer than this is not split, whatever it reaches into."""
+
+
+@dataclass(frozen=True, slots=True)
+class Grid:
+    """How finely things are seen from above.
+
+    Attributes:
+        edge: of a cell [m].
+        coarse: so many cells apart things are one, and what lies between them is full.
+    """
+
+    edge: float
+    coarse: int = 1
+
+
+def upright_boxes(
+    cells: Ints, tops: Floats, grid: Grid, roofs: Roofs = NO_ROOFS
+) -> tuple[Obstacle, ...]:
     """Boxes in the frame of the cells that hold all of them, `MOST` at the most.
 
     Args:
         cells: (n, 2) whole numbers, of a grid seen from above, each once.
         tops: (n,) height of the highest point in each [m].
-        edge: of a grid cell [m].
+        grid: of the cells.
+        roofs: that boxes stay under, as far as they are split for it.
     """
     if len(cells) == 0:
         return ()
-    heaps = _few_heaps(cells)
+    heaps = _few_heaps(cells, grid.coarse)
     count = int(heaps.max()) + 1
     boxes: list[Obstacle] = []
     for number in range(count):
         is_here = heaps == number
-        centres: Any = (cells[is_here] + 0.5) * edge
         left = MOST - len(boxes) - (count - 1 - number)
-        boxes += _boxes(centres, tops[is_here], edge, left)
+        boxes += _boxes(cells[is_here], tops[is_here], grid, roofs, left)
     return tuple(boxes)
 
 
-def _few_heaps(cells: Ints) -> Ints:
+def _few_heaps(cells: Ints, reach: int) -> Ints:
     """Which of at most `MOST` heaps each of the cells (k, 2) belongs to, (k,)."""
-    reach = 1
     while (heaps := _heaps(cells, reach)).max(initial=-1) >= MOST:
         reach *= 2
     return heaps
@@ -70,38 +96,60 @@ def _heaps(cells: Ints, reach: int = 1) -> Ints:
     return connected_components(graph, directed=False)[1][place.reshape(-1)]
 
 
-def _boxes(centres: Floats, heights: Floats, edge: float, most: int) -> list[Obstacle]:
+def _boxes(cells: Ints, heights: Floats, grid: Grid, roofs: Roofs, most: int) -> list[Obstacle]:
     """A heap of grid cells (n, 2) with heights (n,) [m] as few boxes."""
-    yaw, middle, size = _rectangle(centres, edge)
-    # The grid adds a rim of half a cell to whatever lies aslant in it.
-    is_full = len(centres) * edge**2 >= FILLED * (size[0] - edge) * (size[1] - edge)
-    is_level = float(np.ptp(heights)) <= STEEPEST
+    centres: Any = (cells + 0.5) * grid.edge
+    around = _rectangles(centres, grid.edge)
+    boxes = [_box(*one, heights) for one in around]
+    clear = [k for k, one in enumerate(boxes) if not _reaches_into(one, roofs)]
+    chosen = clear[0] if clear else 0
+    (yaw, middle, size), box = around[chosen], boxes[chosen]
     along = (centres - middle) @ np.array([np.cos(yaw), np.sin(yaw)])
     first = along <= float(np.median(along))
-    is_small = size[0] <= NARROW or len(centres) <= FEWEST or first.all()
-    if (is_full and is_level) or is_small or most <= 1:
-        return [_box(yaw, middle, size, heights)]
-    one = _boxes(centres[first], heights[first], edge, most - 1)
-    return one + _boxes(centres[~first], heights[~first], edge, most - len(one))
+    if most <= 1 or first.all():
+        return [box]
+    coarse, edge = np.unique(cells // grid.coarse, axis=0), grid.coarse * grid.edge
+    # The grid adds a rim of half a cell to whatever lies aslant in it.
+    is_full = len(coarse) * edge**2 >= FILLED * np.prod(size - grid.edge)
+    is_level = float(np.ptp(heights)) <= STEEPEST
+    is_small = size[0] <= NARROW or len(coarse) <= FEWEST
+    is_neat = is_small or (is_full and is_level)
+    if is_neat and (clear or size[0] <= SMALLEST):
+        return [box]
+    one = _boxes(cells[first], heights[first], grid, roofs, most - 1)
+    return one + _boxes(cells[~first], heights[~first], grid, roofs, most - len(one))
 
 
-def _rectangle(centres: Floats, edge: float) -> tuple[float, Floats, Floats]:
-    """The smallest rectangle around grid cells (n, 2): yaw of its longer side, middle, sizes."""
+def _reaches_into(box: Obstacle, roofs: Roofs) -> bool:
+    """Whether a box is higher than a roof above it."""
+    T = box.T_world_box
+    flat = (roofs.places - T.translation[:2]) @ T.rotation[:2, :2]
+    is_over = np.all(np.abs(flat) <= box.size[:2] / 2, axis=1)
+    top = T.translation[2] + box.size[2] / 2
+    return bool(np.any(roofs.heights[is_over] < top))
+
+
+def _rectangles(centres: Floats, edge: float) -> list[tuple[float, Floats, Floats]]:
+    """Rectangles around grid cells (n, 2), smallest first: yaw of the longer side, middle, sizes.
+
+    One has a side along each side of the convex hull; those of more than `WIDEST` are left out.
+    """
     half = edge / 2
     corners = np.vstack([centres + (x, y) for x in (-half, half) for y in (-half, half)])
     hull = corners[ConvexHull(corners).vertices]
     edges = np.roll(hull, -1, axis=0) - hull
-    best: tuple[float, float, Floats, Floats] | None = None
+    found: list[tuple[float, float, Floats, Floats]] = []
     for yaw in np.unique(np.round(np.arctan2(edges[:, 1], edges[:, 0]) % (np.pi / 2), 6)):
         axes = np.array([[np.cos(yaw), np.sin(yaw)], [-np.sin(yaw), np.cos(yaw)]])
         turned = hull @ axes.T
         low, high = turned.min(axis=0), turned.max(axis=0)
-        area = float(np.prod(high - low))
-        if best is None or area < best[0] - 1e-12:
-            best = area, float(yaw), (low + high) / 2 @ axes, high - low
-    assert best is not None
-    _, yaw, middle, size = best
-    return (yaw, middle, size) if size[0] >= size[1] else (yaw + np.pi / 2, middle, size[::-1])
+        size, middle = high - low, (low + high) / 2 @ axes
+        if size[0] < size[1]:
+            yaw, size = yaw + np.pi / 2, size[::-1]
+        # Areas that are equal but for rounding keep the order of their angles.
+        found.append((round(float(np.prod(size)), 12), float(yaw), middle, size))
+    found.sort(key=lambda one: one[0])
+    return [one[1:] for one in found if one[0] <= WIDEST * found[0][0]]
 
 
 def _box(yaw: float, middle: Floats, size: Floats, heights: Floats) -> Obstacle:
