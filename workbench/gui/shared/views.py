@@ -275,11 +275,12 @@ def plan_line(state: State) -> str:
 def clearance_words(proof: Proof) -> str:
     """How near a plan comes to anything: on its free ways, and on its straight ones."""
     straight = straight_bound(proof)
-    more = "" if straight is None else f", {_floor(max(straight, 0.0))} on straight ones"
-    return f"clear by {_floor(proof.clearance)} on free ways{more}"
+    more = "" if straight is None else f", {floored(max(straight, 0.0))} on straight ones"
+    return f"clear by {floored(proof.clearance)} on free ways{more}"
 
 
-def _floor(bound: float) -> str:
+def floored(bound: float) -> str:
+    """A distance [m] that is kept, rounded down: the same in a table as in a sentence."""
     return at_least(bound).removeprefix("at least ")
 
 
