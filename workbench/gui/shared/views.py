@@ -139,9 +139,12 @@ def changes_html(state: State) -> str:
     """What has changed since the start before, as long as nobody has acknowledged it."""
     if not state.changed:
         return ""
-    since = f"The software has changed since {state.changed_since}; nothing is sent before "
+    since = (
+        f"The software has changed since {state.changed_since}; "
+        "nothing is sent before an engineer acknowledges:"
+    )
     listed = "".join(f"<li>{escape(one)}</li>" for one in state.changed)
-    head = f"<b>{escape(since)}an engineer acknowledges:</b>"
+    head = f"<b>{escape(since)}</b>"
     return f'<div class="wb-status wb-changes"><div>{head}<ul>{listed}</ul></div></div>'
 
 
