@@ -42,6 +42,9 @@ PLAN_READY, NO_PLAN = "plan ready", "no plan"
 
 JOB_STEPS = {"scan": 0, "localize": 1, "plan": 2}
 
+LONG = 80
+"""Letters of a status that are set smaller, so that all of it can be read."""
+
 
 def sentence(text: str) -> str:
     """A text with a capital letter in front."""
@@ -149,8 +152,10 @@ def changes_html(state: State) -> str:
 
 
 def _box(kind: str, left: str, right: str = "") -> str:
+    # What a plan is takes more than two lines.
+    length = " wb-long" if kind != "fault" and len(left) > LONG else ""
     return (
-        f'<div class="wb-status wb-status-{kind}"><span>{left}</span>'
+        f'<div class="wb-status wb-status-{kind}{length}"><span>{left}</span>'
         f'<span class="wb-right">{escape(right)}</span></div>'
     )
 
