@@ -7,10 +7,9 @@ from html.parser import HTMLParser
 import numpy as np
 import pytest
 
-from workbench.app.core.state import Avoided, Job, Outcome, Outline, Phase, State
+from workbench.app.core.state import Avoided, Job, Outcome, Outline, Phase
 from workbench.app.runtime.live import Live
 from workbench.app.runtime.worker import GettingReady
-from workbench.formats.cells.reading import read_cell
 from workbench.gui.cycle.approval_views import approval_line, facts_html
 from workbench.gui.parts.views import avoided_html, rejected_html
 from workbench.gui.plan.curves import lanes_html, now_html
@@ -26,7 +25,6 @@ from workbench.model.prediction import Forecast, Predictions
 from workbench.model.release import LinkStatus, PartReport, Vote
 from workbench.model.scan import Objection, RejectedHypothesis
 from workbench.proof.stages import STRAIGHT
-from workbench.words.words import words_of
 
 NOW = 1_760_000_000.0
 EVIL = "\"'><img src=x onerror=alert(1)><script>alert(2)</script>&amp;"
@@ -398,20 +396,3 @@ def test_a_plans_clearances_are_two_figures_with_their_names_wherever_they_are_t
         assert words in told and "smallest clearance" not in told
     outlines = (Outline("a", 1.0, "left"), Outline("b", 1.0, "alternated"))
     assert "Free ways" in outlines_html(outlines, "", ("1", "2"))
-
-
-@pytest.mark.parametrize("language", ["de", "it", "fr", "es", "zh"])
-def test_the_warning_of_other_software_is_read_in_every_language(language):
-    since = "session 20260101-yumi"
-    state = State(read_cell("yumi"), changed=("the cell differs",), changed_since=since)
-    said = words_of(language).html(views.changes_html(state))
-    assert since in said
-    assert not {"nothing", "before", "differs"} & set(re.findall("[a-z]+", said))
-
-
-def test_a_long_status_is_set_smaller_and_a_fault_is_not(view_of):
-    state = State(read_cell("yumi"), message="plan " * 30)
-    assert "wb-long" in views.status_html(view_of(state))
-    assert "wb-long" not in views.status_html(view_of(replace(state, message="short")))
-    failed = replace(state, phase=Phase.FAULT, fault="no answer " * 20)
-    assert "wb-long" not in views.status_html(view_of(failed))
