@@ -92,3 +92,20 @@ def test_the_first_guess_is_what_the_browser_likes_best(accepted, language):
 
 def test_only_languages_that_there_are_can_be_chosen():
     assert known("fr") == "fr" and known("xx") == known("../de") == known("") == ""
+
+
+@pytest.mark.parametrize("language", ["de", "it", "fr", "es", "zh"])
+@pytest.mark.parametrize(
+    "said",
+    [
+        "the files of workbench 0.2.0 are others",
+        "python 3.11 is 3.12 now",
+        "workbench 0.2.0 is 0.3.0 now",
+        "user Ada operator has come",
+        "of the cell part puck, part bolt differ",
+        "the scanner's pose differs",
+    ],
+)
+def test_what_differs_since_the_start_before_has_no_english_verb_left(language, said):
+    translated = words_of(language).say(said).split()
+    assert not {"is", "are", "now", "has", "of", "the", "differ", "differs"} & set(translated)

@@ -341,6 +341,11 @@ def parts_taken(first: Plan, plan: Plan) -> tuple[int, ...]:
     return tuple(number_in(first, plan.detections[one.detection]) for one in plan.arms)
 
 
+def count_taken(plans: Sequence[Plan]) -> int:
+    """How many parts plans in a row take; one that goes over a station counts once."""
+    return len({number for plan in plans for number in parts_taken(plans[0], plan)})
+
+
 def renumbered(words: str, first: Plan, detections: Sequence[Detection]) -> str:
     """Words about a later plan, of its own `detections`, by the numbers of the first of the row."""
 

@@ -26,6 +26,7 @@ SHOWN = ("gui", "web/page", "app/core")
 SENTENCES = (
     "app/emptying",
     "app/picking",
+    "app/provenance/inventory.py",
     "app/runtime",
     "model",
     "perception/built_in.py",

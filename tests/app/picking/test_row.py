@@ -68,6 +68,18 @@ def test_all_parts_that_lie_alone_are_taken_in_a_row_each_once(cell, apart, row)
     assert row.plan.digest == asked(cell, apart, 1).plan.digest, "the first is as ever"
 
 
+def test_both_strategies_have_a_row_each_and_either_comes_again_when_asked_for(cell, apart):
+    both = asked(cell, apart, 2, strategy="both")
+    (other,) = both.beside
+    for one in (both, other):
+        assert {str(plan.strategy) for plan in one.plans} == {str(one.plan.strategy)}
+        alone = asked(cell, apart, 2, strategy=str(one.plan.strategy))
+        assert [plan.digest for plan in alone.plans] == [plan.digest for plan in one.plans]
+        assert len(one.plans) == 2
+    seconds = [sum(plan.cycle_seconds for plan in one.plans) for one in (both, other)]
+    assert seconds[0] <= seconds[1], "whole rows are compared"
+
+
 def test_each_plan_is_proven_in_the_scene_that_those_before_leave(cell, apart, row):
     digest, gone = digest_of(apart), set()
     for plan, proof in [(row.plan, row.proof), *((one.plan, one.proof) for one in row.row)]:

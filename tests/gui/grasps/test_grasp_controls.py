@@ -114,6 +114,13 @@ def test_a_suggestion_whose_name_was_taken_meanwhile_gets_another_one(bench, vis
     assert len(set(names)) == len(names) == 4
 
 
+def test_once_all_suggestions_are_taken_nothing_is_said_of_what_else_would_be_found(bench, visitor):
+    suggestions = Suggestions(visitor, Editing(visitor), lambda grasp: None)
+    suggestions._look()
+    suggestions._add(suggestions._found)
+    assert suggestions._table.content == "" and suggestions._all.disabled
+
+
 def test_coverage_of_a_cell_that_was_changed_meanwhile_is_not_shown(bench, visitor, monkeypatch):
     editing = Editing(visitor)
     stage = SimpleNamespace(hide_sphere=lambda: None, is_open=False)  # nobody looks at it

@@ -22,6 +22,13 @@ def test_every_plan_but_the_one_that_is_taken_can_be_pressed():
     assert html.index("no path") < html.index("left arm only"), "the latest first"
 
 
+def test_a_row_of_plans_is_told_from_a_single_one_and_its_clearance_is_rounded_down():
+    row = replace(ONE, digest="c" * 64, parts=4, plans=2, clearance=0.00729)
+    html = outlines_html((ONE, row), ONE.digest, ("first", "second"))
+    assert "alternated, 4 parts, 2 plans" in html
+    assert "7.2 mm" in html, "as the sentence beside it says"
+
+
 def test_where_there_is_nothing_to_choose_nothing_can_be_pressed():
     assert outlines_html((ONE,), ONE.digest, ("first",)) == ""
     html = outlines_html((ONE, NONE), ONE.digest, ("first", "second"))

@@ -380,7 +380,9 @@ def _part_made(state: State, ended: commands.JobEnded, part: Part) -> Outcome:
     if job is None or job.number != ended.number or job.name != "import":
         return state, ()
     cell = replace(state.cell, parts=(*state.cell.parts, part))
-    return changed_cell(replace(state, job=None), cell, f"the part {part.name} is in the cell")
+    size = part.facts["mm"]
+    message = f"the part {part.name} is in the cell, {size} mm; it has no grasps yet"
+    return changed_cell(replace(state, job=None), cell, message)
 
 
 def _with_scan(state: State, scan: Scan, at: float) -> State:

@@ -16,7 +16,7 @@ from workbench.app.core.state import (
     stale_by,
 )
 from workbench.model.digest import digest_of
-from workbench.model.plan import PlanResult
+from workbench.model.plan import PlanResult, Proven, count_taken
 from workbench.model.prediction import Emptying
 from workbench.model.scan import Remark, Search
 
@@ -147,15 +147,16 @@ def _outline(result: PlanResult, job: Job) -> Outline:
     plan, proof = result.plan, result.proof
     if plan is None or proof is None:
         return Outline(result.planner, planning, verdict=str(result.verdict))
-    distances = [float(d.min()) for _, _, d in proof.apart if len(d)]
+    every = [Proven(plan, proof), *result.row]
+    distances = [float(d.min()) for one in every for _, _, d in one.proof.apart if len(d)]
     return Outline(
         result.planner,
         planning,
         str(plan.strategy),
         str(plan.guarantee),
-        len(plan.arms),
-        plan.cycle_seconds,
-        proof.clearance,
+        count_taken(result.plans),
+        sum(one.plan.cycle_seconds for one in every),
+        min(one.proof.clearance for one in every),
         min(distances, default=None),
         plan.digest,
         "" if proof.holds else str(proof.violations[0]),
@@ -163,4 +164,5 @@ def _outline(result: PlanResult, job: Job) -> Outline:
         job.threshold or 0.0,
         job.seed,
         job.planning,
+        len(every),
     )

@@ -57,7 +57,8 @@ class Outline:
     """What came of one planning, to be compared with the next.
 
     `planning` and `cycle` [s]; `apart` [m] the smallest distance between the arms; `verdict` says
-    why there is no plan, or what speaks against it.  Who asks for it again by the strategy
+    why there is no plan, or what speaks against it.  Of so many `plans` in a row all this is that
+    of all together, `digest` that of the first one.  Who asks for it again by the strategy
     `asked`, with `threshold` [m], `seed` and `overrides`, gets the same plan.
     """
 
@@ -75,6 +76,7 @@ class Outline:
     threshold: float = 0.0
     seed: int = 0
     overrides: PlanOverrides = field(default_factory=PlanOverrides)
+    plans: int = 1
 
 
 @dataclass(frozen=True, slots=True, eq=False)

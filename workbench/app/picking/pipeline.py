@@ -9,7 +9,7 @@ from workbench.app.core.rules import strategies_of
 from workbench.model.candidate import Candidate, Pick, Reason, Stage, Verdict
 from workbench.model.cell import Cell, PlanOverrides
 from workbench.model.errors import InputError, JobCancelled
-from workbench.model.plan import Plan, PlanResult, Proof
+from workbench.model.plan import Plan, PlanResult, Proof, count_taken
 from workbench.model.scan import Detection, Obstacle, Scene
 from workbench.planning.collision.world import World
 from workbench.planning.picking.assign import BOTH, is_enough, planned
@@ -121,7 +121,7 @@ def plan_pick(
         if any(result.plan is not None for result in results):
             break
         lap("resolve")
-    return _best(cell, results)
+    return best_of(cell, results)
 
 
 def _proven(cell: Cell, scene: Scene, plans: Sequence[Plan]) -> tuple[Plan, Proof]:
@@ -177,14 +177,16 @@ def _without(
     )
 
 
-def _best(cell: Cell, results: list[PlanResult]) -> PlanResult:
-    """Of several strategies the quickest that holds and can be sent, the others beside it."""
+def best_of(cell: Cell, results: Sequence[PlanResult]) -> PlanResult:
+    """Of several strategies what holds, can be sent, takes most and is quickest; others beside."""
 
-    def rank(result: PlanResult) -> tuple[bool, bool, float]:
-        plan, proof = result.plan, result.proof
+    def rank(result: PlanResult) -> tuple[bool, bool, int, float]:
+        plan, proof, plans = result.plan, result.proof, result.plans
         if plan is None or proof is None:
-            return (True, True, math.inf)
-        return (not proof.holds, misfit(plan, cell) != "", plan.cycle_seconds)
+            return (True, True, 0, math.inf)
+        is_misfit = any(misfit(one, cell) for one in plans)
+        seconds = sum(one.cycle_seconds for one in plans)
+        return (not proof.holds, is_misfit, -count_taken(plans), seconds)
 
     best, *others = sorted(results, key=rank)
     return replace(best, beside=tuple(others))

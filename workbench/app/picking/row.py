@@ -5,7 +5,7 @@ from dataclasses import replace
 from itertools import pairwise
 from typing import Any
 
-from workbench.app.picking.pipeline import NOTHING, plan_pick
+from workbench.app.picking.pipeline import NOTHING, best_of, plan_pick
 from workbench.app.picking.proving import prove
 from workbench.app.picking.regrasp import regrasped
 from workbench.model.cell import MOST_PICKS, Cell, picks_problem
@@ -13,6 +13,7 @@ from workbench.model.errors import CommandRefused, InputError
 from workbench.model.plan import Plan, PlanResult, Proven, renumbered
 from workbench.model.scan import Detection, Obstacle, Scan, Scene
 from workbench.planning.collision.world import World
+from workbench.planning.picking.assign import BOTH
 from workbench.planning.planners.clock import working_time
 from workbench.plugins.progress import Report, silent
 from workbench.proof.prove import may_have_moved, scene_after
@@ -29,6 +30,7 @@ def plan_row(
     picks: int = 1,
     obstacles: tuple[Obstacle, ...] = (),
     avoided: Mapping[int, str] = NOTHING,
+    strategy: str = "auto",
     report: Report = silent,
     **asked: Any,
 ) -> PlanResult:
@@ -36,7 +38,8 @@ def plan_row(
 
     Each plan is made and proven in the scene that those before leave (`scene_after`), and begins
     where they end, since every plan begins and ends at home.  Parts that have nothing near go
-    first, since a plan that takes one of a heap ends the row.
+    first, since a plan that takes one of a heap ends the row.  With the strategy `both` each of the
+    two has a row of its own, so that whole rows are compared, and either can be asked for again.
 
     Args:
         cell: with its parts and policy.
@@ -45,6 +48,7 @@ def plan_row(
         picks: parts for an arm, or for two, at most; one that goes over a station takes two plans.
         obstacles: what the scan shows beside the parts.
         avoided: indices of parts that are left alone for now, and why.
+        strategy: as `plan_pick`.
         report: progress.
         asked: else as `plan_pick`.
 
@@ -53,38 +57,14 @@ def plan_row(
         JobCancelled: see there.
     """
     check_picks(cell, picks)
-    scene, left = Scene(scan_digest, detections, obstacles), dict(avoided)
-    first = _next(cell, scene, left, report, is_last=picks == 1, **asked)
-    if not _holds(first) or first.plan is None or picks == 1:
-        return first
-    row, done = list(first.row), 1
-    began, latest, ends = working_time(), first.plans, ""
-    while not ends and done < picks:
-        for plan in latest:
-            moved = may_have_moved(cell, plan)
-            if moved is not None:
-                ends = ends or renumbered(moved.problem, first.plan, plan.detections)
-            left = _left(plan, left)
-            scene = scene_after(cell, plan)
-        if ends or not scene.detections:
-            ends = ends or "no part is left"
-            break
-        done += 1
-        told = _named(report, f"plan {done} of {picks}")
-        result = _next(cell, scene, left, told, is_last=done == picks, **asked)
-        if result.plan is None or result.proof is None:
-            words = f"no plan after that: {result.verdict}"
-            ends = renumbered(words, first.plan, scene.detections)
-        elif not result.proof.holds:
-            words = f"the proof of the next plan does not hold: {result.proof.violations[0]}"
-            ends = renumbered(words, first.plan, scene.detections)
-        elif 1 + len(row) + len(result.plans) > MOST_PICKS:
-            ends = f"a row has at most {MOST_PICKS} plans"
-        else:
-            latest = result.plans
-            row += [Proven(result.plan, result.proof), *result.row]
-    seconds = {**first.seconds, "row": working_time() - began}
-    return replace(first, row=tuple(row), row_ends=ends, seconds=seconds)
+    scene = Scene(scan_digest, detections, obstacles)
+    if strategy != "both" or picks == 1:
+        return _row(cell, scene, picks, avoided, report, strategy=strategy, **asked)
+    rows = [
+        _row(cell, scene, picks, avoided, _named(report, one), strategy=one, **asked)
+        for one in BOTH
+    ]
+    return best_of(cell, rows)
 
 
 def check_picks(cell: Cell, picks: int) -> None:
@@ -128,6 +108,49 @@ def prove_row(
             )
         found.append(Proven(plan, prove_in(cell, scene_after(cell, before), plan)))
     return tuple(found)
+
+
+def _row(
+    cell: Cell,
+    scene: Scene,
+    picks: int,
+    avoided: Mapping[int, str],
+    report: Report,
+    **asked: Any,
+) -> PlanResult:
+    """A plan and those after it, all by one strategy."""
+    left = dict(avoided)
+    first = _next(cell, scene, left, report, is_last=picks == 1, **asked)
+    if not _holds(first) or first.plan is None or picks == 1:
+        return first
+    row, done = list(first.row), 1
+    began, latest, ends = working_time(), first.plans, ""
+    while not ends and done < picks:
+        for plan in latest:
+            moved = may_have_moved(cell, plan)
+            if moved is not None:
+                ends = ends or renumbered(moved.problem, first.plan, plan.detections)
+            left = _left(plan, left)
+            scene = scene_after(cell, plan)
+        if ends or not scene.detections:
+            ends = ends or "no part is left"
+            break
+        done += 1
+        told = _named(report, f"plan {done} of {picks}")
+        result = _next(cell, scene, left, told, is_last=done == picks, **asked)
+        if result.plan is None or result.proof is None:
+            words = f"no plan after that: {result.verdict}"
+            ends = renumbered(words, first.plan, scene.detections)
+        elif not result.proof.holds:
+            words = f"the proof of the next plan does not hold: {result.proof.violations[0]}"
+            ends = renumbered(words, first.plan, scene.detections)
+        elif 1 + len(row) + len(result.plans) > MOST_PICKS:
+            ends = f"a row has at most {MOST_PICKS} plans"
+        else:
+            latest = result.plans
+            row += [Proven(result.plan, result.proof), *result.row]
+    seconds = {**first.seconds, "row": working_time() - began}
+    return replace(first, row=tuple(row), row_ends=ends, seconds=seconds)
 
 
 def _next(

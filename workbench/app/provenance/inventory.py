@@ -57,15 +57,15 @@ def _differences(old: Inventory, new: Inventory) -> Iterator[str]:
     elif old.files != new.files:
         yield f"the files of workbench {new.workbench} are others"
     before, now = _versions(old), _versions(new)
-    yield from _told("", before, now)
+    yield from _told(before, now)
     records = {one.name: one.record for one in old.distributions}
     for one in new.distributions:
         if before.get(one.name) == one.version and records[one.name] != one.record:
             yield f"the files of {one.name} {one.version} are others"
-    for what in ("python", "processor", "system", "cell"):
-        was, has = getattr(old, what), getattr(new, what)
+    for name in ("python", "processor", "system", "cell"):
+        was, has = getattr(old, name), getattr(new, name)
         if was != has:
-            yield f"{what} {was} is {has} now"
+            yield f"{name} {was} is {has} now"
     parts = sorted(
         name for name in {*old.parts, *new.parts} if old.parts.get(name) != new.parts.get(name)
     )
@@ -75,20 +75,24 @@ def _differences(old: Inventory, new: Inventory) -> Iterator[str]:
         yield "the scanner's pose differs"
     if not parts and old.calibration == new.calibration and old.cell_digest != new.cell_digest:
         yield "the cell differs"
-    yield from _told("user ", old.users, new.users)
+    yield from _told(_users(old), _users(new))
 
 
 def _versions(inventory: Inventory) -> Mapping[str, str]:
     return {one.name: one.version for one in inventory.distributions}
 
 
-def _told(noun: str, old: Mapping[str, str], new: Mapping[str, str]) -> Iterator[str]:
+def _users(inventory: Inventory) -> Mapping[str, str]:
+    return {f"user {name}": role for name, role in inventory.users.items()}
+
+
+def _told(old: Mapping[str, str], new: Mapping[str, str]) -> Iterator[str]:
     """What came, went or changed in a mapping from names to something short."""
     for name in sorted({*old, *new}):
         was, has = old.get(name), new.get(name)
         if was is None:
-            yield f"{noun}{name} {has} has come"
+            yield f"{name} {has} has come"
         elif has is None:
-            yield f"{noun}{name} {was} has gone"
+            yield f"{name} {was} has gone"
         elif was != has:
-            yield f"{noun}{name} {was} is {has} now"
+            yield f"{name} {was} is {has} now"

@@ -157,4 +157,9 @@ class Suggestions:
         count = f"{len(grasps)} suggested grasps" if len(grasps) > 1 else grasps[0].name
         if self._editing.add(grasps, f"{count} added"):
             left = tuple(one for one in self._found if one not in wanted)
-            self._show(left, min(self._chosen, max(len(left) - 1, 0)))
+            if left:
+                self._show(left, min(self._chosen, len(left) - 1))
+            else:
+                # That nothing more would be found nobody has looked for.
+                self._found, self._table.content = (), ""
+                self._admit()

@@ -1,5 +1,6 @@
 """A new part from a CAD file that somebody has on their machine."""
 
+import math
 from pathlib import PurePosixPath
 from typing import Any
 
@@ -65,7 +66,10 @@ class PartUpload:
         file = event.target.value
         name = PurePosixPath(file.name.replace("\\", "/")).name
         self._file = (name, file.content)
-        self._line.content = line(f"{name}, {len(file.content) / MB:.2f} MB")
+        # A small file is no "0.00 MB".
+        size = len(file.content)
+        told = f"{size / MB:.1f} MB" if size >= MB else f"{math.ceil(size / 1000)} kB"
+        self._line.content = line(f"{name}, {told}")
         if not self._name.value:
             stem = PurePosixPath(name).stem
             self._name.value = "".join(c if c.isalnum() and c.isascii() else "_" for c in stem)[:60]

@@ -6,8 +6,8 @@ from html import escape
 from workbench.app.core.state import Outline, State, counted
 from workbench.gui.shared.colours import arm_colour
 from workbench.gui.shared.tables import clickable
-from workbench.gui.shared.views import line, mm, sentence, short
-from workbench.model.plan import Strategy, parts_taken, renumbered
+from workbench.gui.shared.views import floored, line, mm, sentence, short
+from workbench.model.plan import Strategy, count_taken, parts_taken, renumbered
 
 STAGES = {
     "propose": "grasps",
@@ -25,8 +25,9 @@ def plan_html(state: State) -> str:
     times = ", ".join(f"{STAGES.get(k, k)} {value * 1000:.0f} ms" for k, value in state.seconds)
     said = "".join(_plan_html(state, number) for number in range(len(row)))
     if len(row) > 1:
-        parts, seconds = sum(len(one.arms) for one in row), sum(one.cycle_seconds for one in row)
-        words = f"{len(row)} plans in a row, {counted(parts, 'part')}, {seconds:.1f} s in all"
+        seconds = sum(one.cycle_seconds for one in row)
+        parts = counted(count_taken(row), "part")
+        words = f"{len(row)} plans in a row, {parts}, {seconds:.1f} s in all"
         said = f"<div><b>{escape(words)}</b></div>{said}"
     return f'<div class="wb-pad">{said}<div class="wb-small">Computed: {escape(times)}</div></div>'
 
@@ -90,11 +91,13 @@ def _outline_row(outline: Outline, taken: str, button: str) -> str:
     what = outline.verdict
     if not what:
         strategy = Strategy(outline.strategy).words
-        what = f"{strategy}, {outline.parts} part{'' if outline.parts == 1 else 's'}"
+        what = f"{strategy}, {counted(outline.parts, 'part')}"
+        if outline.plans > 1:
+            what += f", {counted(outline.plans, 'plan')}"
     values = (
         "" if outline.cycle is None else f"{outline.cycle:.1f} s",
         f"{outline.planning * 1000:.0f} ms",
-        "" if outline.clearance is None else mm(outline.clearance),
+        "" if outline.clearance is None else floored(outline.clearance),
         "" if outline.apart is None else mm(outline.apart, 0),
     )
     numbers = "".join(f'<td class="wb-number">{escape(value)}</td>' for value in values)

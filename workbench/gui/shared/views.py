@@ -42,6 +42,9 @@ PLAN_READY, NO_PLAN = "plan ready", "no plan"
 
 JOB_STEPS = {"scan": 0, "localize": 1, "plan": 2}
 
+LONG = 80
+"""Letters of a status that are set smaller, so that all of it can be read."""
+
 
 def sentence(text: str) -> str:
     """A text with a capital letter in front."""
@@ -139,15 +142,20 @@ def changes_html(state: State) -> str:
     """What has changed since the start before, as long as nobody has acknowledged it."""
     if not state.changed:
         return ""
-    since = f"The software has changed since {state.changed_since}; nothing is sent before "
+    since = (
+        f"The software has changed since {state.changed_since}; "
+        "nothing is sent before an engineer acknowledges:"
+    )
     listed = "".join(f"<li>{escape(one)}</li>" for one in state.changed)
-    head = f"<b>{escape(since)}an engineer acknowledges:</b>"
+    head = f"<b>{escape(since)}</b>"
     return f'<div class="wb-status wb-changes"><div>{head}<ul>{listed}</ul></div></div>'
 
 
 def _box(kind: str, left: str, right: str = "") -> str:
+    # What a plan is takes more than two lines.
+    length = " wb-long" if kind != "fault" and len(left) > LONG else ""
     return (
-        f'<div class="wb-status wb-status-{kind}"><span>{left}</span>'
+        f'<div class="wb-status wb-status-{kind}{length}"><span>{left}</span>'
         f'<span class="wb-right">{escape(right)}</span></div>'
     )
 
@@ -275,11 +283,12 @@ def plan_line(state: State) -> str:
 def clearance_words(proof: Proof) -> str:
     """How near a plan comes to anything: on its free ways, and on its straight ones."""
     straight = straight_bound(proof)
-    more = "" if straight is None else f", {_floor(max(straight, 0.0))} on straight ones"
-    return f"clear by {_floor(proof.clearance)} on free ways{more}"
+    more = "" if straight is None else f", {floored(max(straight, 0.0))} on straight ones"
+    return f"clear by {floored(proof.clearance)} on free ways{more}"
 
 
-def _floor(bound: float) -> str:
+def floored(bound: float) -> str:
+    """A distance [m] that is kept, rounded down: the same in a table as in a sentence."""
     return at_least(bound).removeprefix("at least ")
 
 
