@@ -14,6 +14,7 @@ STAGES = {
     "resolve": "straight ways",
     "route": "free ways",
     "prove": "proof",
+    "regrasp": "over a station",
     "row": "plans after it",
 }
 """What a stage of planning computes, for people."""
@@ -25,8 +26,10 @@ def plan_html(state: State) -> str:
     times = ", ".join(f"{STAGES.get(k, k)} {value * 1000:.0f} ms" for k, value in state.seconds)
     said = "".join(_plan_html(state, number) for number in range(len(row)))
     if len(row) > 1:
-        parts, seconds = sum(len(one.arms) for one in row), sum(one.cycle_seconds for one in row)
-        words = f"{len(row)} plans in a row, {counted(parts, 'part')}, {seconds:.1f} s in all"
+        # What goes over a station is taken twice.
+        parts = {part for plan in row for part in parts_taken(row[0], plan)}
+        seconds = sum(one.cycle_seconds for one in row)
+        words = f"{len(row)} plans in a row, {counted(len(parts), 'part')}, {seconds:.1f} s in all"
         said = f"<div><b>{escape(words)}</b></div>{said}"
     return f'<div class="wb-pad">{said}<div class="wb-small">Computed: {escape(times)}</div></div>'
 
