@@ -10,16 +10,18 @@ from pathlib import Path
 
 import numpy as np
 from hands import Camera, field, first_look, settle
-from page_stories import cycle, fault, plan
+from page_stories import cycle, fault, plan, show_time
 from picture_tools import ROOT, SIZE, Desk, desk, save, settled, window
 from playwright.sync_api import Browser
 
 from workbench.app.core.commands import ReportPick, UseScan
 from workbench.app.review.history import History
 from workbench.cli.serving.demo import Cycle
+from workbench.formats.cells.reading import read_cell
 from workbench.gui.cell.panel import GIZMO
 from workbench.gui.page.server import serve
 from workbench.gui.scene.stage import T_WORLD_STAGE, view_of
+from workbench.gui.shared.playback import OVER, timeline
 from workbench.gui.shared.things import BIN, moved
 from workbench.journal.journal import Journal
 from workbench.model.cell import Cell
@@ -34,6 +36,10 @@ SIDE = math.radians(-100)
 
 ROW_SEED = 6
 """Of a pile of four parts that lie apart."""
+
+REGRASP = "robots/yumi/regrasp.toml"
+STATION_SEED = 3
+"""Of a pile of two parts, one of which goes from one arm over the post to the other."""
 
 CYCLES = 6
 MOMENT = 30
@@ -222,6 +228,27 @@ def with_rows(now: Cell) -> Cell:
     return replace(now, arms=arms, policy=replace(now.policy, pair_gap=0.01, picks=3))
 
 
+def station(chrome: Browser, folder: Path) -> None:
+    """A part that goes over a station, as the other arm is about to take it."""
+    with desk(chrome, folder, speed=20, changed=lambda _: read_cell(REGRASP)) as at:
+        screen = at.screen
+        for label, value in (("Parts", 2), ("Seed", STATION_SEED)):
+            box = field(screen, label)
+            box.fill(str(value))
+            box.press("Tab")
+            at.page.wait_for_timeout(300)
+        screen.press("Scan")
+        at.reach("scanned")
+        screen.press("Find parts")
+        at.reach("localized")
+        plan(at)
+        screen.tab("Plan")
+        taken = next(run for run in timeline(*at.bench.state.plans) if run.words == OVER)
+        show_time(at, taken.end)
+        at.page.mouse.move(400, 780)
+        at.shoot("station")
+
+
 def emptying(chrome: Browser, folder: Path) -> None:
     """Piles emptied in simulation, and the film of one of them, half way."""
     with desk(chrome, folder, speed=20) as at:
@@ -264,6 +291,7 @@ STORIES: dict[str, Callable[[Browser, Path], None]] = {
     "calibration": calibration,
     "bin_moved": bin_moved,
     "row": row,
+    "station": station,
     "statistics": statistics,
     "emptying": emptying,
     "plots": plots,

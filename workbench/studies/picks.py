@@ -20,7 +20,11 @@ from workbench.planning.planners.clock import working_time
 from workbench.plugins.progress import Report, silent
 from workbench.studies.cases import percentiles
 
-OVER_STATION = "ok over a station"
+REGRASPED, HANDED_OVER = "ok over a station (regrasp)", "ok over a station (hand over)"
+"""Of parts that the same arm takes anew from a station, and that the other one does."""
+
+SAID = "over a station: "
+"""What comes before the words for why a part cannot go over one."""
 
 STAGES = ("propose", "resolve", "route", "prove")
 
@@ -105,20 +109,19 @@ def with_stations(
     """
     scene = Scene("study", pile)
     for number, fate in enumerate(fates):
+        if fate != Reason.NO_PLACE:
+            yield fate
+            continue
         others = {other: "not asked" for other in range(len(pile)) if other != number}
-        if (
-            fate == Reason.NO_PLACE
-            and regrasped(
-                cell,
-                scene,
-                replace(result, plan=None, proof=None, row=()),
-                avoided=others,
-                seed=seed,
-                overrides=overrides,
-            ).row
-        ):
-            fate = OVER_STATION
-        yield fate
+        alone = replace(result, plan=None, proof=None, row=())
+        over = regrasped(cell, scene, alone, avoided=others, seed=seed, overrides=overrides)
+        if len({one.arm for plan in over.plans for one in plan.arms}) > 1:
+            yield HANDED_OVER
+        elif over.row:
+            yield REGRASPED
+        else:
+            words = over.verdict.note.rpartition(SAID)[2]
+            yield f"{fate}: {words}" if SAID in over.verdict.note else fate
 
 
 def rows(measured: dict[str, Any]) -> list[dict[str, Any]]:

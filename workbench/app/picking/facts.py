@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
+import pinocchio as pin
 
 from workbench.app.core.commands import Command, GoOn, LinkEnded, MakePlan, TryEmptying
 from workbench.app.core.state import State
@@ -12,11 +13,13 @@ from workbench.app.picking.pile_check import check_pile, with_kinds
 from workbench.model.calibration import BinCheck
 from workbench.model.cell import Bin, Cell
 from workbench.model.errors import CommandRefused, InputError
-from workbench.model.plan import Plan, Proof, Proven
+from workbench.model.plan import ArmPlan, Plan, Proof, Proven
 from workbench.model.scan import Detection, Scan
 from workbench.perception.scene.bin_check import check_bin
 from workbench.planning.kinematics.robot import Kinematics
 from workbench.plugins.planner import planner_named
+from workbench.proof.places.standing import standing_after
+from workbench.proof.robot import tree_of
 from workbench.proof.spot import Spot, spot_of
 
 
@@ -59,6 +62,18 @@ def with_facts(state: State, command: Command) -> Command:
     return command
 
 
+# The robot is built for it, and a film asks at every drawing.
+@functools.lru_cache(maxsize=16)
+def stands_on_station(cell: Cell, plan: Plan, one: ArmPlan) -> pin.SE3 | None:
+    """`T_world_part` of a part once an arm of a plan has let go of it over its station.
+
+    None where the arm puts it on none, or on one that the cell does not have any more.
+    """
+    if one.station not in [station.name for station in cell.stations]:
+        return None
+    return standing_after(cell, tree_of(cell), plan, one).T_world_part
+
+
 def check_installed(state: State, command: Command) -> None:
     """Look whether what a command needs is there: a planner that can be loaded, room for a pile.
 
@@ -83,14 +98,17 @@ def check_installed(state: State, command: Command) -> None:
 def put_down(cell: Cell, plan: Plan) -> tuple[Detection, ...]:
     """The parts of a plan where its arms put them, as far as they stay there.
 
-    Those are at places that keep them, and on stations until a later plan takes them.
+    Those are at places that keep them, and on stations, where they stand until a later plan takes
+    them.
     """
     kinematics = Kinematics(cell)
     placed: list[Detection] = []
     for one in plan.arms:
         arm, found = cell.arm(one.arm), plan.detections[one.detection]
         if arm.keeps_parts or one.station:
-            T = kinematics.tcp_pose(arm, np.asarray(one.leg("place").q[-1])) * one.T_tcp_part
+            T = stands_on_station(cell, plan, one)
+            if T is None:
+                T = kinematics.tcp_pose(arm, np.asarray(one.leg("place").q[-1])) * one.T_tcp_part
             # A roll that the scan did not show is not known on the pallet, either.
             kept = Detection(found.part, T, roll_known=found.roll_known, roll_axis=found.roll_axis)
             placed.append(kept)

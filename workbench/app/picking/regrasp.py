@@ -1,6 +1,7 @@
 """A part that no grasp brings to its place, put on a station and taken anew from there."""
 
-from collections.abc import Mapping
+from collections import Counter
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -71,9 +72,11 @@ def regrasped(
         told = _within(report, count / len(numbers), (count + 1) / len(numbers))
         if kind not in stands:
             stands[kind] = search.stands(kind, told)
-        pairs = search.pairs(number, stands[kind], told) if stands[kind] else []
-        if stands[kind]:
-            words = "the station cannot be reached with any grasp that takes it from the bin"
+        refusals: list[Verdict] = []
+        pairs = search.pairs(number, stands[kind], refusals, told)
+        if stands[kind] and not pairs:
+            reason = _why_not(refusals) if working_time() < search.until else Reason.OUT_OF_TIME
+            words = f"no grasp brings it from the bin onto one: {reason}"
         for stand in pairs[:MOST_PLANNED]:
             told(0.8, "planning over a station")
             row, words = _planned(cell, scene, number, stand, policy, picks)
@@ -100,6 +103,15 @@ def _that_have_no_place(scene: Scene, refused: PlanResult, avoided: Mapping[int,
         for number in dict.fromkeys(numbers)
         if number not in avoided and scene.detections[number].roll_known
     ]
+
+
+def _why_not(refusals: Sequence[Verdict]) -> Reason:
+    """What keeps a part from a station that every grasp was tried for, on all ways to stand there.
+
+    Whether it can be put down is asked first: what is said of grasps by which it can counts more.
+    """
+    later = Counter(one.reason for one in refusals if one.reason is not Reason.NO_PLACE)
+    return later.most_common(1)[0][0] if later else Reason.NO_PLACE
 
 
 def _planned(

@@ -98,17 +98,20 @@ class Search:
             return "is out of reach of every arm"
         return "is where no grasp takes a part from to a place"
 
-    def pairs(self, number: int, stands: list[Stand], report: Report) -> list[Stand]:
+    def pairs(
+        self, number: int, stands: list[Stand], refusals: list[Verdict], report: Report
+    ) -> list[Stand]:
         """Those of some ways to stand into which a part found can be brought, soonest done first.
 
-        Their time is that of both picks.  `MOST_PAIRS` of them are enough.
+        Their time is that of both picks.  `MOST_PAIRS` of them are enough.  What is said of picks
+        that do not work is added to `refusals`.
         """
         found: list[Stand] = []
         for count, stand in enumerate(stands):
             report(0.5 + 0.3 * count / len(stands), f"way to a station {count + 1}")
             at = cell_with(self.cell, self.scene.detections[number].part, stand, self.policy)
             world = World(at, self.scene.detections, self.scene.obstacles, self.policy)
-            picks = list(self._picks(world, number, []))
+            picks = list(self._picks(world, number, refusals))
             if picks:
                 seconds = stand.seconds + min(one.seconds for one in picks)
                 found.append(replace(stand, seconds=seconds))

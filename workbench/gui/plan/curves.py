@@ -6,22 +6,25 @@ from html import escape
 import numpy as np
 
 from workbench.gui.shared.colours import JOINTS, arm_colour
-from workbench.gui.shared.playback import Run, arm_path
+from workbench.gui.shared.playback import AGAIN, ON_STATION, OVER, Run, arm_path
 from workbench.gui.shared.plots import Curve, Plot
 from workbench.model.cell import Arm, Cell
 from workbench.model.geometry import Floats
-from workbench.model.plan import LegName, Proof
+from workbench.model.plan import Proof
 from workbench.proof.stages import STRAIGHT
 
-LEGS: Mapping[LegName, str] = {
+LEGS: Mapping[str, str] = {
     "reach": "#4dabf7",
     "approach": "#1c7ed6",
     "extract": "#f08c00",
     "return": "#ffa94d",
     "place": "#e8590c",
+    ON_STATION: "#862e9c",
+    AGAIN: "#cc5de8",
+    OVER: "#cc5de8",
     "home": "#adb5bd",
 }
-"""Blue on the way to the part, orange with it, grey home."""
+"""Blue on the way to the part, orange with it, violet over a station, grey home."""
 
 INSTANT = 1e-6
 """Too short to see [s]: sets the two sides of a step apart."""
@@ -39,7 +42,7 @@ def lanes_html(cell: Cell, runs: tuple[Run, ...], seconds: float) -> str:
             f'<div class="wb-lane"><span class="wb-lane-name">{escape(arm.name)}</span>'
             f'<div class="wb-track">{blocks}<i class="wb-at"></i></div></div>'
         )
-    used = {run.leg.name for run in runs}
+    used = {run.words for run in runs}
     legend = "".join(
         f'<span class="wb-leg"><i style="background:{colour}"></i>{name}</span>'
         for name, colour in LEGS.items()
@@ -52,10 +55,10 @@ def lanes_html(cell: Cell, runs: tuple[Run, ...], seconds: float) -> str:
 def _block(run: Run, seconds: float) -> str:
     left, width = 100 * run.start / seconds, 100 * (run.end - run.start) / seconds
     held = ", part in hand" if run.leg.holding else ""
-    tip = f"{run.leg.name}: {run.start:.2f} s to {run.end:.2f} s, {run.leg.motion}{held}"
+    tip = f"{run.words}: {run.start:.2f} s to {run.end:.2f} s, {run.leg.motion}{held}"
     return (
         f'<div class="wb-block" title="{escape(tip)}" style="left:{left:.3f}%;'
-        f'width:{width:.3f}%;background:{LEGS[run.leg.name]}"></div>'
+        f'width:{width:.3f}%;background:{LEGS[run.words]}"></div>'
     )
 
 
@@ -69,7 +72,7 @@ def now_html(time: float, seconds: float, doing: str) -> str:
 
 def doing(runs: tuple[Run, ...], time: float) -> str:
     """Which legs are under way at `time` [s]."""
-    active = [f"{run.arm}: {run.leg.name}" for run in runs if run.start <= time < run.end]
+    active = [f"{run.arm}: {run.words}" for run in runs if run.start <= time < run.end]
     return ", ".join(active) or ("at the end" if runs and time > 0 else "at home")
 
 

@@ -14,6 +14,7 @@ STAGES = {
     "resolve": "straight ways",
     "route": "free ways",
     "prove": "proof",
+    "regrasp": "over a station",
     "row": "plans after it",
 }
 """What a stage of planning computes, for people."""

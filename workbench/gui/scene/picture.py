@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 
 import numpy as np
+import pinocchio as pin
 import viser
 
 from workbench.formats.meshes.triangles import triangles_of
@@ -10,9 +11,9 @@ from workbench.gui.scene.candidate import DrawnCandidates
 from workbench.gui.scene.cloud import PaintedCloud, avoided_red, in_short, painted_cloud
 from workbench.gui.scene.held import DrawnHeld
 from workbench.gui.scene.marks import add_lines, draw_reach, draw_rejected
-from workbench.gui.scene.meets import add_body
 from workbench.gui.scene.robot import PLANNED, ROBOT, ROBOT_CHECKED, DrawnRobot, place
 from workbench.gui.scene.searches import draw_search
+from workbench.gui.scene.stations import DrawnBeside
 from workbench.gui.scene.surroundings import (
     add_light,
     add_surroundings,
@@ -23,7 +24,6 @@ from workbench.gui.scene.surroundings import (
 )
 from workbench.gui.shared.colours import (
     AVOIDED,
-    BESIDE_BIN,
     CHECKED,
     PLANNED_ROBOT,
     arm_colour,
@@ -73,6 +73,7 @@ class Scene:
         self._most_points = most_points
         self._planned_is_solid = planned_is_solid
         self._parts: list[viser.FrameHandle] = []
+        self._Ts_world_part: tuple[pin.SE3, ...] = ()
         self._rejected: tuple[RejectedHypothesis, ...] = ()
         self._cloud: PaintedCloud | None = None
         aim_camera(server, cell)
@@ -98,6 +99,7 @@ class Scene:
         )
         self._candidates = DrawnCandidates(scene, cell, self._kinematics)
         self._held = DrawnHeld(scene)
+        self._beside = DrawnBeside(scene)
 
     def _use(self, cell: Cell) -> bool:
         """Go on with another cell; whether everything has to be drawn anew."""
@@ -135,8 +137,6 @@ class Scene:
             self._draw_scan(state.obstacles, state.detections or ())
         if are_other_obstacles:
             self._draw_obstacles(state.obstacles)
-        if before is None or before.placed is not state.placed:
-            self._draw_placed(state.placed)
         if is_other_plan:
             self._draw_paths(new.runs)
         is_other_time = (
@@ -166,6 +166,7 @@ class Scene:
             self._rejected = shown
         if is_other_plan or are_other_parts or is_other_time or are_other_shapes or is_elsewhere:
             self._pose(new)
+        self._beside.draw(new, self._Ts_world_part)
         self._candidates.draw(old, new)
 
     def _painted(
@@ -223,12 +224,6 @@ class Scene:
                 opacity=0.35,
             )
             place(box, obstacle.T_world_box)
-
-    def _draw_placed(self, placed: tuple[Detection, ...]) -> None:
-        self._scene.remove_by_name("/placed")
-        for number, one in enumerate(placed):
-            mesh = self._cell.part(one.part).mesh
-            add_body(self._scene, f"/placed/{number}", mesh, one.T_world_part, BESIDE_BIN)
 
     def _add_parts(self, detections: tuple[Detection, ...]) -> None:
         for node in self._parts:
@@ -294,6 +289,7 @@ class Scene:
             poses = part_poses(self._cell, self._kinematics, row, view.runs, view.look.time)
         else:
             poses = tuple(detection.T_world_part for detection in detections)
+        self._Ts_world_part = poses
         for node, T in zip(self._parts, poses, strict=True):
             place(node, T)
 

@@ -69,6 +69,9 @@ PARTS = ("#f59f00", "#12b886", "#5c7cfa", "#ff6b6b", "#9775fa", "#94d82d", "#22b
 HEIGHTS = ((62, 74, 137), (38, 130, 142), (80, 180, 120), (250, 205, 70))
 """Of scanned points from the bin's floor to its rim."""
 
+STATION = (151, 117, 250)
+"""Of the surfaces on which parts stand to be taken anew."""
+
 BESIDE_BIN = (190, 196, 204)
 SKY = ("#d3deea", "#f8fafc")
 NIGHT_SKY = ("#141a22", "#333d4a")

@@ -6,10 +6,12 @@ from dataclasses import dataclass
 import numpy as np
 import pinocchio as pin
 
+from workbench.app.picking.facts import stands_on_station
 from workbench.model.cell import Arm, Cell
 from workbench.model.geometry import Floats
-from workbench.model.plan import Leg, Plan, parts_taken
+from workbench.model.plan import ArmPlan, Leg, Plan, parts_taken
 from workbench.planning.kinematics.robot import Kinematics
+from workbench.proof.stages import STRAIGHT
 
 AHEAD = 2.0
 """How far ahead on the plan's clock the robot is looked for [s]."""
@@ -23,12 +25,17 @@ NEAR = 0.05
 NOWHERE = 0.3
 """The robot is elsewhere [rad]."""
 
+ON_STATION, AGAIN, OVER = "put on station", "regrasp", "hand over"
+"""What legs are called by which a part comes to a station, and by which the same arm, or the other
+one, takes it anew from there."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Run:
     """One leg of one arm on the clock of a plan, or of a row; `start`, `end` [s].
 
-    `plan` is the place of its plan in the row.
+    `plan` is the place of its plan in the row, `does` what people call the leg there; empty: by its
+    name.
     """
 
     arm: str
@@ -36,6 +43,12 @@ class Run:
     start: float
     end: float
     plan: int = 0
+    does: str = ""
+
+    @property
+    def words(self) -> str:
+        """What the leg is called on the page."""
+        return self.does or self.leg.name
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -60,10 +73,26 @@ def timeline(*row: Plan) -> tuple[Run, ...]:
     clock = 0.0
     for place, plan in enumerate(row):
         for step in plan.sequence:
-            legs = [(arm, plan.arm(arm).leg(name)) for arm, name in step.runs]
-            runs += [Run(arm, leg, clock, clock + leg.seconds, place) for arm, leg in legs]
+            legs = [(plan.arm(arm), plan.arm(arm).leg(name)) for arm, name in step.runs]
+            for one, leg in legs:
+                does = _does(row, place, one, leg)
+                runs.append(Run(one.arm, leg, clock, clock + leg.seconds, place, does))
             clock += max((leg.seconds for _, leg in legs), default=0.0)
     return tuple(runs)
+
+
+def _does(row: Sequence[Plan], place: int, one: ArmPlan, leg: Leg) -> str:
+    """What a leg does with a part that goes over a station; empty where that is nothing special.
+
+    Straight to the part on the station and straight up with it is one thing for people.
+    """
+    if one.station:
+        return ON_STATION if leg.name == "place" else ""
+    stands = row[place].detections[one.detection].T_world_found is not None
+    if not stands or leg.name not in STRAIGHT:
+        return ""
+    before = [other.arm for other in row[place - 1].arms if other.station] if place else [one.arm]
+    return AGAIN if one.arm in before else OVER
 
 
 def moments(cell: Cell, runs: tuple[Run, ...], time: float) -> dict[str, Moment]:
@@ -156,7 +185,7 @@ def part_poses(
     """`T_world_part` of every detection of the first plan of a row at `time` [s].
 
     A part lies where it was found until its arm extracts it, then moves with the hand, and
-    stays where the hand left it.
+    stays where the hand left it; one that was put on a station stands there.
     """
     poses = [detection.T_world_part for detection in row[0].detections]
     for place, plan in enumerate(row):
@@ -172,6 +201,8 @@ def part_poses(
                 arm, run = cell.arm(arm_plan.arm), carried[-1]
                 q = interpolated(run.leg.q, run.leg.t, min(time, run.end) - run.start)
                 poses[number] = kinematics.tcp_pose(arm, q) * arm_plan.T_tcp_part
+                if arm_plan.station and run.leg.name == "place" and time >= run.end:
+                    poses[number] = stands_on_station(cell, plan, arm_plan) or poses[number]
     return tuple(poses)
 
 

@@ -1,0 +1,101 @@
+"""Stations of a cell, and the parts that stand beside the bin: on them, and at places."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import pinocchio as pin
+import viser
+
+from workbench.app.core.state import Phase
+from workbench.app.picking.facts import stands_on_station
+from workbench.gui.scene.marks import add_lines
+from workbench.gui.scene.meets import add_body
+from workbench.gui.scene.robot import place
+from workbench.gui.shared.colours import BESIDE_BIN, STATION
+from workbench.gui.shared.look import View
+from workbench.model.cell import Cell
+from workbench.model.geometry import Floats, frozen
+from workbench.model.part import Station
+from workbench.model.scan import Detection
+
+ABOVE = 0.0003
+"""[m] A mark lies so much above the surface that it marks."""
+
+SAME = 0.001
+"""[m] Parts no farther apart are one and the same."""
+
+
+def add_stations(scene: viser.SceneApi, cell: Cell) -> None:
+    """The level surfaces on which parts may stand for a moment, each with its name."""
+    for station in cell.stations:
+        name = f"/stations/{station.name}"
+        place(scene.add_frame(name, show_axes=False), cell.T_world_station(station))
+        length, width = station.size
+        scene.add_box(
+            f"{name}/surface",
+            STATION,
+            dimensions=(length, width, ABOVE),
+            opacity=0.5,
+            position=(0.0, 0.0, ABOVE / 2),
+        )
+        add_lines(scene, f"{name}/edge", edge_of(station), STATION, 2.5)
+        scene.add_label(
+            f"{name}/label",
+            f"station {station.name}",
+            font_screen_scale=0.8,
+            anchor="top-center",
+            position=(0.0, 0.0, -0.02),
+        )
+
+
+def edge_of(station: Station) -> Floats:
+    """The border of a station's surface as lines (4, 2, 3) [m] in its own frame."""
+    half = np.asarray(station.size) / 2
+    corners = np.array([[x, y] for x, y in ((1, 1), (-1, 1), (-1, -1), (1, -1))]) * half
+    points = np.column_stack([corners, np.full(4, 2 * ABOVE)])
+    return frozen(np.stack([points, np.roll(points, -1, axis=0)], axis=1))
+
+
+class DrawnBeside:
+    """Parts that were put down and stay, as far as no part of the plan is drawn for them.
+
+    Concurrency: the renderer's thread.
+    """
+
+    def __init__(self, scene: viser.SceneApi):
+        """None is drawn yet."""
+        self._scene = scene
+        self._drawn: tuple[Detection, ...] = ()
+
+    def draw(self, view: View, Ts_world_part: Sequence[pin.SE3]) -> None:
+        """Show what stands beside the bin; `Ts_world_part` are the poses of the plan's parts.
+
+        No part is shown twice: on a station it is the one of the plan that comes and goes there.
+        After a fault nobody knows where that is, and it may stand on the station as well.
+        """
+        shown = tuple(one for one in view.state.placed if not _is_shown(view, one, Ts_world_part))
+        if shown == self._drawn:
+            return
+        self._scene.remove_by_name("/placed")
+        for number, one in enumerate(shown):
+            mesh = view.state.cell.part(one.part).mesh
+            add_body(self._scene, f"/placed/{number}", mesh, one.T_world_part, BESIDE_BIN)
+        self._drawn = shown
+
+
+def _is_shown(view: View, one: Detection, Ts_world_part: Sequence[pin.SE3]) -> bool:
+    """Whether what stands beside the bin is a part that the film of the plan has to show."""
+    state = view.state
+    stand = [
+        T
+        for plan in state.plans
+        for arm in plan.arms
+        if (T := stands_on_station(state.cell, plan, arm)) is not None and _are_one(T, one)
+    ]
+    is_filmed = state.phase is Phase.SENDING or not view.look.follows
+    return bool(stand) and (is_filmed or any(_are_one(T, one) for T in Ts_world_part))
+
+
+def _are_one(T_world_part: pin.SE3, one: Detection) -> bool:
+    away = T_world_part.translation - one.T_world_part.translation
+    return float(np.linalg.norm(away)) < SAME
