@@ -28,7 +28,7 @@ from workbench.planning.picking.propose import propose
 from workbench.planning.picking.resolve import resolve
 from workbench.planning.picking.route import arm_plan
 from workbench.planning.picking.search import searched
-from workbench.planning.planners.clock import working_time
+from workbench.planning.planners.clock import processor_time
 
 MOTION = MotionModel("anything")
 
@@ -160,7 +160,7 @@ def test_a_search_that_takes_too_long_is_ended_with_a_verdict():
         policy,
         MOTION,
         rng,
-        working_time() + 0.05,
+        processor_time() + 0.05,
     )
     assert found.reason is Reason.OUT_OF_TIME
 

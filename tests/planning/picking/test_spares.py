@@ -13,7 +13,7 @@ from workbench.model.cell import Cell
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.part import GraspLibrary
 from workbench.model.scan import Detection
-from workbench.planning.planners.clock import working_time
+from workbench.planning.planners.clock import processor_time
 
 
 @pytest.fixture(scope="module")
@@ -133,7 +133,7 @@ def test_spares_do_not_take_the_time_of_a_plan_that_there_could_be(cell, monkeyp
         return propose(world, priorities=priorities)
 
     monkeypatch.setattr(pipeline, "propose", proposed)
-    monkeypatch.setattr(pipeline, "working_time", lambda: working_time() + gone[0])
+    monkeypatch.setattr(pipeline, "processor_time", lambda: processor_time() + gone[0])
     patient = right_first(cell)
     patient = replace(patient, policy=replace(patient.policy, seconds=1000.0))
     result = plan_pick(patient, (lying(cell, -0.1), lying(cell, 0.1)), "test")

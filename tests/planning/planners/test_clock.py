@@ -1,6 +1,7 @@
 """What is compiled or loaded is on nobody's clock."""
 
 import threading
+import time
 from dataclasses import replace
 from types import SimpleNamespace
 
@@ -12,7 +13,7 @@ from workbench.formats.cells.reading import read_cell
 from workbench.model.candidate import Reason
 from workbench.perception.simulation.piles import drop_parts
 from workbench.planning.planners import clock
-from workbench.planning.planners.clock import working_time
+from workbench.planning.planners.clock import processor_time, working_time
 
 LONG = 1000.0
 
@@ -24,7 +25,12 @@ class Wall:
         self.seconds = 5.0
         # What was spent on a wall that is none must not be known to other tests.
         monkeypatch.setattr(clock, "_spent", clock._Spent())
-        monkeypatch.setattr(clock, "time", SimpleNamespace(monotonic=lambda: self.seconds))
+        monkeypatch.setattr(
+            clock, "time", SimpleNamespace(monotonic=self.now, thread_time=self.now)
+        )
+
+    def now(self):
+        return self.seconds
 
     def compile(self):
         """As numba tells it: one function, and another that it calls."""
@@ -53,6 +59,19 @@ def test_the_working_time_goes_on_while_another_thread_compiles(wall):
     other.start()
     other.join()
     assert working_time() - before == pytest.approx(LONG)
+
+
+def test_the_processor_time_stands_still_while_something_is_compiled(wall):
+    before = processor_time()
+    wall.seconds += 1
+    wall.compile()
+    assert processor_time() - before == pytest.approx(1)
+
+
+def test_the_processor_time_stands_still_while_nothing_is_done():
+    before, began = processor_time(), working_time()
+    time.sleep(0.5)
+    assert processor_time() - before < (working_time() - began) / 2
 
 
 @pytest.mark.parametrize("is_compiling", [True, False])

@@ -16,7 +16,7 @@ from workbench.planning.picking.assign import BOTH, is_enough, planned
 from workbench.planning.picking.least_time import least_cycle
 from workbench.planning.picking.propose import propose
 from workbench.planning.picking.resolve import resolve
-from workbench.planning.planners.clock import working_time
+from workbench.planning.planners.clock import processor_time, working_time
 from workbench.plugins.progress import Cancelled, Report, never, silent
 from workbench.plugins.robot_link import misfit
 from workbench.proof.prove import prove
@@ -79,7 +79,8 @@ def plan_pick(
         seconds[stage], began = seconds[stage] + now - began, now
 
     world = World(cell, detections, obstacles, policy)
-    world.deadline, half = began + policy.seconds, began + policy.seconds / 2
+    now = processor_time()
+    world.deadline, half = now + policy.seconds, now + policy.seconds / 2
     threshold = cell.policy.threshold if threshold is None else threshold
     wanted = BOTH if strategy == "both" else (strategy,)
     looked = _Looked()
@@ -94,7 +95,7 @@ def plan_pick(
         within = _within(report, *share)
         _judge(world, _without(avoided, found), looked, seed, within, cancelled, until)
         lap("resolve")
-        is_last = number == len(levels) - 1 or working_time() > until
+        is_last = number == len(levels) - 1 or processor_time() > until
         if not is_last and not is_enough(world, looked.picks, strategy, threshold, avoided):
             continue
         results = []
@@ -232,7 +233,7 @@ def _judge(
     cancelled: Cancelled,
     until: float,
 ) -> None:
-    """Give every candidate its final verdict; after `until` [s] of working time: out of time."""
+    """Give every candidate its final verdict; after `until` [s] of processor time: out of time."""
     for number, candidate in enumerate(candidates):
         if cancelled():
             raise JobCancelled("planning was cancelled")
@@ -242,7 +243,7 @@ def _judge(
         verdict = candidate.verdict
         if verdict.is_ok:
             others = looked.working.setdefault((candidate.arm, candidate.detection), [])
-            if working_time() > until:
+            if processor_time() > until:
                 verdict = Verdict(Reason.OUT_OF_TIME, verdict.stage)
             elif _is_spare(candidate, others):
                 note = f"a spare: {others[0].grasp.name} works and goes first"

@@ -11,7 +11,7 @@ from workbench.model.candidate import Reason, Stage, Verdict
 from workbench.model.cell import Cell, PlanOverrides, Policy
 from workbench.model.plan import Plan, PlanResult, Proven
 from workbench.model.scan import Scene
-from workbench.planning.planners.clock import working_time
+from workbench.planning.planners.clock import processor_time, working_time
 from workbench.plugins.progress import Cancelled, Report, never, silent
 from workbench.proof.prove import prove, scene_after
 
@@ -63,7 +63,8 @@ def regrasped(
     if not arms or not numbers:
         return refused
     began, policy = working_time(), overrides.on(cell.policy)
-    search = Search(cell, scene, policy, arms, seed, began + policy.seconds, cancelled)
+    until = processor_time() + policy.seconds
+    search = Search(cell, scene, policy, arms, seed, until, cancelled)
     picks = dict(strategy=strategy, overrides=overrides, seed=seed, cancelled=cancelled, **asked)
     stands: dict[str, list[Stand]] = {}
     words = "no pose on a station from which it can be taken to a place"
@@ -75,7 +76,7 @@ def regrasped(
         refusals: list[Verdict] = []
         pairs = search.pairs(number, stands[kind], refusals, told)
         if stands[kind] and not pairs:
-            reason = _why_not(refusals) if working_time() < search.until else Reason.OUT_OF_TIME
+            reason = _why_not(refusals) if processor_time() < search.until else Reason.OUT_OF_TIME
             words = f"no grasp brings it from the bin onto one: {reason}"
         for stand in pairs[:MOST_PLANNED]:
             told(0.8, "planning over a station")

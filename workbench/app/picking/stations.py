@@ -17,7 +17,7 @@ from workbench.planning.collision.world import World
 from workbench.planning.grasps.resting import resting_poses
 from workbench.planning.picking.propose import propose
 from workbench.planning.picking.resolve import resolve
-from workbench.planning.planners.clock import working_time
+from workbench.planning.planners.clock import processor_time
 from workbench.plugins.progress import Cancelled, Report, never
 
 ABOVE = 0.0005
@@ -50,7 +50,7 @@ class Stand:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Search:
-    """What both halves of the search are asked with; `until` [s] of working time they give up."""
+    """What both halves of the search are asked with; `until` [s] of processor time they give up."""
 
     cell: Cell
     scene: Scene
@@ -125,7 +125,7 @@ class Search:
         for candidate in propose(world):
             if self.cancelled():
                 raise JobCancelled("planning was cancelled")
-            if working_time() > self.until or count == ENOUGH:
+            if processor_time() > self.until or count == ENOUGH:
                 return
             is_asked = candidate.detection == number and candidate.arm in self.arms
             if is_asked and candidate.verdict.is_ok:

@@ -40,7 +40,7 @@ class World:
 
     A whole configuration `q` (nq,) [rad, m] is in the order of `Kinematics`; pairs (k,) are indices
     into all pairs of bodies, those of the phase in `pairs`.  `deadline` [s], on the clock of
-    `working_time`, is when searches in it give up.  `surroundings` is what no arm carries.
+    `processor_time`, is when searches in it give up.  `surroundings` is what no arm carries.
 
     Lifetime: as long as cell and detections; `enter` changes what is attached, nothing is rebuilt.
     Concurrency: one thread at a time.

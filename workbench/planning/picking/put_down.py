@@ -22,7 +22,7 @@ from workbench.planning.kinematics.chain import is_solution
 from workbench.planning.kinematics.quickness import between, drawn, pace_of
 from workbench.planning.kinematics.straight import follow
 from workbench.planning.picking.leaving import comes_back
-from workbench.planning.planners.clock import working_time
+from workbench.planning.planners.clock import processor_time
 
 PLACE_LIFT = 0.05
 """[m] The last straight way down to the place."""
@@ -62,7 +62,7 @@ def ways_down(
     """
     starts = np.vstack([q_from, arm.home, (q_from + arm.home) / 2])
     for hands in _hands(world, arm, phase):
-        if working_time() > world.deadline:
+        if processor_time() > world.deadline:
             yield LATE
             return
         if isinstance(hands, Verdict):
@@ -195,7 +195,7 @@ def at_places(world: World, arm: Arm, phase: Phase, starts: Floats) -> AtPlaces:
         if isinstance(T_world_part, Verdict):
             roll = T_world_part
             continue
-        if working_time() > world.deadline:
+        if processor_time() > world.deadline:
             return AtPlaces([], LATE)
         ways += 1
         T_world_tcp = T_world_part * T_tcp_part.inverse()

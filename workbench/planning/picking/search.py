@@ -16,7 +16,7 @@ from workbench.planning.collision.sweeping.edges import Edges
 from workbench.planning.collision.world import World
 from workbench.planning.kinematics.quickness import Pace
 from workbench.planning.planners.asking import CompiledCheck
-from workbench.planning.planners.clock import working_time
+from workbench.planning.planners.clock import processor_time
 from workbench.planning.planners.ease import eased
 from workbench.planning.planners.shorten import merged, resampled, shortened, skipped
 from workbench.plugins.planner import EdgeCheck, Planner, planner_named
@@ -58,7 +58,7 @@ def searched(
 
     `before` (n,) is the waypoint from which the arm comes to the start: the corner there belongs to
     what is checked.  Without it the arm begins at the start.  `deadline` [s] on the clock of
-    `working_time` ends the search, in compiled code within some hundred edges.  `planner` takes
+    `processor_time` ends the search, in compiled code within some hundred edges.  `planner` takes
     the place of the policy's.
     `edges`, where they are known, answer for straight motions what `check` would.  By the `pace` of
     the joints the path is made quicker, where that is known.
@@ -145,7 +145,7 @@ def edge_check(
     """Whether one straight joint motion is clear, by a check of whole motions, or by `edges`."""
 
     def on_time() -> None:
-        if working_time() > deadline:
+        if processor_time() > deadline:
             raise _Late
 
     def is_clear(a: Floats, b: Floats) -> bool:

@@ -1,4 +1,4 @@
-"""The clock of deadlines and of what is measured: it stands still while something is compiled.
+"""The clocks of deadlines and of what is measured: both stand still while something is compiled.
 
 numba compiles a function at its first use on a machine, or loads it from disk at the first use
 in a process.  How long that takes says nothing of the work that waits for it.
@@ -18,12 +18,21 @@ def working_time() -> float:
     return time.monotonic() - _spent.seconds
 
 
+def processor_time() -> float:
+    """As `working_time`, but the processor time of this thread: what deadlines are told on.
+
+    What else the machine does must not decide whether a planning ends, and so what it finds.
+    """
+    return time.thread_time() - _spent.processor_seconds
+
+
 class _Spent(threading.local):
     """What this thread has spent; `depth` counts compilations within one another."""
 
     seconds = 0.0
+    processor_seconds = 0.0
     depth = 0
-    began = 0.0
+    began = (0.0, 0.0)
 
 
 class _Listener(event.Listener):
@@ -31,13 +40,15 @@ class _Listener(event.Listener):
 
     def on_start(self, event: event.Event) -> None:
         if _spent.depth == 0:
-            _spent.began = time.monotonic()
+            _spent.began = time.monotonic(), time.thread_time()
         _spent.depth += 1
 
     def on_end(self, event: event.Event) -> None:
         _spent.depth -= 1
         if _spent.depth == 0:
-            _spent.seconds += time.monotonic() - _spent.began
+            began, used = _spent.began
+            _spent.seconds += time.monotonic() - began
+            _spent.processor_seconds += time.thread_time() - used
 
 
 _spent = _Spent()
