@@ -244,9 +244,10 @@ class Policy:
     `speed` scales joint velocities.  `zone` is the largest corner rounding, as a fraction of
     the shorter neighbouring segment, where the controller rounds at all (`Cell.zone`).  `planner`
     searches the free legs, within `iterations` a call (`plugins.planner`); `birrt` is the thesis'
-    name for `rrtconnect`.  `seconds` [s] of processor time end a planning wherever it stands: a stop
-    against input that nobody foresaw, not a budget.  `order` says what is taken first: what takes the
-    least time, the highest, the best score, the nearest to the tool, the farthest from the walls,
+    name for `rrtconnect`.  `seconds` [s] of processor time end a planning wherever it stands: a
+    stop against input that nobody foresaw, not a budget.  `order` says which part is taken first:
+    which takes the least time, the highest, the best score, the nearest to the tool, the farthest
+    from walls,
     or by the thesis' rules (see `planning.picking.order`).
     `metric` weighs the joints in the planners' distance: each counts this fraction of the one
     before it, since the first joints move more of the arm.
