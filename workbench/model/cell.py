@@ -247,8 +247,7 @@ class Policy:
     name for `rrtconnect`.  `seconds` [s] of processor time end a planning wherever it stands: a
     stop against input that nobody foresaw, not a budget.  `order` says which part is taken first:
     which takes the least time, the highest, the best score, the nearest to the tool, the farthest
-    from walls,
-    or by the thesis' rules (see `planning.picking.order`).
+    from walls, or by the thesis' rules (see `planning.picking.order`).
     `metric` weighs the joints in the planners' distance: each counts this fraction of the one
     before it, since the first joints move more of the arm.
     `lifts` are ways to take a part out whose grasp says none, tried in this order until one is

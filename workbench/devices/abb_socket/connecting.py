@@ -7,7 +7,7 @@ from workbench.model.errors import LinkError
 
 CONNECT_SECONDS = 3.0
 
-AGAIN_SECONDS = (0.1, 0.3)
+AGAIN_SECONDS = (0.1, 0.3, 1.0)
 """A port that refuses is tried again after these: a program in RAPID that listens for one link at a
 time closes it between two of them."""
 
