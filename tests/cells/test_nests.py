@@ -51,10 +51,11 @@ def test_the_station_on_the_page_is_that_of_the_cell():
     assert said == {"position_mm": [0, 0, 0], **shipped["station"][0]}
 
 
-def test_the_cell_with_a_station_is_that_with_nests_but_for_where_parts_stand():
+def test_the_cell_with_a_station_is_that_with_nests_but_for_where_parts_stand_and_its_lifts():
     nests, cell = read_cell(NESTS), read_cell(NESTS.parent / "regrasp.toml")
     assert cell.parts[0].digest == nests.parts[0].digest and len(cell.stations) == 1
-    gap = cell.policy.pair_gap
-    assert gap > 0 and replace(nests.policy, pair_gap=gap) == cell.policy
+    gap, lifts = cell.policy.pair_gap, cell.policy.lifts
+    assert gap > 0 and lifts == read_cell(NESTS.parent / "full_bin.toml").policy.lifts
+    assert replace(nests.policy, pair_gap=gap, lifts=lifts) == cell.policy
     for one, other in zip(cell.arms, nests.arms, strict=True):
         assert (one.home == other.home).all() and one.joints == other.joints
