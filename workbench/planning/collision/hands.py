@@ -11,7 +11,7 @@ import coal
 import numpy as np
 import pinocchio as pin
 
-from workbench.model.cell import Arm
+from workbench.model.cell import Arm, Tool
 from workbench.model.geometry import Floats, Ints, Solid
 from workbench.model.part import Grasp
 from workbench.planning.collision.bodies import coal_shape, extent, tool_shapes
@@ -135,26 +135,74 @@ def cut_of(
 
     As in `Hands.cuts`.
     """
+    balls, boxes, solids = _balls_of(arm.tool), _boxes_of(pieces), tool_shapes(arm.tool)
+    R, p = T_part_tcp.rotation, T_part_tcp.translation
+    centres = (balls.centres + opening * balls.ways) @ R.T + p
+    offsets = np.einsum("nij,tnj->tni", boxes.Rs, centres[:, None] - boxes.centres)
+    gaps = np.maximum(np.abs(offsets) - boxes.halves, 0.0)
+    near = np.einsum("tni,tni->tn", gaps, gaps) < (balls.radii[:, None] + margin) ** 2
     request, result = coal.DistanceRequest(), coal.DistanceResult()
-    for number, tool in enumerate(tool_shapes(arm.tool)):
-        T = tool.at(arm.tool, T_part_tcp, opening)
-        transform = coal.Transform3s(T.rotation, T.translation)
-        for piece, solid in enumerate(pieces):
-            T_part_piece = solid.T_owner_shape
-            centre, half, _ = extent(solid.shape)
-            offset = T_part_piece.rotation.T @ (T.act(tool.centre) - T_part_piece.act(centre))
-            gap = np.linalg.norm(np.maximum(np.abs(offset) - half, 0.0)) - tool.radius
-            if gap >= margin:
-                continue
-            result.clear()
-            distance = coal.distance(
-                tool.geometry,
-                transform,
-                coal_shape(solid.shape),
-                coal.Transform3s(T_part_piece.rotation, T_part_piece.translation),
-                request,
-                result,
-            )
-            if distance < -press:
-                return number * len(pieces) + piece
+    at = -1
+    for number, piece in np.argwhere(near).tolist():
+        if number != at:
+            T = solids[number].at(arm.tool, T_part_tcp, opening)
+            transform, at = coal.Transform3s(T.rotation, T.translation), number
+        result.clear()
+        shape, T_part_piece = boxes.solids[piece]
+        distance = coal.distance(
+            solids[number].geometry, transform, shape, T_part_piece, request, result
+        )
+        if distance < -press:
+            return number * len(pieces) + piece
     return NOTHING
+
+
+class _Balls(NamedTuple):
+    """The balls around a tool's solids: `centres` (t, 3) [m] from its TCP while it is closed.
+
+    `ways` (t, 3) are what they move per opening, without unit; `radii` (t,) [m].
+    """
+
+    centres: Floats
+    ways: Floats
+    radii: Floats
+
+
+@lru_cache(maxsize=64)
+def _balls_of(tool: Tool) -> _Balls:
+    solids, T = tool_shapes(tool), tool.T_flange_tcp.inverse()
+    return _Balls(
+        np.array([T.act(one.T_flange_body.act(one.centre)) for one in solids]).reshape(-1, 3),
+        np.array([T.rotation @ one.direction / 2 for one in solids]).reshape(-1, 3),
+        np.array([one.radius for one in solids]),
+    )
+
+
+class _Boxes(NamedTuple):
+    """The boxes around a part's pieces, and these: `Rs` (n, 3, 3) turn into their frames.
+
+    `centres` (n, 3) [m] are seen from the part, `halves` (n, 3) [m] half their sizes; `solids`
+    are the pieces with their poses as Coal has them.
+    """
+
+    Rs: Floats
+    centres: Floats
+    halves: Floats
+    solids: tuple[tuple[coal.CollisionGeometry, coal.Transform3s], ...]
+
+
+@lru_cache(maxsize=256)
+def _boxes_of(pieces: tuple[Solid, ...]) -> _Boxes:
+    poses = [one.T_owner_shape for one in pieces]
+    extents = [extent(one.shape) for one in pieces]
+    return _Boxes(
+        np.array([T.rotation.T for T in poses]).reshape(-1, 3, 3),
+        np.array([T.act(centre) for T, (centre, _, _) in zip(poses, extents, strict=True)]).reshape(
+            -1, 3
+        ),
+        np.array([half for _, half, _ in extents]).reshape(-1, 3),
+        tuple(
+            (coal_shape(one.shape), coal.Transform3s(T.rotation, T.translation))
+            for one, T in zip(pieces, poses, strict=True)
+        ),
+    )
