@@ -201,20 +201,24 @@ def statistics(chrome: Browser, folder: Path) -> None:
         journal.close()
 
 
+def plan_pile(at: Desk, parts: int, seed: int) -> None:
+    """A pile of so many parts, scanned, found and planned."""
+    for label, value in (("Parts", parts), ("Seed", seed)):
+        box = field(at.screen, label)
+        box.fill(str(value))
+        box.press("Tab")
+        at.page.wait_for_timeout(300)
+    at.screen.press("Scan")
+    at.reach("scanned")
+    at.screen.press("Find parts")
+    at.reach("localized")
+    plan(at)
+
+
 def row(chrome: Browser, folder: Path) -> None:
     """Plans in a row for four parts that lie apart."""
     with desk(chrome, folder, speed=20, changed=with_rows) as at:
-        screen = at.screen
-        for label, value in (("Parts", 4), ("Seed", ROW_SEED)):
-            box = field(screen, label)
-            box.fill(str(value))
-            box.press("Tab")
-            at.page.wait_for_timeout(300)
-        screen.press("Scan")
-        at.reach("scanned")
-        screen.press("Find parts")
-        at.reach("localized")
-        plan(at)
+        plan_pile(at, 4, ROW_SEED)
         # What lets a robot move stays over the end of the tab: to the middle, not just into view.
         length = at.page.get_by_text("Length of the row:")
         length.evaluate("one => one.scrollIntoView({block: 'center'})")
@@ -231,18 +235,8 @@ def with_rows(now: Cell) -> Cell:
 def station(chrome: Browser, folder: Path) -> None:
     """A part that goes over a station, as the other arm is about to take it."""
     with desk(chrome, folder, speed=20, changed=lambda _: read_cell(REGRASP)) as at:
-        screen = at.screen
-        for label, value in (("Parts", 2), ("Seed", STATION_SEED)):
-            box = field(screen, label)
-            box.fill(str(value))
-            box.press("Tab")
-            at.page.wait_for_timeout(300)
-        screen.press("Scan")
-        at.reach("scanned")
-        screen.press("Find parts")
-        at.reach("localized")
-        plan(at)
-        screen.tab("Plan")
+        plan_pile(at, 2, STATION_SEED)
+        at.screen.tab("Plan")
         taken = next(run for run in timeline(*at.bench.state.plans) if run.words == OVER)
         show_time(at, taken.end)
         at.page.mouse.move(400, 780)

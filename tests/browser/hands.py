@@ -64,6 +64,13 @@ def field(screen, label: str):
     return row.locator("input:visible").last
 
 
+def typed(screen, label: str, value: object) -> None:
+    """Type a value into the input beside a label, and go on to the next one."""
+    one = field(screen, label)
+    one.fill(str(value))
+    one.press("Tab")
+
+
 def watch(screen, bench, wait) -> None:
     """Play the plan to its end, as soon as the page can: the last that is drawn of one is Play."""
     screen.wait_for("play it first")

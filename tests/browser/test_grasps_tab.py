@@ -205,7 +205,7 @@ def test_a_cad_file_becomes_a_part_that_gets_a_grasp(screen, bench, wait, own):
     with screen.page.expect_file_chooser() as chooser:
         screen.press("Choose a CAD file")
     chooser.value.set_files(file)
-    screen.wait_for("brick.stl, 0.00 MB")
+    screen.wait_for("brick.stl, 1 kB")
     screen.press("Make the part")
     wait(lambda: "brick" in [part.name for part in bench.state.cell.parts], "the part")
     screen.wait_for("No grasps yet")

@@ -6,7 +6,7 @@ from functools import partial
 
 import numpy as np
 import pytest
-from hands import field, watch
+from hands import field, settle, watch
 from playwright.sync_api import expect
 
 from workbench.app.core.commands import TakeScan, WantThreshold, WatchPlan
@@ -195,14 +195,14 @@ def test_what_the_rules_would_refuse_cannot_be_pressed(screen, reaches):
 
 
 def test_the_threshold_is_said_while_it_is_dragged_and_asked_for_once(
-    bench, monkeypatch, open_screen, reaches, tmp_path
+    bench, monkeypatch, open_screen, reaches, tmp_path, wait
 ):
     drags = []
 
     def patient(ask):
         # On a busy machine a hand rests that does not mean to.
-        drags.append(SliderDrag(ask, rest=1e4))
-        return drags[-1]
+        drags.append((SliderDrag(ask, rest=1e4), ask.__self__))
+        return drags[-1][0]
 
     monkeypatch.setattr(threshold, "SliderDrag", patient)
     screen = open_screen()
@@ -224,10 +224,12 @@ def test_the_threshold_is_said_while_it_is_dragged_and_asked_for_once(
     expect(decides).to_have_text("Alternated for these parts: 0 of 1 pair apart (141 mm)")
     screen.shoot("threshold")
     mouse.up()
-    assert bench.state.wanted_threshold == 0.123
-    drags[0].finish()
-    wanted = round(bench.state.wanted_threshold * 1000)
-    assert wanted > 141
+    settle(screen.page, 100)
+    wanted, (drag, told) = int(field(screen, "Threshold [mm]").input_value()), drags[0]
+    wait(lambda: round(told.metres * 1000) == wanted, "the last value, told after the hand let go")
+    assert bench.state.wanted_threshold == 0.123 and wanted > 141
+    drag.finish()
+    assert round(bench.state.wanted_threshold * 1000) == wanted
     for each in (screen, other):
         expect(field(each, "Threshold [mm]")).to_have_value(str(wanted))
     bench.close()

@@ -5,7 +5,7 @@ import re
 from dataclasses import replace
 
 import pytest
-from hands import field
+from hands import field, typed
 from patient import PATIENT
 from playwright.sync_api import expect
 from test_page import approve, watch
@@ -34,12 +34,6 @@ def bench(robot, tmp_path):
     bench = Bench(cell, Journal(tmp_path / "session"), effects=effects)
     yield bench
     bench.close()
-
-
-def typed(screen, label, value):
-    one = field(screen, label)
-    one.fill(str(value))
-    one.press("Tab")
 
 
 # The film waits for each drawing, which the processor makes here.

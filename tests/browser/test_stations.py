@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hands import field
+from hands import typed
 from patient import PATIENT
 from playwright.sync_api import expect
 from test_page import approve, watch
@@ -51,12 +51,6 @@ def url(served):
 def shown(served, name):
     """What all browsers see of that name; None where there is nothing."""
     return served._renderer._server.scene.get_handle_by_name(name)
-
-
-def typed(screen, label, value):
-    one = field(screen, label)
-    one.fill(str(value))
-    one.press("Tab")
 
 
 def is_drawn_at(served, time):

@@ -188,7 +188,9 @@ class FilmControls:
 
     def _go_to(self, time: float) -> None:
         film = self._visitor.own.now.film
-        self._is_echoed = film is not None and film.is_playing
+        if film is not None and film.is_playing:
+            # It stays owed until it is done: one moment that is typed may be heard twice.
+            self._is_echoed = True
         self._mine = time
         self._visitor.own.show(
             lambda showing: replace(
