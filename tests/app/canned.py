@@ -11,7 +11,7 @@ from workbench.app.core.commands import (
     LinkEnded,
 )
 from workbench.app.core.effects import Send, StartJob, StopSending
-from workbench.app.core.rights import ROBOT_LINK, WORKER
+from workbench.app.core.people import ROBOT_LINK, WORKER
 from workbench.app.picking.pipeline import plan_pick
 from workbench.app.picking.row import plan_row
 from workbench.app.runtime.live import Live

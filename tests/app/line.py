@@ -15,7 +15,8 @@ from workbench.app.core.commands import (
 )
 from workbench.app.core.decide import decide
 from workbench.app.core.effects import Effect
-from workbench.app.core.rights import RIGHTS, ROBOT_LINK, WORKER
+from workbench.app.core.people import ROBOT_LINK, WORKER
+from workbench.app.core.rights import RIGHTS
 from workbench.app.core.rules import allowed
 from workbench.app.core.state import State
 from workbench.model.errors import CommandRefused

@@ -7,7 +7,7 @@ import pytest
 from playwright.sync_api import expect
 
 from workbench.app.core.commands import FindParts, JobEnded, MakePlan, UseScan, WatchPlan
-from workbench.app.core.rights import NOBODY
+from workbench.app.core.people import NOBODY
 from workbench.app.picking.pipeline import plan_pick
 from workbench.formats.cells.reading import read_cell
 from workbench.gui.cycle.approval import row_of

@@ -8,7 +8,7 @@ import pytest
 from PIL import Image
 
 from workbench.app.core.commands import WatchPlan
-from workbench.app.core.rights import NOBODY
+from workbench.app.core.people import NOBODY
 from workbench.app.picking.facts import nearest_place
 from workbench.app.picking.proving import check
 from workbench.formats.plans.certificates import read_certificate

@@ -10,7 +10,7 @@ from hands import field, settle, watch
 from playwright.sync_api import expect
 
 from workbench.app.core.commands import TakeScan, WantThreshold, WatchPlan
-from workbench.app.core.rights import NOBODY
+from workbench.app.core.people import NOBODY
 from workbench.app.core.state import Phase
 from workbench.gui.cycle import threshold
 from workbench.gui.scene.slider_drag import SliderDrag

@@ -10,6 +10,7 @@ import tyro
 
 from workbench.cli.arguments import nested, part, studies, top
 from workbench.cli.exits import BAD_INPUT, FAILURE, INTERRUPTED, NO_LINK, OUTPUT_CLOSED
+from workbench.cli.loading import loading
 from workbench.model.errors import InputError, LinkError, WorkbenchError
 
 DESCRIPTION = """\
@@ -30,7 +31,8 @@ def main(args: Sequence[str] | None = None) -> int:
     Returns:
         The exit code; see `exits`.
     """
-    typed = parse(args)
+    with loading():
+        typed = parse(args)
     # Piles fall unseen: otherwise MuJoCo asks a process of its own which library opens windows.
     os.environ.setdefault("MUJOCO_GL", "disable")
     try:
@@ -129,7 +131,9 @@ def run(typed: top.Arguments) -> int:
     """Carry a command out and give its exit code; of nested ones the inner one is carried out."""
     command: object = typed if type(typed) in HOW else getattr(typed, "what", None)
     module, _, name = HOW[type(command)].partition(":")
-    return getattr(importlib.import_module(f"workbench.cli.{module}"), name)(command)
+    with loading():
+        carry_out = getattr(importlib.import_module(f"workbench.cli.{module}"), name)
+    return carry_out(command)
 
 
 def _complain(error: WorkbenchError, code: int) -> int:

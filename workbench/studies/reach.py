@@ -102,7 +102,7 @@ def _placed(cell: Cell, arm: Arm, number: int, part: Part, seed: int) -> PlacedP
     reached, away = 0, np.inf
     for grasp in grasps if right else ():
         outcomes: set[Outcome] = set()
-        for T_world_part, T_turn in product(right, grips(arm, grasp)):
+        for T_world_part, T_turn in product(right, grips(arm.tool, grasp)):
             T_tcp_part = (grasp.T_part_tcp * T_turn).inverse()
             held = {arm.name: (0, T_tcp_part)}
             world.enter(Phase(frozenset({arm.name}), {arm.name: grasp.grip}, held))

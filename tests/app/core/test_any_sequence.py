@@ -42,7 +42,7 @@ from workbench.app.core.commands import (
     WatchPlan,
 )
 from workbench.app.core.effects import Send, StartJob
-from workbench.app.core.rights import ROBOT_LINK, SESSION_START
+from workbench.app.core.people import ROBOT_LINK, SESSION_START
 from workbench.app.core.rules import staleness
 from workbench.app.core.state import Phase, State
 from workbench.model.digest import digest_of

@@ -22,7 +22,7 @@ from workbench.app.core.commands import (
 )
 from workbench.app.core.decide import decide
 from workbench.app.core.effects import UseCell, WriteCell
-from workbench.app.core.rights import CELL_FILE
+from workbench.app.core.people import CELL_FILE
 from workbench.app.core.rules import allowed
 from workbench.app.core.state import Phase, State
 from workbench.app.records.forms import large_arrays, restored

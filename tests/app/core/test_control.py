@@ -27,8 +27,8 @@ from workbench.app.core.commands import (
 )
 from workbench.app.core.control import MOST_ASKING, ControlCommand
 from workbench.app.core.decide import decide
-from workbench.app.core.people import Role
-from workbench.app.core.rights import FRONT_DOOR, MACHINES, POSES_FOLDER, RIGHTS, lacks_right
+from workbench.app.core.people import FRONT_DOOR, MACHINES, POSES_FOLDER, Role
+from workbench.app.core.rights import RIGHTS, lacks_right
 from workbench.app.core.rules import allowed
 from workbench.app.core.state import Phase, State
 from workbench.app.records.record import command_form, entry_of, entry_record

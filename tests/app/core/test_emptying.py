@@ -7,8 +7,8 @@ from line import Line, planned_line, refused
 
 from workbench.app.core.commands import CancelJob, JobEnded, TakeScan, TryEmptying
 from workbench.app.core.effects import Send, StartJob, StopJob
-from workbench.app.core.people import Role
-from workbench.app.core.rights import WORKER, lacks_right
+from workbench.app.core.people import WORKER, Role
+from workbench.app.core.rights import lacks_right
 from workbench.app.core.rules import allowed
 from workbench.app.core.state import Phase
 from workbench.app.core.value_checks import MOST_PARTS, MOST_PILES

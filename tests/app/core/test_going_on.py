@@ -22,7 +22,7 @@ from workbench.app.core.commands import (
     WatchPlan,
 )
 from workbench.app.core.effects import Send, StartJob
-from workbench.app.core.rights import FRONT_DOOR
+from workbench.app.core.people import FRONT_DOOR
 from workbench.app.core.state import Phase
 from workbench.app.picking.facts import check_installed
 from workbench.model.cell import PlanOverrides

@@ -9,7 +9,7 @@ from through import deepest, nearest
 
 from workbench.app.core.commands import EmptyPallets, Entry, LinkEnded
 from workbench.app.core.decide import decide
-from workbench.app.core.rights import ROBOT_LINK
+from workbench.app.core.people import ROBOT_LINK
 from workbench.app.core.rules import allowed
 from workbench.app.core.state import Phase, State
 from workbench.app.picking.facts import put_down, with_facts

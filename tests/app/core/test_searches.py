@@ -15,7 +15,7 @@ from workbench.app.core.commands import (
     UseDetections,
     UseScan,
 )
-from workbench.app.core.rights import WORKER
+from workbench.app.core.people import WORKER
 from workbench.app.picking.facts import bin_check_of
 from workbench.app.runtime.bench import Bench
 from workbench.journal.journal import Journal

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from workbench.app.core.commands import ChangeCell, JobEnded, SightPlate, UndoCell, UseObservations
-from workbench.app.core.rights import WORKER
+from workbench.app.core.people import WORKER
 from workbench.app.core.value_checks import MOST_OBSERVATIONS
 from workbench.app.picking.calibration import calibrated, moved_by, with_calibration
 from workbench.app.picking.held_plate import simulated_sight, suggested_poses

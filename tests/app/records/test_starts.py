@@ -16,8 +16,8 @@ from workbench.app.core.commands import (
     TakeScan,
     WatchPlan,
 )
-from workbench.app.core.people import Role
-from workbench.app.core.rights import SESSION_START, obstacle
+from workbench.app.core.people import SESSION_START, Role
+from workbench.app.core.rights import obstacle
 from workbench.app.core.state import Phase
 from workbench.app.provenance.gathering import inventory
 from workbench.app.records import starts

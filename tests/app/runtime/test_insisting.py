@@ -5,7 +5,7 @@ import threading
 
 import pytest
 
-from workbench.app.core.rights import WORKER
+from workbench.app.core.people import WORKER
 from workbench.app.runtime import insisting
 from workbench.app.runtime.insisting import insist
 from workbench.model.errors import CommandRefused, NotRecorded

@@ -11,7 +11,7 @@ from idle import Idle
 from waiting import PATIENCE
 
 from workbench.app.core.commands import CancelJob, ChangeCell, TakeScan, UseDetections
-from workbench.app.core.rights import POSES_FOLDER
+from workbench.app.core.people import POSES_FOLDER
 from workbench.app.core.rules import allowed
 from workbench.app.core.state import State
 from workbench.app.runtime.bench import Bench

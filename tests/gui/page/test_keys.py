@@ -18,7 +18,7 @@ from workbench.app.core.commands import (
     TakeScan,
     WatchPlan,
 )
-from workbench.app.core.rights import WORKER
+from workbench.app.core.people import WORKER
 from workbench.app.core.state import Phase
 from workbench.gui.page.server import serve
 from workbench.studies.load.raw_browser import unpacked

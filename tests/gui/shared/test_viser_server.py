@@ -15,8 +15,7 @@ from raw_browser import PROTOCOL, raw_browser
 from viser import _messages as messages
 from viser.infra._async_message_buffer import AsyncMessageBuffer
 
-from workbench.app.core.people import Person, Role
-from workbench.app.core.rights import NOBODY
+from workbench.app.core.people import NOBODY, Person, Role
 from workbench.gui.shared.viser_server import (
     Messages,
     close_viser,

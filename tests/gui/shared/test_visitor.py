@@ -6,8 +6,7 @@ import pytest
 
 import workbench.gui.shared.visitor
 from workbench.app.core.commands import MakePlan, SaveCell, TakeControl, TakeScan
-from workbench.app.core.people import Person, Role
-from workbench.app.core.rights import NOBODY
+from workbench.app.core.people import NOBODY, Person, Role
 from workbench.gui.shared.look import SharedLook
 from workbench.gui.shared.visitor import Visitor
 from workbench.model.errors import CommandRefused

@@ -6,6 +6,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 import trimesh
+from drawn_shapes import spring as wound_wire
 from searching import localize
 
 from workbench.formats.cells.reading import read_cell
@@ -42,7 +43,14 @@ def elbow() -> tuple[list[trimesh.Trimesh], Symmetry]:
     return legs, Symmetry(np.array([1.0, 1.0, 0.0]) / np.sqrt(2), 2, (0.02, 0.02, 0.01))
 
 
-@pytest.mark.parametrize("make", [sphere, rod, cross, elbow], ids=lambda make: make.__name__)
+def spring() -> tuple[list[trimesh.Trimesh], Symmetry]:
+    """A screw about its axis moves all of it but its ends onto itself."""
+    return [wound_wire()], Symmetry(X, 2, (0, 0, 0.02))
+
+
+@pytest.mark.parametrize(
+    "make", [sphere, rod, cross, elbow, spring], ids=lambda make: make.__name__
+)
 def test_each_is_found_once_and_rightly(make):
     bodies, symmetry = make()
     whole = bodies[0] if len(bodies) == 1 else trimesh.boolean.union(bodies)

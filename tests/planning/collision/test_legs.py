@@ -19,10 +19,10 @@ from workbench.planning.picking.propose import propose
 from workbench.planning.picking.resolve import resolve
 
 
-def turns_of(arm, **free):
-    """Turns about z, tilts about y [rad] and moves along x [m] of the grips of an arm."""
+def turns_of(tool, **free):
+    """Turns about z, tilts about y [rad] and moves along x [m] of the grips of a hand."""
     grasp = Grasp("g", pin.SE3.Identity(), opening=0.02, grip=0.01, **free)
-    poses = grips(arm, grasp)
+    poses = grips(tool, grasp)
     return [
         (math.atan2(T.rotation[1, 0], T.rotation[1, 1]), math.asin(T.rotation[0, 2]), x)
         for T, x in ((T, float(T.translation[0])) for T in poses)
@@ -31,14 +31,14 @@ def turns_of(arm, **free):
 
 def test_two_fingers_can_change_places_and_a_sucker_cannot(cell):
     arm = cell.arms[0]
-    assert [abs(turn) for turn, _, _ in turns_of(arm)] == pytest.approx([0.0, math.pi])
-    sucker = replace(arm, tool=replace(arm.tool, fingers=()))
+    assert [abs(turn) for turn, _, _ in turns_of(arm.tool)] == pytest.approx([0.0, math.pi])
+    sucker = replace(arm.tool, fingers=())
     assert turns_of(sucker) == [(0.0, 0.0, 0.0)]
 
 
 @pytest.mark.parametrize("free", [0.1, math.radians(30), math.radians(100), math.pi])
 def test_free_rotation_is_covered_in_steps_both_ways(cell, free):
-    sucker = replace(cell.arms[0], tool=replace(cell.arms[0].tool, fingers=()))
+    sucker = replace(cell.arms[0].tool, fingers=())
     turns = [turn for turn, _, _ in turns_of(sucker, free_rotation=free)]
     assert turns[0] == 0.0
     assert max(turns) == pytest.approx(free)
@@ -46,7 +46,7 @@ def test_free_rotation_is_covered_in_steps_both_ways(cell, free):
 
 
 def test_tilt_and_slide_are_covered_in_steps_the_authored_pose_first(cell):
-    sucker = replace(cell.arms[0], tool=replace(cell.arms[0].tool, fingers=()))
+    sucker = replace(cell.arms[0].tool, fingers=())
     found = turns_of(sucker, tilt=0.4, slide=0.015)
     assert found[0] == (0.0, 0.0, 0.0)
     tilts, slides = (sorted({round(one[k], 9) for one in found}) for k in (1, 2))

@@ -18,7 +18,7 @@ from workbench.planning.collision.world import World
 
 def met_one_by_one(cell, check, arm, grasp, number, one, *, opening, turn):
     """What a hand meets in one of its ways, with the opening at which it does."""
-    T = one.T_world_part * grasp.T_part_tcp * grips(arm, grasp)[turn]
+    T = one.T_world_part * grasp.T_part_tcp * grips(arm.tool, grasp)[turn]
     wide = [(opening, 0.0)] if arm.tool.fingers else []
     for opened, press in [*wide, (grasp.grip if arm.tool.fingers else 0.0, arm.tool.press)]:
         met = check.contact(arm, T, opened, number, press)
@@ -28,8 +28,8 @@ def met_one_by_one(cell, check, arm, grasp, number, one, *, opening, turn):
 
 
 def ways_of(cell, arm, grasp):
-    for opening in openings(arm, grasp, cell.policy.least_air):
-        for turn in range(len(grips(arm, grasp))):
+    for opening in openings(arm.tool, grasp, cell.policy.least_air):
+        for turn in range(len(grips(arm.tool, grasp))):
             yield opening, turn
 
 

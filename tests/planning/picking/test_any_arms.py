@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from three_arms import NAMES, write_cell
 
-from workbench.app.core.rules import strategies_of
+from workbench.app.core.value_checks import strategies_of
 from workbench.app.picking.pipeline import plan_pick
 from workbench.app.picking.proving import prove
 from workbench.formats.cells.reading import read_cell

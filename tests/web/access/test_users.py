@@ -5,8 +5,7 @@ from contextlib import closing
 
 import pytest
 
-from workbench.app.core.people import Person, Role
-from workbench.app.core.rights import NOBODY
+from workbench.app.core.people import NOBODY, Person, Role
 from workbench.model.errors import FileError, InputError
 from workbench.web.access import passwords
 from workbench.web.access.kept_users import add_users, checked_users, kept_users

@@ -12,8 +12,7 @@ import requests
 from waiting import PATIENCE
 
 from workbench.app.core.commands import JobEnded
-from workbench.app.core.people import Person, Role
-from workbench.app.core.rights import NOBODY, WORKER
+from workbench.app.core.people import NOBODY, WORKER, Person, Role
 from workbench.app.picking.proving import check
 from workbench.app.runtime.live import Live
 from workbench.app.runtime.worker import GettingReady

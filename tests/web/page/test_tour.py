@@ -5,8 +5,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from workbench.app.core.people import Person, Role
-from workbench.app.core.rights import NOBODY
+from workbench.app.core.people import NOBODY, Person, Role
 from workbench.app.core.state import Phase, State
 from workbench.formats.cells.reading import read_cell
 from workbench.web.page.bar import bar_words

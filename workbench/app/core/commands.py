@@ -113,7 +113,7 @@ class UseObservations:
 class MakePlan:
     """Judge all candidates, plan and prove.
 
-    `strategy`: one of `rules.strategies_of` the cell; `threshold` [m].
+    `strategy`: one of `value_checks.strategies_of` the cell; `threshold` [m].
     """
 
     strategy: str = "auto"

@@ -9,8 +9,7 @@ from workbench.app.core.commands import (
     ReleaseControl,
     TakeControl,
 )
-from workbench.app.core.people import Role
-from workbench.app.core.rights import MACHINES
+from workbench.app.core.people import MACHINES, Role
 from workbench.app.core.state import State
 
 ControlCommand = AskForControl | TakeControl | GiveControl | DenyControl | ReleaseControl

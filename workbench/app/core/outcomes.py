@@ -4,7 +4,7 @@ import math
 from dataclasses import replace
 
 from workbench.app.core.commands import LinkEnded, ReportPick
-from workbench.app.core.rights import ROBOT_LINK
+from workbench.app.core.people import ROBOT_LINK
 from workbench.app.core.state import Avoided, Outcome, Phase, State, counted
 from workbench.model.cell import Cell
 from workbench.model.plan import Plan, number_in, parts_taken

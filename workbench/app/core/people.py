@@ -1,7 +1,19 @@
-"""People: who asks for something, what they are there for, and their words about control."""
+"""People, and machines beside them: who asks for what, what they are there for, and control."""
 
 from dataclasses import dataclass
 from enum import StrEnum
+
+WORKER = "worker"
+ROBOT_LINK = "robot link"
+CELL_FILE = "cell file"
+POSES_FOLDER = "poses folder"
+FRONT_DOOR = "front door"
+SESSION_START = "session start"
+MACHINES = frozenset({WORKER, ROBOT_LINK, CELL_FILE, POSES_FOLDER, FRONT_DOOR, SESSION_START})
+"""Actors that are not people; only they report what happened, and they may do nothing else."""
+
+NOBODY = "operator"
+"""Who acts in a browser without a login; an approval always has a name of its own."""
 
 
 class Role(StrEnum):

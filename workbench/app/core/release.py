@@ -13,7 +13,8 @@ from functools import lru_cache
 import numpy as np
 
 from workbench.app.core.commands import Started
-from workbench.app.core.rights import NOBODY, changes_said
+from workbench.app.core.people import NOBODY
+from workbench.app.core.rights import changes_said
 from workbench.app.core.state import Phase, State, counted
 from workbench.model.cell import Arm, Cell
 from workbench.model.geometry import Floats

@@ -4,20 +4,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from workbench.app.core import commands
-from workbench.app.core.people import Role
+from workbench.app.core.people import FRONT_DOOR, MACHINES, POSES_FOLDER, Role
 from workbench.app.core.state import Phase, State
-
-WORKER = "worker"
-ROBOT_LINK = "robot link"
-CELL_FILE = "cell file"
-POSES_FOLDER = "poses folder"
-FRONT_DOOR = "front door"
-SESSION_START = "session start"
-MACHINES = frozenset({WORKER, ROBOT_LINK, CELL_FILE, POSES_FOLDER, FRONT_DOOR, SESSION_START})
-"""Actors that are not people; only they report what happened, and they may do nothing else."""
-
-NOBODY = "operator"
-"""Who acts in a browser without a login; an approval always has a name of its own."""
 
 MOST_SAID = 3
 """So many changes are told in a sentence; the page has the whole list."""

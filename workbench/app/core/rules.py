@@ -8,7 +8,7 @@ from workbench.app.core import commands
 from workbench.app.core.control import control_problem
 from workbench.app.core.outcomes import outcome_problem, step_problem
 from workbench.app.core.part_rules import check_edit, check_emptying, check_import, part_of
-from workbench.app.core.people import Role
+from workbench.app.core.people import MACHINES, NOBODY, Role
 from workbench.app.core.release import (
     changes_problem,
     is_same_person,
@@ -22,7 +22,7 @@ from workbench.app.core.release import (
     untold,
     unwatched,
 )
-from workbench.app.core.rights import MACHINES, NOBODY, RIGHTS, lacks_right, lacks_role, obstacle
+from workbench.app.core.rights import RIGHTS, lacks_right, lacks_role, obstacle
 from workbench.app.core.state import State
 from workbench.app.core.value_checks import (
     DETAIL,
@@ -38,6 +38,7 @@ from workbench.app.core.value_checks import (
     check_overrides,
     check_person,
     check_text,
+    strategies_of,
 )
 from workbench.model.cell import MOST_PICKS, Cell
 from workbench.model.digest import digest_of
@@ -46,19 +47,6 @@ from workbench.model.plan import UNSIGNED, Plan, Proof, Proven
 from workbench.model.release import AS_PLANNED, SLOWEST, Approval, Manner, Vote
 from workbench.model.scan import ALL_KINDS
 from workbench.plugins.robot_link import misfit
-
-
-def strategies_of(cell: Cell) -> tuple[str, ...]:
-    """What can be asked for in a cell: words, and its arms by name, each of which works alone.
-
-    `auto` takes what the controller can run; `both` plans with two arms one after the other and at
-    once, and compares.
-    """
-    arms = tuple(arm.name for arm in cell.arms)
-    if len(arms) < 2:
-        return ("auto", *arms)
-    return ("auto", "alternated", "coordinated", *arms, "both")
-
 
 NOT_REPORTED: Mapping[str, float] = MappingProxyType({})
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 
-from workbench.app.core.rights import MACHINES
+from workbench.app.core.people import MACHINES
 from workbench.model.cell import MOST_PICKS, ORDER_NAMES, Cell, PlanOverrides, picks_problem
 from workbench.model.errors import CommandRefused, InputError
 from workbench.model.geometry import Floats
@@ -29,6 +29,18 @@ MOST_OBSERVATIONS = 60
 MOST_ITERATIONS = 100_000
 LARGEST_MARGIN = 0.2
 """[m]"""
+
+
+def strategies_of(cell: Cell) -> tuple[str, ...]:
+    """What can be asked for in a cell: words, and its arms by name, each of which works alone.
+
+    `auto` takes what the controller can run; `both` plans with two arms one after the other and at
+    once, and compares.
+    """
+    arms = tuple(arm.name for arm in cell.arms)
+    if len(arms) < 2:
+        return ("auto", *arms)
+    return ("auto", "alternated", "coordinated", *arms, "both")
 
 
 def check_person(actor: str) -> None:

@@ -27,7 +27,7 @@ from workbench.app.core.commands import (
     WantThreshold,
     WatchPlan,
 )
-from workbench.app.core.rights import MACHINES
+from workbench.app.core.people import MACHINES
 from workbench.app.core.state import Phase, State, counted
 from workbench.model.plan import Plan, PlanResult, Proof
 from workbench.model.release import manner_words

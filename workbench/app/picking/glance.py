@@ -150,7 +150,7 @@ class _Reach:
         self._world, self._arm = world, arm
         self._chain: Chain = world.chains[arm.name]
         self._starts = starts_of(self._chain, arm, seed)
-        turned = (T * turn for T in arm.Ts_world_place for turn in hand_turns(arm))
+        turned = (T * turn for T in arm.Ts_world_place for turn in hand_turns(arm.tool))
         self._has_place = any(map(self._reaches, turned))
 
     def said(self, hands: Tried, n: int, number: int, k: int, grasp: Grasp) -> _Said:
@@ -186,8 +186,8 @@ class _Reach:
 
     def _hands(self, number: int, grasp: Grasp, T_world_tcp: pin.SE3) -> list[pin.SE3]:
         """Where the hand may be: as in `resolve`, of the same grips those that fit."""
-        fits = self._world.tool_check.free(self._arm, number, turns_of(self._arm, grasp))
-        every = [T_world_tcp * T for T in grips(self._arm, grasp)]
+        fits = self._world.tool_check.free(self._arm, number, turns_of(self._arm.tool, grasp))
+        every = [T_world_tcp * T for T in grips(self._arm.tool, grasp)]
         return [T for T, is_free in zip(every, fits, strict=True) if is_free] or every
 
     def _brings(self, number: int, T_world_tcp: pin.SE3) -> bool:

@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 
-from workbench.app.core.rules import strategies_of
+from workbench.app.core.value_checks import strategies_of
 from workbench.model.candidate import Candidate, Pick, Reason, Stage, Verdict
 from workbench.model.cell import Cell, PlanOverrides
 from workbench.model.errors import InputError, JobCancelled

@@ -17,8 +17,7 @@ from workbench.app.core.commands import (
     JobEnded,
     UseObservations,
 )
-from workbench.app.core.people import Role
-from workbench.app.core.rights import MACHINES
+from workbench.app.core.people import MACHINES, Role
 from workbench.app.core.state import State
 from workbench.app.records.forms import ReadFile, large_arrays, restored
 from workbench.model.calibration import PlateObservation

@@ -20,8 +20,7 @@ from workbench.app.core.commands import (
 )
 from workbench.app.core.decide import decide
 from workbench.app.core.effects import Effect, StopSending
-from workbench.app.core.people import Role
-from workbench.app.core.rights import MACHINES, ROBOT_LINK, SESSION_START, WORKER
+from workbench.app.core.people import MACHINES, ROBOT_LINK, SESSION_START, WORKER, Role
 from workbench.app.core.rules import NOT_REPORTED, allowed
 from workbench.app.core.state import Phase, State
 from workbench.app.picking.facts import check_installed, with_facts
@@ -138,7 +137,7 @@ class Bench:
 
         Args:
             command: what is asked for, or what a machine reports.
-            actor: the person's name, or one of `rights.MACHINES`.
+            actor: the person's name, or one of `people.MACHINES`.
             role: the person's; who works at this machine's own shell may do everything.
 
         Returns:

@@ -21,7 +21,7 @@ from workbench.app.core.effects import (
     UseCell,
     WriteCell,
 )
-from workbench.app.core.rights import CELL_FILE, WORKER
+from workbench.app.core.people import CELL_FILE, WORKER
 from workbench.app.emptying.film import Filmed
 from workbench.app.runtime.insisting import insist
 from workbench.app.runtime.jobs import WORK, Jobs

@@ -10,8 +10,8 @@ from dataclasses import dataclass, field, replace
 from typing import cast
 
 from workbench.app.core.commands import Command, LinkEnded, Sent
+from workbench.app.core.people import ROBOT_LINK
 from workbench.app.core.release import moved_away
-from workbench.app.core.rights import ROBOT_LINK
 from workbench.app.core.state import State
 from workbench.app.runtime.insisting import insist
 from workbench.model.cell import Cell

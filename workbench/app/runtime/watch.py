@@ -5,7 +5,7 @@ import threading
 from pathlib import Path
 
 from workbench.app.core.commands import CellRead
-from workbench.app.core.rights import CELL_FILE
+from workbench.app.core.people import CELL_FILE
 from workbench.app.runtime.bench import Bench
 from workbench.formats.cells.reading import part_folders, read_cell
 from workbench.formats.parts.saves import DRAFT, VERSIONS

@@ -6,7 +6,7 @@ import time
 from pathlib import Path
 
 from workbench.app.core.commands import Command, PosesRefused, UseDetections
-from workbench.app.core.rights import POSES_FOLDER
+from workbench.app.core.people import POSES_FOLDER
 from workbench.app.core.state import State, counted
 from workbench.app.core.value_checks import LONGEST_NAME
 from workbench.app.runtime.bench import Bench

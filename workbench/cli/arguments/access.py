@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from tyro.conf import Positional, subcommand
 
-from workbench.cli.arguments.names import Json, UserName, UsersFile
+from workbench.cli.arguments.names import Json, Maybe, UserName, UsersFile
 
 USERS = Path("sessions/users.sqlite")
 """Where users are kept unless told otherwise."""
@@ -95,7 +95,7 @@ class UserToken:
 class UserUnlock:
     """Let logins be tried again after too many have failed: of one name, or of everybody."""
 
-    name: Positional[str | None] = None
+    name: Positional[Maybe[str]] = None
     """Name that was tried too often; every name and address when not given."""
     users: UsersFile = USERS
 

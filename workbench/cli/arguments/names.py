@@ -4,21 +4,25 @@ Choices are repeated here because `--help` loads nothing heavy.
 """
 
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Optional, TypeVar
 
 from tyro.conf import arg
+
+T = TypeVar("T")
+Maybe = Optional[T]  # noqa: UP045
+"""That, or None. Written `T | None`, tyro takes a library of its own to see that None is one."""
 
 OrderName = Literal["travel", "highest", "score", "nearest", "walls", "thesis"]
 
 Json = Annotated[bool, arg(help="Print one JSON object and nothing else.")]
 CellName = Annotated[str, arg(help="Name under robots/, or path of a cell.toml.")]
 CellOfPlan = Annotated[
-    str | None,
+    Maybe[str],
     arg(help="Name under robots/, or path of a cell.toml; the name in the plan when not given."),
 ]
 PartName = Annotated[str, arg(help="Name under parts/, or path of a part's folder.")]
 PartOfPoses = Annotated[
-    str | None,
+    Maybe[str],
     arg(help="What the poses of a HALCON file are of, when the cell has several parts."),
 ]
 Seed = Annotated[int, arg(help="Seed of everything random.")]

@@ -12,6 +12,7 @@ from workbench.cli.arguments.names import (
     FirstSeed,
     Json,
     ListenOn,
+    Maybe,
     PartName,
     Piles,
     Seed,
@@ -38,13 +39,13 @@ class BenchPlanners:
     """Iterations allowed; each is a column of the comparison."""
     start: Literal["home", "zero"] = "zero"
     """Where the arm starts: at home, or with all its axes at zero (the TX2-90 stands upright)."""
-    against: Literal["klampt"] | None = None
+    against: Maybe[Literal["klampt"]] = None
     """Give the same start and goals to Klamp't as well (extra `bench`)."""
     seconds: float = 5.0
     """How long a plan by Klamp't may take [s]."""
     seed: int = 0
     """Seed of the targets."""
-    plot: Path | None = None
+    plot: Maybe[Path] = None
     """HTML file to draw the comparison in."""
     json: Json = False
 
@@ -60,11 +61,11 @@ class BenchMotion:
     folder: Positional[Path]
     """Folder with sets of problems in JSON and the robot's URDF and SRDF beside them, or with a
     folder of these for each robot."""
-    robot: str | None = None
+    robot: Maybe[str] = None
     """Whose problems; all when not given."""
     planner: str = "rrtconnect"
     """Which planner."""
-    against: Literal["ompl", "klampt"] | None = None
+    against: Maybe[Literal["ompl", "klampt"]] = None
     """Give the same problems to OMPL's RRT-Connect as well, over the same check of edges, or to
     Klamp't's SBL (extra `bench`), which checks states by itself and shortens nothing."""
     iterations: int = 10000
@@ -87,7 +88,7 @@ class BenchPick:
     """How many parts in each."""
     strategy: str = "auto"
     """Which arms work: auto, alternated, coordinated, both, or one arm by its name."""
-    planner: str | None = None
+    planner: Maybe[str] = None
     """Planner of the free legs; the cell's when not given."""
     seed: FirstSeed = 0
     json: Json = False
@@ -111,7 +112,7 @@ class BenchSoak:
     recall: bool = False
     """Run each task once and take its result from memory when it is asked again: very many cycles
     of rules, journal and robot link in a short time."""
-    rapid: Path | None = None
+    rapid: Maybe[Path] = None
     """Folder of RAPID modules that the controller runs, as robots/yumi/rapid."""
     sessions: Path = Path("sessions")
     """Folder for the folder of this session."""
@@ -192,12 +193,12 @@ class CellNew:
     urdf: Path
     """URDF, xacro or Klamp't robot (.rob), with its meshes beside or above it; or a Klamp't world
     (.xml) with one robot, whose things become fixtures."""
-    out: Path | None = None
+    out: Maybe[Path] = None
     """Folder to write to; robots/NAME when not given. It must not be there yet."""
     flange: tuple[str, ...] = ()
     """Links that carry the tools, one for each arm, the right arm's first; found by themselves
     when not given. What hangs on them in the URDF is left out: tools stand in the cell file."""
-    bin: str | None = None
+    bin: Maybe[str] = None
     """Name of the thing in a Klamp't world that is the bin; otherwise one is put where the arms
     reach it."""
     tool: Literal["gripper", "suction"] = "gripper"
@@ -258,7 +259,7 @@ class SessionVerify:
     """
 
     session: Positional[SessionFolder]
-    anchors: Path | None = None
+    anchors: Maybe[Path] = None
     """File of anchors that were kept elsewhere: the journal must be the one that they are of."""
 
 
@@ -306,9 +307,9 @@ class SessionPrune:
 
     sessions: Path = Path("sessions")
     """Folder that holds them; folders without a time in their name are left alone."""
-    keep: int | None = None
+    keep: Maybe[int] = None
     """How many of the newest to keep."""
-    older_than_days: float | None = None
+    older_than_days: Maybe[float] = None
     """Keep those that are younger."""
     yes: bool = False
     """Do not ask."""
@@ -323,9 +324,9 @@ class SessionOpen:
     port: int = 8081
     """Port to listen on; 0 takes a free one."""
     users: UsersFile = USERS
-    certificate: Path | None = None
+    certificate: Maybe[Path] = None
     """PEM file to serve over TLS with."""
-    key: Path | None = None
+    key: Maybe[Path] = None
     """PEM file of the certificate's key, not encrypted."""
     name: tuple[str, ...] = ()
     """Names under which browsers ask for this machine, beside --host and addresses."""

@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from tyro.conf import Positional, subcommand
 
-from workbench.cli.arguments.names import CellName, Json, PartName
+from workbench.cli.arguments.names import CellName, Json, Maybe, PartName
 
 
 @dataclass(frozen=True, slots=True)
@@ -20,9 +20,9 @@ class PartImport:
     """The CAD file."""
     name: str
     """Name of the part and of its folder, which must not be there yet."""
-    unit: Literal["mm", "m", "inch"] | None = None
+    unit: Maybe[Literal["mm", "m", "inch"]] = None
     """Unit of an STL, OBJ or PLY file; needed when its size leaves a doubt."""
-    mass_g: float | None = None
+    mass_g: Maybe[float] = None
     """Mass of the part; from its volume when not given."""
     density: float = 1200.0
     """[kg/m3] Used for the mass: plastic 1200, aluminium 2700, steel 7850."""
@@ -77,7 +77,7 @@ class Grasps:
     """What to do."""
     part: Positional[PartName]
     cell: CellName = "yumi"
-    arm: str | None = None
+    arm: Maybe[str] = None
     """Whose tool; the cell's first arm when not given."""
     most: int = 20
     """How many grasps."""

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from tyro.conf import Positional
 
-from workbench.cli.arguments.names import CellOfPlan, Json, PartOfPoses
+from workbench.cli.arguments.names import CellOfPlan, Json, Maybe, PartOfPoses
 
 
 @dataclass(frozen=True, slots=True)
@@ -16,18 +16,18 @@ class Prove:
     less time than it took to find.
     """
 
-    plan: Positional[Path | None] = None
+    plan: Positional[Maybe[Path]] = None
     """JSON file of a plan, also of one that another program made."""
-    scan: Path | None = None
+    scan: Maybe[Path] = None
     """PLY or PCD file of the scan that it was made for."""
-    poses: Path | None = None
+    poses: Maybe[Path] = None
     """Our JSON or a HALCON tuple file of all parts known to be in the bin."""
     part: PartOfPoses = None
-    certificate: Path | None = None
+    certificate: Maybe[Path] = None
     """Write the certificate to this file, when the proof holds."""
-    check: Path | None = None
+    check: Maybe[Path] = None
     """Check this certificate, in place of proving a plan."""
-    out: Path | None = None
+    out: Maybe[Path] = None
     """Write the plan with its digest to this file, when the proof holds."""
     cell: CellOfPlan = None
     json: Json = False
@@ -43,9 +43,9 @@ class Verify:
 
     plan: Positional[Path]
     """JSON file of a plan."""
-    scan: Path | None = None
+    scan: Maybe[Path] = None
     """PLY or PCD file of the scan that it was made for."""
-    poses: Path | None = None
+    poses: Maybe[Path] = None
     """Our JSON or a HALCON tuple file of all parts known to be in the bin."""
     part: PartOfPoses = None
     cell: CellOfPlan = None

@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from tyro.conf import Positional, subcommand
 
-from workbench.cli.arguments.names import CellName, FirstSeed, Json, Piles
+from workbench.cli.arguments.names import CellName, FirstSeed, Json, Maybe, Piles
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,7 +33,7 @@ class StudyLocalization:
     seed: FirstSeed = 0
     cad_scale: float = 1.0
     """The CAD files are so many times as large as what lies there: is that said?"""
-    plot: Path | None = None
+    plot: Maybe[Path] = None
     """HTML file to draw it in."""
     json: Json = False
 
@@ -52,10 +52,10 @@ class StudyThreshold:
     """Distances [m] to compare."""
     workers: int = 1
     """Processes on this machine; more than one needs the extra `cluster`."""
-    scheduler: str | None = None
+    scheduler: Maybe[str] = None
     """Address of a Dask cluster that does the work instead, tcp://host:port."""
     seed: FirstSeed = 0
-    plot: Path | None = None
+    plot: Maybe[Path] = None
     """HTML file to draw the comparison in."""
     keep: bool = False
     """Keep the result beside the cell, where the page shows it with the threshold."""
@@ -92,7 +92,7 @@ class StudyEmptying:
     what_if: str = ""
     """Empty the same piles with single changes, too, and rank them: `all`, or some of fingers,
     grasps, lifts, margins, bin, arms, order and tool, joined by +."""
-    resume: Path | None = None
+    resume: Maybe[Path] = None
     """Folder in which each pile is kept as soon as it is done; what is there already is not done
     again, so that a study that was stopped goes on."""
     scan_seconds: float = 1.0
@@ -101,9 +101,9 @@ class StudyEmptying:
     """What a person needs to approve a plan, for the parts an hour."""
     workers: int = 1
     """Processes on this machine; more than one needs the extra `cluster`."""
-    scheduler: str | None = None
+    scheduler: Maybe[str] = None
     """Address of a Dask cluster that does the work instead, tcp://host:port."""
-    plot: Path | None = None
+    plot: Maybe[Path] = None
     """HTML file to draw it in."""
     json: Json = False
 
@@ -161,9 +161,9 @@ class StudyBop:
     plane on which most of an image lies: a floor little above a table is taken for the table."""
     images: int = 0
     """No more than the first so many images; 0 takes all."""
-    results: Path | None = None
+    results: Maybe[Path] = None
     """A CSV file of BOP's results to be measured instead of a search."""
-    out: Path | None = None
+    out: Maybe[Path] = None
     """CSV file for what was found, as BOP takes it."""
     seed: int = 0
     """Of the search."""

@@ -15,6 +15,7 @@ from workbench.cli.arguments.names import (
     CellOfPlan,
     Json,
     ListenOn,
+    Maybe,
     OrderName,
     PartName,
     PartOfPoses,
@@ -42,15 +43,15 @@ class Serve:
     host: ListenOn = "127.0.0.1"
     port: int = 8080
     """Port to listen on; 0 takes a free one."""
-    session: Path | None = None
+    session: Maybe[Path] = None
     """Folder of a session to go on with, where it ended; its cell is the one that it has now. One
     that another program writes to is only looked at."""
-    after: Path | None = None
+    after: Maybe[Path] = None
     """Folder of a session that the new one names as the one before it."""
     anchor: tuple[str, ...] = ()
     """Where the head of the journal goes at every approval: a file, better on another disk, or an
     address to post to."""
-    opcua: int | None = None
+    opcua: Maybe[int] = None
     """Serve OPC UA on this port, too; with a password from WORKBENCH_OPCUA_PASSWORD, or on this
     machine only."""
     opcua_operator: str = "plc"
@@ -60,12 +61,12 @@ class Serve:
     are signed or encrypted, and users may come by their own names and passwords."""
     opcua_plain: bool = False
     """Take channels that are neither signed nor encrypted all the same."""
-    log: Path | None = None
+    log: Maybe[Path] = None
     """Write the log to this file, too, an object of JSON a line; turned at 10 MB, five are kept."""
     users: UsersFile = USERS
-    certificate: Path | None = None
+    certificate: Maybe[Path] = None
     """PEM file to serve over TLS with."""
-    key: Path | None = None
+    key: Maybe[Path] = None
     """PEM file of the certificate's key, not encrypted."""
     name: tuple[str, ...] = ()
     """Names under which browsers ask for this machine, beside --host and addresses."""
@@ -112,7 +113,7 @@ class Scan:
     """How many parts lie in the bin."""
     part: str = ""
     """Which part of the cell; the first one unless told otherwise; all: of each in turn."""
-    truth: Path | None = None
+    truth: Maybe[Path] = None
     """JSON file to write the true poses to."""
 
 
@@ -168,28 +169,28 @@ class Plan:
     """Our JSON, or a HALCON tuple file (rows of [R|t] in the world frame, millimetres)."""
     out: Path
     """JSON file of the plan to write."""
-    scan: Path | None = None
+    scan: Maybe[Path] = None
     """PLY or PCD file the poses were found in: what it shows beside the parts is kept clear of."""
     strategy: str = "auto"
     """Which arms work: auto, alternated, coordinated, both, or one arm by its name."""
-    threshold: float | None = None
+    threshold: Maybe[float] = None
     """Distance of two parts [m] from which both arms may work; the cell's when not given."""
-    planner: str | None = None
+    planner: Maybe[str] = None
     """Planner of the free legs, see `workbench plugins`; the cell's when not given."""
-    iterations: int | None = None
+    iterations: Maybe[int] = None
     """How many iterations the planner may use for each free leg; the cell's when not given."""
-    order: OrderName | None = None
+    order: Maybe[OrderName] = None
     """Which part is taken first: least time, highest, best score, nearest to the tool,
     farthest from the walls, or the thesis' rules; the cell's when not given."""
-    margin: float | None = None
+    margin: Maybe[float] = None
     """Distance [m] kept to everything on free legs, at least the cell's."""
-    metric: float | None = None
+    metric: Maybe[float] = None
     """How much each joint counts of the one before it when planners measure, 0.05 to 1."""
-    picks: int | None = None
+    picks: Maybe[int] = None
     """Plans in a row at most, each proven in the scene that those before leave, as far as no part
     that stays may have moved; the second is written to OUT-2.json, and so on; the cell's when not
     given."""
-    protocol: str | None = None
+    protocol: Maybe[str] = None
     """Robot link that it is meant for, see `workbench plugins`; that of the cell when not given."""
     seed: Seed = 0
     part: PartOfPoses = None
@@ -203,7 +204,7 @@ class Explain:
     cell: Positional[CellName]
     poses: Path
     """Our JSON, or a HALCON tuple file (rows of [R|t] in the world frame, millimetres)."""
-    scan: Path | None = None
+    scan: Maybe[Path] = None
     """PLY or PCD file the poses were found in: what it shows beside the parts is in the way."""
     seed: Seed = 0
     part: PartOfPoses = None
@@ -230,19 +231,19 @@ class Send:
     """Name of the person who has looked at the plan and answers for it."""
     row: Positional[tuple[Path, ...]] = ()
     """Files of the plans that follow it in a row, in the order in which plan --picks wrote them."""
-    digest: str | None = None
+    digest: Maybe[str] = None
     """The digest of the plan or row, as it was printed before: 12 characters of it, or more."""
-    scan: Path | None = None
+    scan: Maybe[Path] = None
     """PLY or PCD file of the scan that the plan was made for, for the proof."""
-    poses: Path | None = None
+    poses: Maybe[Path] = None
     """Our JSON or a HALCON tuple file of all parts known to be in the bin, for the proof."""
     part: PartOfPoses = None
-    state_port: int | None = None
+    state_port: Maybe[int] = None
     """Port on which the controller reports its state; the next one when not given."""
     record: Path = Path("approvals")
     """Folder with the record of who has approved which plan."""
     cell: CellOfPlan = None
-    protocol: str | None = None
+    protocol: Maybe[str] = None
     """Robot link to the controller, see `workbench plugins`; that of the cell when not given."""
     json: Json = False
 
@@ -255,19 +256,19 @@ class Controller:
     host: ListenOn = "127.0.0.1"
     port: int = 1025
     """Port for motion; 0 takes a free one."""
-    state_port: int | None = None
+    state_port: Maybe[int] = None
     """Port for reports of its state; the next one when not given, 0 takes a free one."""
     speed: float = 1.0
     """Speed of the robot: 1 is real time."""
-    record: Path | None = None
+    record: Maybe[Path] = None
     """File to which every configuration that arrives is appended, one JSON object a line."""
-    trace: Path | None = None
+    trace: Maybe[Path] = None
     """File to which every state that the arms go through is appended."""
     fault: tuple[str, ...] = ()
     """What goes wrong, each once: NAME or NAME:n, as in `drop:3 garbage:9`; n counts messages."""
-    rapid: Path | None = None
+    rapid: Maybe[Path] = None
     """Folder of RAPID modules that are run instead, as robots/yumi/rapid; it reports no state."""
-    home_after: float | None = None
+    home_after: Maybe[float] = None
     """Seconds after which arms that were left somewhere go home; they stay when not given."""
     until_eof: bool = False
     """End when standard input ends, too."""
@@ -282,7 +283,7 @@ class ExportWorld:
     cell: Positional[CellName]
     out: Path
     """Folder to write to; made when missing."""
-    plan: Path | None = None
+    plan: Maybe[Path] = None
     """JSON file of a plan, for its parts and phases; the bare cell when not given."""
 
 
@@ -330,7 +331,7 @@ class Import:
     flange: tuple[str, ...] = ()
     """Links that carry the tools, one for each arm, the right arm's first; found by themselves
     when not given. What hangs on them is left out: tools stand in the cell file."""
-    bin: str | None = None
+    bin: Maybe[str] = None
     """Name of the thing that is the bin; otherwise one is put where the arms reach it."""
     tool: Literal["gripper", "suction"] = "gripper"
     """What the arms carry to begin with."""

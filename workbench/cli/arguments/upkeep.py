@@ -5,7 +5,7 @@ from pathlib import Path
 
 from tyro.conf import Positional
 
-from workbench.cli.arguments.names import Json
+from workbench.cli.arguments.names import Json, Maybe
 
 
 @dataclass(frozen=True, slots=True)
@@ -14,7 +14,7 @@ class Statistics:
 
     sessions: Positional[tuple[Path, ...]] = ()
     """Folders of sessions; all of those in sessions/ when none is given."""
-    csv: Path | None = None
+    csv: Maybe[Path] = None
     """CSV file to write, a row for each part that was sent for."""
     json: Json = False
 
@@ -30,9 +30,9 @@ class Evidence:
 
     session: Positional[str]
     """Folder of the session, or the word `key`."""
-    out: Path | None = None
+    out: Maybe[Path] = None
     """File to write: evidence.zip, or evidence.key, which must not be there yet."""
-    sign: Path | None = None
+    sign: Maybe[Path] = None
     """PEM file of the Ed25519 key to sign with."""
     stamp: bool = False
     """Write the request for a time stamp (RFC 3161) beside it, too."""
@@ -45,7 +45,7 @@ class Doctor:
     Ends with 3 when something is missing that every command needs.
     """
 
-    sbom: Path | None = None
+    sbom: Maybe[Path] = None
     """Write a bill of the installed dependencies to this file: CycloneDX JSON."""
     json: Json = False
 

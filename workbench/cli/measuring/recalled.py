@@ -10,7 +10,7 @@ from typing import Any
 
 from workbench.app.core.commands import Command, JobEnded
 from workbench.app.core.effects import Effect, StartJob
-from workbench.app.core.rights import WORKER
+from workbench.app.core.people import WORKER
 from workbench.app.core.state import State
 from workbench.app.runtime.effect_runner import EffectRunner
 from workbench.app.runtime.live import Live

@@ -10,6 +10,7 @@ from workbench.app.picking.row import check_picks, plan_row
 from workbench.app.runtime.readiness import make_ready
 from workbench.cli.arguments import top as arguments
 from workbench.cli.exits import NO_PLAN, SUCCESS
+from workbench.cli.loading import loading
 from workbench.cli.picking.results import (
     candidate_form,
     plan_form,
@@ -110,7 +111,8 @@ def warm_up(cell: Cell) -> None:
     """
     height = float(cell.bin.size[2]) / 2
     T_world_part = cell.bin.T_world_bin * pose_from_rpy((0, 0, height), (0, math.pi / 2, 0))
-    plan_pick(cell, (Detection(cell.parts[0].name, T_world_part),), "warm-up")
+    with loading():
+        plan_pick(cell, (Detection(cell.parts[0].name, T_world_part),), "warm-up")
 
 
 def cell_of(plan: Plan, name: str | None) -> Cell:

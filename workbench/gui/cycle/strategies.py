@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 
-from workbench.app.core.rules import strategies_of
+from workbench.app.core.value_checks import strategies_of
 from workbench.model.cell import Cell
 from workbench.model.plan import STRATEGY_WORDS, Strategy
 

@@ -30,8 +30,7 @@ from viser.infra import _infra
 from viser.infra._async_message_buffer import AsyncMessageBuffer
 from websockets.http11 import Request, Response
 
-from workbench.app.core.people import Person, Role
-from workbench.app.core.rights import NOBODY
+from workbench.app.core.people import NOBODY, Person, Role
 from workbench.gui.shared.icons import keep_icons
 from workbench.model.errors import InputError
 from workbench.words.choosing import first_guess, known

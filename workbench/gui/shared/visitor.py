@@ -10,8 +10,8 @@ import viser
 from viser._messages import HotkeyKey
 
 from workbench.app.core.commands import Approve, Command, TakeScan, WatchPlan
-from workbench.app.core.people import Person
-from workbench.app.core.rights import NOBODY, lacks_right, obstacle
+from workbench.app.core.people import NOBODY, Person
+from workbench.app.core.rights import lacks_right, obstacle
 from workbench.app.core.rules import NOT_REPORTED, allowed
 from workbench.app.core.state import Phase, State
 from workbench.app.review.history import History

@@ -38,7 +38,11 @@ GIVEN_UP = 0.01
 """The last fit stands if it costs the pose no more than a pixel and this share of its closeness."""
 
 SLACK = 0.02
-"""A part that may shift by this share of its diameter, and be explained as well, is not held."""
+"""A part whose surface may move by this share of its diameter, and be explained as well, is not
+held."""
+
+LEAST_TRAVEL = 0.05
+"""[m] Motions of one metre that move the surface by less count as if it moved by this much."""
 
 SURE = 3.0
 """Standard errors that must stay below that shift where the fit is to hold the part alone."""
@@ -185,7 +189,9 @@ def is_held(maps: DepthMap, surface: PartSurface, pose: Floats, tolerance: float
     values, vectors = np.linalg.eigh(A)
     radius, step = surface.diameter / 2, SLACK * surface.diameter
     errors = NOISE * tolerance / np.sqrt(np.maximum(values, 1e-12))
-    directions = vectors[:, SURE * errors > step].T
+    # What counts is how far the surface moves: a spring, as a screw about its axis, moves little.
+    travels = _travels(surface, pose, vectors)
+    directions = (vectors / travels)[:, SURE * errors * travels > step].T
     if len(directions) == 0:
         return True
     tried = [pose]
@@ -197,6 +203,13 @@ def is_held(maps: DepthMap, surface: PartSurface, pose: Floats, tolerance: float
             tried.append(shifted)
     own, *others = closeness(tally(maps, surface, np.array(tried), tolerance))
     return max(others) <= own - HELD
+
+
+def _travels(surface: PartSurface, pose: Floats, motions: Floats) -> Floats:
+    """How far the point of the surface that moves most does [m], for each of motions (6, k) [m]."""
+    arms = (surface.coarse.points - surface.middle) @ pose[:3, :3].T / (surface.diameter / 2)
+    moved = np.cross(motions[:3].T[:, None], arms) + motions[3:].T[:, None]
+    return np.maximum(np.linalg.norm(moved, axis=2).max(axis=1), LEAST_TRAVEL)
 
 
 def roll_error(

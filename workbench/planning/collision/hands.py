@@ -11,7 +11,7 @@ import coal
 import numpy as np
 import pinocchio as pin
 
-from workbench.model.cell import Arm
+from workbench.model.cell import Tool
 from workbench.model.geometry import Floats, Ints, Solid
 from workbench.model.part import Grasp
 from workbench.planning.collision.bodies import coal_shape, extent, tool_shapes
@@ -40,7 +40,7 @@ class Hands(NamedTuple):
 
 @lru_cache(maxsize=256)
 def hands_of(
-    arm: Arm,
+    tool: Tool,
     pieces: tuple[Solid, ...],
     grasps: tuple[Grasp, ...],
     least_air: float | None,
@@ -49,13 +49,13 @@ def hands_of(
     """The ways of grasps in the order in which they are tried: openings, and for each the turns.
 
     Args:
-        arm: whose tool.
+        tool: the hand.
         pieces: of the part that is taken (`rolled.room_of`).
         grasps: of it.
         least_air: [m] that of the policy (`legs.openings`).
         margin: [m] kept to other things; nearer pieces of the part are measured.
     """
-    every = [_hands_of_one(arm, pieces, grasp, least_air, margin) for grasp in grasps]
+    every = [_hands_of_one(tool, pieces, grasp, least_air, margin) for grasp in grasps]
     first = np.cumsum([0, *(len(one.turn) for one in every)])
     return Hands(
         first,
@@ -79,22 +79,22 @@ _NOBODY = Hands(
 
 @lru_cache(maxsize=16384)
 def _hands_of_one(
-    arm: Arm, pieces: tuple[Solid, ...], grasp: Grasp, least_air: float | None, margin: float
+    tool: Tool, pieces: tuple[Solid, ...], grasp: Grasp, least_air: float | None, margin: float
 ) -> Hands:
     """The ways of one grasp; see `hands_of`."""
     Ts, opened, turn, cuts = [], [], [], []
-    has_fingers = bool(arm.tool.fingers)
-    hands = [grasp.T_part_tcp * T for T in grips(arm, grasp)]
+    has_fingers = bool(tool.fingers)
+    hands = [grasp.T_part_tcp * T for T in grips(tool, grasp)]
     closed = [
-        cut_of(arm, pieces, T, grasp.grip if has_fingers else 0.0, arm.tool.press, margin)
+        cut_of(tool, pieces, T, grasp.grip if has_fingers else 0.0, tool.press, margin)
         for T in hands
     ]
-    for opening in openings(arm, grasp, least_air) if has_fingers else (0.0,):
+    for opening in openings(tool, grasp, least_air) if has_fingers else (0.0,):
         for number, T in enumerate(hands):
-            Ts.append(T * arm.tool.T_flange_tcp.inverse())
+            Ts.append(T * tool.T_flange_tcp.inverse())
             opened.append((opening, grasp.grip if has_fingers else 0.0))
             turn.append(number)
-            open_cut = cut_of(arm, pieces, T, opening, 0.0, margin) if has_fingers else NOTHING
+            open_cut = cut_of(tool, pieces, T, opening, 0.0, margin) if has_fingers else NOTHING
             cuts.append((open_cut, closed[number]))
     return Hands(
         np.array([0, len(Ts)]),
@@ -107,12 +107,12 @@ def _hands_of_one(
 
 
 @lru_cache(maxsize=4096)
-def turns_of(arm: Arm, grasp: Grasp) -> Hands:
+def turns_of(tool: Tool, grasp: Grasp) -> Hands:
     """The `grips` of one grasp as ways that are judged each by itself.
 
     Their fingers arrive as open as the grasp says; what they do to the part is not looked at.
     """
-    Ts = [grasp.T_part_tcp * T * arm.tool.T_flange_tcp.inverse() for T in grips(arm, grasp)]
+    Ts = [grasp.T_part_tcp * T * tool.T_flange_tcp.inverse() for T in grips(tool, grasp)]
     return Hands(
         np.arange(len(Ts) + 1),
         np.array([T.rotation for T in Ts]),
@@ -124,7 +124,7 @@ def turns_of(arm: Arm, grasp: Grasp) -> Hands:
 
 
 def cut_of(
-    arm: Arm,
+    tool: Tool,
     pieces: tuple[Solid, ...],
     T_part_tcp: pin.SE3,
     opening: float,
@@ -135,26 +135,73 @@ def cut_of(
 
     As in `Hands.cuts`.
     """
+    balls, boxes, solids = _balls_of(tool), _boxes_of(pieces), tool_shapes(tool)
+    R, p = T_part_tcp.rotation, T_part_tcp.translation
+    centres = (balls.centres + opening * balls.ways) @ R.T + p
+    offsets = np.einsum("nij,tnj->tni", boxes.Rs, centres[:, None] - boxes.centres)
+    gaps = np.maximum(np.abs(offsets) - boxes.halves, 0.0)
+    near = np.einsum("tni,tni->tn", gaps, gaps) < (balls.radii[:, None] + margin) ** 2
     request, result = coal.DistanceRequest(), coal.DistanceResult()
-    for number, tool in enumerate(tool_shapes(arm.tool)):
-        T = tool.at(arm.tool, T_part_tcp, opening)
+    for number in np.flatnonzero(near.any(axis=1)).tolist():
+        T = solids[number].at(tool, T_part_tcp, opening)
         transform = coal.Transform3s(T.rotation, T.translation)
-        for piece, solid in enumerate(pieces):
-            T_part_piece = solid.T_owner_shape
-            centre, half, _ = extent(solid.shape)
-            offset = T_part_piece.rotation.T @ (T.act(tool.centre) - T_part_piece.act(centre))
-            gap = np.linalg.norm(np.maximum(np.abs(offset) - half, 0.0)) - tool.radius
-            if gap >= margin:
-                continue
+        for piece in np.flatnonzero(near[number]).tolist():
             result.clear()
+            shape, T_part_piece = boxes.solids[piece]
             distance = coal.distance(
-                tool.geometry,
-                transform,
-                coal_shape(solid.shape),
-                coal.Transform3s(T_part_piece.rotation, T_part_piece.translation),
-                request,
-                result,
+                solids[number].geometry, transform, shape, T_part_piece, request, result
             )
             if distance < -press:
                 return number * len(pieces) + piece
     return NOTHING
+
+
+class _Balls(NamedTuple):
+    """The balls around a tool's solids: `centres` (t, 3) [m] from its TCP while it is closed.
+
+    `ways` (t, 3) are what they move per opening, without unit; `radii` (t,) [m].
+    """
+
+    centres: Floats
+    ways: Floats
+    radii: Floats
+
+
+@lru_cache(maxsize=64)
+def _balls_of(tool: Tool) -> _Balls:
+    solids, T = tool_shapes(tool), tool.T_flange_tcp.inverse()
+    return _Balls(
+        np.array([T.act(one.T_flange_body.act(one.centre)) for one in solids]).reshape(-1, 3),
+        np.array([T.rotation @ one.direction / 2 for one in solids]).reshape(-1, 3),
+        np.array([one.radius for one in solids]),
+    )
+
+
+class _Boxes(NamedTuple):
+    """The boxes around a part's pieces, and these: `Rs` (n, 3, 3) turn into their frames.
+
+    `centres` (n, 3) [m] are seen from the part, `halves` (n, 3) [m] half their sizes; `solids`
+    are the pieces with their poses as Coal has them.
+    """
+
+    Rs: Floats
+    centres: Floats
+    halves: Floats
+    solids: tuple[tuple[coal.CollisionGeometry, coal.Transform3s], ...]
+
+
+@lru_cache(maxsize=256)
+def _boxes_of(pieces: tuple[Solid, ...]) -> _Boxes:
+    poses = [one.T_owner_shape for one in pieces]
+    extents = [extent(one.shape) for one in pieces]
+    return _Boxes(
+        np.array([T.rotation.T for T in poses]).reshape(-1, 3, 3),
+        np.array([T.act(centre) for T, (centre, _, _) in zip(poses, extents, strict=True)]).reshape(
+            -1, 3
+        ),
+        np.array([half for _, half, _ in extents]).reshape(-1, 3),
+        tuple(
+            (coal_shape(one.shape), coal.Transform3s(T.rotation, T.translation))
+            for one, T in zip(pieces, poses, strict=True)
+        ),
+    )

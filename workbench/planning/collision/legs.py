@@ -9,7 +9,7 @@ from itertools import product
 import numpy as np
 import pinocchio as pin
 
-from workbench.model.cell import Arm
+from workbench.model.cell import Tool
 from workbench.model.geometry import Floats, pose_from_rpy
 from workbench.model.part import Grasp
 from workbench.model.plan import ArmPlan, Leg, LegName, Plan
@@ -31,14 +31,14 @@ TARGETED: frozenset[LegName] = frozenset({"approach"})
 """Legs on which the tool goes around the part that it takes."""
 
 
-def hand_turns(arm: Arm) -> list[pin.SE3]:
+def hand_turns(tool: Tool) -> list[pin.SE3]:
     """Turns of the hand that change nothing, none at all first: two fingers can change places."""
-    halves = (0.0, math.pi) if len(arm.tool.fingers) == 2 else (0.0,)
+    halves = (0.0, math.pi) if len(tool.fingers) == 2 else (0.0,)
     return [pose_from_rpy((0.0, 0.0, 0.0), (0.0, 0.0, half)) for half in halves]
 
 
 @lru_cache(maxsize=1024)
-def grips(arm: Arm, grasp: Grasp) -> tuple[pin.SE3, ...]:
+def grips(tool: Tool, grasp: Grasp) -> tuple[pin.SE3, ...]:
     """Poses of the hand that are the same grip, in the authored TCP frame, that one first.
 
     What is left free is covered in steps, the least of it first.  Every stage asks for them again,
@@ -54,7 +54,7 @@ def grips(arm: Arm, grasp: Grasp) -> tuple[pin.SE3, ...]:
         * pose_from_rpy((0.0, 0.0, 0.0), (0.0, 0.0, turn))
         * T_hand_turned
         for (_, turn), (_, tilt), (_, slide) in sorted(ways, key=lambda way: sum(n for n, _ in way))
-        for T_hand_turned in hand_turns(arm)
+        for T_hand_turned in hand_turns(tool)
     )
 
 
@@ -62,21 +62,21 @@ MOST_OPENINGS = 3
 """Openings that are tried, from that of the grasp to the least."""
 
 
-def openings(arm: Arm, grasp: Grasp, least_air: float | None) -> tuple[float, ...]:
+def openings(tool: Tool, grasp: Grasp, least_air: float | None) -> tuple[float, ...]:
     """How far open [m] fingers may arrive, the widest first: that of the grasp.
 
     `least_air` [m] is that of the policy.
     """
-    least = _least_opening(arm, grasp, least_air)
+    least = _least_opening(tool, grasp, least_air)
     if least >= grasp.opening:
         return (grasp.opening,)
     return tuple(np.linspace(grasp.opening, least, MOST_OPENINGS).tolist())
 
 
-def _least_opening(arm: Arm, grasp: Grasp, least_air: float | None) -> float:
-    if least_air is None or not arm.tool.fingers:
+def _least_opening(tool: Tool, grasp: Grasp, least_air: float | None) -> float:
+    if least_air is None or not tool.fingers:
         return grasp.opening
-    return min(max(grasp.grip + 2 * least_air, arm.tool.stroke[0]), grasp.opening)
+    return min(max(grasp.grip + 2 * least_air, tool.stroke[0]), grasp.opening)
 
 
 def turn_steps(most: float, step: float) -> list[float]:

@@ -113,7 +113,7 @@ class ToolCheck:
         if not rows:
             return []
         pieces = self._still.pieces[rows[0][0]]
-        hands = hands_of(arm, pieces, grasps, self._least_air, self._margin)
+        hands = hands_of(arm.tool, pieces, grasps, self._least_air, self._margin)
         around = self._surroundings(arm)
         numbers = list(dict.fromkeys(number for number, _ in rows))
         if not around.cores.known.all():

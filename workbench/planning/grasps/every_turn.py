@@ -51,7 +51,7 @@ def _uneven(part: Part, axis: bytes, arm: Arm, grasp: Grasp) -> tuple[Uneven | N
     closed, allowed = (grasp.grip, 0.0) if arm.tool.fingers else (0.0, arm.tool.press)
     wide = closed + 2 * (arm.tool.press - allowed)
     found: list[Uneven | None] = []
-    for grip in grips(arm, grasp):
+    for grip in grips(arm.tool, grasp):
         T = grasp.T_part_tcp * grip
         room = _room_checker(part, arm.tool, axis)
         if room.clearance(T, wide, within=0.0)[0] < -allowed - ROUNDING:

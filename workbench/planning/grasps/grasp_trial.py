@@ -115,7 +115,7 @@ class Trial:
         self, Ts: Sequence[pin.SE3], grasp: Grasp, tool: Tool, arms: list[int], works: Bools
     ) -> None:
         """Write which of the arms (p, a), which carry the same tool, can take the part."""
-        turns = grips(self.cell.arms[arms[0]], grasp)
+        turns = grips(self.cell.arms[arms[0]].tool, grasp)
         opening = grasp.opening if tool.fingers else 0.0
         fixed, travels = self._corners[tool.name]
         Ts_world_tcp = [T * grasp.T_part_tcp * turn for T in Ts for turn in turns]

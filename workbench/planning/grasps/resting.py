@@ -4,7 +4,6 @@ from functools import lru_cache
 
 import numpy as np
 import pinocchio as pin
-from scipy.spatial import ConvexHull, QhullError
 
 from workbench.model.geometry import Floats
 from workbench.model.part import Part
@@ -53,6 +52,9 @@ def _stands(part: Part) -> list[tuple[Floats, float, float]]:
         Its outward normal (3,), how far along that it is from the part's origin [m], and how far
         the part may be tilted before it falls over [rad].
     """
+    # Takes a while, and planning without stations asks for no hulls.
+    from scipy.spatial import ConvexHull, QhullError
+
     points, centre = np.asarray(part.mesh.points), _centre(part)
     try:
         hull = ConvexHull(points)
@@ -73,6 +75,8 @@ def _stands(part: Part) -> list[tuple[Floats, float, float]]:
 
 def _tilt(face: Floats, height: float) -> float:
     """How far [rad] a part may be tilted, whose face (n, 2) [m] is seen from its centre of mass."""
+    from scipy.spatial import ConvexHull, QhullError
+
     try:
         edges = ConvexHull(face).equations
     except (QhullError, ValueError):

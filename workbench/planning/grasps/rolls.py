@@ -59,7 +59,7 @@ def at_every_turn(
     first = wrong[fit.turn]
     if first is None:
         return verdict
-    free = check.free(arm, number, turns_of(arm, grasp))
+    free = check.free(arm, number, turns_of(arm.tool, grasp))
     if any(fits and what is None for fits, what in zip(free, wrong, strict=True)):
         return verdict
     pair = (f"{arm.name} {tool_shapes(arm.tool)[-1].name}", part_label(number))
@@ -80,8 +80,8 @@ def with_rolls(detections: Sequence[Detection], verdict: Verdict) -> Verdict:
 
 def _cuts(part: Part, arm: Arm, grasp: Grasp, fit: Fit) -> bool:
     """Whether a hand is in the part also as that was found."""
-    T = grasp.T_part_tcp * grips(arm, grasp)[fit.turn]
+    T = grasp.T_part_tcp * grips(arm.tool, grasp)[fit.turn]
     opening, press = fit.opening, 0.0
     if fit.is_closed or not arm.tool.fingers:
         opening, press = grasp.grip if arm.tool.fingers else 0.0, arm.tool.press
-    return cut_of(arm, part.pieces, T, opening, press, 0.0) != NOTHING
+    return cut_of(arm.tool, part.pieces, T, opening, press, 0.0) != NOTHING

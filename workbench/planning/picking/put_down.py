@@ -86,7 +86,7 @@ def _hands(world: World, arm: Arm, phase: Phase) -> Iterator[list[pin.SE3] | Ver
         yield _standing_in(world, phase, arm, T_world_tcp) or [T_world_tcp]
     for _, turned in groupby(arm.Ts_world_place, key=lambda T: tuple(T.translation)):
         free: list[pin.SE3] = []
-        for T_world_tcp in (T * T_turn for T in turned for T_turn in hand_turns(arm)):
+        for T_world_tcp in (T * T_turn for T in turned for T_turn in hand_turns(arm.tool)):
             stood = _standing_in(world, phase, arm, T_world_tcp)
             if stood is None:
                 free.append(T_world_tcp)

@@ -96,8 +96,8 @@ def _hands(world: World, candidate: Candidate, arm: Arm) -> list[pin.SE3] | Verd
     Where there is but one lift it is left to the closer look that follows.
     """
     grasp, one = candidate.grasp, world.detections[candidate.detection]
-    every = [candidate.T_world_tcp * T for T in grips(arm, grasp)]
-    fits = world.tool_check.free(arm, candidate.detection, turns_of(arm, grasp))
+    every = [candidate.T_world_tcp * T for T in grips(arm.tool, grasp)]
+    fits = world.tool_check.free(arm, candidate.detection, turns_of(arm.tool, grasp))
     if not one.roll_known:
         wrong = uneven(world.cell.part(one.part), one, arm, grasp)
         fits = fits & np.array([what is None for what in wrong])

@@ -5,8 +5,7 @@ import time
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
-from workbench.app.core.people import Person, Role
-from workbench.app.core.rights import NOBODY
+from workbench.app.core.people import NOBODY, Person, Role
 from workbench.web.access.store import Store
 from workbench.web.access.users import digest_of, folded
 

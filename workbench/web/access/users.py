@@ -8,8 +8,7 @@ import unicodedata
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from workbench.app.core.people import Person, Role
-from workbench.app.core.rights import MACHINES, NOBODY
+from workbench.app.core.people import MACHINES, NOBODY, Person, Role
 from workbench.model.errors import InputError
 from workbench.web.access.passwords import NOBODYS, hash_of, is_right
 from workbench.web.access.store import Store

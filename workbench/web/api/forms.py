@@ -5,8 +5,8 @@ from collections.abc import Mapping
 from typing import Any
 
 from workbench.app.core.rows import plans_sent
-from workbench.app.core.rules import strategies_of
 from workbench.app.core.state import State
+from workbench.app.core.value_checks import strategies_of
 from workbench.app.emptying.summary import summary
 from workbench.app.emptying.what_if import ranked
 from workbench.app.records.statistics import GROUPS, Statistics

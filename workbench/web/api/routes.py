@@ -16,8 +16,8 @@ from typing import Any
 from aiohttp import web
 
 from workbench.app.core.commands import Approve, Stop, WatchPlan
-from workbench.app.core.people import Person
-from workbench.app.core.rights import NOBODY, RIGHTS
+from workbench.app.core.people import NOBODY, Person
+from workbench.app.core.rights import RIGHTS
 from workbench.app.runtime.bench import Bench
 from workbench.model.errors import NotAllowed, WorkbenchError
 from workbench.web.api.calls import CALLS, Call

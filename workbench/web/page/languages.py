@@ -5,7 +5,7 @@ from collections.abc import Awaitable, Callable, Mapping
 
 from aiohttp import hdrs, web
 
-from workbench.app.core.rights import NOBODY
+from workbench.app.core.people import NOBODY
 from workbench.web.access.identity import ACCESS, session_of
 from workbench.words.choosing import first_guess, known
 
