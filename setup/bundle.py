@@ -4,7 +4,7 @@ It holds the wheel of the workbench, the wheels of everything that it needs, ext
 versions of `constraints.txt`, and `install.sh`.  It is for machines like this one: the same kind of
 processor, and a C library that is no older.
 
-    python setup/bundle.py [--python 3.11 --python 3.12] [--out dist]
+    python setup/bundle.py [--python 3.11 --python 3.12 ...] [--out dist]
 """
 
 import argparse
@@ -19,12 +19,17 @@ from collections.abc import Sequence
 from pathlib import Path
 from sysconfig import get_platform
 
+from packaging.markers import Marker
 from packaging.tags import platform_tags
 
 HERE = Path(__file__).resolve().parent
 PROJECT = HERE.parent
 FOR_DEVELOPERS = {"bench", "docs", "lint", "test"}
 """Extras that a cell has no use for."""
+
+ANY = "python_version >= '3.11'"
+ONLY_FOR = {"ur-rtde": "python_version < '3.13'"}
+"""Extras that need something of which there is no wheel for each version of Python."""
 
 PIP = (sys.executable, "-m", "pip", "--disable-pip-version-check")
 
@@ -46,14 +51,19 @@ def fill(folder: Path, project: Path, constraints: Path, pythons: Sequence[str])
     build = (sys.executable, "-m", "hatchling", "build", "-t", "wheel", "-d", str(wheels))
     subprocess.run(build, cwd=project, check=True, stdout=subprocess.DEVNULL)
     (own,) = wheels.glob("*.whl")
-    wanted = f"{own}[{','.join(extras_of(project))}]"
+    name, version = own.name.split("-")[:2]
+    conditions = {one: ONLY_FOR.get(one, ANY) for one in extras_of(project)}
+    lines = [f"{name}\n", *(f"{name}[{one}]; {when}\n" for one, when in conditions.items())]
+    (folder / "requirements.txt").write_text("".join(lines), "utf-8")
     places = [word for tag in platform_tags() for word in ("--platform", tag)]
     for python in pythons:
         asked = ("download", "--quiet", "--dest", str(wheels), "--constraint", str(constraints))
         which = ("--only-binary", ":all:", "--implementation", "cp", "--python-version", python)
+        # pip asks conditions of the Python that runs it, not of the one that is named.
+        which_one = {"python_version": python}
+        there = [one for one, when in conditions.items() if Marker(when).evaluate(which_one)]
+        wanted = f"{own}[{','.join(there)}]"
         subprocess.run((*PIP, *asked, *which, *places, wanted), check=True)
-    name, version = own.name.split("-")[:2]
-    (folder / "requirements.txt").write_text(wanted.replace(str(own), name) + "\n", "utf-8")
     shutil.copy(constraints, folder / "constraints.txt")
     shutil.copy(HERE / "install.sh", folder)
     told = sorted(path for path in folder.rglob("*") if path.is_file())
@@ -70,13 +80,13 @@ def _sha256(path: Path) -> str:
 def main() -> int:
     """Make the bundle and say where it is."""
     options = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    options.add_argument("--python", action="append", help="3.11 and 3.12 unless told otherwise")
+    options.add_argument("--python", action="append", help="3.11 to 3.13 unless told otherwise")
     options.add_argument("--out", type=Path, default=PROJECT / "dist")
     told = options.parse_args()
     told.out.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(dir=told.out) as made:
         folder = Path(made)
-        pythons = told.python or ["3.11", "3.12"]
+        pythons = told.python or ["3.11", "3.12", "3.13"]
         name = fill(folder, PROJECT, PROJECT / "constraints.txt", pythons)
         bundle = told.out / f"{name}-{get_platform()}.tar"
         partial = bundle.with_suffix(".partial")

@@ -20,8 +20,8 @@ if [ "$among" != "$packed" ]; then
     echo "There are wheels that were not packed; nothing was installed." >&2
     exit 2
 fi
-for python in ${PYTHON:-python3.12 python3.11 python3}; do
-    "$python" -c 'import sys, ensurepip, venv; sys.exit(sys.version_info[:2] not in ((3, 11), (3, 12)))' \
+for python in ${PYTHON:-python3.12 python3.11 python3.13 python3}; do
+    "$python" -c 'import sys, ensurepip, venv; sys.exit(not (3, 11) <= sys.version_info[:2] <= (3, 13))' \
         2>/dev/null || continue
     # Half an environment is none: a second try would find it in the way.
     trap 'rm -rf -- "$folder"' EXIT
@@ -36,6 +36,6 @@ for python in ${PYTHON:-python3.12 python3.11 python3}; do
     echo "    $folder/bin/workbench doctor     # what is there, and what is missing"
     exit 0
 done
-echo "Python 3.11 or 3.12 with its venv is needed, and none was found." >&2
+echo "Python 3.11, 3.12 or 3.13 with its venv is needed, and none was found." >&2
 echo "On Debian or Ubuntu: apt-get install python3-venv; under another name: PYTHON=/path $0" >&2
 exit 2

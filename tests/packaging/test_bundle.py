@@ -19,6 +19,7 @@ name = "tiny"
 version = "1.0"
 [project.optional-dependencies]
 more = []
+old = ["there-is-no-wheel-of-this"]
 test = ["this-is-for-developers"]
 [project.scripts]
 tiny = "tiny:main"
@@ -30,15 +31,17 @@ def packed(tmp_path_factory, request) -> Path:
     monkeypatch = pytest.MonkeyPatch()
     request.addfinalizer(monkeypatch.undo)
     monkeypatch.syspath_prepend(str(SETUP))
-    from bundle import fill  # pyright: ignore[reportMissingImports]
+    import bundle  # pyright: ignore[reportMissingImports]
+
+    python = f"{sys.version_info.major}.{sys.version_info.minor}"
+    monkeypatch.setattr(bundle, "ONLY_FOR", {"old": f"python_version < '{python}'"})
 
     project = tmp_path_factory.mktemp("project")
     (project / "pyproject.toml").write_text(PROJECT)
     (project / "tiny.py").write_text("def main():\n    print('it runs')\n")
     (project / "constraints.txt").write_text("")
     folder = tmp_path_factory.mktemp("bundle")
-    python = f"{sys.version_info.major}.{sys.version_info.minor}"
-    assert fill(folder, project, project / "constraints.txt", [python]) == "tiny-1.0"
+    assert bundle.fill(folder, project, project / "constraints.txt", [python]) == "tiny-1.0"
     return folder
 
 
@@ -66,7 +69,12 @@ def install(bundle: Path, into: Path):
 
 
 def test_it_installs_with_extras_but_those_for_developers(bundle, tmp_path):
-    assert (bundle / "requirements.txt").read_text() == "tiny[more]\n"
+    first, more, old = (bundle / "requirements.txt").read_text().splitlines()
+    assert (first, more, old.split(";")[0]) == (
+        "tiny",
+        "tiny[more]; python_version >= '3.11'",
+        "tiny[old]",
+    )
     said = install(bundle, tmp_path / "here")
     assert said.returncode == 0, said.stderr
     assert str(tmp_path / "here") in said.stdout
@@ -119,4 +127,4 @@ def test_without_a_python_that_fits_it_says_what_to_install(bundle, tmp_path):
         capture_output=True,
         text=True,
     )
-    assert said.returncode == 2 and "Python 3.11 or 3.12" in said.stderr
+    assert said.returncode == 2 and "Python 3.11, 3.12 or 3.13" in said.stderr

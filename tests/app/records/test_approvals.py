@@ -3,6 +3,7 @@
 import json
 import multiprocessing
 import sqlite3
+from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
 
@@ -26,7 +27,7 @@ def record(tmp_path):
 
 
 def entries(record):
-    with sqlite3.connect(record.folder / "journal.sqlite") as connection:
+    with closing(sqlite3.connect(record.folder / "journal.sqlite")) as connection:
         rows = connection.execute("SELECT kind, body FROM entries ORDER BY number").fetchall()
     return [(kind, json.loads(body)) for kind, body in rows]
 
@@ -119,7 +120,7 @@ def test_who_has_not_read_this_approves_nothing(record, digest, actor, later, fa
 
 def test_a_record_that_was_changed_is_not_believed(record):
     record.take(approval())
-    with sqlite3.connect(record.folder / "journal.sqlite") as connection:
+    with closing(sqlite3.connect(record.folder / "journal.sqlite")) as connection, connection:
         connection.execute("DROP TRIGGER IF EXISTS entries_stay")
         triggers = connection.execute("SELECT name FROM sqlite_master WHERE type = 'trigger'")
         for (name,) in triggers.fetchall():

@@ -63,7 +63,7 @@ def test_an_error_made_on_purpose_comes_back_as_it_is(jobs, listener):
 
 
 @pytest.mark.parametrize(
-    ("name", "said"), [("stumble", "KeyError: 'missing'"), ("bring_nonsense", "pickle")]
+    ("name", "said"), [("stumble", "KeyError: 'missing'"), ("bring_nonsense", "local object")]
 )
 def test_an_accident_becomes_one_sentence_and_a_traceback_in_the_log(
     jobs, listener, caplog, name, said

@@ -7,6 +7,7 @@ import socket
 import sqlite3
 import threading
 import time
+from contextlib import closing
 from math import floor
 
 import numpy as np
@@ -38,7 +39,7 @@ def words(record):
 
 
 def kinds(record):
-    with sqlite3.connect(record / "journal.sqlite") as connection:
+    with closing(sqlite3.connect(record / "journal.sqlite")) as connection:
         return [kind for (kind,) in connection.execute("SELECT kind FROM entries ORDER BY number")]
 
 
