@@ -101,6 +101,7 @@ def test_an_honest_session_does_not_contradict_itself(cell, samples, tmp_path, p
     """Sent, opened again, approved again, and sent again."""
     wanted = replace(cell, approvers=people)
     journal = new_session(tmp_path, wanted, AT)
+    journal.close()
     for _ in range(2):
         with closing(Bench(wanted, Journal(journal.folder), effects=Idle)) as bench:
             bench.do(UseScan(samples.scan()), "ada")

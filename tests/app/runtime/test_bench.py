@@ -5,6 +5,7 @@ import logging
 import queue
 import sqlite3
 import threading
+from contextlib import closing
 
 import pytest
 from waiting import PATIENCE
@@ -346,8 +347,9 @@ def test_a_job_that_was_interrupted_has_failed_in_the_continued_session(cell, jo
 
 def test_a_session_of_another_cell_is_not_continued(cell, journal, clock, make_cell):
     Bench(cell, journal, now=clock, effects=Noted).close()
-    with pytest.raises(JournalError, match="ran with the cell"):
-        Bench(make_cell("other"), Journal(journal.folder), now=clock, effects=Noted)
+    again = Journal(journal.folder)
+    with closing(again), pytest.raises(JournalError, match="ran with the cell"):
+        Bench(make_cell("other"), again, now=clock, effects=Noted)
 
 
 def test_people_cannot_report_for_machines(bench, samples):

@@ -8,6 +8,7 @@ import signal
 import socket
 import sqlite3
 import threading
+from contextlib import closing
 from pathlib import Path
 
 import numpy as np
@@ -242,7 +243,8 @@ def test_what_a_search_discarded_is_shown_and_not_recorded(cell, tmp_path, machi
         assert [one.words for one in findings.rejected] == ["reaches into part-1"]
     finally:
         bench.close()
-    *_, (_, last) = replay(Journal(tmp_path / "session"), cell)
+    with closing(Journal(tmp_path / "session")) as journal:
+        *_, (_, last) = replay(journal, cell)
     assert digest_of(last.detections) == digest_of(findings.detections)
 
 
@@ -260,7 +262,8 @@ def test_films_of_emptied_piles_are_shown_and_not_recorded(
         assert [film.task for film in films.films] == [one.task for one in state.emptying.plain]
     finally:
         bench.close()
-    *_, (_, last) = replay(Journal(tmp_path / "session"), cell)
+    with closing(Journal(tmp_path / "session")) as journal:
+        *_, (_, last) = replay(journal, cell)
     assert last.emptying == films.emptying
     again = Bench(cell, Journal(tmp_path / "session"), effects=Idle)
     assert again.live.films is None and again.state.emptying == films.emptying

@@ -88,12 +88,13 @@ def bench_in(cell, controller):
     def open_in(folder, **options):
         reached = at(cell, controller)
         options = {"effects": Linked, **options}
-        opened.append(Bench(options.pop("cell", reached), Journal(folder), **options))
+        opened.append(Journal(folder))
+        opened.append(Bench(options.pop("cell", reached), opened[-1], **options))
         return opened[-1]
 
     yield open_in
-    for bench in opened:
-        bench.close()
+    for one in reversed(opened):
+        one.close()
 
 
 def approved(bench, samples):
