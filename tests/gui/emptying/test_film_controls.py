@@ -1,5 +1,6 @@
 """The slider of a film shows the moment that the scene shows."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import pytest
@@ -38,11 +39,12 @@ class Slider:
         super().__setattr__(name, value)
 
 
-@pytest.mark.parametrize("heard", [1, 2])
-def test_a_moment_that_is_typed_while_it_plays_is_written_once_more_however_often_it_is_heard(
-    gui, heard
+@pytest.mark.parametrize("is_playing", [True, False])
+@pytest.mark.parametrize(("heard", "late"), [(1, 0), (2, 0), (1, 1)])
+def test_a_moment_that_is_typed_after_the_film_moved_the_slider_is_written_once_more(
+    gui, is_playing, heard, late
 ):
-    own, hands = Own(Showing(None, 10.0, {}, 5.57)), []
+    own, hands = Own(Showing(None, 10.0, {}, 5.57, is_playing)), []
     visitor = SimpleNamespace(
         gui=gui,
         own=own,
@@ -58,9 +60,13 @@ def test_a_moment_that_is_typed_while_it_plays_is_written_once_more_however_ofte
 
     controls.show(None, before := view(), 0)
     assert slider.written == [5.57]
+    own.show(lambda showing: replace(showing, time=5.6))
+    last = view()
     for _ in range(heard):
         hands[0](1.0)
-    controls.show(before, after := view(), 0)
+    for _ in range(late):
+        controls.show(before, last, 0)
+    controls.show(last, after := view(), 0)
     assert slider.written[-1] == 1.0 and len(slider.written) > 1
     # While it stands, the browser that drags knows best.
     slider.written.clear()

@@ -32,7 +32,7 @@ class FilmControls:
         """Add the controls."""
         self._visitor = visitor
         self._mine: float | None = None
-        self._is_echoed = False
+        self._is_written = False
         self._pile = 0
         gui = visitor.gui
         with group(gui, "Film of the chosen pile"):
@@ -96,11 +96,12 @@ class FilmControls:
             self._time.max = most
         # The browser that drags knows best where its own slider stands.
         if showing.time != self._mine:
+            self._is_written = True
             self._time.value = min(round(showing.time, 2), most)
-        elif self._is_echoed:
-            # While it played the slider was moved from here, too: whose word came last is not
-            # known, and a value that is said once more is not sent.
-            self._is_echoed = False
+        elif self._is_written:
+            # The slider was moved from here, too: whose word came last to the browser is not known,
+            # and a value that is said once more is not sent.
+            self._is_written = False
             self._time.value = most if showing.time == 0.0 else 0.0
             self._time.value = min(round(showing.time, 2), most)
 
@@ -187,10 +188,6 @@ class FilmControls:
         visitor.own.change(jog=None, observation=None, film=showing)
 
     def _go_to(self, time: float) -> None:
-        film = self._visitor.own.now.film
-        if film is not None and film.is_playing:
-            # It stays owed until it is done: one moment that is typed may be heard twice.
-            self._is_echoed = True
         self._mine = time
         self._visitor.own.show(
             lambda showing: replace(
