@@ -140,4 +140,5 @@ def fault(chrome: Browser, folder: Path) -> None:
         screen.press("Stop")
         at.reach("fault")
         screen.wait_for("Fault:")
+        at.page.mouse.move(400, 780)
         at.shoot("fault")
