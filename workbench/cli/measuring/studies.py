@@ -17,8 +17,9 @@ from workbench.formats.cells.predictions import predictions_path, write_predicti
 from workbench.formats.cells.reading import read_cell
 from workbench.model.errors import InputError
 from workbench.plugins.planner import planner_named
-from workbench.studies import klampt, localization, pairs, picks, planners, plots, threshold
+from workbench.studies import klampt, localization, pairs, planners, plots, threshold
 from workbench.studies.cases import run_cases
+from workbench.studies.picking import picks
 
 MOST = 1_000_000
 

@@ -9,8 +9,8 @@ from workbench.formats.cells.reading import read_cell
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.part import GraspLibrary
 from workbench.model.scan import Detection
-from workbench.studies.exchanges import Exchanges, Got
-from workbench.studies.picks import in_the_air
+from workbench.studies.picking.exchanges import Exchanges, Got
+from workbench.studies.picking.picks import in_the_air
 
 LYING = (np.pi / 2, 0.0, 0.4)
 

@@ -19,7 +19,7 @@ from workbench.perception.simulation.piles import drop_parts
 from workbench.planning.planners.clock import working_time
 from workbench.plugins.progress import Report, silent
 from workbench.studies.cases import percentiles
-from workbench.studies.exchanges import WORDS, Exchanges
+from workbench.studies.picking.exchanges import WORDS, Exchanges
 
 REGRASPED, HANDED_OVER = "ok over a station (regrasp)", "ok over a station (hand over)"
 """Of parts that the same arm takes anew from a station, and that the other one does."""

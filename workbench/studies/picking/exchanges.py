@@ -149,7 +149,7 @@ class Exchanges:
         for quaternion, share, aside, height in product(quaternions, SHARES, ASIDE, HEIGHTS):
             point = middle + share * (bin.translation - middle) + aside * sideways
             point[2] = bin.translation[2] + height
-            yield pin.SE3(quaternion.toRotationMatrix(), point)
+            yield pin.SE3(quaternion.matrix(), point)
 
     def _ways(self, hold: Hold, T_world_part: pin.SE3) -> Floats:
         """Configurations (k, n) [rad] in which a hand has the part there, each once."""
