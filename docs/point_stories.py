@@ -200,6 +200,7 @@ def with_the_plan(at: Fronted) -> None:
         set_number(at, "Time [s]", f"{share * plan.cycle_seconds:.2f}")
         page.wait_for_timeout(900)
         at.point(number, of)
+    screen.press("To the start")
     screen.press("Play")
     at.wait(lambda: bool(at.bench.state.watched), "the end of the plan")
     at.point(3, "end")

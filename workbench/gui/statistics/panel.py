@@ -20,8 +20,9 @@ FILE = "workbench-statistics.csv"
 WHOLE = "Of the whole session, whichever entry is looked at."
 
 ALONG = (
-    '<p class="wb-hint"><a href="/session.zip" download>Session as one file</a> for whoever helps, '
-    'with the log; <a href="/backup.zip" download>Backup</a> of cells and parts.</p>'
+    '<div class="wb-pad"><div class="wb-small wb-along"><a href="/session.zip" download>'
+    "Session as one file</a> for whoever helps, with the log; "
+    '<a href="/backup.zip" download>Backup</a> of cells and parts.</div></div>'
 )
 """What the front gives an engineer."""
 
