@@ -84,7 +84,7 @@ def fronted(chrome: Browser, folder: Path, speed: float) -> Iterator[Fronted]:
         context = chrome.new_context(viewport=SIZE)
         context.set_default_timeout(60_000)
         page = context.new_page()
-        first_load(page, front.link)
+        page.goto(front.link)
         at = Fronted(bench, page, front.link)
         at.screen.page.locator(".wb-strip").first.wait_for()
         close_notes(at.screen)
@@ -130,7 +130,7 @@ def first_load(page: Page, link: str) -> None:
     page.goto(link, wait_until="commit")
     page.locator("#wait").wait_for()
     keep(page, 13, "loading")
-    page.unroute("**/scene/**", hold)
+    page.context.close()
 
 
 def before_the_plan(at: Fronted) -> None:
@@ -268,6 +268,15 @@ def points(chrome: Browser, folder: Path) -> None:
             for tell in told:
                 tell(at)
     recorded(chrome, folder)
+    loading(chrome, folder)
+
+
+def loading(chrome: Browser, folder: Path) -> None:
+    """The first load, of a front of its own."""
+    (folder / "loading").mkdir()
+    with cell_bench(folder / "loading", QUICK) as bench:
+        with front_of(bench, folder / "loading") as front:
+            first_load(chrome.new_context(viewport=SIZE).new_page(), front.link)
 
 
 def recorded(chrome: Browser, folder: Path) -> None:
@@ -278,7 +287,7 @@ def recorded(chrome: Browser, folder: Path) -> None:
             page = chrome.new_context(viewport=SIZE).new_page()
             page.goto(front.link)
             page.frame_locator("#scene").locator(".wb-mode").first.wait_for(timeout=PATIENCE * 1000)
-            page.wait_for_timeout(4000)
+            close_notes(Screen(page.locator("#scene").element_handle().content_frame(), PICTURES))
             keep(page, 6, "recorded")
             page.context.close()
     finally:

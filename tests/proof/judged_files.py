@@ -107,7 +107,10 @@ class Files:
                 free = np.deg2rad(place.get("free_rotation_deg", 0))
                 far = place.get("tolerance_mm", 2) / 1000
                 turn = np.deg2rad(place.get("tolerance_deg", 3))
-                found.append({"T": pose_of(told), "free": free, "far": far, "turn": turn})
+                comes = unit(place.get("approach", (0, 0, -1)))
+                found.append(
+                    {"T": pose_of(told), "free": free, "far": far, "turn": turn, "comes": comes}
+                )
         return found
 
     @property

@@ -204,8 +204,13 @@ def is_off(files: Files, plan, one, hand) -> str:
             return stands
     elif not any(_near(T_put, T @ half) for T in files.places(one.arm) for half in halves):
         T_lies, shall = T_put @ np.linalg.inv(T_grasp) @ T_part, files.part_places(one.arm, kind)
-        if not any(_lies(place, T_lies, files.parts[kind]) for place in shall):
+        came = T_put[:3, 3] - hand(one.leg("place").q[0])[:3, 3]
+        there = [place for place in shall if _lies(place, T_lies, files.parts[kind])]
+        if not there:
             return "no place is there"
+        beside = [np.linalg.norm(np.cross(came, place["comes"])) for place in there]
+        if min(beside) > NEAR + 0.001 or not any(came @ place["comes"] >= 0 for place in there):
+            return "it does not come from where the place has it come"
     T_part_tcp = np.linalg.inv(one.T_tcp_part.homogeneous)
     held = [
         grasp

@@ -81,6 +81,16 @@ def test_a_free_rotation_frees_one_turn_and_no_other(nests, plan):
     assert refusals(shifted(nests, leaning, free_rotation=np.pi), plan)
 
 
+def test_a_part_that_does_not_come_as_its_place_says_is_refused(nests, plan):
+    here = pin.SE3.Identity()
+    lean = np.deg2rad(1.5), np.deg2rad(5.0)
+    slightly, clearly = ((0.0, float(np.sin(a)), -float(np.cos(a))) for a in lean)
+    assert refusals(shifted(nests, here, approach=slightly), plan) == []
+    for approach in (clearly, (1.0, 0.0, 0.0), (0.0, 0.0, 1.0)):
+        said = refusals(shifted(nests, here, approach=approach), plan)
+        assert any("does not come the way that its place says" in one for one in said), said
+
+
 def test_a_place_for_another_kind_is_no_place(nests, plan):
     said = refusals(shifted(nests, pin.SE3.Identity(), part="bracket"), plan)
     assert any("the hand opens where the arm has no place" in one for one in said)

@@ -1,6 +1,7 @@
 """Candidates for a pick, the closed vocabulary of verdicts, and picks."""
 
 import enum
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
@@ -105,14 +106,20 @@ class Candidate(Told):
         return {"part": part, "grasp": self.grasp.name, "arm": self.arm, "verdict": verdict}
 
 
+RUBS = 0.0003
+"""[m] A part whose lift gains less on what it lies against in its first 3 mm rubs along that."""
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Pick:
     """A candidate that works: the straight legs and the place, as configurations.
 
     `approach` (m, n) [rad] runs from pre-grasp to grasp, `extract` (m, n) from grasp to the
     end of the extraction; `place` (n,) releases the part.  `T_tcp_part` is the part in the
-    hand, `lift` the name of the way in which it is taken out.  `clearance` [m] is the smallest
-    found over them, `seconds` what its legs take at least, each straight from rest to rest.
+    hand, `lift` the name of the way in which it is taken out, `gain` [m] how much that leads away
+    from what the part lies against (`PartWays.gain`), told where there are several lifts.
+    `clearance` [m] is the smallest found over them, `seconds` what its legs take at least, each
+    straight from rest to rest.
     """
 
     candidate: Candidate
@@ -124,6 +131,7 @@ class Pick:
     seconds: float
     solutions: tuple[Floats, ...] = field(default_factory=tuple)
     lift: str = ""
+    gain: float = math.inf
 
     def __post_init__(self) -> None:
         put(
@@ -134,6 +142,11 @@ class Pick:
             place=frozen(self.place),
             solutions=tuple(frozen(q) for q in self.solutions),
         )
+
+    @property
+    def rubs(self) -> bool:
+        """Whether the part only rubs off along what it lies against, and may drag that along."""
+        return self.gain < RUBS
 
     @property
     def q_grasp(self) -> Floats:

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 import pinocchio as pin
 
-from workbench.model.digest import Told, digest_of
+from workbench.model.digest import LATER, Told, digest_of
 from workbench.model.geometry import Floats, Mesh, Solid, copied, frozen, put
 from workbench.model.symmetry import Symmetry, turn_about
 
@@ -156,6 +156,9 @@ class GraspLibrary:
         return next((e for e in self.entries for g in grasps_of(e) if g.name == authored), None)
 
 
+DOWN = (0.0, 0.0, -1.0)
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class PartPlace:
     """Where a part shall lie when an arm lets go of it, however the hand holds it.
@@ -163,7 +166,8 @@ class PartPlace:
     `T_world_part` is its pose; one that the part's symmetry makes of it is as good.  `part` is the
     kind that it is for, empty: any.  The part may be turned by up to `free_rotation` [rad] either
     way about the z of `T_world_part`.  `tolerance` [m], of its origin, and `turn_tolerance` [rad]
-    are how far from there a plan may put it.
+    are how far from there a plan may put it.  `approach` (3,) is the direction in the world in
+    which it comes there straight at last.
     """
 
     T_world_part: pin.SE3
@@ -171,6 +175,7 @@ class PartPlace:
     free_rotation: float = 0.0
     tolerance: float = 0.002
     turn_tolerance: float = np.deg2rad(3.0)
+    approach: tuple[float, float, float] = field(default_factory=lambda: DOWN, metadata=LATER)
 
     def __post_init__(self) -> None:
         put(self, T_world_part=copied(self.T_world_part))

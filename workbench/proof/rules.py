@@ -84,7 +84,9 @@ def grasp_violations(cell: Cell, tree: Tree, plan: Plan, one: ArmPlan) -> Iterat
     if not any(_same(T_put, T, IN_HAND, IN_HAND_TURN) for T in places):
         # Where the part really is in the hand, not where the plan says that it is.
         T_world_put = T_put * T_grasp.actInv(T_world_part)
-        yield from lying_violations(arm, part, plan.detections[one.detection], T_world_put)
+        begins = tcp(tree, tree.rest, arm, np.asarray(one.leg("place").q[0])).translation
+        came = T_put.translation - begins
+        yield from lying_violations(arm, part, plan.detections[one.detection], T_world_put, came)
 
 
 def roll_violations(cell: Cell, tree: Tree, plan: Plan, one: ArmPlan) -> Iterator[Violation]:

@@ -62,8 +62,22 @@ def test_what_is_not_said_is_any_part_no_turn_2_mm_and_3_degrees(with_place):
     assert len(places) == 6
     assert np.allclose(places[3].T_world_part.translation, [0.39, -0.28, 0.13])
     for one in places:
-        told = (one.part, one.free_rotation, one.tolerance, one.turn_tolerance)
-        assert told == ("", 0.0, 0.002, np.deg2rad(3))
+        told = (one.part, one.free_rotation, one.tolerance, one.turn_tolerance, one.approach)
+        assert told == ("", 0.0, 0.002, np.deg2rad(3), (0.0, 0.0, -1.0))
+
+
+def test_a_place_says_from_where_its_part_comes_and_keeps_it(with_place, tmp_path):
+    path = with_place(NEST + "approach = [0, -3, -4]\n")
+    cell = read_cell(path)
+    (place,) = cell.arms[0].part_places
+    assert np.allclose(place.approach, [0.0, -0.6, -0.8])
+    (again,) = read_cell(write_cell(tmp_path / "again", cell, {})).arms[0].part_places
+    assert np.allclose(again.approach, place.approach, atol=1e-6)
+    other = path.with_name("other.toml")
+    other.write_text(path.read_text(encoding="utf-8").replace("[0, -3, -4]", "[0, 0, -7]"))
+    plain = path.with_name("plain.toml")
+    plain.write_text(path.read_text(encoding="utf-8").replace("approach = [0, -3, -4]\n", ""))
+    assert read_cell(other).digest == read_cell(plain).digest != cell.digest
 
 
 @pytest.mark.parametrize(
@@ -83,6 +97,9 @@ def test_what_is_not_said_is_any_part_no_turn_2_mm_and_3_degrees(with_place):
         ("part_position_mm = [330, -330", "part_position_mm = [330, -33000",
          "part_position_mm: -33000 is not between -20000 and 20000"),
         ("tolerance_mm", "tolerence_mm", "tolerence_mm: is not known here; did you mean"),
+        ("tolerance_deg = 4", "approach = [0, 0, 0]",
+         "approach: has no length; a direction like [1, 0, 0] is expected"),
+        ("tolerance_deg = 4", "approach = [0, 1]", "approach: 3 numbers are expected"),
     ],
 )  # fmt: skip
 def test_mistakes_are_told_in_one_sentence(with_place, old, new, says):

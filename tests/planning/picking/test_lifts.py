@@ -7,14 +7,15 @@ import pytest
 
 from workbench.app.picking.pipeline import judge, plan_pick
 from workbench.formats.cells.reading import read_cell
-from workbench.model.candidate import Reason, Stage
-from workbench.model.cell import LIFT_NAMES, Cell
+from workbench.model.candidate import RUBS, Pick, Reason, Stage
+from workbench.model.cell import LIFT_NAMES, Cell, LiftName
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.scan import Detection, Obstacle
 from workbench.perception.simulation.piles import drop_parts
 from workbench.planning.collision.world import World
 from workbench.planning.picking import resolve
 from workbench.planning.picking.lifts import AUTHORED, lifts
+from workbench.planning.picking.propose import propose
 from workbench.proof.prove import prove
 
 
@@ -181,3 +182,43 @@ def test_a_lift_of_no_length_is_looked_at_without_a_division_by_zero(cell, names
         judged = judge(still, (lying(still, 0.0, 0.0),))
     assert {one.verdict.stage for one in judged} >= {Stage.EXTRACT}
     assert not any(one.verdict.is_ok for one in judged)
+
+
+def test_ways_that_lead_away_come_before_those_that_rub_each_in_the_order_of_the_policy(cell):
+    named = ("up", "off-wall", "around")
+    every = by(cell, lifts=named)
+    half = float(cell.bin.size[1]) / 2
+    free, against = lying(every, 0.0, 0.0), lying(every, 0.0, half - 0.0195)
+    assert [name for name, _ in ways(every, free)][:2] == ["up", "off-wall"]
+    found = ways(every, against)
+    gain = World(every, (against,)).part_ways.gain
+    do_rub = [gain(0, way) < RUBS for _, way in found]
+    assert True in do_rub and do_rub == sorted(do_rub)
+    assert found[0][0] == "off-wall"
+    rubbing = [name for (name, _), rubs in zip(found, do_rub, strict=True) if rubs]
+    assert rubbing[0] == "up"
+    again = ways(every, against)
+    assert [name for name, _ in again] == [name for name, _ in found]
+    assert all(np.array_equal(a, b) for (_, a), (_, b) in zip(again, found, strict=True))
+
+
+def test_around_leans_to_twelve_sides_by_all_and_by_half_of_the_angle(cell):
+    only = by(cell, lifts=("around",))
+    found = np.array([way for _, way in ways(only, lying(only, 0.0, 0.0))])
+    leans = np.rad2deg(np.arccos(found[:, 2] / np.linalg.norm(found, axis=1)))
+    assert [round(lean, 3) for lean in sorted(leans)] == [12.5] * 12 + [25.0] * 12
+
+
+def test_a_part_that_stands_against_something_is_taken_by_a_lift_that_leads_away_from_it(cell):
+    one = lying(cell, 0.0, 0.0)
+    end = float(cell.parts[0].mesh.points[:, 2].max())
+    at = cell.bin.T_world_bin * pose_from_rpy((end + 0.0055, 0.0, 0.003))
+    block = Obstacle(at, np.array([0.01, 0.02, 0.006]))
+
+    def rubbing(*names: LiftName) -> set[bool]:
+        world = World(by(cell, lifts=names), (one,), (block,))
+        found = [resolve.resolve(world, candidate, seed=0) for candidate in propose(world)]
+        return {pick.rubs for pick in found if isinstance(pick, Pick)}
+
+    assert rubbing("up", "around") == {False}
+    assert rubbing("up", "back") == {True}

@@ -1,5 +1,7 @@
 """Orders by name: what comes first, and that a plan follows."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from shipped import shipped
@@ -10,6 +12,7 @@ from workbench.model.cell import ORDER_NAMES, PlanOverrides
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.scan import Detection
 from workbench.planning.collision.world import World
+from workbench.planning.picking.assign import planned
 from workbench.planning.picking.dual_arm import pairs_of
 from workbench.planning.picking.order import cost_of
 from workbench.planning.picking.propose import propose
@@ -62,6 +65,23 @@ def test_the_thesis_gives_each_arm_its_side_and_the_farther_part_first(world, pi
         assert y * sides[pick.candidate.arm] >= 0
     away = [np.hypot(*LYING[pick.candidate.detection][:2]) for pick in (master, slave)]
     assert away[0] >= away[1]
+
+
+def test_parts_that_only_rub_off_wait_until_nothing_else_can_be_taken(world, picks):
+    first = min(picks, key=cost_of(world, "travel")).candidate.detection
+
+    def taken(rubbing: set[int]) -> set[int]:
+        marked = [
+            replace(one, gain=0.0 if one.candidate.detection in rubbing else 0.003) for one in picks
+        ]
+        plans, verdict = planned(world, marked, "auto", 0.0, "test", 0, lambda: False)
+        assert plans, verdict
+        return {arm.detection for arm in plans[0].arms}
+
+    assert len(taken(set())) == 2
+    assert first not in taken({first})
+    assert taken({0, 1}) == {2}, "one alone rather than one that rubs beside it"
+    assert len(taken({0, 1, 2})) == 2, "they are not refused"
 
 
 @pytest.mark.parametrize("order", ORDER_NAMES)

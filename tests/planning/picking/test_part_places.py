@@ -17,6 +17,7 @@ from workbench.model.geometry import pose_from_rpy
 from workbench.model.part import PartPlace
 from workbench.model.scan import Detection
 from workbench.planning.collision.world import World
+from workbench.planning.kinematics.robot import Kinematics
 from workbench.planning.picking.propose import propose
 from workbench.planning.picking.resolve import resolve
 
@@ -50,6 +51,20 @@ def test_parts_that_lie_are_put_upright_with_the_key_to_the_front(nests, standin
     for T, wanted in lying(nests, standing.plan):
         far, turn = apart(T, wanted)
         assert far < 0.0005 and turn < np.deg2rad(0.1)
+
+
+@pytest.mark.parametrize("approach", [(0.8, 0.0, -0.6), (1.0, 0.0, 0.0)])
+def test_a_part_comes_to_its_place_from_where_that_has_it_come(nests, detections, approach):
+    asks = with_nests(nests, part="keyed_cylinder", approach=approach)
+    result = plan_pick(asks, detections, "scan", seed=0)
+    assert result.proof.holds
+    kinematics = Kinematics(asks)
+    for one in result.plan.arms:
+        q = one.leg("place").q
+        start, end = (kinematics.tcp_pose(asks.arm(one.arm), q[k]).translation for k in (0, -1))
+        assert np.allclose(end - start, 0.05 * np.array(approach), atol=0.001)
+    for T, wanted in lying(asks, result.plan):
+        assert apart(T, wanted)[0] < 0.0005
 
 
 def test_grasps_that_allow_no_such_place_are_refused_with_a_number(standing):

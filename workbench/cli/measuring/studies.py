@@ -17,8 +17,9 @@ from workbench.formats.cells.predictions import predictions_path, write_predicti
 from workbench.formats.cells.reading import read_cell
 from workbench.model.errors import InputError
 from workbench.plugins.planner import planner_named
-from workbench.studies import klampt, localization, pairs, picks, planners, plots, threshold
+from workbench.studies import klampt, localization, pairs, planners, plots, threshold
 from workbench.studies.cases import run_cases
+from workbench.studies.picking import picks
 
 MOST = 1_000_000
 
@@ -106,6 +107,7 @@ def bench_pick(typed: BenchPick) -> int:
             seed=typed.seed,
             strategy=typed.strategy,
             planner=typed.planner,
+            air=typed.air,
             report=report,
         )
     if typed.json:
@@ -125,6 +127,8 @@ def bench_pick(typed: BenchPick) -> int:
     )
     told = ", ".join(f"{count} {fate}" for fate, count in measured["parts"].items())
     print(f"of {typed.scenes * typed.parts} parts, by the grasp that got furthest: {told}")
+    for fate, count in measured.get("air", {}).items():
+        print(f"{count} {fate}")
     if measured["cycle_seconds"]:
         print(f"predicted cycle: {np.median(measured['cycle_seconds']):.1f} s median")
     return SUCCESS

@@ -10,7 +10,7 @@ from workbench.formats.files.toml_keys import Table
 from workbench.formats.meshes.solids import REACH_MM, read_pose
 from workbench.model.cell import Fixture
 from workbench.model.geometry import Floats, pose_from_rpy
-from workbench.model.part import PartPlace, Station
+from workbench.model.part import DOWN, PartPlace, Station
 
 MOST_PLACES = 400
 """On one pallet."""
@@ -19,7 +19,7 @@ OF_TOOL = ("position_mm", "rpy_deg")
 
 OF_PART = ("part_position_mm", "part_rpy_deg")
 
-ABOUT_PART = ("part", "free_rotation_deg", "tolerance_mm", "tolerance_deg")
+ABOUT_PART = ("part", "free_rotation_deg", "tolerance_mm", "tolerance_deg", "approach")
 """What can be said only where the pose is that of the part."""
 
 LEVEL, SAME_HEIGHT = np.deg2rad(0.5), 0.05
@@ -46,11 +46,13 @@ def read_places(table: Table) -> tuple[tuple[pin.SE3, ...], tuple[PartPlace, ...
         free = place.number("free_rotation_deg", 0, low=0, high=180)
         far = place.number("tolerance_mm", 2, low=FINEST_MM, high=50) / 1000
         turn = place.number("tolerance_deg", 3, low=FINEST_DEG, high=45)
+        approach = _direction(place)
         shifts = _grid(place)
         place.finish()
         if is_of_part:
             of_part += [
-                PartPlace(T_part * T, kind, np.deg2rad(free), far, np.deg2rad(turn)) for T in shifts
+                PartPlace(T_part * T, kind, np.deg2rad(free), far, np.deg2rad(turn), approach)
+                for T in shifts
             ]
         else:
             of_tool += [T_tool * T for T in shifts]
@@ -136,6 +138,16 @@ def _part_pose(table: Table) -> pin.SE3:
     return pose_from_rpy(
         xyz, np.deg2rad(table.numbers(OF_PART[1], 3, [0, 0, 0], low=-360, high=360))
     )
+
+
+def _direction(table: Table) -> tuple[float, float, float]:
+    """The unit direction in the world in which a part comes to a place: from above if not told."""
+    told = table.numbers("approach", 3, list(DOWN), low=-1000, high=1000)
+    length = float(np.linalg.norm(told))
+    if length < 1e-6:
+        raise table.error("approach", "has no length; a direction like [1, 0, 0] is expected")
+    x, y, z = (float(v) for v in told / length + 0.0)
+    return x, y, z
 
 
 def _kind(table: Table) -> str:

@@ -18,7 +18,7 @@ from workbench.formats.meshes.triangles import stl_of, surface_of
 from workbench.formats.robots.urdf_package import write_package, write_srdf
 from workbench.model.cell import Arm, Cell, Fixture, Policy, ScannerMount, Tool
 from workbench.model.geometry import Box, Capsule, Cylinder, Floats, Mesh, Solid, Sphere
-from workbench.model.part import PartPlace, Station
+from workbench.model.part import DOWN, PartPlace, Station
 from workbench.plugins.options import Options
 
 
@@ -200,6 +200,8 @@ def _part_place(place: PartPlace) -> Iterator[str]:
     yield f"free_rotation_deg = {number(np.rad2deg(place.free_rotation))}"
     yield f"tolerance_mm = {number(place.tolerance * 1000)}"
     yield f"tolerance_deg = {number(np.rad2deg(place.turn_tolerance))}"
+    if place.approach != DOWN:
+        yield f"approach = {numbers(np.round(place.approach, 6))}"
 
 
 def _fixture(folder: Path, fixture: Fixture) -> Iterator[str]:

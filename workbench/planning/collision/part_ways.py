@@ -28,8 +28,20 @@ ASIDE = 0.0005
 """[m] An arm's way, straight between waypoints of its joints, is so far from the straight line."""
 
 
+FIRST = 0.003
+"""[m] So much of a way tells whether it leads away from what the part lies against.
+
+The distance of two convex bodies is a convex function of the way, so what gains here gains on."""
+
 COMES_OFF = 0.001
 """[m] Steps in which a part comes off what it lies on, where its turns are looked at."""
+
+
+Body = tuple[Shape, pin.SE3]
+"""A shape and its pose in the world."""
+
+Against = tuple[Body, Body, float]
+"""A piece of a part, a body that it lies against, and how near [m] they are."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,6 +82,8 @@ class PartWays:
         self._around: dict[int, Around] = {}
         self._known: dict[tuple[int, bytes], tuple[str, float] | None] = {}
         self._caught: dict[tuple[int, bytes], Caught | None] = {}
+        self._against: dict[int, list[Against]] = {}
+        self._gained: dict[tuple[int, bytes], float] = {}
 
     def blocked(self, number: int, ways: Sequence[Floats]) -> list[tuple[str, float] | None]:
         """For each way (3,) [m] in the world: what a part meets on it and after how much [m].
@@ -101,6 +115,47 @@ class PartWays:
         places = T.translation + far[:, None] * way / most
         k, code = first_contact(np.array(T.rotation), places, 0.0, number, self._margin, around)
         return None if k < 0 else (self._label(code), float(far[k]))
+
+    def gain(self, number: int, way: Floats) -> float:
+        """How much [m] a part gets away from what it lies against in the first mm of its way.
+
+        It is the least over all that is nearer at the start than the policy's `near_margin`: about
+        0 where the part only rubs along something, negative where it is pushed into that, and at
+        most `FIRST`, as where nothing is near.  Parts whose roll is unknown count as in `room_of`.
+
+        Args:
+            number: of the detection.
+            way: (3,) [m] in the world, straight, from where it lies.
+        """
+        key = (number, way.tobytes())
+        if key not in self._gained:
+            if number not in self._against:
+                self._against[number] = self._lying_against(number)
+            most = float(np.linalg.norm(way))
+            first = min(FIRST, most)
+            step = way * (first / most) if most > 0 else way
+            gains = [_apart(a, b, step) - begins for a, b, begins in self._against[number]]
+            self._gained[key] = min([first, *gains])
+        return self._gained[key]
+
+    def _lying_against(self, number: int) -> list[Against]:
+        """Pieces of a part, what each is near to, and how near [m] they are."""
+        T = self._detections[number].T_world_part
+        pieces = self._still.pieces[number]
+        reach = max(piece.reach for piece in pieces) + self._near
+        found: list[Against] = []
+        for body in self._still.bodies:
+            bed = (body.shape, body.T_joint_body)
+            if body.kind == "part" and int(body.owner) == number:
+                continue
+            if not _is_near(T.translation, reach, bed):
+                continue
+            for piece in pieces:
+                one = (piece.shape, T * piece.T_owner_shape)
+                begins = _apart(one, bed, np.zeros(3))
+                if begins < self._near:
+                    found.append((one, bed, begins))
+        return found
 
     def standing_in(self, number: int, T_world_part: pin.SE3, margin: float) -> str | None:
         """What a part, put elsewhere, is nearer to than the margin [m]; None where nothing.

@@ -229,15 +229,19 @@ def _alike(request: _Request, assigned: Sequence[Pick], *, is_free: bool) -> lis
 
 
 def _is_alike(one: Pick, other: Pick) -> bool:
-    """Whether two picks are of one part by one arm, and their grasps preferred alike."""
+    """Whether two picks are of one part by one arm, preferred alike, and come off alike."""
     a, b = one.candidate, other.candidate
-    return (a.arm, a.detection, a.grasp.priority) == (b.arm, b.detection, b.grasp.priority)
+    same = (a.arm, a.detection, a.grasp.priority) == (b.arm, b.detection, b.grasp.priority)
+    return same and one.rubs == other.rubs
 
 
 def _assignments(
     world: World, picks: list[Pick], strategy: str, cost: Cost
 ) -> Iterator[tuple[Strategy, tuple[Pick, ...]]]:
     """Ways to give parts to arms, best first: two arms where possible, then one.
+
+    Parts that only rub off along what they lie against wait until nothing else can be taken: what
+    they would drag may be gone by then.
 
     Of more arms any two may work, while the others stand at home.  For each arm and part the pick
     that takes the least time stands, or all of them where the grasps of a part go by pairs;
@@ -246,13 +250,24 @@ def _assignments(
     best: dict[tuple[str, int], Pick] = {}
     for pick in picks:
         key = (pick.candidate.arm, pick.candidate.detection)
-        priority = pick.candidate.grasp.priority
-        if key not in best or (-priority, pick.seconds) < (
-            -best[key].candidate.grasp.priority,
-            best[key].seconds,
-        ):
+        if key not in best or _preference(pick) < _preference(best[key]):
             best[key] = pick
     ordered = sorted(best.values(), key=lambda pick: (cost(pick), pick.seconds))
+    for do_rub in (False, True):
+        for chosen, assigned in _by_cost(world, picks, ordered, strategy, cost):
+            if any(pick.rubs for pick in assigned) == do_rub:
+                yield chosen, assigned
+
+
+def _preference(pick: Pick) -> tuple[int, bool, float]:
+    """What is least for the pick of a part by an arm that stands for the others."""
+    return -pick.candidate.grasp.priority, pick.rubs, pick.seconds
+
+
+def _by_cost(
+    world: World, picks: Sequence[Pick], ordered: Sequence[Pick], strategy: str, cost: Cost
+) -> Iterator[tuple[Strategy, tuple[Pick, ...]]]:
+    """All ways to give parts to arms, least cost first; `ordered` has a pick for each of them."""
     if strategy in ("auto", *BOTH):
         has_pairs = any(part.library.pairs for part in world.cell.parts)
         pairs = pairs_of(world, picks if has_pairs else ordered, cost)

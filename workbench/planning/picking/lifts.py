@@ -1,16 +1,21 @@
 """Ways in which a part is taken out of the bin, by name, in the order of the policy.
 
+Where there are several, those that lead away from what the part lies against come before those on
+which it only rubs along that, and may drag it.
+
 `leaning`: up, leaning to the middle of the bin, as the thesis does.  `up`: straight up.  `back`:
 out again as the hand came in.  `off-wall`: up, leaning away from the wall that is nearest.
-`around`: up, leaning to each of six sides, for parts that others hold down.
+`around`: up, leaning to each of twelve sides by half and by all of the policy's angle, for parts
+that others hold down.
 """
 
 from collections.abc import Iterator
+from itertools import product
 
 import numpy as np
 import pinocchio as pin
 
-from workbench.model.candidate import Candidate, Reason, Stage, Verdict
+from workbench.model.candidate import RUBS, Candidate, Reason, Stage, Verdict
 from workbench.model.cell import Bin, LiftName
 from workbench.model.geometry import Floats
 from workbench.planning.collision.bodies import part_label
@@ -19,7 +24,7 @@ from workbench.planning.collision.world import World
 AUTHORED = "as authored"
 """The way of a grasp that says how the part is taken out."""
 
-SIDES = 6
+SIDES = 12
 
 MOST_CLEAR = 6
 """Lifts that are tried with the arm; where many are clear, the first of them do."""
@@ -44,12 +49,27 @@ def lifts(world: World, candidate: Candidate, T_world_tcp: pin.SE3) -> Iterator[
         R = candidate.T_world_tcp.rotation
         yield AUTHORED, grasp.retreat_length * (R @ grasp.retreat)
         return
-    tried = np.empty((0, 3))
-    for name in policy.lifts:
-        for direction in _directions(world, candidate, T_world_tcp, name):
-            if not (tried @ direction > ALIKE).any():
-                tried = np.vstack([tried, direction])
-                yield name, policy.lift_length * direction
+    named = [
+        (name, direction)
+        for name in policy.lifts
+        for direction in _directions(world, candidate, T_world_tcp, name)
+    ]
+    kept = _unlike(np.array([direction for _, direction in named]).reshape(-1, 3))
+    ways = [(named[k][0], policy.lift_length * named[k][1]) for k in kept]
+    if len(ways) > 1:
+        gain, number = world.part_ways.gain, candidate.detection
+        ways.sort(key=lambda way: gain(number, way[1]) < RUBS)
+    yield from ways
+
+
+def _unlike(directions: Floats) -> list[int]:
+    """The indices of unit vectors (k, 3) that differ by `ALIKE` from those before them."""
+    is_alike = (directions @ directions.T > ALIKE).tolist()
+    kept: list[int] = []
+    for k, row in enumerate(is_alike):
+        if not any(row[before] for before in kept):
+            kept.append(k)
+    return kept
 
 
 def has_several(world: World, candidate: Candidate) -> bool:
@@ -128,9 +148,10 @@ def _directions(
         case "off-wall":
             yield _leaning(up, R @ _from_wall(bin, T_world_tcp), policy.lift_lean)
         case "around":
-            for angle in np.arange(SIDES) * 2 * np.pi / SIDES:
+            angles = np.arange(SIDES) * 2 * np.pi / SIDES
+            for lean, angle in product((policy.lift_lean, policy.lift_lean / 2), angles):
                 side = R @ np.array([np.cos(angle), np.sin(angle), 0.0])
-                yield _leaning(up, side, policy.lift_lean)
+                yield _leaning(up, side, lean)
 
 
 def lift_direction(world: World, T_world_tcp: pin.SE3) -> Floats:

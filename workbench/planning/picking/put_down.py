@@ -4,6 +4,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import chain as one_by_one
 from itertools import groupby
+from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
@@ -11,6 +12,7 @@ import pinocchio as pin
 from workbench.model.candidate import Pick, Reason, Stage, Verdict
 from workbench.model.cell import Arm
 from workbench.model.geometry import Floats
+from workbench.model.part import DOWN, PartPlace
 from workbench.planning.collision.bodies import part_label
 from workbench.planning.collision.legs import hand_turns
 from workbench.planning.collision.motion import path_contact
@@ -25,12 +27,10 @@ from workbench.planning.picking.leaving import comes_back
 from workbench.planning.planners.clock import processor_time
 
 PLACE_LIFT = 0.05
-"""[m] The last straight way down to the place."""
+"""[m] The last straight way to the place."""
 
 DRAWN = 4
 """Configurations at a place that are drawn to be nearer in time: the soonest of those found."""
-
-UP = np.array([0.0, 0.0, 1.0])
 
 LATE = Verdict(Reason.OUT_OF_TIME, Stage.PLACE)
 
@@ -49,7 +49,7 @@ class PutDown:
 def ways_down(
     world: World, arm: Arm, phase: Phase, q_from: Floats, near: Floats | None = None
 ) -> Iterator[Floats | Verdict]:
-    """The straight ways down (m, n) to the places of an arm, in order; what speaks against others.
+    """The straight ways (m, n) to the places of an arm, in order; what speaks against others.
 
     Those where the part shall lie in a certain way come first, those of the hand behind them.
 
@@ -69,21 +69,30 @@ def ways_down(
             yield hands
         else:
             some = starts if near is None else np.vstack([starts, near])
-            yield from _straight_down(world, arm, phase, hands, some)
+            yield from _straight(world, arm, phase, hands, some)
 
 
-def _hands(world: World, arm: Arm, phase: Phase) -> Iterator[list[pin.SE3] | Verdict]:
-    """Where the hand would be at each place, as T_world_tcp; or that the part stands in things.
+class _Hands(NamedTuple):
+    """Where a hand may be at a place, and the direction (3,) in the world in which it comes."""
+
+    Ts_world_tcp: Sequence[pin.SE3]
+    approach: Floats = np.array(DOWN)
+
+
+def _hands(world: World, arm: Arm, phase: Phase) -> Iterator[_Hands | Verdict]:
+    """Where the hand would be at each place; or that the part stands in things.
 
     Places of the hand that differ in nothing but how it is turned are one.
     """
     number, T_tcp_part = phase.held[arm.name]
-    for T_world_part in ways_at_places(world, arm, number):
-        if isinstance(T_world_part, Verdict):
-            yield T_world_part
-            continue
-        T_world_tcp = T_world_part * T_tcp_part.inverse()
-        yield _standing_in(world, phase, arm, T_world_tcp) or [T_world_tcp]
+    for place in arm.places_for(world.detections[number].part):
+        for T_world_part in _ways_at(world, place, number):
+            if isinstance(T_world_part, Verdict):
+                yield T_world_part
+                continue
+            T_world_tcp = T_world_part * T_tcp_part.inverse()
+            stood = _standing_in(world, phase, arm, T_world_tcp)
+            yield stood or _Hands([T_world_tcp], np.array(place.approach))
     for _, turned in groupby(arm.Ts_world_place, key=lambda T: tuple(T.translation)):
         free: list[pin.SE3] = []
         for T_world_tcp in (T * T_turn for T in turned for T_turn in hand_turns(arm.tool)):
@@ -93,7 +102,7 @@ def _hands(world: World, arm: Arm, phase: Phase) -> Iterator[list[pin.SE3] | Ver
             else:
                 yield stood
         if free:
-            yield free
+            yield _Hands(free)
 
 
 def ways_at_places(world: World, arm: Arm, number: int) -> Iterator[pin.SE3 | Verdict]:
@@ -101,20 +110,24 @@ def ways_at_places(world: World, arm: Arm, number: int) -> Iterator[pin.SE3 | Ve
 
     A place where a turn that nobody knows would matter is refused.
     """
+    for place in arm.places_for(world.detections[number].part):
+        yield from _ways_at(world, place, number)
+
+
+def _ways_at(world: World, place: PartPlace, number: int) -> Iterator[pin.SE3 | Verdict]:
     one = world.detections[number]
     part = world.cell.part(one.part)
-    for place in arm.places_for(part.name):
-        if one.roll_known or suits_any_roll(place, part.symmetry, axis_of(part, one)):
-            yield from ways_to_lie(place, part.symmetry)
-        else:
-            note = "the place asks for one turn of the part, and the scan does not show its roll"
-            yield Verdict(Reason.ROLL_UNKNOWN, Stage.PLACE, note=note)
+    if one.roll_known or suits_any_roll(place, part.symmetry, axis_of(part, one)):
+        yield from ways_to_lie(place, part.symmetry)
+    else:
+        note = "the place asks for one turn of the part, and the scan does not show its roll"
+        yield Verdict(Reason.ROLL_UNKNOWN, Stage.PLACE, note=note)
 
 
-def _straight_down(
-    world: World, arm: Arm, phase: Phase, hands: Sequence[pin.SE3], starts: Floats
+def _straight(
+    world: World, arm: Arm, phase: Phase, hands: _Hands, starts: Floats
 ) -> Iterator[Floats | Verdict]:
-    """The straight ways down (m, n) to a place, and what speaks against others.
+    """The straight ways (m, n) to a place, and what speaks against others.
 
     That comes first which is soonest reached from where the arm comes from, the first of the
     `starts`, and left for home.
@@ -123,7 +136,7 @@ def _straight_down(
     chain, columns = world.chains[arm.name], world.kinematics.columns[arm.name]
     pace, stops = pace_of(chain, policy.speed), np.stack([starts[0], arm.home])
     found: list[tuple[float, Floats, pin.SE3]] = []
-    for T_world_tcp in hands:
+    for T_world_tcp in hands.Ts_world_tcp:
         answers, residuals = chain.solve(T_world_tcp, starts)
         solved = answers[is_solution(residuals)]
         found += [
@@ -135,9 +148,8 @@ def _straight_down(
         nearer = drawn(chain, T_world_tcp, q[None], stops, pace)
         soonest.append((float(between(nearer, stops, pace)[0]), nearer[0], T_world_tcp))
     for _, q, T_world_tcp in sorted(soonest + found, key=lambda one: one[0]):
-        path, share = follow(
-            chain, world.motion.rounded(q), _raised(T_world_tcp), policy.straight_points
-        )
+        T_world_before = _back(T_world_tcp, hands.approach)
+        path, share = follow(chain, world.motion.rounded(q), T_world_before, policy.straight_points)
         if share < 1.0:
             note = f"the arm can follow only {share:.0%} of the line"
             yield Verdict(Reason.NO_PLACE, Stage.PLACE, q=path[-1], note=note)
@@ -270,7 +282,7 @@ def put_down(world: World, pick: Pick, others: Phase) -> PutDown | Verdict:
                 openings={**others.openings, arm.name: grasp.opening},
                 placed={**others.placed, arm.name: (*held, down[-1])},
             )
-            out = _way_out(world, pick, arm, leaves, down[-1])
+            out = _way_out(world, pick, arm, leaves, down)
             if not isinstance(out, Verdict):
                 return PutDown(down, out)
             met = out
@@ -284,8 +296,9 @@ def home_of(world: World, arm: Arm) -> Floats:
     return np.clip(world.motion.rounded(np.asarray(arm.home)), chain.lower, chain.upper)
 
 
-def _raised(T_world_tcp: pin.SE3) -> pin.SE3:
-    return pin.SE3(T_world_tcp.rotation, T_world_tcp.translation + PLACE_LIFT * UP)
+def _back(T_world_tcp: pin.SE3, approach: Floats) -> pin.SE3:
+    """Where a hand is that has still to come to a place, in a direction (3,)."""
+    return pin.SE3(T_world_tcp.rotation, T_world_tcp.translation - PLACE_LIFT * approach)
 
 
 def _met(world: World, arm: Arm, path: Floats) -> Verdict | None:
@@ -301,17 +314,20 @@ def _met(world: World, arm: Arm, path: Floats) -> Verdict | None:
     return Verdict(Reason.NO_PLACE, Stage.PLACE, contact.pair, contact.distance, q)
 
 
-def _way_out(world: World, pick: Pick, arm: Arm, phase: Phase, q_place: Floats) -> Floats | Verdict:
-    """The straight way (m, n) of the open hand out of where it has put the part down.
+def _way_out(world: World, pick: Pick, arm: Arm, phase: Phase, down: Floats) -> Floats | Verdict:
+    """The straight way (m, n) of the open hand out of where it has put the part `down`.
 
-    It goes out as it had come to the part in the bin; where that is not possible, straight up.
+    It goes out as it had come to the part in the bin; where that is not possible, straight back.
     """
+    q_place = down[-1]
     policy, base = world.policy, world.configuration({})
     chain, columns = world.chains[arm.name], world.kinematics.columns[arm.name]
     T_grasp_pregrasp = chain.pose(pick.q_grasp).actInv(chain.pose(np.asarray(pick.approach[0])))
     T_world_tcp = chain.pose(q_place)
+    came = T_world_tcp.translation - chain.pose(down[0]).translation
+    T_world_back = _back(T_world_tcp, came / np.linalg.norm(came))
     refusal: Verdict | None = None
-    for T_world_out in (T_world_tcp * T_grasp_pregrasp, _raised(T_world_tcp)):
+    for T_world_out in (T_world_tcp * T_grasp_pregrasp, T_world_back):
         path, share = follow(chain, q_place, T_world_out, policy.straight_points)
         if share < 1.0:
             note = f"the hand can follow only {share:.0%} of its way out"

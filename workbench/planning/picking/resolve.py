@@ -270,10 +270,15 @@ def _completed(
         if isinstance(place, Verdict):
             # No other lift makes the places come nearer.
             return place
-        straight = [way[[0, -1]] for way in (approach, extract, place)]
+        straight = [leg[[0, -1]] for leg in (approach, extract, place)]
         ends = np.vstack([arm.home, *straight, arm.home])
         seconds = legs_seconds(ends, pace_of(world.chains[arm.name], world.policy.speed))
-        return Pick(candidate, T_tcp_part, approach, extract, place, room, seconds, lift=name)
+        gain = np.inf
+        if len(world.policy.lifts) > 1:
+            # With one lift it would only change the order of parts.
+            gain = world.part_ways.gain(candidate.detection, way)
+        legs = (approach, extract, place)
+        return Pick(candidate, T_tcp_part, *legs, room, seconds, lift=name, gain=gain)
     return refusal or Verdict(Reason.EXTRACT_BLOCKED, Stage.EXTRACT)
 
 

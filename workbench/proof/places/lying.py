@@ -16,23 +16,29 @@ from workbench.proof.bodies import roll_axis
 START_STEP, ROUNDS = np.deg2rad(15.0), 20
 """[rad] How far apart the search for the nearest right pose begins, and how often it goes on."""
 
+BESIDE = 0.002
+"""[m] How far the end of the straight way to a place may be beside the direction that it states."""
+
 STRAY, STRAY_TURN = 2e-4, np.deg2rad(0.3)
 """[m, rad] Axes that differ by less are one."""
 
 
 def lying_violations(
-    arm: Arm, part: Part, found: Detection, T_world_put: pin.SE3
+    arm: Arm, part: Part, found: Detection, T_world_put: pin.SE3, came: Floats
 ) -> Iterator[Violation]:
     """Whether a part lies as one of the places for its kind asks, where the hand lets go of it.
+
+    And whether it came straight from where that place has it come.
 
     Args:
         arm: whose places count.
         part: that is put down.
         found: the part as it was found.
         T_world_put: where it is when the hand lets go of it.
+        came: (3,) [m] the straight way on which it got there.
     """
     best: tuple[float, float, float, PartPlace] | None = None
-    unseen = False
+    unseen, is_aside = False, False
     for place in arm.part_places:
         if place.part not in ("", part.name):
             continue
@@ -41,9 +47,15 @@ def lying_violations(
             continue
         for far, turn in place_offs(place, part.symmetry, T_world_put):
             share = max(far / place.tolerance, turn / place.turn_tolerance)
+            if np.linalg.norm(came - np.linalg.norm(came) * np.array(place.approach)) > BESIDE:
+                is_aside |= share <= 1.0
+                continue
             if best is None or share < best[0]:
                 best = share, far, turn, place
     if best is not None and best[0] <= 1.0:
+        return
+    if is_aside:
+        yield Violation("does not come the way that its place says", arm.name, "place")
         return
     if best is None:
         problem = "the hand opens where the arm has no place"

@@ -4,7 +4,7 @@ import pinocchio as pin
 
 from workbench.model.candidate import Candidate, Reason, Stage, Verdict
 from workbench.model.part import Grasp
-from workbench.studies.picks import fates_of
+from workbench.studies.picking.picks import fates_of
 
 GRASP = Grasp("side", pin.SE3.Identity(), 0.04, 0.03)
 

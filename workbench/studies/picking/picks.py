@@ -19,6 +19,7 @@ from workbench.perception.simulation.piles import drop_parts
 from workbench.planning.planners.clock import working_time
 from workbench.plugins.progress import Report, silent
 from workbench.studies.cases import percentiles
+from workbench.studies.picking.exchanges import WORDS, Exchanges
 
 REGRASPED, HANDED_OVER = "ok over a station (regrasp)", "ok over a station (hand over)"
 """Of parts that the same arm takes anew from a station, and that the other one does."""
@@ -37,6 +38,7 @@ def measure(
     seed: int = 0,
     strategy: str = "auto",
     planner: str | None = None,
+    air: bool = False,
     report: Report = silent,
 ) -> dict[str, Any]:
     """Plan every pile once; times [s] per stage, what came of it, and of each part of the piles.
@@ -50,6 +52,7 @@ def measure(
         seed: of the first pile; the others follow.
         strategy: see `pipeline.check_strategy`.
         planner: of the free legs; the cell's when None.
+        air: also search, for parts that have no place by themselves, for a handover in the air.
         report: progress.
     """
     cell = read_cell(cell_name)
@@ -61,15 +64,18 @@ def measure(
     seconds: dict[str, list[float]] = {stage: [] for stage in STAGES}
     cycles: list[float] = []
     fates: Counter[str] = Counter()
+    exchanged: Counter[str] = Counter()
     for number, (one, pile) in enumerate(zip(seeds, piles, strict=True)):
         report(number / scenes, f"pile {one}")
         began = working_time()
         result = plan_pick(cell, pile, "study", strategy=strategy, overrides=overrides, seed=one)
         whole = working_time() - began
-        found = list(fates_of(result.candidates, len(pile)))
+        direct = found = list(fates_of(result.candidates, len(pile)))
         if cell.stations:
             found = list(with_stations(cell, pile, result, found, one, overrides))
         fates.update(found)
+        if air:
+            exchanged.update(in_the_air(cell, pile, direct, found, one))
         for stage, value in result.seconds.items():
             seconds[stage].append(value)
         if result.plan is None or result.proof is None:
@@ -79,7 +85,8 @@ def measure(
             outcome = f"{result.plan.strategy}, {len(result.plan.arms)} part(s), {proven}"
             cycles.append(result.plan.cycle_seconds)
         seconds.setdefault(outcome, []).append(whole)
-    return {"seconds": seconds, "cycle_seconds": cycles, "parts": dict(fates.most_common())}
+    measured = {"seconds": seconds, "cycle_seconds": cycles, "parts": dict(fates.most_common())}
+    return {**measured, "air": dict(exchanged.most_common())} if air else measured
 
 
 def fates_of(candidates: Sequence[Candidate], parts: int) -> Iterator[str]:
@@ -122,6 +129,16 @@ def with_stations(
         else:
             words = over.verdict.note.rpartition(SAID)[2]
             yield f"{fate}: {words}" if SAID in over.verdict.note else fate
+
+
+def in_the_air(
+    cell: Cell, pile: tuple[Detection, ...], direct: Sequence[str], fates: Sequence[str], seed: int
+) -> Iterator[str]:
+    """Of each part that is not placed directly, its fate and what came of it in the air."""
+    exchanges = Exchanges(cell, pile, seed)
+    for number, (first, fate) in enumerate(zip(direct, fates, strict=True)):
+        if first != Reason.OK:
+            yield f"{fate}; in the air: {WORDS[exchanges.asked(number)]}"
 
 
 def rows(measured: dict[str, Any]) -> list[dict[str, Any]]:
