@@ -274,9 +274,9 @@ def points(chrome: Browser, folder: Path) -> None:
 def loading(chrome: Browser, folder: Path) -> None:
     """The first load, of a front of its own."""
     (folder / "loading").mkdir()
-    with cell_bench(folder / "loading", QUICK) as bench:
-        with front_of(bench, folder / "loading") as front:
-            first_load(chrome.new_context(viewport=SIZE).new_page(), front.link)
+    own = folder / "loading"
+    with cell_bench(own, QUICK) as bench, front_of(bench, own) as front:
+        first_load(chrome.new_context(viewport=SIZE).new_page(), front.link)
 
 
 def recorded(chrome: Browser, folder: Path) -> None:
