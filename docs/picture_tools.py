@@ -86,6 +86,22 @@ def desk(
         speed: of the simulated robot, 1 is real time.
         changed: makes another cell of the one that is shipped.
     """
+    with cell_bench(folder, speed, changed) as bench:
+        page = serve(
+            bench, port=0, most_points=MOST_POINTS, folders=part_folders(cell_path("yumi"))
+        )
+        try:
+            with window(chrome, page.url) as screen:
+                yield Desk(bench, screen)
+        finally:
+            page.close()
+
+
+@contextmanager
+def cell_bench(
+    folder: Path, speed: float, changed: Callable[[Cell], Cell] = lambda cell: cell
+) -> Iterator[Bench]:
+    """The bench of a `desk`, without a page, and its controller."""
     for kind in ("robots", "parts", "static"):
         shutil.copytree(ROOT / kind, folder / kind, dirs_exist_ok=True)
     cell = changed(read_cell("yumi"))
@@ -99,18 +115,14 @@ def desk(
         assert robot.stdin is not None and robot.stdout is not None
         ports = json.loads(robot.stdout.readline())
         controller = replace(cell.controller, port=ports["port"], state_port=ports["state_port"])
-        path = cell_path("yumi")
         bench = Bench(
             replace(cell, controller=controller),
             Journal(folder / f"session-{time.time_ns()}"),
-            effects=partial(EffectRunner, cell_file=path),
+            effects=partial(EffectRunner, cell_file=cell_path("yumi")),
         )
-        page = serve(bench, port=0, most_points=MOST_POINTS, folders=part_folders(path))
         try:
-            with window(chrome, page.url) as screen:
-                yield Desk(bench, screen)
+            yield bench
         finally:
-            page.close()
             bench.close()
             robot.stdin.close()
 

@@ -1,10 +1,13 @@
 """The page as people come to it: behind the front, in the page around the scene."""
 
+from pathlib import Path
 from urllib.parse import urlsplit
 
+from workbench.app.review.history import History
 from workbench.gui.page.server import serve
 from workbench.web.access.identity import identify
 from workbench.web.api.routes import api_routes
+from workbench.web.api.taking_along import taking_along
 from workbench.web.page.bar import bar_of, stop_of
 from workbench.web.page.relay import Upstream
 from workbench.web.server import Options, serve_front
@@ -20,11 +23,18 @@ def open_front(bench, file, port=0):
         file,
         Options(port=port),
         title="Cell tested",
-        routes=api_routes(bench, identify),
+        routes=_routes(bench),
         bar=bar_of(bench),
         stop=stop_of(bench),
     )
     return front, front, page
+
+
+def _routes(bench):
+    """What `workbench serve` has beside the page; a recorded session has none of it."""
+    if isinstance(bench, History):
+        return ()
+    return [*api_routes(bench, identify), *taking_along(bench.folder, Path.cwd())]
 
 
 class Window:

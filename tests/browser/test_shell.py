@@ -13,7 +13,8 @@ KINDS = {".css": "text/css", ".js": "text/javascript", ".svg": "image/svg+xml"}
 
 STANDS = {"robot": "Robot: stands", "kind": "good", "fault": "", "has_robot": True}
 SENDING = {**STANDS, "robot": "Sending: robot moving, step 1 of 9", "can_stop": True, "why": ""}
-IDLE = {**STANDS, "can_stop": False, "why": "nothing is sent"}
+CANNOT = {"can_stop": False, "why": "nothing is sent"}
+IDLE = {**STANDS, **CANNOT}
 
 
 class Shell:
@@ -83,3 +84,15 @@ def test_a_stop_that_came_too_late_is_said_until_the_robot_does_something_else(s
     expect(shell.line).to_have_text("Not stopped: nothing is sent")
     shell.hear(SENDING)
     expect(shell.line).to_be_empty()
+
+
+def test_a_fault_leaves_the_robots_words_and_the_name_of_the_cell_whole(shell):
+    """At 1280 pixels the bar said `Robot: fa...` and `C...` beside two lines of a fault."""
+    shell.page.set_viewport_size({"width": 1280, "height": 720})
+    said = "sending was stopped at step 1 of 6; the controller acknowledged the stop after 0 ms; "
+    said += "the robot was seen to stand 0.3 s later"
+    shell.hear({**STANDS, "robot": "Robot: fault", "kind": "bad", "fault": said, **CANNOT})
+    cut = "one => one.scrollWidth > one.clientWidth"
+    assert not shell.page.locator("#robot").evaluate(cut)
+    assert not shell.page.locator("header strong").evaluate(cut)
+    assert shell.page.locator("#fault").bounding_box()["width"] >= 190

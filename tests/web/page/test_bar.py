@@ -41,6 +41,10 @@ def test_the_robot_and_the_fault_are_said_in_words_and_with_a_kind(idle):
     unseen = replace(live, link=LinkStatus(stop="nobody has reported that the robot stands"))
     told = bar_words(broken, unseen, OTTO)["fault"]
     assert told == "the controller closed the link; nobody has reported that the robot stands"
+    stopped = "the controller acknowledged the stop after 7 ms"
+    broken = replace(broken, fault=f"sending was stopped at step 2 of 11; {stopped}")
+    told = bar_words(broken, replace(live, link=LinkStatus(stop=stopped)), OTTO)["fault"]
+    assert told.count(stopped) == 1
 
 
 def test_a_page_without_a_robot_has_no_bar():

@@ -23,7 +23,7 @@ from workbench.journal.schema import is_foreign
 from workbench.model.errors import FileError, InputError, JournalError
 
 KNOWN = re.compile(
-    r"journal\.sqlite|files/[0-9a-f]{2}/[0-9a-f]{64}|summary\.(txt|json)|statistics\.csv|scene\.html"
+    r"journal\.sqlite|files/[0-9a-f]{2}/[0-9a-f]{64}|summary\.(txt|json)|statistics\.csv|scene\.html|log\.jsonl"
     r"|certificates/certificate-[0-9a-f]{12}\.json"
 )
 """What may be in the zip file of a session."""
@@ -86,13 +86,16 @@ def told(journal: Journal, certified: Mapping[int, str] = MappingProxyType({})) 
     return Told(head, tuple(entries))
 
 
-def export_session(journal: Journal, path: Path, scene: bytes | None) -> None:
+def export_session(
+    journal: Journal, path: Path, scene: bytes | None, log: Path | None = None
+) -> None:
     """Write a session into one zip file.
 
     Args:
         journal: of the session, which may go on meanwhile.
         path: of the zip file.
         scene: a page that shows its last plan.
+        log: what the server wrote into its log last, which may be of other sessions too.
 
     Raises:
         JournalError: the journal cannot be read, or was changed after it was written.
@@ -111,6 +114,9 @@ def export_session(journal: Journal, path: Path, scene: bytes | None) -> None:
             content[f"files/{digest[:2]}/{digest}"] = file_path(journal.folder / "files", digest)
         if scene is not None:
             content["scene.html"] = scene
+        if log is not None:
+            # A copy: it goes on being written.
+            content["log.jsonl"] = log.read_bytes()
         write_archive(path, content)
 
 

@@ -3,31 +3,25 @@
 import contextlib
 import filecmp
 import json
-import tempfile
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
-from workbench import __version__
+from workbench.app.records.keeping import FORMAT, KINDS, MANIFEST, files_of, things_in, write_backup
 from workbench.app.records.session_archive import check_journal
 from workbench.cli.arguments import top as arguments
 from workbench.cli.exits import SUCCESS
 from workbench.cli.terminal import print_table
 from workbench.formats.cells.reading import read_cell
-from workbench.formats.files.archives import unpacked_beside, write_archive
+from workbench.formats.files.archives import unpacked_beside
 from workbench.formats.files.whole_files import read_whole
 from workbench.formats.parts.reading import read_part
-from workbench.journal.journal import DATABASE, Journal
 from workbench.model.errors import FileError, InputError
 from workbench.web.access.kept_users import add_users, checked_users, kept_users, new_users
 from workbench.web.access.store import OWNER_ONLY, Store
 
-FORMAT = "workbench-backup/1"
-MANIFEST = "backup.json"
 KEPT_USERS = "users.json"
-KINDS = ("robots", "parts", "sessions")
-"""Folders below the working directory that are kept; each thing is a folder or a file in them."""
 
 LARGEST = 10 * 2**20
 """[bytes] Of the manifest, and of the users."""
@@ -46,67 +40,18 @@ class Thing:
 
 def backup(typed: arguments.Backup) -> int:
     """Write all of it into one zip file."""
-    root = Path.cwd()
+    more = {KEPT_USERS: json.dumps(_users_of(typed.users)).encode()} if typed.with_users else {}
     kinds = KINDS if typed.with_sessions else KINDS[:-1]
-    content: dict[str, Path | bytes] = {}
-    with contextlib.ExitStack() as stack:
-        for kind in kinds:
-            for thing in _things(root / kind):
-                if kind == "sessions":
-                    content |= _session(thing, stack)
-                else:
-                    content |= {_name(root, file): file for file in _files(thing)}
-        if not any(name.startswith(("robots/", "parts/")) for name in content):
-            raise InputError(f"{root}: has neither cells in robots/ nor parts in parts/ to keep")
-        if typed.with_users:
-            content[KEPT_USERS] = json.dumps(_users_of(typed.users)).encode()
-        head = {"format": FORMAT, "workbench": __version__}
-        write_archive(typed.out, {MANIFEST: json.dumps(head).encode(), **content})
-        if typed.with_users:
-            typed.out.chmod(OWNER_ONLY)
-    print(f"{typed.out}: {len(content)} files, {typed.out.stat().st_size / 1024:,.0f} kB")
+    count = write_backup(Path.cwd(), typed.out, kinds, more)
+    if typed.with_users:
+        typed.out.chmod(OWNER_ONLY)
+    print(f"{typed.out}: {count} files, {typed.out.stat().st_size / 1024:,.0f} kB")
     return SUCCESS
 
 
 def _users_of(path: Path) -> Mapping[str, Any]:
     with contextlib.closing(Store(path)) as store:
         return kept_users(store)
-
-
-def _session(folder: Path, stack: contextlib.ExitStack) -> dict[str, Path | bytes]:
-    """The files of a session, its database as it is at this moment."""
-    if not (folder / DATABASE).is_file():
-        return {}
-    place = Path(stack.enter_context(tempfile.TemporaryDirectory()))
-    with contextlib.closing(Journal(folder)) as journal:
-        journal.save_copy(place / DATABASE)
-    root = folder.parents[1]
-    files = {_name(root, file): file for file in _files(folder / "files")}
-    return {f"sessions/{folder.name}/{DATABASE}": place / DATABASE, **files}
-
-
-def _things(folder: Path) -> Iterator[Path]:
-    if folder.is_dir():
-        yield from sorted(one for one in folder.iterdir() if not _is_hidden(one))
-
-
-def _files(thing: Path) -> Iterator[Path]:
-    if thing.is_file():
-        yield thing
-        return
-    for file in sorted(thing.rglob("*")):
-        if file.is_file() and not any(
-            _is_hidden(Path(part)) for part in file.relative_to(thing).parts
-        ):
-            yield file
-
-
-def _is_hidden(path: Path) -> bool:
-    return path.name.startswith(".") or path.name == "__pycache__" or path.suffix == ".partial"
-
-
-def _name(root: Path, file: Path) -> str:
-    return file.relative_to(root).as_posix()
 
 
 def restore(typed: arguments.Restore) -> int:
@@ -117,7 +62,7 @@ def restore(typed: arguments.Restore) -> int:
         things = [
             Thing(kind, thing.name, _fate(root / kind / thing.name, thing))
             for kind in KINDS
-            for thing in _things(place / kind)
+            for thing in things_in(place / kind)
         ]
         users = _users_in(typed.file, place)
         names = _restored_users(typed, users)
@@ -185,7 +130,7 @@ def _check(path: Path, place: Path) -> None:
             read_part(part.parent)
         for cell in sorted(Path("robots").glob("*/cell.toml")):
             read_cell(str(cell))
-    for session in _things(place / "sessions"):
+    for session in things_in(place / "sessions"):
         check_journal(path, session)
 
 
@@ -200,8 +145,8 @@ def _fate(there: Path, thing: Path) -> Fate:
 
 def _is_same(one: Path, other: Path) -> bool:
     """Whether two files, or all files in two folders, have the same names and contents."""
-    names = [file.relative_to(one) for file in _files(one)]
-    return names == [file.relative_to(other) for file in _files(other)] and all(
+    names = [file.relative_to(one) for file in files_of(one)]
+    return names == [file.relative_to(other) for file in files_of(other)] and all(
         filecmp.cmp(one / name, other / name, shallow=False) for name in names
     )
 

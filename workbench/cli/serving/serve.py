@@ -32,6 +32,7 @@ from workbench.model.cell import Cell, Controller
 from workbench.model.errors import InputError, JournalError
 from workbench.web.access.identity import identify
 from workbench.web.api.routes import api_routes
+from workbench.web.api.taking_along import taking_along
 from workbench.web.http.origins import is_loopback
 
 SESSIONS = Path("sessions")
@@ -83,7 +84,7 @@ def serve(typed: arguments.Serve) -> int:
             options,
             predictions=predictions,
             folders=part_folders(path),
-            routes=api_routes(bench, identify),
+            routes=[*api_routes(bench, identify), *taking_along(journal.folder, Path.cwd())],
         )
         front = stack.enter_context(page)
         # Comes first at the end: an address of anchors that does not answer holds the rest up.

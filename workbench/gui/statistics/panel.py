@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 import viser
 
+from workbench.app.core.people import Role
 from workbench.app.records.statistics import CycleRecord
 from workbench.app.records.statistics_table import csv_text
 from workbench.gui.shared.colours import JOINTS
@@ -17,6 +18,13 @@ from workbench.gui.statistics.views import statistics_html
 FILE = "workbench-statistics.csv"
 
 WHOLE = "Of the whole session, whichever entry is looked at."
+
+ALONG = (
+    '<div class="wb-pad"><div class="wb-small wb-along"><a href="/session.zip" download>'
+    "Session as one file</a> for whoever helps, with the log; "
+    '<a href="/backup.zip" download>Backup</a> of cells and parts.</div></div>'
+)
+"""What the front gives an engineer."""
 
 
 class StatisticsPanel:
@@ -31,6 +39,8 @@ class StatisticsPanel:
         self._cycles = gui.add_html("")
         self._save = gui.add_button("Save as CSV", icon=viser.Icon.DOWNLOAD, color="gray")
         self._save.on_click(lambda _: self._download())
+        if not visitor.is_recorded and visitor.person.role.covers(Role.ENGINEER):
+            gui.add_html(ALONG)
 
     def show(self, old: View | None, new: View) -> None:
         """Bring what is shown from `old` to `new`."""

@@ -88,7 +88,10 @@ def bar_words(state: State, live: Live, person: Person) -> Mapping[str, Any]:
     robot, kind = _robot(state, live)
     why = lacks_right(state, Stop, person.name, person.role) or obstacle(state, Stop)
     # How a stop ended belongs to it: that nobody saw the robot stand must not stay in a tab.
+    # Where the fault has it in it already, once is enough.
     fault = (state.fault, live.link.stop) if state.phase is Phase.FAULT else ()
+    if fault and live.link.stop in state.fault:
+        fault = (state.fault,)
     return {
         "robot": robot,
         "kind": kind,

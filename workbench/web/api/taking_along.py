@@ -1,0 +1,93 @@
+"""What an engineer takes along from the page: the session for whoever helps, and a backup.
+
+Restoring is for a shell, `workbench restore`: it replaces files that a running page works with.
+"""
+
+import asyncio
+import logging
+import tempfile
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import closing
+from functools import partial
+from http import HTTPStatus
+from logging.handlers import RotatingFileHandler
+from pathlib import Path
+
+from aiohttp import hdrs, web
+
+from workbench.app.core.people import Role
+from workbench.app.records.keeping import KINDS, write_backup
+from workbench.app.records.session_archive import export_session, opened
+from workbench.model.errors import WorkbenchError
+from workbench.web.access.identity import identify
+from workbench.web.api.problems import problem, problem_of
+
+CHUNK = 2**18
+"""[bytes] Sent at once."""
+
+
+def taking_along(session: Path, root: Path) -> list[web.RouteDef]:
+    """The routes `/session.zip` and `/backup.zip`, for engineers.
+
+    Args:
+        session: the folder of the session that goes on.
+        root: the working directory, with cells and parts.
+    """
+    # One at a time: a session can be large, and its file stands on the disk meanwhile.
+    threads = ThreadPoolExecutor(1, thread_name_prefix="taking along")
+    made = {
+        "/session.zip": (f"{session.name}.zip", partial(_session, session)),
+        "/backup.zip": ("workbench-backup.zip", partial(_backup, root)),
+    }
+    return [
+        web.get(path, partial(_give, threads, name, make)) for path, (name, make) in made.items()
+    ]
+
+
+async def _give(
+    threads: ThreadPoolExecutor, name: str, make: Callable[[Path], None], request: web.Request
+) -> web.StreamResponse:
+    """A file that is made for this request, and gone afterwards."""
+    person = await identify(request)
+    if person is None:
+        return problem(HTTPStatus.UNAUTHORIZED, "log in first")
+    if not person.role.covers(Role.ENGINEER):
+        said = f"this file is for engineers; you are {person.role.said}"
+        return problem(HTTPStatus.FORBIDDEN, said)
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / name
+        try:
+            await asyncio.get_running_loop().run_in_executor(threads, make, file)
+        except WorkbenchError as error:
+            return problem_of(error)
+        response = web.StreamResponse(
+            headers={
+                hdrs.CONTENT_TYPE: "application/zip",
+                hdrs.CONTENT_DISPOSITION: f'attachment; filename="{name}"',
+                hdrs.CACHE_CONTROL: "no-store",
+            }
+        )
+        response.content_length = file.stat().st_size
+        await response.prepare(request)
+        with file.open("rb") as content:
+            while chunk := content.read(CHUNK):
+                await response.write(chunk)
+        await response.write_eof()
+        return response
+
+
+def _session(folder: Path, file: Path) -> None:
+    with closing(opened(folder)) as journal:
+        export_session(journal, file, None, log_file())
+
+
+def _backup(root: Path, file: Path) -> None:
+    write_backup(root, file, KINDS[:-1], {})
+
+
+def log_file() -> Path | None:
+    """Where the server writes its log, if it writes one."""
+    handlers = logging.getLogger().handlers
+    files = (Path(one.baseFilename) for one in handlers if isinstance(one, RotatingFileHandler))
+    return next((file for file in files if file.is_file()), None)
