@@ -142,8 +142,9 @@ def decides_line(state: State, strategy: str, threshold: float, at: float) -> st
     if not distances:
         return line("Nearer parts are taken one after the other.", kind="hint", span=2)
     far = sum(distance >= threshold for distance in distances)
-    word = "Coordinated, if quicker," if far else "Alternated"
     pairs = "pair" if len(distances) == 1 else "pairs"
     ends = " to ".join(f"{end * 1000:.0f}" for end in dict.fromkeys((distances[0], distances[-1])))
-    text = f"{word} for these parts: {far} of {len(distances)} {pairs} apart ({ends}\u00a0mm)"
+    apart = f"{far} of {len(distances)} {pairs} apart ({ends}\u00a0mm)"
+    together = f"Coordinated, if quicker, for these parts: {apart}"
+    text = together if far else f"Alternated for these parts: {apart}"
     return line(text, span=2, tip="Where two arms may work at once, auto takes the quicker plan.")
