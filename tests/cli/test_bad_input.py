@@ -196,9 +196,11 @@ def test_what_is_no_command_ends_with_2(words, capsys):
     assert "Traceback" not in capsys.readouterr().err
 
 
-def test_output_that_nobody_reads_is_no_error(line, tmp_path):
+@pytest.mark.parametrize("asks", ["a plan", "help"])
+def test_output_that_nobody_reads_is_no_error(line, tmp_path, asks):
     """As with `workbench plan ... | head -1`: the reader goes before all is printed."""
     words = ["plan", "yumi", "--poses", str(line.poses), "--out", str(tmp_path / "p.json")]
+    words = ["evidence", "--help"] if asks == "help" else words
     command = [sys.executable, "-m", "workbench", *words]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
         process.stdout.close()

@@ -31,11 +31,11 @@ def main(args: Sequence[str] | None = None) -> int:
     Returns:
         The exit code; see `exits`.
     """
-    with loading():
-        typed = parse(args)
     # Piles fall unseen: otherwise MuJoCo asks a process of its own which library opens windows.
     os.environ.setdefault("MUJOCO_GL", "disable")
     try:
+        with loading():
+            typed = parse(args)
         code = run(typed)
         sys.stdout.flush()
         return code
