@@ -33,7 +33,7 @@ def test_the_place_on_the_page_is_that_of_the_cell():
     block, _ = re.findall(r"```toml\n(.*?)```", PAGE, re.DOTALL)
     said = tomllib.loads(block)["arm"]["place"][0]
     shipped = tomllib.loads(NESTS.read_text(encoding="utf-8"))["arm"][0]["place"][0]
-    assert said == {"free_rotation_deg": 0, **shipped}
+    assert said == {"free_rotation_deg": 0, "approach": [0, 0, -1], **shipped}
 
 
 def test_the_nests_are_those_of_the_shipped_cell_but_for_what_parts_are_put_on():

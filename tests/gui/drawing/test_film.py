@@ -67,7 +67,7 @@ def test_the_parts_move_in_that_browser_alone_in_place_of_what_is_there(page, em
     assert page._renderer._server.scene.get_handle_by_name("/parts/part-1") is not None
     ada.visitor.own.change(film=None)
     wait_until(lambda: node(ada, "/film") is None and ada.link is None, "the end of the film")
-    assert all(node(ada, name) is None for name in REAL)
+    wait_until(lambda: all(node(ada, name) is None for name in REAL), "what is there again")
 
 
 def test_what_stays_is_coloured_and_a_click_on_its_row_names_it(emptied, sit_down):
