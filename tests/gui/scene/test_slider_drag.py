@@ -27,15 +27,30 @@ def hand():
 
 
 def test_many_values_are_one_question_after_the_last(hand):
-    drag = SliderDrag(hand.ask, rest=0.05)
+    others = set(threading.enumerate())
+    drag = SliderDrag(hand.ask, rest=NEVER)
     for _ in range(50):
         drag.moved()
-    assert hand.has_asked.wait(PATIENCE)
+    waiting = [
+        thread
+        for thread in threading.enumerate()
+        if isinstance(thread, threading.Timer)
+        and thread not in others
+        and not thread.finished.is_set()
+    ]
+    assert len(waiting) == 1
     drag.finish()
     assert hand.asked == 1
-    hand.has_asked.clear()
-    drag.moved()
-    assert hand.has_asked.wait(PATIENCE)
+
+
+def test_a_hand_that_rests_has_chosen_each_time(hand):
+    drag = SliderDrag(hand.ask, rest=0.05)
+    for asked in (1, 2):
+        drag.moved()
+        assert hand.has_asked.wait(PATIENCE)
+        drag.finish()
+        assert hand.asked == asked
+        hand.has_asked.clear()
 
 
 def test_who_cannot_wait_ends_the_drag(hand):
