@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import trimesh
-from hands import Camera, drag, field, settle
+from hands import Camera, drag, field, pause, settle
 
 from workbench.app.runtime.bench import Bench
 from workbench.app.runtime.effect_runner import EffectRunner
@@ -65,7 +65,7 @@ def stage_camera(screen, bench) -> Camera:
 
 def unfold(screen, title: str) -> None:
     screen.page.get_by_text(title, exact=True).click()
-    screen.page.wait_for_timeout(400)
+    pause(screen.page, 400)
 
 
 def fill(screen, label: str, text: str) -> None:
@@ -73,7 +73,7 @@ def fill(screen, label: str, text: str) -> None:
     box = field(screen, label)
     box.fill(text)
     box.press("Tab")
-    screen.page.wait_for_timeout(200)
+    pause(screen.page, 200)
 
 
 def test_a_grasp_is_made_with_the_mouse_and_picks_a_part(screen, bench, wait, reaches, own):
@@ -129,7 +129,7 @@ def test_a_grasp_is_made_with_the_mouse_and_picks_a_part(screen, bench, wait, re
 
     # The authored pattern is left out, so that what is planned is what was made here.
     screen.page.locator(".wb-list tbody tr").first.click()
-    screen.page.wait_for_timeout(400)
+    pause(screen.page, 400)
     screen.press("Delete")
     wait(lambda: [e.name for e in library(bench).entries] == ["grasp"], "the deletion")
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hands import drag, first_look, settle
+from hands import drag, first_look, pause, settle
 from playwright.sync_api import expect
 
 from workbench.formats.cells.reading import read_cell
@@ -48,7 +48,7 @@ def test_an_uploaded_scan_gives_parts_to_veto_and_correct(screen, bench, wait, r
     screen.page.locator(".wb-rejected summary").click()
 
     rows.nth(2).click()
-    screen.page.wait_for_timeout(300)
+    pause(screen.page, 300)
     screen.press("Veto")
     wait(lambda: len(bench.state.detections or ()) == 2, "the veto")
     assert "part-3 (keyed_cylinder) was vetoed" in bench.state.message
@@ -56,7 +56,7 @@ def test_an_uploaded_scan_gives_parts_to_veto_and_correct(screen, bench, wait, r
         assert one.T_world_part == other.T_world_part and one.score == other.score
 
     rows.nth(0).click()
-    screen.page.wait_for_timeout(300)
+    pause(screen.page, 300)
     screen.press("Show gizmo")
     settle(screen.page, 1000)
     T = bench.state.detections[0].T_world_part
