@@ -138,6 +138,28 @@ class StudyPlacing:
 
 
 @dataclass(frozen=True, slots=True)
+class StudyPallets:
+    """Fill pallets in layers, a part from each of many piles, and see whether the stacks stand.
+
+    Parts fall in simulation, their poses are known; each plan is proven, and MuJoCo says how the
+    parts come to rest that are let go of.
+    """
+
+    cell: Positional[CellName] = "robots/tx2_90/pallet.toml"
+    pallets: int = 10
+    parts: int = 8
+    """In each pile."""
+    part: str = ""
+    """One of the cell's kinds; its first when not given."""
+    off_mm: float = 0.0
+    """Standard deviation of where a hand really lets go, along x and along y."""
+    seed: FirstSeed = 0
+    workers: int = 1
+    """Processes on this machine; more than one needs the extra `cluster`."""
+    json: Json = False
+
+
+@dataclass(frozen=True, slots=True)
 class StudyBop:
     """Find the objects of a data set in BOP's layout, and measure as BOP 2024 does.
 
@@ -179,5 +201,6 @@ class Study:
         | Annotated[StudyLocalization, subcommand("localization")]
         | Annotated[StudyEmptying, subcommand("emptying")]
         | Annotated[StudyPlacing, subcommand("placing")]
+        | Annotated[StudyPallets, subcommand("pallets")]
         | Annotated[StudyBop, subcommand("bop")]
     )
