@@ -53,7 +53,7 @@ def ended(state: State, command: LinkEnded) -> State:
 
 
 def words(cell, placed) -> list[str]:
-    return [one.words for one in pallets_of(cell, placed)]
+    return [sentence for one in pallets_of(cell, placed) for sentence in one.words]
 
 
 def test_how_full_a_pallet_is_is_told(cell):
@@ -63,7 +63,8 @@ def test_how_full_a_pallet_is_is_told(cell):
     assert words(cell, lying(cell, 8)) == ["right pallet 1: 8 of 8, full"]
     doubted = (*lying(cell, 3), replace(lying(cell, 4)[3], score=0.0))
     assert words(cell, doubted) == [
-        "right pallet 1: 3 of 8, layer 1; 1 may be there or not: look, and empty the pallets"
+        "right pallet 1: 3 of 8, layer 1",
+        "of 1 more nobody knows whether they are there: look, and say that the pallets are empty",
     ]
 
 
@@ -146,7 +147,7 @@ def shift(x: float = 0.0, z: float = 0.0):
          "for: layers are 12 mm apart, and the part is 14.0"),
         (lambda one: shift(x=-0.12 * (one.T_world_part.translation[0] - 0.2)),
          "in layer 1 a part comes within 8.0 mm of one that lies there; 10 mm are kept, so pitch"),
-        (lambda one: shift(x=0.5), "a part is let go of 50 mm or more above what it falls onto"),
+        (lambda one: shift(x=0.5), "in layer 1 nothing is within 50 mm beneath a part"),
     ],
 )  # fmt: skip
 def test_what_is_wrong_with_a_pallet_is_told_before_it_is_filled(cell, change, says):

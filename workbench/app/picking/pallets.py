@@ -62,13 +62,20 @@ class PalletFill:
     doubtful: int
 
     @property
-    def words(self) -> str:
-        """For people."""
-        state = f"layer {self.layer}" if self.layer else "full"
-        text = f"{self.arm} pallet {self.number}: {self.parts} of {self.places}, {state}"
-        if self.doubtful:
-            text += f"; {self.doubtful} may be there or not: look, and empty the pallets"
-        return text
+    def words(self) -> tuple[str, ...]:
+        """For people, one sentence or two."""
+        text = f"{self.arm} pallet {self.number}: {self.parts} of {self.places}, full"
+        if self.layer:
+            text = (
+                f"{self.arm} pallet {self.number}: {self.parts} of {self.places}, "
+                f"layer {self.layer}"
+            )
+        if not self.doubtful:
+            return (text,)
+        return text, (
+            f"of {self.doubtful} more nobody knows whether they are there: look, and say that the "
+            "pallets are empty"
+        )
 
 
 def pallets_of(cell: Cell, placed: Sequence[Detection]) -> tuple[PalletFill, ...]:
@@ -113,10 +120,12 @@ def _problem(cell: Cell, part: Part, places: Sequence[PartPlace]) -> str:
     for place in places:
         one = Detection(part.name, place.T_world_part)
         falls = fall(cell, boxes, one, place.T_world_part)
+        if falls >= FARTHEST:
+            return f"in layer {place.layer} nothing is within 50 mm beneath a part"
         if falls > most or falls < margin:
-            where = f"{falls * 1e3:.1f} mm" if falls < FARTHEST else "50 mm or more"
             words = (
-                f"in layer {place.layer} a part is let go of {where} above what it falls onto; "
+                f"in layer {place.layer} a part is let go of {falls * 1e3:.1f} mm above what it "
+                "falls onto; "
                 f"{margin * 1e3:g} to {most * 1e3:g} mm are asked for"
             )
             if place.layer > 1:

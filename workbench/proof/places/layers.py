@@ -105,9 +105,13 @@ def _falls_over(
     """Why a part would not come to stand at a place of a pallet; empty where it does."""
     falls = fall(cell, scene.obstacles, found, T_world_put)
     most = cell.policy.margin + FALL
+    if falls >= FARTHEST:
+        return "nothing is within 50 mm beneath the part when it is let go of"
     if falls > most:
-        words = f"{falls * 1e3:.1f} mm above" if falls < FARTHEST else "over nothing within 50 mm:"
-        return f"the part is let go of {words} what it shall stand on; {most * 1e3:g} mm at most"
+        return (
+            f"the part is let go of {falls * 1e3:.1f} mm above what it shall stand on; "
+            f"{most * 1e3:g} mm at most"
+        )
     return standing_problem(cell.part(found.part), place, T_world_put)
 
 
