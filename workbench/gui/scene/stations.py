@@ -89,6 +89,8 @@ class DrawnBeside:
 def _is_shown(view: View, one: Detection, Ts_world_part: Sequence[pin.SE3]) -> bool:
     """Whether what stands beside the bin is a part that the film of the plan has to show."""
     state = view.state
+    if state.phase is not Phase.FAULT and any(_are_one(T, one) for T in Ts_world_part):
+        return True  # where the hand has just let go of it
     stand = [
         T
         for plan in state.plans
