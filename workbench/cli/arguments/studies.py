@@ -11,7 +11,11 @@ from workbench.cli.arguments.names import CellName, FirstSeed, Json, Maybe, Pile
 
 @dataclass(frozen=True, slots=True)
 class StudyLocalization:
-    """Find the parts of seeded piles in simulated scans and compare with where they lie."""
+    """Find the parts of seeded piles in simulated scans and compare with where they lie.
+
+    Or search again in scans that were kept with what people said of them: it ends with 3 when a
+    part that was right is not now, or more is wrong, and with 2 when a case cannot be used.
+    """
 
     cell: CellName = "yumi"
     scenes: int = 10
@@ -42,6 +46,8 @@ class StudyLocalization:
     seed: FirstSeed = 0
     cad_scale: float = 1.0
     """The CAD files are so many times as large as what lies there: is that said?"""
+    cases: Maybe[Path] = None
+    """Folder of kept cases, to search in these and in no pile; goes with --json alone."""
     plot: Maybe[Path] = None
     """HTML file to draw it in."""
     json: Json = False
