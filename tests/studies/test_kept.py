@@ -12,7 +12,8 @@ from workbench.app.core.commands import Entry, FindParts, JobEnded, UseDetection
 from workbench.app.core.decide import decide
 from workbench.app.core.people import Role
 from workbench.app.core.state import State
-from workbench.app.records.cases import FOLDER, Case, keep_case
+from workbench.app.records.cases import Case
+from workbench.app.records.kept_cases import FOLDER, keep_case
 from workbench.app.runtime.work import find_parts
 from workbench.cli.main import main
 from workbench.formats.cells.reading import read_cell

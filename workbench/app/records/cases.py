@@ -6,26 +6,18 @@ both, and `files/` holds their large arrays by SHA-256 (`forms`).
 """
 
 import json
-import re
 import tempfile
-import threading
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
-from datetime import UTC, datetime
 from pathlib import Path
-from typing import Any, Literal, get_args
+from typing import Any
 
 import numpy as np
 
 from workbench import __version__
-from workbench.app.core.commands import UseDetections
-from workbench.app.core.people import Role
-from workbench.app.core.rights import RIGHTS, lacks_right
-from workbench.app.core.state import State
 from workbench.app.core.value_checks import (
     DETAIL,
     SEED_LIMIT,
-    check_among,
     check_integer,
     check_near,
     check_number,
@@ -35,43 +27,26 @@ from workbench.app.records.forms import large_arrays, restored
 from workbench.formats.files.archives import unpack, write_archive
 from workbench.formats.files.whole_files import (
     MB,
-    file_name,
-    is_folder,
-    make_folder,
     plain_name,
     read_whole,
 )
 from workbench.model.cell import Cell
 from workbench.model.digest import Told, canonical, digest_of
-from workbench.model.errors import CommandRefused, FileError, InputError, WorkbenchError
+from workbench.model.errors import FileError, InputError, WorkbenchError
 from workbench.model.scan import Detection, Scan, Search
 
 FORMAT = "workbench-case/1"
-
-FOLDER = "cases"
-"""In the folder of a session."""
-
-NAME = re.compile(r"\d{8}-\d{6}-[A-Za-z0-9_.-]{1,60}-\d{1,9}\.zip", re.ASCII)
-"""What a case is called: when it was kept, in which cell, and the entry that it is of."""
-
-MOST_CASES = 100
-"""In one session."""
 
 LARGEST = 1024 * MB
 """[bytes] A case has, unpacked: about 25 million points."""
 
 LARGEST_FORM = 64 * MB
 
-There = Literal["listed", "listed alone", "nothing"]
-"""What a person says lies in the scan: the parts that are listed, and whether there are others."""
-
 UNREADABLE = (
     *(ArithmeticError, AttributeError, LookupError, RuntimeError, TypeError, ValueError),
     WorkbenchError,
 )
 """What comes of a case whose content is not that of one."""
-
-_KEEPING = threading.Lock()
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -108,102 +83,6 @@ class Case(Told):
         )
         told = {"cell": self.cell.name, "kept by": self.by, "comment": self.comment}
         return {**told, "found": found, "of them wrong": wrong, "there": there}
-
-
-def keeping_problem(state: State, actor: str, role: Role) -> str:
-    """Why this person may not keep what was found as a case now; empty when they may.
-
-    Whoever may correct what was found may keep it.
-    """
-    wanted = RIGHTS[UseDetections].role
-    if not role.covers(wanted):
-        return f"keeping a case is for {wanted}s; you are {role.said}"
-    if problem := lacks_right(state, UseDetections, actor, role):
-        return problem
-    if state.scan is None or not state.searches:
-        return "find the parts first: a case says what was found and what is there"
-    return ""
-
-
-def keep_case(
-    session: Path,
-    state: State,
-    comment: str,
-    there: There,
-    *,
-    actor: str,
-    role: Role,
-    at: float,
-) -> Path:
-    """Keep what was found in the scan, with the parts as people have left them.
-
-    Args:
-        session: folder of the session; the case lies in a folder `cases` there.
-        state: of the session.
-        comment: what was wrong, in a line.
-        there: what lies there: the parts of the state and perhaps others, these alone, or nothing.
-        actor: who keeps it.
-        role: of that person.
-        at: seconds since the epoch.
-
-    Returns:
-        The file.
-
-    Raises:
-        CommandRefused: this person may not, there is nothing to keep, the comment is no line of
-            text, or as many cases are kept as may be.
-        FileError: it cannot be written.
-    """
-    if problem := keeping_problem(state, actor, role):
-        raise CommandRefused(problem)
-    check_text("comment", comment)
-    check_among("there", there, get_args(There))
-    assert state.scan is not None
-    truth = () if there == "nothing" else state.detections or ()
-    is_complete = there != "listed"
-    case = Case(at, actor, comment, is_complete, state.cell, state.scan, _taken(state), truth)
-    when = datetime.fromtimestamp(at, UTC).strftime("%Y%m%d-%H%M%S")
-    name = f"{when}-{file_name(state.cell.name)[:60]}-{state.number}.zip"
-    folder = session / FOLDER
-    with _KEEPING:
-        kept = case_files(session)
-        if folder / name in kept:
-            raise CommandRefused(f"this was kept a moment ago, as {name}")
-        if len(kept) >= MOST_CASES:
-            raise CommandRefused(
-                f"{MOST_CASES} cases are kept in this session, as many as may be; take them "
-                f"elsewhere and remove some from {folder}"
-            )
-        make_folder(folder)
-        write_case(folder / name, case)
-    return folder / name
-
-
-def _taken(state: State) -> Search:
-    """The search that people have corrected: others may have been made only to be compared."""
-    first = state.parts_before[-1] if state.parts_before else state.detections or ()
-    wanted = digest_of(first)
-    for search in reversed(state.searches):
-        if digest_of(search.detections) == wanted:
-            return search
-    # Where nothing was found, what was added by hand has nothing before it.
-    nothing = [search for search in state.searches if not search.detections]
-    return (nothing or state.searches)[-1]
-
-
-def case_files(session: Path) -> tuple[Path, ...]:
-    """The cases that a session has kept, in the order in which they were.
-
-    Raises:
-        FileError: their folder cannot be read.
-    """
-    folder = session / FOLDER
-    if not is_folder(folder):
-        return ()
-    try:
-        return tuple(sorted(path for path in folder.iterdir() if NAME.fullmatch(path.name)))
-    except OSError as error:
-        raise FileError(folder, error.strerror or "cannot be read") from None
 
 
 def write_case(path: Path, case: Case) -> None:

@@ -11,8 +11,8 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
-from workbench.app.records.cases import FOLDER, NAME, case_files
 from workbench.app.records.certified import certificates
+from workbench.app.records.kept_cases import FOLDER, NAME, case_files
 from workbench.app.records.record import SESSION
 from workbench.app.records.statistics import statistics
 from workbench.app.records.statistics_table import csv_text
