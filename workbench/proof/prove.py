@@ -136,7 +136,10 @@ def may_have_moved(cell: Cell, plan: Plan) -> Violation | None:
 
 
 def _full_bin(cell: Cell, parts: Sequence[Detection]) -> Obstacle:
-    """A box that holds parts of the bin however they come to lie: one more on all, and upright."""
+    """A box that holds parts of the bin however they come to lie: one more on all, and upright.
+
+    Without walls they may lie over the side, by a part's length; what rolls further is not in it.
+    """
     T_bin_world, high, longest = cell.bin.T_world_bin.inverse(), float(cell.bin.size[2]), 0.0
     for one in parts:
         points, T = cell.part(one.part).mesh.points, T_bin_world * one.T_world_part
@@ -144,5 +147,6 @@ def _full_bin(cell: Cell, parts: Sequence[Detection]) -> Obstacle:
         if one.T_world_found is None:
             high = max(high, float((points @ T.rotation[2] + T.translation[2]).max()))
     T_bin_box = pin.SE3(np.eye(3), np.array([0.0, 0.0, (high + longest) / 2]))
-    size = np.array([*cell.bin.size[:2], high + longest])
+    beside = 0.0 if cell.bin.has_walls else 2 * longest
+    size = np.array([*(cell.bin.size[:2] + beside), high + longest])
     return Obstacle(cell.bin.T_world_bin * T_bin_box, size)

@@ -61,6 +61,8 @@ def _lines(folder: Path, cell: Cell) -> Iterator[str]:
     yield from _pose(cell.bin.T_world_bin)
     yield f"size_mm = {_mm(cell.bin.size)}          # inside: length, width, height"
     yield f"wall_mm = {number(cell.bin.wall * 1000)}"
+    if not cell.bin.has_walls:
+        yield "walls = false             # a surface on which parts lie"
     yield from _scanner(cell)
     controller = cell.controller
     yield from ("", "[controller]", f"protocol = {text(controller.link)}")
