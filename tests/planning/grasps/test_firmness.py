@@ -62,9 +62,9 @@ def pads(radius: float, friction: float = FRICTION) -> Contacts:
 
 def test_in_line_with_the_pads_friction_of_both_holds():
     """2 mu F, whatever the pads are large."""
-    firm = firmness(pads(0.005), np.zeros(3), mass=1.0, acceleration=0.0)
+    firm = firmness(pads(0.005), np.zeros(3), mass=3.0, acceleration=0.0)
     assert firm.share * firm.load == pytest.approx(2 * FRICTION * FORCE, rel=0.02)
-    assert firm.load == pytest.approx(RESERVE * GRAVITY)
+    assert firm.load == pytest.approx(RESERVE * 3.0 * GRAVITY)
     assert not firm.turns
 
 
@@ -153,7 +153,7 @@ def test_suggestions_leave_out_what_would_turn_and_say_so(gripper):
 
 
 def test_what_is_not_enough_is_never_told_as_whole():
-    firm = firmness(pads(0.005), np.zeros(3), 1.0, 0.0)
+    firm = firmness(pads(0.005), np.zeros(3), 3.0, 0.0)
     just = replace(firm, share=0.9999)
     assert in_words(just).startswith("would slip in the fingers: 0.99 of the load")
     assert in_words(replace(just, turns=True, is_cup=True)).startswith(

@@ -132,6 +132,8 @@ def _is_held(cell: Cell, part: str, arm_plan: ArmPlan, T_tcp_part: pin.SE3) -> b
 def _slips(cell: Cell, part: str, arm_plan: ArmPlan, T_tcp_part: pin.SE3) -> bool:
     """Whether a part weighs more than the hand holds as it moves; False where nobody can say."""
     arm = cell.arm(arm_plan.arm)
+    if arm.tool.force is None or cell.part(part).friction is None:
+        return False  # before anything is prepared for nothing
     checker = GraspChecker(cell.part(part), arm.tool, hand_acceleration(cell, arm))
     firm = checker.firmness(T_tcp_part.inverse(), arm_plan.leg("approach").opening)
     return firm is not None and not firm.is_enough
