@@ -17,7 +17,6 @@ from workbench.model.cell import Cell
 from workbench.model.geometry import Floats
 from workbench.model.part import Part
 from workbench.planning.grasps.coverage import Coverage, coverage
-from workbench.planning.grasps.firmness import in_words
 from workbench.planning.grasps.grasp_check import GraspCheck, GraspChecker
 from workbench.planning.grasps.part_rays import nearest_points, normals_of
 from workbench.planning.grasps.part_symmetry import (
@@ -142,7 +141,8 @@ def _print_grasps(checks: dict[str, list[GraspCheck]], covered: Coverage) -> Non
 
 
 def _word(check: GraspCheck) -> str:
-    return "good" if check.firmness is None else f"good ({in_words(check.firmness)})"
+    firm = check.firmness
+    return "good" if firm is None else f"good, {firm.share:.1f} x the load held"
 
 
 def _print_coverage(covered: Coverage) -> None:

@@ -94,7 +94,8 @@ class Editing:
         """Ask the checker of the part and a tool, that in use when none is given, something."""
         part, tool = self.part, tool or self.tool
         with self._lock:
-            acceleration = tool_acceleration(self.visitor.cell, tool)
+            is_weighed = part.friction is not None and tool.force is not None
+            acceleration = tool_acceleration(self.visitor.cell, tool) if is_weighed else None
             held = (part.mass, part.friction, acceleration)
             key = digest_of((part.mesh, part.pieces, tool, held))
             known = self._checkers.get(tool.name)

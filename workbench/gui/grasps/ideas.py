@@ -98,6 +98,7 @@ class Suggestions:
         self._found: tuple[Suggestion, ...] = ()
         self._about: tuple[Mesh, str] | None = None
         self._chosen = 0
+        self._left_out = ""
         gui = visitor.gui
         self._most = gui.add_slider(
             "How many", 1, MOST_SUGGESTIONS, 1, 8, hint="The best ones are listed."
@@ -145,18 +146,17 @@ class Suggestions:
             self._table.content = line(str(error), kind="bad")
             return
         self._about = part.mesh, tool.name
+        self._left_out = line(refused_text(refused), kind="hint") if refused else ""
         self._show(found, 0)
-        if refused:
-            self._table.content += line(refused_text(refused), kind="hint")
 
     def _show(self, found: tuple[Suggestion, ...], chosen: int) -> None:
         self._found, self._chosen = found, chosen
         self._admit()
         if not found:
             says = f"Nothing new that {self._editing.tool.name} could hold well was found."
-            self._table.content = line(says, kind="hint")
+            self._table.content = line(says, kind="hint") + self._left_out
             return
-        self._table.content = suggestions_html(found, chosen, self._rows)
+        self._table.content = suggestions_html(found, chosen, self._rows) + self._left_out
         self._preview(found[chosen].grasp)
 
     def _choose(self, number: int) -> None:
