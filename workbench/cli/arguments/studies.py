@@ -175,6 +175,30 @@ class StudyPallets:
 
 
 @dataclass(frozen=True, slots=True)
+class StudyGrips:
+    """Whether grips hold a part's weight as said before, and as MuJoCo has it.
+
+    Grips, masses and frictions are drawn, about half of them too heavy; each is pulled in many
+    directions.
+    """
+
+    cell: Positional[CellName] = "yumi"
+    """Its first arm's hand takes the parts."""
+    grips: int = 200
+    part: str = ""
+    """Parts of the cell, names under parts/ or paths, joined by +; all of the cell's when not
+    given."""
+    force: float = 20.0
+    """Of each finger, or of the vacuum [N]."""
+    acceleration: float = 5.0
+    """Of the hand, in any direction [m/s2]."""
+    seed: FirstSeed = 0
+    workers: int = 1
+    """Processes on this machine; more than one needs the extra `cluster`."""
+    json: Json = False
+
+
+@dataclass(frozen=True, slots=True)
 class StudyBop:
     """Find the objects of a data set in BOP's layout, and measure as BOP 2024 does.
 
@@ -217,5 +241,6 @@ class Study:
         | Annotated[StudyEmptying, subcommand("emptying")]
         | Annotated[StudyPlacing, subcommand("placing")]
         | Annotated[StudyPallets, subcommand("pallets")]
+        | Annotated[StudyGrips, subcommand("grips")]
         | Annotated[StudyBop, subcommand("bop")]
     )
