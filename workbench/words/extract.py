@@ -27,6 +27,7 @@ SENTENCES = (
     "app/emptying",
     "app/picking",
     "app/provenance/inventory.py",
+    "app/records/kept_cases.py",
     "app/runtime",
     "model",
     "perception/built_in.py",
