@@ -115,6 +115,7 @@ HOW: Mapping[type, str] = {
     nested.SessionOpen: "serving.open_session:open_session",
     nested.SessionExport: "sessions.files:export",
     nested.SessionImport: "sessions.files:import_",
+    nested.SessionCases: "sessions.cases:cases",
     nested.SessionPrune: "sessions.files:prune",
     top.UserCommands: "serving.user:user",
     top.OpcUaCommands: "serving.certificates:certificates",

@@ -73,6 +73,7 @@ NESTED = (
     ("session", "open"),
     ("session", "export"),
     ("session", "import"),
+    ("session", "cases"),
     ("session", "prune"),
     ("user", "add"),
     ("user", "list"),

@@ -322,6 +322,19 @@ class SessionImport:
 
 
 @dataclass(frozen=True, slots=True)
+class SessionCases:
+    """List what was kept of a session's searches as cases, and copy them into a folder of cases.
+
+    `study localization --cases FOLDER` searches in them again. Ends with 2 when one cannot be used.
+    """
+
+    session: Positional[SessionFolder]
+    out: Maybe[Path] = None
+    """Folder to copy those that can be used to; what is there already stays."""
+    json: Json = False
+
+
+@dataclass(frozen=True, slots=True)
 class SessionPrune:
     """Remove old sessions, after telling which and what that frees."""
 
@@ -366,5 +379,6 @@ class SessionCommands:
         | Annotated[SessionOpen, subcommand("open")]
         | Annotated[SessionExport, subcommand("export")]
         | Annotated[SessionImport, subcommand("import")]
+        | Annotated[SessionCases, subcommand("cases")]
         | Annotated[SessionPrune, subcommand("prune")]
     )
