@@ -89,6 +89,7 @@ HOW: Mapping[type, str] = {
     top.ExportWorld: "picking.world:export_world",
     nested.BenchPlanners: "measuring.studies:bench_planners",
     nested.BenchMotion: "measuring.motion:motion",
+    nested.BenchBothArms: "measuring.both_arms:both_arms",
     nested.BenchPick: "measuring.studies:bench_pick",
     nested.BenchSoak: "measuring.soak:soak",
     nested.BenchPage: "measuring.page_load:page_load",
