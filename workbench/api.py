@@ -19,8 +19,8 @@ from workbench.app.picking import held_plate
 from workbench.app.picking.calibration import with_calibration
 from workbench.app.picking.pipeline import judge, plan_pick
 from workbench.app.picking.proving import prove
-from workbench.app.records import replay as replays
 from workbench.app.records import kept_cases, session_archive
+from workbench.app.records import replay as replays
 from workbench.app.records.cases import Case, read_case
 from workbench.app.records.sessions import cell_of
 from workbench.app.runtime.compiled_code import forget_the_old, take_shipped

@@ -11,8 +11,9 @@ from workbench.app.core.commands import Command, GoOn, LinkEnded, MakePlan, TryE
 from workbench.app.core.state import State
 from workbench.app.picking.pile_check import check_pile, with_kinds
 from workbench.model.calibration import BinCheck
-from workbench.model.cell import Bin, Cell
+from workbench.model.cell import Cell
 from workbench.model.errors import CommandRefused, InputError
+from workbench.model.part import Bin
 from workbench.model.plan import ArmPlan, Plan, Proof, Proven
 from workbench.model.scan import Detection, Scan
 from workbench.perception.scene.bin_check import check_bin

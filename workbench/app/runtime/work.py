@@ -4,9 +4,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-import numpy as np
-import pinocchio as pin
-
 from workbench.app.emptying.film import Filmed
 from workbench.app.picking.glance import Glance, changed, glance_at
 from workbench.app.picking.held_plate import simulated_sight
@@ -22,11 +19,11 @@ from workbench.model.plan import PlanResult
 from workbench.model.scan import Detection, LocalizationResult, Obstacle, Scan, SearchOverrides
 from workbench.perception.calibration.balls import sight_plate
 from workbench.perception.scene.unexplained import unexplained
-from workbench.planning.collision.rolled import axis_of
 from workbench.planning.collision.world import World
 from workbench.plugins.localizer import find_parts as localized
 from workbench.plugins.progress import Cancelled, Report
 from workbench.plugins.scanner import ScanRequest, scanner_of
+from workbench.proof.places.layers import kept_box
 
 
 def scan(cell: Cell, arguments: Mapping[str, Any], report: Report, cancelled: Cancelled) -> Scan:
@@ -76,7 +73,7 @@ def import_part(
 
 
 def boxes_around(cell: Cell, placed: Sequence[Detection]) -> tuple[Obstacle, ...]:
-    """Parts that have been put down, as obstacles.
+    """Parts that have been put down, as obstacles, those that were put down first coming first.
 
     Raises:
         InputError: one of them is of a part that the cell does not have any more.
@@ -89,28 +86,9 @@ def boxes_around(cell: Cell, placed: Sequence[Detection]) -> tuple[Obstacle, ...
                 f"a part {one.part} lies on a pallet and the cell does not know that part any "
                 "more; take it away and empty the pallets"
             )
-        boxes.append(_box_around(cell.part(one.part), one))
+        # What nothing speaks for may be there since a fault, or not: it carries no other.
+        boxes.append(kept_box(cell, boxes, one, one.T_world_part, is_sure=one.score > 0))
     return tuple(boxes)
-
-
-def _box_around(part: Part, placed: Detection) -> Obstacle:
-    """A box that holds a part; of one whose roll is unknown, at every turn about its axis."""
-    points = part.mesh.points
-    T_part_box = pin.SE3.Identity()
-    if placed.roll_known:
-        low, high = points.min(axis=0), points.max(axis=0)
-    else:
-        point, direction = axis_of(part, placed)
-        T_part_box.rotation = pin.Quaternion.FromTwoVectors(
-            np.array([0, 0, 1.0]), direction
-        ).matrix()
-        T_part_box.translation = point
-        seen = (points - point) @ T_part_box.rotation
-        radius = float(np.linalg.norm(seen[:, :2], axis=1).max())
-        low = np.array([-radius, -radius, seen[:, 2].min()])
-        high = np.array([radius, radius, seen[:, 2].max()])
-    T_part_box = T_part_box * pin.SE3(np.eye(3), (low + high) / 2)
-    return Obstacle(placed.T_world_part * T_part_box, high - low)
 
 
 def plan(

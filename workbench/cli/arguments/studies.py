@@ -25,7 +25,16 @@ class StudyLocalization:
     counts: tuple[int, ...] = (2, 8)
     """Parts in a pile."""
     noise: tuple[
-        Literal["fine", "rough", "structured_light", "stereo", "time_of_flight", "laser_line"], ...
+        Literal[
+            "fine",
+            "rough",
+            "structured_light",
+            "stereo",
+            "time_of_flight",
+            "laser_line",
+            "moving",
+        ],
+        ...,
     ] = ("fine", "rough")
     """Builds of scanner: that of the cell, one with twice its noise and many flaws, other kinds."""
     raised: float = 0.0
@@ -127,7 +136,7 @@ class StudyPlacing:
     part: str = ""
     """One of the cell's parts, a name under parts/ or a path; the cell's first when not given."""
     noise: Literal[
-        "fine", "rough", "structured_light", "stereo", "time_of_flight", "laser_line"
+        "fine", "rough", "structured_light", "stereo", "time_of_flight", "laser_line", "moving"
     ] = "fine"
     """Build of scanner, as in study localization."""
     wider: float = 1.0

@@ -138,12 +138,7 @@ class CellPanel:
 
     def _react(self) -> None:
         visitor, look = self._visitor, self._visitor.look
-        self._thing.on_update(
-            lambda _: self._inputs.show(
-                pose_of(visitor.cell, self._thing.value),
-                problem=visitor.obstacle(visitor.bench.state, ChangeCell),
-            )
-        )
+        self._thing.on_update(self._chosen)
         visitor.on_press(self._undo, UndoCell)
         visitor.on_press(self._redo, RedoCell)
         self._save.on_click(lambda _: self._saved())
@@ -153,6 +148,14 @@ class CellPanel:
         visitor.by_hand(self._reach, lambda arm: look.change(reach="" if arm == NOT_SHOWN else arm))
         visitor.by_hand(self._shapes, lambda shown: look.change(shapes=bool(shown)))
         visitor.by_hand(self._frames, lambda shown: look.change(frames=bool(shown)))
+
+    def _chosen(self, event: Any) -> None:
+        """Another thing is in the field: by a person, or since the one before is gone."""
+        visitor, thing = self._visitor, self._thing.value
+        if event.client is not None:
+            visitor.own.change(thing=thing)
+        problem = visitor.obstacle(visitor.bench.state, ChangeCell)
+        self._inputs.show(pose_of(visitor.cell, thing), problem=problem)
 
     def _saved(self) -> None:
         """Save with the remark, which goes once it is in the files."""
