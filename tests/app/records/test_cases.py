@@ -12,7 +12,7 @@ import pytest
 from workbench.app.core.commands import Entry, FindParts, JobEnded, UseDetections, UseScan
 from workbench.app.core.decide import decide
 from workbench.app.core.people import Role
-from workbench.app.core.state import State
+from workbench.app.core.state import Phase, State
 from workbench.app.records import cases, kept_cases
 from workbench.app.records.cases import Case, read_case
 from workbench.app.records.kept_cases import case_files, keep_case
@@ -116,6 +116,13 @@ def test_who_is_not_in_control_keeps_nothing(samples, keep):
     state = replace(searched(samples, *samples.detections()), control="Bob")
     with pytest.raises(CommandRefused, match="Bob is in control"):
         keep(state)
+
+
+def test_while_a_plan_is_sent_nothing_is_packed(samples, keep):
+    state = searched(samples, *samples.detections())
+    with pytest.raises(CommandRefused, match="wait until nothing is sent"):
+        keep(replace(state, phase=Phase.SENDING))
+    assert keep(replace(state, phase=Phase.FAULT)).truth
 
 
 def test_without_a_search_there_is_nothing_to_keep(samples, keep):
