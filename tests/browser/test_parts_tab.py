@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hands import drag, first_look, settle
+from hands import drag, field, first_look, settle
 from playwright.sync_api import expect
 
 from workbench.app.records.cases import read_case
@@ -77,7 +77,7 @@ def test_an_uploaded_scan_gives_parts_to_veto_and_correct(screen, bench, wait, r
     screen.shoot("parts-corrected")
 
     screen.page.get_by_text("Keep as a case", exact=True).first.click()
-    screen.page.get_by_label("Comment").fill("part-1 lies deeper")
+    field(screen, "Comment").fill("part-1 lies deeper")
     screen.page.get_by_role("button", name="Keep as a case").click()
     wait(lambda: len(case_files(bench.folder)) == 1, "the case")
     (file,) = case_files(bench.folder)
@@ -86,7 +86,7 @@ def test_an_uploaded_scan_gives_parts_to_veto_and_correct(screen, bench, wait, r
     link.scroll_into_view_if_needed()
     screen.shoot("parts-kept")
     case = read_case(file)
-    assert (len(case.search.detections), len(case.wrong), len(case.truth)) == (3, 2, 2)
+    assert (len(case.search.detections), len(case.changed), len(case.truth)) == (3, 2, 2)
     assert case.comment == "part-1 lies deeper"
     assert screen.errors == []
 

@@ -53,7 +53,7 @@ def test_a_corrected_part_is_kept_with_what_was_found(panel, visitor, bench, det
     case = read_case(file)
     assert digest_of(case.search.detections) == digest_of(detections)
     assert digest_of(case.truth) == digest_of(bench.state.detections)
-    assert digest_of(case.wrong) == digest_of(detections[1:2])
+    assert digest_of(case.changed) == digest_of(detections[1:2])
     assert (case.by, case.comment) == ("Ada", "it lies the other way round")
     assert case.is_complete
     # An engineer finds it below, and the next one begins anew.
