@@ -8,7 +8,12 @@ import numpy as np
 import pinocchio as pin
 
 from workbench.app.core.value_checks import SEED_LIMIT
-from workbench.app.picking.calibration import calibrated, moved_by, with_calibration
+from workbench.app.picking.calibration import (
+    calibrated,
+    corner_errors,
+    moved_by,
+    with_calibration,
+)
 from workbench.app.picking.held_plate import simulated_sight, suggested_poses
 from workbench.app.runtime.readiness import make_ready
 from workbench.cli.arguments import top as arguments
@@ -119,6 +124,7 @@ def _print(cell: Cell, calibration: Calibration) -> None:
             one.name,
             f"{one.distance * 1000:.2f}",
             f"{np.rad2deg(one.angle):.2f}",
+            *_predicted(one.predicted),
             one.light if not one.left_out else "left out",
             one.left_out,
         )
@@ -126,9 +132,16 @@ def _print(cell: Cell, calibration: Calibration) -> None:
     )
     print_table(
         f"{calibration.used} poses, {calibration.rms * 1000:.2f} mm RMS",
-        ("pose", "off mm", "off deg", "light", "why"),
+        ("pose", "off mm", "off deg", "others mm", "others deg", "light", "why"),
         rows,
     )
+    worst, all_of_them = calibration.worst_predicted, calibration.predicted_rms
+    if worst is not None and all_of_them is not None:
+        print(
+            "others: each pose as all the others predict it, "
+            f"{' mm, '.join(_predicted(all_of_them))} degrees RMS; the worst is {worst.name}, "
+            f"{' mm, '.join(_predicted(worst.predicted))} degrees"
+        )
     T = calibration.T_world_scanner
     rpy = np.rad2deg(pin.rpy.matrixToRpy(T.rotation))
     print(f"position_mm = {_list(T.translation * 1000, 2)}")
@@ -136,6 +149,13 @@ def _print(cell: Cell, calibration: Calibration) -> None:
     print(
         f"sure to {calibration.position_error * 1000:.2f} mm and "
         f"{np.rad2deg(calibration.angle_error):.3f} degrees (standard errors, worst direction)"
+    )
+    errors = corner_errors(cell, calibration.covariance, T)
+    print_table(
+        f"what lies at the corners of the bin is seen to {max(errors.values()) * 1000:.2f} mm or "
+        "better in 95% of such calibrations",
+        ("corner", "mm"),
+        ((name, f"{error * 1000:.2f}") for name, error in errors.items()),
     )
     before = cell.scanner.T_world_scanner.actInv(T)
     shift = moved_by(cell, calibration)[2]
@@ -149,6 +169,7 @@ def _print(cell: Cell, calibration: Calibration) -> None:
 
 def _form(cell: Cell, calibration: Calibration, missed: list[str]) -> dict[str, object]:
     distance, angle, shift = moved_by(cell, calibration)
+    errors = corner_errors(cell, calibration.covariance, calibration.T_world_scanner)
     return {
         "ok": True,
         "T_world_scanner": calibration.T_world_scanner.homogeneous.tolist(),
@@ -157,6 +178,8 @@ def _form(cell: Cell, calibration: Calibration, missed: list[str]) -> dict[str, 
                 "name": one.name,
                 "off_mm": round(one.distance * 1000, 4),
                 "off_deg": round(float(np.rad2deg(one.angle)), 4),
+                "predicted_mm": _rounded(one.predicted, 0),
+                "predicted_deg": _rounded(one.predicted, 1),
                 "light": one.light,
                 "left_out": one.left_out,
             }
@@ -166,10 +189,29 @@ def _form(cell: Cell, calibration: Calibration, missed: list[str]) -> dict[str, 
         "rms_mm": round(calibration.rms * 1000, 4),
         "position_error_mm": round(calibration.position_error * 1000, 4),
         "angle_error_deg": round(float(np.rad2deg(calibration.angle_error)), 5),
+        "predicted_rms_mm": _rounded(calibration.predicted_rms, 0),
+        "predicted_rms_deg": _rounded(calibration.predicted_rms, 1),
+        "covariance": calibration.covariance.tolist(),
+        "corners_mm": {name: round(error * 1000, 4) for name, error in errors.items()},
+        "largest_corner_mm": round(max(errors.values()) * 1000, 4),
         "moved_mm": round(distance * 1000, 4),
         "moved_deg": round(float(np.rad2deg(angle)), 5),
         "moved_in_bin_mm": round(shift * 1000, 4),
     }
+
+
+def _predicted(off: tuple[float, float] | None) -> tuple[str, str]:
+    """In mm and degrees; the others may leave a pose open."""
+    if off is None:
+        return "open", "open"
+    return f"{off[0] * 1000:.2f}", f"{np.rad2deg(off[1]):.2f}"
+
+
+def _rounded(off: tuple[float, float] | None, which: int) -> float | None:
+    """In mm (0) or degrees (1)."""
+    if off is None:
+        return None
+    return round(float((off[0] * 1000, np.rad2deg(off[1]))[which]), 4)
 
 
 def _between(T: pin.SE3) -> str:
