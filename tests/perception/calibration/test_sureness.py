@@ -3,50 +3,16 @@
 import numpy as np
 import pinocchio as pin
 import pytest
+from held_plates import CENTRES, CORNERS, NEAR, X, Y, off_at_corners, off_truth, scene
 
-from workbench.model.calibration import BallPlate
-from workbench.model.geometry import pose_from_rpy
 from workbench.perception.calibration.calibrate import PlatePose, calibrate
 from workbench.perception.calibration.plate_poses import distances, moved, offsets, slopes
 from workbench.perception.calibration.rigid import fitted_motion
 from workbench.perception.calibration.sureness import best_fit, point_errors, predicted_offsets
 
-X = pose_from_rpy((0.41, 0.01, 0.9), (np.pi + 0.02, 0.01, 1.5))
-Y = pose_from_rpy((0.05, 0.02, 0.12), (0.3, 0.2, 0.1))
-CENTRES = BallPlate().centres
 SEEDS = 200
-NEAR = (X * pose_from_rpy((0.001, 0.0, 0.001), (0.001, 0.0, 0.0)), Y)
-CORNERS = X.translation + np.array(
-    [[x, y, z] for x in (-0.2, 0.2) for y in (-0.15, 0.15) for z in (-0.9, -0.78)]
-)
 CHI_SQUARE = 16.81
 """99 % of six standard normals have a sum of squares up to this."""
-
-
-def scene(seed, *, count=12, ball=5e-5, shift=0.0, turn=0.0, turns=None) -> list[PlatePose]:
-    """Poses of a robot that is off by itself: shifted by [m] along, turned by [rad] about each axis
-    of the plate's middle."""
-    rng = np.random.default_rng(seed)
-    middle = pin.SE3(np.eye(3), CENTRES.mean(axis=0))
-    held = Y * middle
-    poses = []
-    if turns is None:
-        turns = rng.uniform((-0.5, -0.5, -2.5), (0.5, 0.5, 2.5), (count, 3))
-    for number, lean in enumerate(turns, start=1):
-        place = rng.uniform(-0.08, 0.08, 3) + (0.41, 0.0, 0.3)
-        T = pose_from_rpy(place, np.array(lean) + (np.pi, 0, 0))
-        U = X.actInv(T * Y)
-        balls = CENTRES @ U.rotation.T + U.translation + rng.normal(0, ball, (3, 3))
-        wrong = pin.SE3(pin.exp3(turn * rng.standard_normal(3)), shift * rng.standard_normal(3))
-        said = T * held * wrong * held.inverse()
-        poses.append(PlatePose(f"pose {number}", said, balls))
-    return poses
-
-
-def off_truth(T) -> np.ndarray:
-    """Shift and turn (6,) along the world's axes from what is found to the truth."""
-    turn = pin.log3(X.rotation @ T.rotation.T)
-    return np.concatenate([X.translation - T.translation, turn])
 
 
 @pytest.mark.parametrize(
@@ -67,9 +33,7 @@ def test_the_truth_lies_within_the_covariance_and_corners_within_their_errors(no
         T = fit.answer[0]
         off = off_truth(T)
         inside += off @ np.linalg.solve(fit.covariance, off) < CHI_SQUARE
-        moved_by = (T * X.inverse()).act
-        far = [np.linalg.norm(moved_by(corner) - corner) for corner in CORNERS]
-        corners.append(np.array(far) < point_errors(fit.covariance, T.translation, CORNERS))
+        corners.append(off_at_corners(T) < point_errors(fit.covariance, T.translation, CORNERS))
     assert 0.97 <= inside / SEEDS <= 1.0
     assert 0.92 <= np.mean(corners) <= 0.99
 
