@@ -26,6 +26,11 @@ def test_a_scanner_that_hangs_elsewhere_is_found_and_put_right(screen, bench, wa
         screen.wait_for("as it is jogged on the page")
         screen.press("Scan the plate")
         wait(lambda count=count: len(bench.state.observations) == count, f"pose {count}")
+    # There is an answer now: the next suggestion says what it would bring, and the way there.
+    screen.press("Suggest a pose")
+    screen.wait_for("From pose 5 on, with the plate as it is held:")
+    screen.wait_for("The worst corner of the bin would be seen to")
+    screen.shoot("calibration-next")
     assert {one.arm for one in bench.state.observations} == {"right"}
     assert len({tuple(one.q) for one in bench.state.observations}) == 5
 

@@ -183,6 +183,24 @@ class Calibration:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class NextPose:
+    """A pose that the arm reaches and the scanner sees: `q` (n,) [rad], chain order.
+
+    `error` [m] is the largest error at the bin's corners now, `error_with` what it would be with
+    this pose; `steps` say how the plate gets there from the pose `after`.
+    """
+
+    q: Floats
+    error: float
+    error_with: float
+    after: str
+    steps: tuple[str, ...]
+
+    def __post_init__(self) -> None:
+        put(self, q=frozen(self.q))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class BinCheck:
     """The bin as a scan shows it.
 

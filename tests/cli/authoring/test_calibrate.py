@@ -47,6 +47,16 @@ def test_a_simulated_mount_is_found_and_saved(say, folder, cell_file):
     assert "Anna" in log and "calibrated by 6 poses" in log
 
 
+def test_the_pose_to_take_next_is_told_on_request(say, folder):
+    said = say("calibrate", "yumi", "--poses", folder, "--next")
+    assert said.code == 0 and "next, from pose_6.ply: " in said.out
+    assert "that would bring the worst corner from" in said.out and "joints_deg = [" in said.out
+    form = json.loads(say("calibrate", "yumi", "--poses", folder, "--next", "--json").out)
+    (best,) = form["next"]
+    assert best["after"] == "pose_6.ply" and len(best["joints_deg"]) == 7 and best["steps"]
+    assert 0 < best["largest_corner_mm"] < form["largest_corner_mm"]
+
+
 def test_a_wrong_joint_value_is_named(say, folder, tmp_path):
     shutil.copytree(folder, tmp_path / "bad")
     file = tmp_path / "bad" / "calibration.toml"

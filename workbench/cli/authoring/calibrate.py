@@ -15,6 +15,7 @@ from workbench.app.picking.calibration import (
     with_calibration,
 )
 from workbench.app.picking.held_plate import simulated_sight, suggested_poses
+from workbench.app.picking.next_pose import next_poses
 from workbench.app.runtime.readiness import make_ready
 from workbench.cli.arguments import top as arguments
 from workbench.cli.exits import SUCCESS
@@ -29,8 +30,8 @@ from workbench.formats.cells.edits import log_change, save_cell
 from workbench.formats.cells.reading import cell_path, read_cell
 from workbench.formats.clouds.scans import read_scan, write_cloud
 from workbench.formats.files.whole_files import make_folder
-from workbench.model.calibration import BallPlate, Calibration, PlateObservation
-from workbench.model.cell import Cell
+from workbench.model.calibration import BallPlate, Calibration, NextPose, PlateObservation
+from workbench.model.cell import Arm, Cell
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats, pose_from_rpy, shift_and_turn
 from workbench.perception.calibration.balls import sight_plate
@@ -67,10 +68,16 @@ def calibrate(typed: arguments.Calibrate) -> int:
         for problem in missed:
             print(f"left out: {problem}")
     calibration = calibrated(cell, observations)
+    following = _next(cell, observations, calibration) if typed.next else ()
     if typed.json:
-        print_json(_form(cell, calibration, missed))
+        form = _form(cell, calibration, missed)
+        if typed.next:
+            form["next"] = [_next_form(cell.arm(found.arm), one) for one in following[:1]]
+        print_json(form)
     else:
         _print(cell, calibration)
+        if typed.next:
+            _print_next(cell.arm(found.arm), following)
         if typed.simulate:
             off = _true_pose(cell).actInv(calibration.T_world_scanner)
             print(f"off the truth of this simulation: {_between(off)}")
@@ -116,6 +123,35 @@ def _save(typed: arguments.Calibrate, cell: Cell, calibration: Calibration) -> N
     log_change(path, read_cell(path), typed.by, at, says)
     if not typed.json:
         print(f"saved into {path}")
+
+
+def _next(
+    cell: Cell, observations: list[PlateObservation], calibration: Calibration
+) -> tuple[NextPose, ...]:
+    with progress("calibrate") as report:
+        make_ready(report, ("planning",))
+    return next_poses(cell, observations, calibration, seed=len(observations))
+
+
+def _print_next(arm: Arm, following: tuple[NextPose, ...]) -> None:
+    if not following:
+        print(f"next: the {arm.name} arm reaches no other pose in which the plate is seen")
+        return
+    best = following[0]
+    print(
+        f"next, from {best.after}: {', '.join(best.steps)}; that would bring the worst corner from "
+        f"{best.error * 1000:.2f} to {best.error_with * 1000:.2f} mm"
+    )
+    print(f"joints_deg = {_list(np.rad2deg(arm.to_axes(best.q)), 1)}")
+
+
+def _next_form(arm: Arm, one: NextPose) -> dict[str, object]:
+    return {
+        "after": one.after,
+        "steps": list(one.steps),
+        "joints_deg": [round(float(value), 2) for value in np.rad2deg(arm.to_axes(one.q))],
+        "largest_corner_mm": round(one.error_with * 1000, 4),
+    }
 
 
 def _print(cell: Cell, calibration: Calibration) -> None:

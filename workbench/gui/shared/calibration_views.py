@@ -12,7 +12,14 @@ from workbench.gui.shared.calibrating import CLOSE, OFF, Overlay
 from workbench.gui.shared.colours import BAD, BUSY, GOOD, MUTED
 from workbench.gui.shared.tables import clickable, marked
 from workbench.gui.shared.views import line, mm, sentence, table_html
-from workbench.model.calibration import BinCheck, Calibration, Light, PlateObservation, PoseResidual
+from workbench.model.calibration import (
+    BinCheck,
+    Calibration,
+    Light,
+    NextPose,
+    PlateObservation,
+    PoseResidual,
+)
 from workbench.model.cell import Cell
 
 DAY = 24 * 3600.0
@@ -178,6 +185,19 @@ def corners_html(cell: Cell, found: Calibration) -> str:
         f'{line(said)}<div class="wb-rows wb-corners"><table class="wb-table"><thead><tr>'
         '<th>Corner</th><th class="wb-number">Floor</th><th class="wb-number">Rim</th></tr>'
         f"</thead><tbody>{body}</tbody></table></div>"
+    )
+
+
+def next_html(one: NextPose) -> str:
+    """How the plate gets to a suggested pose, and what that would bring."""
+    steps = "".join(line(f"{number}. {sentence(step)}") for number, step in enumerate(one.steps, 1))
+    return (
+        line(f"From {one.after} on, with the plate as it is held:")
+        + steps
+        + line(
+            f"The worst corner of the bin would be seen to {mm(one.error_with, 2)} "
+            f"instead of {mm(one.error, 2)}."
+        )
     )
 
 
