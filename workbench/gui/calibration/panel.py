@@ -78,8 +78,8 @@ class CalibrationPanel:
                 color="gray",
                 hint="Jogs the robot on the page to where the scanner should see the plate.",
             )
-            self._way = gui.add_html("")
             self._take = gui.add_button("Scan the plate", icon=viser.Icon.SCAN)
+            self._way = gui.add_html("")
             self._table = gui.add_html("")
             self._leave = gui.add_button("Leave out", color="gray")
             self._remove = gui.add_button("Remove", icon=viser.Icon.TRASH, color="red")
@@ -191,8 +191,8 @@ class CalibrationPanel:
         self._suggest.disabled, self._suggest.label = True, "Looking …"
         try:
             cell, arm = visitor.cell, visitor.cell.arm(self._arm.value)
-            observations = visitor.bench.state.observations
-            found = solved(visitor.bench.state)
+            state = visitor.bench.state
+            observations, found = state.observations, solved(state)
             is_solved = isinstance(found, Calibration) and observations[-1].arm == arm.name
             known, left = self._suggested
             key = (cell.digest, arm.name, self._ball.value, self._sides.value)
