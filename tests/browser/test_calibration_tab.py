@@ -39,8 +39,14 @@ def test_a_scanner_that_hangs_elsewhere_is_found_and_put_right(screen, served, b
         # The first suggestion takes its time: the planner's compiled code is loaded.
         wait(lambda before=before: visitor.own.now.jog is not before, "the next pose")
         screen.wait_for("as it is jogged on the page")
+        if count == 5:  # There is an answer now, and what tells most is looked for.
+            screen.wait_for("From pose 4 on, with the plate as it is held:")
         screen.press("Scan the plate")
         wait(lambda count=count: len(bench.state.observations) == count, f"pose {count}")
+    screen.press("Suggest a pose")
+    screen.wait_for("From pose 5 on, with the plate as it is held:")
+    screen.wait_for("The worst corner of the bin would be seen to")
+    screen.shoot("calibration-next")
     assert {one.arm for one in bench.state.observations} == {"right"}
     assert len({tuple(one.q) for one in bench.state.observations}) == 5
 
