@@ -8,6 +8,7 @@ import pinocchio as pin
 
 from workbench.model.cell import Arm, Cell
 from workbench.model.geometry import Floats, pose_from_rpy
+from workbench.model.part import Region
 
 BIN, SCANNER, ROBOT = "bin", "scanner", "robot"
 
@@ -27,7 +28,8 @@ def things(cell: Cell) -> tuple[str, ...]:
         for arm in cell.arms
         for number in range(1, len(arm.part_places) + 1)
     ]
-    return (BIN, SCANNER, ROBOT, *(fixture.name for fixture in cell.fixtures), *places)
+    regions = [_of_region(one) for one in cell.bin.regions]
+    return (BIN, *regions, SCANNER, ROBOT, *(one.name for one in cell.fixtures), *places)
 
 
 def pose_of(cell: Cell, thing: str) -> pin.SE3:
@@ -43,6 +45,9 @@ def pose_of(cell: Cell, thing: str) -> pin.SE3:
             for fixture in cell.fixtures:
                 if fixture.name == thing:
                     return fixture.T_world_fixture
+            for region in cell.bin.regions:
+                if _of_region(region) == thing:
+                    return cell.bin.T_world_bin * region.T_bin_region
             arm, number = _place(thing)
             if _is_of_parts(thing):
                 return cell.arm(arm).part_places[number].T_world_part
@@ -75,6 +80,13 @@ def moving(cell: Cell, thing: str, T: pin.SE3) -> dict[str, Any]:
                     for one in cell.fixtures
                 )
                 return {"fixtures": fixtures}
+            if any(_of_region(region) == thing for region in cell.bin.regions):
+                T_bin_region = cell.bin.T_world_bin.inverse() * T
+                regions = tuple(
+                    replace(one, T_bin_region=T_bin_region) if _of_region(one) == thing else one
+                    for one in cell.bin.regions
+                )
+                return {"bin": replace(cell.bin, regions=regions)}
             arm, number = _place(thing)
             if _is_of_parts(thing):
                 of_parts = list(cell.arm(arm).part_places)
@@ -107,6 +119,10 @@ def _with_arm(cell: Cell, name: str, **fields: Any) -> Cell:
 
 def _arms_with(cell: Cell, name: str, **fields: Any) -> tuple[Arm, ...]:
     return tuple(replace(arm, **fields) if arm.name == name else arm for arm in cell.arms)
+
+
+def _of_region(region: Region) -> str:
+    return f"region {region.name}"
 
 
 def _is_of_parts(thing: str) -> bool:
