@@ -178,6 +178,10 @@ class PartPlace:
     way about the z of `T_world_part`.  `tolerance` [m], of its origin, and `turn_tolerance` [rad]
     are how far from there a plan may put it.  `approach` (3,) is the direction in the world in
     which it comes there straight at last.
+
+    Places of one `pallet` in layers have its number, counted from 1 in their arm, and 0 where a
+    place is of none.  `layer` counts from 1, the lowest; parts of the next one stand on those of
+    it, so it takes parts only when every place beneath has one, and none when one lies above.
     """
 
     T_world_part: pin.SE3
@@ -186,6 +190,8 @@ class PartPlace:
     tolerance: float = 0.002
     turn_tolerance: float = np.deg2rad(3.0)
     approach: tuple[float, float, float] = field(default_factory=lambda: DOWN, metadata=LATER)
+    pallet: int = field(default_factory=int, metadata=LATER)
+    layer: int = field(default_factory=lambda: 1, metadata=LATER)
 
     def __post_init__(self) -> None:
         put(self, T_world_part=copied(self.T_world_part))
@@ -296,6 +302,7 @@ class Part(Told):
     """A part: its surface, convex solids for collision and physics, symmetry and grasps.
 
     `grasps` are those of the library and what the symmetry makes of them, no grip twice.
+    `friction`, no unit, is that between it and what it is held with; None where nobody has said it.
     """
 
     name: str
@@ -304,6 +311,7 @@ class Part(Told):
     mass: float
     symmetry: Symmetry
     library: GraspLibrary
+    friction: float | None = field(default_factory=lambda: None, metadata=LATER)
     digest: str = field(init=False, repr=False)
     grasps: tuple[Grasp, ...] = field(init=False, repr=False, metadata={"derived": True})
 

@@ -5,24 +5,24 @@ from typing import Any
 
 import numpy as np
 
+from workbench.app.picking.part_import import excess_of
 from workbench.app.runtime.readiness import make_ready
 from workbench.cli.arguments.part import PartCheck
 from workbench.cli.exits import NO_PLAN, SUCCESS
 from workbench.cli.terminal import print_json, print_table, progress
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.meshes.repair import Surface, examined, joined_corners
-from workbench.formats.meshes.triangles import surface_of
 from workbench.formats.parts.reading import read_part
 from workbench.model.cell import Cell
 from workbench.model.geometry import Floats
 from workbench.model.part import Part
 from workbench.planning.grasps.coverage import Coverage, coverage
 from workbench.planning.grasps.grasp_check import GraspCheck, GraspChecker
-from workbench.planning.grasps.part_rays import nearest_points, normals_of
 from workbench.planning.grasps.part_symmetry import (
     deviation_of,
     tolerance_of,
 )
+from workbench.planning.kinematics.quickness import hand_acceleration
 
 
 def check_part(typed: PartCheck) -> int:
@@ -42,8 +42,8 @@ def check_part(typed: PartCheck) -> int:
         pieces = counted(len(part.pieces), "convex piece")
         print(
             f"part {part.name}: {millimetres(surface.size)} mm, {part.mass * 1000:.4g} g, "
-            f"{surface.triangles} triangles, {closed}, {pieces} about "
-            f"{_excess(part) * 1000:.1f} mm too large"
+            f"{surface.triangles} triangles, {closed}, {pieces}, "
+            f"at most about {excess_of(part) * 1000:.1f} mm too large"
         )
         _print_grasps(checks, covered)
         _print_coverage(covered)
@@ -52,15 +52,6 @@ def check_part(typed: PartCheck) -> int:
         if not problems:
             print("nothing speaks against this part")
     return SUCCESS if not problems else NO_PLAN
-
-
-def _excess(part: Part) -> float:
-    """How far a corner of a piece lies from the surface at most [m], but for those inside."""
-    surface = joined_corners(part.mesh)[0]
-    corners = np.vstack([np.asarray(surface_of([piece]).vertices) for piece in part.pieces])
-    nearest, distances, triangles = nearest_points(surface, corners)
-    outward = np.einsum("ij,ij->i", corners - nearest, normals_of(surface)[0][triangles])
-    return float(distances[outward > 0].max(initial=0.0))
 
 
 def _problems(
@@ -97,7 +88,7 @@ def _form(
         "watertight": surface.is_watertight,
         "triangles": surface.triangles,
         "pieces": len(part.pieces),
-        "excess_mm": round(_excess(part) * 1000, 2),
+        "excess_mm": round(excess_of(part) * 1000, 2),
         "grasps": {arm: [_check_form(one) for one in found] for arm, found in checks.items()},
         "coverage": _coverage_form(covered),
         "problems": problems,
@@ -108,7 +99,7 @@ def _grasp_checks(part: Part, cell: Cell) -> dict[str, list[GraspCheck]]:
     """For each arm that may use them, every grasp's check with its tool."""
     checks: dict[str, list[GraspCheck]] = {}
     for arm in cell.arms:
-        checker = GraspChecker(part, arm.tool)
+        checker = GraspChecker(part, arm.tool, hand_acceleration(cell, arm))
         checks[arm.name] = [
             checker.check(grasp)
             for grasp in part.library.grasps
@@ -120,7 +111,7 @@ def _grasp_checks(part: Part, cell: Cell) -> dict[str, list[GraspCheck]]:
 
 def _print_grasps(checks: dict[str, list[GraspCheck]], covered: Coverage) -> None:
     good = {
-        (arm, check.grasp): "good" if check.is_ok else "see below"
+        (arm, check.grasp): _word(check) if check.is_ok else "see below"
         for arm, found in checks.items()
         for check in found
     }
@@ -137,6 +128,11 @@ def _print_grasps(checks: dict[str, list[GraspCheck]], covered: Coverage) -> Non
     if rows:
         title = f"Grasps on the part alone, and in which share of {covered.poses} poses in the bin"
         print_table(title, ("grasp", *(f"{arm} arm" for arm in covered.arms)), rows)
+
+
+def _word(check: GraspCheck) -> str:
+    firm = check.firmness
+    return "good" if firm is None else f"good, {firm.share:.1f} x the load held"
 
 
 def _print_coverage(covered: Coverage) -> None:
@@ -191,6 +187,7 @@ def _check_form(check: GraspCheck) -> dict[str, Any]:
         "width_mm": None if check.width is None else round(check.width * 1000, 2),
         "clearance_mm": round(check.clearance * 1000, 2),
         "findings": [finding.text for finding in check.findings],
+        **({} if check.firmness is None else {"held_share": round(check.firmness.share, 3)}),
     }
 
 
