@@ -175,6 +175,7 @@ function look() {
 function follow() {
   const root = scene.contentDocument?.documentElement;
   if (!root) return;
+  root.lang = document.documentElement.lang;
   const take = () => {
     const scheme = root.getAttribute("data-mantine-color-scheme");
     if (scheme) document.documentElement.dataset.scheme = scheme;

@@ -19,8 +19,9 @@ from workbench.app.picking import held_plate
 from workbench.app.picking.calibration import with_calibration
 from workbench.app.picking.pipeline import judge, plan_pick
 from workbench.app.picking.proving import prove
+from workbench.app.records import kept_cases, session_archive
 from workbench.app.records import replay as replays
-from workbench.app.records import session_archive
+from workbench.app.records.cases import Case, read_case
 from workbench.app.records.sessions import cell_of
 from workbench.app.runtime.compiled_code import forget_the_old, take_shipped
 from workbench.formats.cells.reading import read_cell
@@ -61,6 +62,7 @@ __all__ = [
     "BallPlate",
     "Calibration",
     "Candidate",
+    "Case",
     "Cell",
     "CommandRefused",
     "Detection",
@@ -96,6 +98,7 @@ __all__ = [
     "plan",
     "plate_poses",
     "prove",
+    "read_case",
     "read_cell",
     "read_part",
     "read_plan",
@@ -103,6 +106,7 @@ __all__ = [
     "read_scan",
     "replay",
     "send",
+    "session_cases",
     "sight_plate",
     "simulate_plate",
     "simulate_scan",
@@ -236,6 +240,18 @@ def replay(session: Journal) -> Iterator[tuple[Entry, State]]:
             state follows from it than was recorded.
     """
     return replays.replay(session, cell_of(session))
+
+
+def session_cases(folder: str | Path) -> tuple[Path, ...]:
+    """The cases that a session has kept, for `read_case`, in the order in which they were.
+
+    Args:
+        folder: of the session.
+
+    Raises:
+        FileError: it cannot be read.
+    """
+    return kept_cases.case_files(Path(folder))
 
 
 def plate_poses(

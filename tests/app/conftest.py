@@ -8,9 +8,9 @@ import pinocchio as pin
 import pytest
 
 from workbench.model.candidate import Candidate, Reason, Stage, Verdict
-from workbench.model.cell import Arm, Bin, Cell, Policy, ScannerMount, Tool
+from workbench.model.cell import Arm, Cell, Policy, ScannerMount, Tool
 from workbench.model.geometry import Box, Mesh, Solid
-from workbench.model.part import Grasp, GraspLibrary, Part
+from workbench.model.part import Bin, Grasp, GraspLibrary, Part
 from workbench.model.plan import (
     ArmPlan,
     Guarantee,

@@ -5,6 +5,8 @@ import pytest
 from hands import drag, first_look, settle
 from playwright.sync_api import expect
 
+from workbench.app.records.cases import read_case
+from workbench.app.records.kept_cases import case_files
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.clouds.scans import write_cloud
 from workbench.gui.parts.panel import GIZMO
@@ -73,6 +75,19 @@ def test_an_uploaded_scan_gives_parts_to_veto_and_correct(screen, bench, wait, r
     assert bench.state.phase == "localized" and bench.state.scan is not None
     screen.page.get_by_text("by hand").first.wait_for()
     screen.shoot("parts-corrected")
+
+    screen.page.get_by_text("Keep as a case", exact=True).first.click()
+    screen.page.get_by_label("Comment").fill("part-1 lies deeper")
+    screen.page.get_by_role("button", name="Keep as a case").click()
+    wait(lambda: len(case_files(bench.folder)) == 1, "the case")
+    (file,) = case_files(bench.folder)
+    link = screen.page.get_by_role("link", name=file.name)
+    link.wait_for()
+    link.scroll_into_view_if_needed()
+    screen.shoot("parts-kept")
+    case = read_case(file)
+    assert (len(case.search.detections), len(case.wrong), len(case.truth)) == (3, 2, 2)
+    assert case.comment == "part-1 lies deeper"
     assert screen.errors == []
 
 

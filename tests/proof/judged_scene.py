@@ -6,7 +6,7 @@ import mujoco
 import numpy as np
 from judged_files import Files, pose_of, unit
 
-SPARE = 6
+SPARE = 14
 """Boxes that stand for what a scan shows and for fixtures that come later."""
 
 ROUND = (int(mujoco.mjtGeom.mjGEOM_CYLINDER), int(mujoco.mjtGeom.mjGEOM_CAPSULE))
@@ -246,7 +246,7 @@ def _around(solid) -> float:
 def _standing(files: Files):
     """Name, solid and pose (4, 4) of the bin's slabs and of all fixtures."""
     bin_ = files.cell["bin"]
-    for name, size, at in _slabs(bin_["size_mm"], bin_.get("wall_mm", 3)):
+    for name, size, at in _slabs(bin_):
         box = {"shape": "box", "size_mm": size}
         yield f"bin {name}", box, pose_of(bin_) @ pose_of({"position_mm": at})
     for fixture in files.cell.get("fixture", ()):
@@ -254,9 +254,12 @@ def _standing(files: Files):
             yield f"{fixture['name']} {solid['name']}", solid, pose_of(fixture) @ pose_of(solid)
 
 
-def _slabs(size_mm, wall):
+def _slabs(bin_):
     """Floor and walls of a bin: name, size and middle [mm], from the middle of its floor."""
-    x, y, z = size_mm
+    (x, y, z), wall = bin_["size_mm"], bin_.get("wall_mm", 3)
+    if not bin_.get("walls", True):
+        yield "floor", (x, y, wall), (0, 0, -wall / 2)
+        return
     yield "floor", (x + 2 * wall, y + 2 * wall, wall), (0, 0, -wall / 2)
     for sign in (1, -1):
         yield f"x{sign}", (wall, y + 2 * wall, z), (sign * (x + wall) / 2, 0, z / 2)

@@ -9,11 +9,13 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import pytest
+from argon2 import PasswordHasher
 from attackers import PASSWORD, SECRET
 from waiting import PATIENCE
 
 from workbench.app.core.people import Person, Role
 from workbench.gui.shared.viser_server import close_viser, open_viser, person_of
+from workbench.web.access import passwords
 from workbench.web.access.passwords import hash_of
 from workbench.web.access.store import Store
 from workbench.web.access.users import Users
@@ -78,9 +80,27 @@ def file(tmp_path: Path) -> Path:
     return tmp_path / "state" / "users.sqlite"
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module", autouse=True)
+def patient() -> Iterator[None]:
+    """What is waited for by the clock waits as long as tests do."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("workbench.web.server.START_SECONDS", PATIENCE)
+        patch.setattr("workbench.web.server.END_SECONDS", PATIENCE)
+        yield
+
+
+@pytest.fixture(scope="module", autouse=True)
+def quick_to_try() -> Iterator[None]:
+    """Trying a password takes 0.1 s and 64 MiB by design, and some hundred are tried here."""
+    with pytest.MonkeyPatch.context() as patch:
+        quick = PasswordHasher(time_cost=1, memory_cost=8, parallelism=1)
+        patch.setattr(passwords, "_HASHER", quick)
+        yield
+
+
+@pytest.fixture(scope="module")
 def kept() -> str:
-    """The password's hash, which takes its time by design: one is enough."""
+    """The password's hash."""
     return hash_of(PASSWORD)
 
 

@@ -153,7 +153,8 @@ class Calibration:
 class BinCheck:
     """The bin as a scan shows it.
 
-    `T_world_bin` is where its rim is seen, None when it is not; `shift` [m] and `turn` [rad] by how
+    `T_world_bin` is where its rim, or its floor where it `has_walls` not, is seen, None when it is
+    not; `shift` [m] and `turn` [rad] by how
     much that differs from the cell.  `fill` 0..1 is the share of its room that is taken as seen
     from above, None when the inside is not seen; `above` [m] how far something sticks out of it.
     `findings` say in words what is not as it should be, the worst first.
@@ -169,6 +170,7 @@ class BinCheck:
     is_elsewhere: bool = False
     is_empty: bool = False
     is_overfull: bool = False
+    has_walls: bool = True
 
     def __post_init__(self) -> None:
         if self.T_world_bin is not None:
@@ -179,5 +181,10 @@ class BinCheck:
         """All of it in one sentence."""
         full = "" if self.fill is None or self.is_empty else f", {self.fill:.0%} full"
         if not self.findings:
-            return f"the bin is where it should be, to {self.shift * 1000:.1f} mm{full}"
+            where = (
+                "the bin is where it should be"
+                if self.has_walls
+                else "parts lie as high as they should"
+            )
+            return f"{where}, to {self.shift * 1000:.1f} mm{full}"
         return "; ".join(self.findings) + full

@@ -41,6 +41,11 @@ class Stage(enum.StrEnum):
     PLACE = "place"
     ROUTE = "route"
 
+    @property
+    def words(self) -> str:
+        """For people: the first one looks at the hand alone, before any arm is asked."""
+        return "preselection" if self is Stage.PROPOSE else str(self)
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Verdict:

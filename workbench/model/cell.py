@@ -10,9 +10,9 @@ import pinocchio as pin
 from workbench.model.calibration import CalibrationRecord
 from workbench.model.digest import LATER, Told, called, digest_of
 from workbench.model.errors import InputError
-from workbench.model.geometry import Box, Floats, Solid, copied, frozen, pose_from_rpy, put
+from workbench.model.geometry import Floats, Solid, copied, frozen, put
 from workbench.model.motion import MotionModel
-from workbench.model.part import Part, PartPlace, Station
+from workbench.model.part import Bin, Part, PartPlace, Station
 from workbench.model.robot import Robot
 from workbench.model.scan import LocalizerChoice, Option, PosesFolder
 
@@ -139,40 +139,6 @@ class Fixture:
 
     def __post_init__(self) -> None:
         put(self, T_world_fixture=copied(self.T_world_fixture))
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Bin:
-    """An open box; its frame lies in the middle of the floor's upper side, z up.
-
-    `size` (3,) [m]: inner length, width and height.
-    """
-
-    T_world_bin: pin.SE3
-    size: Floats
-    wall: float = 0.003
-
-    def __post_init__(self) -> None:
-        put(self, T_world_bin=copied(self.T_world_bin), size=frozen(self.size))
-
-    @property
-    def solids(self) -> tuple[Solid, ...]:
-        """Floor and walls as boxes in the bin's frame: floor, x+, x-, y+, y-."""
-        length, width, height = self.size
-        wall = self.wall
-        outer = (length + 2 * wall, width + 2 * wall)
-        colour = (0.45, 0.52, 0.6)
-
-        def slab(name: str, size: tuple[float, ...], centre: tuple[float, ...]) -> Solid:
-            return Solid(f"bin_{name}", Box(np.array(size)), pose_from_rpy(centre), colour)
-
-        return (
-            slab("floor", (*outer, wall), (0, 0, -wall / 2)),
-            slab("wall_front", (wall, outer[1], height), ((length + wall) / 2, 0, height / 2)),
-            slab("wall_back", (wall, outer[1], height), (-(length + wall) / 2, 0, height / 2)),
-            slab("wall_left", (length, wall, height), (0, (width + wall) / 2, height / 2)),
-            slab("wall_right", (length, wall, height), (0, -(width + wall) / 2, height / 2)),
-        )
 
 
 Z_FORWARD = "z_forward"

@@ -1,4 +1,4 @@
-"""A part to be picked, the grasps that people put on it, and where it shall lie in the end."""
+"""A part to be picked, the grasps that people put on it, where it lies and where it shall lie."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
@@ -7,7 +7,7 @@ import numpy as np
 import pinocchio as pin
 
 from workbench.model.digest import LATER, Told, digest_of
-from workbench.model.geometry import Floats, Mesh, Solid, copied, frozen, put
+from workbench.model.geometry import Box, Floats, Mesh, Solid, copied, frozen, pose_from_rpy, put
 from workbench.model.symmetry import Symmetry, turn_about
 
 SAME_PLACE, SAME_TURN = 5e-4, np.deg2rad(0.5)
@@ -168,6 +168,10 @@ class PartPlace:
     way about the z of `T_world_part`.  `tolerance` [m], of its origin, and `turn_tolerance` [rad]
     are how far from there a plan may put it.  `approach` (3,) is the direction in the world in
     which it comes there straight at last.
+
+    Places of one `pallet` in layers have its number, counted from 1 in their arm, and 0 where a
+    place is of none.  `layer` counts from 1, the lowest; parts of the next one stand on those of
+    it, so it takes parts only when every place beneath has one, and none when one lies above.
     """
 
     T_world_part: pin.SE3
@@ -176,6 +180,8 @@ class PartPlace:
     tolerance: float = 0.002
     turn_tolerance: float = np.deg2rad(3.0)
     approach: tuple[float, float, float] = field(default_factory=lambda: DOWN, metadata=LATER)
+    pallet: int = field(default_factory=int, metadata=LATER)
+    layer: int = field(default_factory=lambda: 1, metadata=LATER)
 
     def __post_init__(self) -> None:
         put(self, T_world_part=copied(self.T_world_part))
@@ -200,6 +206,44 @@ class Station:
 
     def __post_init__(self) -> None:
         put(self, T_base_station=copied(self.T_base_station), size=frozen(self.size))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Bin:
+    """An open box, or without walls a surface, on which parts lie; z up from its middle.
+
+    `size` (3,) [m]: inner length, width and height of the walls; where it `has_walls` not, up to
+    where parts may lie.  `wall` [m]: how thick floor and walls are.
+    """
+
+    T_world_bin: pin.SE3
+    size: Floats
+    wall: float = 0.003
+    has_walls: bool = field(default_factory=lambda: True, metadata=LATER)
+
+    def __post_init__(self) -> None:
+        put(self, T_world_bin=copied(self.T_world_bin), size=frozen(self.size))
+
+    @property
+    def solids(self) -> tuple[Solid, ...]:
+        """Floor, and walls where it has any, as boxes in its frame: floor, x+, x-, y+, y-."""
+        length, width, height = self.size
+        wall = self.wall
+        outer = (length + 2 * wall, width + 2 * wall)
+        colour = (0.45, 0.52, 0.6)
+
+        def slab(name: str, size: tuple[float, ...], centre: tuple[float, ...]) -> Solid:
+            return Solid(f"bin_{name}", Box(np.array(size)), pose_from_rpy(centre), colour)
+
+        if not self.has_walls:
+            return (slab("floor", (length, width, wall), (0, 0, -wall / 2)),)
+        return (
+            slab("floor", (*outer, wall), (0, 0, -wall / 2)),
+            slab("wall_front", (wall, outer[1], height), ((length + wall) / 2, 0, height / 2)),
+            slab("wall_back", (wall, outer[1], height), (-(length + wall) / 2, 0, height / 2)),
+            slab("wall_left", (length, wall, height), (0, (width + wall) / 2, height / 2)),
+            slab("wall_right", (length, wall, height), (0, -(width + wall) / 2, height / 2)),
+        )
 
 
 TURNED = "@"

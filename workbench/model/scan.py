@@ -228,16 +228,28 @@ class Obstacle:
     """Something in a scan that nothing known explains, as an upright box around it.
 
     `size` (3,) [m]: full lengths along the axes of the box, whose frame lies in its middle.
+
+    Where it is around a part that was put onto a pallet in layers, and surely is there, `part` is
+    its kind, and `T_world_put` where the hand has let go of it: the box is where it has fallen to.
     """
 
     T_world_box: pin.SE3
     size: Floats
+    part: str = field(default_factory=str, metadata=LATER)
+    T_world_put: pin.SE3 | None = field(default_factory=lambda: None, metadata=LATER)
 
     def __post_init__(self) -> None:
         size = frozen(self.size)
         if size.shape != (3,) or not np.all(size > 0):
             raise InputError("an obstacle needs three lengths above zero")
-        put(self, T_world_box=copied(self.T_world_box), size=size)
+        if bool(self.part) != (self.T_world_put is not None):
+            raise InputError("of a part on a pallet both are known, its kind and where it was put")
+        put(
+            self,
+            T_world_box=copied(self.T_world_box),
+            size=size,
+            T_world_put=None if self.T_world_put is None else copied(self.T_world_put),
+        )
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -72,6 +72,11 @@ def _scene(scene: Scene, plan: Plan) -> Iterator[Violation]:
     for number, seen in enumerate(scene.obstacles):
         if not any(_same_box(seen, said) for said in plan.obstacles):
             yield Violation(f"the plan leaves out obstacle seen-{number + 1} of the scan")
+    for number, said in enumerate(plan.obstacles):
+        if said.part and not any(_same_kept(said, known) for known in scene.obstacles):
+            yield Violation(
+                f"the plan says that seen-{number + 1} is a part on a pallet, and nobody knows that"
+            )
 
 
 def _same_part(one: Detection, other: Detection) -> bool:
@@ -94,6 +99,13 @@ def _no_surer(said: Detection, known: Detection) -> bool:
 def _same_box(one: Obstacle, other: Obstacle) -> bool:
     is_alike = np.allclose(one.size, other.size, rtol=0, atol=1e-9)
     return bool(is_alike) and one.T_world_box.isApprox(other.T_world_box, 1e-9)
+
+
+def _same_kept(one: Obstacle, other: Obstacle) -> bool:
+    T, U = one.T_world_put, other.T_world_put
+    if T is None or U is None or one.part != other.part or not _same_box(one, other):
+        return False
+    return bool(T.isApprox(U, 1e-9))
 
 
 def _sequence(plan: Plan) -> Iterator[Violation]:

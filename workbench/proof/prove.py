@@ -7,11 +7,11 @@ import numpy as np
 import pinocchio as pin
 
 from workbench.model.cell import Cell
-from workbench.model.part import Part
 from workbench.model.plan import Plan, Proof, Violation
 from workbench.model.scan import Detection, Obstacle, Scene
-from workbench.proof.bodies import gap_of, roll_axis, turned_pieces
+from workbench.proof.bodies import gap_of, turned_pieces
 from workbench.proof.form import form_violations, limit_violations, range_violations
+from workbench.proof.places.layers import kept_box, pallet_violations
 from workbench.proof.places.standing import standing_after
 from workbench.proof.robot import tree_of
 from workbench.proof.rules import (
@@ -63,6 +63,9 @@ def prove(
         violations += [f for _, one in arms for f in grasp_violations(cell, tree, plan, one)]
         violations += [f for _, one in arms for f in roll_violations(cell, tree, plan, one)]
         violations += pair_violations(cell, plan)
+        violations += [
+            f for _, one in arms for f in pallet_violations(cell, tree, scene, plan, one)
+        ]
         walked = Walk(cell, tree, plan, resolution, stated).result()
         violations += walked.violations
     return Proof(
@@ -102,7 +105,8 @@ def scene_after(cell: Cell, plan: Plan) -> Scene:
             stand.append(standing_after(cell, tree, plan, one))
         elif not arm.passes_parts_on:
             T_world_tcp = tcp(tree, tree.rest, arm, np.asarray(one.leg("place").q[-1]))
-            boxes.append(_box_around(cell.part(found.part), found, T_world_tcp * one.T_tcp_part))
+            known = (*plan.obstacles, *boxes)
+            boxes.append(kept_box(cell, known, found, T_world_tcp * one.T_tcp_part))
     rest = tuple(one for number, one in enumerate(plan.detections) if number not in taken)
     is_sure = cell.policy.pair_gap > 0 and may_have_moved(cell, plan) is None
     if stand and rest and not is_sure:
@@ -132,7 +136,10 @@ def may_have_moved(cell: Cell, plan: Plan) -> Violation | None:
 
 
 def _full_bin(cell: Cell, parts: Sequence[Detection]) -> Obstacle:
-    """A box that holds parts of the bin however they come to lie: one more on all, and upright."""
+    """A box that holds parts of the bin however they come to lie: one more on all, and upright.
+
+    Without walls they may lie over the side, by a part's length; what rolls further is not in it.
+    """
     T_bin_world, high, longest = cell.bin.T_world_bin.inverse(), float(cell.bin.size[2]), 0.0
     for one in parts:
         points, T = cell.part(one.part).mesh.points, T_bin_world * one.T_world_part
@@ -140,20 +147,6 @@ def _full_bin(cell: Cell, parts: Sequence[Detection]) -> Obstacle:
         if one.T_world_found is None:
             high = max(high, float((points @ T.rotation[2] + T.translation[2]).max()))
     T_bin_box = pin.SE3(np.eye(3), np.array([0.0, 0.0, (high + longest) / 2]))
-    size = np.array([*cell.bin.size[:2], high + longest])
+    beside = 0.0 if cell.bin.has_walls else 2 * longest
+    size = np.array([*(cell.bin.size[:2] + beside), high + longest])
     return Obstacle(cell.bin.T_world_bin * T_bin_box, size)
-
-
-def _box_around(part: Part, found: Detection, T_world_part: pin.SE3) -> Obstacle:
-    """A box that holds a part at a pose; of one whose roll is not known, at every turn."""
-    points, R, origin = part.mesh.points, np.eye(3), np.zeros(3)
-    if not found.roll_known:
-        origin, direction = roll_axis(part, found)
-        R = pin.Quaternion.FromTwoVectors(np.array([0.0, 0.0, 1.0]), np.array(direction)).matrix()
-    seen = (points - origin) @ R
-    low, high = seen.min(axis=0), seen.max(axis=0)
-    if not found.roll_known:
-        radius = np.full(2, np.linalg.norm(seen[:, :2], axis=1).max())
-        low, high = np.append(-radius, low[2]), np.append(radius, high[2])
-    T_part_box = pin.SE3(R, origin + R @ ((low + high) / 2))
-    return Obstacle(T_world_part * T_part_box, high - low)

@@ -56,6 +56,7 @@ DEVIATIONS: Mapping[str, float] = MappingProxyType(
         "stereo": 0.0012,
         "time_of_flight": 0.0025,
         "laser_line": 0.00015,
+        "moving": 0.00015,
     }
 )
 

@@ -6,9 +6,9 @@ from itertools import product
 import numpy as np
 import pinocchio as pin
 
-from workbench.model.cell import Arm, Bin, Cell
+from workbench.model.cell import Arm, Cell
 from workbench.model.geometry import pose_from_rpy
-from workbench.model.part import Grasp, Part
+from workbench.model.part import Bin, Grasp, Part
 from workbench.model.scan import Detection
 from workbench.planning.collision.contact import Contact
 from workbench.planning.collision.legs import grips

@@ -7,8 +7,9 @@ from typing import Literal
 import numpy as np
 import pinocchio as pin
 
-from workbench.model.cell import Arm, Bin
+from workbench.model.cell import Arm
 from workbench.model.geometry import Floats, Ints, pose_from_rpy
+from workbench.model.part import Bin
 from workbench.planning.collision.world import World
 from workbench.planning.kinematics.chain import is_solution
 

@@ -27,6 +27,7 @@ SENTENCES = (
     "app/emptying",
     "app/picking",
     "app/provenance/inventory.py",
+    "app/records/kept_cases.py",
     "app/runtime",
     "model",
     "perception/built_in.py",
@@ -75,9 +76,10 @@ ALONE = frozenset(
     cancelling candidate closed coordinated crooked disabled engineer extract failed fault film
     flat found good grasp grasps home idle joint known leaning linear missed moving nobody none
     nothing off ok one-at-a-time operator pair pairs part parts picked pile pitch place placed
-    planning proof propose reach reading recorded regrasp rejected remaining resolve return roll
-    route scan scanned scanning scans sending simulated stands stopped stopping streamed symmetry
-    synchronised time-independent to touches touching turned unknown viewer vote waiting yaw
+    planning proof preselection reach reading recorded regrasp rejected remaining resolve return
+    roll route scan scanned scanning scans sending simulated stands stopped stopping streamed
+    symmetry synchronised time-independent to touches touching turned unknown viewer vote
+    waiting yaw
     """.split()  # noqa: SIM905
 )
 """Single words that are shown, among many that are names of something in the code."""

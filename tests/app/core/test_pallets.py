@@ -139,7 +139,7 @@ def test_an_arm_with_trays_leaves_nothing_behind():
     [
         ("grid = [2, 0]", "is not between"),
         ("grid = [100, 100]", "400 are allowed"),
-        ("grid = [2]", "2 numbers are expected"),
+        ("grid = [2]", "2 or 3 numbers are expected"),
     ],
 )
 def test_a_wrong_grid_says_which_key(path, tmp_path, new, expected):

@@ -93,6 +93,14 @@ def test_a_bin_of_another_size_is_said(cell, scan, tmp_path):
         assert any(key in one for one in seen.says), seen.says
 
 
+def test_without_walls_no_rim_says_where_the_scanner_hangs(cell, scan, tmp_path):
+    path = tmp_path / "scan.ply"
+    write_cloud(path, scan)
+    seen = looked(path, replace(cell, bin=replace(cell.bin, has_walls=False)))
+    assert seen.found.T_scanner_bin is None and seen.shift == 0.0
+    assert [one for one in seen.says if "has no walls" in one]
+
+
 def test_what_is_no_scan_of_the_cell_is_said(cell, tmp_path):
     path = tmp_path / "scan.ply"
     rng = np.random.default_rng(3)

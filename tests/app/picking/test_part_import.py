@@ -1,6 +1,7 @@
 """A CAD file becomes a part of the cell, as a task, with the files that a shell would have made."""
 
 import shutil
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
@@ -13,6 +14,7 @@ from waiting import PATIENCE
 from workbench.app.core.commands import ImportPart, SaveCell, TakeScan, UndoCell
 from workbench.app.core.people import Role
 from workbench.app.core.state import Phase
+from workbench.app.picking.part_import import excess_of
 from workbench.app.review.recompute import recomputed
 from workbench.app.runtime.bench import Bench
 from workbench.app.runtime.effect_runner import EffectRunner
@@ -21,6 +23,7 @@ from workbench.formats.files.shipped import find
 from workbench.formats.parts.reading import read_part
 from workbench.journal.journal import Journal
 from workbench.model.errors import CommandRefused
+from workbench.model.geometry import Mesh, Solid, pose_from_rpy
 
 
 @pytest.fixture
@@ -50,6 +53,33 @@ def idle(tmp_path):
 
 def box(sides=(60, 30, 20)) -> np.ndarray:
     return np.frombuffer(trimesh.creation.box(sides).export(file_type="stl"), np.uint8)
+
+
+def test_pieces_stick_out_by_what_they_fill():
+    """Of a corner 10 mm thick, with legs of 40 mm, its hull fills up to 15 mm."""
+    outline = np.array([(0, 0), (40, 0), (40, 10), (10, 10), (10, 40), (0, 40)]) / 1000
+    floor, top = np.c_[outline, np.zeros(6)], np.c_[outline, np.full(6, 0.02)]
+    fans = [(0, k, k + 1) for k in range(1, 5)]
+    sides = [t for k in range(6) for n in [(k + 1) % 6] for t in ((k, n, n + 6), (k, n + 6, k + 6))]
+    faces = [(c, b, a) for a, b, c in fans] + [(a + 6, b + 6, c + 6) for a, b, c in fans] + sides
+    corner = trimesh.Trimesh(np.vstack([floor, top]), faces)
+    assert corner.is_volume
+    part = read_part(find("parts", "keyed_cylinder"))
+
+    def excess(*bodies):
+        pieces = tuple(
+            Solid(f"{k}", meshed(body), pose_from_rpy((0, 0, 0))) for k, body in enumerate(bodies)
+        )
+        return excess_of(replace(part, mesh=meshed(corner), pieces=pieces))
+
+    legs = [trimesh.creation.box(bounds=[(0, 0, 0), top]) for top in
+            ((0.04, 0.01, 0.02), (0.01, 0.04, 0.02))]  # fmt: skip
+    assert excess(*legs) == 0.0
+    assert excess(corner.convex_hull) == pytest.approx(0.015, abs=0.0005)
+
+
+def meshed(body: trimesh.Trimesh) -> Mesh:
+    return Mesh(body.vertices, body.faces)
 
 
 def done(bench):

@@ -37,6 +37,7 @@ from workbench.app.picking import facts
 from workbench.app.records.replay import replay
 from workbench.app.runtime import effect_runner, insisting
 from workbench.app.runtime.bench import Bench
+from workbench.devices.abb_simulated.serve_requests import RequestClient
 from workbench.journal.journal import Journal
 from workbench.model.digest import digest_of
 from workbench.model.errors import CommandRefused
@@ -154,7 +155,12 @@ def test_what_the_controller_says_of_a_fault_is_part_of_it(cell, controller, ben
     assert [receipt.sent for receipt in state.receipts] == MESSAGES[:2]
 
 
-def test_sending_ends_when_it_can_no_longer_be_recorded(cell, controller, bench_at, caplog):
+def test_sending_ends_when_it_can_no_longer_be_recorded(
+    cell, controller, bench_at, caplog, monkeypatch
+):
+    # Under way to the first place until nothing can be recorded any more.
+    is_locked = threading.Event()
+    monkeypatch.setattr(RequestClient, "_move", lambda *_: is_locked.wait(PATIENCE))
     simulated = controller(speed=1)
     bench = bench_at(at(cell, simulated.port, simulated.state_port))
     bench.do(SendPlan(bench.state.plan.digest), "ada")
@@ -162,14 +168,16 @@ def test_sending_ends_when_it_can_no_longer_be_recorded(cell, controller, bench_
     other = sqlite3.connect(bench._journal.folder / "journal.sqlite", isolation_level=None)
     with caplog.at_level(logging.ERROR):
         other.execute("BEGIN IMMEDIATE")
+        is_locked.set()
         wait_until(lambda: "is not recorded" in caplog.text)
         other.execute("ROLLBACK")
     other.close()
-    # The third message is out, its record is missing; nothing followed it.
-    assert simulated.state()["received"] == 3
+    # The third message is out, its record is missing.
+    wait_until(lambda: simulated.state()["received"] == 3)
     # Nobody has to ask for it: the end is on record as soon as it can be.
     state = bench.wait(lambda state: state.phase is Phase.FAULT, PATIENCE)
     assert "database is locked" in state.fault
+    assert simulated.state()["received"] == 3, "nothing followed it"
 
 
 def test_closing_while_sending_stops_the_robot_and_records_it(cell, controller, bench_at):

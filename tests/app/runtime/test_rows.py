@@ -163,8 +163,16 @@ def test_evidence_of_a_row_that_was_let_out_otherwise_is_found(bench, planned, c
     assert said in next(approval_problems(entries))
 
 
-def test_a_stop_in_the_second_plan_ends_the_row(bench, planned):
-    made, _ = bench(speed=3.0)
+def test_a_stop_in_the_second_plan_ends_the_row(bench, planned, monkeypatch):
+    made, robot = bench()
+    runner = made._effects._robot
+    see = runner._see_it_at
+
+    def slow_down(plan):
+        see(plan)
+        robot._body.speed = 0.01
+
+    monkeypatch.setattr(runner, "_see_it_at", slow_down)
     made.do(SendPlan(planned[1].plan.digest), "ada")
     wait_until(lambda: len(made.state.sent_before) == 1 and made.state.receipts)
     made.do(Stop(), "bob")

@@ -2,7 +2,6 @@
 
 import json
 import os
-import time
 from dataclasses import replace
 
 import numpy as np
@@ -39,6 +38,14 @@ def watch(bench):
     watch.close()
 
 
+@pytest.fixture
+def told(bench):
+    """A watch that looks when it is told to; what it saw before is complete."""
+    watch = PosesWatch(bench, every=PATIENCE, still=0.0)
+    yield watch
+    watch.close()
+
+
 def reaches(bench, condition):
     state = bench.wait(condition, PATIENCE)
     assert condition(state), state.message
@@ -69,21 +76,16 @@ def test_our_json_and_a_file_written_again_are_taken(bench, watch, tmp_path):
     reaches(bench, lambda s: s.detections[0].score == 0.8)
 
 
-def test_a_file_is_read_when_it_is_complete(bench, tmp_path):
+def test_a_file_is_read_when_it_is_complete(bench, told, tmp_path):
     text = halcon(*[(k, k, k) for k in range(6)])
-    # It looks when it is told to here, between the pieces.
-    watch = PosesWatch(bench, every=PATIENCE, still=0.0)
-    try:
-        with (tmp_path / "poses" / "Poses.txt").open("w") as file:
-            for start in range(0, len(text), 60):
-                file.write(text[start : start + 60])
-                file.flush()
-                watch._look()
-                assert bench.state.detections is None
-        watch._look()
-        assert len(bench.state.detections) == 6
-    finally:
-        watch.close()
+    with (tmp_path / "poses" / "Poses.txt").open("w") as file:
+        for start in range(0, len(text), 60):
+            file.write(text[start : start + 60])
+            file.flush()
+            told._look()
+            assert bench.state.detections is None
+    told._look()
+    assert len(bench.state.detections) == 6
     assert all("cannot be used" not in message for message in said(bench))
 
 
@@ -116,7 +118,9 @@ def test_a_renamed_file_counts_and_one_from_before_does_not(bench, tmp_path):
     ],
 )
 def test_a_broken_file_is_told_of_and_the_next_one_taken(bench, watch, tmp_path, content, problem):
-    (tmp_path / "poses" / "bad.txt").write_bytes(content)
+    # Renamed into place: half of it would be told of otherwise.
+    (tmp_path / "bad.txt").write_bytes(content)
+    (tmp_path / "bad.txt").rename(tmp_path / "poses" / "bad.txt")
     state = reaches(bench, lambda s: "cannot be used" in s.message)
     assert problem in state.message and "bad.txt" in state.message
     assert state.detections is None
@@ -144,7 +148,7 @@ def test_a_file_with_a_name_that_cannot_be_recorded_is_read(bench, watch, tmp_pa
     assert (bench.state.detections is None) == (content == "no poses")
 
 
-def test_the_newest_of_several_files_is_taken_last(bench, watch, tmp_path):
+def test_the_newest_of_several_files_is_taken_last(bench, told, tmp_path):
     bench.do(TakeScan(), "ada")
     for number, name in enumerate(("b", "c", "a", "d"), start=1):
         path = tmp_path / f"{name}.txt"
@@ -152,21 +156,25 @@ def test_the_newest_of_several_files_is_taken_last(bench, watch, tmp_path):
         os.utime(path, (number, number))
     for path in tmp_path.glob("?.txt"):
         path.rename(tmp_path / "poses" / path.name)
-    time.sleep(0.3)
+    for _ in range(3):
+        told._look()
+    assert bench.state.remarks == (), "a task is under way"
     bench.do(CancelJob(), "ada")
-    reaches(bench, lambda s: len(s.remarks) == 4)
+    told._look()
     assert [one.says for one in bench.state.remarks] == [
         f"1 pose from {name}.txt" for name in ("b", "c", "a", "d")
     ]
 
 
-def test_a_folder_that_comes_later_is_watched(bench, watch, tmp_path):
+def test_a_folder_that_comes_later_is_watched(bench, told, tmp_path):
     later = PosesFolder(str(tmp_path / "later"), "peg")
     bench.do(ChangeCell(replace(bench.state.cell, poses_folder=later), "another folder"), "ada")
-    time.sleep(0.1)
+    told._look()
     (tmp_path / "later").mkdir()
     (tmp_path / "later" / "Poses.txt").write_text(halcon((5, 5, 5)))
-    reaches(bench, lambda s: s.detections is not None)
+    for _ in range(2):
+        told._look()
+    assert bench.state.detections is not None
 
 
 def test_the_folder_may_give_poses_and_nothing_else(cell, samples):

@@ -74,6 +74,7 @@ NESTED = (
     ("session", "open"),
     ("session", "export"),
     ("session", "import"),
+    ("session", "cases"),
     ("session", "prune"),
     ("user", "add"),
     ("user", "list"),

@@ -34,6 +34,19 @@ def test_a_box_becomes_a_part_with_grasps(say, box):
     assert again.code == 2 and "is there already" in again.problem
 
 
+def test_import_and_check_say_one_figure_of_pieces_that_are_too_large(say, box):
+    slot = (((0, 0, 5), (60, 40, 10)), ((-25, 0, 20), (10, 40, 20)), ((25, 0, 20), (10, 40, 20)))
+    bodies = []
+    for middle, sides in slot:
+        bodies.append(trimesh.creation.box(sides))
+        bodies[-1].apply_translation(middle)
+    trimesh.util.concatenate(bodies).export("slot.stl")
+    made = say("part", "import", "slot.stl", "--name", "slot", "--repair", "--json")
+    assert made.code == 0, made.err
+    checked = json.loads(say("part", "check", "slot", "--json").out)
+    assert json.loads(made.out)["excess_mm"] == checked["excess_mm"]
+
+
 def test_bad_input_is_one_line(say, box):
     assert "letters, digits" in say("part", "import", box, "--name", "../box").problem
     assert "no such CAD file" in say("part", "import", "gone.stl", "--name", "gone").problem

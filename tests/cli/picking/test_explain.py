@@ -32,7 +32,7 @@ def test_verdicts_are_those_of_plan(line, say, tmp_path):
 def test_words_name_stages_and_the_fix(line, say):
     said = say("explain", "yumi", "--poses", line.poses)
     assert said.code == 0
-    for word in ("propose", "grasp", "approach", "extract", "place", "nearest fix:"):
+    for word in ("preselection", "grasp", "approach", "extract", "place", "nearest fix:"):
         assert word in said.out
 
 

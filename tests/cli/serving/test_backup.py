@@ -48,6 +48,9 @@ def with_files(source: Path, target: Path, **changes: bytes | None) -> None:
 
 
 def test_what_was_kept_comes_back(say, home, tmp_path):
+    (session,) = (home / "sessions").iterdir()
+    (session / "cases").mkdir()
+    (session / "cases" / "20231114-221320-tx2_90-3.zip").write_bytes(b"a case")
     assert say("backup", tmp_path / "b.zip", "--with-sessions").code == 0
     before = content(home)
     shutil.rmtree(home / "parts")

@@ -164,8 +164,8 @@ def test_a_client_too_slow_to_be_there_is_stopped_by_the_controller(planned, hos
         sending = send(plan, approval, there, patience=replace(PATIENT, silence=0.5))
         next(sending)
         # Nobody asks for the next receipt: nobody is there.
-        wait_until(lambda: twin._runtime == PLAYING)
-        wait_until(lambda: twin._runtime != PLAYING)
+        wait_until(lambda: twin.is_protective)
+        assert not twin.is_playing
         with pytest.raises(LinkError):
             list(sending)
 

@@ -178,3 +178,9 @@ def test_xacro_that_cannot_be_expanded_says_so(tmp_path, text):
     path.write_text(text)
     with pytest.raises(FileError, match="cannot be expanded by xacro"):
         expanded(path, {})
+
+
+def test_a_bin_without_walls_comes_back_without_them(tmp_path):
+    cell = read_cell("yumi")
+    table = replace(cell, bin=replace(cell.bin, has_walls=False))
+    assert not written(tmp_path, table).bin.has_walls

@@ -86,6 +86,21 @@ def test_the_digest_covers_all_but_the_address(folder: Path) -> None:
     assert read_cell(folder).digest != digest
 
 
+def test_a_bin_without_walls_has_another_digest_and_one_that_says_it_has_them_the_same(
+    folder: Path,
+) -> None:
+    cell = read_cell(folder)
+    with_change(folder, "wall_mm = 3", "wall_mm = 3\nwalls = true")
+    assert read_cell(folder).digest == cell.digest
+    with_change(folder, "walls = true", "walls = false")
+    table = read_cell(folder)
+    assert table.digest != cell.digest
+    assert [one.name for one in table.bin.solids] == ["bin_floor"]
+    with_change(folder, "walls = false", "walls = 0")
+    with pytest.raises(FileError, match=r"bin\.walls"):
+        read_cell(folder)
+
+
 def test_links_can_go_without_their_geometry(folder: Path) -> None:
     with_change(folder, 'srdf = "yumi.srdf"', 'srdf = "yumi.srdf"\nwithout_geometry = ["body"]')
     robot = read_cell(folder).robot

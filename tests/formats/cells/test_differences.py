@@ -17,3 +17,10 @@ def test_fixtures_are_told_in_the_order_of_the_cells():
     assert difference(full, cell) == f"{gone}, 17 more differences"
     come = "fixture 0 was added, fixture 1 was added, fixture 2 was added"
     assert difference(cell, full) == f"{come}, 17 more differences"
+
+
+def test_a_bin_that_loses_its_walls_is_told_and_one_that_gets_some():
+    cell = read_cell("yumi")
+    table = replace(cell, bin=replace(cell.bin, has_walls=False))
+    assert difference(cell, table) == "the bin has no walls any more"
+    assert difference(table, cell) == "the bin has walls"

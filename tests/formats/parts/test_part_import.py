@@ -103,7 +103,6 @@ def test_a_part_is_written_that_can_be_read(box, tmp_path):
     assert part.symmetry.axis.tolist() == [1, 0, 0]
     assert part.library.grasps == ()
     assert np.ptp(part.mesh.points, axis=0) == pytest.approx([0.04, 0.03, 0.02])
-    assert written.excess < 1e-3, "a box is its own hull, but for the distance of samples"
     assert sorted(item.name for item in written.folder.iterdir()) == [
         "grasps.toml",
         "my-box.stl",

@@ -16,6 +16,12 @@ def panel(visitor, states):
     return panel
 
 
+def test_a_candidate_that_is_clicked_is_selected_in_place_of_a_thing(panel, visitor):
+    visitor.own.change(thing="bin")
+    panel._choose(1)
+    assert visitor.own.now.thing == ""
+
+
 def test_a_row_that_is_clicked_is_looked_at_and_a_second_click_ends_that(panel, visitor):
     panel._choose(1)
     assert visitor.look.now.candidate == panel._shown[1]

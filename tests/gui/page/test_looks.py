@@ -11,6 +11,7 @@ from workbench.gui.page.looks import KEYS, TWICE, Looks, camera_of, centred
 from workbench.gui.scene.stage import STAGE
 from workbench.gui.scene.surroundings import ASPECT, FIELD_OF_VIEW, first_look, interesting_points
 from workbench.gui.shared.look import Look
+from workbench.gui.shared.things import pose_of, things
 from workbench.model.errors import InputError
 
 
@@ -51,6 +52,16 @@ def test_without_a_candidate_the_parts_are_selected_and_without_those_nothing(st
     assert seen(camera_of("Selected", states.planned, Look()), np.array(parts))
     with pytest.raises(InputError, match="nothing is selected"):
         camera_of("Selected", states.idle, Look())
+
+
+def test_a_thing_that_was_chosen_is_selected_before_candidate_and_parts(states, cell):
+    for thing in things(cell):
+        camera = camera_of("Selected", states.planned, Look(candidate=0), thing)
+        assert seen(camera, pose_of(cell, thing).translation[None]), thing
+    by_bin = camera_of("Selected", states.idle, Look(), "bin")
+    assert np.linalg.norm(by_bin[1] - cell.bin.T_world_bin.translation) < 0.1
+    with pytest.raises(InputError, match="nothing is selected"):
+        camera_of("Selected", states.idle, Look(), "a fixture that was taken away")
 
 
 def test_what_is_clicked_twice_comes_into_the_middle_as_it_was_seen(visitor, states, view_of, cell):

@@ -27,6 +27,14 @@ def test_without_a_preview_it_is_live_if_it_is_known_where_the_robot_is(states, 
     assert "does not report" in mode_html(view_of(states.idle))
 
 
+def test_a_robot_that_stands_before_a_step_waits(states, view_of, live):
+    waiting = view_of(replace(states.sending, waits=3), live=live)
+    html = mode_html(waiting)
+    assert mode_of(waiting) is Mode.WAITS and "<b>Robot waits</b>" in html
+    assert "Ends with Run step 3, or Stop" in html and 'data-mode="waits"' in html
+    assert mode_of(view_of(replace(states.sending, waits=0, let=3), live=live)) is Mode.MOVING
+
+
 def test_one_joint_that_is_not_reported_is_no_report(states, view_of, live):
     joint = next(iter(live.joints))
     some = Live(joints={name: q for name, q in live.joints.items() if name != joint})

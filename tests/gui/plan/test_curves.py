@@ -1,5 +1,6 @@
 """The plan over time, as lanes and curves."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -26,6 +27,28 @@ def test_each_leg_has_a_block_and_each_arm_a_lane(cell, result, runs):
     html = lanes_html(cell, runs, result.plan.cycle_seconds)
     assert html.count('class="wb-block"') == len(runs)
     assert html.count('class="wb-lane"') == len(cell.arms)
+
+
+def test_sync_points_are_named_over_the_lanes_and_told_in_words(cell, runs):
+    leg = runs[0].leg
+    three = tuple(
+        Run(arm, leg, k * leg.seconds, (k + 1) * leg.seconds)
+        for k, arm in enumerate(("right", "left", "left"))
+    )
+    html = lanes_html(cell, three, 3 * leg.seconds)
+    assert html.count('class="wb-sync"') == 1 and ">S1</i>" in html
+    assert f"S1, {leg.seconds:.2f} s: right {leg.name}; left {leg.name}" in html
+    assert "1 sync point<" in html
+    assert "sync" not in lanes_html(cell, three[1:], 3 * leg.seconds)
+
+
+def test_names_of_sync_points_do_not_lie_over_each_other(cell, runs):
+    leg = replace(runs[0].leg, q=runs[0].leg.q[:2], t=np.array([0.0, 0.01]))
+    many = tuple(Run(("right", "left")[k % 2], leg, 0.01 * k, 0.01 * (k + 1)) for k in range(60))
+    html = lanes_html(cell, many, 0.6)
+    named = [float(at) for at in re.findall(r'left:([\d.]+)%" title="[^"]*">S', html)]
+    assert html.count('class="wb-sync"') == 59 and 10 < len(named) < 59
+    assert np.diff(named).min() >= 4.4
 
 
 def test_the_joint_curves_begin_at_home_in_degrees_and_wire_order(cell, result, runs):

@@ -6,6 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from shipped import shipped
+from waiting import PATIENCE
 
 import workbench.gui.cell.panel
 import workbench.gui.drawing.reach
@@ -112,7 +113,7 @@ def test_a_reach_is_found_once_and_remembered():
     reaches = Reaches(found.set)
     assert reaches.of(CELL, "") is NO_REACH
     assert reaches.of(CELL, "right") is NO_REACH
-    assert found.wait(60)
+    assert found.wait(PATIENCE)
     first = reaches.of(CELL, "right")
     assert len(first[0]) > 500 and reaches.of(CELL, "right") is first
     reaches.close()
@@ -126,7 +127,7 @@ def test_a_reach_that_cannot_be_found_is_told_and_not_awaited_for_ever(monkeypat
     found = threading.Event()
     reaches = Reaches(found.set)
     reaches.of(CELL, "right")
-    assert found.wait(60)
+    assert found.wait(PATIENCE)
     told = reach_line("right", reaches.of(CELL, "right"))
     assert "could not be worked out" in told and "could not be found" in caplog.text
     reaches.close()

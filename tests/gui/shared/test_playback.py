@@ -1,6 +1,7 @@
 """Where everything is at a moment of a plan."""
 
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -8,12 +9,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from workbench.gui.shared.playback import (
+    Run,
     arm_path,
     followed,
     interpolated,
     joint_values,
     moments,
     part_poses,
+    sync_points,
     tcp_path,
     timeline,
 )
@@ -34,6 +37,30 @@ def runs(plan):
 @pytest.fixture(scope="module")
 def kinematics(cell):
     return Kinematics(cell)
+
+
+def test_sync_points_stand_where_one_arm_waits_for_the_other(result):
+    runs = timeline(result.plan)
+    points = sync_points(runs)
+    assert [point.name for point in points] == [f"S{k + 1}" for k in range(len(points))]
+    for point in points:
+        assert point.time == max(run.end for run in point.before)
+        assert all(run.start == point.time for run in point.after)
+        assert len({run.arm for run in (*point.before, *point.after)}) > 1
+    together = {
+        frozenset(arm for arm, _ in (*one.runs, *other.runs))
+        for one, other in pairwise(result.plan.sequence)
+    }
+    assert points or all(len(arms) == 1 for arms in together)
+
+
+def test_one_arm_alone_waits_for_nobody_and_no_plan_of_a_row_for_the_one_before(result):
+    arm = result.plan.arms[0].arm
+    first = tuple(run for run in timeline(result.plan) if run.arm == arm)
+    assert sync_points(first) == ()
+    shift = first[-1].end
+    after = (Run("other", run.leg, run.start + shift, run.end + shift, 1) for run in first)
+    assert sync_points((*first, *after)) == ()
 
 
 def test_the_timeline_ends_with_the_cycle(plan, runs):

@@ -22,6 +22,7 @@ from workbench.gui.shared.tables import (
     candidates_html,
     chosen_html,
     funnel_html,
+    holds,
     on_page,
     ordered,
     pages,
@@ -139,8 +140,16 @@ def test_typed_words_keep_the_rows_that_have_all_of_them(candidates, words):
     shown = [candidates[number] for number in ordered(candidates, Order(words=words))]
     for one in candidates:
         text = f"part-{one.detection + 1} {one.grasp.name} {one.arm} {kind_of(one.verdict)}"
-        text = f"{text} {one.verdict.stage}".casefold()
+        text = f"{text} {one.verdict.stage.words}".casefold()
         assert (one in shown) == all(word in text for word in words.casefold().split())
+
+
+def test_no_stage_is_told_by_its_internal_name():
+    grasp = Grasp("side", HERE, 0.04, 0.03)
+    verdict = Verdict(Reason.TOOL_COLLISION, Stage.PROPOSE)
+    refused = Candidate(0, grasp, "left", HERE, 0.0, verdict)
+    assert "preselection <b>1</b>" in stages_html([refused])
+    assert holds(refused, "preselection") and not holds(refused, "propose")
 
 
 @given(candidates_drawn)

@@ -14,6 +14,7 @@ import websockets.asyncio.server
 from raw_browser import PROTOCOL, raw_browser
 from viser import _messages as messages
 from viser.infra._async_message_buffer import AsyncMessageBuffer
+from waiting import PATIENCE
 
 from workbench.app.core.people import NOBODY, Person, Role
 from workbench.gui.shared.viser_server import (
@@ -73,7 +74,7 @@ def person_at(secret: str | None, headers: dict[str, str]) -> Person:
 
     async def connect() -> Person:
         async with raw_browser(server.get_port(), headers):
-            return await asyncio.to_thread(found.get, timeout=120)
+            return await asyncio.to_thread(found.get, timeout=PATIENCE)
 
     try:
         return asyncio.run(connect())
@@ -181,7 +182,7 @@ class JustThen(collections.deque):
         super().append(waiting)
 
 
-def delivered_when_pushed_just_before_waiting(kind) -> bool:
+def delivered_when_pushed_just_before_waiting(kind, patience: float) -> bool:
     """Whether a message arrives that comes while the loop is about to wait, or one after it."""
 
     async def deliver():
@@ -191,9 +192,9 @@ def delivered_when_pushed_just_before_waiting(kind) -> bool:
         windows = buffer.window_generator(0)
         arriving = asyncio.ensure_future(anext(windows))
         try:
-            await asyncio.sleep(0.5)
+            await asyncio.sleep(0.1)
             threading.Thread(target=lambda: buffer.push(second)).start()
-            done, _ = await asyncio.wait([arriving], timeout=5.0)
+            done, _ = await asyncio.wait([arriving], timeout=patience)
             return bool(done)
         finally:
             arriving.cancel()
@@ -202,12 +203,12 @@ def delivered_when_pushed_just_before_waiting(kind) -> bool:
 
 
 def test_a_message_that_comes_while_the_loop_is_about_to_wait_arrives():
-    assert delivered_when_pushed_just_before_waiting(Messages)
+    assert delivered_when_pushed_just_before_waiting(Messages, PATIENCE)
 
 
 def test_the_library_alone_would_leave_it_lying():
     # When this fails, the library has mended it, and `Messages` can go.
-    assert not delivered_when_pushed_just_before_waiting(AsyncMessageBuffer)
+    assert not delivered_when_pushed_just_before_waiting(AsyncMessageBuffer, 1.0)
 
 
 def test_messages_to_one_browser_and_to_all_are_such(server):
@@ -220,4 +221,4 @@ def test_messages_to_one_browser_and_to_all_are_such(server):
 
     inner._client_connect_cb.append(look)
     asyncio.run(close_code(port, None))
-    assert isinstance(seen.get(timeout=30), Messages)
+    assert isinstance(seen.get(timeout=PATIENCE), Messages)

@@ -3,6 +3,8 @@
 import threading
 from dataclasses import replace
 
+from waiting import PATIENCE
+
 from workbench.app.core.commands import FindParts, JobEnded, MakePlan, UseScan
 from workbench.app.review.history import History
 from workbench.gui.statistics.counting import Counted
@@ -19,7 +21,7 @@ def test_a_recorded_session_is_counted_whole_at_every_moment_and_says_so(
     history.go(0)
     counted = Counted(history, done.set)
     counted.of(history.state)
-    assert done.wait(60)
+    assert done.wait(PATIENCE)
     whole = counted.of(history.state)
     assert len(whole.cycles) == 1
     history.go(history.count)

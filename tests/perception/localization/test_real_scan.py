@@ -15,8 +15,8 @@ from stand_ins import TURN, folder_of, make_recording, sources
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.clouds.scans import read_cloud
 from workbench.formats.parts.reading import read_part
-from workbench.model.cell import Bin
 from workbench.model.geometry import pose_from_rpy
+from workbench.model.part import Bin
 from workbench.model.scan import Scan
 
 PART = """

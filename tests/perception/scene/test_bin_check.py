@@ -116,3 +116,36 @@ def test_a_few_points_say_nothing(cell, count):
 def test_the_same_scan_gives_the_same_words(cell):
     scan = scanned(cell, 2, (10, 0, 0))[0]
     assert check_bin(scan, cell.bin).says == check_bin(scan, cell.bin).says
+
+
+def table(cell):
+    return replace(cell, bin=replace(cell.bin, has_walls=False))
+
+
+def test_a_surface_is_as_high_as_it_should_be_and_how_much_lies_on_it_is_told(cell):
+    scan, _ = scanned(table(cell), 1, seed=1)
+    check = check_bin(scan, table(cell).bin)
+    assert check.light == "good", check.says
+    assert 0.01 < check.fill < 0.3
+    assert check.says.startswith("parts lie as high as they should, to 0.")
+
+
+@pytest.mark.parametrize(("up", "word"), [(5, "higher"), (-4, "lower")])
+def test_a_surface_at_another_height_is_measured(cell, up, word):
+    scan, truth = scanned(table(cell), 3, (0, 0, up), (0.5, 0, 0), seed=1)
+    check = check_bin(scan, table(cell).bin)
+    assert check.is_elsewhere and check.light == "warning" and word in check.says
+    distance, angle = error(check, truth)
+    assert distance < 0.5 and angle < 0.1
+
+
+def test_a_surface_that_is_not_there_is_bad_news(cell):
+    scan, _ = scanned(replace(table(cell), fixtures=()), 0, (0, 0, -40))
+    check = check_bin(scan, table(cell).bin)
+    assert check.light == "bad" and check.T_world_bin is None
+    assert "is not seen where the cell has it" in check.says
+
+
+def test_a_surface_on_which_nothing_lies_is_told(cell):
+    check = check_bin(scanned(table(cell))[0], table(cell).bin)
+    assert check.is_empty and check.findings == ("nothing lies there",)

@@ -8,8 +8,8 @@ import pytest
 
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.parts.reading import read_part
-from workbench.model.cell import Bin
 from workbench.model.geometry import pose_from_rpy
+from workbench.model.part import Bin
 from workbench.model.scan import Scan
 from workbench.perception.scene.bin_fit import (
     above_floor,

@@ -1,5 +1,8 @@
 """Parts that fall into the bin."""
 
+from dataclasses import replace
+
+import mujoco
 import numpy as np
 import open3d as o3d
 import pytest
@@ -7,8 +10,10 @@ import pytest
 from workbench.formats.parts.reading import read_part
 from workbench.model.digest import digest_of
 from workbench.model.errors import InputError
-from workbench.perception.simulation.physics import model_of
+from workbench.perception.simulation.physics import LONGEST, LOST, come_to_rest, model_of
 from workbench.perception.simulation.piles import OUTSIDE, drop_parts
+from workbench.perception.simulation.room import radius_of
+from workbench.perception.simulation.unloading import is_in_bin
 from workbench.perception.views.surfaces import add_surface, triangles_of
 
 
@@ -69,3 +74,22 @@ def test_parts_of_several_kinds_fall_together_each_with_its_own_mass(cell):
         assert p_bin[:, 2].min() >= -OUTSIDE
     masses = model_of(kinds, cell.bin).body_mass[1:]
     assert masses == pytest.approx([kind.mass for kind in kinds])
+
+
+def test_from_a_surface_without_walls_parts_may_roll_off_and_are_not_told(cell, part):
+    narrow = replace(cell.bin, size=np.array([0.1, 0.1, 0.1]), has_walls=False)
+    pile = drop_parts((part,) * 5, narrow, seed=3)
+    assert 1 <= len(pile) < 5, "so many cylinders do not stay on so little room"
+    assert all(is_in_bin(narrow, part, one.T_world_part) for one in pile)
+    assert digests_of(drop_parts((part,) * 5, narrow, seed=3)) == digests_of(pile)
+
+
+def test_what_falls_off_does_not_hold_up_what_lies_still(cell, part):
+    """A part beside a surface falls for ever: the others have come to rest all the same."""
+    model = model_of((part, part), replace(cell.bin, has_walls=False))
+    model.body_gravcomp[1:] = 0.0
+    data = mujoco.MjData(model)
+    data.qpos[:3], data.qpos[7:10] = (0.0, 0.0, 0.06), (1.0, 0.0, 0.06)
+    come_to_rest(model, data, radius_of(part))
+    assert data.time < LONGEST - 1.0
+    assert data.qpos[9] < LOST < 0.0 < data.qpos[2]

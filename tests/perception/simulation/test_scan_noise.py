@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.scan import Detection
+from workbench.perception.simulation.image_errors import sheared
 from workbench.perception.simulation.noise_models import FINE, NOISE_MODELS, ROUGH, NoiseModel
 from workbench.perception.simulation.scan_noise import noisy
 from workbench.perception.simulation.synthesize import synthesize, visible_shares
@@ -152,6 +153,15 @@ def test_concave_corners_are_measured_too_deep():
     assert np.abs(off[20, 15:20]).max() < 1e-9
 
 
+def test_what_moves_while_it_is_measured_is_sheared():
+    depth = np.full((31, 60), 0.9)
+    depth[:, 20:30] = 0.8
+    edges = (of(depth, drifted=3.0) == 0.8).argmax(axis=1)
+    assert edges[0] == 20
+    assert edges[-1] == 23
+    assert (np.diff(edges) >= 0).all()
+
+
 def test_gloss_is_a_hole_and_stripes_are_missing():
     depth, cosine = np.full((200, 50), 0.9), np.full((200, 50), 0.999)
     glossy = replace(PERFECT, gloss=0.995, glare=1.0)
@@ -188,7 +198,7 @@ def test_measured_depths_are_finite_or_missing(seed, name):
     cosine = generator.random(depth.shape)
     made = noisy(depth, cosine, 0.0005, NOISE_MODELS[name], generator)
     assert not np.isinf(made).any()
-    assert np.isnan(made[np.isinf(depth)]).all()
+    assert np.isnan(made[np.isinf(sheared(depth, NOISE_MODELS[name].drifted))]).all()
 
 
 def test_a_part_under_another_is_seen_in_part(cell, part):

@@ -66,6 +66,13 @@ def test_the_way_off_the_wall_leads_away_from_the_nearest_one(cell):
     assert way[1] < 0 and abs(way[0]) < 1e-9
 
 
+def test_where_there_is_no_wall_the_way_off_it_leads_straight_up(cell):
+    table = replace(cell, bin=replace(cell.bin, has_walls=False))
+    off = by(table, lifts=("off-wall",))
+    ((_, way),) = ways(off, lying(off, 0.0, 0.13))
+    assert way == pytest.approx([0.0, 0.0, off.policy.lift_length])
+
+
 def test_a_grasp_that_says_how_to_go_out_has_no_other_way(cell):
     every = by(cell, lifts=LIFT_NAMES)
     one = lying(every, 0.0, 0.0)

@@ -85,6 +85,22 @@ def test_the_backup_holds_cells_and_parts_and_no_session(front, users, home):
     assert not [name for name in names if name.startswith(("sessions/", "users"))]
 
 
+def test_an_engineer_gets_a_case_that_the_session_has_kept_and_no_other_file(front, users, home):
+    (session,) = (home / "sessions").glob("*tx2_90*")
+    (session / "cases").mkdir()
+    name = "20231114-221320-tx2_90-3.zip"
+    (session / "cases" / name).write_bytes(b"a case")
+    (session / "cases" / "notes.txt").write_text("mine")
+    edda = users.make_token("Edda", "line")
+    assert asked(front, f"/cases/{name}", edda) == (200, b"a case")
+    assert asked(front, f"/cases/{name}")[0] == 401
+    status, body = asked(front, f"/cases/{name}", users.make_token("Otto", "line"))
+    assert status == 403 and b"for engineers; you are" in body
+    for other in ("notes.txt", name.replace("3.zip", "4.zip"), "..%2Fjournal.sqlite"):
+        status, body = asked(front, f"/cases/{other}", edda)
+        assert status == 404 and b"no case of this name" in body
+
+
 def test_without_cells_and_parts_it_says_so(users, start, tmp_path):
     front = start(taking_along(tmp_path / "none", tmp_path))
     token = users.make_token("Edda", "line")

@@ -4,16 +4,21 @@ import asyncio
 import contextlib
 import socket
 import struct
+from urllib.parse import urlsplit
 
 import numpy as np
 import pytest
 from asyncua import Client, ua
+from idle import Idle
 from waiting import PATIENCE
 
 from workbench.app.core.commands import Approve, TakeControl, WatchPlan
 from workbench.app.core.people import Person, Role
+from workbench.app.runtime.bench import Bench
+from workbench.journal.journal import Journal
 from workbench.model.errors import InputError
 from workbench.web.access.lockout import MOST, WHILE
+from workbench.web.opcua import server as opcua_server
 from workbench.web.opcua.admission import Door, Options
 from workbench.web.opcua.server import MOST_CLIENTS, NAMESPACE, OpcUa
 from workbench.web.opcua.values import VARIABLES
@@ -22,24 +27,32 @@ PLC = Person("plc", Role.OPERATOR)
 
 
 @pytest.fixture
-def port() -> int:
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return probe.getsockname()[1]
-
-
-@pytest.fixture
-def serve(site, port):
+def serve(site):
+    """Starts a server on a port that is free, and tells its address."""
     served = []
 
     def one(**options) -> str:
-        served.append(OpcUa(site.bench, Options(port, PLC, **options)))
-        return f"opc.tcp://127.0.0.1:{port}/workbench"
+        served.append(OpcUa(site.bench, Options(0, PLC, **options)))
+        return served[-1].url
 
     yield one
     for server in served:
         server.close()
         server.close()
+
+
+@pytest.fixture(scope="module")
+def shared(results, tmp_path_factory):
+    """The address of a server for those who change nothing, or nothing for long."""
+    bench = Bench(results.cell, Journal(tmp_path_factory.mktemp("shared")), effects=Idle)
+    server = OpcUa(bench, Options(0, PLC))
+    yield server.url
+    server.close()
+    bench.close()
+
+
+def port_of(url) -> int:
+    return urlsplit(url).port
 
 
 class Hands:
@@ -67,7 +80,7 @@ def talk(url, conversation):
     """Run a conversation with the cell."""
 
     async def run():
-        async with Client(url) as client:
+        async with Client(url, timeout=PATIENCE) as client:
             space = await client.get_namespace_index(NAMESPACE)
             cell = await client.nodes.objects.get_child(f"{space}:Workbench")
             await conversation(Hands(client, cell, space))
@@ -138,7 +151,7 @@ def test_a_plc_sends_what_a_person_approved_once_and_approves_nothing(site, serv
     assert site.on_record("WatchPlan")[0]["command"]["is_told"] is True, "no page has shown it"
 
 
-def test_every_variable_is_there_and_only_read(serve):
+def test_every_variable_is_there_and_only_read(shared):
     async def conversation(cell):
         for name in VARIABLES:
             await cell.read(name)
@@ -148,7 +161,7 @@ def test_every_variable_is_there_and_only_read(serve):
         with pytest.raises(ua.UaError):
             await node.write_value("done")
 
-    talk(serve(), conversation)
+    talk(shared, conversation)
 
 
 def test_whoever_calls_acts_as_the_named_operator(site, serve):
@@ -179,11 +192,11 @@ def test_a_change_while_the_server_starts_is_told(site, serve, monkeypatch):
     talk(serve(), conversation)
 
 
-def test_a_password_is_asked_for(serve, port):
-    serve(password="secret")
+def test_a_password_is_asked_for(serve):
+    url = serve(password="secret")
 
     async def come(name, password):
-        client = Client(f"opc.tcp://127.0.0.1:{port}/workbench")
+        client = Client(url, timeout=PATIENCE)
         if name:
             client.set_user(name)
             client.set_password(password)
@@ -196,11 +209,11 @@ def test_a_password_is_asked_for(serve, port):
             asyncio.run(come(name, password))
 
 
-def test_passwords_are_not_tried_one_after_the_other(serve, port):
-    serve(password="secret")
+def test_passwords_are_not_tried_one_after_the_other(serve):
+    url = serve(password="secret")
 
     async def come(password):
-        client = Client(f"opc.tcp://127.0.0.1:{port}/workbench")
+        client = Client(url, timeout=PATIENCE)
         client.set_user("plc")
         client.set_password(password)
         async with client:
@@ -223,7 +236,7 @@ def test_the_door_opens_again_after_a_while():
     assert door.get_user(None, "plc", "secret") is not None
 
 
-def test_methods_with_other_arguments_are_refused_by_a_status(serve):
+def test_methods_with_other_arguments_are_refused_by_a_status(shared):
     async def conversation(cell):
         for arguments, code in (
             ((), ua.StatusCodes.BadArgumentsMissing),
@@ -234,7 +247,7 @@ def test_methods_with_other_arguments_are_refused_by_a_status(serve):
                 await cell.call("Scan", *arguments)
             assert caught.value.code == code
 
-    talk(serve(), conversation)
+    talk(shared, conversation)
 
 
 def chunk(kind, final, body, announced=None):
@@ -256,10 +269,9 @@ HELLO = chunk(
     ],
     ids=["no greeting", "open", "greeting"],
 )
-def test_what_a_header_announces_is_not_waited_for(serve, port, flood, caplog):
-    url = serve()
+def test_what_a_header_announces_is_not_waited_for(shared, flood, caplog):
     with (
-        socket.create_connection(("127.0.0.1", port), timeout=PATIENCE) as attacker,
+        socket.create_connection(("127.0.0.1", port_of(shared)), timeout=PATIENCE) as attacker,
         contextlib.suppress(ConnectionError),
     ):
         attacker.sendall(flood)
@@ -272,14 +284,12 @@ def test_what_a_header_announces_is_not_waited_for(serve, port, flood, caplog):
     async def look(hands):
         assert await hands.read("Fault") == ""
 
-    talk(url, look)
+    talk(shared, look)
 
 
-def test_a_message_in_many_chunks_is_cut_off(serve):
-    url = serve()
-
+def test_a_message_in_many_chunks_is_cut_off(shared):
     async def run():
-        async with Client(url) as client:
+        async with Client(shared, timeout=PATIENCE) as client:
             with pytest.raises((ua.UaError, ConnectionError, asyncio.CancelledError)):
                 await client.nodes.objects.call_method("0:none", "x" * 2_000_000)
 
@@ -289,38 +299,60 @@ def test_a_message_in_many_chunks_is_cut_off(serve):
     async def look(hands):
         assert await hands.read("Fault") == ""
 
-    talk(url, look)
+    talk(shared, look)
 
 
-def test_nobody_else_gets_at_it_without_a_password(site, port):
+def test_nobody_else_gets_at_it_without_a_password(site):
     with pytest.raises(InputError, match="give a password"):
-        OpcUa(site.bench, Options(port, PLC, host="0.0.0.0"))
+        OpcUa(site.bench, Options(0, PLC, host="0.0.0.0"))
 
 
-def test_a_port_that_is_taken_is_said(site, serve, port):
-    serve()
+def test_a_port_that_is_taken_is_said(site, shared):
     with pytest.raises(InputError, match="choose another port"):
-        OpcUa(site.bench, Options(port, PLC))
+        OpcUa(site.bench, Options(port_of(shared), PLC))
 
 
-def test_a_crowd_is_not_taken_in_and_not_kept_for_long(serve, port):
-    url = serve()
-    crowd = []
-    try:
+def test_a_server_that_is_closed_while_it_has_something_to_tell_ends(site):
+    server = OpcUa(site.bench, Options(0, PLC))
+
+    async def change_and_end():
+        server._changed.set()
+        # So that what is waited for and the end come at once.
+        await asyncio.sleep(0)
+        server._teller.cancel()
+        await asyncio.wait([server._teller], timeout=PATIENCE)
+
+    server._wait(change_and_end())
+    assert server._teller.cancelled()
+    server.close()
+
+
+def test_a_crowd_is_not_taken_in(serve, monkeypatch):
+    monkeypatch.setattr(opcua_server, "LOGIN_SECONDS", PATIENCE)
+    url, crowd = serve(), []
+    with contextlib.ExitStack() as opened:
         for _ in range(MOST_CLIENTS + 1):
-            crowd.append(socket.create_connection(("127.0.0.1", port), timeout=3 * PATIENCE))
+            crowd.append(opened.enter_context(connected(url)))
         assert crowd[-1].recv(1) == b""
         crowd[0].setblocking(False)
         with pytest.raises(BlockingIOError):
             crowd[0].recv(1)
-        crowd[0].settimeout(3 * PATIENCE)
-        for one in crowd:
+
+
+def test_who_does_not_log_in_is_not_kept_for_long(site, monkeypatch):
+    monkeypatch.setattr(opcua_server, "LOGIN_SECONDS", 0.2)
+    server = OpcUa(site.bench, Options(0, PLC))
+    with contextlib.closing(server), contextlib.ExitStack() as opened:
+        for one in [opened.enter_context(connected(server.url)) for _ in range(MOST_CLIENTS)]:
             assert one.recv(1) == b""
-    finally:
-        for one in crowd:
-            one.close()
+        # There is room again, for who has all the time that it takes.
+        server._server.iserver.max_pending_activation_seconds = PATIENCE
 
-    async def look(hands):
-        assert await hands.read("Fault") == ""
+        async def look(hands):
+            assert await hands.read("Fault") == ""
 
-    talk(url, look)
+        talk(server.url, look)
+
+
+def connected(url):
+    return socket.create_connection(("127.0.0.1", port_of(url)), timeout=3 * PATIENCE)

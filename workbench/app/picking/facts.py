@@ -11,8 +11,9 @@ from workbench.app.core.commands import Command, GoOn, LinkEnded, MakePlan, TryE
 from workbench.app.core.state import State
 from workbench.app.picking.pile_check import check_pile, with_kinds
 from workbench.model.calibration import BinCheck
-from workbench.model.cell import Bin, Cell
+from workbench.model.cell import Cell
 from workbench.model.errors import CommandRefused, InputError
+from workbench.model.part import Bin
 from workbench.model.plan import ArmPlan, Plan, Proof, Proven
 from workbench.model.scan import Detection, Scan
 from workbench.perception.scene.bin_check import check_bin
@@ -111,5 +112,5 @@ def put_down(cell: Cell, plan: Plan) -> tuple[Detection, ...]:
                 T = kinematics.tcp_pose(arm, np.asarray(one.leg("place").q[-1])) * one.T_tcp_part
             # A roll that the scan did not show is not known on the pallet, either.
             kept = Detection(found.part, T, roll_known=found.roll_known, roll_axis=found.roll_axis)
-            placed.append(kept)
+            placed.append(replace(kept, T_world_found=found.T_world_found or found.T_world_part))
     return tuple(placed)

@@ -8,9 +8,10 @@ import numpy as np
 
 from workbench.formats.clouds.scans import CLOUD_AXES, points_of, turned_to_camera
 from workbench.formats.files.units import UNITS
-from workbench.model.cell import Bin, Cell, ScannerMount
+from workbench.model.cell import Cell, ScannerMount
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats, pose_from_rpy, shift_and_turn
+from workbench.model.part import Bin
 from workbench.model.scan import Scan
 from workbench.perception.scene.bin_fit import fit_bin
 from workbench.perception.scene.bin_search import FoundBin, find_bin
@@ -120,6 +121,12 @@ def _says(
             f"the cloud has other axes: cloud_axes = "
             f'"{proposed.cloud_axes}" in [scanner] instead of {mount.cloud_axes}'
         )
+    if not bin.has_walls:
+        yield (
+            "the cell's bin has no walls, so no rim says where the scanner hangs: calibrate it, "
+            "or scan a bin with walls = true in [bin] first"
+        )
+        return
     if found.T_scanner_bin is None:
         if found.rim is None:
             yield "no bin is seen: is it in the picture, and its rim?"

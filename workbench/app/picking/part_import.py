@@ -7,6 +7,8 @@ from pathlib import Path, PurePosixPath
 import numpy as np
 
 from workbench.app.core.commands import ImportPart
+from workbench.formats.meshes.repair import joined_corners
+from workbench.formats.meshes.triangles import surface_of
 from workbench.formats.parts.new_part import (
     PLASTIC,
     Imported,
@@ -16,12 +18,19 @@ from workbench.formats.parts.new_part import (
     write_part,
 )
 from workbench.model.errors import JobCancelled
-from workbench.model.geometry import Floats
+from workbench.model.geometry import Floats, Mesh
 from workbench.model.part import Part
+from workbench.planning.grasps.part_rays import nearest_points, normals_of, samples_of
 from workbench.planning.grasps.part_symmetry import FoundSymmetry, proposed_symmetry
 from workbench.plugins.progress import Cancelled, Report, silent
 
 LONGEST_FILE_NAME = 60
+
+SAMPLES = 4000
+"""Points on the pieces at which it is measured how far they stick out of the part."""
+
+IN_PLANE = 1e-9
+"""[m] Out of the plane of a triangle by no more than rounding."""
 
 PARTS = Path("parts")
 """Where new parts go: beside those of the working directory."""
@@ -29,11 +38,15 @@ PARTS = Path("parts")
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MadePart:
-    """What became of a CAD file: its surface, the part as written, and the symmetry that it has."""
+    """What became of a CAD file: its surface, the part as written, and the symmetry that it has.
+
+    `excess` [m] is by how much its convex pieces are too large.
+    """
 
     imported: Imported
     written: WrittenPart
     symmetry: FoundSymmetry | None
+    excess: float
 
 
 def make_part(
@@ -77,9 +90,26 @@ def make_part(
         mass=imported.surface.volume * density if mass is None else mass,
         symmetry=found.symmetry if found is not None and is_symmetric else None,
         proposal="" if found is None else symmetry_words(found),
-        report=lambda done, note: report(0.3 + 0.7 * done, note),
+        report=lambda done, note: report(0.3 + 0.6 * done, note),
     )
-    return MadePart(imported, written, found)
+    report(0.9, "by how much they are too large")
+    return MadePart(imported, written, found, excess_of(written.part))
+
+
+def excess_of(part: Part) -> float:
+    """How far the convex pieces of a part stick out of its surface at most [m].
+
+    Seen at their corners and at points between them, by the distance to the nearest triangle; what
+    of a piece lies inside of the part, or in the plane of that triangle, as where two of them meet,
+    counts for nothing.
+    """
+    surface = joined_corners(part.mesh)[0]
+    pieces = surface_of(part.pieces)
+    between, _ = samples_of(Mesh(pieces.vertices, pieces.faces), SAMPLES, np.random.default_rng(0))
+    points = np.vstack([pieces.vertices, between])
+    nearest, distances, triangles = nearest_points(surface, points)
+    outward = np.einsum("ij,ij->i", points - nearest, normals_of(surface)[0][triangles])
+    return float(distances[outward > IN_PLANE].max(initial=0.0))
 
 
 def symmetry_words(found: FoundSymmetry) -> str:

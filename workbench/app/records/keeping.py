@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
 from workbench import __version__
+from workbench.app.records.kept_cases import case_files
 from workbench.formats.files.archives import write_archive
 from workbench.journal.journal import DATABASE, Journal
 from workbench.model.errors import InputError
@@ -58,7 +59,8 @@ def _session(folder: Path, stack: contextlib.ExitStack) -> dict[str, Path | byte
     with contextlib.closing(Journal(folder)) as journal:
         journal.save_copy(place / DATABASE)
     root = folder.parents[1]
-    files = {_name(root, file): file for file in files_of(folder / "files")}
+    kept = (*files_of(folder / "files"), *case_files(folder))
+    files = {_name(root, file): file for file in kept}
     return {f"sessions/{folder.name}/{DATABASE}": place / DATABASE, **files}
 
 

@@ -12,6 +12,7 @@ from types import MappingProxyType
 from typing import Any
 
 from workbench.app.records.certified import certificates
+from workbench.app.records.kept_cases import FOLDER, NAME, case_files
 from workbench.app.records.record import SESSION
 from workbench.app.records.statistics import statistics
 from workbench.app.records.statistics_table import csv_text
@@ -24,7 +25,8 @@ from workbench.model.errors import FileError, InputError, JournalError
 
 KNOWN = re.compile(
     r"journal\.sqlite|files/[0-9a-f]{2}/[0-9a-f]{64}|summary\.(txt|json)|statistics\.csv|scene\.html|log\.jsonl"
-    r"|certificates/certificate-[0-9a-f]{12}\.json"
+    rf"|certificates/certificate-[0-9a-f]{{12}}\.json|{FOLDER}/{NAME.pattern}",
+    re.ASCII,
 )
 """What may be in the zip file of a session."""
 
@@ -112,6 +114,7 @@ def export_session(
         content[DATABASE] = copy
         for digest in files:
             content[f"files/{digest[:2]}/{digest}"] = file_path(journal.folder / "files", digest)
+        content |= {f"{FOLDER}/{file.name}": file for file in case_files(journal.folder)}
         if scene is not None:
             content["scene.html"] = scene
         if log is not None:

@@ -1,28 +1,25 @@
 """The jobs: what the worker process does.  Importing this imports all the heavy layers."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
-
-import numpy as np
-import pinocchio as pin
 
 from workbench.app.emptying.film import Filmed
 from workbench.app.picking.glance import Glance, changed, glance_at
 from workbench.app.picking.held_plate import simulated_sight
+from workbench.app.picking.pallets import boxes_around
 from workbench.app.picking.part_import import imported_part
 from workbench.app.picking.row import plan_row
 from workbench.app.runtime.readiness import make_ready
 from workbench.app.runtime.worker import JobFunction
 from workbench.model.calibration import PlateObservation
 from workbench.model.cell import Cell
-from workbench.model.errors import InputError, JobCancelled
+from workbench.model.errors import JobCancelled
 from workbench.model.part import Part
 from workbench.model.plan import PlanResult
-from workbench.model.scan import Detection, LocalizationResult, Obstacle, Scan, SearchOverrides
+from workbench.model.scan import LocalizationResult, Scan, SearchOverrides
 from workbench.perception.calibration.balls import sight_plate
 from workbench.perception.scene.unexplained import unexplained
-from workbench.planning.collision.rolled import axis_of
 from workbench.planning.collision.world import World
 from workbench.plugins.localizer import find_parts as localized
 from workbench.plugins.progress import Cancelled, Report
@@ -73,44 +70,6 @@ def import_part(
 ) -> Part:
     """The part made of a CAD file, in the folder of parts of the working directory."""
     return imported_part(arguments["command"], report, cancelled)
-
-
-def boxes_around(cell: Cell, placed: Sequence[Detection]) -> tuple[Obstacle, ...]:
-    """Parts that have been put down, as obstacles.
-
-    Raises:
-        InputError: one of them is of a part that the cell does not have any more.
-    """
-    boxes: list[Obstacle] = []
-    known = {part.name for part in cell.parts}
-    for one in placed:
-        if one.part not in known:
-            raise InputError(
-                f"a part {one.part} lies on a pallet and the cell does not know that part any "
-                "more; take it away and empty the pallets"
-            )
-        boxes.append(_box_around(cell.part(one.part), one))
-    return tuple(boxes)
-
-
-def _box_around(part: Part, placed: Detection) -> Obstacle:
-    """A box that holds a part; of one whose roll is unknown, at every turn about its axis."""
-    points = part.mesh.points
-    T_part_box = pin.SE3.Identity()
-    if placed.roll_known:
-        low, high = points.min(axis=0), points.max(axis=0)
-    else:
-        point, direction = axis_of(part, placed)
-        T_part_box.rotation = pin.Quaternion.FromTwoVectors(
-            np.array([0, 0, 1.0]), direction
-        ).matrix()
-        T_part_box.translation = point
-        seen = (points - point) @ T_part_box.rotation
-        radius = float(np.linalg.norm(seen[:, :2], axis=1).max())
-        low = np.array([-radius, -radius, seen[:, 2].min()])
-        high = np.array([radius, radius, seen[:, 2].max()])
-    T_part_box = T_part_box * pin.SE3(np.eye(3), (low + high) / 2)
-    return Obstacle(placed.T_world_part * T_part_box, high - low)
 
 
 def plan(

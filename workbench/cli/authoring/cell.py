@@ -20,6 +20,7 @@ def show_cell(typed: CellShow) -> int:
     """Print names and values."""
     cell = read_cell(typed.cell)
     bin, scanner, policy = cell.bin, cell.scanner, cell.policy
+    inside = "inside" if bin.has_walls else "above a surface without walls"
     rows = [("digest", cell.digest)]
     rows += [
         (
@@ -38,7 +39,7 @@ def show_cell(typed: CellShow) -> int:
         for part in cell.parts
     ]
     rows += [
-        ("bin", f"{_mm(bin.size)} mm inside, at {_mm(bin.T_world_bin.translation)} mm"),
+        ("bin", f"{_mm(bin.size)} mm {inside}, at {_mm(bin.T_world_bin.translation)} mm"),
         *((f"fixture {one.name}", f"{len(one.solids)} solids") for one in cell.fixtures),
         (
             "scanner",

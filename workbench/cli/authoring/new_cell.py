@@ -24,9 +24,10 @@ from workbench.formats.parts.reading import read_part
 from workbench.formats.robots.urdf import read_urdf
 from workbench.formats.robots.urdf_package import simplified
 from workbench.formats.robots.xacro_files import expanded, is_xacro
-from workbench.model.cell import Arm, Bin, Cell, Finger, ScannerMount, Tool
+from workbench.model.cell import Arm, Cell, Finger, ScannerMount, Tool
 from workbench.model.errors import InputError
 from workbench.model.geometry import Box, Cylinder, Solid, pose_from_rpy
+from workbench.model.part import Bin
 from workbench.model.robot import Robot
 from workbench.planning.collision.link_pairs import pairs_without_check
 from workbench.plugins.robot_link import controller_by, usual_link

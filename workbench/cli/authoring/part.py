@@ -5,17 +5,16 @@ from typing import Any
 import numpy as np
 
 from workbench.app.core.part_rules import DENSITIES
-from workbench.app.picking.part_import import make_part, symmetry_words
+from workbench.app.picking.part_import import MadePart, make_part, symmetry_words
 from workbench.app.runtime.readiness import make_ready
 from workbench.cli.arguments.part import PartImport, PartList
 from workbench.cli.authoring.part_check import counted, millimetres
 from workbench.cli.exits import SUCCESS
 from workbench.cli.terminal import check_number, print_json, print_table, progress
 from workbench.formats.files.shipped import folders
-from workbench.formats.parts.new_part import Imported, WrittenPart, check_name
+from workbench.formats.parts.new_part import check_name
 from workbench.formats.parts.reading import read_part
 from workbench.model.errors import FileError
-from workbench.planning.grasps.part_symmetry import FoundSymmetry
 
 
 def import_part(typed: PartImport) -> int:
@@ -39,17 +38,15 @@ def import_part(typed: PartImport) -> int:
             is_symmetric=typed.accept_symmetry,
             report=report,
         )
-    imported, written, found = made.imported, made.written, made.symmetry
     if typed.json:
-        print_json(_import_form(typed, imported, written, found))
+        print_json(_import_form(typed, made))
     else:
-        _print_import(typed, imported, written, found)
+        _print_import(typed, made)
     return SUCCESS
 
 
-def _import_form(
-    typed: PartImport, imported: Imported, written: WrittenPart, found: FoundSymmetry | None
-) -> dict[str, Any]:
+def _import_form(typed: PartImport, made: MadePart) -> dict[str, Any]:
+    imported, written, found = made.imported, made.written, made.symmetry
     surface = imported.surface
     return {
         "ok": True,
@@ -63,16 +60,15 @@ def _import_form(
         "mass_g": round(written.part.mass * 1000, 3),
         "done": list(imported.done),
         "pieces": len(written.part.pieces),
-        "excess_mm": round(written.excess * 1000, 2),
+        "excess_mm": round(made.excess * 1000, 2),
         "symmetry": None if found is None else symmetry_words(found),
         "symmetry_stated": found is not None and typed.accept_symmetry,
     }
 
 
-def _print_import(
-    typed: PartImport, imported: Imported, written: WrittenPart, found: FoundSymmetry | None
-) -> None:
-    surface, cad, part = imported.surface, imported.cad, written.part
+def _print_import(typed: PartImport, made: MadePart) -> None:
+    imported, found = made.imported, made.symmetry
+    surface, cad, part = imported.surface, imported.cad, made.written.part
     assumed = " (assumed: no other gives the size of a part)" if cad.is_assumed else ""
     print(f"{typed.file.name}: read in {cad.unit or 'its own unit'}{assumed}")
     print(
@@ -83,12 +79,12 @@ def _print_import(
         print(f"mended: {line}")
     how = "given" if typed.mass_g is not None else f"at {typed.density:g} kg/m3"
     print(f"mass {part.mass * 1000:.4g} g ({how})")
-    large = f"at most about {written.excess * 1000:.1f} mm too large"
+    large = f"at most about {made.excess * 1000:.1f} mm too large"
     print(f"{counted(len(part.pieces), 'convex piece')}, {large}")
     if found is not None:
         only = "a comment only: --accept-symmetry states it"
         print(f"symmetry: {symmetry_words(found)} ({'stated' if typed.accept_symmetry else only})")
-    print(f"written to {written.folder}")
+    print(f"written to {made.written.folder}")
 
 
 def list_parts(typed: PartList) -> int:

@@ -5,20 +5,19 @@ from typing import Any
 
 import numpy as np
 
+from workbench.app.picking.part_import import excess_of
 from workbench.app.runtime.readiness import make_ready
 from workbench.cli.arguments.part import PartCheck
 from workbench.cli.exits import NO_PLAN, SUCCESS
 from workbench.cli.terminal import print_json, print_table, progress
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.meshes.repair import Surface, examined, joined_corners
-from workbench.formats.meshes.triangles import surface_of
 from workbench.formats.parts.reading import read_part
 from workbench.model.cell import Cell
 from workbench.model.geometry import Floats
 from workbench.model.part import Part
 from workbench.planning.grasps.coverage import Coverage, coverage
 from workbench.planning.grasps.grasp_check import GraspCheck, GraspChecker
-from workbench.planning.grasps.part_rays import nearest_points, normals_of
 from workbench.planning.grasps.part_symmetry import (
     deviation_of,
     tolerance_of,
@@ -43,8 +42,8 @@ def check_part(typed: PartCheck) -> int:
         pieces = counted(len(part.pieces), "convex piece")
         print(
             f"part {part.name}: {millimetres(surface.size)} mm, {part.mass * 1000:.4g} g, "
-            f"{surface.triangles} triangles, {closed}, {pieces} about "
-            f"{_excess(part) * 1000:.1f} mm too large"
+            f"{surface.triangles} triangles, {closed}, {pieces}, "
+            f"at most about {excess_of(part) * 1000:.1f} mm too large"
         )
         _print_grasps(checks, covered)
         _print_coverage(covered)
@@ -53,15 +52,6 @@ def check_part(typed: PartCheck) -> int:
         if not problems:
             print("nothing speaks against this part")
     return SUCCESS if not problems else NO_PLAN
-
-
-def _excess(part: Part) -> float:
-    """How far a corner of a piece lies from the surface at most [m], but for those inside."""
-    surface = joined_corners(part.mesh)[0]
-    corners = np.vstack([np.asarray(surface_of([piece]).vertices) for piece in part.pieces])
-    nearest, distances, triangles = nearest_points(surface, corners)
-    outward = np.einsum("ij,ij->i", corners - nearest, normals_of(surface)[0][triangles])
-    return float(distances[outward > 0].max(initial=0.0))
 
 
 def _problems(
@@ -98,7 +88,7 @@ def _form(
         "watertight": surface.is_watertight,
         "triangles": surface.triangles,
         "pieces": len(part.pieces),
-        "excess_mm": round(_excess(part) * 1000, 2),
+        "excess_mm": round(excess_of(part) * 1000, 2),
         "grasps": {arm: [_check_form(one) for one in found] for arm, found in checks.items()},
         "coverage": _coverage_form(covered),
         "problems": problems,

@@ -12,6 +12,7 @@ from workbench.cli.arguments.nested import BenchPick, BenchPlanners
 from workbench.cli.arguments.studies import StudyLocalization, StudyThreshold
 from workbench.cli.exits import SUCCESS
 from workbench.cli.measuring.bop import BOP_COLUMNS, bop_words
+from workbench.cli.measuring.kept import study_cases
 from workbench.cli.terminal import check_number, check_whole, print_json, print_table, progress
 from workbench.formats.cells.predictions import predictions_path, write_predictions
 from workbench.formats.cells.reading import read_cell
@@ -136,6 +137,8 @@ def bench_pick(typed: BenchPick) -> int:
 
 def study_localization(typed: StudyLocalization) -> int:
     """Find parts whose poses are known, and compare."""
+    if typed.cases is not None:
+        return study_cases(typed, typed.cases)
     check_whole("--scenes", typed.scenes, 1, MOST)
     check_whole("--seed", typed.seed, 0, SEED_LIMIT - typed.scenes)
     if not typed.parts or not typed.counts or not typed.noise:

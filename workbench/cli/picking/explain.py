@@ -73,7 +73,7 @@ def explain(typed: arguments.Explain) -> int:
     else:
         print_candidates(f"{len(candidates)} candidates, {admitted} can be taken", candidates)
         rows = (
-            (str(stage), str(entered), str(refused), _reasons(candidates, stage))
+            (stage.words, str(entered), str(refused), _reasons(candidates, stage))
             for stage, entered, refused in funnel(candidates)
         )
         print_table("where they fell", ("stage", "entered", "refused", "why"), rows)

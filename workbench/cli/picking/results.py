@@ -86,7 +86,7 @@ def print_candidates(title: str, candidates: Sequence[Candidate]) -> None:
             f"part-{candidate.detection + 1}",
             candidate.grasp.name,
             candidate.arm,
-            str(candidate.verdict.stage),
+            candidate.verdict.stage.words,
             str(candidate.verdict),
         )
         for candidate in candidates

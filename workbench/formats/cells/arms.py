@@ -106,6 +106,10 @@ def _arm(table: Table, robot: Robot, tools: dict[str, Tool]) -> Arm:
         raise table.error(id_key, f"{arm.controller_id!r} is not one capital letter")
     if arm.keeps_parts and arm.passes_parts_on:
         raise table.error("passes_parts_on", "parts that are passed on do not stay: keeps_parts")
+    if not arm.keeps_parts and any(place.pallet for place in arm.part_places):
+        raise table.error(
+            "keeps_parts", "must be true where places have layers: what lies beneath has to stay"
+        )
     return arm
 
 

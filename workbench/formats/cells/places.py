@@ -1,7 +1,8 @@
 """Places of a cell file, by a pose of the tool or of the part that it lets go of; and stations."""
 
 from collections.abc import Sequence
-from itertools import combinations
+from dataclasses import replace
+from itertools import combinations, product
 
 import numpy as np
 import pinocchio as pin
@@ -14,6 +15,9 @@ from workbench.model.part import DOWN, PartPlace, Station
 
 MOST_PLACES = 400
 """On one pallet."""
+
+UPRIGHT = np.deg2rad(0.5)
+"""[rad] How far the z of a part may be off the vertical where parts lie in layers."""
 
 OF_TOOL = ("position_mm", "rpy_deg")
 
@@ -40,6 +44,7 @@ def read_places(table: Table) -> tuple[tuple[pin.SE3, ...], tuple[PartPlace, ...
     """
     of_tool: list[pin.SE3] = []
     of_part: list[PartPlace] = []
+    pallets = 0
     for place in table.tables("place"):
         is_of_part = _is_of_part(place)
         T_tool, T_part, kind = read_pose(place), _part_pose(place), _kind(place)
@@ -47,13 +52,20 @@ def read_places(table: Table) -> tuple[tuple[pin.SE3, ...], tuple[PartPlace, ...
         far = place.number("tolerance_mm", 2, low=FINEST_MM, high=50) / 1000
         turn = place.number("tolerance_deg", 3, low=FINEST_DEG, high=45)
         approach = _direction(place)
-        shifts = _grid(place)
+        shifts, layers, height = _grid(place)
+        if layers > 1:
+            _check_layers(place, is_of_part, T_part)
+            pallets += 1
         place.finish()
         if is_of_part:
-            of_part += [
-                PartPlace(T_part * T, kind, np.deg2rad(free), far, np.deg2rad(turn), approach)
-                for T in shifts
-            ]
+            one = PartPlace(T_part, kind, np.deg2rad(free), far, np.deg2rad(turn), approach)
+            for layer, T in product(range(layers), shifts):
+                up = np.array([0.0, 0.0, layer * height])
+                T_world_part = pin.SE3(T_part.rotation, (T_part * T).translation + up)
+                pallet = pallets if layers > 1 else 0
+                of_part.append(
+                    replace(one, T_world_part=T_world_part, pallet=pallet, layer=layer + 1)
+                )
         else:
             of_tool += [T_tool * T for T in shifts]
     return tuple(of_tool), tuple(of_part)
@@ -158,16 +170,49 @@ def _kind(table: Table) -> str:
     return kind
 
 
-def _grid(table: Table) -> tuple[pin.SE3, ...]:
-    """No shift, or those of a `grid` of columns along x and rows along y."""
-    columns, rows = table.wholes("grid", 2, [1, 1], low=1, high=100)
-    pitch = table.numbers("pitch_mm", 2, [0, 0], low=-5000, high=5000) / 1000
-    if columns * rows > MOST_PLACES:
-        raise table.error("grid", f"{columns * rows} places, {MOST_PLACES} are allowed")
+def _grid(table: Table) -> tuple[tuple[pin.SE3, ...], int, float]:
+    """The shifts within a layer of a `grid`, how many layers there are, and how high [m] one is.
+
+    Columns run along x and rows along y; where there is no grid there is one shift, by nothing.
+    """
+    grid = table.wholes("grid", (2, 3), [1, 1], low=1, high=100)
+    usual = [0] * len(grid)
+    pitch = table.numbers("pitch_mm", (2, 3), usual, low=-5000, high=5000) / 1000
+    if len(pitch) != len(grid):
+        raise table.error(
+            "pitch_mm", f"{len(grid)} numbers are expected, as many as grid has; {len(pitch)} are"
+        )
+    columns, rows, layers = (*grid, 1)[:3]
+    if columns * rows * layers > MOST_PLACES:
+        raise table.error("grid", f"{columns * rows * layers} places, {MOST_PLACES} are allowed")
     if (columns > 1 and pitch[0] == 0) or (rows > 1 and pitch[1] == 0):
         raise table.error("pitch_mm", "must not be 0 where there are several places")
-    return tuple(
+    if layers > 1 and pitch[2] <= 0:
+        raise table.error(
+            "pitch_mm",
+            f"the third number is how far each layer is above the one below: {pitch[2] * 1000:g} "
+            "is not above 0",
+        )
+    shifts = tuple(
         pin.SE3(np.eye(3), np.array([column * pitch[0], row * pitch[1], 0.0]))
         for row in range(rows)
         for column in range(columns)
     )
+    return shifts, layers, float((*pitch, 0.0)[2])
+
+
+def _check_layers(table: Table, is_of_part: bool, T_part: pin.SE3) -> None:
+    """Whether parts can be put onto each other at a place: it says how they lie, and level."""
+    if not is_of_part:
+        raise table.error(
+            "grid",
+            "has layers, and the place is a pose of the tool: only part_position_mm says how a "
+            "part lies, and so what the next one stands on",
+        )
+    off = float(np.arccos(np.clip(abs(T_part.rotation[2, 2]), 0.0, 1.0)))
+    if off > UPRIGHT:
+        raise table.error(
+            OF_PART[1],
+            f"turns z of the part {np.rad2deg(off):.1f} degrees off the vertical; layers need it "
+            "up or down",
+        )

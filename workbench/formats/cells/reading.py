@@ -21,7 +21,6 @@ from workbench.model.cell import (
     MOST_PICKS,
     ORDER_NAMES,
     Arm,
-    Bin,
     Cell,
     Fixture,
     LiftName,
@@ -29,7 +28,7 @@ from workbench.model.cell import (
     picks_problem,
 )
 from workbench.model.errors import FileError
-from workbench.model.part import Part
+from workbench.model.part import Bin, Part
 from workbench.model.robot import Link, Robot
 from workbench.model.scan import LocalizerChoice, PosesFolder
 from workbench.plugins.planner import planner_names
@@ -183,6 +182,7 @@ def _bin(table: Table) -> Bin:
         read_pose(table),
         table.numbers("size_mm", 3, low=10, high=5000) / 1000,
         table.number("wall_mm", 3, low=0.5, high=100) / 1000,
+        table.flag("walls", True),
     )
     table.finish()
     return found

@@ -5,7 +5,8 @@ comments stay (`formats/cells/edits.py`).
 """
 
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import groupby
 from pathlib import Path
 
 import numpy as np
@@ -60,6 +61,8 @@ def _lines(folder: Path, cell: Cell) -> Iterator[str]:
     yield from _pose(cell.bin.T_world_bin)
     yield f"size_mm = {_mm(cell.bin.size)}          # inside: length, width, height"
     yield f"wall_mm = {number(cell.bin.wall * 1000)}"
+    if not cell.bin.has_walls:
+        yield "walls = false             # a surface on which parts lie"
     yield from _scanner(cell)
     controller = cell.controller
     yield from ("", "[controller]", f"protocol = {text(controller.link)}")
@@ -189,8 +192,13 @@ def _arm(arm: Arm) -> Iterator[str]:
         yield "needs_roll = true         # only parts whose roll the scan shows are put there"
     for T in arm.Ts_world_place:
         yield from ("", "[[arm.place]]", *_pose(T))
-    for place in arm.part_places:
-        yield from ("", "[[arm.place]]", *_part_place(place))
+    for pallet, places in groupby(arm.part_places, key=lambda place: place.pallet):
+        if pallet:
+            first, *others = places
+            yield from ("", "[[arm.place]]", *_part_place(first), *_layers([first, *others]))
+        else:
+            for place in places:
+                yield from ("", "[[arm.place]]", *_part_place(place))
 
 
 def _part_place(place: PartPlace) -> Iterator[str]:
@@ -204,6 +212,19 @@ def _part_place(place: PartPlace) -> Iterator[str]:
     yield f"tolerance_deg = {number(np.rad2deg(place.turn_tolerance))}"
     if place.approach != DOWN:
         yield f"approach = {numbers(np.round(place.approach, 6))}"
+
+
+def _layers(places: Sequence[PartPlace]) -> Iterator[str]:
+    """The grid of a pallet, whose places come layer by layer, row by row."""
+    first = [place for place in places if place.layer == 1]
+    T = places[0].T_world_part
+    off = np.array([T.actInv(place.T_world_part).translation for place in first])
+    columns = int((np.abs(off[:, 1]) < 1e-9).sum())
+    rows, layers = len(first) // columns, len(places) // len(first)
+    up = (places[len(first)].T_world_part.translation - T.translation)[2]
+    x, y = off[min(1, columns - 1), 0], off[columns % len(first), 1]
+    yield f"grid = [{columns}, {rows}, {layers}]"
+    yield f"pitch_mm = {_mm(np.array([x, y, up]))}"
 
 
 def _fixture(folder: Path, fixture: Fixture) -> Iterator[str]:

@@ -68,12 +68,13 @@ def write_archive(path: Path, content: Mapping[str, Path | bytes]) -> None:
             partial.unlink()
 
 
-def unpack(path: Path, folder: Path) -> tuple[str, ...]:
+def unpack(path: Path, folder: Path, most: int = MOST_BYTES) -> tuple[str, ...]:
     """Unpack a zip file from anywhere into an empty folder.
 
     Args:
         path: of the zip file.
         folder: to write to; nothing is written outside of it.
+        most: [bytes] that may come of it.
 
     Returns:
         The names of the files, with slashes.
@@ -84,7 +85,7 @@ def unpack(path: Path, folder: Path) -> tuple[str, ...]:
     try:
         with zipfile.ZipFile(path) as archive:
             entries = [entry for entry in archive.infolist() if not entry.is_dir()]
-            _check(path, entries)
+            _check(path, entries, most)
             for entry in entries:
                 target = folder.joinpath(*PurePosixPath(entry.filename).parts)
                 target.parent.mkdir(parents=True, exist_ok=True)
@@ -97,10 +98,10 @@ def unpack(path: Path, folder: Path) -> tuple[str, ...]:
     return tuple(entry.filename for entry in entries)
 
 
-def _check(path: Path, entries: Iterable[zipfile.ZipInfo]) -> None:
+def _check(path: Path, entries: Iterable[zipfile.ZipInfo], largest: int) -> None:
     seen: set[str] = set()
     total, count = 0, 0
-    most = min(MOST_BYTES, max(path.stat().st_size, 1) * MOST_GROWTH)
+    most = min(largest, max(path.stat().st_size, 1) * MOST_GROWTH)
     for entry in entries:
         name, count = entry.filename, count + 1
         parts = name.split("/")

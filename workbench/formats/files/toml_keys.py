@@ -129,34 +129,37 @@ class Table:
     def numbers(
         self,
         key: str,
-        count: int | None,
+        count: int | tuple[int, int] | None,
         default: Any = MISSING,
         *,
         low: float = -math.inf,
         high: float = math.inf,
     ) -> Floats:
-        """A list of finite numbers (count,) in the key's unit; None: any number of them."""
+        """A list of finite numbers (count,) in the key's unit.
+
+        Two counts: so many or so many; None: any number of them.
+        """
         items = {"type": "array", "items": _number_form(low, high)}
-        counted = {} if count is None else {"minItems": count, "maxItems": count}
-        self._note(key, default, items | counted)
+        self._note(key, default, items | _counted(count))
         value = self._value(key, (list, np.ndarray), "a list of numbers", default)
-        if count is not None and len(value) != count:
-            raise self.error(key, f"{count} numbers are expected, {len(value)} are given")
+        counts = (count,) if isinstance(count, int) else count
+        if counts is not None and len(value) not in counts:
+            told = " or ".join(map(str, counts))
+            raise self.error(key, f"{told} numbers are expected, {len(value)} are given")
         return np.array([self._checked(key, item, low, high) for item in value])
 
     def wholes(
         self,
         key: str,
-        count: int,
+        count: int | tuple[int, int],
         default: Any = MISSING,
         *,
         low: float = -math.inf,
         high: float = math.inf,
     ) -> list[int]:
-        """A list of so many whole numbers, low <= value <= high."""
+        """A list of so many whole numbers, or of one of two counts, low <= value <= high."""
         items = _number_form(low, high) | {"type": "integer"}
-        counted = {"minItems": count, "maxItems": count}
-        self._note(key, default, {"type": "array", "items": items} | counted)
+        self._note(key, default, {"type": "array", "items": items} | _counted(count))
         values = self.numbers(key, count, default, low=low, high=high)
         for value in values.tolist():
             if value != round(value):
@@ -296,6 +299,14 @@ class Table:
         if not low <= number <= high:
             raise self.error(key, f"{number:g} is not between {low:g} and {high:g}")
         return number
+
+
+def _counted(count: int | tuple[int, int] | None) -> dict[str, int]:
+    """How long a list has to be, in a schema."""
+    if count is None:
+        return {}
+    low, high = (count, count) if isinstance(count, int) else count
+    return {"minItems": low, "maxItems": high}
 
 
 def _number_form(low: float, high: float) -> dict[str, Any]:

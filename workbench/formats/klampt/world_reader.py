@@ -18,9 +18,10 @@ from workbench.formats.klampt.robots import read_rob
 from workbench.formats.meshes.convex_pieces import pieces_of
 from workbench.formats.meshes.reading import LARGEST_MESH, read_mesh
 from workbench.formats.robots.urdf import read_urdf
-from workbench.model.cell import Bin, Fixture
+from workbench.model.cell import Fixture
 from workbench.model.errors import FileError
 from workbench.model.geometry import Floats, Mesh, Solid
+from workbench.model.part import Bin
 from workbench.model.robot import Robot
 
 BLUE, BROWN = (0.4, 0.4, 1.0), (0.8, 0.6, 0.3)

@@ -14,10 +14,9 @@ import numpy as np
 from workbench.formats.files.toml_documents import numbers
 from workbench.formats.files.whole_files import write_whole
 from workbench.formats.meshes.cad_files import CadMesh, read_cad
-from workbench.formats.meshes.convex_pieces import pieces_of
 from workbench.formats.meshes.repair import Surface, examined, joined_corners, repaired
 from workbench.formats.meshes.triangles import stl_of, triangles_of
-from workbench.formats.parts.reading import MOST_PIECES, read_part
+from workbench.formats.parts.reading import read_part
 from workbench.model.errors import FileError, InputError
 from workbench.model.geometry import Mesh
 from workbench.model.part import Part
@@ -57,11 +56,10 @@ class Imported:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class WrittenPart:
-    """A part as its folder has it now, and by how much its convex pieces are too large [m]."""
+    """A part as its folder has it now."""
 
     folder: Path
     part: Part
-    excess: float
 
 
 def import_mesh(path: Path, unit: str | None = None, *, repair: bool = False) -> Imported:
@@ -144,15 +142,13 @@ def write_part(
         write_whole(made / "grasps.toml", GRASPS.format(name=name).encode())
         report(0.2, "convex pieces")
         part = read_part(made / "part.toml")  # divides the mesh, and keeps the pieces for later
-        report(0.9, "by how much they are too large")
-        pieces = pieces_of(part.mesh, tolerance=TOLERANCE, most=MOST_PIECES)
         try:
             made.rename(folder)
         except OSError as error:
             raise FileError(folder, error.strerror or "cannot be written") from None
     finally:
         shutil.rmtree(made, ignore_errors=True)
-    return WrittenPart(folder, part, 0.0 if pieces is None else pieces.excess)
+    return WrittenPart(folder, part)
 
 
 def _lines(

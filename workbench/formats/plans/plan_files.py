@@ -45,7 +45,8 @@ from workbench.model.plan import (
 from workbench.model.scan import Obstacle
 
 MOST_JOINTS = 64
-MOST_OBSTACLES = 200
+MOST_OBSTACLES = 600
+"""What a scan shows, and parts on pallets."""
 
 FARTHEST = 1000.0
 """[rad or m] Beyond this a joint value is a slip of whoever wrote the file."""
@@ -160,8 +161,11 @@ def obstacles_from(table: Table) -> tuple[Obstacle, ...]:
 def _obstacle(table: Table) -> Obstacle:
     T_world_box = read_pose_rows(table, "T_world_box")
     size = table.numbers("size", 3, low=1e-6, high=100.0)
+    part, T_world_put = "", None
+    if table.has("part") or table.has("T_world_put"):
+        part, T_world_put = table.text("part"), read_pose_rows(table, "T_world_put")
     table.finish()
-    return Obstacle(T_world_box, size)
+    return Obstacle(T_world_box, size, part, T_world_put)
 
 
 def _arm(table: Table, detections: int) -> ArmPlan:

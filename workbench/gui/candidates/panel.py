@@ -183,5 +183,6 @@ class CandidatesPanel:
             visitor.tell("Refused", problem)
             return
         look = visitor.look
+        visitor.own.change(thing="")
         chosen = None if look.now.candidate == shown[place] else shown[place]
         look.change(candidate=chosen, pose=0, by=None)

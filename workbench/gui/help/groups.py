@@ -53,6 +53,12 @@ HELP: Mapping[str, tuple[str, str]] = {
         "drawn beside the parts found. Nothing is taken before you press Take this one.",
         FIND,
     ),
+    "Keep as a case": (
+        "A scan in which something was found wrongly, or missed, is kept with what was found and "
+        "with what you say is there. Correct the parts first: what is left alone is said to be "
+        "right. Every later version of the workbench can be held against it.",
+        FIND,
+    ),
     "What is there": (
         "This lists what the cell is made of: robot, arms, tools, bin, fixtures and scanner. "
         "All of it is an obstacle for every plan. It comes from the cell file.",
@@ -76,8 +82,8 @@ HELP: Mapping[str, tuple[str, str]] = {
     ),
     "Where the hand is": (
         "The pose of the chosen grasp: where the tip of the tool is on the part, and how it is "
-        "turned. It is moved by numbers, by the gizmo or by keys. Snap puts it square to the "
-        "surface.",
+        "turned. It is moved by numbers, by the gizmo or by keys, or put at an offset from another "
+        "grasp. Snap puts it square to the surface.",
         GRASPS,
     ),
     "How it takes the part": (

@@ -20,6 +20,7 @@ from workbench.gui.scene.surroundings import ASPECT, FIELD_OF_VIEW, first_look, 
 from workbench.gui.scene.surroundings import interesting_points as whole
 from workbench.gui.shared.look import Look, View
 from workbench.gui.shared.tables import clickable
+from workbench.gui.shared.things import pose_of, things
 from workbench.gui.shared.visitor import Visitor
 from workbench.model.cell import Cell
 from workbench.model.errors import InputError
@@ -39,13 +40,19 @@ KEYS: Mapping[str, tuple[HotkeyKey, str]] = {
     "Top": ("2", "from above"),
     "Front": ("3", "from in front"),
     "Bin": ("4", "into the bin"),
-    "Selected": ("5", "at the chosen candidate, or the parts"),
+    "Selected": ("5", "at the candidate or thing chosen last, or the parts"),
 }
 """Each look by its name: its key, and what it shows."""
 
 
-def camera_of(name: str, state: State, look: Look) -> Camera:
+def camera_of(name: str, state: State, look: Look, thing: str = "") -> Camera:
     """From where a look is had.
+
+    Args:
+        name: one of `KEYS`.
+        state: what there is.
+        look: its candidate is selected, if it has one.
+        thing: the thing of the cell that is selected in place of it; empty: none.
 
     Raises:
         InputError: nothing is there to look at.
@@ -61,7 +68,7 @@ def camera_of(name: str, state: State, look: Look) -> Camera:
         case "Bin":
             return _framed(_bin(cell), _forward(cell) * 0.45, 1.0)
         case _:
-            return _framed(_selected(state, look), _forward(cell) * 0.8, 0.7)
+            return _framed(_selected(state, look, thing), _forward(cell) * 0.8, 0.7)
 
 
 def _forward(cell: Cell) -> Floats:
@@ -86,8 +93,10 @@ def _bin(cell: Cell) -> Floats:
     )
 
 
-def _selected(state: State, look: Look) -> Floats:
+def _selected(state: State, look: Look, thing: str) -> Floats:
     candidates, found = state.candidates or (), state.detections or ()
+    if thing in things(state.cell):
+        return _thing(state.cell, thing)
     if look.candidate is not None and look.candidate < len(candidates):
         middles = [candidates[look.candidate].T_world_tcp.translation]
     else:
@@ -96,6 +105,20 @@ def _selected(state: State, look: Look) -> Floats:
         raise InputError("nothing is selected, and no part is found")
     corners = AROUND * np.array(list(itertools.product((-1, 1), repeat=3)))
     return np.concatenate([middle + corners for middle in middles])
+
+
+def _thing(cell: Cell, thing: str) -> Floats:
+    """Points (n, 3) [m] around one of `things`."""
+    match thing:
+        case "bin":
+            return _bin(cell)
+        case "robot":
+            return whole(cell)
+        case _:
+            solids = [s for one in cell.fixtures if one.name == thing for s in one.solids]
+            around = max([AROUND, *(solid.reach for solid in solids)])
+            corners = around * np.array(list(itertools.product((-1, 1), repeat=3)))
+            return pose_of(cell, thing).translation + corners
 
 
 def centred(camera: Camera, point: Floats) -> Camera:
@@ -162,7 +185,9 @@ class Looks:
     def _go(self, name: str) -> None:
         visitor = self._visitor
         try:
-            position, centre = camera_of(name, visitor.bench.state, visitor.look.now)
+            position, centre = camera_of(
+                name, visitor.bench.state, visitor.look.now, visitor.own.now.thing
+            )
         except InputError as error:
             visitor.tell("Nothing to look at", str(error))
             return

@@ -19,6 +19,7 @@ class Mode(enum.StrEnum):
     LIVE = "Live"
     NO_REPORT = "No report"
     MOVING = "Robot moves"
+    WAITS = "Robot waits"
     PREVIEW = "Preview"
     END = "End of preview"
     JOG = "Jog"
@@ -31,6 +32,7 @@ STANDS = {
     Mode.LIVE: "where the plan has it",
     Mode.NO_REPORT: "where the plan has it",
     Mode.MOVING: "where the plan has it",
+    Mode.WAITS: "where the plan has it",
     Mode.PREVIEW: "where the plan has it",
     Mode.END: "where the plan has it",
     Mode.JOG: "moved by you, in your view alone",
@@ -70,7 +72,7 @@ def mode_of(view: View) -> Mode:
     if view.is_recorded:
         return Mode.RECORDED
     if view.state.phase is Phase.SENDING:
-        return Mode.MOVING
+        return Mode.WAITS if view.state.waits else Mode.MOVING
     if view.is_previewed:
         is_over = not view.look.is_playing and view.look.time >= view.plan_seconds
         return Mode.END if is_over else Mode.PREVIEW
@@ -88,6 +90,8 @@ def mode_html(view: View) -> str:
     is_preview = mode in (Mode.PREVIEW, Mode.END)
     is_after = is_preview and view.state.phase in AFTER_CYCLE
     ends = ENDS_AFTER_CYCLE if is_after else ENDS.get(mode, "")
+    if mode is Mode.WAITS:
+        ends = f"Ends with Run step {view.state.waits}, or Stop"
     missed = _missed(view) if mode is Mode.END else ""
     told = "".join(
         f'<li><i style="{style}"></i>{escape(text)}</li>' for text, style in lines if text

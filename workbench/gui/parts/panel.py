@@ -13,6 +13,7 @@ from workbench.formats.clouds.scans import parse_scan
 from workbench.formats.plans.pose_files import parse_poses
 from workbench.gui.dragging.pose_inputs import PoseInputs
 from workbench.gui.help.groups import group
+from workbench.gui.parts.keeping import KeepInputs
 from workbench.gui.parts.views import (
     MOST_ROWS,
     avoided_html,
@@ -96,6 +97,7 @@ class PartsPanel:
         self._remarks = gui.add_html("")
         with group(gui, "Search again in this scan", expand_by_default=False):
             self._searches = SearchInputs(visitor)
+        self._keeping = KeepInputs(visitor)
         self._rows = visitor.rows(MOST_ROWS, self._choose)
         self._scan.on_upload(lambda event: self._uploaded(event, self._scan_of))
         self._poses.on_upload(lambda event: self._uploaded(event, self._poses_of))
@@ -114,6 +116,7 @@ class PartsPanel:
         state = new.state
         found = state.detections or ()
         self._searches.show(old, new)
+        self._keeping.show(old, new)
         self._avoided.content = avoided_html(state, new.at)
         if old is not None and old.state is state:
             return

@@ -5,8 +5,17 @@ from html import escape
 
 import numpy as np
 
+from workbench.app.core.state import counted
 from workbench.gui.shared.colours import JOINTS, arm_colour
-from workbench.gui.shared.playback import AGAIN, ON_STATION, OVER, Run, arm_path
+from workbench.gui.shared.playback import (
+    AGAIN,
+    ON_STATION,
+    OVER,
+    Run,
+    SyncPoint,
+    arm_path,
+    sync_points,
+)
 from workbench.gui.shared.plots import Curve, Plot
 from workbench.model.cell import Arm, Cell
 from workbench.model.geometry import Floats
@@ -33,9 +42,14 @@ SAMPLES = 240
 """Points of a curve over the whole plan."""
 
 
+NARROW = 0.045
+"""[of the whole time] Names of sync points that are nearer to each other would overlap."""
+
+
 def lanes_html(cell: Cell, runs: tuple[Run, ...], seconds: float) -> str:
-    """A lane an arm, a block a leg, in proportion to the time."""
-    lanes: list[str] = []
+    """A lane an arm, a block a leg, in proportion to the time; sync points across the lanes."""
+    syncs = sync_points(runs)
+    lanes = [_syncs(syncs, seconds)] if syncs else []
     for arm in cell.arms:
         blocks = "".join(_block(run, seconds) for run in runs if run.arm == arm.name)
         lanes.append(
@@ -49,7 +63,52 @@ def lanes_html(cell: Cell, runs: tuple[Run, ...], seconds: float) -> str:
         if name in used
     )
     legend += '<span class="wb-leg"><i style="background:var(--wb-faint)"></i>waiting</span>'
-    return f'<div class="wb-lanes">{"".join(lanes)}<div class="wb-legend">{legend}</div></div>'
+    table = _sync_table(syncs) if syncs else ""
+    return (
+        f'<div class="wb-lanes" style="--wb-lanes:{len(cell.arms)}">{"".join(lanes)}'
+        f'<div class="wb-legend">{legend}</div></div>{table}'
+    )
+
+
+def _syncs(syncs: tuple[SyncPoint, ...], seconds: float) -> str:
+    """Names of sync points above the lanes, each with a line down through them."""
+    marks, last = "", -1.0
+    for sync in syncs:
+        at = sync.time / seconds
+        name = sync.name if at - last >= NARROW else ""
+        last = at if name else last
+        marks += (
+            f'<i class="wb-sync" style="left:{100 * at:.3f}%" title="{escape(_sync_words(sync))}">'
+            f"{name}</i>"
+        )
+    return (
+        f'<div class="wb-lane wb-syncs"><span class="wb-lane-name"></span><div>{marks}</div></div>'
+    )
+
+
+def _sync_words(sync: SyncPoint) -> str:
+    return f"{sync.name}, {sync.time:.2f} s: {_who(sync.before)}; {_who(sync.after)}"
+
+
+def _who(runs: tuple[Run, ...]) -> str:
+    """What legs are of whom: `right extract and left home`."""
+    return " and ".join(f"{run.arm} {run.words}" for run in runs)
+
+
+def _sync_table(syncs: tuple[SyncPoint, ...]) -> str:
+    """Every sync point in a row, to be unfolded."""
+    rows = "".join(
+        f'<tr><td>{sync.name}</td><td class="wb-number">{sync.time:.2f} s</td>'
+        f"<td>{escape(_who(sync.before))}</td><td>{escape(_who(sync.after))}</td></tr>"
+        for sync in syncs
+    )
+    return (
+        f'<details class="wb-folded"><summary>Where the arms wait for each other: '
+        f"{counted(len(syncs), 'sync point')}</summary>"
+        '<table class="wb-facts wb-plans"><thead><tr><th></th>'
+        '<th class="wb-number">At</th><th>Once this has ended</th><th>this begins</th></tr></thead>'
+        f"<tbody>{rows}</tbody></table></details>"
+    )
 
 
 def _block(run: Run, seconds: float) -> str:

@@ -18,6 +18,8 @@ class FixInputs:
         """Add the buttons where the page is built now, unseen."""
         self._visitor = visitor
         self._help = NO_HELP
+        # In some languages it would take two lines where there is room for one.
+        visitor.gui.add_html('<div class="wb-wide"></div>')
         self._apply = visitor.gui.add_button(
             "Apply the fix",
             icon=viser.Icon.TOOL,

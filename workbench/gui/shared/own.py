@@ -62,7 +62,8 @@ class Own:
     the pose of a calibration that is laid over the robot, `is_calibrated` says with which pose of
     the scanner; `film` is what is shown of an emptied pile; `measured` are the points (3,) [m] that
     were clicked on, up to two; `visited` is the place of the plan that is looked at; `dragged` is
-    what is shown of the candidates while something is dragged.
+    what is shown of the candidates while something is dragged; `thing` is what of the cell was
+    chosen to be moved, empty where a candidate was chosen since.
     """
 
     jog: Mapping[str, Floats] | None = None
@@ -72,6 +73,7 @@ class Own:
     measured: tuple[Floats, ...] = ()
     visited: Visited | None = None
     dragged: Dragged | None = None
+    thing: str = ""
 
     @property
     def hides_robot(self) -> bool:

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 import pinocchio as pin
@@ -52,6 +53,19 @@ class Run:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class SyncPoint:
+    """Where arms wait for each other: at `time` [s] all of `before` have ended, and `after` begins.
+
+    Named by its number along the whole row, from 1 on: `S1`.
+    """
+
+    name: str
+    time: float
+    before: tuple[Run, ...]
+    after: tuple[Run, ...]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Moment:
     """What one arm does at one time: its joints `q` (n,) [rad], its fingers' `opening` [m].
 
@@ -79,6 +93,23 @@ def timeline(*row: Plan) -> tuple[Run, ...]:
                 runs.append(Run(one.arm, leg, clock, clock + leg.seconds, place, does))
             clock += max((leg.seconds for _, leg in legs), default=0.0)
     return tuple(runs)
+
+
+def sync_points(runs: tuple[Run, ...]) -> tuple[SyncPoint, ...]:
+    """The points of a plan, or of all plans of a row, that arms reach together before they go on.
+
+    A step begins when the last leg of the one before has ended.  Where one and the same arm does
+    both, and no other anything, nobody waits.  Each plan of a row begins anew.
+    """
+    steps: dict[tuple[int, float], list[Run]] = {}
+    for run in runs:
+        steps.setdefault((run.plan, run.start), []).append(run)
+    found: list[SyncPoint] = []
+    for ((plan, _), before), ((next_plan, time), after) in pairwise(steps.items()):
+        if plan == next_plan and len({run.arm for run in (*before, *after)}) > 1:
+            name = f"S{len(found) + 1}"
+            found.append(SyncPoint(name, time, tuple(before), tuple(after)))
+    return tuple(found)
 
 
 def _does(row: Sequence[Plan], place: int, one: ArmPlan, leg: Leg) -> str:

@@ -68,7 +68,7 @@ def holds(candidate: Candidate, words: str) -> bool:
         candidate.grasp.name,
         candidate.arm,
         kind_of(verdict),
-        str(verdict.stage),
+        verdict.stage.words,
         *(verdict.pair or ()),
     )
     whole = " ".join(said).casefold()
@@ -81,7 +81,7 @@ def stages_html(candidates: Sequence[Candidate]) -> str:
     left, told = len(candidates), list[str]()
     for stage in Stage:
         if refused[stage]:
-            told.append(f"{escape(stage)} <b>{left}</b> \u2212{refused[stage]}")
+            told.append(f"{escape(stage.words)} <b>{left}</b> \u2212{refused[stage]}")
         left -= refused[stage]
     told.append(f"remaining <b>{left}</b>")
     return f'<div class="wb-stages">{", ".join(told)}</div>'

@@ -278,13 +278,21 @@ class Visitor:
         Returns:
             Whether it was carried out.
         """
+        return self.attempt(lambda: self.give(command(), name))
+
+    def attempt(self, action: Callable[[], object]) -> bool:
+        """Do something for this browser; a refusal is told in it only.
+
+        Returns:
+            Whether it was done.
+        """
         try:
-            self.give(command(), name)
+            action()
         except WorkbenchError as error:
             self.tell("Refused", str(error))
         except Exception as error:
             # A rim: nothing that goes wrong for one browser may end the page for all.
-            log.exception("a command from the page failed")
+            log.exception("what the page was asked for failed")
             self.tell("Internal error", f"{type(error).__name__}: {error}")
         else:
             return True

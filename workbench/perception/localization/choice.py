@@ -8,8 +8,8 @@ import open3d as o3d
 import pinocchio as pin
 from numba import njit
 
-from workbench.model.cell import Bin
 from workbench.model.geometry import Bools, Floats, frozen, put
+from workbench.model.part import Bin
 from workbench.model.scan import Objection
 from workbench.perception.localization.assessment import Assessment
 from workbench.perception.localization.likelihood import log_likelihood_ratio

@@ -7,8 +7,8 @@ import numpy as np
 import pinocchio as pin
 from numba import njit
 
-from workbench.model.cell import Bin
 from workbench.model.geometry import Bools, Floats, frozen, put
+from workbench.model.part import Bin
 from workbench.model.scan import Scan
 from workbench.perception.scene.bin_fit import SeenBin, inside_by
 from workbench.perception.views.camera import Pinhole
@@ -112,9 +112,12 @@ def make_map(scan: Scan, bin: Bin, seen: SeenBin, *, size: float, pitch: float) 
         The map, or None when no point of the scan lies in the bin.
     """
     T_bin_scanner = bin.T_world_bin.inverse() * scan.T_world_scanner
-    reach = np.array([*(bin.size[:2] / 2 + bin.wall), bin.size[2] + size])
+    # Without walls a part reaches over the side as far as its middle does not.
+    beside = bin.wall if bin.has_walls else size / 2
+    reach = np.array([*(bin.size[:2] / 2 + beside), bin.size[2] + size])
     points = scan.points[_near_bin(scan.points, T_bin_scanner.homogeneous, reach)]
-    corners = _corners(bin, T_bin_scanner.inverse())
+    shown = bin.size if bin.has_walls else bin.size + [size, size, 0.0]
+    corners = _corners(shown, T_bin_scanner.inverse())
     if len(points) == 0 or corners[:, 2].min() <= 0:
         return None
     image = corners[:, :2] / corners[:, 2:]
@@ -137,10 +140,10 @@ def make_map(scan: Scan, bin: Bin, seen: SeenBin, *, size: float, pitch: float) 
     return DepthMap(camera, rays, depth, normals, foreground, step * distance)
 
 
-def _corners(bin: Bin, T_scanner_bin: pin.SE3) -> Floats:
-    """The eight inner corners of the bin (8, 3) in the scanner's frame."""
+def _corners(size: Floats, T_scanner_bin: pin.SE3) -> Floats:
+    """The eight corners (8, 3) of a box of a size (3,) on the bin's floor, in scanner's frame."""
     signs = np.stack(np.meshgrid([-0.5, 0.5], [-0.5, 0.5], [0.0, 1.0]), axis=-1).reshape(-1, 3)
-    return (signs * bin.size) @ T_scanner_bin.rotation.T + T_scanner_bin.translation
+    return (signs * size) @ T_scanner_bin.rotation.T + T_scanner_bin.translation
 
 
 @njit(cache=True)

@@ -11,10 +11,10 @@ import numpy as np
 import pinocchio as pin
 
 from workbench.model.calibration import BinCheck, Light
-from workbench.model.cell import Bin
 from workbench.model.geometry import Bools, Floats, pose_from_rpy, shift_and_turn
+from workbench.model.part import Bin
 from workbench.model.scan import Scan
-from workbench.perception.scene.bin_fit import SeenBin, above_floor, as_in_cell, fit_bin
+from workbench.perception.scene.bin_fit import FARTHEST, SeenBin, above_floor, as_in_cell, fit_bin
 
 REACH = 0.08
 """[m] Around the bin that the rim is looked for."""
@@ -73,6 +73,8 @@ def check_bin(scan: Scan, bin: Bin) -> BinCheck:
     T_bin_scanner = bin.T_world_bin.actInv(scan.T_world_scanner)
     points = scan.points[:: -(-len(scan.points) // ENOUGH)]
     p_bin = points @ T_bin_scanner.rotation.T + T_bin_scanner.translation
+    if not bin.has_walls:
+        return _check_surface(p_bin, bin)
     T = rim_place(p_bin, bin)
     if T is None:
         _, above, _ = _filled(p_bin, bin, as_in_cell())
@@ -120,6 +122,55 @@ def check_bin(scan: Scan, bin: Bin) -> BinCheck:
         is_elsewhere=is_elsewhere,
         is_empty=is_empty,
         is_overfull=is_overfull,
+    )
+
+
+def _check_surface(p_bin: Floats, bin: Bin) -> BinCheck:
+    """The same of a bin without walls: how high its floor lies, and how it leans, can be seen."""
+    seen = fit_bin(p_bin, pin.SE3.Identity(), bin, noise=0.0)
+    fill, above, covered = _filled(p_bin, bin, seen)
+    is_overfull = above > OVER
+    findings: list[str] = []
+    if is_overfull:
+        most = f"{bin.size[2] * 1000:.0f} mm up to which they may"
+        findings.append(f"parts lie too high: {above * 1000:.0f} mm above the {most}")
+    if not seen.is_floor_seen:
+        findings.append(
+            "the surface that parts lie on is not seen where the cell has it, nor within "
+            f"{FARTHEST * 1000:.0f} mm: is it there?"
+        )
+        return BinCheck(
+            None, 0.0, 0.0, None, above, "bad", tuple(findings), is_overfull=is_overfull,
+            has_walls=False,
+        )  # fmt: skip
+    lean_x, lean_y = np.arctan2(2 * seen.floor[1:3], bin.size[:2])
+    T = pose_from_rpy((0, 0, seen.floor[0]), (lean_y, -lean_x, 0))
+    shift, turn = shift_and_turn(T)
+    is_elsewhere = shift > SHIFTED or turn > TURNED
+    if is_elsewhere:
+        way = "higher" if seen.floor[0] > 0 else "lower"
+        findings.append(
+            f"the surface that parts lie on is {shift * 1000:.1f} mm {way} and leans by "
+            f"{np.rad2deg(turn):.1f} degrees from where the cell has it: it was moved, or the "
+            "scanner is not calibrated"
+        )
+    is_empty = fill is not None and covered < EMPTY
+    if is_empty:
+        findings.append("nothing lies there")
+    if fill is None:
+        findings.append("the surface that parts lie on is hardly seen")
+    return BinCheck(
+        bin.T_world_bin * T,
+        shift,
+        turn,
+        fill,
+        above,
+        "warning" if findings else "good",
+        tuple(findings),
+        is_elsewhere=is_elsewhere,
+        is_empty=is_empty,
+        is_overfull=is_overfull,
+        has_walls=False,
     )
 
 

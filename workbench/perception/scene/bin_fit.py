@@ -12,8 +12,8 @@ import numpy as np
 import pinocchio as pin
 from numba import njit
 
-from workbench.model.cell import Bin
 from workbench.model.geometry import Floats, frozen, put
+from workbench.model.part import Bin
 
 FARTHEST, STEEPEST = 0.008, float(np.deg2rad(2.0))
 """[m, rad] Floor and walls are looked for this near to where the cell has them."""
@@ -47,6 +47,9 @@ FEWEST = 4
 SEEN_FLOOR, SEEN_WALL = 0.04, 0.15
 """Shares of its pieces in which floor or wall must be seen to be believed."""
 
+OPEN = 1e3
+"""[m] So far out are the walls of a bin that has none."""
+
 CORNER = 0.006
 """[m] Nearer than this to where floor and walls meet, scanners smooth them into each other."""
 
@@ -63,6 +66,7 @@ class SeenBin:
     further out than in the cell: (1, along, up) @ wall, where `along` goes from -1 to 1 and `up`
     from 0 to 1.  `noise` [m] is the deviation of the floor's points.  `floor_share` and
     `wall_shares` (4,) tell how much of them is seen; what is seen too little of is as in the cell.
+    Walls that the bin has not are `OPEN`, and nothing is missing of them.
     """
 
     floor: Floats
@@ -104,6 +108,8 @@ def fit_bin(points: Floats, T_bin_points: pin.SE3, bin: Bin, *, noise: float) ->
     reach = np.array([*(bin.size[:2] / 2 + slack), bin.size[2]])
     near = _near(points, np.ascontiguousarray(T_bin_points.homogeneous), reach, -slack)
     floor, share, deviation = _floor(near, bin.size, gate, slack)
+    if not bin.has_walls:
+        return SeenBin(floor, np.tile((OPEN, 0.0, 0.0), (4, 1)), deviation, share, np.ones(4))
     walls, shares = np.zeros((4, 3)), np.zeros(4)
     for side in range(4):
         walls[side], shares[side] = _wall(near, bin.size, floor, side, gate, slack)

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 import pinocchio as pin
 
-from workbench.model.cell import Bin
 from workbench.model.geometry import Floats, pose_from_rpy
+from workbench.model.part import Bin
 from workbench.perception.scene.bin_check import BAND, rim_place
 
 MOST, ROUNDS, PLANES = 20_000, 300, 4
@@ -44,12 +44,15 @@ class FoundBin:
 def find_bin(points: Floats, bin: Bin) -> FoundBin:
     """Look for a bin anywhere in a scan.
 
-    A bin looks alike after half a turn: of both the caller has to choose.
+    A bin looks alike after half a turn: of both the caller has to choose.  One without walls has no
+    rim to be found.
 
     Args:
         points: (n, 3) [m] in the scanner's frame.
         bin: its size; not its pose.
     """
+    if not bin.has_walls:
+        return FoundBin(None, None)
     left = points[:: max(1, len(points) // MOST)]
     every, rng = left, np.random.default_rng(0)
     wanted = np.sort(np.asarray(bin.size[:2]) + 2 * bin.wall)[::-1]

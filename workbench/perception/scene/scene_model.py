@@ -5,8 +5,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pinocchio as pin
 
-from workbench.model.cell import Bin, Cell
+from workbench.model.cell import Cell
 from workbench.model.geometry import Floats
+from workbench.model.part import Bin
 from workbench.model.scan import Scan
 from workbench.perception.scene.bin_check import ENOUGH, rim_place
 from workbench.perception.scene.bin_fit import (

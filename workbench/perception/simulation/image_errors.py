@@ -1,4 +1,4 @@
-"""Errors that neighbouring pixels of a depth image share: blurred, fattened, bent, in steps."""
+"""Errors that neighbouring pixels of a depth image share: blurred, fattened, bent, sheared."""
 
 import numpy as np
 from scipy import ndimage
@@ -70,6 +70,20 @@ def smoothed(depth: Floats, spread: float, step: float) -> Floats:
             total += np.where(counts, weight * there, 0.0)
             weights += weight * counts
     return np.where(held, total / np.maximum(weights, 1e-9), depth)
+
+
+def sheared(image: Floats, by: float) -> Floats:
+    """An image whose scene has moved while it was measured, row after row.
+
+    Args:
+        image: (rows, columns), of anything.
+        by: [pixels] along the rows, of the last one; whole ones are moved, what comes in from the
+            side is as what was there.
+    """
+    rows, columns = image.shape
+    shift = np.round(by * np.arange(rows) / max(rows - 1, 1)).astype(int)
+    source = np.clip(np.arange(columns) - shift[:, None], 0, columns - 1)
+    return np.take_along_axis(image, source, axis=1)
 
 
 def stepped(depth: Floats, step: float) -> Floats:

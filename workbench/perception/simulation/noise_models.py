@@ -1,7 +1,7 @@
 """Builds of simulated scanners: what each kind gets wrong, in figures."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import MappingProxyType
 
 from workbench.model.cell import ScannerMount
@@ -23,7 +23,8 @@ class NoiseModel:
     told in steps of `step` [m] at 1 m, and waved by `wave` [m] at 1 m, once every `fringe` [m] of
     depth.  `corners` is the share of multiple ways in concave places (`lengthened`).  What is met
     more squarely than the cosine `gloss` mirrors the light and is a hole in `glare` of the pixels;
-    `torn` is the share of rows that are missing.
+    `torn` is the share of rows that are missing.  By so many pixels the scene has `drifted` along
+    the rows when the last of them is measured.
     """
 
     baseline: float
@@ -43,6 +44,7 @@ class NoiseModel:
     gloss: float = 1.0
     glare: float = 0.0
     torn: float = 0.0
+    drifted: float = 0.0
 
 
 FINE = NoiseModel(
@@ -116,6 +118,7 @@ LASER_LINE = NoiseModel(
     flying=0.1,
     torn=0.02,
 )
+MOVING = replace(LASER_LINE, drifted=3.0)
 NOISE_MODELS: Mapping[str, NoiseModel] = MappingProxyType(
     {
         "fine": FINE,
@@ -124,6 +127,7 @@ NOISE_MODELS: Mapping[str, NoiseModel] = MappingProxyType(
         "stereo": STEREO,
         "time_of_flight": TIME_OF_FLIGHT,
         "laser_line": LASER_LINE,
+        "moving": MOVING,
     }
 )
 

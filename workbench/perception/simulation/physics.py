@@ -6,9 +6,8 @@ import mujoco
 import numpy as np
 import pinocchio as pin
 
-from workbench.model.cell import Bin
 from workbench.model.geometry import Box, Capsule, Cylinder, Mesh, Solid, Sphere
-from workbench.model.part import Part
+from workbench.model.part import Bin, Part
 from workbench.perception.views.surfaces import triangles_of
 
 TIMESTEP = 0.002
@@ -19,9 +18,17 @@ LONGEST = 4.0
 AT_REST = 0.01
 """[m/s] and, over the part's radius, [rad/s]: slower than this is lying still."""
 
+LOST = -0.1
+"""[m] What is so deep under the floor has fallen off and goes on falling."""
+
 
 def model_of(
-    parts: Sequence[Part], bin: Bin, carried: int | None = None, *, no_slip: int = 0
+    parts: Sequence[Part],
+    bin: Bin,
+    carried: int | None = None,
+    *,
+    no_slip: int = 0,
+    around: Sequence[Solid] = (),
 ) -> mujoco.MjModel:
     """Bin and parts as MuJoCo sees them; the world frame is that of the bin.
 
@@ -31,13 +38,14 @@ def model_of(
         carried: number of a part that goes where it is put and pushes what is in its way; the
             others move freely, and are weightless until their `body_gravcomp` is 0.
         no_slip: iterations of the search for forces without slip.
+        around: what else stands still, in the bin's frame.
     """
     spec = mujoco.MjSpec()
     spec.option.timestep = TIMESTEP
     spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
     spec.option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
     spec.option.noslip_iterations = no_slip
-    for solid in bin.solids:
+    for solid in (*bin.solids, *around):
         add_solid(spec, spec.worldbody, solid)
     for number, part in enumerate(parts):
         if number == carried:
@@ -89,12 +97,12 @@ def add_solid(spec: mujoco.MjSpec, body: mujoco.MjsBody, solid: Solid) -> mujoco
 
 
 def come_to_rest(model: mujoco.MjModel, data: mujoco.MjData, radius: float) -> None:
-    """Let time pass until all parts lie still; `radius` [m] is that of the largest."""
-    speed = data.qvel.reshape(-1, 6)
+    """Let time pass until all parts lie still, or fall; `radius` [m] is that of the largest."""
+    speed, place = data.qvel.reshape(-1, 6), data.qpos.reshape(-1, 7)
     for _ in range(round(LONGEST / TIMESTEP / 25)):
         mujoco.mj_step(model, data, nstep=25)
-        turning = np.abs(speed[:, 3:]).max() * radius
-        if max(np.abs(speed[:, :3]).max(), turning) < AT_REST:
+        there = np.abs(speed[place[:, 2] > LOST]) * ([1.0] * 3 + [radius] * 3)
+        if there.max(initial=0.0) < AT_REST:
             break
 
 

@@ -7,10 +7,10 @@ import mujoco
 import numpy as np
 import pinocchio as pin
 
-from workbench.model.cell import Bin, Cell
+from workbench.model.cell import Cell
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats
-from workbench.model.part import Part
+from workbench.model.part import Bin, Part
 from workbench.model.scan import ALL_KINDS, Detection
 from workbench.perception.simulation.physics import (
     TIMESTEP,
@@ -19,6 +19,7 @@ from workbench.perception.simulation.physics import (
     poses_of,
 )
 from workbench.perception.simulation.room import check_room, radius_of, words_of
+from workbench.perception.simulation.unloading import is_in_bin
 
 BETWEEN_DROPS = 0.35
 """[s] of simulated time."""
@@ -48,7 +49,8 @@ def drop_parts(parts: Sequence[Part], bin: Bin, *, seed: int) -> tuple[Detection
 
     MuJoCo simulates them as unions of their convex pieces.  They start in random attitudes at
     places spread over the bin.  When a part ends up outside, all is repeated with a seed
-    derived from the given one.
+    derived from the given one.  From a bin without walls parts may roll off, time and again: then
+    the most that have stayed are all there are.
 
     Args:
         parts: what falls, in this order, a part as often as it falls; its `pieces` give the
@@ -57,7 +59,7 @@ def drop_parts(parts: Sequence[Part], bin: Bin, *, seed: int) -> tuple[Detection
         seed: the same seed gives the same poses on the same machine.
 
     Returns:
-        The truth: each part's pose, in the order in which they fell.
+        The truth: the pose of each part that is in the bin, in the order in which they fell.
 
     Raises:
         InputError: a part that does not fit, or too many for the bin.
@@ -67,12 +69,19 @@ def drop_parts(parts: Sequence[Part], bin: Bin, *, seed: int) -> tuple[Detection
     check_room(parts, bin)
     count, radius = len(parts), max(map(radius_of, parts))
     model = model_of(parts, bin)
+    most: tuple[Detection, ...] = ()
     for attempt in range(ATTEMPTS):
         generator = np.random.default_rng([seed, attempt])
         Ts_bin_part = _settle(model, _starts(bin, count, radius, generator), radius)
-        fallen = list(zip(parts, Ts_bin_part, strict=True))
-        if all(is_inside(part.mesh.points, T, bin) for part, T in fallen):
-            return tuple(Detection(part.name, bin.T_world_bin * T) for part, T in fallen)
+        fallen = zip(parts, Ts_bin_part, strict=True)
+        stay = tuple(
+            Detection(part.name, bin.T_world_bin * T) for part, T in fallen if _stays(bin, part, T)
+        )
+        if len(stay) == count:
+            return stay
+        most = max(most, stay, key=len)
+    if most and not bin.has_walls:
+        return most
     raise InputError(
         f"{words_of(parts)} did not stay in the bin in {ATTEMPTS} attempts; take fewer"
     )
@@ -115,6 +124,13 @@ def _settle(
         mujoco.mj_step(model, data, nstep=round(BETWEEN_DROPS / TIMESTEP))
     come_to_rest(model, data, radius)
     return poses_of(data)
+
+
+def _stays(bin: Bin, part: Part, T_bin_part: pin.SE3) -> bool:
+    """Whether a part that fell has come to lie in the bin; over the edge of a surface it may."""
+    if bin.has_walls:
+        return is_inside(part.mesh.points, T_bin_part, bin)
+    return is_in_bin(bin, part, bin.T_world_bin * T_bin_part)
 
 
 def is_inside(points: Floats, T_bin_part: pin.SE3, bin: Bin) -> bool:

@@ -4,9 +4,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from workbench.model.cell import Bin
 from workbench.model.errors import InputError
-from workbench.model.part import Part
+from workbench.model.part import Bin, Part
 
 FULL = 0.6
 """Share of the bin that parts can fill: long ones lie more loosely than that."""

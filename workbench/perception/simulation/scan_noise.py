@@ -14,6 +14,7 @@ from workbench.model.geometry import Floats
 from workbench.perception.simulation.image_errors import (
     fattened,
     lengthened,
+    sheared,
     smoothed,
     stepped,
     waved,
@@ -42,6 +43,8 @@ def noisy(
         model: the build of scanner.
         generator: of all that is random.
     """
+    if model.drifted:
+        depth, cosine = sheared(depth, model.drifted), sheared(cosine, model.drifted)
     if model.fattened:
         depth = fattened(depth, model.fattened)
     if model.corners:

@@ -7,8 +7,8 @@ import mujoco
 import numpy as np
 import pinocchio as pin
 
-from workbench.model.cell import Bin, Cell
-from workbench.model.part import Part
+from workbench.model.cell import Cell
+from workbench.model.part import Bin, Part
 from workbench.model.scan import Detection
 from workbench.perception.simulation.physics import TIMESTEP, come_to_rest, model_of, poses_of
 from workbench.perception.simulation.room import radius_of
@@ -65,7 +65,7 @@ def unloaded(
 
 
 def is_in_bin(bin: Bin, part: Part, T_world_part: pin.SE3) -> bool:
-    """Whether a part is still in the bin: its middle is between the walls and above the floor.
+    """Whether a part is still in the bin: its middle is between the sides and above the floor.
 
     Its frame may be at an edge, which sinks into the floor a little as it lies there.
     """

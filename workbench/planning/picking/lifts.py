@@ -4,7 +4,8 @@ Where there are several, those that lead away from what the part lies against co
 which it only rubs along that, and may drag it.
 
 `leaning`: up, leaning to the middle of the bin, as the thesis does.  `up`: straight up.  `back`:
-out again as the hand came in.  `off-wall`: up, leaning away from the wall that is nearest.
+out again as the hand came in.  `off-wall`: up, leaning away from the wall that is nearest;
+straight up where there is none.
 `around`: up, leaning to each of twelve sides by half and by all of the policy's angle, for parts
 that others hold down.
 """
@@ -16,8 +17,9 @@ import numpy as np
 import pinocchio as pin
 
 from workbench.model.candidate import RUBS, Candidate, Reason, Stage, Verdict
-from workbench.model.cell import Bin, LiftName
+from workbench.model.cell import LiftName
 from workbench.model.geometry import Floats
+from workbench.model.part import Bin
 from workbench.planning.collision.bodies import part_label
 from workbench.planning.collision.world import World
 
@@ -146,7 +148,8 @@ def _directions(
             if back @ up >= STEEPEST:
                 yield back
         case "off-wall":
-            yield _leaning(up, R @ _from_wall(bin, T_world_tcp), policy.lift_lean)
+            away = R @ _from_wall(bin, T_world_tcp)
+            yield _leaning(up, away, policy.lift_lean) if bin.has_walls else up
         case "around":
             angles = np.arange(SIDES) * 2 * np.pi / SIDES
             for lean, angle in product((policy.lift_lean, policy.lift_lean / 2), angles):

@@ -24,6 +24,7 @@ from workbench.planning.kinematics.chain import is_solution
 from workbench.planning.kinematics.quickness import between, drawn, pace_of
 from workbench.planning.kinematics.straight import follow
 from workbench.planning.picking.leaving import comes_back
+from workbench.planning.placing.pallets import open_places, why_full
 from workbench.planning.planners.clock import processor_time
 
 PLACE_LIFT = 0.05
@@ -85,7 +86,7 @@ def _hands(world: World, arm: Arm, phase: Phase) -> Iterator[_Hands | Verdict]:
     Places of the hand that differ in nothing but how it is turned are one.
     """
     number, T_tcp_part = phase.held[arm.name]
-    for place in arm.places_for(world.detections[number].part):
+    for place in open_places(world, arm, number, phase):
         for T_world_part in _ways_at(world, place, number):
             if isinstance(T_world_part, Verdict):
                 yield T_world_part
@@ -106,11 +107,11 @@ def _hands(world: World, arm: Arm, phase: Phase) -> Iterator[_Hands | Verdict]:
 
 
 def ways_at_places(world: World, arm: Arm, number: int) -> Iterator[pin.SE3 | Verdict]:
-    """How a part found may lie at the places for its kind, as T_world_part, in order.
+    """How a part found may lie at the places open to it, as T_world_part, in order.
 
     A place where a turn that nobody knows would matter is refused.
     """
-    for place in arm.places_for(world.detections[number].part):
+    for place in open_places(world, arm, number):
         yield from _ways_at(world, place, number)
 
 
@@ -233,7 +234,7 @@ def at_places(world: World, arm: Arm, phase: Phase, starts: Floats) -> AtPlaces:
         if near:
             return AtPlaces(near, None)
     if ways == 0:
-        return AtPlaces([], roll)
+        return AtPlaces([], roll or why_full(world, arm, number))
     note = (
         f"held so, the part could lie right in {ways} way{'s' * (ways != 1)}: "
         f"{stands} in something, {len(far)} out of reach, "

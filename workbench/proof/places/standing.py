@@ -54,7 +54,7 @@ def standing_violations(cell: Cell, tree: Tree, plan: Plan, one: ArmPlan) -> Ite
         yield violation("a part whose roll is not known is put on no station")
         return
     part = cell.part(found.part)
-    T_station_put = cell.T_world_station(station).actInv(_put(cell, tree, plan, one))
+    T_station_put = cell.T_world_station(station).actInv(put_at(cell, tree, plan, one))
     points = part.mesh.points @ T_station_put.rotation.T + T_station_put.translation
     low = float(points[:, 2].min())
     if not -FLAT <= low <= cell.policy.margin + DROP:
@@ -66,12 +66,12 @@ def standing_violations(cell: Cell, tree: Tree, plan: Plan, one: ArmPlan) -> Ite
     stands_on = points[points[:, 2] <= low + FLAT, :2]
     if np.any(np.abs(stands_on) > station.size / 2):
         yield violation(f"the part stands over the edge of station {station.name}")
-    centre = _centre(part)
+    centre = middle_of(part)
     if centre is None:
         yield violation("nobody knows where the weight of the part is: its surface is not closed")
         return
     middle = T_station_put.act(centre)
-    tilt = np.arctan2(_inside(stands_on, middle[:2]), middle[2] - low)
+    tilt = np.arctan2(stands_within(stands_on, middle[:2]), middle[2] - low)
     if tilt < STEADY:
         yield violation(
             f"the part does not stand on station {station.name}: it falls over when it is tilted "
@@ -102,7 +102,7 @@ def standing_after(cell: Cell, tree: Tree, plan: Plan, one: ArmPlan) -> Detectio
 
 def _standing(cell: Cell, tree: Tree, plan: Plan, one: ArmPlan, station: Station) -> Detection:
     found = plan.detections[one.detection]
-    T_world_put = _put(cell, tree, plan, one)
+    T_world_put = put_at(cell, tree, plan, one)
     T_world_station = cell.T_world_station(station)
     up = np.asarray(T_world_station.rotation[:, 2])
     points = cell.part(found.part).mesh.points @ T_world_put.rotation.T + T_world_put.translation
@@ -112,7 +112,7 @@ def _standing(cell: Cell, tree: Tree, plan: Plan, one: ArmPlan, station: Station
     return Detection(found.part, T_world_part, found.score, T_world_found=was)
 
 
-def _put(cell: Cell, tree: Tree, plan: Plan, one: ArmPlan) -> pin.SE3:
+def put_at(cell: Cell, tree: Tree, plan: Plan, one: ArmPlan) -> pin.SE3:
     """Where a part really is when the hand lets go of it, not where the plan says that it is."""
     arm, T_world_part = cell.arm(one.arm), plan.detections[one.detection].T_world_part
     T_grasp, T_put = (
@@ -121,7 +121,7 @@ def _put(cell: Cell, tree: Tree, plan: Plan, one: ArmPlan) -> pin.SE3:
     return T_put * T_grasp.actInv(T_world_part)
 
 
-def _centre(part: Part) -> Floats | None:
+def middle_of(part: Part) -> Floats | None:
     """The centre of mass (3,) [m] of a part of one material; None where its surface is open."""
     points = np.asarray(part.mesh.points)
     middle = points.mean(axis=0)
@@ -133,7 +133,7 @@ def _centre(part: Part) -> Floats | None:
     return middle + (volumes[:, None] * (a + b + c) / 4.0).sum(axis=0) / whole
 
 
-def _inside(points: Floats, middle: Floats) -> float:
+def stands_within(points: Floats, middle: Floats) -> float:
     """How far inside of points (n, 2) [m] another one (2,) is; 0 or less where it is outside.
 
     The outermost points of some directions stand for all, which can only make that less.

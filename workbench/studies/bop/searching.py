@@ -12,10 +12,10 @@ from workbench.app.runtime.work import find_parts
 from workbench.formats.bop.models import ObjectModel, read_models
 from workbench.formats.bop.results import PoseEstimate
 from workbench.formats.bop.scenes import BopImage, depth_width, read_depth, read_images
-from workbench.model.cell import Bin, Cell
+from workbench.model.cell import Cell
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats
-from workbench.model.part import GraspLibrary, Part
+from workbench.model.part import Bin, GraspLibrary, Part
 from workbench.model.scan import Scan
 from workbench.model.symmetry import Symmetry
 from workbench.planning.planners.clock import working_time

@@ -101,7 +101,9 @@ class Events:
                     yield b""
                 patience = PROGRESS if is_busy else self._heartbeat
                 with contextlib.suppress(TimeoutError):
-                    await asyncio.wait_for(changed.wait(), min(patience, self._heartbeat))
+                    # Not `wait_for`, which forgets that it was cancelled when both happen at once.
+                    async with asyncio.timeout(min(patience, self._heartbeat)):
+                        await changed.wait()
         finally:
             unsubscribe()
 

@@ -18,6 +18,7 @@ from aiohttp import hdrs, web
 
 from workbench.app.core.people import Role
 from workbench.app.records.keeping import KINDS, write_backup
+from workbench.app.records.kept_cases import case_files
 from workbench.app.records.session_archive import export_session, opened
 from workbench.model.errors import WorkbenchError
 from workbench.web.access.identity import identify
@@ -28,7 +29,7 @@ CHUNK = 2**18
 
 
 def taking_along(session: Path, root: Path) -> list[web.RouteDef]:
-    """The routes `/session.zip` and `/backup.zip`, for engineers.
+    """The routes `/session.zip`, `/backup.zip` and `/cases/...`, for engineers.
 
     Args:
         session: the folder of the session that goes on.
@@ -41,7 +42,11 @@ def taking_along(session: Path, root: Path) -> list[web.RouteDef]:
         "/backup.zip": ("workbench-backup.zip", partial(_backup, root)),
     }
     return [
-        web.get(path, partial(_give, threads, name, make)) for path, (name, make) in made.items()
+        *(
+            web.get(path, partial(_give, threads, name, make))
+            for path, (name, make) in made.items()
+        ),
+        web.get("/cases/{name}", partial(_give_case, session)),
     ]
 
 
@@ -49,32 +54,58 @@ async def _give(
     threads: ThreadPoolExecutor, name: str, make: Callable[[Path], None], request: web.Request
 ) -> web.StreamResponse:
     """A file that is made for this request, and gone afterwards."""
-    person = await identify(request)
-    if person is None:
-        return problem(HTTPStatus.UNAUTHORIZED, "log in first")
-    if not person.role.covers(Role.ENGINEER):
-        said = f"this file is for engineers; you are {person.role.said}"
-        return problem(HTTPStatus.FORBIDDEN, said)
+    if (refusal := await _refused(request)) is not None:
+        return refusal
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / name
         try:
             await asyncio.get_running_loop().run_in_executor(threads, make, file)
         except WorkbenchError as error:
             return problem_of(error)
-        response = web.StreamResponse(
-            headers={
-                hdrs.CONTENT_TYPE: "application/zip",
-                hdrs.CONTENT_DISPOSITION: f'attachment; filename="{name}"',
-                hdrs.CACHE_CONTROL: "no-store",
-            }
-        )
-        response.content_length = file.stat().st_size
-        await response.prepare(request)
-        with file.open("rb") as content:
-            while chunk := content.read(CHUNK):
-                await response.write(chunk)
-        await response.write_eof()
-        return response
+        return await _sent(request, file)
+
+
+async def _give_case(session: Path, request: web.Request) -> web.StreamResponse:
+    """A case that was kept in the session."""
+    if (refusal := await _refused(request)) is not None:
+        return refusal
+    name = request.match_info["name"]
+    try:
+        file = next((one for one in case_files(session) if one.name == name), None)
+    except WorkbenchError as error:
+        return problem_of(error)
+    if file is None:
+        return problem(HTTPStatus.NOT_FOUND, "no case of this name is kept in this session")
+    return await _sent(request, file)
+
+
+async def _refused(request: web.Request) -> web.Response | None:
+    """Why nothing is given to who asks; None when it is."""
+    person = await identify(request)
+    if person is None:
+        return problem(HTTPStatus.UNAUTHORIZED, "log in first")
+    if not person.role.covers(Role.ENGINEER):
+        said = f"this file is for engineers; you are {person.role.said}"
+        return problem(HTTPStatus.FORBIDDEN, said)
+    return None
+
+
+async def _sent(request: web.Request, file: Path) -> web.StreamResponse:
+    """The content of a zip file, called as it is."""
+    response = web.StreamResponse(
+        headers={
+            hdrs.CONTENT_TYPE: "application/zip",
+            hdrs.CONTENT_DISPOSITION: f'attachment; filename="{file.name}"',
+            hdrs.CACHE_CONTROL: "no-store",
+        }
+    )
+    response.content_length = file.stat().st_size
+    await response.prepare(request)
+    with file.open("rb") as content:
+        while chunk := content.read(CHUNK):
+            await response.write(chunk)
+    await response.write_eof()
+    return response
 
 
 def _session(folder: Path, file: Path) -> None:

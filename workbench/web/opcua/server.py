@@ -191,8 +191,9 @@ class OpcUa:
     async def _go_on_telling(self) -> None:
         while True:
             with contextlib.suppress(TimeoutError):
-                patience = MOVING if self._bench.live.joints else PROGRESS
-                await asyncio.wait_for(self._changed.wait(), patience)
+                # Not `wait_for`, which forgets that it was cancelled when both happen at once.
+                async with asyncio.timeout(MOVING if self._bench.live.joints else PROGRESS):
+                    await self._changed.wait()
             self._changed.clear()
             try:
                 await self._tell()

@@ -7,8 +7,9 @@ import numpy as np
 import pinocchio as pin
 
 from workbench.formats.robots.motion_problems import MotionProblem, MotionSet
-from workbench.model.cell import Arm, Bin, Cell, Fixture, Policy, ScannerMount, Tool
+from workbench.model.cell import Arm, Cell, Fixture, Policy, ScannerMount, Tool
 from workbench.model.geometry import Floats, Solid
+from workbench.model.part import Bin
 from workbench.planning.collision.pairing import Phase
 from workbench.planning.collision.world import World
 from workbench.plugins.robot_link import controller_by, usual_link
