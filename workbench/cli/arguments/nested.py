@@ -79,6 +79,23 @@ class BenchMotion:
 
 
 @dataclass(frozen=True, slots=True)
+class BenchBothArms:
+    """Plan all joints of two arms as one, past an empty bin, by our planner and by OMPL's.
+
+    Each tool begins on one side of the bin and ends on the other.  Times are processor time, from
+    two configurations to checked waypoints; both planners ask the same check of edges.
+    """
+
+    cell: CellName = "yumi"
+    pairs: int = 200
+    """How many pairs of a start and a goal."""
+    seconds: float = 30.0
+    """How much processor time a plan may take [s]."""
+    seed: FirstSeed = 0
+    json: Json = False
+
+
+@dataclass(frozen=True, slots=True)
 class BenchPick:
     """Plan seeded piles of known poses and tell how long each stage took."""
 
@@ -157,6 +174,7 @@ class Bench:
     what: (
         Annotated[BenchPlanners, subcommand("planners")]
         | Annotated[BenchMotion, subcommand("motion")]
+        | Annotated[BenchBothArms, subcommand("both-arms")]
         | Annotated[BenchPick, subcommand("pick")]
         | Annotated[BenchSoak, subcommand("soak")]
         | Annotated[BenchPage, subcommand("page")]

@@ -9,6 +9,7 @@ import pinocchio as pin
 
 from workbench.model.cell import Arm, Cell, Tool
 from workbench.model.geometry import Floats, pose_from_rpy
+from workbench.model.part import PartPlace
 from workbench.planning.kinematics.robot import Kinematics
 
 BIN, SCANNER, ROBOT = "bin", "scanner", "robot"
@@ -123,12 +124,25 @@ def moving(cell: Cell, thing: str, T: pin.SE3) -> dict[str, Any]:
                 return {"arms": _arms_with_tcp(cell, tool, T_flange_tcp)}
             arm, number = _place(thing)
             if _is_of_parts(thing):
-                of_parts = list(cell.arm(arm).part_places)
-                of_parts[number] = replace(of_parts[number], T_world_part=T)
-                return {"arms": _arms_with(cell, arm, part_places=tuple(of_parts))}
+                of_parts = _with_pallet(cell.arm(arm).part_places, number, T)
+                return {"arms": _arms_with(cell, arm, part_places=of_parts)}
             places = list(cell.arm(arm).Ts_world_place)
             places[number] = T
             return {"arms": _arms_with(cell, arm, Ts_world_place=tuple(places))}
+
+
+def _with_pallet(places: tuple[PartPlace, ...], number: int, T: pin.SE3) -> tuple[PartPlace, ...]:
+    """The places with one somewhere else; those of a pallet in layers go along with it."""
+    one = places[number]
+    T_new_old = T * one.T_world_part.inverse()
+    return tuple(
+        replace(other, T_world_part=T)
+        if other is one
+        else replace(other, T_world_part=T_new_old * other.T_world_part)
+        if one.pallet and other.pallet == one.pallet
+        else other
+        for other in places
+    )
 
 
 def with_places(cell: Cell, arm: str, places: tuple[pin.SE3, ...]) -> Cell:

@@ -1,22 +1,21 @@
 """Two arms as one: a motion of all joints that the controller has to run in step."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from workbench.model.candidate import Verdict
-from workbench.model.geometry import Floats
+from workbench.model.geometry import Floats, Ints
 from workbench.model.plan import ArmPlan, Leg, LegName
 from workbench.planning.collision.legs import lead_of
-from workbench.planning.collision.motion import walked
+from workbench.planning.collision.motion import RESOLUTION, walked
 from workbench.planning.collision.world import World
 from workbench.planning.kinematics.execution import timed
 from workbench.planning.kinematics.quickness import Pace, pace_of
 from workbench.planning.picking.route import MOTIONS
 from workbench.planning.picking.search import curve_check, joint_weights, onward
-
-ITERATIONS = 100
-"""Of the search: the space of all joints is larger, and looks cost more in it."""
+from workbench.plugins.planner import Planner
 
 
 def in_step(
@@ -30,8 +29,8 @@ def in_step(
         Both legs with the same times, or None when there is no such motion.
     """
     legs = (plans[0].leg(name), plans[1].leg(name))
-    columns = np.concatenate([world.kinematics.columns[plan.arm] for plan in plans])
-    base, policy = world.configuration({}), world.policy
+    arms = [plan.arm for plan in plans]
+    columns, base, policy = columns_of(world, arms), world.configuration({}), world.policy
     check = curve_check(world, columns, base)
 
     start, goal = (np.concatenate([leg.q[k] for leg in legs]) for k in (0, -1))
@@ -44,26 +43,8 @@ def in_step(
     if len(lead) > 1 and check(walked(lead, world.motion, policy.zone)) is not None:
         return None
     if MOTIONS[name] == "joint":
-        chains = [world.chains[plan.arm] for plan in plans]
-        limits = (
-            np.concatenate([chain.lower for chain in chains]),
-            np.concatenate([chain.upper for chain in chains]),
-        )
-        weights = np.concatenate([joint_weights(len(plan.joints), policy) for plan in plans])
-        fewer = replace(policy, iterations=min(policy.iterations, ITERATIONS))
         with world.at_full_margins():
-            path = onward(
-                lead,
-                goal,
-                limits,
-                weights,
-                check,
-                fewer,
-                world.motion,
-                rng,
-                world.deadline,
-                pace=_pace(world, plans),
-            )
+            path = way_in_step(world, arms, lead, goal, rng)
         if isinstance(path, Verdict):
             return None
     else:
@@ -75,9 +56,53 @@ def in_step(
     return _timed(world, plans, legs, path)
 
 
-def _pace(world: World, plans: tuple[ArmPlan, ArmPlan]) -> Pace:
-    """That of all joints."""
-    paces = [pace_of(world.chains[plan.arm], world.policy.speed) for plan in plans]
+def way_in_step(
+    world: World,
+    arms: Sequence[str],
+    lead: Floats,
+    goal: Floats,
+    rng: np.random.Generator,
+    planner: Planner | None = None,
+) -> Floats | Verdict:
+    """A free way of all joints of several arms, in the phase that the world is in; see `onward`.
+
+    Args:
+        world: that they are in.
+        arms: their names, in the order of their joints in what follows.
+        lead: waypoints (k, n) [rad] that it begins with.
+        goal: where it ends (n,) [rad].
+        rng: of everything random.
+        planner: in the place of the policy's.
+    """
+    columns, base, policy = columns_of(world, arms), world.configuration({}), world.policy
+    chains = [world.chains[arm] for arm in arms]
+    return onward(
+        lead,
+        goal,
+        (
+            np.concatenate([chain.lower for chain in chains]),
+            np.concatenate([chain.upper for chain in chains]),
+        ),
+        np.concatenate([joint_weights(len(chain.lower), policy) for chain in chains]),
+        curve_check(world, columns, base),
+        policy,
+        world.motion,
+        rng,
+        world.deadline,
+        world.edges(columns, base, RESOLUTION),
+        pace_in_step(world, arms),
+        planner,
+    )
+
+
+def columns_of(world: World, arms: Sequence[str]) -> Ints:
+    """Places of the joints of several arms in the whole configuration (n,)."""
+    return np.concatenate([world.kinematics.columns[arm] for arm in arms])
+
+
+def pace_in_step(world: World, arms: Sequence[str]) -> Pace:
+    """The pace of all joints of several arms."""
+    paces = [pace_of(world.chains[arm], world.policy.speed) for arm in arms]
     velocity = np.concatenate([pace.velocity for pace in paces])
     return Pace(velocity, np.concatenate([pace.acceleration for pace in paces]))
 
@@ -85,7 +110,7 @@ def _pace(world: World, plans: tuple[ArmPlan, ArmPlan]) -> Pace:
 def _timed(
     world: World, plans: tuple[ArmPlan, ArmPlan], legs: tuple[Leg, Leg], path: Floats
 ) -> tuple[Leg, Leg]:
-    pace = _pace(world, plans)
+    pace = pace_in_step(world, [plan.arm for plan in plans])
     times = timed(path, pace.velocity, pace.acceleration, world.policy.zone)
     count = len(plans[0].joints)
     return (

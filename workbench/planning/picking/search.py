@@ -102,6 +102,7 @@ def onward(
     deadline: float = math.inf,
     edges: Edges | None = None,
     pace: Pace | None = None,
+    planner: Planner | None = None,
 ) -> Floats | Verdict:
     """A path beginning with `lead` (k, n) [rad], searched from its last waypoint; see `searched`.
 
@@ -112,7 +113,7 @@ def onward(
     fewer = replace(policy, free_points=max(2, policy.free_points - count))
     path = searched(
         lead[-1], goal, limits, weights, check, fewer, motion, rng, deadline, before,
-        edges=edges, pace=pace,
+        planner, edges, pace,
     )  # fmt: skip
     return path if isinstance(path, Verdict) else np.vstack([lead[:-1], path])
 
