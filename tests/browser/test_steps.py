@@ -66,6 +66,8 @@ def test_every_step_waits_for_a_press_that_counts_once(
         screen.button(label(stepping, number)).wait_for()
         screen.wait_for(f"waits before step {number} of {steps}")
         if number == 3:
+            waits = screen.page.locator('.wb-mode[data-mode="waits"]')
+            expect(waits).to_contain_text("Ends with Run step 3, or Stop")
             screen.shoot("s2-waiting")
         wait(partial(stands, bench, ends_of(bench.cell, stepping, number)), "the robot to stand")
         before = bench.live.joints
