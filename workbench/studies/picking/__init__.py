@@ -1,4 +1,5 @@
 """What becomes of each part of a pile: directly, over a station, or from hand to hand.
 
-`picks` plans seeded piles and counts; `exchanges` searches for handovers in the air.
+`picks` plans seeded piles and counts; `exchanges` searches for handovers in the air; `both_arms`
+plans all joints of two arms as one.
 """
